@@ -1,0 +1,1 @@
+"""The room and what is heard in it."""

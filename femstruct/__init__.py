@@ -1,0 +1,1 @@
+"""Impact vibration of structures and the sound it makes."""

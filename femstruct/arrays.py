@@ -1,0 +1,54 @@
+"""Read-only arrays for the frozen nouns."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from femstruct.errors import FemstructError
+
+Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+
+def frozen(name: str, values: ArrayLike, shape: tuple[int | None, ...]) -> Floats:
+    """Read-only float64 copy of `values`; None in `shape` accepts any length.
+
+    Raises FemstructError when the shape is another or a value is not finite.
+
+    >>> frozen("size", [1, 2], (2,)).flags.writeable
+    False
+    """
+    array = np.array(values, dtype=np.float64)
+    _check_shape(name, array.shape, shape)
+    if not np.isfinite(array).all():
+        raise FemstructError(name, got="nan or infinity", expected="finite numbers")
+    array.flags.writeable = False
+    return array
+
+
+def frozen_integers(name: str, values: ArrayLike, shape: tuple[int | None, ...]) -> Integers:
+    """Read-only int64 copy of `values`; None in `shape` accepts any length."""
+    array = np.array(values, dtype=np.int64)
+    _check_shape(name, array.shape, shape)
+    array.flags.writeable = False
+    return array
+
+
+def freeze(instance: object, **arrays: Any) -> None:
+    """Set fields of a frozen dataclass from its own ``__post_init__``."""
+    for name, value in arrays.items():
+        object.__setattr__(instance, name, value)
+
+
+def frozen_rows(name: str, rows: Mapping[str, ArrayLike], length: int) -> dict[str, Floats]:
+    """Read-only float64 rows of one length, by name."""
+    return {key: frozen(f"{name}[{key}]", row, (length,)) for key, row in rows.items()}
+
+
+def _check_shape(name: str, got: tuple[int, ...], expected: tuple[int | None, ...]) -> None:
+    if len(got) != len(expected) or any(e is not None and g != e for g, e in zip(got, expected, strict=True)):
+        raise FemstructError(name, got=f"shape {got}", expected=f"shape {expected}".replace("None", "any"))

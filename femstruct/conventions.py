@@ -1,0 +1,36 @@
+"""Axes, degrees of freedom, signs and references: the one page of signs.
+
+Units are SI everywhere inside; Hz is for people and rad/s for formulas, and the name says which
+(``frequency_hz``, ``omega``).
+
+Axes are right-handed and global, z up. The components of a node are, in this order, three translations, three
+right-hand rotations and the local twist of a plate, d2w/dxdy in the plate's own axes::
+
+    UX UY UZ RX RY RZ TWIST
+
+On a plate with its normal along z, RX = +dw/dy and RY = -dw/dx.
+
+Harmonic quantities are the real part of X exp(+j omega t); a loss factor makes a stiffness K (1 + j eta).
+Frequency responses have the axes (response, drive, frequency).
+
+A contact is compressive: its force is positive or zero, and zero when it is open. The indentation ``delta`` of a
+contact is positive when closed; ``gap`` = -delta is positive when open. Velocity of a surface is positive into the
+room below or above it, where it raises the pressure.
+
+Levels are 20 lg(rms / reference) with the references below, and the reference is always printed.
+"""
+
+from typing import Final
+
+COMPONENTS: Final = ("UX", "UY", "UZ", "RX", "RY", "RZ", "TWIST")
+UX, UY, UZ, RX, RY, RZ, TWIST = range(7)
+N_COMPONENTS: Final = 7
+
+GRAVITY: Final = 9.80665  # m/s^2, the standard acceleration of free fall
+
+REFERENCE: Final = {
+    "pressure": 20e-6,  # Pa
+    "force": 1.0,  # N
+    "velocity": 1e-9,  # m/s
+    "acceleration": 1e-6,  # m/s^2
+}
