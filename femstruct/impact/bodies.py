@@ -1,0 +1,162 @@
+"""What meets in an impact: bodies, contacts, links and loads, between probes of a modal basis, bodies and ground."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from femstruct.arrays import Floats, freeze, frozen
+from femstruct.errors import FemstructError
+from femstruct.impact.laws import Law
+from femstruct.model.probe import Probe
+
+
+@dataclass(frozen=True)
+class Ground:
+    """An end that does not move."""
+
+
+GROUND = Ground()
+
+End = Probe | str | Ground  # a place of the structure, a body by its name, or the ground
+
+
+@dataclass(frozen=True)
+class Body:
+    """A point mass that moves along one axis (z up, for most); its displacement is zero at t = 0.
+
+    mass [kg]; velocity at t = 0 [m/s], positive along the axis; falls : the weight acts on it when there is gravity
+    (a body that rests on links at t = 0 is in equilibrium with its weight, which then does no more work).
+    """
+
+    name: str
+    mass: float
+    velocity: float = 0.0
+    falls: bool = False
+
+    def __post_init__(self) -> None:
+        if not self.mass > 0:
+            raise FemstructError(f"bodies.{self.name}.mass", got=f"{self.mass:g} kg", expected="a positive mass")
+
+
+@dataclass(frozen=True, eq=False)
+class Contact:
+    """A unilateral law between an upper and a lower end: indentation = lower - upper - gap.
+
+    Its force pushes the upper end along the axis and the lower end back. gap [m] : opening at t = 0.
+    preload [N] : force at the rest state, which the rest of the system holds; needs a gap of 0.
+    """
+
+    name: str
+    upper: End
+    lower: End
+    law: Law
+    gap: float = 0.0
+    preload: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not self.gap >= 0:
+            raise FemstructError(f"contacts.{self.name}.gap", got=f"{self.gap:g} m", expected="a gap >= 0")
+        if not self.preload >= 0:
+            raise FemstructError(f"contacts.{self.name}.preload", got=f"{self.preload:g} N", expected="a preload >= 0")
+        if self.preload and self.gap:
+            raise FemstructError(
+                f"contacts.{self.name}",
+                got=f"a preload of {self.preload:g} N and a gap of {self.gap:g} m",
+                expected="one of them",
+                do="a preloaded contact is closed: remove the gap",
+            )
+
+
+@dataclass(frozen=True, eq=False)
+class Link:
+    """A bilateral spring and dashpot between an upper and a lower end, elongation = upper - lower.
+
+    stiffness [N/m]; closing, opening : dashpot [N s/m] while the ends approach and while they move apart;
+    release_at [s] : the link acts from this time on only, measured from the elongation it has then;
+    preload [N] : compression it is released with, pushing its ends apart.
+    """
+
+    name: str
+    upper: End
+    lower: End
+    stiffness: float = 0.0
+    closing: float = 0.0
+    opening: float = 0.0
+    release_at: float = 0.0
+    preload: float = 0.0
+
+    def __post_init__(self) -> None:
+        for word in ("stiffness", "closing", "opening", "release_at"):
+            if not getattr(self, word) >= 0:
+                raise FemstructError(
+                    f"links.{self.name}.{word}", got=f"{getattr(self, word):g}", expected="a value >= 0"
+                )
+
+
+@dataclass(frozen=True, eq=False)
+class HalfSine:
+    """amplitude sin(2 pi frequency t) over its first half period, then nothing: [N] or [Pa] on a surface, [Hz]."""
+
+    amplitude: float
+    frequency: float
+
+
+@dataclass(frozen=True, eq=False)
+class Table:
+    """A force history by straight lines between samples, zero outside them: times [s], values [N] or [Pa]."""
+
+    times: Floats
+    values: Floats
+
+    def __post_init__(self) -> None:
+        times = frozen("load times", self.times, (None,))
+        freeze(self, times=times, values=frozen("load values", self.values, times.shape))
+        if len(times) < 2 or not (np.diff(times) > 0).all():
+            raise FemstructError(
+                "load times", got="times that do not increase", expected="two or more increasing times"
+            )
+
+
+@dataclass(frozen=True, eq=False)
+class Load:
+    """A force history on a probe (a point's direction, a surface's pressure) or on a body."""
+
+    name: str
+    on: Probe | str
+    history: HalfSine | Table
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """All that meets, and the state it starts from.
+
+    velocity [k] : modal velocities at t = 0, None for a structure at rest. gravity [m/s^2], 0 for none.
+    """
+
+    bodies: tuple[Body, ...] = ()
+    contacts: tuple[Contact, ...] = ()
+    links: tuple[Link, ...] = ()
+    loads: tuple[Load, ...] = ()
+    velocity: Floats | None = None
+    gravity: float = 0.0
+
+
+@dataclass(frozen=True)
+class Clock:
+    """How long to simulate and how densely to sample: duration [s], sampling [Hz], quiet [s], relative tolerance.
+
+    quiet : a separation counts as the end of the collision when no contact closes again within this time.
+    tolerance : relative error allowed in contact and link forces per step.
+    """
+
+    duration: float
+    sampling: float
+    quiet: float = 0.0
+    tolerance: float = field(default=1e-8)
+
+    def __post_init__(self) -> None:
+        for word in ("duration", "sampling", "tolerance"):
+            if not getattr(self, word) > 0:
+                raise FemstructError(f"time.{word}", got=f"{getattr(self, word):g}", expected="a positive value")

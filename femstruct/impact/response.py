@@ -1,0 +1,128 @@
+"""Response: what happened in an impact, and where its energy went."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import Enum
+
+from femstruct.arrays import Floats
+from femstruct.errors import Finding
+from femstruct.impact.bodies import Clock, Scene
+from femstruct.modal.basis import ModalBasis
+
+
+class Outcome(Enum):
+    """How a simulation ended; the value is the sentence to show."""
+
+    SEPARATED = "All contacts opened and stayed open to the end."
+    CLOSED_AT_END = "A contact is closed at the end of the window: the collision is not over."
+    NEVER_TOUCHED = "No contact ever closed."
+    NO_CONTACTS = "There is no contact: a forced or free vibration."
+
+
+@dataclass(frozen=True)
+class Event:
+    """A contact closed or opened: time [s], contact name, "closes" or "opens"."""
+
+    t: float
+    contact: str
+    what: str
+
+
+@dataclass(frozen=True, eq=False)
+class ContactHistory:
+    """One contact over the window: force [nt] [N], indentation [nt] [m] (negative when open), both at the samples;
+    peak_force [N] and peak_time [s] from the dense solution; closings; first_open [s] or None."""
+
+    force: Floats
+    indentation: Floats
+    peak_force: float
+    peak_time: float
+    closings: int
+    first_open: float | None
+
+
+@dataclass(frozen=True, eq=False)
+class BodyHistory:
+    """One body: displacement [nt] [m] and velocity [nt] [m/s] along its axis."""
+
+    displacement: Floats
+    velocity: Floats
+
+
+@dataclass(frozen=True)
+class EnergyBalance:
+    """Energy at one instant t [s], in J: every term integrated or evaluated by itself, none a remainder.
+
+    bodies : kinetic energy (and potential in gravity) by name. structure : kinetic and elastic energy of the modes.
+    contacts, links : stored energy by name. lost_modes, lost_contacts, lost_links : dissipated until t.
+    work : done by loads and gravity until t.
+    """
+
+    t: float
+    bodies: Mapping[str, float]
+    structure: float
+    contacts: Mapping[str, float]
+    links: Mapping[str, float]
+    lost_modes: float
+    lost_contacts: Mapping[str, float]
+    lost_links: Mapping[str, float]
+    work: float
+
+    @property
+    def dissipated(self) -> float:
+        """All losses until t [J]."""
+        return self.lost_modes + sum(self.lost_contacts.values()) + sum(self.lost_links.values())
+
+    @property
+    def total(self) -> float:
+        """Stored and dissipated energy less the work done since the start [J]: constant when the ledger closes."""
+        stored = sum(self.bodies.values()) + sum(self.contacts.values()) + sum(self.links.values()) + self.structure
+        return stored + self.dissipated - self.work
+
+
+@dataclass(frozen=True, eq=False)
+class EnergyLedger:
+    """Energies over time, each term by itself [J].
+
+    start, end : balances at t = 0 and at the end. at_separation : at the end of the collision (the first instant after
+    the first closing at which all contacts are open and none closes again within `quiet`), None if never.
+    t [m] and the histories [m] are for pictures: bodies, structure, stored (contacts and links), dissipated, work.
+    residual : largest |total(t) - total(0)| over the larger of the starting energy and the work done [1].
+    """
+
+    start: EnergyBalance
+    at_separation: EnergyBalance | None
+    end: EnergyBalance
+    t: Floats
+    bodies: Mapping[str, Floats]
+    structure: Floats
+    stored: Floats
+    dissipated: Floats
+    work: Floats
+    residual: float
+
+
+@dataclass(frozen=True, eq=False)
+class Response:
+    """Motion and forces of a simulated impact; it remembers its problem.
+
+    t [nt] [s]; q, qd [k, nt] : modal coordinates and velocities [kg^.5 m], [kg^.5 m/s]; qdd [k, nt] accelerations.
+    bodies, contacts by name; links : force by name [nt] [N], positive in compression (pushing its ends apart).
+    """
+
+    basis: ModalBasis
+    scene: Scene
+    clock: Clock
+    t: Floats
+    q: Floats
+    qd: Floats
+    qdd: Floats
+    bodies: Mapping[str, BodyHistory]
+    contacts: Mapping[str, ContactHistory]
+    links: Mapping[str, Floats]
+    events: tuple[Event, ...]
+    ledger: EnergyLedger
+    outcome: Outcome
+    findings: tuple[Finding, ...]

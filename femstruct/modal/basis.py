@@ -1,0 +1,120 @@
+"""ModalBasis: the only door out of the finite-element wing."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+
+from femstruct.arrays import Floats, freeze, frozen
+from femstruct.conventions import N_COMPONENTS
+from femstruct.errors import FemstructError, Finding
+
+Kind = Literal["rigid", "elastic", "residual"]
+
+
+@dataclass(frozen=True, eq=False)
+class ForceRow:
+    """One force of the structure in modal coordinates: stiffness . q + damping . q' + inertia . q'' [N].
+
+    Each is [k]. The damping row is that of the permanent dashpots until `with_damping` adds the structure's own.
+    """
+
+    stiffness: Floats
+    damping: Floats
+    inertia: Floats
+
+    def __post_init__(self) -> None:
+        stiffness = frozen("ForceRow stiffness", self.stiffness, (None,))
+        freeze(
+            self,
+            stiffness=stiffness,
+            damping=frozen("ForceRow damping", self.damping, stiffness.shape),
+            inertia=frozen("ForceRow inertia", self.inertia, stiffness.shape),
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class ModalBasis:
+    """Mass-normalised modes and residual vectors: q_r'' + (viscous q')_r + omega_r^2 q_r = phi_r . f.
+
+    omega [k] : circular frequencies [rad/s], 0 for rigid modes; modes ascending, residual vectors appended.
+    kind [k] : "rigid", "elastic" or "residual" (a pseudo-mode that completes the static response of a probe).
+    shapes [n_nodes, 7, k] : phi, in 1/sqrt(kg), components of `femstruct.conventions`, global axes, TWIST local.
+    points [n_nodes, 3] : where the nodes are [m].
+    viscous [k, k] : damping matrix [rad/s]: 2 zeta omega on the diagonal, full where dashpots couple modes.
+    hysteretic [k, k] : structural damping [rad^2/s^2]: eta omega^2 on the diagonal; acts as + j hysteretic in
+        frequency. In time use `time_damping`, its viscous equivalent at each mode's own frequency.
+    outputs : forces of springs, foundations, supports, joints and the ground, "NAME.x", "NAME.y", "NAME.z".
+    part_stiffness : phi^T K_part phi [k, k] of every part: its share of the strain energy.
+    loss_factors : eta of the parts [1].
+    residual_norm [k] : ||K phi - omega^2 M phi|| / ||K phi||-like measure of convergence [1].
+    complete_below_hz : no mode is missing below it (inertia count, or known in closed form).
+    modal_mass [3, k] : effective modal masses along x, y, z [kg].
+    total_mass : of the structure [kg].
+    findings : what to know before believing it.
+    """
+
+    omega: Floats
+    kind: tuple[Kind, ...]
+    shapes: Floats
+    points: Floats
+    viscous: Floats
+    hysteretic: Floats
+    outputs: Mapping[str, ForceRow]
+    part_stiffness: Mapping[str, Floats]
+    loss_factors: Mapping[str, float]
+    residual_norm: Floats
+    complete_below_hz: float
+    modal_mass: Floats
+    total_mass: float
+    findings: tuple[Finding, ...] = field(default=())
+
+    def __post_init__(self) -> None:
+        omega = frozen("ModalBasis omega", self.omega, (None,))
+        k = len(omega)
+        points = frozen("ModalBasis points", self.points, (None, 3))
+        if len(self.kind) != k:
+            raise FemstructError("ModalBasis kind", got=f"{len(self.kind)}", expected=f"{k}")
+        if (omega < 0).any():
+            raise FemstructError("ModalBasis omega", got="a negative frequency", expected="omega >= 0")
+        freeze(
+            self,
+            omega=omega,
+            points=points,
+            shapes=frozen("ModalBasis shapes", self.shapes, (len(points), N_COMPONENTS, k)),
+            viscous=frozen("ModalBasis viscous", self.viscous, (k, k)),
+            hysteretic=frozen("ModalBasis hysteretic", self.hysteretic, (k, k)),
+            part_stiffness={n: frozen(f"part_stiffness.{n}", m, (k, k)) for n, m in self.part_stiffness.items()},
+            residual_norm=frozen("ModalBasis residual_norm", self.residual_norm, (k,)),
+            modal_mass=frozen("ModalBasis modal_mass", self.modal_mass, (3, k)),
+        )
+
+    @property
+    def frequency_hz(self) -> Floats:
+        """Natural frequencies [Hz], residual pseudo-modes included."""
+        return self.omega / (2.0 * np.pi)
+
+    @property
+    def modes(self) -> slice:
+        """The true modes, without the residual pseudo-modes."""
+        return slice(0, sum(kind != "residual" for kind in self.kind))
+
+    @property
+    def n_rigid(self) -> int:
+        """Number of rigid-body modes (zero frequency)."""
+        return sum(kind == "rigid" for kind in self.kind)
+
+    @property
+    def time_damping(self) -> Floats:
+        """Viscous damping for the time domain [rad/s]: a loss factor acts as at each mode's own frequency [k, k]."""
+        scale = np.sqrt(np.outer(self.omega, self.omega))
+        return self.viscous + np.divide(self.hysteretic, scale, out=np.zeros_like(scale), where=scale > 0)
+
+    @property
+    def damping_ratio(self) -> Floats:
+        """Damping ratio zeta of every mode [1]; nan for rigid modes, which have none."""
+        with np.errstate(invalid="ignore", divide="ignore"):
+            return np.where(self.omega > 0, np.diag(self.time_damping) / (2.0 * self.omega), np.nan)

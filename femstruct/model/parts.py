@@ -1,0 +1,184 @@
+"""What a structure is, before it is meshed: parts, joints, places, supports, in SI units and resolved names.
+
+The language wing makes a `Structure` of a YAML file; a script can write one by hand. The mesher makes a `Model` of it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Literal
+
+from femstruct.model.material import Material
+from femstruct.model.section import Section
+
+Vector = tuple[float, float, float]
+Pair = tuple[float, float]
+Side = Literal["above", "below"]
+Six = tuple[float, float, float, float, float, float]  # x y z rx ry rz, global axes
+NO_STIFFNESS: Six = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class Region:
+    """A region of a plate: all of it, a rectangle, the rim of a rectangle, or a line.
+
+    size : sides of the rectangle or rim [m]. at : its centre from the part's origin corner along the part's own axes
+    [m], None for the centre of the part. line : the two ends of a line, part coordinates [m].
+    """
+
+    kind: Literal["whole", "rectangle", "rim", "line"]
+    size: Pair | None = None
+    at: Pair | None = None
+    line: tuple[Pair, Pair] | None = None
+
+
+@dataclass(frozen=True)
+class Plate:
+    """A flat rectangular plate; `origin` is a corner of its mid-surface, `size` runs along x_direction and normal x it.
+
+    mesh : largest element side [m], or the least number of divisions (nx, ny).
+    """
+
+    name: str
+    material: Material
+    thickness: float
+    origin: Vector
+    size: Pair
+    mesh: float | tuple[int, int]
+    element: Literal["hermite12", "acm12", "bfs16"] = "bfs16"
+    normal: Vector = (0.0, 0.0, 1.0)
+    x_direction: Vector | None = None
+
+
+@dataclass(frozen=True)
+class Frame:
+    """Bars along polylines of global points; coincident ends of its own lines are joined.
+
+    mesh : largest element length [m], None for one element a segment. orientation : a vector the section's local z
+    (its height) points along as nearly as it can. start_offset, end_offset : rigid arms from the first and last
+    point of every line to the ends of the flexible bar, global axes [m].
+    """
+
+    name: str
+    material: Material
+    section: Section
+    lines: tuple[tuple[Vector, ...], ...]
+    mesh: float | None = None
+    orientation: Vector | None = None
+    element: Literal["timoshenko", "euler"] = "timoshenko"
+    start_offset: Vector = (0.0, 0.0, 0.0)
+    end_offset: Vector = (0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class Foundation:
+    """A Winkler foundation to the ground under a region of a plate.
+
+    normal, shear : stiffness per area [N/m^3] of a whole or rectangle region, per length [N/m^2] of a rim or line.
+    """
+
+    name: str
+    on: str
+    region: Region
+    normal: float
+    shear: float = 0.0
+    loss_factor: float = 0.0
+
+
+@dataclass(frozen=True)
+class Spring:
+    """A spring and dashpot between two places, or a place and the ground; several places of a point: one each.
+
+    stiffness, damping : x y z rx ry rz along global axes [N/m, N m/rad] and [N s/m, N m s/rad].
+    """
+
+    name: str
+    a: str
+    b: str | None
+    stiffness: Six = NO_STIFFNESS
+    damping: Six = NO_STIFFNESS
+
+
+@dataclass(frozen=True)
+class Mass:
+    """A mass without elasticity: at the places of a point (kg each), or over a region of a plate.
+
+    per : what `mass` is counted by: "total" [kg], "length" [kg/m] along a rim or line, "area" [kg/m^2].
+    """
+
+    name: str
+    mass: float
+    at: str | None = None
+    on: str | None = None
+    region: Region | None = None
+    per: Literal["total", "length", "area"] = "total"
+
+
+@dataclass(frozen=True)
+class Joint:
+    """Where two parts touch they move together: rigid (all six), pinned (translations).
+
+    stiffness : directions (x y z rx ry rz, global) that are springs instead of rigid or free [N/m, N m/rad].
+    """
+
+    name: str
+    a: str
+    b: str
+    kind: Literal["rigid", "pinned"] = "rigid"
+    stiffness: Mapping[str, float] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class PlaceOn:
+    """A named point of a part; several positions are NAME.1, NAME.2 (and NAME means all of them).
+
+    at : positions from the part's origin corner along its own axes [m] for a plate; along global axes for a frame.
+    """
+
+    name: str
+    on: str
+    at: tuple[tuple[float, ...], ...]
+    side: Side = "above"
+
+
+@dataclass(frozen=True)
+class SurfaceOn:
+    """A named side of a region of a plate, where it radiates or is pressed."""
+
+    name: str
+    on: str
+    side: Side = "above"
+    region: Region = Region("whole")
+
+
+@dataclass(frozen=True)
+class Support:
+    """Held directions: of an edge or line of a plate, of a point, or of a whole part.
+
+    fix : "simple", "clamped" or directions out of x y z rx ry rz. On a plate's edge or line, `simple` holds the
+    deflection and the slope along the edge and the plate in its own plane, `clamped` also the slope across and the
+    twist; at a point `simple` holds x y z and `clamped` all six.
+    """
+
+    name: str
+    fix: Literal["simple", "clamped"] | tuple[str, ...]
+    on: str | None = None
+    edge: Literal["x0", "x1", "y0", "y1", "all"] | None = None
+    line: tuple[Pair, Pair] | None = None
+    at: str | None = None
+
+
+Part = Plate | Frame | Foundation | Spring | Mass
+
+
+@dataclass(frozen=True)
+class Structure:
+    """Everything a model file says about the structure; names are unique over all of it."""
+
+    title: str
+    parts: tuple[Part, ...]
+    joints: tuple[Joint, ...] = ()
+    points: tuple[PlaceOn, ...] = ()
+    surfaces: tuple[SurfaceOn, ...] = ()
+    supports: tuple[Support, ...] = ()

@@ -1,0 +1,147 @@
+"""Probe: one noun for where a structure is pushed and where it is listened to."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csr_array
+
+from femstruct.arrays import Floats, Integers, freeze, frozen, frozen_integers
+from femstruct.conventions import N_COMPONENTS
+from femstruct.errors import FemstructError
+
+
+@dataclass(frozen=True, eq=False)
+class Probe:
+    """A generalised displacement: a weighted sum of nodal components, and the force that works on it.
+
+    A point between nodes, in any direction, is a probe through the shape functions of its element; so are the
+    average over a patch and a pressure on a surface. By virtual work the same weights spread a force.
+
+    nodes [m], components [m] : where; components are those of `femstruct.conventions`.
+    weights [m] : factors, [1] for a displacement, [1/m] or [m] where rotations enter.
+
+    >>> Probe([0, 1], [2, 2], [0.5, 0.5]).of(np.ones((2, 7, 3)))
+    array([1., 1., 1.])
+    """
+
+    nodes: Integers
+    components: Integers
+    weights: Floats
+
+    def __post_init__(self) -> None:
+        weights = frozen("probe weights", self.weights, (None,))
+        nodes = frozen_integers("probe nodes", self.nodes, weights.shape)
+        components = frozen_integers("probe components", self.components, weights.shape)
+        if components.size and not (components.min() >= 0 and components.max() < N_COMPONENTS):
+            raise FemstructError("probe components", got=f"{components.tolist()}", expected=f"0..{N_COMPONENTS - 1}")
+        freeze(self, nodes=nodes, components=components, weights=weights)
+
+    def of(self, shapes: Floats) -> Floats:
+        """Value of this probe in each of the shapes [node, 7, k] -> [k]."""
+        values: Floats = self.weights @ shapes[self.nodes, self.components]
+        return values
+
+    def row(self, n_nodes: int) -> csr_array:
+        """Sparse row [1, n_nodes * 7] over all nodal components."""
+        columns = self.nodes * N_COMPONENTS + self.components
+        return csr_array((self.weights, (np.zeros_like(columns), columns)), shape=(1, n_nodes * N_COMPONENTS))
+
+
+@dataclass(frozen=True, eq=False)
+class Point:
+    """A named place of the structure, interpolated by the shape functions of the element it lies in.
+
+    position [3] : global coordinates [m].
+    nodes [m], components [m] : nodal components that move it.
+    weights [6, m] : its three displacements and three rotations, global axes, in terms of them.
+    normal [3] : outward unit normal of the named side of a plate; for a frame or a lone point, the global z axis.
+    """
+
+    name: str
+    position: Floats
+    nodes: Integers
+    components: Integers
+    weights: Floats
+    normal: Floats
+
+    def __post_init__(self) -> None:
+        weights = frozen(f"points.{self.name} weights", self.weights, (6, None))
+        length = weights.shape[1]
+        freeze(
+            self,
+            weights=weights,
+            position=frozen(f"points.{self.name} position", self.position, (3,)),
+            nodes=frozen_integers(f"points.{self.name} nodes", self.nodes, (length,)),
+            components=frozen_integers(f"points.{self.name} components", self.components, (length,)),
+            normal=frozen(f"points.{self.name} normal", self.normal, (3,)),
+        )
+
+    def probe(self, direction: str) -> Probe:
+        """Displacement along x, y, z or the normal n, or rotation about x, y, z (rx, ry, rz).
+
+        Raises FemstructError for any other direction.
+        """
+        if direction == "n":
+            row = self.normal @ self.weights[:3]
+        elif direction in DIRECTIONS:
+            row = self.weights[DIRECTIONS.index(direction)]
+        else:
+            raise FemstructError(
+                f"points.{self.name}.{direction}",
+                got=f"direction '{direction}'",
+                expected="x, y, z, rx, ry, rz or n",
+            )
+        used = row != 0.0
+        return Probe(self.nodes[used], self.components[used], row[used])
+
+
+DIRECTIONS = ("x", "y", "z", "rx", "ry", "rz")
+
+
+@dataclass(frozen=True, eq=False)
+class Surface:
+    """A radiating surface: quadrature points of a plate region and the normal displacement there.
+
+    points [p, 3] : quadrature points, global coordinates [m].
+    weights [p] : quadrature weights [m^2]; their sum is the area.
+    normal [3] : unit normal pointing out of the structure, into the room.
+    corner [3], along [2, 3], size [2] : the rectangle it fills: a corner, unit vectors of its sides, lengths [m].
+    rows [p, n_nodes * 7] : displacement along the normal at the points, from the nodal components.
+    """
+
+    name: str
+    points: Floats
+    weights: Floats
+    normal: Floats
+    corner: Floats
+    along: Floats
+    size: Floats
+    rows: csr_array
+
+    def __post_init__(self) -> None:
+        points = frozen(f"surfaces.{self.name} points", self.points, (None, 3))
+        freeze(
+            self,
+            points=points,
+            weights=frozen(f"surfaces.{self.name} weights", self.weights, (len(points),)),
+            normal=frozen(f"surfaces.{self.name} normal", self.normal, (3,)),
+            corner=frozen(f"surfaces.{self.name} corner", self.corner, (3,)),
+            along=frozen(f"surfaces.{self.name} along", self.along, (2, 3)),
+            size=frozen(f"surfaces.{self.name} size", self.size, (2,)),
+        )
+        if self.rows.shape[0] != len(points):
+            raise FemstructError(f"surfaces.{self.name}", got=f"{self.rows.shape[0]} rows", expected=f"{len(points)}")
+
+    def shapes(self, nodal: Floats) -> Floats:
+        """Normal displacement at the points in each of the nodal shapes [node, 7, k] -> [p, k]."""
+        values: NDArray[np.float64] = self.rows @ nodal.reshape(-1, nodal.shape[2])
+        return values
+
+    def pressure(self) -> Probe:
+        """The probe of a uniform pressure pushing against the surface, in [m^2]: the volume it displaces inwards."""
+        row = (-self.weights) @ self.rows
+        (columns,) = np.nonzero(row)
+        return Probe(columns // N_COMPONENTS, columns % N_COMPONENTS, row[columns])
