@@ -1,0 +1,333 @@
+"""Straight frame elements with 12 DOFs in space: Euler-Bernoulli or Timoshenko bending, St-Venant torsion.
+
+The DOFs are UX UY UZ RX RY RZ at end i, then at end j; local x runs from i to j. Bending in the x-y plane has EIz and
+RZ = +dv/dx, bending in the x-z plane EIy and RY = -dw/dx. One set of polynomials serves both kinds: with the shear
+parameter phi = 12 E I / (k G A L^2), the shape functions are exact for a Timoshenko beam loaded at its ends, and
+phi = 0 gives the cubic Hermite polynomials of the Euler beam.
+
+The section is symmetric about local y and z with its shear centre at the centroid; torsion is St-Venant's with free
+warping, J the torsion constant (the polar moment for circles only).
+
+References: J. S. Przemieniecki, Theory of Matrix Structural Analysis (McGraw-Hill 1968), sections 5.6 and 11.
+Z. Friedman, J. B. Kosmatka, Computers & Structures 47 (1993) 473-481, doi:10.1016/0045-7949(93)90243-7.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Final
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from femstruct.arrays import Floats
+from femstruct.elements.polynomials import HERMITE_SLOPE, HERMITE_VALUE, LINEAR, derivative, integral, positive, powers
+from femstruct.errors import InputError
+
+KINDS: Final = ("euler", "timoshenko")
+N_DOFS: Final = 12
+VERTICAL: Final = 1e-3
+"""Sine of the angle to global z below which a member counts as vertical for the default orientation."""
+PARALLEL: Final = 1e-6
+"""Sine of the angle below which an orientation vector counts as parallel to the axis."""
+
+_AXIAL: Final = [0, 6]
+_TORSION: Final = [3, 9]
+_BENDING_Y: Final = [1, 5, 7, 11]  # v and RZ
+_BENDING_Z: Final = [2, 4, 8, 10]  # w and RY = -dw/dx
+
+
+def stiffness(
+    kind: str,
+    length: ArrayLike,
+    E: ArrayLike,
+    G: ArrayLike,
+    A: ArrayLike,
+    Iy: ArrayLike,
+    Iz: ArrayLike,
+    J: ArrayLike,
+    ky: ArrayLike,
+    kz: ArrayLike,
+) -> Floats:
+    """Stiffness matrices of frame elements in local axes.
+
+    kind : "euler" or "timoshenko"; each of the others [n] or one value: length [m]; E, G moduli [Pa]; A area [m^2];
+    Iy, Iz second moments about local y and z [m^4]; J torsion constant [m^4]; ky, kz shear coefficients, the shear
+    areas along y and z being ky A and kz A (not used by "euler").
+
+    Returns [n, 12, 12], exactly symmetric, exact for loads at the ends. Raises InputError for an unknown kind or
+    a value that is not positive.
+
+    >>> K = stiffness("euler", 2.0, 200e9, 77e9, 1e-4, 1e-9, 1e-9, 2e-9, 1.0, 1.0)
+    >>> round(float(K[0, 0, 0] / 200e9 / 1e-4), 12)
+    0.5
+    """
+    length, E, G, A, Iy, Iz, J = _arrays(length=length, E=E, G=G, A=A, Iy=Iy, Iz=Iz, J=J)
+    phi_y, phi_z = shear_parameters(kind, length, E, G, A, Iy, Iz, ky, kz)
+    matrices = np.zeros((len(length), N_DOFS, N_DOFS))
+    rod = np.array([[1.0, -1.0], [-1.0, 1.0]])
+    matrices[_block(_AXIAL)] = (E * A / length)[:, None, None] * rod
+    matrices[_block(_TORSION)] = (G * J / length)[:, None, None] * rod
+    bend, shear = _energy_integrals()
+    for dofs, sign, inertia, phi in ((_BENDING_Y, 1.0, Iz, phi_y), (_BENDING_Z, -1.0, Iy, phi_z)):
+        # The shear strain is phi times a constant, so its energy 12 EI / (phi L^3) gamma^2 has no division by phi.
+        terms = np.stack([np.ones_like(phi), phi, phi**2], axis=1) @ bend.reshape(3, -1)
+        terms += 12.0 * phi[:, None] * shear.reshape(1, -1)
+        terms *= (E * inertia / length**3 / (1.0 + phi) ** 2)[:, None]
+        matrices[_block(dofs)] = terms.reshape(-1, 4, 4) * _outer(_dof_scale(length, sign))
+    return matrices
+
+
+def mass(
+    kind: str,
+    length: ArrayLike,
+    rho: ArrayLike,
+    A: ArrayLike,
+    Iy: ArrayLike,
+    Iz: ArrayLike,
+    ky: ArrayLike,
+    kz: ArrayLike,
+    E: ArrayLike,
+    G: ArrayLike,
+) -> Floats:
+    """Consistent mass matrices of frame elements in local axes.
+
+    Arguments as `stiffness`, with rho the density [kg/m^3], zero allowed.
+
+    Returns [n, 12, 12], exactly symmetric.
+
+    Notes: translation, and torsion with rho (Iy + Iz), whatever J is. "timoshenko" adds the rotary inertia rho I of
+    bending and uses the shape functions its stiffness has; "euler" leaves rotary inertia in bending out, so a rigid
+    rotation of an Euler element about local y or z has the inertia of a line of mass.
+
+    >>> M = mass("euler", 2.0, 1000.0, 1e-2, 1e-5, 1e-5, 1.0, 1.0, 1e9, 4e8)
+    >>> round(float(M[0, [0, 6]][:, [0, 6]].sum()), 12)
+    20.0
+    """
+    length, A, Iy, Iz, E, G = _arrays(length=length, A=A, Iy=Iy, Iz=Iz, E=E, G=G)
+    density = np.broadcast_to(np.asarray(rho, dtype=np.float64), length.shape)
+    if not (np.isfinite(density) & (density >= 0)).all():
+        raise InputError("rho", got=str(density.min()), expected="finite values, zero or above")
+    phi_y, phi_z = shear_parameters(kind, length, E, G, A, Iy, Iz, ky, kz)
+    matrices = np.zeros((len(length), N_DOFS, N_DOFS))
+    rod = integral(LINEAR, LINEAR)
+    matrices[_block(_AXIAL)] = (density * A * length)[:, None, None] * rod
+    matrices[_block(_TORSION)] = (density * (Iy + Iz) * length)[:, None, None] * rod
+    translation, rotation = _inertia_integrals()
+    for dofs, sign, inertia, phi in ((_BENDING_Y, 1.0, Iz, phi_y), (_BENDING_Z, -1.0, Iy, phi_z)):
+        in_phi = np.stack([np.ones_like(phi), phi, phi**2], axis=1) / (1.0 + phi[:, None]) ** 2
+        terms = (density * A * length)[:, None] * (in_phi @ translation.reshape(3, -1))
+        if kind == "timoshenko":
+            terms += (density * inertia / length)[:, None] * (in_phi @ rotation.reshape(3, -1))
+        matrices[_block(dofs)] = terms.reshape(-1, 4, 4) * _outer(_dof_scale(length, sign))
+    return matrices
+
+
+def interpolate(
+    kind: str,
+    length: ArrayLike,
+    xi: ArrayLike,
+    E: ArrayLike,
+    G: ArrayLike,
+    A: ArrayLike,
+    Iy: ArrayLike,
+    Iz: ArrayLike,
+    ky: ArrayLike,
+    kz: ArrayLike,
+) -> Floats:
+    """Rows that give UX UY UZ RX RY RZ (local axes) along elements from their local DOFs.
+
+    xi [m] : place from 0 at end i to 1 at end j; the others as `stiffness`, [m] or one value.
+
+    Returns [m, 6, 12]: displacement of the axis and rotation of the cross-section, which for "timoshenko" is not the
+    slope of the axis.
+
+    >>> rows = interpolate("euler", 2.0, [0.5], 1e9, 4e8, 1e-2, 1e-5, 1e-5, 1.0, 1.0)
+    >>> rows[0, 1, [1, 5, 7, 11]]
+    array([ 0.5 ,  0.25,  0.5 , -0.25])
+    """
+    place, length, E, G, A, Iy, Iz = np.broadcast_arrays(
+        np.atleast_1d(np.asarray(xi, dtype=np.float64)), *_arrays(length=length, E=E, G=G, A=A, Iy=Iy, Iz=Iz)
+    )
+    phi_y, phi_z = shear_parameters(kind, length, E, G, A, Iy, Iz, ky, kz)
+    rows = np.zeros((len(place), 6, N_DOFS))
+    s = powers(place)
+    linear = s @ LINEAR.T
+    rows[:, 0, _AXIAL] = rows[:, 3, _TORSION] = linear
+    for dofs, sign, move, turn, phi in ((_BENDING_Y, 1.0, 1, 5, phi_y), (_BENDING_Z, -1.0, 2, 4, phi_z)):
+        share = (1.0 / (1.0 + phi))[:, None]
+        hermite, sheared, slope, section = (s @ family.T for family in _families())
+        scale = _dof_scale(length, sign)
+        rows[:, move, dofs] = share * (hermite + phi[:, None] * sheared) * scale
+        rows[:, turn, dofs] = share * (slope + phi[:, None] * section) * scale * (sign / length)[:, None]
+    return rows
+
+
+def shear_parameters(
+    kind: str,
+    length: ArrayLike,
+    E: ArrayLike,
+    G: ArrayLike,
+    A: ArrayLike,
+    Iy: ArrayLike,
+    Iz: ArrayLike,
+    ky: ArrayLike,
+    kz: ArrayLike,
+) -> tuple[Floats, Floats]:
+    """Shear parameters phi = 12 E I / (k G A L^2) of bending in x-y and in x-z; zeros for "euler".
+
+    >>> shear_parameters("timoshenko", 1.0, 2.0, 1.0, 1.0, 0.5, 0.25, 1.0, 1.0)
+    (array([6.]), array([12.]))
+    """
+    if kind not in KINDS:
+        raise InputError("element", got=repr(kind), expected=" or ".join(KINDS))
+    length, E, G, A, Iy, Iz, ky, kz = _arrays(length=length, E=E, G=G, A=A, Iy=Iy, Iz=Iz, ky=ky, kz=kz)
+    if kind == "euler":
+        return np.zeros_like(length), np.zeros_like(length)
+    per_inertia = 12.0 * E / (G * A * length**2)
+    return per_inertia * Iz / ky, per_inertia * Iy / kz
+
+
+def directions(start: ArrayLike, end: ArrayLike, orientation: ArrayLike | None = None) -> Floats:
+    """Local axes of members from their ends.
+
+    start, end [n, 3] : [m]; orientation [n, 3] or [3] : a vector the local z axis comes as near to as it can, standing
+    at a right angle to the member; None means global z, or global x for members within `VERTICAL` of vertical.
+
+    Returns R [n, 3, 3]: rows are local x (from start to end), y and z in global components, a right-handed set.
+
+    Raises InputError for a member without length and for an orientation parallel to its member.
+
+    >>> R = directions([[0, 0, 0]], [[0, 2, 0]])
+    >>> bool(np.allclose(R, [[0, 1, 0], [-1, 0, 0], [0, 0, 1]]))
+    True
+    """
+    axis = np.atleast_2d(np.asarray(end, dtype=np.float64) - np.asarray(start, dtype=np.float64))
+    length = np.linalg.norm(axis, axis=1, keepdims=True)
+    if not (np.isfinite(length) & (length > 0)).all():
+        raise InputError("frame line", got="two ends in one place", expected="a length above zero")
+    x = axis / length
+    if orientation is None:
+        vertical = np.hypot(x[:, 0], x[:, 1]) < VERTICAL
+        wanted = np.where(vertical[:, None], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0])
+    else:
+        wanted = np.broadcast_to(np.asarray(orientation, dtype=np.float64), x.shape)
+        size = np.linalg.norm(wanted, axis=1, keepdims=True)
+        if not (np.isfinite(size) & (size > 0)).all():
+            raise InputError("orientation", got="a zero vector", expected="a direction across the member")
+        wanted = wanted / size
+    y = np.cross(wanted, x)
+    sine = np.linalg.norm(y, axis=1, keepdims=True)
+    if (sine < PARALLEL).any():
+        raise InputError("orientation", got="a vector parallel to the member", expected="a direction across the member")
+    y /= sine
+    return np.stack([x, y, np.cross(x, y)], axis=1)
+
+
+def rotation(R: ArrayLike) -> Floats:
+    """diag(R, R, R, R): global DOFs of an element -> local ones; [n, 3, 3] -> [n, 12, 12]."""
+    axes = np.asarray(R, dtype=np.float64)
+    turn = np.zeros((*axes.shape[:-2], N_DOFS, N_DOFS))
+    for first in range(0, N_DOFS, 3):
+        turn[..., first : first + 3, first : first + 3] = axes
+    return turn
+
+
+def to_global(matrix: ArrayLike, R: ArrayLike) -> Floats:
+    """Element matrices [n, 12, 12] from local axes (rows of R [n, 3, 3]) to global ones: T^T matrix T.
+
+    >>> K = to_global(np.eye(12)[None], directions([[0, 0, 0]], [[1, 2, 3]]))
+    >>> bool(np.allclose(K, np.eye(12)))
+    True
+    """
+    return _congruent(matrix, rotation(R))
+
+
+def rigid_arms(arm_i: ArrayLike, arm_j: ArrayLike) -> Floats:
+    """Motion of the two ends of an element from that of its two nodes: [n, 12, 12].
+
+    arm_i, arm_j [n, 3] : rigid arm from the node to the end of the flexible part [m], global axes.
+
+    The end moves by u + r x arm and turns with the node.
+
+    >>> rigid_arms([[0, 2.0, 3.0]], [[0, 0, 0]])[0, 0, :6]
+    array([ 1.,  0.,  0.,  0.,  3., -2.])
+    """
+    at_i, at_j = (np.atleast_2d(np.asarray(arm, dtype=np.float64)) for arm in (arm_i, arm_j))
+    arms = np.stack(np.broadcast_arrays(at_i, at_j))
+    motion = np.tile(np.eye(N_DOFS), (arms.shape[1], 1, 1))
+    for first, (x, y, z) in zip((0, 6), np.moveaxis(arms, 2, 1), strict=True):
+        motion[:, first, first + 4], motion[:, first, first + 5] = z, -y
+        motion[:, first + 1, first + 3], motion[:, first + 1, first + 5] = -z, x
+        motion[:, first + 2, first + 3], motion[:, first + 2, first + 4] = y, -x
+    return motion
+
+
+def with_offsets(matrix: ArrayLike, arm_i: ArrayLike, arm_j: ArrayLike) -> Floats:
+    """Element matrices [n, 12, 12] in global axes, carried from the flexible ends to nodes at the foot of rigid arms.
+
+    arm_i, arm_j [n, 3] : arm from the node to the end of the flexible part [m], global axes.
+
+    Notes: the arms have no mass and no flexibility; the mass of the flexible part follows exactly.
+    """
+    return _congruent(matrix, rigid_arms(arm_i, arm_j))
+
+
+def _congruent(matrix: ArrayLike, motion: Floats) -> Floats:
+    product = np.swapaxes(motion, -1, -2) @ np.asarray(matrix, dtype=np.float64) @ motion
+    # The two matrix products round differently above and below the diagonal.
+    result: Floats = (product + np.swapaxes(product, -1, -2)) / 2.0
+    return result
+
+
+def _arrays(**values: ArrayLike) -> list[Floats]:
+    return list(np.broadcast_arrays(*(np.atleast_1d(positive(name, value)) for name, value in values.items())))
+
+
+def _block(dofs: list[int]) -> tuple[slice, list[list[int]], list[int]]:
+    return slice(None), [[dof] for dof in dofs], dofs
+
+
+def _outer(scale: Floats) -> Floats:
+    return scale[:, :, None] * scale[:, None, :]
+
+
+def _dof_scale(length: Floats, sign: float) -> Floats:
+    """[n, 4]: unit-interval DOFs are v and dv/ds = L theta; in the x-z plane theta = -RY."""
+    one = np.ones_like(length)
+    return np.stack([one, sign * length, one, sign * length], axis=1)
+
+
+def _family(value: Floats, slope: Floats) -> Floats:
+    return np.stack([value[0], slope[0], value[1], slope[1]])
+
+
+@cache
+def _families() -> tuple[Floats, Floats, Floats, Floats]:
+    """Deflection v = (A + phi B) / (1 + phi) and L times rotation (C + phi D) / (1 + phi): A, B, C, D [4, 4]."""
+    half = np.array([0.0, 0.5, -0.5, 0.0])
+    hermite = _family(HERMITE_VALUE, HERMITE_SLOPE)
+    sheared = _family(LINEAR, np.stack([half, -half]))
+    section = _family(np.zeros_like(LINEAR), LINEAR)
+    return hermite, sheared, derivative(hermite), section
+
+
+def _in_phi(first: Floats, second: Floats) -> Floats:
+    """[3, 4, 4]: coefficients of 1, phi, phi^2 in the integral of (first + phi second)(first + phi second)^T."""
+    mixed = integral(first, second)
+    return np.stack([integral(first, first), mixed + mixed.T, integral(second, second)])
+
+
+@cache
+def _energy_integrals() -> tuple[Floats, Floats]:
+    """Bending [3, 4, 4] and shear [4, 4]; the slope of A is C, so the shear strain is phi (B' - D) / (1 + phi)."""
+    _, sheared, slope, section = _families()
+    strain = derivative(sheared) - section
+    return _in_phi(derivative(slope), derivative(section)), integral(strain, strain)
+
+
+@cache
+def _inertia_integrals() -> tuple[Floats, Floats]:
+    """Translation and rotation, each [3, 4, 4]."""
+    hermite, sheared, slope, section = _families()
+    return _in_phi(hermite, sheared), _in_phi(slope, section)
