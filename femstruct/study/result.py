@@ -1,0 +1,106 @@
+"""StudyResult: what every stage of a study computed, and the comparison of its cases."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from acoustics.levels import Levels
+from acoustics.pressure import RoomResponse
+from numpy import complex128
+from numpy.typing import NDArray
+
+from femstruct.arrays import Floats
+from femstruct.errors import Finding
+from femstruct.impact.response import Response
+from femstruct.modal.basis import ModalBasis
+from femstruct.model.model import Model
+from femstruct.study.study import Case, FrfRequest, Plan
+
+
+@dataclass(frozen=True, eq=False)
+class Channel:
+    """A recorded history: values [nt] at the times of its response, its unit, and the rule-bound peaks of |values|."""
+
+    name: str
+    values: Floats
+    unit: str
+    first_impact: float
+    whole: float
+
+
+@dataclass(frozen=True, eq=False)
+class Frf:
+    """A frequency response: frequency [nf] [Hz], complex values [nf], unit."""
+
+    request: FrfRequest
+    frequency_hz: Floats
+    values: NDArray[complex128]
+    unit: str
+
+
+@dataclass(frozen=True, eq=False)
+class CaseResult:
+    """One case, every stage. `basis_key` names its basis in StudyResult.bases.
+
+    response is None when nothing was simulated. channels by name ("O_s.z velocity", "box.mic pressure").
+    rooms and levels by "ROOM" and "ROOM.RECEIVER". timings [s] of CPU by stage.
+    """
+
+    case: Case
+    basis_key: str
+    basis: ModalBasis
+    response: Response | None
+    frf: Mapping[str, Frf]
+    channels: Mapping[str, Channel]
+    rooms: Mapping[str, RoomResponse]
+    levels: Mapping[str, Levels]
+    findings: tuple[Finding, ...]
+    timings: Mapping[str, float]
+
+
+@dataclass(frozen=True)
+class PeakChange:
+    """Change of a peak against the baseline [%], negative for a reduction; None where the baseline's peak is zero."""
+
+    first_impact_percent: float | None
+    whole_percent: float | None
+
+
+@dataclass(frozen=True)
+class CaseComparison:
+    """One case beside the baseline.
+
+    peaks : by channel. bands_db : by receiver ("box.mic"), {band centre [Hz]: attenuation [dB]}, positive = quieter.
+    modes_db : by channel, {mode number: attenuation [dB] of the spectrum at the baseline's peak within 2 % of the
+    mode's frequency}. frequencies : mode table by MAC, {baseline mode: (own mode, own frequency [Hz], MAC)}.
+    """
+
+    peaks: Mapping[str, PeakChange]
+    bands_db: Mapping[str, Mapping[float, float]]
+    modes_db: Mapping[str, Mapping[int, float]]
+    frequencies: Mapping[int, tuple[int, float, float]]
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """All cases against the baseline; `filter` says what every peak went through."""
+
+    baseline: str
+    cases: Mapping[str, CaseComparison]
+    filter: str
+
+
+@dataclass(frozen=True, eq=False)
+class StudyResult:
+    """A study, run: bases and meshed models by key, results by case, the comparison, and where they come from.
+
+    models holds None for closed-form structures. provenance : versions, platform, date, command line.
+    """
+
+    plan: Plan
+    bases: Mapping[str, ModalBasis]
+    models: Mapping[str, Model | None]
+    cases: Mapping[str, CaseResult]
+    comparison: Comparison
+    provenance: Mapping[str, str]

@@ -1,0 +1,258 @@
+"""Study: everything one simulation needs, resolved and in SI units, before anything is computed.
+
+Names still stand for places here ("O_f", "ball"); the workflow turns them into probes once the model is meshed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Literal
+
+from acoustics.room import Receiver, Room
+
+from femstruct.impact.bodies import HalfSine, Table
+from femstruct.impact.laws import Law
+from femstruct.modal.damping import Damping
+from femstruct.model.parts import Pair, Structure, Vector
+
+FrfKind = Literal["receptance", "mobility", "accelerance", "transmissibility"]
+
+
+@dataclass(frozen=True)
+class Spot:
+    """A quantity with an address: a point's direction ("O_f", "z") or a force of the structure ("ground", "force").
+
+    what : x y z rx ry rz n for a point; "force" (along z), "force_x", "force_y" or "force_z" for a spring,
+    foundation, support, joint or "ground".
+    """
+
+    name: str
+    what: str
+
+    def __str__(self) -> str:
+        return f"{self.name}.{self.what}"
+
+
+@dataclass(frozen=True)
+class Extent:
+    """How many modes: all up to a frequency [Hz], or the lowest `count`."""
+
+    up_to_hz: float | None = None
+    count: int | None = None
+
+
+@dataclass(frozen=True)
+class FrfRequest:
+    """A frequency response asked for: drive, response, kind, band [Hz] and step [Hz]."""
+
+    name: str
+    drive: Spot
+    response: Spot
+    kind: FrfKind
+    band: Pair
+    step: float
+
+
+@dataclass(frozen=True)
+class PlacedBody:
+    """A body where the study puts it: mass [kg], on which side of what, moving towards it with `speed` [m/s].
+
+    speed is sqrt(2 g h) of a drop height h; `dropped` says that it falls (its weight acts when there is gravity).
+    law : of its own contact, None where a named contact or nothing joins them.
+    """
+
+    name: str
+    mass: float
+    side: Literal["above", "below", "before", "after"]
+    target: str
+    speed: float = 0.0
+    dropped: bool = False
+    law: Law | None = None
+
+
+@dataclass(frozen=True)
+class PlannedContact:
+    """A contact between two named ends (points, bodies or ground), gap [m] and preload [N] of the rest state."""
+
+    name: str
+    between: tuple[str, str]
+    law: Law
+    gap: float = 0.0
+    preload: float = 0.0
+
+
+@dataclass(frozen=True)
+class PlannedLink:
+    """A spring and dashpot between two named ends; see `femstruct.impact.bodies.Link`."""
+
+    name: str
+    between: tuple[str, str]
+    stiffness: float = 0.0
+    closing: float = 0.0
+    opening: float = 0.0
+    release_at: float = 0.0
+    preload: float = 0.0
+
+
+@dataclass(frozen=True)
+class PlannedLoad:
+    """A force history [N] on a point's direction or a body, or a pressure history [Pa] on a surface."""
+
+    name: str
+    on: Spot | str
+    kind: Literal["point", "body", "surface"]
+    history: HalfSine | Table
+
+
+@dataclass(frozen=True)
+class RigidMotion:
+    """A structure that starts moving as a whole: velocity [m/s] and spin [rad/s] about a named point."""
+
+    about: str
+    velocity: Vector
+    spin: Vector
+
+
+@dataclass(frozen=True)
+class InitialMotion:
+    """Start velocities of points' directions [m/s] (spread over the modes that can follow), or of the whole."""
+
+    velocities: tuple[tuple[Spot, float], ...] = ()
+    rigid: RigidMotion | None = None
+
+
+@dataclass(frozen=True)
+class Record:
+    """A channel to keep. target : a point's direction, a force's name, a body, a contact or a link."""
+
+    target: str
+    what: Literal["displacement", "velocity", "acceleration", "force", "travel"]
+
+    def __str__(self) -> str:
+        return f"{self.target} {self.what}"
+
+
+@dataclass(frozen=True)
+class TimePlan:
+    """Window [s], sampling [Hz], gravity, and the quiet time [s] that ends a collision."""
+
+    duration: float
+    sampling: float
+    gravity: bool = False
+    quiet: float = 0.0
+
+
+@dataclass(frozen=True)
+class PeakRule:
+    """Which peaks to report: those of the first impact (its window [s], or None for until the next contact closes),
+    beside those of the whole window; lowpass [Hz] is applied before, None for none."""
+
+    first_impact: float | None = 20e-3
+    lowpass_hz: float | None = None
+
+
+@dataclass(frozen=True)
+class RoomPlan:
+    """A room under a radiating surface, and who listens in it. coupling is one-way: the air does not push back.
+
+    offset : of the surface's centre from the ceiling's centre [m], room axes.
+    """
+
+    name: str
+    room: Room
+    under: str
+    receivers: tuple[Receiver, ...]
+    offset: Pair = (0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class OscillatorModel:
+    """`structure: {type: oscillator}`: a mass on a spring, moving along z; frequency or stiffness is given."""
+
+    mass: float
+    frequency_hz: float | None
+    stiffness: float | None
+    points: Mapping[str, float]
+
+
+@dataclass(frozen=True)
+class RodModel:
+    """`structure: {type: rod}`: a free elastic rod along x; points by their position [m] along it."""
+
+    length: float
+    E: float
+    rho: float
+    area: float
+    modes: int
+    points: Mapping[str, float]
+
+
+@dataclass(frozen=True)
+class BeamModel:
+    """`structure: {type: beam}`: a beam along x deflecting along z; points by their position [m] along it."""
+
+    length: float
+    ends: tuple[str, str]
+    EI: float
+    mass_per_length: float
+    modes: int
+    points: Mapping[str, float]
+
+
+@dataclass(frozen=True)
+class ModesModel:
+    """`structure: {type: modes}`: given modes [Hz], damping ratios [1] and mass-normalised shapes along z at points."""
+
+    frequency_hz: tuple[float, ...]
+    ratio: tuple[float, ...]
+    points: Mapping[str, tuple[float, ...]]
+
+
+@dataclass(frozen=True)
+class NoStructure:
+    """`structure: none`: only bodies and the ground."""
+
+
+StructureModel = Structure | OscillatorModel | RodModel | BeamModel | ModesModel | NoStructure
+
+
+@dataclass(frozen=True)
+class Study:
+    """All inputs of one simulation."""
+
+    title: str
+    model_title: str
+    structure: StructureModel
+    damping: Damping
+    extent: Extent
+    frf: tuple[FrfRequest, ...] = ()
+    bodies: tuple[PlacedBody, ...] = ()
+    contacts: tuple[PlannedContact, ...] = ()
+    links: tuple[PlannedLink, ...] = ()
+    loads: tuple[PlannedLoad, ...] = ()
+    initial: InitialMotion = InitialMotion()
+    records: tuple[Record, ...] = ()
+    time: TimePlan | None = None
+    peaks: PeakRule = PeakRule()
+    rooms: tuple[RoomPlan, ...] = ()
+    save_modal: bool = False
+
+
+@dataclass(frozen=True)
+class Case:
+    """One column of the comparison: a study, and what makes it differ from the file (path -> text of the value)."""
+
+    name: str
+    study: Study
+    changes: Mapping[str, str] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Plan:
+    """A study file, read: its cases in order, which one is the baseline, and the YAML verbatim by file name."""
+
+    title: str
+    cases: tuple[Case, ...]
+    baseline: str
+    sources: Mapping[str, str]
