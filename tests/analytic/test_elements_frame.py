@@ -1,0 +1,251 @@
+"""Frames against frequency equations, closed-form deflections and rigid geometry."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.linalg import eigh
+from scipy.optimize import brentq
+
+from femstruct.elements import frame
+from femstruct.errors import InputError
+
+REFERENCE = json.loads((Path(__file__).parents[1] / "data" / "elements.json").read_text(encoding="utf-8"))["frame"]
+IN_PLANE = {"C": (1, 5), "P": (1,), "F": ()}
+SECTION = {"E": 210e9, "G": 80e9, "A": 3e-4, "Iy": 2e-8, "Iz": 5e-8, "J": 4e-8, "ky": 0.8, "kz": 0.6}
+
+
+def element_stiffness(kind, length, s):
+    return frame.stiffness(kind, length, s["E"], s["G"], s["A"], s["Iy"], s["Iz"], s["J"], s["ky"], s["kz"])
+
+
+def element_mass(kind, length, rho, s):
+    return frame.mass(kind, length, rho, s["A"], s["Iy"], s["Iz"], s["ky"], s["kz"], s["E"], s["G"])
+
+
+def assembled(points, members, kind, rho, s, orientation=None):
+    """K, M of members (pairs of points), dense."""
+    points, members = np.asarray(points, dtype=float), np.asarray(members)
+    start, end = points[members[:, 0]], points[members[:, 1]]
+    length = np.linalg.norm(end - start, axis=1)
+    R = frame.directions(start, end, orientation)
+    dofs = (members[:, :, None] * 6 + np.arange(6)).reshape(len(members), 12)
+    matrices = np.zeros((2, 6 * len(points), 6 * len(points)))
+    for k, local in enumerate((element_stiffness(kind, length, s), element_mass(kind, length, rho, s))):
+        np.add.at(matrices[k], (dofs[:, :, None], dofs[:, None, :]), frame.to_global(local, R))
+    return matrices
+
+
+def line(n, length=1.0):
+    points = np.zeros((n + 1, 3))
+    points[:, 0] = np.linspace(0, length, n + 1)
+    return points, np.stack([np.arange(n), np.arange(1, n + 1)], axis=1)
+
+
+def omegas(K, M, free):
+    return np.sqrt(np.abs(eigh(K[np.ix_(free, free)], M[np.ix_(free, free)], eigvals_only=True)))
+
+
+def bending(ends, n, kind="euler", s=None):
+    """omega of bending in x-y of a line of length, EI and mass per length 1."""
+    s = s or {"E": 1.0, "G": 1.0, "A": 1.0, "Iy": 1.0, "Iz": 1.0, "J": 1.0, "ky": 1.0, "kz": 1.0}
+    K, M = assembled(*line(n), kind, 1.0, s)
+    in_plane = {6 * node + component for node in range(n + 1) for component in IN_PLANE["C"]}
+    held = set(IN_PLANE[ends[0]]) | {6 * n + component for component in IN_PLANE[ends[1]]}
+    return omegas(K, M, sorted(in_plane - held))
+
+
+@pytest.mark.parametrize("ends", ["CF", "CC", "PP", "CP"])
+def test_beam_roots_and_order(ends):
+    roots = np.array(REFERENCE["beam_betaL"][{"CC": "CC/FF", "CP": "CP/FP"}.get(ends, ends)])
+    n = np.array([4, 8, 16])
+    error = np.array([np.abs(bending(ends, k)[:3] / roots**2 - 1) for k in n])
+    # h^4 (beta h)^4 / 720: at 16 elements 1.3e-5 / 2^4 for the third root of CC
+    assert error[2].max() <= 3e-4
+    fitted = -np.polyfit(np.log(n), np.log(error[:, 0]), 1)[0]
+    assert fitted == pytest.approx(4.0, abs=0.1)
+
+
+def test_roots_of_the_table_solve_their_frequency_equations():
+    equations = {
+        "CF": lambda b: np.cos(b) * np.cosh(b) + 1,
+        "CC/FF": lambda b: np.cos(b) * np.cosh(b) - 1,
+        "CP/FP": lambda b: np.tan(b) - np.tanh(b),
+        "PP": np.sin,
+    }
+    for name, equation in equations.items():
+        for root in REFERENCE["beam_betaL"][name]:
+            assert brentq(equation, root - 0.01, root + 0.01, xtol=1e-14) == pytest.approx(root, rel=1e-12)
+
+
+@pytest.mark.parametrize("n", [1, 2, 4, 8])
+def test_cantilever_errors_equal_the_table(n):
+    expected = REFERENCE[f"CF_freq_err_pct_{n}el"]
+    roots = np.array(REFERENCE["beam_betaL"]["CF"])[: len(expected)]
+    got = 100 * (bending("CF", n)[: len(expected)] / roots**2 - 1)
+    # 8 elements: an error of 2e-4 % is a difference of nearly equal numbers, good to 1e-9 of the frequency
+    np.testing.assert_allclose(got, expected, rtol=1e-6, atol=1e-7)
+
+
+def test_free_beam_in_both_planes_and_rigid_modes():
+    s = {"E": 1.0, "G": 1.0, "A": 1.0, "Iy": 4.0, "Iz": 1.0, "J": 1.0, "ky": 1.0, "kz": 1.0}
+    K, M = assembled(*line(8), "euler", 1.0, s)
+    root = REFERENCE["beam_betaL"]["CC/FF"][0] ** 2
+    planes = [[6 * node + c for node in range(9) for c in pair] for pair in ((1, 5), (2, 4))]
+    for plane, stiffer in zip(planes, (1, 2), strict=True):
+        values = omegas(K, M, plane)
+        assert values[:2].max() <= 1e-3  # square root of rounding, 1e-16 of omega_max^2 = 1e9
+        assert values[2] == pytest.approx(stiffer * root, rel=3e-4)
+
+
+def timoshenko_pinned(mode, EI, kGA, rhoA, rhoI, length):
+    """Lower root of omega^4 rhoI rhoA / kGA - omega^2 (rhoA + k^2 (rhoI + EI rhoA / kGA)) + EI k^4 = 0."""
+    k = mode * np.pi / length
+    a, b, c = rhoI * rhoA / kGA, -(rhoA + k**2 * (rhoI + EI * rhoA / kGA)), EI * k**4
+    return np.sqrt((-b - np.sqrt(b**2 - 4 * a * c)) / (2 * a))
+
+
+def test_timoshenko_pinned_beam_against_the_closed_form():
+    s = {"E": 1.0, "G": 0.4, "A": 1.0, "Iy": 1.0, "Iz": 0.01, "J": 1.0, "ky": 0.85, "kz": 1.0}
+    exact = np.array([timoshenko_pinned(m, 0.01, 0.34, 1.0, 0.01, 1.0) for m in (1, 2, 3)])
+    n = np.array([8, 16, 32])
+    error = np.array([np.abs(bending("PP", k, "timoshenko", s)[:3] / exact - 1) for k in n])
+    assert error[-1].max() <= 4e-3
+    # the static shape functions are exact for end loads, not for inertia: second order where shear matters
+    assert -np.polyfit(np.log(n), np.log(error[:, 0]), 1)[0] == pytest.approx(2.0, abs=0.1)
+    assert bending("PP", 32, "euler", s)[0] / exact[0] > 1.1
+
+
+def test_portal_of_three_equal_members():
+    """Fixed feet, inextensible members: roots of the slope-deflection frequency equations, swaying or not."""
+    n = 8
+    s = {"E": 1.0, "G": 1.0, "A": 1.0, "Iy": 1e-8, "Iz": 1e-8, "J": 1e-8, "ky": 1.0, "kz": 1.0}  # EA L^2 / EI = 1e8
+    up, across = np.linspace(0, 1, n + 1), np.linspace(0, 1, n + 1)[1:]
+    points = [(0, 0, z) for z in up] + [(x, 0, 1) for x in across] + [(1, 0, z) for z in up[::-1][1:]]
+    members = np.stack([np.arange(3 * n), np.arange(1, 3 * n + 1)], axis=1)
+    K, M = assembled(points, members, "euler", 1.0, s)
+    free = [6 * node + c for node in range(1, 3 * n) for c in (0, 2, 4)]
+    roots = REFERENCE["portal_fixed_equal_members_betaL"]
+    # Slope-deflection functions have a pole at the clamped-clamped root, where the joints stay still and the end
+    # moments of column and beam balance: a symmetric mode that a search for sign changes leaves out of the table.
+    still_joints = REFERENCE["beam_betaL"]["CC/FF"][0]
+    exact = np.sort(np.array([*roots["antisym"], *roots["sym"], still_joints]))
+    beta = np.sqrt(omegas(K, M, free)[: len(exact)] / 1e-4)
+    np.testing.assert_allclose(beta, exact, rtol=7e-4)  # 8 elements: (beta h)^4 / 1440 = 5e-4 at 7.43
+    corner = free.index(6 * n)
+    force = np.zeros(len(free))
+    force[corner] = 1e-8
+    sway = np.linalg.solve(K[np.ix_(free, free)], force)[corner]
+    assert sway == pytest.approx(5 / 84, rel=1e-6)  # H h^3 / EI; stretching of the members is 1e-8 of it
+
+
+@pytest.mark.parametrize("kind", frame.KINDS)
+def test_cantilever_deflections(kind):
+    """Tip force and couple across both axes, axial force, torque: the textbook's, with shear for timoshenko."""
+    length, s = 0.7, SECTION
+    flexibility = np.linalg.inv(element_stiffness(kind, length, s)[0, 6:, 6:])
+    sheared = kind == "timoshenko"
+    assert flexibility[0, 0] == pytest.approx(length / (s["E"] * s["A"]), rel=1e-12)
+    assert flexibility[3, 3] == pytest.approx(length / (s["G"] * s["J"]), rel=1e-12)
+    for move, turn, sign, inertia, k in ((1, 5, 1, "Iz", "ky"), (2, 4, -1, "Iy", "kz")):
+        EI, shear = s["E"] * s[inertia], sheared * length / (s[k] * s["G"] * s["A"])
+        assert flexibility[move, move] == pytest.approx(length**3 / (3 * EI) + shear, rel=1e-11)
+        assert flexibility[move, turn] == pytest.approx(sign * length**2 / (2 * EI), rel=1e-11)
+        assert flexibility[turn, turn] == pytest.approx(length / EI, rel=1e-11)
+
+
+@pytest.mark.parametrize("kind", frame.KINDS)
+def test_frequencies_do_not_turn_with_the_frame(kind):
+    """An L in space with a section of two stiffnesses, turned at random with its orientation vectors."""
+    points = np.array([[0, 0, 0], [0.4, 0, 0], [0.8, 0, 0], [0.8, 0.3, 0.1], [0.8, 0.6, 0.2]])
+    members = [[0, 1], [1, 2], [2, 3], [3, 4]]
+    orientation = np.array([0.2, -0.1, 1.0])
+    free = np.arange(6, 30)
+    still = omegas(*assembled(points, members, kind, 7800.0, SECTION, orientation), free)
+    turn = np.linalg.qr(np.random.default_rng(5).standard_normal((3, 3)))[0]
+    turn *= np.sign(np.linalg.det(turn))
+    turned = omegas(*assembled(points @ turn.T, members, kind, 7800.0, SECTION, turn @ orientation), free)
+    np.testing.assert_allclose(turned, still, rtol=1e-10)
+
+
+def test_rigid_arms_in_line_with_the_member():
+    """Cantilever with stiff ends d1 and d2: force at the far node, closed form."""
+    length, d1, d2 = 0.7, 0.2, 0.15
+    K = element_stiffness("euler", length, SECTION)
+    K = frame.with_offsets(K, [[d1, 0, 0]], [[-d2, 0, 0]])[0]
+    EI = SECTION["E"] * SECTION["Iz"]
+    flexibility = np.linalg.inv(K[6:, 6:])
+    end = length**3 / 3 + d2 * length**2 / 2
+    turn = length**2 / 2 + d2 * length
+    assert flexibility[1, 1] == pytest.approx((end + turn * d2) / EI, rel=1e-11)
+    # the force 1 at the far node is met at the near node by 1 and by the whole arm d1 + L + d2
+    reaction = K[:6, 6:] @ flexibility[:, 1]
+    assert reaction[1] == pytest.approx(-1, rel=1e-10)
+    assert reaction[5] == pytest.approx(-(d1 + length + d2), rel=1e-10)
+
+
+def test_rigid_arms_beside_the_member():
+    """Axial force at a node e beside the axis: stretching plus bending by N e, u = N (L / EA + e^2 L / EI)."""
+    length, e = 0.7, 0.05
+    for arm, inertia in (([0, e, 0], "Iz"), ([0, 0, e], "Iy")):
+        K = frame.with_offsets(element_stiffness("timoshenko", length, SECTION), [[0, 0, 0]], [arm])[0]
+        exact = length / (SECTION["E"] * SECTION["A"]) + e**2 * length / (SECTION["E"] * SECTION[inertia])
+        assert np.linalg.inv(K[6:, 6:])[0, 0] == pytest.approx(exact, rel=1e-10)
+
+
+def test_rigid_arms_against_stiff_members():
+    """A member in space with both arms oblique, against the same arms as members 1e4 times stiffer each way."""
+    start, end = np.array([0.1, 0.05, -0.1]), np.array([0.8, 0.3, 0.2])
+    nodes = np.array([[0, 0, 0], start, end, [0.9, 0.2, 0.4]])
+    stiff = SECTION | {name: SECTION[name] * 1e4 for name in ("A", "Iy", "Iz", "J")}
+    K = np.zeros((24, 24))
+    for (i, j), s in (((0, 1), stiff), ((1, 2), SECTION), ((2, 3), stiff)):
+        length = np.linalg.norm(nodes[j] - nodes[i])
+        block = frame.to_global(element_stiffness("euler", length, s), frame.directions(nodes[[i]], nodes[[j]]))[0]
+        dofs = np.r_[6 * i : 6 * i + 6, 6 * j : 6 * j + 6]
+        K[np.ix_(dofs, dofs)] += block
+    explicit = np.linalg.inv(K[6:, 6:])[12:, 12:]
+    R = frame.directions(start, end)
+    member = frame.to_global(element_stiffness("euler", np.linalg.norm(end - start), SECTION), R)
+    offset = frame.with_offsets(member, start - nodes[0], end - nodes[3])[0]
+    got = np.linalg.inv(offset[6:, 6:])
+    np.testing.assert_allclose(got, explicit, rtol=0, atol=5e-4 * np.abs(explicit).max())  # stiff, not rigid
+
+
+def test_mass_beyond_a_rigid_arm_has_its_moment_of_inertia():
+    M = frame.with_offsets(element_mass("euler", 0.7, 7800.0, SECTION), [[0, 0, 0.3]], [[0, 0, 0.3]])[0]
+    mass = 7800.0 * SECTION["A"] * 0.7
+    about_x = np.zeros(12)
+    about_x[[3, 9]] = 1  # both nodes turn about the x axis, 0.3 m under the member
+    exact = mass * 0.3**2 + 7800.0 * (SECTION["Iy"] + SECTION["Iz"]) * 0.7
+    assert about_x @ M @ about_x == pytest.approx(exact, rel=1e-13)
+
+
+def test_directions():
+    start = np.zeros((4, 3))
+    end = np.array([[2.0, 0, 0], [0, 0, 3.0], [1.0, 1.0, 0], [1.0, 2.0, 2.0]])
+    R = frame.directions(start, end)
+    np.testing.assert_allclose(R @ R.transpose(0, 2, 1), np.tile(np.eye(3), (4, 1, 1)), atol=1e-15)
+    np.testing.assert_allclose(np.linalg.det(R), 1, rtol=1e-14)
+    np.testing.assert_allclose(R[:, 0], end / np.linalg.norm(end, axis=1)[:, None], rtol=1e-15)
+    np.testing.assert_allclose(R[[0, 2], 2], [[0, 0, 1], [0, 0, 1]], atol=1e-15)
+    np.testing.assert_allclose(R[1, 2], [1, 0, 0], atol=1e-15)  # vertical: z looks along global x
+    # as near to global z as a right angle to the member allows
+    assert R[3, 2, 2] == pytest.approx(np.sqrt(1 - (2 / 3) ** 2), rel=1e-14)
+    np.testing.assert_allclose(frame.directions([[0, 0, 0]], [[1, 0, 0]], [5, 3, 0])[0, 2], [0, 1, 0], atol=1e-15)
+
+
+def test_what_frames_refuse():
+    with pytest.raises(InputError, match="parallel to the member"):
+        frame.directions([[0, 0, 0]], [[0, 0, 1]], [0, 0, -2])
+    with pytest.raises(InputError, match="two ends in one place"):
+        frame.directions([[1, 0, 0]], [[1, 0, 0]])
+    with pytest.raises(InputError, match="zero vector"):
+        frame.directions([[0, 0, 0]], [[0, 0, 1]], [0, 0, 0])
+    with pytest.raises(InputError, match="euler or timoshenko"):
+        element_stiffness("bernoulli", 1.0, SECTION)
+    with pytest.raises(InputError, match=r"length: got 0\.0"):
+        element_stiffness("euler", 0.0, SECTION)
+    with pytest.raises(InputError, match=r"rho: got -1\.0"):
+        element_mass("euler", 1.0, -1.0, SECTION)
