@@ -1,0 +1,98 @@
+"""The crossing from the structure to the room: a response and a surface become a moving ceiling."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from acoustics.room import Room
+from acoustics.source import SurfaceVelocity
+from femstruct.arrays import Floats
+from femstruct.errors import Finding, InputError
+from femstruct.impact.response import Response
+from femstruct.modal.basis import ModalBasis
+from femstruct.model.probe import Surface
+
+STIFF_AIR = 0.1  # air stiffness over structural stiffness above which frequencies move by more than 5 %
+
+
+def surface_velocity(
+    response: Response, surface: Surface, room: Room, offset: tuple[float, float] = (0.0, 0.0)
+) -> SurfaceVelocity:
+    """Velocity of a surface as the moving ceiling of a room, factored into shapes and modal rates.
+
+    surface : its normal points into the room. offset : of its centre from the ceiling's centre, room axes [m].
+
+    Raises InputError when the surface is not the underside of something horizontal, or is larger than the ceiling.
+
+    Notes
+    -----
+    Room axes: x along the surface's own first side, z opposite to its normal, so that the room lies below.
+    """
+    return SurfaceVelocity(
+        points=room_coordinates(surface, room, offset),
+        weights=surface.weights,
+        shapes=surface.shapes(response.basis.shapes),
+        rates=response.qd,
+        dt=1.0 / response.clock.sampling,
+    )
+
+
+def room_coordinates(surface: Surface, room: Room, offset: tuple[float, float] = (0.0, 0.0)) -> Floats:
+    """Quadrature points [p, 3] of a surface in the coordinates of the room below it [m]."""
+    if surface.normal[2] > -0.99:
+        raise InputError(
+            f"surfaces.{surface.name}",
+            got=f"a surface that faces ({surface.normal[0]:.2g}, {surface.normal[1]:.2g}, {surface.normal[2]:.2g})",
+            expected="one that faces down, the ceiling of its room",
+            do="use `side: below` on a horizontal plate",
+        )
+    centre = surface.corner + surface.size @ surface.along / 2.0
+    middle = np.asarray(room.size[:2]) / 2.0 + offset
+    beyond = np.abs(offset) + surface.size / 2.0 - np.asarray(room.size[:2]) / 2.0
+    if beyond.max() > 1e-9:
+        raise InputError(
+            f"surfaces.{surface.name}",
+            got=f"a surface of {surface.size[0]:g} x {surface.size[1]:g} m over a room of "
+            f"{room.size[0]:g} x {room.size[1]:g} m, {beyond.max():.3g} m beyond its walls",
+            expected="a surface within the ceiling",
+            do="give the surface a `region: {rectangle: [..]}` of the room's size, or another `at`",
+        )
+    flat = (surface.points - centre) @ surface.along.T + middle
+    return np.column_stack([flat, np.full(len(flat), room.size[2])])
+
+
+def air_stiffness(basis: ModalBasis, surface: Surface, room: Room) -> Floats:
+    """Stiffness of the sealed room's air over that of the structure, for every mode [k]; 0 for rigid modes and beyond.
+
+    Notes
+    -----
+    A mode that displaces the volume L q stores the energy rho c^2 (L q)^2 / 2V in a sealed, uniformly compressed
+    room beside its own omega^2 q^2 / 2. For a stiff slab on springs this is rho c^2 S^2 / V over the stiffness of the
+    springs. Uniform compression holds well below the first room mode.
+
+    References
+    ----------
+    F. Fahy, P. Gardonio, Sound and Structural Vibration, 2nd ed., section 7.4 (uniform pressure in an enclosure).
+    """
+    displaced = surface.weights @ surface.shapes(basis.shapes)
+    air = room.air.bulk_modulus / float(np.prod(room.size)) * displaced**2
+    elastic = np.array([kind == "elastic" for kind in basis.kind])
+    return np.divide(air, basis.omega**2, out=np.zeros_like(air), where=elastic)
+
+
+def coupling_findings(basis: ModalBasis, surface: Surface, room: Room) -> tuple[Finding, ...]:
+    """A finding when the air of a sealed room is too stiff for one-way coupling."""
+    ratios = air_stiffness(basis, surface, room)
+    if not ratios.size or ratios.max() < STIFF_AIR:
+        return ()
+    worst = int(ratios.argmax())
+    frequency, ratio = float(basis.frequency_hz[worst]), float(ratios[worst])
+    return (
+        Finding(
+            "one-way-coupling",
+            f"The air of the sealed room is {ratio:.2f} times as stiff as the structure in mode {worst + 1} "
+            f"({frequency:.2f} Hz), which it would raise to about {frequency * np.sqrt(1 + ratio):.1f} Hz; coupling is "
+            "one-way here: reductions between cases survive, pascals and this frequency do not",
+            {"air_to_structure_stiffness": ratio, "mode": worst + 1.0, "frequency_hz": frequency},
+        ),
+    )

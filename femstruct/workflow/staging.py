@@ -1,0 +1,280 @@
+"""Names become probes: the scene of a study, once its structure has points to hit."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from femstruct.arrays import Floats
+from femstruct.conventions import GRAVITY
+from femstruct.errors import InputError
+from femstruct.impact.bodies import GROUND, Body, Contact, End, Link, Load, Scene
+from femstruct.modal.basis import ModalBasis
+from femstruct.model.probe import Point, Probe, Surface
+from femstruct.study.study import InitialMotion, PlacedBody, PlannedContact, PlannedLink, Study
+
+HORIZONTAL = np.cos(np.radians(45.0))
+
+
+@dataclass(frozen=True, eq=False)
+class Places:
+    """Where a structure can be pushed and listened to: its named points and surfaces."""
+
+    points: Mapping[str, Point]
+    surfaces: Mapping[str, Surface]
+
+    def point(self, name: str, asked_by: str) -> Point:
+        """The single place of that name.
+
+        Raises InputError when there is none, or when the name stands for several places.
+        """
+        if name in self.points:
+            return self.points[name]
+        several = [key for key in self.points if key.startswith(f"{name}.")]
+        raise InputError(
+            asked_by,
+            got=f"'{name}'" + (f", which has {len(several)} places" if several else ""),
+            expected=f"one of {', '.join(several or sorted(self.points)) or 'no points: the structure has none'}",
+            do="name one place" if several else "",
+        )
+
+
+def scene(study: Study, places: Places, basis: ModalBasis | None = None) -> Scene:
+    """Bodies, contacts, links and loads of a study between probes.
+
+    basis : needed only for start velocities of the structure.
+
+    Raises InputError when a place is missing or ambiguous, when it cannot be told which end of a contact is above,
+    or when gravity leaves a body without a state of rest.
+
+    Notes
+    -----
+    Bodies above and below move along z, bodies before and after along x. The end that is higher (further along x) is
+    the upper one; a body is just above or below what it was placed on.
+    """
+    stage = _Stage(study, places)
+    contacts = tuple(stage.contact(contact) for contact in planned_contacts(study))
+    links = tuple(stage.link(link) for link in study.links)
+    linked = {end for link in study.links for end in link.between}
+    bodies = tuple(_body(body, body.name in linked, study) for body in study.bodies)
+    velocity = _modal_velocity(study.initial, places, basis) if basis is not None else None
+    gravity = GRAVITY if study.time is not None and study.time.gravity else 0.0
+    return Scene(bodies, contacts, links, stage.loads(), velocity, gravity)
+
+
+def planned_contacts(study: Study) -> tuple[PlannedContact, ...]:
+    """Named contacts of a study, and those its bodies bring along, named "BODY on TARGET"."""
+    own = tuple(
+        PlannedContact(f"{body.name} on {body.target}", (body.name, body.target), body.law)
+        for body in study.bodies
+        if body.law is not None
+    )
+    return (*study.contacts, *own)
+
+
+def force_probes(study: Study, places: Places) -> dict[str, Probe]:
+    """All places where forces act on the structure, by address: each gets residual vectors in the basis."""
+    stage = _Stage(study, places)
+    ends = {end for item in (*planned_contacts(study), *study.links) for end in item.between}
+    probes = {
+        f"{end}.{stage.axis}": stage.end(end, "contacts")
+        for end in sorted(ends)
+        if end != "ground" and end not in stage.bodies
+    }
+    found = {address: probe for address, probe in probes.items() if isinstance(probe, Probe)}
+    for load in stage.loads():
+        if isinstance(load.on, Probe):
+            found[f"load {load.name}"] = load.on
+    for request in study.frf:
+        found[str(request.drive)] = places.point(request.drive.name, f"frf.{request.name}.drive").probe(
+            request.drive.what
+        )
+    return found
+
+
+@dataclass(frozen=True)
+class Rest:
+    """Gravity on a body at rest: its weight [N], and the sag [m] of the links that carry it (0 without springs)."""
+
+    body: str
+    weight: float
+    sag: float
+
+
+def rest_states(study: Study) -> tuple[Rest, ...]:
+    """Weights and static sags of the bodies that links carry; empty without gravity."""
+    if study.time is None or not study.time.gravity:
+        return ()
+    rests = []
+    for body in study.bodies:
+        stiffness = sum(link.stiffness for link in study.links if body.name in link.between)
+        weight = body.mass * GRAVITY
+        if stiffness > 0:
+            rests.append(Rest(body.name, weight, weight / stiffness))
+    return tuple(rests)
+
+
+@dataclass(frozen=True)
+class _Stage:
+    study: Study
+    places: Places
+
+    @property
+    def bodies(self) -> dict[str, PlacedBody]:
+        return {body.name: body for body in self.study.bodies}
+
+    @property
+    def axis(self) -> str:
+        return "x" if any(body.side in ("before", "after") for body in self.study.bodies) else "z"
+
+    def end(self, name: str, asked_by: str) -> End:
+        if name == "ground":
+            return GROUND
+        if name in self.bodies:
+            return name
+        point = self.places.point(name, asked_by)
+        if self.axis == "z" and abs(point.normal[2]) < HORIZONTAL:
+            raise InputError(
+                asked_by,
+                got=f"{name} on a part inclined by {np.degrees(np.arccos(abs(point.normal[2]))):.0f} deg",
+                expected="a part within 45 deg of horizontal, where above and below mean something",
+            )
+        return point.probe(self.axis)
+
+    def height(self, name: str, asked_by: str, depth: int = 0) -> tuple[float, int]:
+        """Position along the axis and, at one place, the order of what lies on it: greater is above."""
+        if name == "ground":
+            return (-np.inf, 0)
+        if name not in self.bodies:
+            return (float(self.places.point(name, asked_by).position["xyz".index(self.axis)]), 0)
+        body = self.bodies[name]
+        if depth > len(self.bodies):
+            raise InputError(
+                f"bodies.{name}", got="bodies placed on each other in a circle", expected="a place to start"
+            )
+        at, rank = self.height(body.target, f"bodies.{name}", depth + 1)
+        return (at, rank + (1 if body.side in ("above", "after") else -1))
+
+    def ordered(self, between: tuple[str, str], asked_by: str) -> tuple[End, End]:
+        heights = [self.height(name, asked_by) for name in between]
+        if heights[0] == heights[1]:
+            raise InputError(
+                f"{asked_by}.between",
+                got=f"{between[0]} and {between[1]} at one height",
+                expected="one end above the other",
+                do=f"move one of them along {self.axis}, or put a body between",
+            )
+        upper, lower = between if heights[0] > heights[1] else between[::-1]
+        return self.end(upper, asked_by), self.end(lower, asked_by)
+
+    def contact(self, planned: PlannedContact) -> Contact:
+        where = f"contacts.{planned.name}"
+        upper, lower = self.ordered(planned.between, where)
+        preload = planned.preload + self.resting_weight(planned)
+        return Contact(planned.name, upper, lower, planned.law, planned.gap, preload)
+
+    def resting_weight(self, planned: PlannedContact) -> float:
+        """Weight of a body that lies still on the contact when gravity starts [N]."""
+        if self.study.time is None or not self.study.time.gravity or planned.gap > 0:
+            return 0.0
+        linked = {end for link in self.study.links for end in link.between}
+        lying = [
+            body
+            for body in self.study.bodies
+            if body.name in planned.between
+            and body.target in planned.between
+            and _lies(body)
+            and body.name not in linked
+        ]
+        return sum(body.mass for body in lying) * GRAVITY
+
+    def link(self, planned: PlannedLink) -> Link:
+        upper, lower = self.ordered(planned.between, f"links.{planned.name}")
+        return Link(
+            planned.name,
+            upper,
+            lower,
+            planned.stiffness,
+            planned.closing,
+            planned.opening,
+            planned.release_at,
+            planned.preload,
+        )
+
+    def loads(self) -> tuple[Load, ...]:
+        loads = []
+        for load in self.study.loads:
+            where = f"loads.{load.name}"
+            if load.kind == "point" and not isinstance(load.on, str):
+                on: Probe | str = self.places.point(load.on.name, where).probe(load.on.what)
+            elif load.kind == "surface":
+                on = self.places.surfaces[str(load.on)].pressure()
+            else:
+                on = str(load.on)
+            loads.append(Load(load.name, on, load.history))
+        return tuple(loads)
+
+
+def _lies(body: PlacedBody) -> bool:
+    return body.side == "above" and not body.dropped and body.speed == 0.0
+
+
+def _body(body: PlacedBody, linked: bool, study: Study) -> Body:
+    towards = 1.0 if body.side in ("below", "before") else -1.0
+    falls = not linked and not _lies(body)
+    gravity = study.time is not None and study.time.gravity
+    if gravity and falls and not body.dropped and body.speed == 0.0:
+        raise InputError(
+            f"bodies.{body.name}",
+            got="no link, and nothing it lies on",
+            expected="a state of rest under gravity",
+            do="hang it on a link, drop it (drop_height or speed), or switch gravity off",
+        )
+    return Body(body.name, body.mass, towards * body.speed, falls)
+
+
+def _modal_velocity(initial: InitialMotion, places: Places, basis: ModalBasis) -> Floats | None:
+    """Modal velocities with the given point velocities and the least kinetic energy, or of a rigid motion."""
+    if initial.rigid is not None:
+        about = places.point(initial.rigid.about, "initial.rigid.about")
+        arm = basis.points - about.position
+        wanted = np.concatenate(
+            [
+                np.asarray(initial.rigid.velocity) + np.cross(initial.rigid.spin, arm),
+                np.tile(initial.rigid.spin, (len(arm), 1)),
+            ],
+            axis=1,
+        )
+        rigid = np.array([kind == "rigid" for kind in basis.kind])
+        shapes = basis.shapes[:, :6, rigid].reshape(-1, int(rigid.sum()))
+        q, *_ = np.linalg.lstsq(shapes, wanted.ravel(), rcond=None)
+        missed = np.abs(shapes @ q - wanted.ravel()).max() / np.abs(wanted).max() if wanted.any() else 0.0
+        if missed > 1e-6:
+            raise InputError(
+                "initial.rigid",
+                got=f"a motion its {int(rigid.sum())} rigid-body modes miss by {100 * missed:.2g} %",
+                expected="a structure that is free to move so",
+                do="remove the supports and springs that hold it",
+            )
+        velocity = np.zeros(len(basis.omega))
+        velocity[rigid] = q
+        return velocity
+    if not initial.velocities:
+        return None
+    rows = np.array(
+        [
+            places.point(spot.name, f"initial.velocity.{spot}").probe(spot.what).of(basis.shapes)
+            for spot, _ in initial.velocities
+        ]
+    )
+    values = np.array([value for _, value in initial.velocities])
+    velocity, *_ = np.linalg.lstsq(rows, values, rcond=None)
+    if not np.allclose(rows @ velocity, values, rtol=1e-9, atol=1e-12):
+        raise InputError(
+            "initial.velocity",
+            got="start velocities that the modes cannot follow together",
+            expected="velocities of independent directions that move in some mode",
+        )
+    return velocity
