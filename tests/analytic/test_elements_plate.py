@@ -95,8 +95,8 @@ def test_rigid_motion_of_100_x_100_cells_takes_no_force(kind, plate_grid):
     grid = plate_grid(kind, 100, 100, 1.3, 0.7)
     x, y = grid.points.T
     none, one = np.zeros_like(x), np.ones_like(x)
-    norm = np.sqrt(grid.K.multiply(grid.K).sum())
+    largest = np.abs(grid.K.data).max()  # not above the norm of K, so this is the stricter test
     for w, turn_x, turn_y in ((one, none, none), (y, one, none), (-x, none, one)):
         r = np.stack([w, turn_x, turn_y, none], axis=1)[:, : grid.per_node].ravel()
-        # A mere rounding; shape functions in global coordinates give 1e-8 here.
-        assert np.linalg.norm(grid.K @ r) / (norm * np.linalg.norm(r)) <= 1e-13
+        # rounding, measured 1e-16; shape functions fitted in global coordinates lose eight digits here
+        assert np.linalg.norm(grid.K @ r) / (largest * np.linalg.norm(r)) <= 1e-13
