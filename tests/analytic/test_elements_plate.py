@@ -98,5 +98,5 @@ def test_rigid_motion_of_100_x_100_cells_takes_no_force(kind, plate_grid):
     largest = np.abs(grid.K.data).max()  # not above the norm of K, so this is the stricter test
     for w, turn_x, turn_y in ((one, none, none), (y, one, none), (-x, none, one)):
         r = np.stack([w, turn_x, turn_y, none], axis=1)[:, : grid.per_node].ravel()
-        # rounding, measured 1e-16; shape functions fitted in global coordinates lose eight digits here
+        # rounding, measured 1e-16; shape functions fitted in global coordinates lose digits as the mesh gets finer
         assert np.linalg.norm(grid.K @ r) / (largest * np.linalg.norm(r)) <= 1e-13
