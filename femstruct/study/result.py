@@ -44,7 +44,7 @@ class CaseResult:
     """One case, every stage. `basis_key` names its basis in StudyResult.bases.
 
     response is None when nothing was simulated. channels by name ("O_s.z velocity", "box.mic pressure").
-    rooms and levels by "ROOM" and "ROOM.RECEIVER". timings [s] of CPU by stage.
+    rooms and levels by "ROOM" and "ROOM.RECEIVER".
     """
 
     case: Case
@@ -56,7 +56,6 @@ class CaseResult:
     rooms: Mapping[str, RoomResponse]
     levels: Mapping[str, Levels]
     findings: tuple[Finding, ...]
-    timings: Mapping[str, float]
 
 
 @dataclass(frozen=True)
@@ -95,7 +94,8 @@ class Comparison:
 class StudyResult:
     """A study, run: bases and meshed models by key, results by case, the comparison, and where they come from.
 
-    models holds None for closed-form structures. provenance : versions, platform, date, command line.
+    models holds None for closed-form structures. findings : of the run as a whole. timings : CPU seconds by stage.
+    provenance : versions, platform, date, command line.
     """
 
     plan: Plan
@@ -103,4 +103,6 @@ class StudyResult:
     models: Mapping[str, Model | None]
     cases: Mapping[str, CaseResult]
     comparison: Comparison
+    findings: tuple[Finding, ...]
+    timings: Mapping[str, float]
     provenance: Mapping[str, str]

@@ -10,7 +10,6 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from acoustics.room import Receiver, Room
-
 from femstruct.impact.bodies import HalfSine, Table
 from femstruct.impact.laws import Law
 from femstruct.modal.damping import Damping

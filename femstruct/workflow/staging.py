@@ -74,6 +74,16 @@ def planned_contacts(study: Study) -> tuple[PlannedContact, ...]:
     return (*study.contacts, *own)
 
 
+def axis_of(study: Study) -> str:
+    """The axis all bodies of a study move along: "z", or "x" where bodies are placed before and after."""
+    return "x" if any(body.side in ("before", "after") for body in study.bodies) else "z"
+
+
+def ordered(study: Study, places: Places, planned: PlannedContact) -> tuple[str, str]:
+    """Names of the upper and the lower end of a contact."""
+    return _Stage(study, places).names(planned.between, f"contacts.{planned.name}")
+
+
 def force_probes(study: Study, places: Places) -> dict[str, Probe]:
     """All places where forces act on the structure, by address: each gets residual vectors in the basis."""
     stage = _Stage(study, places)
@@ -127,7 +137,7 @@ class _Stage:
 
     @property
     def axis(self) -> str:
-        return "x" if any(body.side in ("before", "after") for body in self.study.bodies) else "z"
+        return axis_of(self.study)
 
     def end(self, name: str, asked_by: str) -> End:
         if name == "ground":
@@ -157,7 +167,8 @@ class _Stage:
         at, rank = self.height(body.target, f"bodies.{name}", depth + 1)
         return (at, rank + (1 if body.side in ("above", "after") else -1))
 
-    def ordered(self, between: tuple[str, str], asked_by: str) -> tuple[End, End]:
+    def names(self, between: tuple[str, str], asked_by: str) -> tuple[str, str]:
+        """The two ends, the upper one first."""
         heights = [self.height(name, asked_by) for name in between]
         if heights[0] == heights[1]:
             raise InputError(
@@ -166,7 +177,10 @@ class _Stage:
                 expected="one end above the other",
                 do=f"move one of them along {self.axis}, or put a body between",
             )
-        upper, lower = between if heights[0] > heights[1] else between[::-1]
+        return between if heights[0] > heights[1] else (between[1], between[0])
+
+    def ordered(self, between: tuple[str, str], asked_by: str) -> tuple[End, End]:
+        upper, lower = self.names(between, asked_by)
         return self.end(upper, asked_by), self.end(lower, asked_by)
 
     def contact(self, planned: PlannedContact) -> Contact:
@@ -180,15 +194,13 @@ class _Stage:
         if self.study.time is None or not self.study.time.gravity or planned.gap > 0:
             return 0.0
         linked = {end for link in self.study.links for end in link.between}
-        lying = [
-            body
-            for body in self.study.bodies
-            if body.name in planned.between
-            and body.target in planned.between
-            and _lies(body)
-            and body.name not in linked
-        ]
-        return sum(body.mass for body in lying) * GRAVITY
+        lying = {body.name: body for body in self.study.bodies if _lies(body) and body.name not in linked}
+
+        def carried(body: PlacedBody) -> float:
+            return body.mass + sum(carried(other) for other in lying.values() if other.target == body.name)
+
+        here = [body for body in lying.values() if {body.name, body.target} == set(planned.between)]
+        return sum(carried(body) for body in here) * GRAVITY
 
     def link(self, planned: PlannedLink) -> Link:
         upper, lower = self.ordered(planned.between, f"links.{planned.name}")

@@ -1,0 +1,139 @@
+"""What a study records: histories of points, forces, bodies and rooms, with their peaks."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+from acoustics.pressure import RoomResponse
+from scipy.signal import butter, sosfiltfilt
+
+from femstruct.arrays import Floats
+from femstruct.errors import InputError
+from femstruct.impact.response import Response
+from femstruct.modal.basis import ForceRow
+from femstruct.study.result import Channel
+from femstruct.study.study import PeakRule, Record, RoomPlan, Study
+from femstruct.workflow.staging import Places, axis_of, ordered, planned_contacts
+
+UNITS = {"displacement": "m", "velocity": "m/s", "acceleration": "m/s^2", "force": "N", "travel": "m", "pressure": "Pa"}
+AXES = "xyz"
+FILTER_ORDER = 4
+
+
+def record(study: Study, places: Places, response: Response, rooms: Mapping[str, RoomResponse]) -> dict[str, Channel]:
+    """All channels of a case: what the study records, the net force where contacts meet the structure, and pressures.
+
+    Raises InputError when a record names something that has no such quantity.
+    """
+    histories: dict[str, tuple[Floats, str]] = {}
+    for wanted in study.records:
+        histories |= _recorded(wanted, study, places, response)
+    histories |= {f"net force on {name}": (force, "N") for name, force in _net_forces(study, places, response).items()}
+    for plan in study.rooms:
+        histories |= _pressures(plan, rooms[plan.name])
+    window = first_window(study.peaks, response)
+    return {
+        name: _channel(name, values, unit, study.peaks, response, window) for name, (values, unit) in histories.items()
+    }
+
+
+def filter_sentence(rule: PeakRule) -> str:
+    """What every peak went through."""
+    if rule.lowpass_hz is None:
+        return "no filter"
+    return f"low-pass {rule.lowpass_hz:g} Hz (Butterworth, order {FILTER_ORDER}, forwards and backwards)"
+
+
+def first_window(rule: PeakRule, response: Response) -> float:
+    """End of the first impact [s]: its window after the first closing, or until a contact closes next."""
+    closings = [event for event in response.events if event.what == "closes"]
+    start = min((event.t for event in closings), default=0.0)
+    if rule.first_impact is not None:
+        return start + rule.first_impact
+    seen: set[str] = set()
+    for event in closings:
+        if event.contact in seen:
+            return event.t
+        seen.add(event.contact)
+    return float(response.t[-1])
+
+
+def _channel(name: str, values: Floats, unit: str, rule: PeakRule, response: Response, window: float) -> Channel:
+    filtered = values
+    if rule.lowpass_hz is not None:
+        sos = butter(FILTER_ORDER, rule.lowpass_hz, fs=response.clock.sampling, output="sos")
+        filtered = sosfiltfilt(sos, values)
+    size = np.abs(filtered)
+    first = size[response.t <= window]
+    return Channel(name, values, unit, float(first.max()) if first.size else 0.0, float(size.max()))
+
+
+def _recorded(wanted: Record, study: Study, places: Places, response: Response) -> dict[str, tuple[Floats, str]]:
+    target, what, unit = wanted.target, wanted.what, UNITS[wanted.what]
+    bodies = {body.name: body for body in study.bodies}
+    if target in response.bodies:
+        body = response.bodies[target]
+        if what == "travel":
+            placed_on = motion_of(bodies[target].target, study, places, response)
+            return {str(wanted): (body.displacement - placed_on, unit)}
+        if what in ("displacement", "velocity"):
+            return {str(wanted): (getattr(body, what), unit)}
+    if what == "force":
+        if target in response.contacts:
+            return {str(wanted): (response.contacts[target].force, unit)}
+        if target in response.links:
+            return {str(wanted): (response.links[target], unit)}
+        rows = {
+            axis: response.basis.outputs[key] for axis in AXES if (key := f"{target}.{axis}") in response.basis.outputs
+        }
+        if rows:
+            return _forces(target, rows, response)
+    name, _, direction = target.rpartition(".")
+    if what in ("displacement", "velocity", "acceleration") and name:
+        probe = places.point(name, f"record.{target}").probe(direction)
+        motion = {"displacement": response.q, "velocity": response.qd, "acceleration": response.qdd}[what]
+        return {str(wanted): (probe.of(response.basis.shapes) @ motion, unit)}
+    raise InputError(
+        f"record.{target}",
+        got=f"'{what}' of '{target}'",
+        expected="motion of POINT.x, displacement, velocity or travel of a body, or force of a contact, link, spring, "
+        "foundation, support, joint or ground",
+    )
+
+
+def _forces(target: str, rows: Mapping[str, ForceRow], response: Response) -> dict[str, tuple[Floats, str]]:
+    """The vertical force under the plain name, and the horizontal ones that are not zero."""
+    found = {
+        axis: row.stiffness @ response.q + row.damping @ response.qd + row.inertia @ response.qdd
+        for axis, row in rows.items()
+    }
+    largest = max((np.abs(force).max() for force in found.values()), default=0.0)
+    named = {f"{target} force": (found["z"], "N")} if "z" in found else {}
+    for axis in "xy":
+        if axis in found and np.abs(found[axis]).max() > 1e-9 * largest:
+            named[f"{target} force {axis}"] = (found[axis], "N")
+    return named
+
+
+def motion_of(name: str, study: Study, places: Places, response: Response) -> Floats:
+    """Displacement [nt] of a body or a point along the axis of the bodies [m]."""
+    if name in response.bodies:
+        return response.bodies[name].displacement
+    displacement: Floats = places.point(name, "bodies").probe(axis_of(study)).of(response.basis.shapes) @ response.q
+    return displacement
+
+
+def _net_forces(study: Study, places: Places, response: Response) -> dict[str, Floats]:
+    """Sum of all contact forces on every point of the structure that contacts touch, positive along the axis."""
+    sums: dict[str, Floats] = {}
+    for planned in planned_contacts(study):
+        force = response.contacts[planned.name].force
+        for name, sign in zip(ordered(study, places, planned), (1.0, -1.0), strict=True):
+            if name != "ground" and name not in response.bodies:
+                sums[name] = sums.get(name, 0.0) + sign * force
+    return sums
+
+
+def _pressures(plan: RoomPlan, room: RoomResponse) -> dict[str, tuple[Floats, str]]:
+    return {f"{plan.name}.{receiver.name} pressure": (room.p[i], "Pa") for i, receiver in enumerate(plan.receivers)}

@@ -1,0 +1,98 @@
+"""Cases beside their baseline: peaks in percent, bands and modes in decibels, modes by shape."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from femstruct.arrays import Floats
+from femstruct.modal.basis import ModalBasis
+from femstruct.modal.mac import mac
+from femstruct.study.result import CaseComparison, CaseResult, Channel, Comparison, PeakChange
+from femstruct.workflow.channels import filter_sentence
+
+NEAR = 0.02  # a spectral peak belongs to a mode within 2 % of its frequency
+PADDING = 8  # times the record, so that 2 % of the lowest modes holds several spectral lines
+
+
+def compare(baseline: str, results: Mapping[str, CaseResult]) -> Comparison:
+    """All other cases beside the baseline.
+
+    Notes
+    -----
+    When all force enters a linear structure at one point, every output has the spectrum of that force times its own
+    transfer function, so all attenuations of one mode are equal, and equal to that of the net force.
+    """
+    reference = results[baseline]
+    others = {name: _beside(reference, result) for name, result in results.items() if name != baseline}
+    return Comparison(baseline, others, filter_sentence(reference.case.study.peaks))
+
+
+def _beside(reference: CaseResult, result: CaseResult) -> CaseComparison:
+    shared = [name for name in reference.channels if name in result.channels]
+    return CaseComparison(
+        peaks={name: _peak_change(reference.channels[name], result.channels[name]) for name in shared},
+        bands_db={
+            name: _band_attenuation(levels.bands_db, result.levels[name].bands_db)
+            for name, levels in reference.levels.items()
+            if name in result.levels
+        },
+        modes_db={name: mode_attenuation(reference, result, name) for name in shared},
+        frequencies=mode_table(reference.basis, result.basis),
+    )
+
+
+def _peak_change(reference: Channel, channel: Channel) -> PeakChange:
+    def percent(before: float, after: float) -> float | None:
+        return 100.0 * (after / before - 1.0) if before > 0.0 else None
+
+    return PeakChange(percent(reference.first_impact, channel.first_impact), percent(reference.whole, channel.whole))
+
+
+def _band_attenuation(reference: Mapping[float, float], levels: Mapping[float, float]) -> dict[float, float]:
+    return {
+        centre: reference[centre] - levels[centre]
+        for centre in reference
+        if centre in levels and np.isfinite(reference[centre]) and np.isfinite(levels[centre])
+    }
+
+
+def mode_attenuation(reference: CaseResult, result: CaseResult, channel: str) -> dict[int, float]:
+    """Attenuation [dB] of a channel's spectrum at the baseline's own peaks, by the number of the mode they belong to.
+
+    A mode is listed when the baseline's spectrum has a local maximum within 2 % of its frequency. The spectrum is
+    that of the whole record, not windowed.
+    """
+    if reference.response is None or result.response is None:
+        return {}
+    before, after = (_spectrum(item.channels[channel].values) for item in (reference, result))
+    if len(before) != len(after):
+        return {}
+    step = reference.response.clock.sampling / (2.0 * (len(before) - 1))
+    top = np.flatnonzero((before[1:-1] > before[:-2]) & (before[1:-1] >= before[2:])) + 1
+    table = {}
+    for number, (kind, frequency) in enumerate(zip(reference.basis.kind, reference.basis.frequency_hz, strict=True), 1):
+        near = top[np.abs(top * step - frequency) <= NEAR * frequency]
+        if kind == "elastic" and near.size:
+            peak = near[before[near].argmax()]
+            if after[peak] > 0.0:
+                table[number] = float(20.0 * np.log10(before[peak] / after[peak]))
+    return table
+
+
+def mode_table(reference: ModalBasis, basis: ModalBasis) -> dict[int, tuple[int, float, float]]:
+    """The mode most alike to each of the baseline's, its frequency [Hz] and the MAC; empty for the same basis."""
+    if reference.omega.shape == basis.omega.shape and np.array_equal(reference.shapes, basis.shapes):
+        return {}
+    alike = mac(reference, basis)
+    best = alike.argmax(axis=1)
+    return {
+        mode + 1: (int(partner) + 1, float(basis.frequency_hz[partner]), float(alike[mode, partner]))
+        for mode, partner in enumerate(best)
+    }
+
+
+def _spectrum(values: Floats) -> Floats:
+    length = PADDING * 2 ** int(np.ceil(np.log2(len(values))))
+    return np.abs(np.fft.rfft(values, length))

@@ -1,0 +1,194 @@
+"""A study, run: modes, frequency responses, impacts, rooms and levels of every case."""
+
+from __future__ import annotations
+
+import platform
+import sys
+import time
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from datetime import UTC, datetime
+from importlib.metadata import version
+
+import numpy as np
+from acoustics.levels import Levels, levels
+from acoustics.pressure import RoomResponse, pressure
+
+from femstruct.assembly.findings import model_findings
+from femstruct.errors import Finding, InputError
+from femstruct.impact.bodies import Clock
+from femstruct.impact.response import Response
+from femstruct.impact.simulate import simulate
+from femstruct.modal.basis import ForceRow, ModalBasis
+from femstruct.modal.frf import frf
+from femstruct.model.probe import Probe
+from femstruct.radiation import coupling_findings, surface_velocity
+from femstruct.study.result import CaseResult, Frf, StudyResult
+from femstruct.study.study import Case, FrfRequest, Plan, Spot, Study
+from femstruct.workflow.bases import Solved, damped, solve_all
+from femstruct.workflow.channels import record
+from femstruct.workflow.checks import from_advice, impact_findings, mesh_findings
+from femstruct.workflow.compare import compare
+from femstruct.workflow.staging import Places, scene
+
+Progress = Callable[[str], None]
+FRF_UNITS = {"receptance": "m/N", "mobility": "m/s/N", "accelerance": "m/s^2/N", "transmissibility": "1"}
+
+
+def run_study(plan: Plan, progress: Progress = lambda line: None, command: str = "") -> StudyResult:
+    """All stages of all cases of a study, and their comparison.
+
+    progress : is told the name of every stage as it starts.
+
+    Raises what the stages raise. A KeyboardInterrupt after the first finished case ends the run with the cases
+    finished so far and a severe finding on each.
+    """
+    clock = Stopwatch(progress)
+    with clock("modes"):
+        solved = solve_all(plan.cases)
+    baseline = next(case for case in plan.cases if case.name == plan.baseline)
+    order = sorted(plan.cases, key=lambda case: case.name != plan.baseline)
+    results: dict[str, CaseResult] = {}
+    interrupted: tuple[Finding, ...] = ()
+    for case in order:
+        try:
+            results[case.name] = run_case(case, solved, baseline, clock)
+        except KeyboardInterrupt:
+            if plan.baseline not in results:
+                raise
+            left = len(plan.cases) - len(results)
+            interrupted = (
+                Finding(
+                    "interrupted",
+                    f"Interrupted: {left} of {len(plan.cases)} cases were not run",
+                    {"left": left},
+                    severe=True,
+                ),
+            )
+            break
+    with clock("comparison"):
+        finished = {case.name: results[case.name] for case in plan.cases if case.name in results}
+        comparison = compare(plan.baseline, finished)
+    return StudyResult(
+        plan=plan,
+        bases={solved[name].key: solved[name].basis for name in finished},
+        models={solved[name].key: solved[name].model for name in finished},
+        cases=finished,
+        comparison=comparison,
+        findings=interrupted,
+        timings=clock.seconds,
+        provenance=provenance(command),
+    )
+
+
+def run_case(case: Case, solved: Mapping[str, Solved], baseline: Case, clock: Stopwatch) -> CaseResult:
+    """One case through every stage that its study asks for."""
+    study, own = case.study, solved[case.name]
+    with clock("damping", case.name):
+        basis, carried = damped(case, solved, baseline)
+    with clock("frf", case.name):
+        responses = {request.name: frequency_response(request, own.places, basis) for request in study.frf}
+    findings = [*structure_findings(own, basis), *carried]
+    response, channels = None, {}
+    rooms: dict[str, RoomResponse] = {}
+    heard: dict[str, Levels] = {}
+    if study.time is not None:
+        with clock("impact", case.name):
+            timing = Clock(study.time.duration, study.time.sampling, study.time.quiet)
+            response = simulate(basis, scene(study, own.places, basis), timing)
+            findings += [*response.findings, *impact_findings(basis, response)]
+        with clock("room", case.name):
+            rooms = _rooms(study, own.places, response)
+        with clock("levels", case.name):
+            heard = _levels(study, rooms, response)
+            channels = record(study, own.places, response, rooms)
+        for plan in study.rooms:
+            findings += coupling_findings(basis, own.places.surfaces[plan.under], plan.room)
+            findings += [from_advice(advice) for advice in rooms[plan.name].advice]
+        findings += [from_advice(advice) for levels_of in heard.values() for advice in levels_of.advice]
+    return CaseResult(case, own.key, basis, response, responses, channels, rooms, heard, tuple(dict.fromkeys(findings)))
+
+
+def structure_findings(solved: Solved, basis: ModalBasis) -> tuple[Finding, ...]:
+    """What to know of a structure and its basis before anything hits it."""
+    found = basis.findings
+    if solved.model is not None:
+        top = basis.complete_below_hz
+        found = (*model_findings(solved.model), *found, *mesh_findings(solved.model, top))
+    return found
+
+
+def frequency_response(request: FrfRequest, places: Places, basis: ModalBasis) -> Frf:
+    """One frequency response of a study from the modal basis."""
+    start, stop = request.band
+    frequency = start + request.step * np.arange(int(np.floor((stop - start) / request.step + 1e-9)) + 1)
+    drive = places.point(request.drive.name, f"frf.{request.name}.drive").probe(request.drive.what)
+    response = response_row(request.response, places, basis, f"frf.{request.name}.response")
+    values = frf(basis, drive, response, frequency, request.kind)
+    unit = FRF_UNITS[request.kind] if isinstance(response, Probe) else "N/N"
+    return Frf(request, frequency, values, unit)
+
+
+def response_row(spot: Spot, places: Places, basis: ModalBasis, asked_by: str) -> Probe | ForceRow:
+    """What a frequency response listens to: a point's direction or a force of the structure.
+
+    Raises InputError when there is no such force or place.
+    """
+    if not spot.what.startswith("force"):
+        return places.point(spot.name, asked_by).probe(spot.what)
+    key = f"{spot.name}.{spot.what.removeprefix('force').lstrip('_') or 'z'}"
+    if key not in basis.outputs:
+        raise InputError(
+            asked_by,
+            got=f"'{spot}'",
+            expected=f"a force of {', '.join(sorted({name.rpartition('.')[0] for name in basis.outputs})) or 'nothing'}",
+        )
+    return basis.outputs[key]
+
+
+def provenance(command: str) -> dict[str, str]:
+    """Versions, platform, time and command line of a run."""
+    packages = ("femstruct", "numpy", "scipy", "numba", "h5py")
+    return {f"{name}_version": version(name) for name in packages} | {
+        "python": sys.version.split()[0],
+        "platform": platform.platform(),
+        "utc": datetime.now(UTC).isoformat(timespec="seconds"),
+        "command": command,
+    }
+
+
+class Stopwatch:
+    """CPU seconds by stage, told to a listener as each stage starts."""
+
+    def __init__(self, progress: Progress) -> None:
+        self._progress = progress
+        self.seconds: dict[str, float] = {}
+
+    @contextmanager
+    def __call__(self, stage: str, case: str = "") -> Iterator[None]:
+        self._progress(f"{case}: {stage}" if case else stage)
+        begin = time.process_time()
+        try:
+            yield
+        finally:
+            self.seconds[stage] = self.seconds.get(stage, 0.0) + time.process_time() - begin
+
+
+def _rooms(study: Study, places: Places, response: Response) -> dict[str, RoomResponse]:
+    rooms = {}
+    for plan in study.rooms:
+        if plan.under not in places.surfaces:
+            raise InputError(
+                f"rooms.{plan.name}.under", got=f"'{plan.under}'", expected=", ".join(places.surfaces) or "a surface"
+            )
+        ceiling = surface_velocity(response, places.surfaces[plan.under], plan.room, plan.offset)
+        rooms[plan.name] = pressure(ceiling, plan.room, plan.receivers)
+    return rooms
+
+
+def _levels(study: Study, rooms: Mapping[str, RoomResponse], response: Response) -> dict[str, Levels]:
+    return {
+        f"{plan.name}.{receiver.name}": levels(rooms[plan.name].p[i], response.clock.sampling)
+        for plan in study.rooms
+        for i, receiver in enumerate(plan.receivers)
+    }
