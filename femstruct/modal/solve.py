@@ -1,0 +1,248 @@
+"""Natural modes of K phi = omega^2 M phi: shift-invert Lanczos, with a proof that none is missing."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import LinAlgError, cholesky, eigh, solve_triangular
+from scipy.sparse import csc_array
+from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh
+
+from femstruct.arrays import Floats
+from femstruct.errors import FemstructError, NotConverged
+from femstruct.modal.factor import Factor, count_below, factorise, relative_energy
+
+_DENSE = 300  # degrees of freedom up to which full matrices cost less than the set-up of Lanczos
+# A rigid mode strains nothing but rounding. Measured: 1e-16 to 1e-14 of the terms of phi^T K phi on meshes up to
+# 100 x 100; the softest elastic mode of a 400 x 400 plate has 1e-12.
+_ROUNDING = 2e-13
+_SHIFT_RANGE = (0.005, 50.0)  # of |sigma| over the first elastic omega^2: no loss of digits and no slow convergence
+_ATTEMPTS = 6
+
+
+@dataclass(frozen=True, eq=False)
+class Modes:
+    """Undamped modes, ascending: eigenvalues omega^2 [k] (0 for rigid modes), mass-normalised shapes [n, k].
+
+    n_rigid : how many modes are rigid. complete_below : no eigenvalue below it is missing [rad^2/s^2].
+    factor : of K - sigma M, for residual vectors.
+    """
+
+    eigenvalues: Floats
+    shapes: Floats
+    n_rigid: int
+    complete_below: float
+    factor: Factor
+
+
+def modes(
+    K: csc_array,
+    M: csc_array,
+    *,
+    up_to_hz: float | None = None,
+    count: int | None = None,
+    labels: tuple[str, ...] = (),
+) -> Modes:
+    """Undamped, mass-normalised modes, up to a frequency [Hz] or a number of them; none is skipped.
+
+    K, M [n, n] : sparse, symmetric, positive semi-definite; K may have any number of rigid modes and mechanisms.
+    labels [n] : names of the degrees of freedom, for messages.
+
+    Raises SingularSystem when K and M share a null vector, NotConverged when the inertia count and the modes
+    found do not agree after several attempts.
+
+    Notes: the shift is negative and set from the data, so a singular K is no special case. Completeness is proved
+    by the number of negative pivots of K - mu M above the last mode. The start vector is fixed and the largest
+    component (weighted by its mass) is positive: two runs on one machine and thread count agree in every bit.
+    The shapes within a group of equal frequencies are one choice out of many.
+
+    >>> two = csc_array(np.array([[2.0, -1.0], [-1.0, 2.0]]))
+    >>> modes(two, csc_array(np.eye(2)), count=2).eigenvalues.round(12)
+    array([1., 3.])
+    """
+    n = K.shape[0]
+    if (up_to_hz is None) == (count is None):
+        raise FemstructError("modes", got=f"up_to_hz={up_to_hz}, count={count}", expected="exactly one of the two")
+    if up_to_hz is not None:
+        if not up_to_hz > 0:
+            raise FemstructError("modes up_to", got=f"{up_to_hz:g} Hz", expected="a positive frequency")
+        limit = (2.0 * np.pi * up_to_hz) ** 2
+        mu, wanted = _count_near(K, M, limit)
+        first = min(wanted + 2, n)
+    else:
+        assert count is not None
+        if not 1 <= count <= n:
+            raise FemstructError("modes count", got=f"{count}", expected=f"1 to {n}, the degrees of freedom")
+        limit, mu, wanted = np.inf, np.inf, count
+        first = min(count + 3, n)
+    factor = _shifted(K, M, first, limit, labels)
+    values, shapes, complete = _complete(K, M, factor, first, mu, wanted)
+    keep = values <= limit if count is None else np.arange(len(values)) < count
+    values, shapes = values[keep], shapes[:, keep]
+    rigid = _is_rigid(K, shapes)
+    if values.size and values.min() < 0 and not rigid[np.argmin(values)]:
+        raise FemstructError("K", got=f"a mode of omega^2 = {values.min():.3g}", expected="no negative stiffness")
+    values = np.where(rigid, 0.0, values)
+    return Modes(values, shapes, int(rigid.sum()), limit if count is None else complete, factor)
+
+
+def orthonormalise(M: csc_array, shapes: Floats) -> Floats:
+    """The shapes [n, k] made M-orthonormal in their order, by Cholesky of their Gram matrix (twice is enough)."""
+    for _ in range(2):
+        gram = shapes.T @ (M @ shapes)
+        root = cholesky(0.5 * (gram + gram.T), lower=True)
+        shapes = solve_triangular(root, shapes.T, lower=True).T
+    return np.ascontiguousarray(shapes)
+
+
+def signed(shapes: Floats, weights: Floats) -> Floats:
+    """The shapes [n, k] with the sign that makes the largest of weights * component positive.
+
+    Of components equal to 0.1 % (symmetric shapes have many) the first decides, so rounding cannot turn it.
+    """
+    size = np.abs(shapes) * weights[:, None]
+    first = np.argmax(size >= 0.999 * size.max(axis=0), axis=0)
+    return shapes * np.where(shapes[first, np.arange(shapes.shape[1])] < 0, -1.0, 1.0)
+
+
+def _count_near(K: csc_array, M: csc_array, mu: float) -> tuple[float, int]:
+    """The inertia count at mu, or just above it where mu is too close to an eigenvalue: (mu used, count)."""
+    for step in (1e-9, 1e-6, 1e-5, 1e-4, 1e-3, 3e-3):
+        found = count_below(K, M, mu * (1.0 + step))
+        if found is not None:
+            return mu * (1.0 + step), found
+    raise NotConverged("inertia count", got=f"unusable pivots near omega^2 = {mu:.6g}", do="move the upper frequency")
+
+
+def _shifted(K: csc_array, M: csc_array, wanted: int, limit: float, labels: tuple[str, ...]) -> Factor:
+    """A factor of K - sigma M with -sigma between the first elastic omega^2 and the highest asked for.
+
+    Nearer to zero the rigid modes lose digits, farther away Lanczos converges slowly; in between both are harmless.
+    """
+    if limit < np.inf:  # `wanted` modes lie below the limit, so the first elastic one is above limit / wanted^2 or so
+        return factorise(K, M, -limit / (wanted + 1), labels)
+    stiffness, mass = K.diagonal(), M.diagonal()
+    loaded = (mass > 0) & (stiffness > 0)
+    # The coarsest and the finest shape of n degrees of freedom: n^2 apart in omega^2 in plates, n^(2/3) in solids.
+    guess = float(np.median(stiffness[loaded] / mass[loaded])) / len(mass) ** 1.5 if loaded.any() else 1.0
+    factor = factorise(K, M, -guess, labels)
+    for _ in range(_ATTEMPTS):
+        elastic = _rough_elastic(M, factor)
+        if not elastic.size or _SHIFT_RANGE[0] * elastic[0] <= -factor.sigma <= _SHIFT_RANGE[1] * elastic[0]:
+            return factor
+        factor = factorise(K, M, -0.5 * float(elastic[0]), labels)
+    return factor
+
+
+def _rough_elastic(M: csc_array, factor: Factor) -> Floats:
+    """Rough omega^2 of the first elastic modes, ascending: Ritz values of a few steps of inverse Lanczos."""
+    steps = min(10, M.shape[0])  # all rigid modes, having one eigenvalue, take a single direction
+    basis = np.zeros((M.shape[0], steps))
+    vector = factor.solve(M @ np.random.default_rng(7).standard_normal(M.shape[0]))
+    images = np.zeros_like(basis)
+    for step in range(steps):
+        for _ in range(2):
+            vector = vector - basis @ (basis.T @ (M @ vector))
+        size = float(np.sqrt(max(vector @ (M @ vector), 0.0)))
+        if step and size <= 1e-10 * float(np.linalg.norm(images[:, step - 1])) * float(np.sqrt(M.diagonal().max())):
+            basis, images = basis[:, :step], images[:, :step]
+            break
+        basis[:, step] = vector / size
+        vector = factor.solve(M @ basis[:, step])
+        images[:, step] = vector
+    projected = basis.T @ (M @ images)
+    inverted = np.linalg.eigvalsh(0.5 * (projected + projected.T))[::-1]
+    inverted = inverted[inverted > 1e-12 * inverted[0]]
+    values: Floats = factor.sigma + 1.0 / inverted
+    return values[values > -1e-4 * factor.sigma]  # below are the rigid modes and their rounding
+
+
+def _complete(
+    K: csc_array, M: csc_array, factor: Factor, first: int, mu: float, wanted: int
+) -> tuple[Floats, Floats, float]:
+    """Modes up to `wanted`, repeated with more vectors until the inertia count agrees: (values, shapes, complete)."""
+    n = K.shape[0]
+    ask, expected = first, 0
+    found = -1
+    for attempt in range(_ATTEMPTS):
+        values, shapes = _lowest(K, M, factor, min(ask, n), 1e-9 if attempt == 0 else 0.0, seed=attempt)
+        level, upto = mu, wanted
+        if np.isinf(mu):
+            if len(values) == n or len(values) < ask:
+                return values, shapes, np.inf  # all modes there are
+            upto = _gap(values, wanted)
+            level = 0.5 * (values[upto - 1] + values[upto])
+            counted = count_below(K, M, level)
+            if counted is None:
+                ask += 4
+                continue
+            expected = counted
+        else:
+            expected = wanted
+        found = int(np.count_nonzero(values < level))
+        if found == expected:
+            complete = values[wanted] if np.isinf(mu) else mu
+            return values, shapes, float(complete)
+        ask = min(n, max(ask, expected) + 4 * (attempt + 1))
+    raise NotConverged(
+        "modes", got=f"{found} modes", expected=f"{expected} by the inertia count", do="ask for another upper limit"
+    )
+
+
+def _gap(values: Floats, wanted: int) -> int:
+    """Index after `wanted` or a little later where the next eigenvalue is farthest off, to count in the gap."""
+    later = np.arange(wanted, len(values))
+    return int(later[np.argmax(np.diff(values)[wanted - 1 :] / np.abs(values[wanted:]).clip(1e-300))])
+
+
+def _lowest(K: csc_array, M: csc_array, factor: Factor, k: int, tol: float, seed: int) -> tuple[Floats, Floats]:
+    """The k lowest eigenpairs by shift-invert, ascending, M-orthonormal, signed."""
+    n = K.shape[0]
+    if n <= _DENSE or k > n // 3:
+        values, shapes = _dense(K, M, factor.sigma, k)
+    else:
+        inverse = LinearOperator((n, n), matvec=factor.solve, dtype=np.float64)
+        rng = np.random.default_rng(seed)
+        start = factor.solve(M @ rng.standard_normal(n))
+        try:
+            values, shapes = eigsh(
+                K, k, M=M, sigma=factor.sigma, which="LM", OPinv=inverse, v0=start, tol=tol, rng=rng, maxiter=100 * k
+            )
+        except ArpackError as error:
+            raise NotConverged("Lanczos", got=str(error), do="ask for fewer modes") from error
+    order = np.argsort(values, kind="stable")
+    shapes = orthonormalise(M, shapes[:, order])
+    return values[order], signed(shapes, np.sqrt(np.abs(M.diagonal())))
+
+
+def _dense(K: csc_array, M: csc_array, sigma: float, k: int) -> tuple[Floats, Floats]:
+    """The k lowest eigenpairs by full matrices: the low half inverted, the high half direct.
+
+    Direct, the error is eps omega_max^2 (it drowns low modes in stiff meshes); inverted, eps omega^4 / |sigma| (it
+    drowns high ones). They are joined in the widest gap near sqrt(omega_max^2 |sigma|), where both are small.
+    """
+    full_M = M.toarray()
+    inverted, low = eigh(full_M, K.toarray() - sigma * full_M)
+    usable = inverted[::-1] > 1e-13 * inverted[-1]  # massless shapes have no finite frequency
+    values = sigma + 1.0 / inverted[::-1][usable]
+    low = low[:, ::-1][:, usable] / np.sqrt(inverted[::-1][usable])
+    cut = len(values)
+    try:
+        direct, high = eigh(K.toarray(), full_M)
+    except LinAlgError:
+        pass  # M is singular: the inverted form is all there is
+    else:
+        level = np.sqrt(direct[-1] * abs(sigma))
+        near = np.flatnonzero((direct[1:] > 0.1 * level) & (direct[:-1] < 10.0 * level))
+        if near.size and len(direct) == len(values):
+            cut = int(near[np.argmax(np.log(direct[near + 1] / direct[near].clip(1e-3 * level)))]) + 1
+            values = np.concatenate([values[:cut], direct[cut:]])
+            low = np.concatenate([low[:, :cut], high[:, cut:]], axis=1)
+    return values[:k], low[:, :k]
+
+
+def _is_rigid(K: csc_array, shapes: Floats) -> NDArray[np.bool_]:
+    """Which modes strain nothing but rounding [k]; only the lowest ones can."""
+    return np.logical_and.accumulate(relative_energy(K, shapes) < _ROUNDING)
