@@ -1,1 +1,80 @@
-"""The room and what is heard in it."""
+"""The room and what is heard in it.
+
+The way through this wing, each step a pure function or a frozen noun::
+
+    Air, Losses -> Room, Receiver      what the room is                          air, room
+    SurfaceVelocity                    how its ceiling moves: the one door in    source
+    pressure(...) -> RoomResponse      what is heard, in time and frequency      pressure (transfer functions: cavity)
+    sound_levels(...) -> Levels        peak, L_AFmax, third octaves              levels
+
+Layers, lowest first: ``errors arrays | air room source | cavity | extension judgement | pressure | levels``. A module
+imports only from lower ones. Nothing here knows of finite elements, opens a file or prints.
+
+Harmonic quantities are the real part of X exp(+j omega t). The surface's velocity is positive into the room, where it
+raises the pressure. Coordinates are the room's own: from its lower corner, z up, the ceiling at z = Lz.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+from acoustics.air import Air
+from acoustics.errors import AcousticsError, Advice
+from acoustics.judgement import air_stiffness_advice
+from acoustics.pressure import PressureMap, RoomResponse, pressure, pressure_map
+from acoustics.room import (
+    Losses,
+    Receiver,
+    Room,
+    air_stiffness,
+    air_stiffness_ratio,
+    losses_from_beta,
+    losses_from_loss_factor,
+    losses_from_t60,
+    modal_damping_ratio,
+    room_modes,
+)
+from acoustics.source import SurfaceVelocity, displaced_volume, mean_square_velocity, volume_velocity
+
+if TYPE_CHECKING:
+    from acoustics.levels import Levels, level_spectrum, response_levels, sound_levels, third_octave_bands
+
+# The filters need scipy.signal, slow to import: they are fetched when first asked for (PEP 562).
+_FETCHED = ("Levels", "level_spectrum", "response_levels", "sound_levels", "third_octave_bands")
+
+__all__ = [
+    "AcousticsError",
+    "Advice",
+    "Air",
+    "Levels",
+    "Losses",
+    "PressureMap",
+    "Receiver",
+    "Room",
+    "RoomResponse",
+    "SurfaceVelocity",
+    "air_stiffness",
+    "air_stiffness_advice",
+    "air_stiffness_ratio",
+    "displaced_volume",
+    "level_spectrum",
+    "losses_from_beta",
+    "losses_from_loss_factor",
+    "losses_from_t60",
+    "mean_square_velocity",
+    "modal_damping_ratio",
+    "pressure",
+    "pressure_map",
+    "response_levels",
+    "room_modes",
+    "sound_levels",
+    "third_octave_bands",
+    "volume_velocity",
+]
+
+
+def __getattr__(name: str) -> Any:
+    if name in _FETCHED:
+        return getattr(import_module("acoustics.levels"), name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -1,0 +1,49 @@
+"""Read-only arrays for the frozen nouns of the acoustic wing."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from acoustics.errors import AcousticsError
+
+Floats = NDArray[np.float64]
+Complexes = NDArray[np.complex128]
+Integers = NDArray[np.int64]
+
+
+def frozen(name: str, values: ArrayLike, shape: tuple[int | None, ...]) -> Floats:
+    """Read-only float64 array of `values`; None in `shape` accepts any length.
+
+    Copies, unless the array already is read-only and owns its memory (then nobody else can change it).
+
+    Raises AcousticsError when the shape is another or a value is not finite.
+
+    >>> frozen("size", [1, 2], (2,)).flags.writeable
+    False
+    """
+    array = np.asarray(values, dtype=np.float64)
+    if len(array.shape) != len(shape) or any(e is not None and g != e for g, e in zip(array.shape, shape, strict=True)):
+        raise AcousticsError(name, got=f"shape {array.shape}", expected=f"shape {shape}".replace("None", "any"))
+    if not np.isfinite(array).all():
+        raise AcousticsError(name, got="nan or infinity", expected="finite numbers")
+    if array.flags.writeable or not array.flags.owndata:
+        array = array.copy()
+        array.flags.writeable = False
+    return array
+
+
+def freeze(instance: object, **fields: Any) -> None:
+    """Set fields of a frozen dataclass from its own ``__post_init__``."""
+    for name, value in fields.items():
+        object.__setattr__(instance, name, value)
+
+
+def positive(name: str, value: float, unit: str) -> float:
+    """`value` as a float when it is finite and above zero, else AcousticsError."""
+    number = float(value)
+    if not (np.isfinite(number) and number > 0):
+        raise AcousticsError(name, got=f"{number:g} {unit}".strip(), expected="a positive finite number")
+    return number

@@ -1,0 +1,100 @@
+"""Transfer of the rectangular room: from the velocity of its ceiling to the pressure inside.
+
+With s = j omega + a (a = 0 on the frequency axis), the pressure of the cosine (l, m) of the ceiling velocity is
+
+    P(z) = -rho d(s) V cos(mu z) / (mu sin(mu Lz)),      mu^2 = k^2(s) - k_lm^2,      k_lm^2 = (l pi/Lx)^2 + (m pi/Ly)^2
+
+for a rigid floor and a ceiling velocity positive into the room (so that uniform compression is rho c^2 times the
+displaced volume over V, positive). d(s) = s, but s + 2 gamma with a constant decay rate, where the pressure is
+rho (phi_t + 2 gamma phi).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from acoustics.arrays import Complexes, Floats, Integers
+from acoustics.room import Room
+from acoustics.source import SurfaceVelocity
+
+
+def wavenumber_squared(room: Room, s: Complexes) -> Complexes:
+    """k^2 [1/m^2] at the complex frequencies `s` [1/s] under the room's losses, its imaginary part never positive."""
+    losses = room.losses
+    squared = -(s**2 + 2 * losses.decay_rate * s) / (room.air.c**2 * (1 + losses.relaxation_time * s))
+    return squared * (1 - 1j * losses.beta) ** 2
+
+
+def horizontal_wavenumber(room: Room, orders: Integers) -> Floats:
+    """k_lm [n] [1/m] of the cosines `orders` [n, 2]."""
+    wavenumber: Floats = np.pi * np.hypot(orders[:, 0] / room.size[0], orders[:, 1] / room.size[1])
+    return wavenumber
+
+
+def cosines(room: Room, orders: Integers, points: Floats) -> Floats:
+    """cos(l pi x/Lx) cos(m pi y/Ly) [p, n] of the cosines `orders` [n, 2] at `points` [p, 2 or 3]."""
+    along_x = np.cos(np.pi / room.size[0] * np.outer(points[:, 0], np.arange(orders[:, 0].max(initial=0) + 1)))
+    along_y = np.cos(np.pi / room.size[1] * np.outer(points[:, 1], np.arange(orders[:, 1].max(initial=0) + 1)))
+    product: Floats = along_x[:, orders[:, 0]] * along_y[:, orders[:, 1]]
+    return product
+
+
+def project(surface: SurfaceVelocity, room: Room, orders: Integers) -> Floats:
+    """Cosine coefficients [n, k] of the surface's shapes: its velocity is the sum of coefficient times cosine.
+
+    Notes
+    -----
+    The mean of cos^2 is 1 for order 0 and 1/2 for the others, so that the factor is 1 or 2 in each direction; taking
+    1/2 for all would add 6 dB for every zero order.
+    """
+    factor = np.where(orders > 0, 2.0, 1.0).prod(axis=1) / room.ceiling_area
+    weighted = surface.weights[:, None] * surface.shapes
+    coefficients: Floats = factor[:, None] * (cosines(room, orders, surface.points).T @ weighted)
+    return coefficients
+
+
+def vertical_wavenumber(room: Room, s: Complexes, k_lm: Floats) -> Complexes:
+    """mu [n, nf] [1/m], the root with Re mu >= 0 and Im mu <= 0: waves that decay away from the ceiling.
+
+    In real arithmetic, some three times faster than a complex root.
+    """
+    squared = wavenumber_squared(room, s)
+    real = squared.real - (k_lm**2)[:, None]
+    imaginary = squared.imag
+    larger = np.sqrt(0.5 * (np.sqrt(real**2 + imaginary**2) + np.abs(real)))
+    smaller = np.divide(0.5 * imaginary, larger, out=np.zeros_like(larger), where=larger > 0)
+    mu = np.empty(real.shape, dtype=np.complex128)
+    mu.real = np.where(real > 0, larger, -smaller)
+    mu.imag = np.where(real > 0, smaller, -larger)
+    return mu
+
+
+def transfer(room: Room, s: Complexes, k_lm: Floats, z: Floats) -> list[Complexes]:
+    """Pressure over ceiling velocity [Pa s/m] of cosines `k_lm` [n] [1/m] at each height `z`: arrays [n, nf].
+
+    Notes
+    -----
+    Written with decaying exponentials only, E(x) = exp(-j mu x),
+
+        cos(mu z) / (mu sin(mu Lz)) = j (E(Lz - z) + E(Lz + z)) / (mu (1 - E(2 Lz))),
+
+    since sine and cosine overflow where |Im mu| Lz > 710. Where a room without losses resonates, s on the frequency
+    axis, the result is not finite.
+    """
+    height = room.size[2]
+    mu = -1j * vertical_wavenumber(room, s, k_lm)  # now exp(mu x) = E(x)
+    whole = np.exp(mu * height)
+    # -rho d(s) j / mu_true with mu_true = j mu
+    front = -room.air.rho * (s + 2 * room.losses.decay_rate) / (mu * (1 - whole * whole))
+    return [front * _standing(mu, whole, height, level) for level in z.tolist()]
+
+
+def _standing(mu: Complexes, whole: Complexes, height: float, level: float) -> Complexes:
+    """E(Lz - z) + E(Lz + z); floor, ceiling and mid-height need fewer exponentials."""
+    if level <= 0:
+        return np.asarray(2 * whole)
+    if level >= height:
+        return np.asarray(1 + whole * whole)
+    up = np.exp(mu * level)
+    down = up if 2 * level == height else np.exp(mu * (height - level))
+    return np.asarray(down * (1 + up * up))

@@ -1,0 +1,53 @@
+"""What a velocity does after its record ends: the part that a discrete Fourier transform invents if nobody says."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from acoustics.arrays import Floats
+
+
+def fast_length(n: int) -> int:
+    """Smallest even number >= `n` without prime factors above 5, at which Fourier transforms are fast.
+
+    >>> fast_length(192000), fast_length(97)
+    (192000, 100)
+    """
+    sizes: list[int] = [2 * 2**i * 3**j * 5**k for i in range(40) for j in range(20) for k in range(14)]
+    return min(size for size in sizes if size >= n)
+
+
+def extended(velocity: Floats, length: int) -> Floats:
+    """`velocity` [n, nt] continued to `length` samples and brought smoothly to rest there.
+
+    Notes
+    -----
+    Reflected about its last sample, so that value and slope go on, and faded out by half a cosine. A causal room
+    cannot hear it within the record; a jump to zero would ring, through the band limit, back into the last 5 %.
+    """
+    nt = velocity.shape[1]
+    tail = min(nt - 1, length - nt - 1)
+    fade = 0.5 * (1 + np.cos(np.pi * np.arange(1, tail + 1) / (tail + 1)))
+    mirrored = 2 * velocity[:, -1:] - velocity[:, -2 : -2 - tail : -1]
+    whole = np.zeros((len(velocity), length))
+    whole[:, :nt] = velocity
+    whole[:, nt : nt + tail] = mirrored * fade
+    return whole
+
+
+def returned(velocity: Floats, length: int, dt: float) -> Floats:
+    """`extended`, with a smooth pulse in the padding that brings the displacement back to where it started."""
+    whole = extended(velocity, length)
+    nt = velocity.shape[1]
+    pulse = 1 - np.cos(2 * np.pi * np.arange(length - nt) / (length - nt))
+    whole[:, nt:] -= np.outer(whole.sum(axis=1), pulse / pulse.sum())
+    return whole
+
+
+def source_bandwidth(velocity: Floats, dt: float) -> float:
+    """Frequency [Hz] below which all but 1e-6 of the energy of the velocities [n, nt] lies."""
+    length = fast_length(2 * velocity.shape[1])
+    energy = (np.abs(np.fft.rfft(extended(velocity, length), axis=1)) ** 2).sum(axis=0)
+    total = np.cumsum(energy)
+    highest = int(np.searchsorted(total, (1 - 1e-6) * total[-1])) if total[-1] > 0 else 0
+    return float(np.fft.rfftfreq(length, dt)[highest])

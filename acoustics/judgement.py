@@ -1,0 +1,141 @@
+"""Advice on how far a room response is to be believed."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+
+from acoustics.arrays import Integers
+from acoustics.cavity import cosines, project
+from acoustics.errors import Advice
+from acoustics.room import Room, air_stiffness, air_stiffness_ratio
+from acoustics.source import SurfaceVelocity
+
+STIFF_AIR: Final = 0.1  # frequencies move by 5 %
+SAMPLES_PER_PERIOD: Final = 30.0  # of the source's highest frequency: gives 1e-6
+TRUNCATED: Final = 1e-3
+DECAYED: Final = 1e-3
+COARSE: Final = 0.05
+
+
+def air_stiffness_advice(room: Room, area: float, stiffness: float) -> Advice | None:
+    """Advice ``air-stiffness`` when the sealed air is stiffer than 0.1 of the structure [N/m], else None.
+
+    >>> from acoustics.air import Air
+    >>> box = Room([0.58, 0.47, 0.1], Air(340, 1.29))
+    >>> air_stiffness_advice(box, box.ceiling_area, 4.641e5).code
+    'air-stiffness'
+    """
+    ratio = float(air_stiffness_ratio(room, area, stiffness))
+    if ratio <= STIFF_AIR:
+        return None
+    return Advice(
+        "air-stiffness",
+        f"the air of the sealed room is {ratio:.2f} times as stiff as the structure ({air_stiffness(room, area):.4g} "
+        f"against {stiffness:.4g} N/m): one-way coupling does not hold for a sealed room above {STIFF_AIR:g}; "
+        "reductions in percent survive, pascals do not",
+        {
+            "ratio": ratio,
+            "air_stiffness_n_per_m": float(air_stiffness(room, area)),
+            "structural_stiffness_n_per_m": float(stiffness),
+            "frequency_factor": float(np.sqrt(1 + ratio)),
+        },
+    )
+
+
+def source_advice(surface: SurfaceVelocity, room: Room, orders: Integers, highest_hz: float) -> tuple[Advice, ...]:
+    """Advice on the sampling, the start, the decay and the spacing of the surface's velocity."""
+    found = []
+    sampling_hz = 1 / surface.dt
+    if highest_hz * SAMPLES_PER_PERIOD > sampling_hz:
+        found.append(
+            Advice(
+                "sampling-low",
+                f"the surface moves up to {highest_hz:.4g} Hz (all but 1e-6 of its energy), sampled at "
+                f"{sampling_hz:.4g} Hz: 1e-6 accuracy needs {SAMPLES_PER_PERIOD * highest_hz:.4g} Hz",
+                {"source_highest_hz": highest_hz, "sampling_hz": sampling_hz},
+            )
+        )
+    size = np.sqrt(np.einsum("kt,kl,lt->t", surface.rates, _gram(surface), surface.rates, optimize=True))
+    peak, start, end = float(size.max()), float(size[0]), float(size[-max(1, len(size) // 20) :].max())
+    if start > DECAYED * peak:
+        found.append(
+            Advice(
+                "starts-moving",
+                f"the surface already moves at t = 0 ({start / peak:.2g} of its peak): the jump rings at the sampling "
+                "frequency; record from rest",
+                {"start_ratio": start / peak},
+            )
+        )
+    if end > DECAYED * peak:
+        found.append(
+            Advice(
+                "record-not-decayed",
+                f"the surface still moves at the end ({end / peak:.2g} of its peak): spectra and levels are those of "
+                "a record cut short, and the last 5 % of the pressure is accurate to some 1e-5 only; record longer",
+                {"end_ratio": end / peak},
+            )
+        )
+    if (
+        abs(surface.area / room.ceiling_area - 1) < 1e-6
+        and (error := _quadrature_error(surface, room, orders)) > COARSE
+    ):
+        found.append(
+            Advice(
+                "surface-coarse",
+                f"the {len(surface.weights)} points of the surface integrate its highest orders with an error of "
+                f"{error:.2g}; use more points",
+                {"quadrature_error": error, "points": float(len(surface.weights))},
+            )
+        )
+    return tuple(found)
+
+
+def truncation(share: float, orders: Integers) -> tuple[Advice, ...]:
+    """Advice ``orders-truncated`` when the last cosines still add more than 1e-3 of the pressure."""
+    if share <= TRUNCATED or len(orders) <= 1:
+        return ()
+    return (
+        Advice(
+            "orders-truncated",
+            f"the last orders, up to l = {orders[:, 0].max()}, m = {orders[:, 1].max()}, still add {share:.2g} of the "
+            "pressure (rms): give more orders, or listen further from the surface",
+            {"share": share, "l_max": float(orders[:, 0].max()), "m_max": float(orders[:, 1].max())},
+        ),
+    )
+
+
+def one_way(room: Room) -> tuple[Advice, ...]:
+    """Advice ``anti-causal-losses`` for losses of kind ``source``."""
+    if room.losses.kind != "source":
+        return ()
+    return (
+        Advice(
+            "anti-causal-losses",
+            f"a constant damping ratio ({room.losses.beta:g}) is not causal even with its sign corrected: some "
+            f"{200 * room.losses.beta:.2g} % of the pressure comes before its cause, and low frequencies are shifted "
+            "in phase; a causal form of the losses has neither",
+            {"beta": room.losses.beta, "phase_rad": 2 * room.losses.beta},
+        ),
+    )
+
+
+def _gram(surface: SurfaceVelocity) -> np.ndarray[tuple[int, int], np.dtype[np.float64]]:
+    gram: np.ndarray[tuple[int, int], np.dtype[np.float64]] = surface.shapes.T @ (
+        surface.weights[:, None] * surface.shapes
+    )
+    return gram
+
+
+def _quadrature_error(surface: SurfaceVelocity, room: Room, orders: Integers) -> float:
+    """Largest departure from 1 of the coefficient that the highest cosines have in themselves."""
+    highest = orders[np.unique([orders[:, 0].argmax(), orders[:, 1].argmax(), orders.sum(axis=1).argmax()])]
+    themselves = SurfaceVelocity(
+        surface.points,
+        surface.weights,
+        cosines(room, highest, surface.points),
+        np.zeros((len(highest), 2)),
+        surface.dt,
+    )
+    return float(np.abs(np.diag(project(themselves, room, highest)) - 1).max())

@@ -1,0 +1,205 @@
+"""The rectangular room with rigid walls: its size, its losses, who listens in it, and its modes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from math import ceil, log, pi
+from typing import Final, Literal
+
+import numpy as np
+
+from acoustics.air import Air
+from acoustics.arrays import Floats, Integers, freeze, frozen, positive
+from acoustics.errors import AcousticsError
+
+DECAY_OF_T60: Final = 3 * log(10)  # gamma T60: exp(-gamma T60) is -60 dB, which is 10^-3, hence ln(10^6) / 2 = 6.9078
+
+LossKind = Literal["none", "kelvin_voigt", "constant_decay", "source"]
+_PARAMETER: Final = {"none": "", "kelvin_voigt": "relaxation_time", "constant_decay": "decay_rate", "source": "beta"}
+
+
+@dataclass(frozen=True, eq=False)
+class Losses:
+    """How sound dies away in the room; the one parameter its kind needs, and no other.
+
+    kind : with s = j omega,
+        ``none``;
+        ``kelvin_voigt``, k^2 = -s^2 / (c^2 (1 + s tau)), `relaxation_time` tau [s]: the damping ratio grows with
+        frequency, omega tau / 2;
+        ``constant_decay``, k^2 = -(s^2 + 2 gamma s) / c^2, `decay_rate` gamma [1/s]: one reverberation time for all
+        modes, uniform compression without loss;
+        ``source``, k = omega (1 - j beta) / c, `beta` [-]: one damping ratio for all modes.
+
+    Raises AcousticsError: a parameter missing, of another kind, or negative.
+
+    Notes
+    -----
+    The first three are causal. The last is not, whatever the sign of beta (its phase 2 beta is the same at all
+    frequencies); with the sign of the dissertation it comes from, k = omega (1 + j beta) / c, the response would
+    even come before its cause, so that the sign is corrected here.
+    """
+
+    kind: LossKind = "none"
+    relaxation_time: float = 0.0
+    decay_rate: float = 0.0
+    beta: float = 0.0
+
+    def __post_init__(self) -> None:
+        if self.kind not in _PARAMETER:
+            raise AcousticsError("losses.kind", got=repr(self.kind), expected=f"one of {', '.join(_PARAMETER)}")
+        for name in ("relaxation_time", "decay_rate", "beta"):
+            value = float(getattr(self, name))
+            if name == _PARAMETER[self.kind]:
+                positive(f"losses.{name}", value, "")
+            elif value != 0:
+                raise AcousticsError(
+                    f"losses.{name}", got=f"{value:g}", expected=f"nothing with kind {self.kind}", do="leave it out"
+                )
+            freeze(self, **{name: value})
+        if self.beta >= 1:
+            raise AcousticsError("losses.beta", got=f"{self.beta:g}", expected="less than 1 (1.16 % is 0.0116)")
+
+
+def losses_from_beta(beta: float, frequency_hz: float, form: str = "causal") -> Losses:
+    """Losses with the damping ratio `beta` [-] at `frequency_hz` [Hz].
+
+    form : ``causal``: Kelvin-Voigt air with tau = 2 beta / omega_ref, so the frequency matters much: take the first
+        mode of the room. ``source``: the same beta at all frequencies; the frequency has no effect on it and is only
+        checked.
+
+    >>> losses = losses_from_beta(0.0116, 293)
+    >>> [round(modal_damping_ratio(losses, f), 4) for f in (19.9, 293, 1700)]
+    [0.0008, 0.0116, 0.0673]
+    """
+    beta = positive("losses.beta", beta, "")
+    omega = 2 * pi * positive("losses.at", frequency_hz, "Hz")
+    if form == "causal":
+        return Losses("kelvin_voigt", relaxation_time=2 * beta / omega)
+    if form == "source":
+        return Losses("source", beta=beta)
+    raise AcousticsError("losses.form", got=repr(form), expected="causal or source")
+
+
+def losses_from_loss_factor(eta: float, frequency_hz: float, form: str = "causal") -> Losses:
+    """Losses with the loss factor `eta` = 2 beta [-] at `frequency_hz` [Hz]."""
+    return losses_from_beta(positive("losses.loss_factor", eta, "") / 2, frequency_hz, form)
+
+
+def losses_from_t60(t60: float) -> Losses:
+    """Losses with the reverberation time `t60` [s] at all frequencies: decay rate gamma = 3 ln(10) / T60.
+
+    >>> round(losses_from_t60(1.0).decay_rate, 4)
+    6.9078
+    """
+    return Losses("constant_decay", decay_rate=DECAY_OF_T60 / positive("losses.t60", t60, "s"))
+
+
+def modal_damping_ratio(losses: Losses, frequency_hz: float) -> float:
+    """Damping ratio [-] of a room mode at `frequency_hz` [Hz] under these losses."""
+    omega = 2 * pi * positive("frequency", frequency_hz, "Hz")
+    return {
+        "none": 0.0,
+        "kelvin_voigt": omega * losses.relaxation_time / 2,
+        "constant_decay": losses.decay_rate / omega,
+        "source": losses.beta,
+    }[losses.kind]
+
+
+@dataclass(frozen=True, eq=False)
+class Room:
+    """A rectangular room with rigid walls and floor; its ceiling, z = Lz, is what moves.
+
+    size : Lx, Ly, Lz [m]. Coordinates are measured from the lower corner, z up.
+
+    >>> room = Room([0.58, 0.47, 0.1], Air(340, 1.29), losses_from_beta(0.0116, 293))
+    >>> round(room.volume, 5), round(room.ceiling_area, 4)
+    (0.02726, 0.2726)
+    """
+
+    size: Floats
+    air: Air = field(default_factory=Air)
+    losses: Losses = field(default_factory=Losses)
+
+    def __post_init__(self) -> None:
+        size = frozen("room.size", self.size, (3,))
+        if (size <= 0).any():
+            raise AcousticsError("room.size", got=f"{size.tolist()} m", expected="positive lengths")
+        freeze(self, size=size)
+
+    @property
+    def volume(self) -> float:
+        """Volume Lx Ly Lz [m^3]."""
+        return float(np.prod(self.size))
+
+    @property
+    def ceiling_area(self) -> float:
+        """Area Lx Ly of the ceiling [m^2]."""
+        return float(self.size[0] * self.size[1])
+
+
+@dataclass(frozen=True, eq=False)
+class Receiver:
+    """A point where the pressure is heard: a name and a position [3] from the room's lower corner [m]."""
+
+    name: str
+    position: Floats
+
+    def __post_init__(self) -> None:
+        freeze(self, position=frozen(f"receiver {self.name}.position", self.position, (3,)))
+
+
+def inside(room: Room, name: str, points: Floats) -> None:
+    """Refuse `points` [n, 3] outside the room; raises AcousticsError with the first of them.
+
+    A rounding error of 1e-9 of the room's size is let through.
+    """
+    slack = 1e-9 * room.size.max()
+    outside = ((points < -slack) | (points > room.size + slack)).any(axis=1)
+    if outside.any():
+        raise AcousticsError(
+            name,
+            got=f"{points[outside.argmax()].tolist()} m",
+            expected=f"a point of the room of {room.size.tolist()} m",
+            do="measure from the room's lower corner, z up",
+        )
+
+
+def room_modes(room: Room, up_to_hz: float) -> tuple[Floats, Integers]:
+    """Frequencies [n] [Hz] and indices (l, m, n) [n, 3] of the modes up to `up_to_hz`, without the uniform one at 0.
+
+    f = (c / 2) sqrt((l/Lx)^2 + (m/Ly)^2 + (n/Lz)^2), without losses.
+
+    >>> frequency_hz, indices = room_modes(Room([0.58, 0.47, 0.1], Air(340, 1.29)), 500)
+    >>> frequency_hz.round(1).tolist(), indices.tolist()
+    ([293.1, 361.7, 465.6], [[1, 0, 0], [0, 1, 0], [1, 1, 0]])
+    """
+    top = positive("up_to_hz", up_to_hz, "Hz")
+    counts = [ceil(2 * top * length / room.air.c) + 1 for length in room.size.tolist()]
+    indices = np.stack(np.meshgrid(*map(np.arange, counts), indexing="ij"), axis=-1).reshape(-1, 3).astype(np.int64)
+    frequency_hz: Floats = room.air.c / 2 * np.sqrt(((indices / room.size) ** 2).sum(axis=1))
+    order = np.argsort(frequency_hz, kind="stable")
+    order = order[(frequency_hz[order] > 0) & (frequency_hz[order] <= top)]
+    return frequency_hz[order], indices[order]
+
+
+def air_stiffness(room: Room, area: float | Floats) -> float | Floats:
+    """Stiffness rho c^2 area^2 / V [N/m] of the sealed room's air against a piston of `area` [m^2]."""
+    return room.air.bulk_modulus * area**2 / room.volume
+
+
+def air_stiffness_ratio(room: Room, area: float | Floats, stiffness: float | Floats) -> float | Floats:
+    """Stiffness of the sealed air over that of the structure which moves its ceiling [-].
+
+    area : area of the moving surface [m^2], or of a mode: the integral of its mass-normalised shape over the surface
+        [m^2/sqrt(kg)].
+    stiffness : stiffness of the structure under it [N/m], or of a mode: omega^2 [rad^2/s^2].
+
+    Notes
+    -----
+    A mode's frequency with the air is about sqrt(1 + ratio) times that without.
+
+    >>> box = Room([0.58, 0.47, 0.1], Air(340, 1.29))
+    >>> round(air_stiffness_ratio(box, box.ceiling_area, 4.641e5), 3)
+    0.876
+    """
+    return air_stiffness(room, area) / stiffness

@@ -1,0 +1,108 @@
+"""The moving ceiling: the one door into the acoustic wing."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from acoustics.arrays import Floats, freeze, frozen, positive
+from acoustics.errors import AcousticsError
+from acoustics.room import Room, inside
+
+
+@dataclass(frozen=True, eq=False)
+class SurfaceVelocity:
+    """Normal velocity of a surface of the room, factored: v(x, t) = sum_k shapes[:, k] rates[k, :].
+
+    points : [p, 3], on the ceiling, from the room's lower corner [m].
+    weights : [p], quadrature weights, the area each point stands for [m^2].
+    shapes : [p, k], normal displacement of each mode at the points, positive INTO the room, where it raises the
+        pressure.
+    rates : [k, nt], velocity of each modal coordinate; shapes times rates is m/s.
+    dt : sampling interval [s].
+
+    Raises AcousticsError: shapes that do not fit, weights not positive, dt not positive.
+
+    Notes
+    -----
+    What the points do not cover of the ceiling is rigid.
+
+    >>> import numpy as np
+    >>> v = SurfaceVelocity([[0.25, 0.5, 1], [0.75, 0.5, 1]], [0.5, 0.5], [[1], [1]], [np.ones(4)], dt=0.1)
+    >>> volume_velocity(v).tolist()
+    [1.0, 1.0, 1.0, 1.0]
+    """
+
+    points: Floats
+    weights: Floats
+    shapes: Floats
+    rates: Floats
+    dt: float
+
+    def __post_init__(self) -> None:
+        points = frozen("surface.points", self.points, (None, 3))
+        weights = frozen("surface.weights", self.weights, (len(points),))
+        shapes = frozen("surface.shapes", self.shapes, (len(points), None))
+        rates = frozen("surface.rates", self.rates, (shapes.shape[1], None))
+        if (weights <= 0).any():
+            raise AcousticsError("surface.weights", got=f"{weights.min():g} m^2", expected="positive areas")
+        if rates.shape[1] < 2:
+            raise AcousticsError("surface.rates", got=f"{rates.shape[1]} samples", expected="at least 2")
+        dt = positive("surface.dt", self.dt, "s")
+        freeze(self, points=points, weights=weights, shapes=shapes, rates=rates, dt=dt)
+
+    @property
+    def t(self) -> Floats:
+        """Times of the samples [nt] [s], from 0."""
+        return self.dt * np.arange(self.rates.shape[1], dtype=np.float64)
+
+    @property
+    def area(self) -> float:
+        """Area the points stand for [m^2]."""
+        return float(self.weights.sum())
+
+
+def volume_velocity(surface: SurfaceVelocity) -> Floats:
+    """Volume velocity into the room, the integral of v over the surface [nt] [m^3/s]."""
+    swept: Floats = (surface.weights @ surface.shapes) @ surface.rates
+    return swept
+
+
+def displaced_volume(surface: SurfaceVelocity) -> Floats:
+    """Volume displaced into the room since the first sample [nt] [m^3], by the trapezoidal rule."""
+    rate = volume_velocity(surface)
+    return np.concatenate([[0.0], np.cumsum(0.5 * surface.dt * (rate[1:] + rate[:-1]))])
+
+
+def mean_square_velocity(surface: SurfaceVelocity) -> Floats:
+    """Mean over the surface of v^2 [nt] [m^2/s^2]."""
+    gram = surface.shapes.T @ (surface.weights[:, None] * surface.shapes) / surface.area
+    mean: Floats = np.einsum("kt,kt->t", surface.rates, gram @ surface.rates)
+    return mean
+
+
+def on_ceiling(surface: SurfaceVelocity, room: Room) -> None:
+    """Refuse a surface whose points do not lie on the room's ceiling, or cover more than it has.
+
+    Raises AcousticsError: a point off the plane z = Lz by more than 1e-6 of the room's size, a point outside the
+    rectangle, weights that sum to more than the area of the ceiling.
+    """
+    off = np.abs(surface.points[:, 2] - room.size[2])
+    if off.max() > 1e-6 * room.size.max():
+        raise AcousticsError(
+            "surface.points",
+            got=f"z = {surface.points[off.argmax(), 2]:g} m",
+            expected=f"the ceiling of the room, z = {room.size[2]:g} m",
+            do="measure from the room's lower corner, z up",
+        )
+    flat = surface.points.copy()
+    flat[:, 2] = room.size[2]
+    inside(room, "surface.points", flat)
+    if surface.area > room.ceiling_area * (1 + 1e-6):
+        raise AcousticsError(
+            "surface.weights",
+            got=f"a sum of {surface.area:g} m^2",
+            expected=f"at most the ceiling, {room.ceiling_area:g} m^2",
+            do="give each point the area it stands for",
+        )
