@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from scipy.sparse import csc_array, csr_array
@@ -16,11 +16,11 @@ class DofMap:
     """Which degrees of freedom exist and how the nodes follow them.
 
     T [n_nodes * 7, n_free] : nodal components from the free degrees of freedom; ties, joints and supports are in it.
-    labels [n_free] : a name for each, for messages: "floor node 12 (0.1, 0.2, 0) RX".
+    labels [n_free] : a name for each, for messages, made when asked for: "floor node 12 (0.1, 0.2, 0) RX".
     """
 
     T: csr_array
-    labels: tuple[str, ...]
+    labels: Sequence[str]
 
     def __post_init__(self) -> None:
         if self.T.shape[1] != len(self.labels):

@@ -1,0 +1,87 @@
+"""Forces of springs, foundations, supports, joints and on the ground, as rows on the free degrees of freedom."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+from scipy.sparse import csc_array, csr_array, diags_array
+from scipy.sparse.linalg import SuperLU, splu
+
+from femstruct.arrays import Floats
+from femstruct.assembly.dofs import RawDofs
+from femstruct.assembly.matrices import ForceRows
+from femstruct.assembly.ties import Elimination
+from femstruct.model.model import Elastic, Model, Tie
+
+GROUND = "ground"
+
+
+def force_rows(
+    model: Model,
+    dofs: RawDofs,
+    solved: Elimination,
+    equations: csr_array,
+    owners: Mapping[str, slice],
+    matrices: tuple[csr_array, csr_array, csr_array],
+) -> dict[str, ForceRows]:
+    """Force rows of every spring, foundation, support and joint by name, and "ground".
+
+    equations [m, n_raw] with the stretch of each tie in `owners`; matrices : stiffness, damping and mass on the raw
+    degrees of freedom [n_raw, n_raw].
+
+    Notes: the force of a tie is found by virtual work: the nodes of its side are moved by a unit translation, all other
+    equations kept, and the work of K u + C u' + M u'' is the force. A load that acts on held nodes themselves, or the
+    share that reaches them through the shape functions of a cell next to a support, goes straight to the ground and is
+    not in it.
+    """
+    n_free = solved.E.shape[1]
+    forces: dict[str, ForceRows] = {}
+    for elastic in model.elastics:
+        _add(forces, elastic.name, _elastic_rows(elastic, dofs, solved.E))
+    if model.ties:
+        # Products with E once for all ties: rows of the pivots are all that virtual work needs.
+        onto = [csr_array(matrix[solved.pivots] @ solved.E) for matrix in matrices]
+        factor = splu(csc_array(equations[solved.kept][:, solved.pivots])) if len(solved.kept) else None
+        for tie in model.ties:
+            _add(forces, tie.name, _tie_rows(tie, owners[tie.name], solved, factor, onto))
+    nothing = csr_array((3, n_free))
+    ground = ForceRows(nothing, nothing, nothing)
+    grounded = [item.name for item in model.elastics if item.grounded] + [
+        tie.name for tie in model.ties if tie.grounded
+    ]
+    for name in grounded:
+        ground = _sum(ground, forces[name])
+    forces[GROUND] = ground
+    return forces
+
+
+def _elastic_rows(elastic: Elastic, dofs: RawDofs, E: csr_array) -> ForceRows:
+    rows = csr_array(elastic.rows @ dofs.output) @ E
+    directions = csr_array(elastic.directions.T)
+    stiffness = csr_array(directions @ (diags_array(elastic.stiffness) @ rows))
+    damping = csr_array(directions @ (diags_array(elastic.damping) @ rows))
+    return ForceRows(stiffness, damping, csr_array(stiffness.shape))
+
+
+def _tie_rows(tie: Tie, owner: slice, solved: Elimination, factor: SuperLU | None, onto: list[csr_array]) -> ForceRows:
+    violations = np.zeros((len(solved.kept), 3))
+    mine = (solved.kept >= owner.start) & (solved.kept < owner.stop)
+    violations[mine] = tie.directions[solved.kept[mine] - owner.start]
+    moved: Floats = factor.solve(violations) if factor is not None else violations
+    moved[np.abs(moved) < 1e-14] = 0.0
+    virtual = csr_array(-moved.T)
+    stiffness, damping, inertia = (csr_array(virtual @ matrix) for matrix in onto)
+    return ForceRows(stiffness, damping, inertia)
+
+
+def _add(forces: dict[str, ForceRows], name: str, rows: ForceRows) -> None:
+    forces[name] = _sum(forces[name], rows) if name in forces else rows
+
+
+def _sum(one: ForceRows, other: ForceRows) -> ForceRows:
+    return ForceRows(
+        csr_array(one.stiffness + other.stiffness),
+        csr_array(one.damping + other.damping),
+        csr_array(one.inertia + other.inertia),
+    )

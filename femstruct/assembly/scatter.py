@@ -1,0 +1,75 @@
+"""Element matrices of whole parts, scattered into sparse matrices on the raw degrees of freedom."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.sparse import coo_array, csr_array, diags_array
+
+from femstruct.arrays import Floats, Integers
+from femstruct.assembly.dofs import RawDofs
+from femstruct.elements import frame, plate
+from femstruct.model.model import Elastic, FrameMesh, Inert, PlateMesh
+
+
+def plate_matrices(mesh: PlateMesh, dofs: RawDofs) -> tuple[csr_array, csr_array]:
+    """Stiffness and mass of a plate [n_raw, n_raw]: bending of its cells, inertia as a rigid body in its plane."""
+    part, material = mesh.part, mesh.part.material
+    a, b = mesh.cell_sizes
+    per_area = material.rho * part.thickness
+    numbers = dofs.of_nodes[part.name]
+    local = mesh.cells - mesh.nodes[0, 0]
+    of_cells = numbers[local].reshape(len(local), -1)
+    rigidity = plate.rigidity(material.E, material.nu, part.thickness)
+    K = scattered(plate.stiffness(part.element, a, b, rigidity), of_cells, dofs.count)
+    M = scattered(plate.mass(part.element, a, b, per_area), of_cells, dofs.count)
+    width, height = part.size
+    total = per_area * width * height
+    inertia = np.array([total, total, total * (width**2 + height**2) / 12.0])
+    in_plane = dofs.in_plane[part.name]
+    return K, M + csr_array((inertia, (in_plane, in_plane)), shape=M.shape)
+
+
+def frame_matrices(mesh: FrameMesh, dofs: RawDofs, first_node: int) -> tuple[csr_array, csr_array]:
+    """Stiffness and mass of a frame [n_raw, n_raw]."""
+    part, material, section = mesh.part, mesh.part.material, mesh.part.section
+    E, G, lengths = material.E, material.G, mesh.lengths
+    A, Iy, Iz, ky, kz = section.A, section.Iy, section.Iz, section.ky, section.kz
+    local = (
+        frame.stiffness(part.element, lengths, E, G, A, Iy, Iz, section.J, ky, kz),
+        frame.mass(part.element, lengths, material.rho, A, Iy, Iz, ky, kz, E, G),
+    )
+    of_bars = dofs.of_nodes[part.name][mesh.bars - first_node].reshape(len(mesh.bars), -1)
+    K, M = (
+        scattered(
+            frame.with_offsets(frame.to_global(matrix, mesh.axes), mesh.arms[:, 0], mesh.arms[:, 1]),
+            of_bars,
+            dofs.count,
+        )
+        for matrix in local
+    )
+    return K, M
+
+
+def elastic_matrices(elastic: Elastic, dofs: RawDofs) -> tuple[csr_array, csr_array]:
+    """Stiffness and damping of springs, a foundation or an elastic joint [n_raw, n_raw]."""
+    rows = csr_array(elastic.rows @ dofs.output)
+    return congruent(rows, elastic.stiffness), congruent(rows, elastic.damping)
+
+
+def inert_matrix(inert: Inert, dofs: RawDofs) -> csr_array:
+    """Mass matrix of particles and spread masses [n_raw, n_raw]."""
+    return congruent(csr_array(inert.rows @ dofs.output), inert.mass)
+
+
+def congruent(rows: csr_array, values: Floats) -> csr_array:
+    """rows^T diag(values) rows."""
+    return csr_array(rows.T @ (diags_array(values) @ rows))
+
+
+def scattered(matrices: Floats, of_elements: Integers, count: int) -> csr_array:
+    """Sum of element matrices [n, nd, nd] at the degrees of freedom [n, nd] of each, as one sparse matrix."""
+    n_dofs = of_elements.shape[1]
+    numbers = of_elements.astype(np.int32)
+    rows = np.repeat(numbers, n_dofs, axis=1).ravel()
+    columns = np.tile(numbers, (1, n_dofs)).ravel()
+    return csr_array(coo_array((matrices.ravel(), (rows, columns)), shape=(count, count)))

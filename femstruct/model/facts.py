@@ -1,0 +1,91 @@
+"""Facts of a meshed model for its reader: masses, geometry, and what to know before believing its results."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from femstruct.arrays import Floats, freeze, frozen
+from femstruct.elements.plate import twist_excess
+from femstruct.errors import Finding
+from femstruct.model.model import Model, PlateMesh
+
+THICK = 0.1
+"""Thickness to shorter side of a plate above which shear, which Kirchhoff's theory leaves out, is worth a finding."""
+
+
+def part_masses(model: Model) -> dict[str, float]:
+    """Mass of every part that has one, by name [kg]."""
+    masses = {}
+    for name, plate in model.plates.items():
+        width, height = plate.part.size
+        masses[name] = plate.part.material.rho * plate.part.thickness * width * height
+    for name, frame in model.frames.items():
+        masses[name] = frame.part.material.rho * frame.part.section.A * float(frame.lengths.sum())
+    for inert in model.inerts:
+        masses[inert.name] = float(inert.mass[::3].sum())
+    return {name: mass for name, mass in masses.items() if mass > 0}
+
+
+@dataclass(frozen=True, eq=False)
+class ModelFacts:
+    """What `check` reports of a model.
+
+    masses : by part [kg]; total_mass [kg]; low, high [3] : corners of the box around the nodes [m]; counts : nodes, plate cells, bars.
+    """
+
+    masses: dict[str, float]
+    total_mass: float
+    low: Floats
+    high: Floats
+    counts: dict[str, int]
+
+    def __post_init__(self) -> None:
+        freeze(self, low=frozen("low", self.low, (3,)), high=frozen("high", self.high, (3,)))
+
+
+def model_facts(model: Model) -> ModelFacts:
+    """Masses by part, the box around the structure, and the numbers of nodes and cells."""
+    masses = part_masses(model)
+    mesh = model.mesh
+    return ModelFacts(
+        masses,
+        sum(masses.values()),
+        mesh.points.min(axis=0),
+        mesh.points.max(axis=0),
+        {"nodes": mesh.n_nodes, "plate cells": len(mesh.quads), "bars": len(mesh.bars)},
+    )
+
+
+def model_findings(model: Model) -> tuple[Finding, ...]:
+    """Reasons to believe the model less: the twist defect of hermite12, plates too thick for Kirchhoff's theory."""
+    found = []
+    for plate in model.plates.values():
+        if plate.part.element == "hermite12":
+            found.append(_twist_defect(plate))
+        ratio = plate.part.thickness / min(plate.part.size)
+        if ratio > THICK:
+            found.append(
+                Finding(
+                    "thick-plate",
+                    f"{plate.part.name} is {ratio:.2g} of its shorter side thick; Kirchhoff's theory leaves out shear "
+                    f"and is meant for less than {THICK:g}",
+                    {"thickness_to_side": ratio, "limit": THICK},
+                )
+            )
+    return tuple(found)
+
+
+def _twist_defect(plate: PlateMesh) -> Finding:
+    a, b = plate.cell_sizes
+    excess = twist_excess(b / a, plate.part.material.nu)
+    mean = float((excess * a * b).sum() / (a * b).sum())
+    worst = int(np.argmax(excess))
+    aspect = float(max(a[worst] / b[worst], b[worst] / a[worst]))
+    return Finding(
+        "twist-defect",
+        f"{plate.part.name} uses hermite12, which is {100 * mean:.0f} % too stiff in twist at any mesh (cells up to "
+        f"1:{aspect:.2g}, where it is {100 * float(excess[worst]):.0f} %); bfs16 is not",
+        {"mean_excess": mean, "largest_excess": float(excess[worst]), "largest_cell_aspect": aspect},
+    )

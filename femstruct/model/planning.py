@@ -1,0 +1,279 @@
+"""Where nodes are needed: grid lines from joints, regions, supports, and points that carry something."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise, product
+from math import inf
+
+import numpy as np
+
+from femstruct.arrays import Floats
+from femstruct.errors import InputError
+from femstruct.model.geometry import (
+    clip,
+    distance_to_rectangle,
+    distance_to_segments,
+    meeting_line,
+    plate_axes,
+    to_plate,
+)
+from femstruct.model.gridlines import Axis, Key, SharedLine, Track, settle
+from femstruct.model.parts import Foundation, Frame, Joint, Mass, PlaceOn, Plate, Region, Spring, Structure
+from femstruct.model.regions import region_box
+
+RELATIVE_TOLERANCE = 1e-6
+"""Places closer than this share of the structure's extent are one place."""
+
+
+@dataclass(frozen=True, eq=False)
+class Segment:
+    """A straight piece of a frame line; `start`, `end` are the ends of the flexible bar [m]."""
+
+    key: Key
+    start: Floats
+    end: Floats
+
+
+class Plan:
+    """The grids of a structure while they are being decided; `settled` gives the result."""
+
+    def __init__(self, structure: Structure) -> None:
+        self.structure = structure
+        self.plates = {part.name: part for part in structure.parts if isinstance(part, Plate)}
+        self.frames = {part.name: part for part in structure.parts if isinstance(part, Frame)}
+        self.axes_of = {name: plate_axes(plate) for name, plate in self.plates.items()}
+        self.tolerance = RELATIVE_TOLERANCE * extent(structure)
+        self.segments = {name: frame_segments(frame, self.tolerance) for name, frame in self.frames.items()}
+        self.grids: dict[Key, Axis] = {}
+        self.shared: list[SharedLine] = []
+        for name, plate in self.plates.items():
+            for direction in (0, 1):
+                self.grids[name, direction] = Axis(plate.size[direction], _plate_size(plate, direction), self.tolerance)
+        for name, frame in self.frames.items():
+            size = frame.mesh if frame.mesh is not None else inf
+            if not size > 0:
+                raise InputError(f"parts.{name}.mesh", got=f"{size:g} m", expected="a positive length")
+            for segment in self.segments[name]:
+                length = float(np.linalg.norm(segment.end - segment.start))
+                self.grids[segment.key] = Axis(length, size, self.tolerance)
+            self._own_vertices(name)
+        self._regions()
+        self._carrying_points()
+        for joint in structure.joints:
+            self._joint(joint)
+
+    def settled(self) -> dict[Key, Floats]:
+        """Grids of all plate sides and frame segments."""
+        return settle(self.grids, self.shared)
+
+    def require_on_plate(self, name: str, local: Floats) -> None:
+        """A node of a plate at a place in its own coordinates."""
+        for direction in (0, 1):
+            self.grids[name, direction].require(float(local[direction]))
+
+    def require_on_frame(self, name: str, position: Floats) -> None:
+        """Nodes of a frame at a place, on every segment that passes through it."""
+        for segment in self.segments[name]:
+            distance, place = distance_to_segments(position, segment.start[None], segment.end[None])
+            if distance[0] <= self.tolerance:
+                self.grids[segment.key].require(float(place[0]) * self.grids[segment.key].length)
+
+    def _own_vertices(self, name: str) -> None:
+        for line in self.frames[name].lines:
+            for vertex in np.asarray(line, dtype=np.float64):
+                self.require_on_frame(name, vertex)
+
+    def _regions(self) -> None:
+        for part in self.structure.parts:
+            if isinstance(part, Foundation):
+                self._region(f"parts.{part.name}.region", part.on, part.region)
+            elif isinstance(part, Mass) and part.on is not None:
+                self._region(f"parts.{part.name}.region", part.on, part.region or Region("whole"))
+        for surface in self.structure.surfaces:
+            self._region(f"surfaces.{surface.name}.region", surface.on, surface.region)
+        for support in self.structure.supports:
+            if support.line is not None:
+                region = Region("line", line=support.line)
+                self._region(f"supports.{support.name}.line", support.on or "", region)
+
+    def _region(self, where: str, name: str, region: Region) -> None:
+        if name not in self.plates:
+            raise InputError(where, got=f"'{name}'", expected=f"a plate: {', '.join(self.plates) or 'there is none'}")
+        x0, x1, y0, y1 = region_box(where, self.plates[name], region, self.tolerance)
+        self.grids[name, 0].require(x0, x1)
+        self.grids[name, 1].require(y0, y1)
+
+    def _carrying_points(self) -> None:
+        """Springs, masses and supports hold a node; a point that is only hit or heard does not."""
+        used = {part.at for part in self.structure.parts if isinstance(part, Mass)}
+        used |= {support.at for support in self.structure.supports}
+        used |= {end for part in self.structure.parts if isinstance(part, Spring) for end in (part.a, part.b)}
+        for point in self.structure.points:
+            numbered = {f"{point.name}.{number + 1}" for number in range(len(point.at))}
+            for number, place in enumerate(point.at):
+                if point.name in used or (f"{point.name}.{number + 1}" in used & numbered):
+                    self._carrying_place(point, np.asarray(place, dtype=np.float64))
+
+    def _carrying_place(self, point: PlaceOn, place: Floats) -> None:
+        if point.on in self.plates:
+            self.require_on_plate(point.on, np.clip(place[:2], 0.0, self.plates[point.on].size))
+        elif point.on in self.frames:
+            self.require_on_frame(point.on, place)
+
+    def _joint(self, joint: Joint) -> None:
+        for end in (joint.a, joint.b):
+            if end not in self.plates and end not in self.frames:
+                raise InputError(f"joints.{joint.name}", got=f"'{end}'", expected="the name of a plate or a frame")
+        if joint.a == joint.b:
+            raise InputError(f"joints.{joint.name}", got=f"'{joint.a}' twice", expected="two parts")
+        if joint.a in self.plates and joint.b in self.plates:
+            self._plate_on_plate(joint.a, joint.b)
+        elif joint.a in self.frames and joint.b in self.frames:
+            self._frame_on_frame(joint)
+        elif joint.a in self.frames:
+            self._frame_on_plate(joint, joint.a, joint.b)
+        else:
+            self._frame_on_plate(joint, joint.b, joint.a)
+
+    def _plate_on_plate(self, first: str, second: str) -> None:
+        start, end = meeting_line(self.plates[first], self.plates[second], self.tolerance)
+        tracks = []
+        for name in (first, second):
+            ends = to_plate(self.plates[name], self.axes_of[name], np.stack([start, end]))
+            self.require_on_plate(name, ends[0])
+            self.require_on_plate(name, ends[1])
+            direction = int(np.argmax(np.abs(ends[1] - ends[0])))
+            tracks.append(Track((name, direction), float(ends[0, direction]), float(ends[1, direction])))
+        if np.linalg.norm(end - start) > self.tolerance:
+            self.shared += [SharedLine(tracks[0], tracks[1]), SharedLine(tracks[1], tracks[0])]
+
+    def _frame_on_frame(self, joint: Joint) -> None:
+        nearest = inf
+        for one, other in ((joint.a, joint.b), (joint.b, joint.a)):
+            starts = np.stack([segment.start for segment in self.segments[other]])
+            ends = np.stack([segment.end for segment in self.segments[other]])
+            for vertex in np.concatenate([np.asarray(line, dtype=np.float64) for line in self.frames[one].lines]):
+                nearest = min(nearest, float(distance_to_segments(vertex, starts, ends)[0].min()))
+                self.require_on_frame(other, vertex)
+        self._refuse_apart(joint, nearest)
+
+    def _frame_on_plate(self, joint: Joint, frame: str, plate: str) -> None:
+        size, tolerance = self.plates[plate].size, self.tolerance
+        vertices = np.concatenate([np.asarray(line, dtype=np.float64) for line in self.frames[frame].lines])
+        local = to_plate(self.plates[plate], self.axes_of[plate], vertices)
+        distances = distance_to_rectangle(local, size)
+        for vertex in local[distances <= tolerance]:
+            self.require_on_plate(plate, np.clip(vertex[:2], 0.0, size))
+        touching = bool((distances <= tolerance).any())
+        for segment in self.segments[frame]:
+            touching |= self._segment_on_plate(segment, plate)
+        if not touching:
+            self._refuse_apart(joint, float(distances.min()))
+
+    def _segment_on_plate(self, segment: Segment, plate: str) -> bool:
+        size, tolerance = self.plates[plate].size, self.tolerance
+        ends = to_plate(self.plates[plate], self.axes_of[plate], np.stack([segment.start, segment.end]))
+        heights = ends[:, 2]
+        axis = self.grids[segment.key]
+        if np.abs(heights).max() > tolerance:
+            if heights[0] * heights[1] > 0:
+                return False
+            share = heights[0] / (heights[0] - heights[1])
+            place = ends[0] + share * (ends[1] - ends[0])
+            if distance_to_rectangle(place, size) > tolerance:
+                return False
+            self.require_on_plate(plate, np.clip(place[:2], 0.0, size))
+            axis.require(float(share) * axis.length)
+            return True
+        stretch = clip(ends[0], ends[1], size, tolerance)
+        if stretch is None:
+            return False
+        inside = [float(np.clip(share, 0.0, 1.0)) for share in stretch]
+        places = [np.clip(ends[0] + share * (ends[1] - ends[0]), 0.0, [*size, inf]) for share in inside]
+        for share, place in zip(inside, places, strict=True):
+            axis.require(share * axis.length)
+            self.require_on_plate(plate, place)
+        own = Track(segment.key, inside[0] * axis.length, inside[1] * axis.length)
+        if own.end - own.start > tolerance:
+            self._share(own, plate, places[0], places[1])
+        return True
+
+    def _share(self, own: Track, plate: str, start: Floats, end: Floats) -> None:
+        """A frame line in a plate takes the plate's nodes; an oblique one gives it crossings at its own."""
+        along = np.abs(end - start)[:2] > self.tolerance
+        for direction in np.flatnonzero(along):
+            track = Track((plate, int(direction)), float(start[direction]), float(end[direction]))
+            if along.all():
+                self.shared.append(SharedLine(own, track))
+            else:
+                self.grids[own.key].size = inf
+                self.shared += [SharedLine(track, own), SharedLine(own, track)]
+
+    def _refuse_apart(self, joint: Joint, distance: float) -> None:
+        if distance > self.tolerance:
+            raise InputError(
+                f"joints.{joint.name}",
+                got=f"{joint.a} and {joint.b} {distance:.4g} m apart",
+                expected="parts that touch: an end or a line of a frame on the mid-surface of a plate or on a frame",
+                do="move one of them",
+            )
+
+
+def frame_segments(frame: Frame, tolerance: float) -> tuple[Segment, ...]:
+    """The straight pieces of a frame's lines, shortened by the rigid arms at the ends of each line.
+
+    Raises InputError for a line of fewer than two points and for two consecutive points in one place.
+    """
+    segments = []
+    if not frame.lines:
+        raise InputError(f"parts.{frame.name}.lines", got="no lines", expected="at least one")
+    for number, line in enumerate(frame.lines):
+        where = f"parts.{frame.name}.lines[{number}]"
+        if len(line) < 2:
+            raise InputError(where, got=f"{len(line)} point", expected="at least two points")
+        points = np.asarray(line, dtype=np.float64).copy()
+        points[0] += frame.start_offset
+        points[-1] += frame.end_offset
+        lengths = np.linalg.norm(np.diff(points, axis=0), axis=1)
+        if lengths.min() <= tolerance:
+            raise InputError(where, got=f"two points {lengths.min():g} m apart", expected="a length above zero")
+        segments += [
+            Segment((frame.name, number, index), start, end) for index, (start, end) in enumerate(pairwise(points))
+        ]
+    return tuple(segments)
+
+
+def extent(structure: Structure) -> float:
+    """Largest side of the box around a structure [m]."""
+    corners: list[Floats] = []
+    for part in structure.parts:
+        if isinstance(part, Plate):
+            _check_plate(part)
+            axes = plate_axes(part)
+            corners += [
+                np.asarray(part.origin) + i * part.size[0] * axes[0] + j * part.size[1] * axes[1]
+                for i, j in product((0.0, 1.0), repeat=2)
+            ]
+        elif isinstance(part, Frame):
+            corners += [np.asarray(point, dtype=np.float64) for line in part.lines for point in line]
+    if not corners:
+        raise InputError("parts", got="no plate and no frame", expected="at least one")
+    return float(np.ptp(np.stack(corners), axis=0).max())
+
+
+def _check_plate(plate: Plate) -> None:
+    for name, value in (("thickness", plate.thickness), ("size", min(plate.size))):
+        if not value > 0:
+            raise InputError(f"parts.{plate.name}.{name}", got=f"{value:g} m", expected="a positive length")
+
+
+def _plate_size(plate: Plate, direction: int) -> float:
+    where = f"parts.{plate.name}.mesh"
+    if isinstance(plate.mesh, tuple):
+        if plate.mesh[direction] < 1:
+            raise InputError(where, got=f"{plate.mesh[direction]} divisions", expected="at least one")
+        return plate.size[direction] / plate.mesh[direction]
+    if not plate.mesh > 0:
+        raise InputError(where, got=f"{plate.mesh:g} m", expected="a positive length")
+    return plate.mesh
