@@ -1,0 +1,264 @@
+"""Strict quantities: a number and a unit of a known dimension, or a plain number in SI units.
+
+The table is short on purpose. General unit libraries read ``1,5 m`` as 15 m and ``40 rad/s`` as 40 Hz; here both are
+refused, and so is every unit that is not in the table.
+"""
+
+from __future__ import annotations
+
+import difflib
+import math
+import re
+from collections.abc import Sequence
+from decimal import Decimal, DecimalException
+from fractions import Fraction
+from typing import Final, NamedTuple
+
+from femstruct.errors import InputError
+
+Exponents = tuple[Fraction, ...]  # of kg, m, s, rad and cycle
+
+
+class QuantityError(InputError, ValueError):
+    """A text or number that is not the quantity it should be."""
+
+
+class _Unit(NamedTuple):
+    factor: Decimal
+    exponents: Exponents
+
+
+class _Dimension(NamedTuple):
+    words: str
+    unit: str
+    example: str
+    exponents: Exponents
+
+
+def _powers(kg: float = 0, m: float = 0, s: float = 0, rad: float = 0, cycle: float = 0) -> Exponents:
+    return tuple(Fraction(power) for power in (kg, m, s, rad, cycle))
+
+
+_PI: Final = Decimal("3.14159265358979323846264338327950288")
+_PREFIX: Final = {
+    "": Decimal(1), "n": Decimal("1e-9"), "u": Decimal("1e-6"), "µ": Decimal("1e-6"), "μ": Decimal("1e-6"),
+    "m": Decimal("1e-3"), "c": Decimal("1e-2"), "h": Decimal("1e2"), "k": Decimal("1e3"), "M": Decimal("1e6"),
+    "G": Decimal("1e9"),
+}  # fmt: skip
+_SYMBOLS: Final = {  # symbol: (its prefixes, factor, exponents)
+    "m": (("", "n", "u", "µ", "μ", "m", "c", "k"), Decimal(1), _powers(m=1)),
+    "g": (("", "u", "m", "k"), Decimal("1e-3"), _powers(kg=1)),
+    "t": (("",), Decimal(1000), _powers(kg=1)),
+    "s": (("", "n", "u", "µ", "μ", "m"), Decimal(1), _powers(s=1)),
+    "min": (("",), Decimal(60), _powers(s=1)),
+    "Hz": (("", "k", "M"), Decimal(1), _powers(s=-1, cycle=1)),
+    "rpm": (("",), 2 * _PI / 60, _powers(s=-1, rad=1)),
+    "rad": (("", "m"), Decimal(1), _powers(rad=1)),
+    "deg": (("",), _PI / 180, _powers(rad=1)),
+    "°": (("",), _PI / 180, _powers(rad=1)),
+    "N": (("", "u", "m", "k", "M", "G"), Decimal(1), _powers(kg=1, m=1, s=-2)),
+    "Pa": (("", "u", "m", "h", "k", "M", "G"), Decimal(1), _powers(kg=1, m=-1, s=-2)),
+    "bar": (("", "m"), Decimal(100000), _powers(kg=1, m=-1, s=-2)),
+    "J": (("", "m", "k"), Decimal(1), _powers(kg=1, m=2, s=-2)),
+    "%": (("",), Decimal("1e-2"), _powers()),
+}  # fmt: skip
+_UNITS: Final = {
+    prefix + symbol: _Unit(_PREFIX[prefix] * factor, exponents)
+    for symbol, (prefixes, factor, exponents) in _SYMBOLS.items()
+    for prefix in prefixes
+}
+
+DIMENSIONS: Final = {
+    "ratio": _Dimension("a ratio", "1", "2 %", _powers()),
+    "length": _Dimension("a length", "m", "5 mm", _powers(m=1)),
+    "area": _Dimension("an area", "m^2", "3.14e-4 m^2", _powers(m=2)),
+    "second moment": _Dimension("a second moment of area", "m^4", "2.1e-8 m^4", _powers(m=4)),
+    "angle": _Dimension("an angle", "rad", "90 deg", _powers(rad=1)),
+    "mass": _Dimension("a mass", "kg", "54 g", _powers(kg=1)),
+    "mass/length": _Dimension("a mass per length", "kg/m", "1.2 kg/m", _powers(kg=1, m=-1)),
+    "mass/area": _Dimension("a mass per area", "kg/m^2", "5 kg/m^2", _powers(kg=1, m=-2)),
+    "density": _Dimension("a density", "kg/m^3", "7850 kg/m^3", _powers(kg=1, m=-3)),
+    "time": _Dimension("a time", "s", "20 ms", _powers(s=1)),
+    "rate": _Dimension("a rate", "1/s", "12 1/s", _powers(s=-1)),
+    "frequency": _Dimension("a frequency", "Hz", "19.9 Hz", _powers(s=-1, cycle=1)),
+    "angular speed": _Dimension("an angular speed", "rad/s", "3 rad/s", _powers(s=-1, rad=1)),
+    "speed": _Dimension("a speed", "m/s", "1.2 m/s", _powers(m=1, s=-1)),
+    "acceleration": _Dimension("an acceleration", "m/s^2", "9.81 m/s^2", _powers(m=1, s=-2)),
+    "force": _Dimension("a force", "N", "1.5 kN", _powers(kg=1, m=1, s=-2)),
+    "pressure": _Dimension("a pressure", "Pa", "5.9 GPa", _powers(kg=1, m=-1, s=-2)),
+    "moment": _Dimension("a moment", "N*m", "3 N*m", _powers(kg=1, m=2, s=-2)),
+    "stiffness": _Dimension("a stiffness", "N/m", "507 N/m", _powers(kg=1, s=-2)),
+    "stiffness/length": _Dimension("a stiffness per length", "N/m^2", "2.2e5 N/m^2", _powers(kg=1, m=-1, s=-2)),
+    "stiffness/area": _Dimension("a stiffness per area", "N/m^3", "10 MN/m^3", _powers(kg=1, m=-2, s=-2)),
+    "rotational stiffness": _Dimension("a rotational stiffness", "N*m/rad", "1 kN*m/rad", _powers(1, 2, -2, -1)),
+    "damping": _Dimension("a damping constant", "N*s/m", "40 N*s/m", _powers(kg=1, s=-1)),
+    "rotational damping": _Dimension("a rotational damping", "N*m*s/rad", "2 N*m*s/rad", _powers(1, 2, -1, -1)),
+    "hertz stiffness": _Dimension("a Hertz stiffness", "N/m^1.5", "3.7e5 N/m^1.5", _powers(1, -0.5, -2)),
+    "hertz damping": _Dimension("a Hertz damping", "N*s/m^1.5", "150 N*s/m^1.5", _powers(1, -0.5, -1)),
+    "bending stiffness": _Dimension("a bending stiffness", "N*m^2", "25 N*m^2", _powers(kg=1, m=3, s=-2)),
+}  # fmt: skip
+_WITHOUT_RAD: Final = ("rotational stiffness", "rotational damping")  # N*m is as good as N*m/rad
+
+_NUMBER: Final = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
+_QUANTITY: Final = re.compile(rf"({_NUMBER})\s*(.*)", re.ASCII | re.DOTALL)
+_COMMA: Final = re.compile(r"[+-]?\d+,\d[\d.,]*", re.ASCII)
+_FACTOR: Final = re.compile(r"([^\W\d_]+|%|°|1)\^?(-?\d+(?:\.\d+)?|\(-?\d+/\d+\))?")
+_LONGEST: Final = 80  # characters; no quantity needs more
+
+
+def quantity(value: object, dimension: str) -> float:
+    """Value in SI units of a text such as ``5 mm``, or of a plain number, which is taken to be in SI units.
+
+    dimension : a key of `DIMENSIONS`, such as "length" or "stiffness/area".
+
+    Raises QuantityError: another dimension, an unknown unit (with the nearest known one), a decimal comma, rad/s or
+    rpm for a frequency (with the value in Hz), nan, infinity, a boolean, anything that is not a quantity.
+
+    Notes
+    -----
+    The number is scaled in decimal arithmetic: 70 % is 0.7, not 0.7000000000000001.
+
+    >>> quantity("5.9 GPa", "pressure"), quantity("40 Ns/m", "damping"), quantity(7850, "density")
+    (5900000000.0, 40.0, 7850.0)
+    """
+    return quantity_of(value, (dimension,))[0]
+
+
+def quantity_of(value: object, dimensions: Sequence[str]) -> tuple[float, str | None]:
+    """Value in SI units and which of several dimensions it has; None for a plain number, which does not tell.
+
+    The dimension of a quantity says whether it is total, per length or per area.
+
+    >>> quantity_of("2 kg/m", ("mass", "mass/length", "mass/area"))
+    (2.0, 'mass/length')
+    """
+    expected = " or ".join(f"{DIMENSIONS[name].words} [{DIMENSIONS[name].unit}]" for name in dimensions)
+    example = f"write it like {DIMENSIONS[dimensions[0]].example}"
+    shown = shown_as(value)
+    if isinstance(value, int | float) and not isinstance(value, bool):
+        return _finite(value, shown, expected), None
+    if not isinstance(value, str) or isinstance(value, bool):
+        raise QuantityError("quantity", got=shown, expected=expected, do=example)
+    text = value.strip()
+    if _COMMA.match(text):
+        do = f"write a decimal point: {text.replace(',', '.', 1)}" if text.count(",") == 1 else "leave out the commas"
+        raise QuantityError("quantity", got=f"{shown} with a comma", expected=expected, do=do)
+    match = _QUANTITY.fullmatch(text) if len(text) <= _LONGEST else None
+    if match is None:
+        raise QuantityError("quantity", got=shown, expected=expected, do=example)
+    number, unit_text = match.groups()
+    if not unit_text:
+        return _finite(float(number), shown, expected), None
+    unit = _unit(unit_text, shown, expected, DIMENSIONS[dimensions[0]].example)
+    try:
+        scaled = _finite(float(Decimal(number) * unit.factor), shown, expected)
+    except DecimalException:
+        raise QuantityError("quantity", got=shown, expected=expected, do="give a number within reach") from None
+    for name in dimensions:
+        if unit.exponents in _accepted(name):
+            return scaled, name
+    raise QuantityError(
+        "quantity",
+        got=f"{shown}, which is {_words(unit.exponents)}",
+        expected=expected,
+        do=_hint(scaled, unit.exponents, dimensions) or example,
+    )
+
+
+def _finite(number: float, shown: str, expected: str) -> float:
+    try:
+        result = float(number)
+    except OverflowError:
+        result = math.inf
+    if not math.isfinite(result):
+        raise QuantityError("quantity", got=shown, expected=f"{expected}, a finite number", do="give a finite number")
+    return result
+
+
+def _unit(text: str, shown: str, expected: str, example: str) -> _Unit:
+    """Factor and exponents of a unit such as ``N*s/m``, ``kg/m^3``, ``m2`` or ``Ns/m``."""
+    factor, total = Decimal(1), _powers()
+    divided = False
+    for sign, token in re.findall(r"([*·/ ]?)([^*·/ ]*)", re.sub(r"\s*([*·/ ])\s*", r"\1", _protect(text)))[:-1]:
+        if divided and sign != "/":
+            raise QuantityError(
+                "quantity",
+                got=f"{shown}, a product after a division",
+                expected=expected,
+                do=f"put what divides last, each after its own /, as in {example}",
+            )
+        divided = divided or sign == "/"
+        match = _FACTOR.fullmatch(token.replace("|", "/"))
+        if match is None:
+            raise QuantityError("quantity", got=shown, expected=expected, do=f"write it like {example}")
+        symbol, power_text = match.groups()
+        power = Fraction((power_text or "1").strip("()")) * (-1 if sign == "/" else 1)
+        if abs(power) > 9:
+            raise QuantityError("quantity", got=shown, expected=expected, do=f"write it like {example}")
+        for unit in _symbol(symbol, shown, expected):
+            factor *= unit.factor ** (Decimal(power.numerator) / power.denominator)
+            total = tuple(old + power * new for old, new in zip(total, unit.exponents, strict=True))
+    return _Unit(factor, total)
+
+
+def _protect(text: str) -> str:
+    """Keep the slash of an exponent like ^(3/2) out of the way of the division; other ways to write an exponent."""
+    return re.sub(r"\((-?\d+)/(\d+)\)", r"(\1|\2)", text.replace("**", "^").replace("²", "2").replace("³", "3"))
+
+
+def _symbol(symbol: str, shown: str, expected: str) -> tuple[_Unit, ...]:
+    if symbol in _UNITS:
+        return (_UNITS[symbol],)
+    if symbol == "1":
+        return (_Unit(Decimal(1), _powers()),)
+    joined = re.fullmatch(r"([kMm]?N)(s|m|mm)", symbol)  # Ns, Nm, kNm; Nms could be two things
+    if joined:
+        return (_UNITS[joined[1]], _UNITS[joined[2]])
+    folded = {name.lower(): name for name in _UNITS}
+    near = difflib.get_close_matches(symbol.lower(), folded, n=1, cutoff=0.5)
+    raise QuantityError(
+        "quantity",
+        got=f"{shown} with an unknown unit '{symbol}'",
+        expected=expected,
+        do=f"did you mean '{folded[near[0]]}'?" if near else f"known units: {', '.join(_SYMBOLS)}, with prefixes",
+    )
+
+
+def _accepted(name: str) -> tuple[Exponents, ...]:
+    exponents = DIMENSIONS[name].exponents
+    if name in _WITHOUT_RAD:
+        return exponents, (*exponents[:3], Fraction(0), exponents[4])
+    return (exponents,)
+
+
+def _words(exponents: Exponents) -> str:
+    for dimension in DIMENSIONS.values():
+        if dimension.exponents == exponents:
+            return dimension.words
+    parts = [
+        f"{unit}^{power}" for unit, power in zip(("kg", "m", "s", "rad", "cycle"), exponents, strict=True) if power
+    ]
+    return f"in {' '.join(parts)}".replace("^1 ", " ").removesuffix("^1")
+
+
+def _hint(scaled: float, exponents: Exponents, dimensions: Sequence[str]) -> str:
+    if "frequency" in dimensions and exponents == DIMENSIONS["angular speed"].exponents:
+        return f"in Hz it is {scaled / (2 * math.pi):.6g} Hz"
+    if "frequency" in dimensions and exponents == DIMENSIONS["rate"].exponents:
+        return f"write {scaled:g} Hz for cycles per second, {scaled / (2 * math.pi):.6g} Hz for radians per second"
+    return ""
+
+
+def shown_as(value: object) -> str:
+    """The value as its writer knows it, cut short."""
+    if value is None:
+        return "nothing"
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, dict | list | tuple):
+        return f"a {'mapping' if isinstance(value, dict) else 'list'}"
+    if isinstance(value, int) and abs(value) > 10**18:
+        return "a very large number"
+    words = " ".join(str(value)[:200].split())
+    words = words if len(words) <= 60 else f"{words[:57]}..."
+    return f"'{words}'" if isinstance(value, str) else words
