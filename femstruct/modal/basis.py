@@ -19,12 +19,15 @@ Kind = Literal["rigid", "elastic", "residual"]
 class ForceRow:
     """One force of the structure in modal coordinates: stiffness . q + damping . q' + inertia . q'' [N].
 
-    Each is [k]. The damping row is that of the permanent dashpots until `with_damping` adds the structure's own.
+    Each is [k]. The damping row is that of the permanent dashpots until `with_damping` adds the structure's own; it
+    is the one for the time domain. hysteretic [k] : the structural part of it, which is + j hysteretic in frequency
+    and hysteretic / omega_r, at each mode's own frequency, in time and in `damping`. Zero if left out.
     """
 
     stiffness: Floats
     damping: Floats
     inertia: Floats
+    hysteretic: Floats = field(default_factory=lambda: np.zeros(0))
 
     def __post_init__(self) -> None:
         stiffness = frozen("ForceRow stiffness", self.stiffness, (None,))
@@ -33,6 +36,11 @@ class ForceRow:
             stiffness=stiffness,
             damping=frozen("ForceRow damping", self.damping, stiffness.shape),
             inertia=frozen("ForceRow inertia", self.inertia, stiffness.shape),
+            hysteretic=frozen(
+                "ForceRow hysteretic",
+                self.hysteretic if np.size(self.hysteretic) else np.zeros_like(stiffness),
+                stiffness.shape,
+            ),
         )
 
 

@@ -1,0 +1,92 @@
+"""From an assembly to its modal basis: the way through the door out of the finite-element wing."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from femstruct.arrays import Floats
+from femstruct.assembly.matrices import Assembly
+from femstruct.errors import Finding
+from femstruct.modal.basis import Kind, ModalBasis
+from femstruct.modal.outputs import AXES, convergence, force_rows, nodal_shapes, projected
+from femstruct.modal.residuals import residual_vectors
+from femstruct.modal.solve import modes
+from femstruct.model.probe import Probe
+
+_CAPTURED = 0.9  # of the mass: the share below which a direction counts as cut short
+
+
+def modal_basis(
+    assembly: Assembly,
+    *,
+    up_to: float | None = None,
+    count: int | None = None,
+    probes: Sequence[Probe] = (),
+) -> ModalBasis:
+    """Mass-normalised modes up to a frequency or a number of them, with two residual vectors for every probe.
+
+    up_to : upper frequency [Hz]; all modes with f <= up_to are returned, none is skipped (inertia count).
+    count : number of modes, rigid ones counted. Give one of the two.
+    probes : where the structure will be pushed or listened to; the static response to forces there is exact.
+
+    Returns a ModalBasis with no other damping than the permanent dashpots': `with_damping` adds the structure's own.
+
+    Raises SingularSystem when K and M share a null vector (a massless mechanism); it names node and component.
+    NotConverged when modes and inertia count do not agree.
+
+    Notes: bit-reproducible on one machine and number of threads. Modes come first, ascending; the residual
+    pseudo-modes after them have frequencies above, which mean nothing by themselves. `complete_below_hz` ignores them;
+    it is infinite for a basis of every mode there is.
+    """
+    found = modes(assembly.K, assembly.M, up_to_hz=up_to, count=count, labels=assembly.dofs.labels)
+    loads = _loads(assembly, probes)
+    extra_values, extra_shapes = residual_vectors(assembly.K, assembly.M, found, loads)
+    values = np.concatenate([found.eigenvalues, extra_values])
+    shapes = np.concatenate([found.shapes, extra_shapes], axis=1)
+    n_modes, n_extra = len(found.eigenvalues), len(extra_values)
+    rigid: tuple[Kind, ...] = ("rigid",)
+    elastic: tuple[Kind, ...] = ("elastic",)
+    extra: tuple[Kind, ...] = ("residual",)
+    modal_mass = (assembly.momentum @ shapes) ** 2
+    return ModalBasis(
+        omega=np.sqrt(values),
+        kind=rigid * found.n_rigid + elastic * (n_modes - found.n_rigid) + extra * n_extra,
+        shapes=nodal_shapes(assembly, shapes),
+        points=assembly.points,
+        viscous=projected(assembly.C, shapes),
+        hysteretic=np.zeros((len(values), len(values))),
+        outputs=force_rows(assembly.forces, shapes),
+        part_stiffness={name: projected(part, shapes) for name, part in assembly.part_stiffness.items()},
+        loss_factors=dict(assembly.loss_factors),
+        residual_norm=convergence(assembly.K, assembly.M, values, shapes),
+        complete_below_hz=float(np.sqrt(found.complete_below)) / (2.0 * np.pi),
+        modal_mass=modal_mass,
+        total_mass=assembly.total_mass,
+        findings=_truncation(assembly, modal_mass[:, :n_modes], found.eigenvalues),
+    )
+
+
+def _loads(assembly: Assembly, probes: Sequence[Probe]) -> Floats:
+    """Forces on the free degrees of freedom of a unit force at every probe [n_free, p]."""
+    transposed = assembly.dofs.T.T
+    columns = [(transposed @ probe.row(len(assembly.points)).T).toarray() for probe in probes]
+    return np.concatenate([np.zeros((assembly.K.shape[0], 0)), *columns], axis=1)
+
+
+def _truncation(assembly: Assembly, modal_mass: Floats, eigenvalues: Floats) -> tuple[Finding, ...]:
+    """A finding if the modes carry little of the mass in a direction the structure can move in."""
+    share = modal_mass.sum(axis=1) / assembly.total_mass if assembly.total_mass > 0 else np.ones(3)
+    moves = np.abs(assembly.momentum).max(axis=1, initial=0.0) > 0.0
+    short = moves & (share < _CAPTURED)
+    if not short.any() or not len(eigenvalues):
+        return ()
+    top = float(np.sqrt(eigenvalues[-1])) / (2.0 * np.pi)
+    told = ", ".join(f"{axis} {100.0 * share[i]:.0f} %" for i, axis in enumerate(AXES) if moves[i])
+    values = {f"share_{axis}": float(share[i]) for i, axis in enumerate(AXES)} | {"top_frequency_hz": top}
+    message = (
+        f"The {len(eigenvalues)} modes up to {top:.4g} Hz carry this much of the mass: {told}. The rest (higher modes, "
+        "and what the supports hold) answers through the residual vectors only."
+    )
+    return (Finding("basis-truncated", message, values),)

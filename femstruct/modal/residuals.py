@@ -1,0 +1,85 @@
+"""Residual vectors: what the modes left out contributes to the response at given probes."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.linalg import eigh, qr
+from scipy.sparse import csc_array
+
+from femstruct.arrays import Floats
+from femstruct.errors import NotConverged
+from femstruct.modal.solve import Modes, orthonormalise, signed
+
+_SAME = 1e-10  # of its length: a static residual this close to the others is one of them (two probes at one place)
+_NEARLY = 1e-6  # the same for the second order, which is a correction only
+_SOLVES = 200
+
+
+def residual_vectors(K: csc_array, M: csc_array, found: Modes, loads: Floats) -> tuple[Floats, Floats]:
+    """Pseudo-modes that complete the response to unit forces: (omega^2 [m], shapes [n, m]), mass-normalised.
+
+    loads [n, p] : a column of forces for every probe. m <= 2 p: dependent vectors are dropped.
+
+    They span R0 = K^+ b and R1 = K^+ M R0, the static and the first dynamic correction for the modes left out, K^+
+    being the inverse on what is M-orthogonal to the modes found. With them the static response to every b is exact;
+    the error in frequency falls as (omega / omega_next)^4. K and M are diagonal on modes and pseudo-modes together.
+
+    Notes: solved with the shifted factor of the eigen solver, (K - sigma M) y = b - sigma M y, iterated; on the
+    complement of the modes this contracts by |sigma| / (omega_next^2 - sigma). Free structures need no special case.
+
+    Source: R. J. Craig, A. J. Kurdila, Fundamentals of Structural Dynamics (2006), section 11.2 (static part); Krylov
+    vectors after E. L. Wilson, M. W. Yuan, J. M. Dickens, Earthquake Eng. Struct. Dyn. 10 (1982) 813-821.
+    """
+    scale = 1.0 / np.sqrt(K.diagonal().clip(np.finfo(float).tiny))
+    left = loads - (M @ found.shapes) @ (found.shapes.T @ loads)
+    answered = np.linalg.norm(scale[:, None] * left, axis=0) <= _SAME * np.linalg.norm(scale[:, None] * loads, axis=0)
+    if answered.all():  # no probe, held probes, or a basis that holds every mode
+        return np.zeros(0), np.zeros((len(loads), 0))
+    static = _complement_solve(M, found, left[:, ~answered])
+    dynamic = _complement_solve(M, found, M @ static)
+    first = _independent(static, static, 1.0 / scale, _SAME)
+    second = _without(M, orthonormalise(M, first), _without(M, found.shapes, dynamic))
+    vectors = np.concatenate([first, _independent(second, dynamic, 1.0 / scale, _NEARLY)], axis=1)
+    for _ in range(2):
+        vectors = orthonormalise(M, _without(M, found.shapes, vectors))
+    projected = vectors.T @ (K @ vectors)
+    values, turn = eigh(0.5 * (projected + projected.T))
+    return values, signed(vectors @ turn, np.sqrt(np.abs(M.diagonal())))
+
+
+def _complement_solve(M: csc_array, found: Modes, loads: Floats) -> Floats:
+    """K^+ loads: the deflection under the loads less what the modes found take of it, M-orthogonal to them."""
+    shapes, factor = found.shapes, found.factor
+    loads = loads - (M @ shapes) @ (shapes.T @ loads)
+    answer = _without(M, shapes, factor.solve(loads))
+    change = np.inf
+    for _ in range(_SOLVES):
+        better = _without(M, shapes, factor.solve(loads - factor.sigma * (M @ answer)))
+        before, change = change, float(np.max(_length(M, better - answer) / _length(M, better).clip(1e-300)))
+        answer = better
+        if change < 1e-14 or (change < 1e-11 and change > 0.5 * before):  # rounding
+            return answer
+    raise NotConverged(
+        "residual vectors", got=f"a change of {change:.1e} after {_SOLVES} solves", do="ask for a mode more"
+    )
+
+
+def _without(M: csc_array, shapes: Floats, vectors: Floats) -> Floats:
+    """The vectors made M-orthogonal to M-orthonormal shapes; twice, for the rounding of the first pass."""
+    for _ in range(2):
+        vectors = vectors - shapes @ (shapes.T @ (M @ vectors))
+    return vectors
+
+
+def _independent(vectors: Floats, of: Floats, weights: Floats, tolerance: float) -> Floats:
+    """M-independent directions of the vectors, each measured by its length in `of`; nearly dependent ones dropped."""
+    length = np.linalg.norm(weights[:, None] * of, axis=0)
+    directions, triangle, _ = qr(weights[:, None] * vectors / length.clip(1e-300), mode="economic", pivoting=True)
+    kept = np.abs(np.diag(triangle)) > tolerance
+    independent: Floats = directions[:, kept] / weights[:, None]
+    return independent
+
+
+def _length(M: csc_array, vectors: Floats) -> Floats:
+    size: Floats = np.sqrt((vectors * (M @ vectors)).sum(axis=0).clip(0.0))
+    return size
