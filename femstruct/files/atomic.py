@@ -1,0 +1,76 @@
+"""Writing a file so that nobody ever sees half of it."""
+
+from __future__ import annotations
+
+import os
+import socket
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from femstruct.errors import FemstructError
+
+_MARK = ".part-"
+
+
+@contextmanager
+def replacing(path: str | Path) -> Iterator[Path]:
+    """A temporary name beside `path` to write to; on leaving it is synced to disk and takes the place of `path`.
+
+    The file under `path` is at every instant the complete old one or the complete new one, whenever the process is
+    killed or the disk is full. What dead processes of this machine left behind is swept first.
+
+    Raises FemstructError when the system refuses the write; the old file is then untouched.
+
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     with replacing(Path(folder, "a.txt")) as temporary:
+    ...         _ = temporary.write_text("complete")
+    ...     Path(folder, "a.txt").read_text(), len(list(Path(folder).iterdir()))
+    ('complete', 1)
+    """
+    path = Path(path)
+    temporary = path.with_name(f".{path.stem}{_MARK}{socket.gethostname()}-{os.getpid()}{path.suffix}")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        _sweep(path)
+        yield temporary
+        _sync(temporary)
+        temporary.replace(path)
+        _sync(path.parent)
+    except OSError as error:
+        raise FemstructError(
+            str(path),
+            got=f"{error.strerror or error} while writing",
+            expected="room and permission to write",
+            do="free space or choose another folder with -o; a file that was there before is untouched",
+        ) from error
+    finally:
+        temporary.unlink(missing_ok=True)
+
+
+def _sweep(path: Path) -> None:
+    """Remove temporaries of `path` whose process, on this machine, no longer runs."""
+    start = f".{path.stem}{_MARK}{socket.gethostname()}-"
+    for stale in path.parent.iterdir():
+        pid = stale.name.removeprefix(start).removesuffix(path.suffix)
+        if stale.name.startswith(start) and stale.suffix == path.suffix and pid.isdigit() and not _runs(int(pid)):
+            stale.unlink(missing_ok=True)
+
+
+def _runs(pid: int) -> bool:
+    try:
+        os.kill(pid, 0)
+    except ProcessLookupError:
+        return False
+    except PermissionError:
+        return True
+    return True
+
+
+def _sync(path: Path) -> None:
+    descriptor = os.open(path, os.O_RDONLY)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)

@@ -1,0 +1,52 @@
+"""Histories as sound files."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.io import wavfile
+
+from femstruct.errors import InputError
+from femstruct.files.atomic import replacing
+
+
+def write_wav(path: str | Path, values: ArrayLike, sampling: float, *, full_scale: float, unit: str = "Pa") -> None:
+    """A history as 32-bit float WAV, with a side-car PATH.json that says what full scale means.
+
+    values [nt] in `unit`; sampling [Hz], rounded to whole hertz by the format and refused when that changes it.
+    full_scale : the value that becomes 1.0. Use one for all files that are to be compared by ear.
+
+    Raises InputError when a value exceeds full scale (players would clip it), or is not finite, or the sampling is
+    not a whole number of hertz. The side-car is written first: a sound is never there without its scale.
+
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     write_wav(Path(folder, "a.wav"), [0.0, 0.5, -1.0], 48000.0, full_scale=2.0)
+    ...     wavfile.read(Path(folder, "a.wav"))
+    (48000, array([ 0.  ,  0.25, -0.5 ], dtype=float32))
+    """
+    path = Path(path)
+    samples = np.asarray(values, dtype=np.float64)
+    if samples.ndim != 1 or not len(samples) or not np.isfinite(samples).all():
+        raise InputError(str(path), got="no samples, or some not finite", expected="one row of finite samples")
+    if not full_scale > 0:
+        raise InputError(f"{path} full_scale", got=f"{full_scale:g} {unit}", expected="a positive value")
+    peak = float(np.abs(samples).max())
+    if peak > full_scale:
+        raise InputError(
+            str(path),
+            got=f"a peak of {peak:g} {unit} above full scale, {full_scale:g} {unit}",
+            expected="a full scale no smaller than the peak",
+            do="raise full_scale: a clipped sound is another sound",
+        )
+    rate = round(sampling)
+    if not rate > 0 or abs(rate - sampling) > 1e-9 * sampling:
+        raise InputError(f"{path} sampling", got=f"{sampling:g} Hz", expected="a whole number of hertz, as WAV stores")
+    scale = {"unit": unit, "full_scale": full_scale, "peak": peak, "sampling_hz": rate}
+    with replacing(path.with_name(path.name + ".json")) as temporary:
+        temporary.write_text(json.dumps(scale, indent=2) + "\n", encoding="utf-8")
+    with replacing(path) as temporary:
+        wavfile.write(temporary, rate, (samples / full_scale).astype(np.float32))

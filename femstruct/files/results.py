@@ -1,0 +1,249 @@
+"""The results of a study as one HDF5 file.
+
+    /                   complete (written last), format, title, baseline, findings (JSON), versions
+    /input              the YAML files verbatim
+    /provenance         versions, platform, date, command line (attributes)
+    /summary            the numbers of all cases and their comparison (JSON)
+    /bases/KEY          modes, damping, shapes, force rows
+    /cases/NAME         @basis; damping, channels, contacts, bodies, links, events, energy, frf, rooms, levels, modal
+    /comparison/CASE    modes by MAC, beside the baseline's
+    /VTKHDF             mode shapes of the baseline, opened by ParaView as they are
+
+Every dataset has a unit, a description and a checksum; histories, spectra and modes have named axes, so that
+``xarray.open_dataset("results.h5", group="cases/NAME/channels")`` is a labelled table.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Final
+
+import h5py
+import numpy as np
+
+from femstruct.conventions import COMPONENTS
+from femstruct.errors import FemstructError, Finding
+from femstruct.files.atomic import replacing
+from femstruct.files.hdf5 import axis, group, put, put_text
+from femstruct.files.sound import write_levels, write_room
+from femstruct.files.tables import finding_table, summary
+from femstruct.files.vtkhdf import write_vtkhdf
+from femstruct.impact.response import Response
+from femstruct.modal.basis import ModalBasis
+from femstruct.study.result import CaseComparison, CaseResult, StudyResult
+
+FORMAT: Final = "femstruct results"
+FORMAT_VERSION: Final = 1
+LIBVER: Final = ("earliest", "v110")  # what the HDF5 of ParaView, VTK and older viewers can read
+
+
+def write_results(path: str | Path, result: StudyResult) -> None:
+    """Write a study's results to one HDF5 file that is, at every instant, complete or not there.
+
+    Raises FemstructError when the disk is full or refuses; the file that was there before is then untouched.
+
+    Notes: written to a temporary name in the same folder, `complete = True` last, synced, then renamed. Modal
+    coordinates are kept only where the study says `save: modal`: they are most of the bytes.
+    """
+    with replacing(path) as temporary:
+        try:
+            with h5py.File(temporary, "w", libver=LIBVER) as file:
+                _write(file, result)
+                file.flush()
+                file.attrs["complete"] = True
+        except RuntimeError as error:  # what h5py makes of a write that failed while closing
+            raise FemstructError(
+                str(path), got=str(error), expected="room to write", do="free space; an older file is untouched"
+            ) from error
+
+
+def _write(file: h5py.File, result: StudyResult) -> None:
+    file.attrs.update(
+        format=FORMAT,
+        format_version=FORMAT_VERSION,
+        title=result.plan.title,
+        baseline=result.plan.baseline,
+        findings=_findings(result.findings),
+        timings_s=json.dumps(dict(result.timings)),
+    )
+    inputs = group(file, "input", "The files of the study, verbatim")
+    for name, text in result.plan.sources.items():
+        put_text(inputs, name, text, "A file of the study, verbatim", path=name)
+    group(file, "provenance", "Where the numbers come from", **result.provenance)
+    put_text(file, "summary", json.dumps(summary(result), allow_nan=False), "Numbers of all cases, as --json (JSON)")
+    bases = group(file, "bases", "Modal bases by key")
+    for name, basis in result.bases.items():
+        _write_basis(group(bases, name, "A modal basis", total_mass_kg=basis.total_mass), basis)
+    cases = group(file, "cases", "Cases by name")
+    for name, case in result.cases.items():
+        _write_case(cases, name, case)
+    comparison = group(
+        file, "comparison", "Against the baseline", baseline=result.comparison.baseline, filter=result.comparison.filter
+    )
+    for name, beside in result.comparison.cases.items():
+        _write_comparison(group(comparison, name, "Modes of the baseline found again in this case"), beside)
+    baseline = result.cases[result.plan.baseline]
+    write_vtkhdf(file, baseline.basis, result.models.get(baseline.basis_key))
+
+
+def _findings(findings: tuple[Finding, ...]) -> str:
+    return json.dumps([finding_table(finding) for finding in findings], allow_nan=False)
+
+
+def _write_basis(target: h5py.Group, basis: ModalBasis) -> None:
+    count = len(basis.omega)
+    target.attrs.update(complete_below_hz=basis.complete_below_hz, findings=_findings(basis.findings))
+    mode = axis(target, "mode", np.arange(1, count + 1), "1", "Mode number, rigid-body modes counted")
+    node = axis(target, "node", np.arange(len(basis.points)), "1", "Node number")
+    component = axis(target, "component", list(COMPONENTS), "1", "Component of a node, global axes; TWIST local")
+    direction = axis(target, "direction", ["x", "y", "z"], "1", "Global direction")
+    put(target, "frequency_hz", basis.frequency_hz, "Hz", "Natural frequency", (mode,))
+    put(target, "kind", list(basis.kind), "1", "rigid, elastic, or residual (completes a static response)", (mode,))
+    put(target, "residual_norm", basis.residual_norm, "1", "Convergence of the eigenpair", (mode,))
+    put(target, "modal_mass", basis.modal_mass, "kg", "Effective modal mass", (direction, mode))
+    put(target, "points", basis.points, "m", "Nodes, global axes", (node, direction))
+    put(target, "shapes", basis.shapes, "kg^-0.5", "Mass-normalised shapes", (node, component, mode))
+    if basis.outputs:
+        rows = np.array([[row.stiffness, row.damping, row.inertia] for row in basis.outputs.values()])
+        output = axis(target, "output", list(basis.outputs), "1", "Force of a spring, foundation, support or joint")
+        acts_on = axis(target, "acts_on", ["q", "qd", "qdd"], "1", "What the row multiplies, to be summed")
+        put(
+            target,
+            "force_rows",
+            rows,
+            "N, N s, N s^2 per kg^0.5 m",
+            "Forces, of undamped parts",
+            (output, acts_on, mode),
+        )
+    if basis.part_stiffness:
+        omega2 = np.where(basis.omega > 0, basis.omega, np.nan) ** 2
+        share = np.array([np.diag(matrix) / omega2 for matrix in basis.part_stiffness.values()])
+        part = axis(target, "part", list(basis.part_stiffness), "1", "Part of the structure")
+        put(target, "strain_energy_share", share, "1", "Share of the strain energy; nan if rigid", (part, mode))
+
+
+def _write_damping(target: h5py.Group, basis: ModalBasis) -> None:
+    numbers = np.arange(1, len(basis.omega) + 1)
+    pair = tuple(axis(target, name, numbers, "1", "Mode number") for name in ("mode", "other_mode"))
+    put(target, "damping_ratio", basis.damping_ratio, "1", "Damping ratio; nan for rigid-body modes", pair[:1])
+    put(target, "viscous", basis.viscous, "rad/s", "Viscous damping, 2 zeta omega on the diagonal", pair)
+    put(target, "hysteretic", basis.hysteretic, "rad^2/s^2", "Structural damping, eta omega^2 on the diagonal", pair)
+
+
+def _write_case(cases: h5py.Group, name: str, case: CaseResult) -> None:
+    target = group(
+        cases,
+        name,
+        "One case of the study",
+        case=name,
+        basis=case.basis_key,
+        changes=json.dumps(dict(case.case.changes)),
+        findings=_findings(case.findings),
+    )
+    _write_damping(group(target, "damping", "Damping of the basis in this case"), case.basis)
+    if case.frf:
+        responses = group(target, "frf", "Frequency responses")
+        for label, frf in case.frf.items():
+            request = frf.request
+            place = group(
+                responses,
+                label,
+                request.kind,
+                drive=str(request.drive),
+                response_at=str(request.response),
+                kind=request.kind,
+            )
+            frequency = axis(place, "frequency_hz", frf.frequency_hz, "Hz", "Frequency")
+            put(place, "response", frf.values, frf.unit, f"{request.kind}, exp(+j omega t)", (frequency,))
+    if case.response is not None:
+        _write_response(target, case, case.response)
+    if case.rooms:
+        rooms = group(target, "rooms", "Sound in the rooms")
+        for label, room in case.rooms.items():
+            write_room(group(rooms, label, "Pressure at the receivers"), room)
+    if case.levels:
+        levels = group(target, "levels", "Levels at the receivers, ROOM.RECEIVER")
+        for label, level in case.levels.items():
+            write_levels(group(levels, label, "Levels at one receiver"), level)
+
+
+def _write_response(target: h5py.Group, case: CaseResult, response: Response) -> None:
+    target.attrs["outcome"] = response.outcome.value
+    channels = group(target, "channels", "Recorded histories")
+    time = axis(channels, "time", response.t, "s", "Time since the start")
+    for channel in case.channels.values():
+        peaks = {"peak_first_impact": channel.first_impact, "peak_whole": channel.whole}
+        put(channels, channel.name, channel.values, channel.unit, f"{channel.name}, recorded", (time,), peaks)
+    if response.contacts:
+        contacts, histories = _table(target, "contacts", "Contacts", response.contacts), response.contacts.values()
+        both = ("contact", time)
+        put(contacts, "force", np.array([c.force for c in histories]), "N", "Contact force, compressive", both)
+        put(contacts, "indentation", np.array([c.indentation for c in histories]), "m", "Negative when open", both)
+        put(contacts, "peak_force", [c.peak_force for c in histories], "N", "Peak between the samples", both[:1])
+        put(contacts, "peak_time", [c.peak_time for c in histories], "s", "Time of the peak force", both[:1])
+        put(contacts, "closings", [c.closings for c in histories], "1", "How often it closed", both[:1])
+        first = [np.nan if c.first_open is None else c.first_open for c in histories]
+        put(contacts, "first_open", first, "s", "First opening after a closing; nan if never", both[:1])
+    if response.bodies:
+        bodies, motions = _table(target, "bodies", "Bodies", response.bodies), response.bodies.values()
+        both = ("body", time)
+        mass = {body.name: body.mass for body in response.scene.bodies}
+        put(bodies, "mass", [mass[name] for name in response.bodies], "kg", "Mass", both[:1])
+        put(bodies, "displacement", np.array([b.displacement for b in motions]), "m", "Displacement", both)
+        put(bodies, "velocity", np.array([b.velocity for b in motions]), "m/s", "Velocity", both)
+    if response.links:
+        links = _table(target, "links", "Links", response.links)
+        put(links, "force", np.array(list(response.links.values())), "N", "Positive in compression", ("link", time))
+    if response.events:
+        events = group(target, "events", "Contacts closing and opening")
+        number = axis(events, "event", np.arange(1, len(response.events) + 1), "1", "Event number")
+        put(events, "time", [event.t for event in response.events], "s", "When", (number,))
+        put(events, "contact", [event.contact for event in response.events], "1", "Which contact", (number,))
+        put(events, "what", [event.what for event in response.events], "1", "closes or opens", (number,))
+    _write_energy(target, response)
+    if case.case.study.save_modal:
+        modal = group(target, "modal", "Motion of the modes (save: modal)")
+        modal["time"] = channels["time"]
+        mode = axis(modal, "mode", np.arange(1, len(response.q) + 1), "1", "Mode number")
+        put(modal, "q", response.q, "kg^0.5 m", "Modal coordinates", (mode, "time"))
+        put(modal, "qd", response.qd, "kg^0.5 m/s", "Modal velocities", (mode, "time"))
+
+
+def _table(target: h5py.Group, name: str, description: str, rows: Mapping[str, object]) -> h5py.Group:
+    """A group of histories of several named things at the times of the channels."""
+    made = group(target, name, description)
+    made["time"] = target["channels/time"]
+    axis(made, name.removesuffix("ies") + "y" if name == "bodies" else name[:-1], list(rows), "1", "Name")
+    return made
+
+
+def _write_energy(target: h5py.Group, response: Response) -> None:
+    ledger = response.ledger
+    energy = group(target, "energy", "The energy ledger, every term by itself", residual=ledger.residual)
+    time = axis(energy, "time", ledger.t, "s", "Time since the start")
+    for name in ("structure", "stored", "dissipated", "work"):
+        put(energy, name, getattr(ledger, name), "J", _TERMS[name], (time,))
+    if ledger.bodies:
+        body = axis(energy, "body", list(ledger.bodies), "1", "Name")
+        rows = np.array(list(ledger.bodies.values()))
+        put(energy, "bodies", rows, "J", "Kinetic and potential energy of the bodies", (body, time))
+
+
+_TERMS: Final = {
+    "structure": "Kinetic and elastic energy of the structure",
+    "stored": "Elastic energy of contacts and links",
+    "dissipated": "Lost in modes, contacts and links until now",
+    "work": "Done by loads and gravity until now",
+}
+
+
+def _write_comparison(target: h5py.Group, beside: CaseComparison) -> None:
+    if not beside.frequencies:
+        return
+    own, frequency, mac = (list(column) for column in zip(*beside.frequencies.values(), strict=True))
+    mode = axis(target, "mode", list(beside.frequencies), "1", "Mode number of the baseline")
+    put(target, "own_mode", own, "1", "Number of the mode most like it in this case", (mode,))
+    put(target, "own_frequency_hz", frequency, "Hz", "Its frequency", (mode,))
+    put(target, "mac", mac, "1", "Modal assurance criterion of the two shapes", (mode,))

@@ -1,0 +1,39 @@
+"""Pressures and levels in the results file."""
+
+from __future__ import annotations
+
+import json
+
+import h5py
+import numpy as np
+
+from acoustics.levels import Levels
+from acoustics.pressure import RoomResponse
+from femstruct.files.hdf5 import axis, put
+
+
+def write_room(target: h5py.Group, response: RoomResponse) -> None:
+    """Pressure histories and spectra at the receivers of one room."""
+    time = axis(target, "time", response.t, "s", "Time since the start")
+    frequency = axis(target, "frequency_hz", response.frequency_hz, "Hz", "Frequency")
+    receiver = axis(target, "receiver", [item.name for item in response.receivers], "1", "Receiver")
+    direction = axis(target, "direction", ["x", "y", "z"], "1", "Axis of the room, from its lower corner")
+    places = np.array([item.position for item in response.receivers])
+    put(target, "position", places, "m", "Where the receivers are", (receiver, direction))
+    put(target, "pressure", response.p, "Pa", "Pressure, positive when compressed", (receiver, time))
+    put(target, "spectrum", response.spectrum, "Pa/Hz", "dt rfft(pressure), no window", (receiver, frequency))
+
+
+def write_levels(target: h5py.Group, levels: Levels) -> None:
+    """Band levels and single numbers at one receiver."""
+    reference = f"dB re {levels.reference_pa:g} Pa"
+    target.attrs.update(
+        peak_pa=levels.peak_pa,
+        l_peak_db=levels.l_peak_db,
+        l_afmax_db=levels.l_afmax_db,
+        reference_pa=levels.reference_pa,
+        findings=json.dumps([[advice.code, advice.message] for advice in levels.findings]),
+    )
+    band = axis(target, "band_hz", list(levels.bands_db), "Hz", "Nominal centre of the third octave")
+    put(target, "l_fmax", list(levels.bands_db.values()), reference, "Largest Fast level in the band", (band,))
+    put(target, "sel", list(levels.exposure_db.values()), reference, "Sound exposure level of the band", (band,))

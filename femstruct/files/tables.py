@@ -1,0 +1,154 @@
+"""The numbers of a study as plain tables, ready for JSON: what `--json` prints and the results file keeps."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from math import isfinite
+from typing import Any
+
+from acoustics.levels import Levels
+from femstruct.errors import Finding
+from femstruct.impact.response import EnergyBalance, Response
+from femstruct.study.result import CaseComparison, CaseResult, StudyResult
+
+Table = dict[str, Any]
+
+
+def summary(result: StudyResult) -> Table:
+    """All cases and their comparison in the layout of ``--json``; numbers that do not exist are None.
+
+    In the comparison, `bands_db` and `modes_db` are those of the first receiver's pressure (without a room, of the
+    first recorded channel); `bands_db_by_receiver` and `modes_db_by_channel` have all. Attenuations are positive where
+    the case is quieter than the baseline.
+    """
+    comparison = {name: _comparison(result.cases[name], beside) for name, beside in result.comparison.cases.items()}
+    return {"cases": {name: _case(case) for name, case in result.cases.items()}, "comparison": comparison}
+
+
+def finding_table(finding: Finding) -> Table:
+    """A finding as a table."""
+    values = {name: number(value) for name, value in finding.values.items()}
+    return {"code": finding.code, "message": finding.message, "values": values, "severe": finding.severe}
+
+
+def number(value: float | None) -> float | None:
+    """A number for JSON, which knows neither nan nor infinity: None instead.
+
+    >>> number(1), number(float("nan"))
+    (1.0, None)
+    """
+    return None if value is None or not isfinite(value) else float(value)
+
+
+def label(value: float) -> str:
+    """A frequency as a key of a table, without a trailing zero.
+
+    >>> label(63.0), label(31.5)
+    ('63', '31.5')
+    """
+    return f"{float(value):.6g}"
+
+
+def _case(case: CaseResult) -> Table:
+    response = case.response
+    return {
+        "outcome": None if response is None else response.outcome.value,
+        "basis": case.basis_key,
+        "peaks": {
+            name: {"first_impact": number(channel.first_impact), "whole": number(channel.whole), "unit": channel.unit}
+            for name, channel in case.channels.items()
+        },
+        "contacts": {} if response is None else _contacts(response),
+        "bodies": {} if response is None else _bodies(response),
+        "energy": None if response is None else _energy(response),
+        "levels": {name: _levels(levels) for name, levels in case.levels.items()},
+        "findings": [finding_table(finding) for finding in case.findings],
+    }
+
+
+def _contacts(response: Response) -> Table:
+    return {
+        name: {
+            "peak_force_n": number(contact.peak_force),
+            "closings": contact.closings,
+            "first_open_s": number(contact.first_open),
+        }
+        for name, contact in response.contacts.items()
+    }
+
+
+def _bodies(response: Response) -> Table:
+    return {
+        name: {
+            "end_velocity": number(body.velocity[-1]),
+            "travel": number(body.displacement.max() - body.displacement.min()),
+        }
+        for name, body in response.bodies.items()
+    }
+
+
+def _energy(response: Response) -> Table:
+    ledger = response.ledger
+    separation = ledger.at_separation
+    start = ledger.start
+    stored = sum(start.bodies.values()) + start.structure + sum(start.contacts.values()) + sum(start.links.values())
+    return {
+        "input_j": number(stored + ledger.end.work),
+        "at_separation": None if separation is None else _balance(separation),
+        "end": _balance(ledger.end),
+        "ledger_residual": number(ledger.residual),
+    }
+
+
+def _balance(balance: EnergyBalance) -> Table:
+    return {
+        "t_s": number(balance.t),
+        **{name: number(value) for name, value in balance.bodies.items()},
+        "structure": number(balance.structure),
+        "stored": number(sum(balance.contacts.values()) + sum(balance.links.values())),
+        "dissipated": number(balance.dissipated),
+        "work": number(balance.work),
+    }
+
+
+def _comparison(case: CaseResult, beside: CaseComparison) -> Table:
+    bands = {name: _by_frequency(values) for name, values in beside.bands_db.items()}
+    modes = {
+        name: {str(mode): number(value) for mode, value in values.items()} for name, values in beside.modes_db.items()
+    }
+    return {
+        "peaks": {
+            name: {
+                "first_impact_percent": number(change.first_impact_percent),
+                "whole_percent": number(change.whole_percent),
+            }
+            for name, change in beside.peaks.items()
+        },
+        "bands_db": next(iter(bands.values()), {}),
+        "modes_db": _first(case, modes),
+        "bands_db_by_receiver": bands,
+        "modes_db_by_channel": modes,
+    }
+
+
+def _first(case: CaseResult, modes: Mapping[str, Table]) -> Table:
+    """Attenuations of the first receiver's pressure, or of the first channel where there is no room."""
+    heard = (f"{room}.{receiver} pressure" for room in case.rooms for receiver in _receivers(case, room))
+    return next((modes[name] for name in heard if name in modes), next(iter(modes.values()), {}))
+
+
+def _receivers(case: CaseResult, room: str) -> tuple[str, ...]:
+    return tuple(receiver.name for plan in case.case.study.rooms if plan.name == room for receiver in plan.receivers)
+
+
+def _by_frequency(values: Mapping[float, float]) -> Table:
+    return {label(frequency): number(value) for frequency, value in values.items()}
+
+
+def _levels(levels: Levels) -> Table:
+    return {
+        "peak_pa": number(levels.peak_pa),
+        "l_peak_db": number(levels.l_peak_db),
+        "l_afmax_db": number(levels.l_afmax_db),
+        "bands_db": _by_frequency(levels.bands_db),
+    }

@@ -1,0 +1,68 @@
+"""Mode shapes as a VTKHDF group, which ParaView and VTK open."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import h5py
+import numpy as np
+
+from femstruct.files.hdf5 import put
+from femstruct.files.skin import Skin, bare_skin, skin
+from femstruct.modal.basis import ModalBasis
+from femstruct.model.model import Model
+
+VERSION: Final = (2, 2)
+VTK_VERTEX, VTK_LINE, VTK_QUAD = 1, 3, 9
+
+
+def mode_name(basis: ModalBasis, mode: int) -> str:
+    """Name of a mode, counted from 0, by its number counted from 1 and its frequency.
+
+    It sorts in the order of the modes.
+    """
+    return f"mode {mode + 1:02d} {basis.frequency_hz[mode]:.2f} Hz"
+
+
+def write_vtkhdf(file: h5py.File, basis: ModalBasis, model: Model | None, *, count: int = 40) -> None:
+    """Add the group /VTKHDF: the structure as an unstructured grid, its first `count` modes as vectors at its points.
+
+    Plates are subdivided with their own shape functions and bars with theirs, so a warped mode is smooth; a basis in
+    closed form (model None) is its points. The vectors are mass-normalised displacements [1/sqrt(kg)], single
+    precision.
+
+    References: VTK File Formats, "VTKHDF File Format", version 2.2, UnstructuredGrid.
+    """
+    shown = bare_skin(basis) if model is None else skin(model)
+    target = file.create_group("VTKHDF")
+    target.attrs["Version"] = np.array(VERSION, dtype=np.int64)
+    kind = b"UnstructuredGrid"
+    target.attrs.create("Type", kind, dtype=h5py.string_dtype("ascii", len(kind)))
+    target.attrs["description"] = "Mode shapes of the baseline on its subdivided elements"
+    _write_cells(target, shown)
+    put(target, "NumberOfPoints", np.array([len(shown.points)]), "1", "Number of points", ())
+    put(target, "Points", shown.points, "m", "Points at rest", ())
+    data = target.create_group("PointData")
+    modes = range(min(count, basis.modes.stop))
+    moved = shown.displacements(basis.shapes[:, :, : len(modes)])
+    for mode in modes:
+        values = np.ascontiguousarray(moved[:, :, mode], dtype=np.float32)
+        put(data, mode_name(basis, mode), values, "kg^-0.5", "Mass-normalised displacement", ())
+    fields = target.create_group("FieldData")
+    put(fields, "frequency_hz", basis.frequency_hz[: len(modes)], "Hz", "Natural frequencies of the shown modes", ())
+    put(fields, "damping_ratio", basis.damping_ratio[: len(modes)], "1", "Damping ratios of the shown modes", ())
+
+
+def _write_cells(target: h5py.Group, shown: Skin) -> None:
+    lone = np.empty(0, dtype=np.int64) if shown.parts else np.arange(len(shown.points))
+    connectivity = np.concatenate([shown.quads.ravel(), shown.lines.ravel(), lone])
+    counts = (len(shown.quads), len(shown.lines), len(lone))
+    sizes, types = np.repeat([4, 2, 1], counts), np.repeat([VTK_QUAD, VTK_LINE, VTK_VERTEX], counts)
+    put(target, "Connectivity", connectivity, "1", "Points of the cells", ())
+    put(target, "Offsets", np.concatenate([[0], np.cumsum(sizes)]), "1", "Where each cell starts", ())
+    put(target, "Types", types.astype(np.uint8), "1", "Kinds of cells, VTK's numbers", ())
+    put(target, "NumberOfCells", np.array([len(types)]), "1", "Number of cells", ())
+    put(target, "NumberOfConnectivityIds", np.array([len(connectivity)]), "1", "Length of Connectivity", ())
+    parts = np.concatenate([shown.part_of_quads, shown.part_of_lines, np.zeros(len(lone), dtype=np.int64)])
+    cells = target.create_group("CellData")
+    put(cells, "part", parts, "1", f"Index of the part: {', '.join(shown.parts) or 'one point each'}", ())
