@@ -102,7 +102,7 @@ _WITHOUT_RAD: Final = ("rotational stiffness", "rotational damping")  # N*m is a
 _NUMBER: Final = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
 _QUANTITY: Final = re.compile(rf"({_NUMBER})\s*(.*)", re.ASCII | re.DOTALL)
 _COMMA: Final = re.compile(r"[+-]?\d+,\d[\d.,]*", re.ASCII)
-_FACTOR: Final = re.compile(r"([^\W\d_]+|%|°|1)\^?(-?\d+(?:\.\d+)?|\(-?\d+/\d+\))?")
+_FACTOR: Final = re.compile(r"([^\W\d_]+|%|°|1)\^?(-?\d+(?:\.\d+)?|\(-?\d+/[1-9]\d*\))?")
 _LONGEST: Final = 80  # characters; no quantity needs more
 
 
