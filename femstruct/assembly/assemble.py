@@ -27,25 +27,22 @@ def assemble(model: Model) -> Assembly:
     dofs = number_dofs(model)
     stiffness: dict[str, csr_array] = {}
     loss_factors: dict[str, float] = {}
-    mass = csr_array((dofs.count, dofs.count))
-    damping = csr_array((dofs.count, dofs.count))
+    masses: list[csr_array] = []
+    dashpots: list[csr_array] = []
     for name, plate in model.plates.items():
         stiffness[name], inertia = plate_matrices(plate, dofs)
-        mass = mass + inertia
+        masses.append(inertia)
         loss_factors[name] = plate.part.material.loss_factor
     for name, frame in model.frames.items():
         stiffness[name], inertia = frame_matrices(frame, dofs, int(model.mesh.nodes[name][0]))
-        mass = mass + inertia
+        masses.append(inertia)
         loss_factors[name] = frame.part.material.loss_factor
     for elastic in model.elastics:
-        stiffness[elastic.name], dashpots = elastic_matrices(elastic, dofs)
-        damping = damping + dashpots
+        stiffness[elastic.name], dashpot = elastic_matrices(elastic, dofs)
+        dashpots.append(dashpot)
         loss_factors[elastic.name] = elastic.loss_factor
-    for inert in model.inerts:
-        mass = mass + inert_matrix(inert, dofs)
-    total = csr_array((dofs.count, dofs.count))
-    for matrix in stiffness.values():
-        total = total + matrix
+    masses += [inert_matrix(inert, dofs) for inert in model.inerts]
+    total, damping, mass = (_sum(terms, dofs.count) for terms in (list(stiffness.values()), dashpots, masses))
     equations, owners = _equations(model, dofs)
     solved = eliminate(equations)
     labels = DofLabels(model, dofs, solved.free)
@@ -82,14 +79,34 @@ def _equations(model: Model, dofs: RawDofs) -> tuple[csr_array, dict[str, slice]
 
 def _on_free(matrix: csr_array, solved: Elimination) -> csc_array:
     """E^T matrix E, exactly symmetric; plain selection where nothing is coupled."""
-    if solved.E.nnz == len(solved.free):
-        part = csr_array(matrix)[solved.free][:, solved.free]
+    if solved.E.nnz > len(solved.free):
+        return _symmetric(csr_array(solved.E.T @ (matrix @ solved.E)))
+    if len(solved.free) == matrix.shape[0]:
+        return _symmetric(matrix)
+    return _symmetric(csr_array(matrix[solved.free][:, solved.free]))
+
+
+def _symmetric(matrix: csr_array) -> csc_array:
+    """Mean of a matrix and its transpose: sums of duplicates round differently above and below the diagonal."""
+    matrix.sort_indices()
+    mirrored = csr_array(matrix.T)
+    if np.array_equal(matrix.indptr, mirrored.indptr) and np.array_equal(matrix.indices, mirrored.indices):
+        mirrored.data = (matrix.data + mirrored.data) * 0.5
     else:
-        part = csr_array(solved.E.T @ (matrix @ solved.E))
-    # Sums of duplicates round differently above and below the diagonal.
-    result = csc_array((part + part.T) * 0.5)
-    result.sort_indices()
-    return result
+        mirrored = csr_array((matrix + mirrored) * 0.5)
+        mirrored.sort_indices()
+    # Rows of a symmetric matrix are its columns.
+    return csc_array((mirrored.data, mirrored.indices, mirrored.indptr), shape=matrix.shape)
+
+
+def _sum(matrices: list[csr_array], count: int) -> csr_array:
+    """Sum of matrices [count, count], possibly of none."""
+    if not matrices:
+        return csr_array((count, count))
+    total = matrices[0]
+    for matrix in matrices[1:]:
+        total = csr_array(total + matrix)
+    return total
 
 
 def _check_singular(K: csc_array, M: csc_array, labels: DofLabels) -> None:

@@ -20,8 +20,9 @@ def plate_matrices(mesh: PlateMesh, dofs: RawDofs) -> tuple[csr_array, csr_array
     local = mesh.cells - mesh.nodes[0, 0]
     of_cells = numbers[local].reshape(len(local), -1)
     rigidity = plate.rigidity(material.E, material.nu, part.thickness)
-    K = scattered(plate.stiffness(part.element, a, b, rigidity), of_cells, dofs.count)
-    M = scattered(plate.mass(part.element, a, b, per_area), of_cells, dofs.count)
+    cell_stiffness = plate.stiffness(part.element, a, b, rigidity)
+    cell_mass = plate.mass(part.element, a, b, per_area)
+    K, M = scattered(cell_stiffness, cell_mass, of_cells, dofs.count)
     width, height = part.size
     total = per_area * width * height
     inertia = np.array([total, total, total * (width**2 + height**2) / 12.0])
@@ -39,15 +40,10 @@ def frame_matrices(mesh: FrameMesh, dofs: RawDofs, first_node: int) -> tuple[csr
         frame.mass(part.element, lengths, material.rho, A, Iy, Iz, ky, kz, E, G),
     )
     of_bars = dofs.of_nodes[part.name][mesh.bars - first_node].reshape(len(mesh.bars), -1)
-    K, M = (
-        scattered(
-            frame.with_offsets(frame.to_global(matrix, mesh.axes), mesh.arms[:, 0], mesh.arms[:, 1]),
-            of_bars,
-            dofs.count,
-        )
-        for matrix in local
-    )
-    return K, M
+    at_nodes = [
+        frame.with_offsets(frame.to_global(matrix, mesh.axes), mesh.arms[:, 0], mesh.arms[:, 1]) for matrix in local
+    ]
+    return scattered(at_nodes[0], at_nodes[1], of_bars, dofs.count)
 
 
 def elastic_matrices(elastic: Elastic, dofs: RawDofs) -> tuple[csr_array, csr_array]:
@@ -66,10 +62,18 @@ def congruent(rows: csr_array, values: Floats) -> csr_array:
     return csr_array(rows.T @ (diags_array(values) @ rows))
 
 
-def scattered(matrices: Floats, of_elements: Integers, count: int) -> csr_array:
-    """Sum of element matrices [n, nd, nd] at the degrees of freedom [n, nd] of each, as one sparse matrix."""
+def scattered(stiffness: Floats, mass: Floats, of_elements: Integers, count: int) -> tuple[csr_array, csr_array]:
+    """Sums of two sets of element matrices [n, nd, nd] at the degrees of freedom [n, nd] of each element, sparse."""
     n_dofs = of_elements.shape[1]
     numbers = of_elements.astype(np.int32)
     rows = np.repeat(numbers, n_dofs, axis=1).ravel()
     columns = np.tile(numbers, (1, n_dofs)).ravel()
-    return csr_array(coo_array((matrices.ravel(), (rows, columns)), shape=(count, count)))
+    # Sorting the places costs most of it and is the same for both, so they travel as one complex matrix.
+    both = np.empty(stiffness.shape, dtype=np.complex128)
+    both.real, both.imag = stiffness, mass
+    together = csr_array(coo_array((both.ravel(), (rows, columns)), shape=(count, count)))
+    K, M = (
+        csr_array((values.copy(), together.indices, together.indptr), shape=together.shape)
+        for values in (together.data.real, together.data.imag)
+    )
+    return K, M

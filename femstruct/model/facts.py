@@ -17,7 +17,7 @@ THICK = 0.1
 
 def part_masses(model: Model) -> dict[str, float]:
     """Mass of every part that has one, by name [kg]."""
-    masses = {}
+    masses: dict[str, float] = {}
     for name, plate in model.plates.items():
         width, height = plate.part.size
         masses[name] = plate.part.material.rho * plate.part.thickness * width * height
@@ -32,7 +32,8 @@ def part_masses(model: Model) -> dict[str, float]:
 class ModelFacts:
     """What `check` reports of a model.
 
-    masses : by part [kg]; total_mass [kg]; low, high [3] : corners of the box around the nodes [m]; counts : nodes, plate cells, bars.
+    masses : by part [kg]; total_mass [kg]; low, high [3] : corners of the box around the nodes [m].
+    counts : nodes, plate cells, bars.
     """
 
     masses: dict[str, float]

@@ -19,13 +19,15 @@ _ROUNDS = 100
 class Axis:
     """Grid of a side from 0 to `length`: the required places, and no interval longer than `size` [m].
 
-    Places closer than `tolerance` to one already there are the same place.
+    Places closer than `tolerance` to one already there are the same place. In the stretches `given` the nodes are those
+    of a plate, whatever the size.
     """
 
     length: float
     size: float
     tolerance: float
     required: list[float] = field(default_factory=list)
+    given: list[tuple[float, float]] = field(default_factory=list)
 
     def __post_init__(self) -> None:
         self.required = [0.0, self.length]
@@ -44,6 +46,9 @@ class Axis:
         fixed = np.sort(np.array(self.required))
         # A side of exactly three sizes has three intervals, whatever its rounding.
         counts = np.maximum(1, np.ceil(np.diff(fixed) / self.size - 1e-9)).astype(int)
+        middles = (fixed[:-1] + fixed[1:]) / 2.0
+        for start, end in self.given:
+            counts[(middles > start) & (middles < end)] = 1
         pieces = [
             np.linspace(low, high, count, endpoint=False)
             for low, high, count in zip(fixed[:-1], fixed[1:], counts, strict=True)

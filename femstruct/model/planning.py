@@ -207,7 +207,7 @@ class Plan:
             if along.all():
                 self.shared.append(SharedLine(own, track))
             else:
-                self.grids[own.key].size = inf
+                self.grids[own.key].given.append((own.start, own.end))
                 self.shared += [SharedLine(track, own), SharedLine(own, track)]
 
     def _refuse_apart(self, joint: Joint, distance: float) -> None:
