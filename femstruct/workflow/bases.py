@@ -10,7 +10,7 @@ from femstruct.assembly.assemble import assemble
 from femstruct.errors import Finding
 from femstruct.modal.basis import ModalBasis
 from femstruct.modal.damping import carry_damping, with_damping
-from femstruct.modal.solve import modal_basis
+from femstruct.modal.reduction import modal_basis
 from femstruct.model.mesher import mesh_structure
 from femstruct.model.model import Model
 from femstruct.model.parts import Structure

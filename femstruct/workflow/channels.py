@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
-from acoustics.pressure import RoomResponse
 from scipy.signal import butter, sosfiltfilt
 
+from acoustics.pressure import RoomResponse
 from femstruct.arrays import Floats
 from femstruct.errors import InputError
 from femstruct.impact.response import Response

@@ -35,7 +35,7 @@ def mesh_findings(model: Model, up_to_hz: float) -> tuple[Finding, ...]:
         if wave / plate.part.thickness < SLENDER:
             found.append(
                 Finding(
-                    "thick-plate",
+                    "shear-left-out",
                     f"{name}: a bending wave of {up_to_hz:g} Hz is {wave / plate.part.thickness:.1f} times as long as "
                     f"the plate is thick; below {SLENDER:g} the plate without shear is too stiff",
                     {"wavelength_m": wave, "thickness_m": plate.part.thickness},
@@ -63,8 +63,8 @@ def impact_findings(basis: ModalBasis, response: Response) -> tuple[Finding, ...
             found.append(
                 Finding(
                     "basis-truncated",
-                    f"{name}: {100 * share:.1f} % of the force's spectrum lies beyond {basis.complete_below_hz:.0f} Hz, where "
-                    "modes are left out (their static share is kept); accelerations there are too small",
+                    f"{name}: {100 * share:.1f} % of the force's spectrum lies beyond {basis.complete_below_hz:.0f} Hz, "
+                    "where modes are left out (their static share is kept); accelerations there are too small",
                     {"share": share, "complete_below_hz": basis.complete_below_hz},
                 )
             )

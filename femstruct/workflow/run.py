@@ -5,16 +5,16 @@ from __future__ import annotations
 import platform
 import sys
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from datetime import UTC, datetime
 from importlib.metadata import version
 
 import numpy as np
+
 from acoustics.levels import Levels, levels
 from acoustics.pressure import RoomResponse, pressure
-
-from femstruct.assembly.findings import model_findings
+from femstruct.model.facts import model_findings
 from femstruct.errors import Finding, InputError
 from femstruct.impact.bodies import Clock
 from femstruct.impact.response import Response
@@ -106,7 +106,12 @@ def run_case(case: Case, solved: Mapping[str, Solved], baseline: Case, clock: St
             findings += coupling_findings(basis, own.places.surfaces[plan.under], plan.room)
             findings += [from_advice(advice) for advice in rooms[plan.name].advice]
         findings += [from_advice(advice) for levels_of in heard.values() for advice in levels_of.advice]
-    return CaseResult(case, own.key, basis, response, responses, channels, rooms, heard, tuple(dict.fromkeys(findings)))
+    return CaseResult(case, own.key, basis, response, responses, channels, rooms, heard, distinct(findings))
+
+
+def distinct(findings: Iterable[Finding]) -> tuple[Finding, ...]:
+    """Findings without repetitions, in order."""
+    return tuple({(finding.code, finding.message): finding for finding in findings}.values())
 
 
 def structure_findings(solved: Solved, basis: ModalBasis) -> tuple[Finding, ...]:
@@ -138,10 +143,11 @@ def response_row(spot: Spot, places: Places, basis: ModalBasis, asked_by: str) -
         return places.point(spot.name, asked_by).probe(spot.what)
     key = f"{spot.name}.{spot.what.removeprefix('force').lstrip('_') or 'z'}"
     if key not in basis.outputs:
+        forces = sorted({name.rpartition(".")[0] for name in basis.outputs})
         raise InputError(
             asked_by,
             got=f"'{spot}'",
-            expected=f"a force of {', '.join(sorted({name.rpartition('.')[0] for name in basis.outputs})) or 'nothing'}",
+            expected=f"a force of {', '.join(forces) or 'nothing'}",
         )
     return basis.outputs[key]
 

@@ -1,0 +1,238 @@
+"""The command line: `femstruct run | check | modes | frf | impact | sound | schema`."""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+if TYPE_CHECKING:
+    from femstruct.study.result import StudyResult
+    from femstruct.study.study import Plan
+
+GOOD, OUR_BUG, BAD_INPUT, NOT_TRUSTED, INTERRUPTED = 0, 1, 2, 3, 130
+
+app = typer.Typer(
+    help="Impact vibration of structures and the sound it makes in a room.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    rich_markup_mode=None,
+)
+
+StudyFile = Annotated[Path, typer.Argument(metavar="STUDY", help="a study: what happens to a structure (YAML)")]
+ModelFile = Annotated[Path, typer.Argument(metavar="MODEL", help="a model: what the structure is (YAML)")]
+AsJson = Annotated[bool, typer.Option("--json", help="print JSON to stdout")]
+Sets = Annotated[
+    list[str], typer.Option("--set", metavar="PATH=VALUE", help="change one value before anything is read")
+]
+OnlyCase = Annotated[str, typer.Option("--case", metavar="CASE", help="run this case and the baseline only")]
+
+
+def main() -> None:
+    """Entry point: exit 0 good, 1 our bug, 2 bad input, 3 a result not to be trusted, 130 interrupted."""
+    for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
+        os.environ.setdefault(name, "1")  # two threads are slower on the small blocks of an eigensolution
+    try:
+        code = app(standalone_mode=False)
+    except KeyboardInterrupt:
+        print("interrupted: nothing was written", file=sys.stderr)
+        code = INTERRUPTED
+    except Exception as error:
+        code = _told(error)
+    sys.exit(code)
+
+
+@app.command()
+def run(
+    study: StudyFile,
+    case: OnlyCase = "",
+    set_: Sets = [],  # noqa: B006 (typer copies the default)
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", metavar="DIR", help="default: results/<study>/")
+    ] = None,
+    as_json: AsJson = False,
+) -> int:
+    """Run all that a study names: modes, responses, impacts, rooms, levels; write results, pictures and tables."""
+    from femstruct.files.tables import summary
+    from femstruct.workflow.output import write_all
+
+    _, result = _solve(study, set_, case)
+    folder = output or Path("results") / study.name.removesuffix(".yaml").removesuffix(".study")
+    with _progress() as tell:
+        written = write_all(result, folder, tell)
+    if as_json:
+        _print_json(summary(result))
+    else:
+        from femstruct.view.terminal import show_study
+
+        show_study(result, written, str(folder))
+    return _verdict(result)
+
+
+@app.command()
+def impact(study: StudyFile, case: OnlyCase = "", set_: Sets = [], as_json: AsJson = False) -> int:  # noqa: B006
+    """Simulate the impacts of a study and print peaks, contacts and energies; nothing is written."""
+    return _stages(study, case, set_, as_json, with_rooms=False)
+
+
+@app.command()
+def sound(study: StudyFile, case: OnlyCase = "", set_: Sets = [], as_json: AsJson = False) -> int:  # noqa: B006
+    """Simulate the impacts of a study and what is heard in its rooms; nothing is written."""
+    return _stages(study, case, set_, as_json, with_rooms=True)
+
+
+@app.command()
+def check(
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="a model or a study (YAML)")],
+    picture: Annotated[
+        Path | None, typer.Option("--picture", metavar="F.png", help="draw the model with its names")
+    ] = None,
+    set_: Sets = [],  # noqa: B006
+    as_json: AsJson = False,
+) -> int:
+    """Read a file and say what it means: geometry, masses, sags, degrees of freedom, rigid modes, findings."""
+    from femstruct.workflow.inspect import inspect_file
+
+    inspection = inspect_file(file, tuple(set_))
+    if picture is not None:
+        from femstruct.view.scene import picture_model
+
+        picture_model(inspection.model, inspection.rooms, picture)
+    if as_json:
+        _print_json(inspection.table())
+    else:
+        from femstruct.view.terminal import show_inspection
+
+        show_inspection(inspection.table(), str(picture or ""))
+    return GOOD
+
+
+@app.command()
+def modes(
+    model: ModelFile,
+    count: Annotated[int | None, typer.Option("--count", min=1, help="how many modes")] = None,
+    up_to: Annotated[
+        str, typer.Option("--up-to", metavar="F", help="all modes up to a frequency (default 3 kHz)")
+    ] = "",
+    set_: Sets = [],  # noqa: B006
+    as_json: AsJson = False,
+) -> int:
+    """Natural frequencies, damping ratios and kinds of modes, proven complete."""
+    from femstruct.workflow.inspect import extent_of, modes_of
+
+    table = modes_of(model, extent_of(count, up_to), tuple(set_))
+    if as_json:
+        _print_json(table)
+    else:
+        from femstruct.view.terminal import show_modes
+
+        show_modes(table)
+    return NOT_TRUSTED if any(finding["severe"] for finding in table["findings"]) else GOOD
+
+
+@app.command()
+def frf(
+    model: ModelFile,
+    drive: Annotated[str, typer.Option("--drive", metavar="P.z", help="where the force acts")],
+    response: Annotated[str, typer.Option("--response", metavar="Q.z", help="what is listened to; also NAME.force")],
+    band: Annotated[str, typer.Option("--band", metavar="A:B", help="frequencies, such as '1 Hz:500 Hz'")],
+    step: Annotated[str, typer.Option("--step", metavar="F", help="frequency step (default: 500 lines)")] = "",
+    kind: Annotated[
+        str, typer.Option("--kind", help="receptance, mobility, accelerance or transmissibility")
+    ] = "accelerance",
+    method: Annotated[str, typer.Option("--method", help="modal, or direct as its check")] = "modal",
+    set_: Sets = [],  # noqa: B006
+    as_json: AsJson = False,
+) -> int:
+    """One frequency response of a model."""
+    from femstruct.workflow.inspect import frf_of
+
+    table = frf_of(model, drive, response, band, step, kind, method, tuple(set_))
+    if as_json:
+        _print_json(table)
+    else:
+        from femstruct.view.terminal import show_frf
+
+        show_frf(table)
+    return GOOD
+
+
+@app.command()
+def schema(
+    kind: Annotated[str, typer.Argument(metavar="model|study", help="which of the two kinds of file")] = "model",
+) -> int:
+    """JSON schema of a model or a study file, for editors."""
+    from femstruct.language import json_schema
+
+    _print_json(json_schema(kind))
+    return GOOD
+
+
+def _stages(study: Path, case: str, sets: list[str], as_json: bool, with_rooms: bool) -> int:
+    from femstruct.files.tables import summary
+
+    _, result = _solve(study, sets, case, with_rooms=with_rooms)
+    if as_json:
+        _print_json(summary(result))
+    else:
+        from femstruct.view.terminal import show_study
+
+        show_study(result, {})
+    return _verdict(result)
+
+
+def _solve(study: Path, sets: list[str], case: str, with_rooms: bool = True) -> tuple[Plan, StudyResult]:
+    from femstruct.language import read_study
+    from femstruct.workflow.run import run_study, without_rooms
+
+    plan = read_study(study, tuple(sets), only=case or None)
+    if not with_rooms:
+        plan = without_rooms(plan)
+    with _progress() as tell:
+        return plan, run_study(plan, tell, " ".join(["femstruct", *sys.argv[1:]]))
+
+
+def _verdict(result: StudyResult) -> int:
+    if any(finding.code == "interrupted" for finding in result.findings):
+        return INTERRUPTED
+    severe = [finding for case in result.cases.values() for finding in case.findings if finding.severe]
+    return NOT_TRUSTED if severe else GOOD
+
+
+def _progress() -> Any:
+    from femstruct.view.terminal import progress
+
+    return progress()
+
+
+def _print_json(table: Any) -> None:
+    json.dump(table, sys.stdout, indent=1, allow_nan=False)
+    print()
+
+
+def _told(error: Exception) -> int:
+    """Say what went wrong on stderr, and with which exit code to leave."""
+    import click
+
+    from acoustics.errors import AcousticsError
+    from femstruct.errors import FemstructError, NotConverged
+
+    if isinstance(error, click.ClickException):
+        error.show()
+        return BAD_INPUT
+    if isinstance(error, NotConverged):
+        print(f"not converged: {error}", file=sys.stderr)
+        return NOT_TRUSTED
+    if isinstance(error, FemstructError | AcousticsError):
+        print(error, file=sys.stderr)
+        return BAD_INPUT
+    import traceback
+
+    traceback.print_exception(error)
+    print("This is a bug in femstruct, not in your input; please report the lines above.", file=sys.stderr)
+    return OUR_BUG

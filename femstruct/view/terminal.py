@@ -1,0 +1,236 @@
+"""What a person reads in the terminal: tables of modes, cases and findings."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from typing import Any
+
+from rich.console import Console
+from rich.table import Table
+
+from femstruct.errors import Finding
+from femstruct.study.result import CaseComparison, CaseResult, StudyResult
+
+Row = Mapping[str, Any]
+
+
+@contextmanager
+def progress() -> Iterator[Callable[[str], None]]:
+    """A line that says what is being computed, on a terminal; silence in a pipe."""
+    console = Console(stderr=True)
+    if not console.is_terminal:
+        yield lambda line: None
+        return
+    with console.status("") as status:
+        yield status.update
+
+
+def show_study(result: StudyResult, written: Mapping[str, float], folder: str = "") -> None:
+    """Cases side by side: outcome, peaks, contacts, energy, levels, changes against the baseline, findings, timings."""
+    console = _console()
+    console.print(f"[bold]{result.plan.title}[/bold]")
+    for name, case in result.cases.items():
+        if case.response is not None:
+            console.print(f"  {name}: {case.response.outcome.value}")
+    for table in (_peaks(result), _contacts(result), _energies(result), _levels(result), _modes_db(result)):
+        if table.row_count:
+            console.print(table)
+    _show_findings(console, [*result.findings, *(f for case in result.cases.values() for f in case.findings)])
+    _show_timings(console, {**result.timings, **written})
+    if folder:
+        console.print(f"written to {folder}")
+
+
+def show_modes(table: Row) -> None:
+    """Mode numbers, frequencies, damping ratios, kinds and effective masses."""
+    console = _console()
+    grid = _grid(
+        table["title"], ("mode", "frequency [Hz]", "damping ratio", "kind", "x [%]", "y [%]", "z [%] of the mass")
+    )
+    for i, frequency in enumerate(table["frequency_hz"]):
+        ratio = table["damping_ratio"][i]
+        shares = [100 * table["modal_mass_kg"][axis][i] / table["mass_kg"] for axis in "xyz"]
+        grid.add_row(
+            str(i + 1),
+            f"{frequency:.2f}",
+            "" if ratio is None else f"{100 * ratio:.2f} %",
+            table["kind"][i],
+            *(f"{share:.1f}" for share in shares),
+        )
+    console.print(grid)
+    console.print(f"mass {table['mass_kg']:.4g} kg; no mode is missing below {table['complete_below_hz']:.5g} Hz")
+    _show_findings(console, [Finding(f["code"], f["message"], f["values"], f["severe"]) for f in table["findings"]])
+
+
+def show_frf(table: Row) -> None:
+    """A frequency response as columns: frequency, magnitude, phase."""
+    print(f"# {table['kind']} {table['response']} / {table['drive']}, {table['method']}, {table['unit']}")
+    print("# frequency_hz real imag")
+    for line in zip(table["frequency_hz"], table["real"], table["imag"], strict=True):
+        print("{:.6g} {:.8e} {:.8e}".format(*line))
+
+
+def show_inspection(table: Row, picture: str = "") -> None:
+    """What `check` found: masses, box, degrees of freedom, rigid modes, damping, sags, rooms, findings."""
+    console = _console()
+    console.print(f"[bold]{table['title']}[/bold]")
+    if table["masses_kg"]:
+        grid = _grid("masses", ("part", "mass [kg]"))
+        for name, mass in table["masses_kg"].items():
+            grid.add_row(name, f"{mass:.5g}")
+        grid.add_row("all", f"{table['mass_kg']:.5g}")
+        console.print(grid)
+        low, high = table["box_m"]
+        console.print("box " + " x ".join(f"{b - a:.4g}" for a, b in zip(low, high, strict=True)) + " m")
+        console.print(", ".join(f"{count} {name}" for name, count in table["counts"].items()))
+    if table["degrees_of_freedom"] is not None:
+        console.print(f"{table['degrees_of_freedom']} degrees of freedom")
+    console.print(f"{table['rigid_body_modes']} rigid-body modes; first frequencies [Hz]: " + _first(table))
+    for sentence in table["damping"]:
+        console.print(sentence)
+    for name, position in table["points_m"].items():
+        console.print(f"point {name} at ({', '.join(f'{x:.4g}' for x in position)}) m")
+    for body, rest in table["rest"].items():
+        console.print(f"{body}: weight {rest['weight_n']:.4g} N sags {1e3 * rest['sag_m']:.3g} mm on its links")
+    for name, room in table["rooms"].items():
+        ratios = ", ".join(f"{100 * ratio:.3g} % at {f} Hz" for f, ratio in room["damping_ratio"].items())
+        console.print(
+            f"room {name}: first modes {', '.join(f'{f:.1f}' for f in room['first_modes_hz'])} Hz; damping {ratios}"
+        )
+    _show_findings(console, [Finding(f["code"], f["message"], f["values"], f["severe"]) for f in table["findings"]])
+    if picture:
+        console.print(f"picture: {picture}")
+
+
+def _first(table: Row) -> str:
+    elastic = [f"{f:.2f}" for f in table["first_frequencies_hz"][table["rigid_body_modes"] :]]
+    return ", ".join(elastic[:6])
+
+
+def _console() -> Console:
+    return Console(width=None if sys.stdout.isatty() else 140, highlight=False)
+
+
+def _grid(title: str, columns: Sequence[str]) -> Table:
+    grid = Table(title=title, title_justify="left", box=None, pad_edge=False)
+    for i, column in enumerate(columns):
+        grid.add_column(column, justify="left" if i == 0 else "right", no_wrap=i == 0)
+    return grid
+
+
+def _peaks(result: StudyResult) -> Table:
+    grid = _grid(f"peaks: first impact / whole window ({result.comparison.filter})", ("", *result.cases))
+    names = list(dict.fromkeys(name for case in result.cases.values() for name in case.channels))
+    for name in names:
+        unit = next(case.channels[name].unit for case in result.cases.values() if name in case.channels)
+        grid.add_row(f"{name} [{unit}]", *(_peak(result, case, name) for case in result.cases))
+    return grid
+
+
+def _peak(result: StudyResult, case: str, name: str) -> str:
+    channel = result.cases[case].channels.get(name)
+    if channel is None:
+        return "-"
+    beside = result.comparison.cases.get(case)
+    change = beside.peaks.get(name) if beside else None
+    texts = [f"{channel.first_impact:.4g} / {channel.whole:.4g}"]
+    if change is not None:
+        texts.append(f"{_percent(change.first_impact_percent)} / {_percent(change.whole_percent)}")
+    return "  ".join(texts)
+
+
+def _percent(value: float | None) -> str:
+    return "-" if value is None else f"{value:+.1f} %"
+
+
+def _contacts(result: StudyResult) -> Table:
+    grid = _grid("contacts", ("", "case", "peak force [N]", "closings", "first opens [ms]"))
+    for case_name, case in result.cases.items():
+        if case.response is None:
+            continue
+        for name, contact in case.response.contacts.items():
+            opens = "never" if contact.first_open is None else f"{1e3 * contact.first_open:.3f}"
+            grid.add_row(name, case_name, f"{contact.peak_force:.4g}", str(contact.closings), opens)
+    return grid
+
+
+def _energies(result: StudyResult) -> Table:
+    grid = _grid(
+        "energy [mJ]",
+        ("case", "when", "t [ms]", "bodies", "structure", "contacts, links", "dissipated", "ledger residual"),
+    )
+    for name, case in result.cases.items():
+        if case.response is None:
+            continue
+        ledger = case.response.ledger
+        for label, balance in (("start", ledger.start), ("separation", ledger.at_separation), ("end", ledger.end)):
+            if balance is None:
+                grid.add_row(name, label, "never", "", "", "", "", "")
+                continue
+            bodies = ", ".join(f"{body} {1e3 * energy:.4g}" for body, energy in balance.bodies.items())
+            stored = sum(balance.contacts.values()) + sum(balance.links.values())
+            grid.add_row(
+                name,
+                label,
+                f"{1e3 * balance.t:.3f}",
+                bodies,
+                f"{1e3 * balance.structure:.4g}",
+                f"{1e3 * stored:.4g}",
+                f"{1e3 * balance.dissipated:.4g}",
+                f"{ledger.residual:.1e}" if label == "end" else "",
+            )
+    return grid
+
+
+def _levels(result: StudyResult) -> Table:
+    grid = _grid("levels re 20 uPa", ("receiver", *result.cases))
+    names = list(dict.fromkeys(name for case in result.cases.values() for name in case.levels))
+    for name in names:
+        grid.add_row(f"{name} L_peak [dB]", *(_level(case, name, "l_peak_db") for case in result.cases.values()))
+        grid.add_row(f"{name} L_AFmax [dB]", *(_level(case, name, "l_afmax_db") for case in result.cases.values()))
+    return grid
+
+
+def _level(case: CaseResult, name: str, what: str) -> str:
+    return f"{getattr(case.levels[name], what):.1f}" if name in case.levels else "-"
+
+
+def _modes_db(result: StudyResult) -> Table:
+    """Attenuation at the baseline's spectral peaks: pressures, velocities and the net force side by side."""
+    others = result.comparison.cases
+    grid = _grid(
+        f"attenuation at the modes of '{result.comparison.baseline}' [dB]", ("channel", "mode", "f [Hz]", *others)
+    )
+    reference = result.cases[result.comparison.baseline]
+    shown = [
+        name for name in reference.channels if name.endswith(("pressure", "velocity")) or name.startswith("net force")
+    ]
+    for channel in shown:
+        for mode in sorted({mode for beside in others.values() for mode in beside.modes_db.get(channel, {})}):
+            frequency = reference.basis.frequency_hz[mode - 1]
+            if frequency <= 500.0:
+                grid.add_row(
+                    channel, str(mode), f"{frequency:.1f}", *(_mode_db(c, channel, mode) for c in others.values())
+                )
+    return grid
+
+
+def _mode_db(beside: CaseComparison, channel: str, mode: int) -> str:
+    value = beside.modes_db.get(channel, {}).get(mode)
+    return "-" if value is None else f"{value:.2f}"
+
+
+def _show_findings(console: Console, findings: Sequence[Finding]) -> None:
+    distinct = {(finding.code, finding.message): finding for finding in findings}
+    if distinct:
+        console.print("[bold]findings[/bold]")
+    for finding in distinct.values():
+        mark = "NOT TO BE TRUSTED " if finding.severe else ""
+        console.print(f"  {mark}{finding.code}: {finding.message}", soft_wrap=True)
+
+
+def _show_timings(console: Console, seconds: Mapping[str, float]) -> None:
+    told = ", ".join(f"{stage} {spent:.2f}" for stage, spent in seconds.items())
+    console.print(f"CPU seconds: {told}")

@@ -1,0 +1,233 @@
+"""What a file means, without hitting anything: its structure, its modes, one frequency response."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, cast, get_args
+
+import numpy as np
+
+from acoustics.room import modal_damping_ratio, room_modes
+from femstruct.assembly.assemble import assemble
+from femstruct.errors import Finding, InputError
+from femstruct.files.tables import finding_table, number
+from femstruct.language import ModelFile, read_any, read_model
+from femstruct.modal.basis import ModalBasis
+from femstruct.modal.damping import Damping, with_damping
+from femstruct.modal.frf import direct_frf
+from femstruct.model.facts import ModelFacts, model_facts
+from femstruct.model.model import Model
+from femstruct.study.study import Extent, FrfKind, FrfRequest, RoomPlan, Spot, Study
+from femstruct.units import quantity
+from femstruct.workflow.bases import Solved, solve
+from femstruct.workflow.run import frequency_response, frf_unit, response_row, structure_findings
+from femstruct.workflow.staging import Rest, force_probes, rest_states, scene
+
+DEFAULT_MODES = 30
+DEFAULT_LINES = 500
+Table = dict[str, Any]
+
+
+@dataclass(frozen=True, eq=False)
+class Inspection:
+    """What `check` tells of a file. model and facts are None for closed-form structures; study for a model file."""
+
+    title: str
+    model: Model | None
+    facts: ModelFacts | None
+    degrees_of_freedom: int | None
+    basis: ModalBasis
+    positions: Mapping[str, tuple[float, float, float]]
+    damping: tuple[str, ...]
+    rests: tuple[Rest, ...]
+    rooms: tuple[RoomPlan, ...]
+    findings: tuple[Finding, ...]
+
+    def table(self) -> Table:
+        """The same for JSON."""
+        facts = self.facts
+        return {
+            "title": self.title,
+            "masses_kg": {} if facts is None else facts.masses,
+            "mass_kg": self.basis.total_mass,
+            "box_m": None if facts is None else [facts.low.tolist(), facts.high.tolist()],
+            "counts": {} if facts is None else facts.counts,
+            "degrees_of_freedom": self.degrees_of_freedom,
+            "rigid_body_modes": self.basis.n_rigid,
+            "first_frequencies_hz": [float(f) for f in self.basis.frequency_hz[self.basis.modes]],
+            "points_m": {name: list(position) for name, position in self.positions.items()},
+            "damping": list(self.damping),
+            "rest": {rest.body: {"weight_n": rest.weight, "sag_m": rest.sag} for rest in self.rests},
+            "rooms": {plan.name: _room_table(plan) for plan in self.rooms},
+            "findings": [finding_table(finding) for finding in self.findings],
+        }
+
+
+def inspect_file(path: Path, overrides: tuple[str, ...] = ()) -> Inspection:
+    """Read a model or a study, mesh it, and solve for its first modes; of a study, its baseline is inspected.
+
+    Raises InputError as reading, meshing and staging do, so that what passes here can be run.
+    """
+    source = read_any(path, overrides)
+    if isinstance(source, ModelFile):
+        title, structure, damping, study = source.title, source.structure, source.damping, None
+    else:
+        study = next(case.study for case in source.cases if case.name == source.baseline)
+        title, structure, damping = source.title, study.structure, study.damping
+    solved = solve(structure, Extent(count=DEFAULT_MODES), () if study is None else (study,))
+    basis = _damped_as_far_as_solved(solved.basis, damping)
+    if study is not None:
+        _try(study, solved, basis)
+    model = solved.model
+    return Inspection(
+        title=title,
+        model=model,
+        facts=None if model is None else model_facts(model),
+        degrees_of_freedom=None if model is None else assemble(model).K.shape[0],
+        basis=basis,
+        positions={name: tuple(point.position.tolist()) for name, point in solved.places.points.items()},
+        damping=damping.sentences(),
+        rests=() if study is None else rest_states(study),
+        rooms=() if study is None else study.rooms,
+        findings=structure_findings(solved, basis),
+    )
+
+
+def extent_of(count: int | None, up_to: str) -> Extent:
+    """How many modes the command line asks for.
+
+    Raises InputError when both a count and a frequency are given, or the frequency is none.
+    """
+    if count is not None and up_to:
+        raise InputError("--count and --up-to", got="both", expected="one of them")
+    if up_to:
+        return Extent(up_to_hz=quantity(up_to, "frequency"))
+    return Extent(count=count or DEFAULT_MODES)
+
+
+def modes_of(path: Path, extent: Extent, overrides: tuple[str, ...] = ()) -> Table:
+    """Table of modes of a model file: frequencies, damping ratios, kinds, effective masses, findings."""
+    source = read_model(path, overrides)
+    solved = solve(source.structure, extent)
+    basis = _damped_as_far_as_solved(solved.basis, source.damping)
+    true = basis.modes
+    return {
+        "title": source.title,
+        "frequency_hz": basis.frequency_hz[true].tolist(),
+        "damping_ratio": [number(ratio) for ratio in basis.damping_ratio[true]],
+        "kind": list(basis.kind[true]),
+        "modal_mass_kg": {axis: basis.modal_mass[i, true].tolist() for i, axis in enumerate("xyz")},
+        "rigid_body_modes": basis.n_rigid,
+        "complete_below_hz": basis.complete_below_hz,
+        "mass_kg": basis.total_mass,
+        "findings": [finding_table(finding) for finding in structure_findings(solved, basis)],
+    }
+
+
+def frf_of(
+    path: Path,
+    drive: str,
+    response: str,
+    band: str,
+    step: str,
+    kind: str,
+    method: str,
+    overrides: tuple[str, ...] = (),
+) -> Table:
+    """One frequency response of a model file, by modes with residuals or, as their check, line by line.
+
+    Notes
+    -----
+    The basis holds all modes up to 2.5 times the upper end of the band, where residual vectors leave 1e-3.
+    """
+    if kind not in get_args(FrfKind):
+        raise InputError("--kind", got=f"'{kind}'", expected=", ".join(get_args(FrfKind)))
+    if method not in ("modal", "direct"):
+        raise InputError("--method", got=f"'{method}'", expected="modal or direct")
+    low, high = _band(band)
+    source = read_model(path, overrides)
+    request = FrfRequest(
+        "frf",
+        _spot(drive, "--drive"),
+        _spot(response, "--response"),
+        cast(FrfKind, kind),
+        (low, high),
+        quantity(step, "frequency") if step else (high - low) / DEFAULT_LINES,
+    )
+    asking = Study("", source.title, source.structure, source.damping, Extent(), frf=(request,))
+    solved = solve(source.structure, Extent(up_to_hz=2.5 * high), (asking,))
+    basis = with_damping(solved.basis, source.damping)
+    answer = frequency_response(request, solved.places, basis)
+    values = answer.values
+    if method == "direct":
+        if solved.model is None:
+            raise InputError(
+                "--method", got="'direct' of a closed-form structure", expected="modal", do="it has no matrices"
+            )
+        listened = response_row(request.response, solved.places, basis, "--response")
+        values = direct_frf(
+            assemble(solved.model),
+            solved.places.point(request.drive.name, "--drive").probe(request.drive.what),
+            listened if request.response.what[:5] != "force" else f"{request.response.name}.{_axis(request.response)}",
+            answer.frequency_hz,
+            source.damping,
+            request.kind,
+        )
+    return {
+        "title": source.title,
+        "drive": drive,
+        "response": response,
+        "kind": kind,
+        "method": method,
+        "frequency_hz": answer.frequency_hz.tolist(),
+        "real": np.real(values).tolist(),
+        "imag": np.imag(values).tolist(),
+        "unit": frf_unit(request),
+    }
+
+
+def _try(study: Study, solved: Solved, basis: ModalBasis) -> None:
+    """Raise what running the study would raise before anything is computed."""
+    scene(study, solved.places, basis)
+    force_probes(study, solved.places)
+    for request in study.frf:
+        response_row(request.response, solved.places, basis, f"frf.{request.name}.response")
+
+
+def _damped_as_far_as_solved(basis: ModalBasis, damping: Damping) -> ModalBasis:
+    """Damping of the modes there are; ratios of modes beyond the ones asked for have nothing to act on yet."""
+    known = len(basis.kind[basis.modes])
+    return with_damping(basis, Damping(damping.base, tuple(mode for mode in damping.modes if mode.number <= known)))
+
+
+def _band(text: str) -> tuple[float, float]:
+    low, colon, high = text.partition(":")
+    if not colon:
+        raise InputError("--band", got=f"'{text}'", expected="two frequencies, such as '1 Hz:500 Hz'")
+    band = quantity(low.strip(), "frequency"), quantity(high.strip(), "frequency")
+    if not 0 <= band[0] < band[1]:
+        raise InputError("--band", got=f"'{text}'", expected="a lower and a higher frequency")
+    return band
+
+
+def _spot(text: str, where: str) -> Spot:
+    name, _, what = text.rpartition(".")
+    if not name:
+        raise InputError(where, got=f"'{text}'", expected="POINT.direction or NAME.force, such as O_s.z")
+    return Spot(name, what)
+
+
+def _axis(spot: Spot) -> str:
+    return spot.what.removeprefix("force").lstrip("_") or "z"
+
+
+def _room_table(plan: RoomPlan) -> Table:
+    frequencies = [float(f) for f in room_modes(plan.room, 1000.0)[0][:3]]
+    return {
+        "size_m": plan.room.size.tolist(),
+        "first_modes_hz": frequencies,
+        "damping_ratio": {f"{f:g}": modal_damping_ratio(plan.room.losses, f) for f in (20.0, *frequencies) if f > 0},
+        "receivers_m": {receiver.name: receiver.position.tolist() for receiver in plan.receivers},
+    }

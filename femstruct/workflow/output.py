@@ -1,0 +1,54 @@
+"""What a run leaves behind: one results file, tables, sound, and pictures."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+
+from femstruct.files.atomic import replacing
+from femstruct.files.audio import write_wav
+from femstruct.files.results import write_results
+from femstruct.files.tables import summary
+from femstruct.study.result import StudyResult
+from femstruct.view.plots import plot_all
+from femstruct.view.scene import shapes_all
+from femstruct.workflow.run import Progress, Stopwatch
+
+
+def write_all(result: StudyResult, folder: Path, progress: Progress = lambda line: None) -> dict[str, float]:
+    """Write results.h5, summary.json, a WAV for every receiver and case, and all pictures into a folder.
+
+    Every file is complete or absent: each is written under a temporary name and then renamed. All sounds of a study
+    have one full scale, so that cases can be compared by ear.
+
+    Returns CPU seconds by stage: results, sound, pictures, shapes.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    clock = Stopwatch(progress)
+    with clock("results file"):
+        write_results(folder / "results.h5", result)
+        with replacing(folder / "summary.json") as path:
+            path.write_text(json.dumps(summary(result), indent=1, allow_nan=False) + "\n", encoding="utf-8")
+    with clock("sound"):
+        _write_sounds(result, folder)
+    with clock("pictures"):
+        plot_all(result, folder)
+    with clock("mode shapes"):
+        shapes_all(result, folder)
+    return clock.seconds
+
+
+def _write_sounds(result: StudyResult, folder: Path) -> None:
+    heard = [
+        (f"{case}.{plan.name}.{receiver.name}", item.rooms[plan.name].p[i], item.case.study.time)
+        for case, item in result.cases.items()
+        for plan in item.case.study.rooms
+        if plan.name in item.rooms
+        for i, receiver in enumerate(plan.receivers)
+    ]
+    loudest = max((float(np.abs(p).max()) for _, p, _ in heard), default=0.0)
+    for name, p, time in heard:
+        if time is not None and loudest > 0.0:
+            write_wav(folder / f"{name}.wav", p, time.sampling, full_scale=loudest)

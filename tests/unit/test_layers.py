@@ -1,0 +1,110 @@
+"""Imports go down only: the order of the house, held by reading every import statement."""
+
+import ast
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+
+# A module may import from lower layers, and from names of its own layer to its left.
+LAYERS = [
+    ["femstruct.conventions", "femstruct.errors", "femstruct.arrays", "femstruct.units"],
+    ["femstruct.elements", "femstruct.model"],
+    ["femstruct.assembly"],
+    ["femstruct.modal"],
+    ["femstruct.impact"],
+    ["femstruct.radiation"],
+    ["femstruct.study"],
+    ["femstruct.language", "femstruct.files", "femstruct.view"],
+    ["femstruct.workflow"],
+    ["femstruct.cli"],
+]
+ACOUSTICS = [
+    ["acoustics.errors", "acoustics.arrays", "acoustics.air", "acoustics.room", "acoustics.source"],
+    ["acoustics.extension", "acoustics.cavity"],
+    ["acoustics.judgement", "acoustics.pressure"],
+    ["acoustics.levels"],
+]
+HEARS_ACOUSTICS = {"radiation", "study", "language", "files", "view", "workflow", "cli"}
+OPENS_FILES = {"h5py", "pyvista", "matplotlib", "pydantic", "ruamel", "meshio", "rich", "typer"}
+
+
+def modules(package: str) -> list[Path]:
+    return sorted((ROOT / package).rglob("*.py"))
+
+
+def name_of(path: Path) -> str:
+    return ".".join(path.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__")
+
+
+def imports(path: Path) -> set[str]:
+    found = set()
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            found |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            assert node.level == 0, f"{path}: relative import"
+            found |= {f"{node.module}.{alias.name}" for alias in node.names}
+    return found
+
+
+def place(name: str, layers: list[list[str]]) -> tuple[int, int]:
+    for i, layer in enumerate(layers):
+        for j, member in enumerate(layer):
+            if name == member or name.startswith(member + "."):
+                return i, j
+    raise AssertionError(f"{name} is in no layer: give it one in this test and in the README")
+
+
+@pytest.mark.parametrize("path", [p for p in modules("femstruct") if name_of(p) != "femstruct"], ids=name_of)
+def test_femstruct_imports_go_down(path: Path) -> None:
+    layer, column = place(name_of(path), LAYERS)
+    for imported in imports(path):
+        if imported.startswith("femstruct."):
+            other_layer, other_column = place(imported, LAYERS)
+            down = other_layer < layer or (other_layer == layer and other_column <= column)
+            assert down, f"{name_of(path)} imports {imported} from above or beside it"
+        if imported.split(".")[0] == "acoustics":
+            assert name_of(path).split(".")[1] in HEARS_ACOUSTICS, f"{name_of(path)} imports {imported}"
+
+
+@pytest.mark.parametrize("path", [p for p in modules("acoustics") if name_of(p) != "acoustics"], ids=name_of)
+def test_acoustics_imports_go_down(path: Path) -> None:
+    layer, column = place(name_of(path), ACOUSTICS)
+    for imported in imports(path):
+        assert not imported.startswith("femstruct"), f"{name_of(path)} imports {imported}"
+        if imported.startswith("acoustics."):
+            other_layer, other_column = place(imported, ACOUSTICS)
+            assert (other_layer, other_column) <= (layer, column), f"{name_of(path)} imports {imported}"
+
+
+@pytest.mark.parametrize("path", modules("femstruct") + modules("acoustics"), ids=name_of)
+def test_lower_layers_open_no_file_and_draw_nothing(path: Path) -> None:
+    upper = {"language", "files", "view", "workflow", "cli"}
+    parts = name_of(path).split(".")
+    if len(parts) > 1 and parts[0] == "femstruct" and parts[1] in upper:
+        return
+    used = {imported.split(".")[0] for imported in imports(path)} & OPENS_FILES
+    assert not used, f"{name_of(path)} imports {used}"
+
+
+def test_import_loads_no_heavy_library() -> None:
+    code = "import femstruct, sys; print(*sys.modules)"
+    loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT).stdout
+    heavy = {"h5py", "pyvista", "matplotlib", "pydantic", "ruamel", "numba", "scipy", "numpy"} & set(loaded.split())
+    assert not heavy, f"import femstruct loads {heavy}"
+
+
+def test_help_is_quick() -> None:
+    code = (
+        "import resource, subprocess, sys;"
+        "subprocess.run([sys.executable, '-c', 'from femstruct.cli import main; main()', '--help'], check=True,"
+        " stdout=subprocess.DEVNULL);"
+        "used = resource.getrusage(resource.RUSAGE_CHILDREN); print(used.ru_utime + used.ru_stime)"
+    )
+    spent = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT).stdout
+    # CPU seconds, not wall time; measured 0.2 s, and a numpy import alone would add 0.1 s
+    assert float(spent) <= 0.3
