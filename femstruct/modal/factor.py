@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -29,7 +29,7 @@ class Factor:
     solve: Callable[[Floats], Floats]
 
 
-def factorise(K: csc_array, M: csc_array, sigma: float, labels: tuple[str, ...] = ()) -> Factor:
+def factorise(K: csc_array, M: csc_array, sigma: float, labels: Sequence[str] = ()) -> Factor:
     """Factor of K - sigma M for sigma < 0, positive definite unless K and M share a null vector.
 
     Raises SingularSystem when they do, naming the degree of freedom that moves most (its number without `labels`).
@@ -83,7 +83,7 @@ def _reciprocal_condition(factor: SuperLU, diagonal: Floats) -> float:
     return float(np.linalg.norm(start)) / size if np.isfinite(size) else 0.0
 
 
-def _refuse_null_vector(A: csc_array, K: csc_array, M: csc_array, labels: tuple[str, ...]) -> None:
+def _refuse_null_vector(A: csc_array, K: csc_array, M: csc_array, labels: Sequence[str]) -> None:
     """Raise SingularSystem if the softest shape of A has neither stiffness nor mass."""
     diagonal = A.diagonal()
     nudged = _symmetric_factor(csc_array(A + diags_array(1e-13 * diagonal)))
@@ -103,7 +103,7 @@ def relative_energy(A: csc_array, shapes: Floats) -> Floats:
     return np.divide(energy, total, out=np.zeros_like(energy), where=total > 0)
 
 
-def _singular(index: int, labels: tuple[str, ...]) -> SingularSystem:
+def _singular(index: int, labels: Sequence[str]) -> SingularSystem:
     return SingularSystem(
         labels[index] if labels else f"degree of freedom {index}",
         got="neither stiffness nor mass in a motion led by it",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -43,7 +44,7 @@ def modes(
     *,
     up_to_hz: float | None = None,
     count: int | None = None,
-    labels: tuple[str, ...] = (),
+    labels: Sequence[str] = (),
 ) -> Modes:
     """Undamped, mass-normalised modes, up to a frequency [Hz] or a number of them; none is skipped.
 
@@ -116,7 +117,7 @@ def _count_near(K: csc_array, M: csc_array, mu: float) -> tuple[float, int]:
     raise NotConverged("inertia count", got=f"unusable pivots near omega^2 = {mu:.6g}", do="move the upper frequency")
 
 
-def _shifted(K: csc_array, M: csc_array, wanted: int, limit: float, labels: tuple[str, ...]) -> Factor:
+def _shifted(K: csc_array, M: csc_array, wanted: int, limit: float, labels: Sequence[str]) -> Factor:
     """A factor of K - sigma M with -sigma between the first elastic omega^2 and the highest asked for.
 
     Nearer to zero the rigid modes lose digits, farther away Lanczos converges slowly; in between both are harmless.

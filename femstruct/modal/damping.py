@@ -1,0 +1,239 @@
+"""Damping laws, given to a basis after it is solved, and carried from one basis to another by mode shape."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.optimize import linear_sum_assignment
+
+from femstruct.arrays import Floats, Integers
+from femstruct.errors import Finding, InputError
+from femstruct.modal.basis import ForceRow, ModalBasis
+from femstruct.modal.likeness import mac
+
+_NEAR = 0.05  # how far mode N may be from where its damping was measured
+_ALIKE = 0.5  # the least MAC at which two shapes count as the same mode
+
+
+@dataclass(frozen=True)
+class Ratio:
+    """The same damping ratio zeta of every elastic mode [1]: viscous 2 zeta omega."""
+
+    value: float
+
+
+@dataclass(frozen=True)
+class LossFactor:
+    """One loss factor eta of the whole structure [1]: K (1 + j eta)."""
+
+    value: float
+
+
+@dataclass(frozen=True)
+class Rayleigh:
+    """C = alpha M + beta K: alpha [1/s], beta [s]. alpha also brakes rigid motion."""
+
+    alpha: float
+    beta: float
+
+
+@dataclass(frozen=True)
+class FromMaterials:
+    """The loss factor of every part's own material or foundation: sum of eta_part K_part, a full matrix."""
+
+
+@dataclass(frozen=True)
+class ModeDamping:
+    """The damping of one mode instead of the general law.
+
+    number : our mode number, from 1, rigid ones counted. near_hz : where that mode is expected [Hz], to 5 %.
+    ratio, loss_factor : exactly one of them [1].
+    """
+
+    number: int
+    near_hz: float
+    ratio: float | None = None
+    loss_factor: float | None = None
+
+    def __post_init__(self) -> None:
+        where = f"damping.modes.{self.number}"
+        if (self.ratio is None) == (self.loss_factor is None):
+            raise InputError(where, got="both or neither", expected="one of ratio and loss_factor")
+        if self.number < 1:
+            raise InputError(where, got=f"mode {self.number}", expected="a mode number from 1")
+        _check(f"{where}.near", self.near_hz)
+        _check(where, self.ratio if self.ratio is not None else self.loss_factor)
+
+
+@dataclass(frozen=True)
+class Damping:
+    """How the structure itself dissipates: a general law and the exceptions from it."""
+
+    base: Ratio | LossFactor | Rayleigh | FromMaterials = Ratio(0.0)
+    modes: tuple[ModeDamping, ...] = ()
+
+    def __post_init__(self) -> None:
+        values = [getattr(self.base, name) for name in ("value", "alpha", "beta") if hasattr(self.base, name)]
+        for value in values:
+            _check("damping", value)
+        numbers = [mode.number for mode in self.modes]
+        if len(set(numbers)) < len(numbers):
+            raise InputError("damping.modes", got=f"numbers {numbers}", expected="each mode once")
+
+
+def with_damping(basis: ModalBasis, damping: Damping) -> ModalBasis:
+    """The basis with the structure's own damping added to what it has (the permanent dashpots').
+
+    Ratios are viscous, 2 zeta omega; loss factors hysteretic, eta omega^2; the residual pseudo-modes follow the
+    general law. Rigid modes have no damping ratio; only alpha of Rayleigh's law brakes them. Force rows get the same
+    damping, so that reactions are right in motion: for ratios and loss factors a mode's share of every force is its
+    elastic force times (1 + 2 zeta j omega / omega_r) or (1 + j eta); by materials a part's own force has its own
+    eta, and forces of several parts together (joints, supports, ground) the mode's mean one.
+
+    Raises InputError when mode N is not within 5 % of where it is said to be, naming the modes that are near, and
+    when a rigid mode is given a damping. A mode above a basis cut short is a finding, not an error.
+
+    Notes: a damping matrix that is not diagonal (materials) keeps its off-diagonal terms, but an exception clears
+    the row and column of its mode.
+
+    >>> from femstruct.modal.analytic import oscillator
+    >>> basis, _ = oscillator(2.0, frequency_hz=10.0)
+    >>> with_damping(basis, Damping(LossFactor(0.04))).damping_ratio.round(12)
+    array([0.02])
+    """
+    exceptions, findings = _exceptions(basis, damping.modes)
+    viscous, hysteretic = _base(basis, damping.base)
+    for index, mode in exceptions.items():
+        viscous[index, :] = viscous[:, index] = hysteretic[index, :] = hysteretic[:, index] = 0.0
+        if mode.ratio is not None:
+            viscous[index, index] = 2.0 * mode.ratio * basis.omega[index]
+        elif mode.loss_factor is not None:
+            hysteretic[index, index] = mode.loss_factor * basis.omega[index] ** 2
+    named = np.array(sorted(exceptions), dtype=np.int64)
+    outputs = {
+        name: _with_losses(basis, name, row, damping.base, viscous, hysteretic, named)
+        for name, row in basis.outputs.items()
+    }
+    return replace(
+        basis,
+        viscous=basis.viscous + viscous,
+        hysteretic=basis.hysteretic + hysteretic,
+        outputs=outputs,
+        findings=basis.findings + findings,
+    )
+
+
+def carry_damping(damping: Damping, baseline: ModalBasis, changed: ModalBasis) -> ModalBasis:
+    """`changed` with the damping of `baseline`: exceptions follow their mode by shape, whatever its new number.
+
+    Modes are paired one to one with the largest total MAC. A mode without a partner of MAC 0.5 or more gets the general
+    law, and a finding says so. Neither basis has the damping yet.
+    """
+    exceptions, _ = _exceptions(baseline, damping.modes)
+    likeness = mac(baseline, changed)
+    elastic = np.array([kind == "elastic" for kind in changed.kind[changed.modes]], dtype=bool)
+    rows, columns = linear_sum_assignment(np.where(elastic, likeness, 0.0), maximize=True)
+    partner = dict(zip(rows.tolist(), columns.tolist(), strict=True))
+    carried: list[ModeDamping] = []
+    findings: list[Finding] = []
+    for index, mode in exceptions.items():
+        to = partner.get(index)
+        alike = float(likeness[index, to]) if to is not None and elastic[to] else 0.0
+        if to is not None and alike >= _ALIKE:
+            carried.append(replace(mode, number=to + 1, near_hz=float(changed.frequency_hz[to])))
+            continue
+        message = (
+            f"No mode of the changed structure resembles mode {mode.number} ({baseline.frequency_hz[index]:.4g} Hz) of "
+            f"the baseline (best MAC {alike:.2f}): it has the general damping."
+        )
+        values = {"mode": float(mode.number), "mac": alike, "frequency_hz": float(baseline.frequency_hz[index])}
+        findings.append(Finding("mode-damping-lost", message, values))
+    damped = with_damping(changed, Damping(damping.base, tuple(carried)))
+    return replace(damped, findings=damped.findings + tuple(findings))
+
+
+def _base(basis: ModalBasis, base: Ratio | LossFactor | Rayleigh | FromMaterials) -> tuple[Floats, Floats]:
+    """(viscous, hysteretic) matrices of the general law [k, k]."""
+    none = np.zeros_like(basis.viscous)
+    omega = basis.omega
+    if isinstance(base, Ratio):
+        return np.diag(2.0 * base.value * omega), none
+    if isinstance(base, LossFactor):
+        return none, np.diag(base.value * omega**2)
+    if isinstance(base, Rayleigh):
+        return np.diag(base.alpha + base.beta * omega**2), none
+    losses = none.copy()
+    for part, stiffness in basis.part_stiffness.items():
+        losses += basis.loss_factors.get(part, 0.0) * stiffness
+    rigid = omega == 0.0
+    losses[rigid, :] = losses[:, rigid] = 0.0  # rounding: a rigid mode strains no part
+    return none, losses
+
+
+def _with_losses(
+    basis: ModalBasis,
+    name: str,
+    row: ForceRow,
+    base: Ratio | LossFactor | Rayleigh | FromMaterials,
+    viscous: Floats,
+    hysteretic: Floats,
+    exceptions: Integers,
+) -> ForceRow:
+    """A force row with the damping of the structure that goes with it."""
+    squared = np.where(basis.omega > 0, basis.omega**2, np.inf)
+    rate, loss = np.diag(viscous) / squared, np.diag(hysteretic) / squared  # [s] and [1] of every mode's elastic force
+    dashpots, structural = row.stiffness * rate, row.stiffness * loss
+    general = np.ones(len(squared), dtype=bool)
+    general[exceptions] = False
+    if isinstance(base, Rayleigh):
+        dashpots = np.where(general, base.alpha * row.inertia + base.beta * row.stiffness, dashpots)
+    part = name.rpartition(".")[0]
+    if isinstance(base, FromMaterials) and part in basis.loss_factors:
+        structural = np.where(general, row.stiffness * basis.loss_factors[part], structural)
+    structural = np.where(basis.omega > 0, structural, 0.0)
+    return replace(
+        row,
+        damping=row.damping + dashpots + structural / np.sqrt(squared),
+        hysteretic=row.hysteretic + structural,
+    )
+
+
+def _exceptions(
+    basis: ModalBasis, modes: tuple[ModeDamping, ...]
+) -> tuple[dict[int, ModeDamping], tuple[Finding, ...]]:
+    """The exceptions by index of their mode, checked, and findings for those above the basis."""
+    frequency = basis.frequency_hz[basis.modes]
+    found: dict[int, ModeDamping] = {}
+    findings: list[Finding] = []
+    for mode in modes:
+        index = mode.number - 1
+        if index >= len(frequency) and mode.near_hz > basis.complete_below_hz * (1.0 - _NEAR):
+            message = f"Mode {mode.number} (near {mode.near_hz:.4g} Hz) is above this basis: its damping is not used."
+            findings.append(Finding("mode-damping-unused", message, {"mode": mode.number, "near_hz": mode.near_hz}))
+            continue
+        if index >= len(frequency) or abs(frequency[index] - mode.near_hz) > _NEAR * mode.near_hz:
+            raise _misplaced(basis, mode)
+        if basis.kind[index] == "rigid":
+            raise InputError(f"damping.modes.{mode.number}", got="a rigid mode", expected="an elastic mode")
+        found[index] = mode
+    return found, tuple(findings)
+
+
+def _misplaced(basis: ModalBasis, mode: ModeDamping) -> InputError:
+    frequency = basis.frequency_hz[basis.modes]
+    nearest = np.sort(np.argsort(np.abs(frequency - mode.near_hz), kind="stable")[:3])
+    told = ", ".join(f"mode {i + 1} at {frequency[i]:.4g} Hz" for i in nearest)
+    inside = mode.number <= len(frequency)
+    got = f"mode {mode.number} at {frequency[mode.number - 1]:.4g} Hz" if inside else f"{len(frequency)} modes only"
+    return InputError(
+        f"damping.modes.{mode.number}",
+        got=got,
+        expected=f"mode {mode.number} within 5 % of {mode.near_hz:.4g} Hz",
+        do=f"nearest are {told}",
+    )
+
+
+def _check(where: str, value: float | None) -> None:
+    if value is None or not (np.isfinite(value) and value >= 0):
+        raise InputError(where, got=f"{value}", expected="a number >= 0")

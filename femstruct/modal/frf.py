@@ -1,0 +1,209 @@
+"""Frequency responses: modal sums with residual vectors, and the direct solution as their check."""
+
+from __future__ import annotations
+
+from typing import Final, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.sparse import csc_array
+from scipy.sparse.linalg import splu
+
+from femstruct.arrays import Floats, frozen
+from femstruct.assembly.matrices import Assembly
+from femstruct.errors import InputError, NotConverged
+from femstruct.modal.basis import ForceRow, ModalBasis
+from femstruct.modal.damping import Damping, FromMaterials, LossFactor, Rayleigh
+from femstruct.modal.outputs import AXES
+from femstruct.model.probe import Probe
+
+Complex = NDArray[np.complex128]
+FrfKind = Literal["receptance", "mobility", "accelerance", "transmissibility"]
+UNITS: Final[dict[FrfKind, str]] = {
+    "receptance": "m/N",
+    "mobility": "m/(N s)",
+    "accelerance": "m/(N s^2)",
+    "transmissibility": "1",
+}
+_CHUNK = 2**22  # complex numbers held at once: 64 MB
+
+
+def frf(
+    basis: ModalBasis,
+    drive: Probe,
+    response: Probe | ForceRow,
+    frequency_hz: ArrayLike,
+    kind: FrfKind = "receptance",
+) -> Complex:
+    """Frequency response [nf] at `response` to a harmonic unit force at `drive`, by superposition of modes.
+
+    frequency_hz [nf] : >= 0 [Hz]; zero is refused when there are rigid modes.
+    kind : receptance displacement / force [m/N], mobility velocity / force, accelerance acceleration / force;
+    transmissibility: for a ForceRow (say `basis.outputs["ground.z"]`) that force over the driving force, for a
+    Probe its displacement over the displacement at the drive point [1]. A ForceRow has no other kind.
+
+    Raises InputError for a kind that does not fit, a negative frequency, or zero with rigid modes.
+
+    Notes: e^{+j omega t}, loss factors as K (1 + j eta). With residual vectors for both probes in the basis and modes
+    up to 2.5 times the highest frequency the error is below 1e-3 of the largest response (measured, `direct_frf`).
+    """
+    omega = _omega(frequency_hz)
+    if basis.n_rigid and (omega == 0).any():
+        raise InputError("frf frequency", got="0 Hz", expected="a frequency > 0: the structure is free")
+    _check_kind(response, kind)
+    pushed = drive.of(basis.shapes)
+    if isinstance(response, ForceRow):
+        with np.errstate(divide="ignore"):
+            structural = np.where(basis.omega > 0, response.hysteretic / basis.omega, 0.0)
+        rows: tuple[Complex, Complex, Complex] = (
+            _complex(response.stiffness + 1j * response.hysteretic),
+            _complex(1j * (response.damping - structural)),
+            _complex(-response.inertia),
+        )
+        return _modal(basis, pushed, rows, omega)
+    listened = response.of(basis.shapes).astype(np.complex128)
+    none = np.zeros_like(listened)
+    answer = _modal(basis, pushed, (listened, none, none), omega)
+    if kind == "transmissibility":
+        return answer / _modal(basis, pushed, (pushed.astype(np.complex128), none, none), omega)
+    return answer * _rate(kind, omega)
+
+
+def direct_frf(
+    assembly: Assembly,
+    drive: Probe,
+    response: Probe | str,
+    frequency_hz: ArrayLike,
+    damping: Damping,
+    kind: FrfKind = "receptance",
+) -> Complex:
+    """The same response [nf] by factorising K (1 + j eta) + j omega C - omega^2 M at every frequency: the check.
+
+    response : a probe, or the name of a force with its axis, "ground.z".
+    damping : LossFactor, Rayleigh or FromMaterials without exceptions; ratios belong to modes and are refused, except
+    zero. With FromMaterials only forces of parts with a loss factor of their own can be had.
+
+    Raises InputError for a damping or force it cannot have, NotConverged if a line keeps a residual above 1e-8.
+    """
+    omega = _omega(frequency_hz)
+    stiffness, dashpots, eta, law = _complex_stiffness(assembly, damping)
+    load = _dense_row(assembly, drive)
+    _check_kind(response, kind)
+    answers = np.empty(len(omega), dtype=np.complex128)
+    for line, w in enumerate(omega):
+        row: Complex = (
+            _force_row(assembly, response, w, eta, law)
+            if isinstance(response, str)
+            else _dense_row(assembly, response).astype(np.complex128)
+        )
+        shape = _solve_line(csc_array(stiffness + 1j * w * dashpots - w**2 * assembly.M), load, w)
+        answers[line] = row @ shape
+        if kind == "transmissibility" and not isinstance(response, str):
+            answers[line] /= load @ shape
+    return answers if kind == "transmissibility" else answers * _rate(kind, omega)
+
+
+def _modal(basis: ModalBasis, pushed: Floats, rows: tuple[Complex, Complex, Complex], omega: Floats) -> Complex:
+    """sum over modes of (rows[0] + omega rows[1] + omega^2 rows[2]) q at each omega [nf]."""
+    squared = basis.omega**2
+    k = len(squared)
+    answer: Complex = np.empty(len(omega), dtype=np.complex128)
+    diagonal = not any(np.any(A - np.diag(np.diag(A))) for A in (basis.viscous, basis.hysteretic))
+    step = max(1, _CHUNK // (k if diagonal else k * k))
+    for start in range(0, len(omega), step):
+        w = omega[start : start + step, None]
+        row = rows[0] + w * rows[1] + w**2 * rows[2]
+        if diagonal:
+            losses = w * np.diag(basis.viscous) + np.diag(basis.hysteretic)
+            q = _complex(pushed / (squared - w**2 + 1j * losses))
+        else:
+            full = 1j * (w[:, :, None] * basis.viscous + basis.hysteretic) - np.eye(k) * w[:, :, None] ** 2
+            q = _complex(np.linalg.solve(full + np.diag(squared), pushed[:, None])[:, :, 0])
+        answer[start : start + step] = (row * q).sum(axis=1)
+    return answer
+
+
+def _solve_line(A: csc_array, load: Floats, omega: float) -> Complex:
+    """A^-1 load for a complex symmetric A, with one step of refinement."""
+    # Nearly diagonal pivots keep the sparsity; off-diagonal ones only where a pivot has lost three digits.
+    factor = splu(A, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=1e-3, options={"SymmetricMode": True})
+    shape = _complex(factor.solve(_complex(load)))
+    shape = shape + _complex(factor.solve(_complex(load - A @ shape)))
+    left = float(np.linalg.norm(load - A @ shape) / np.linalg.norm(load))
+    terms = float(np.linalg.norm(abs(A) @ np.abs(shape)) / np.linalg.norm(load))
+    if not left <= 1e-8 * max(1.0, 1e-6 * terms):
+        raise NotConverged("direct_frf", got=f"a residual of {left:.1e} at {omega / (2 * np.pi):.4g} Hz")
+    return shape
+
+
+def _complex_stiffness(
+    assembly: Assembly, damping: Damping
+) -> tuple[csc_array, csc_array, float, Rayleigh | FromMaterials | None]:
+    """(K with its losses, C, eta, law): the matrices of a line, and what force rows need of the law."""
+    law = damping.base
+    if damping.modes:
+        raise InputError("direct_frf damping", got="damping of single modes", expected="a law for the whole structure")
+    if isinstance(law, LossFactor):
+        return csc_array((1.0 + 1j * law.value) * assembly.K), assembly.C, law.value, None
+    if isinstance(law, Rayleigh):
+        dashpots = csc_array(assembly.C + law.alpha * assembly.M + law.beta * assembly.K)
+        return csc_array(assembly.K.astype(np.complex128)), dashpots, 0.0, law
+    if isinstance(law, FromMaterials):
+        lossy = csc_array(assembly.K.astype(np.complex128))
+        for part, stiffness in assembly.part_stiffness.items():
+            lossy = csc_array(lossy + 1j * assembly.loss_factors.get(part, 0.0) * stiffness)
+        return lossy, assembly.C, 0.0, law
+    if law.value:
+        raise InputError("direct_frf damping", got="a ratio of every mode", expected="a law of the matrices")
+    return csc_array(assembly.K.astype(np.complex128)), assembly.C, 0.0, None
+
+
+def _force_row(
+    assembly: Assembly, name: str, omega: float, eta: float, law: Rayleigh | FromMaterials | None
+) -> Complex:
+    """A force of the structure on the free degrees of freedom at one frequency [n_free]."""
+    part, _, axis = name.rpartition(".")
+    if part not in assembly.forces or axis not in AXES:
+        raise InputError(
+            "direct_frf response", got=f"'{name}'", expected=" or ".join(assembly.forces) + " with .x .y .z"
+        )
+    force, i = assembly.forces[part], AXES.index(axis)
+    stiffness, damping, inertia = (matrix.toarray()[i] for matrix in (force.stiffness, force.damping, force.inertia))
+    if isinstance(law, FromMaterials):
+        if part not in assembly.loss_factors:
+            raise InputError("direct_frf response", got=f"'{name}'", expected="a force of a part with a loss factor")
+        eta = assembly.loss_factors[part]
+    if isinstance(law, Rayleigh):
+        damping = damping + law.alpha * inertia + law.beta * stiffness
+    return _complex((1.0 + 1j * eta) * stiffness + 1j * omega * damping - omega**2 * inertia)
+
+
+def _dense_row(assembly: Assembly, probe: Probe) -> Floats:
+    row: Floats = (probe.row(len(assembly.points)) @ assembly.dofs.T).toarray()[0]
+    return row
+
+
+def _omega(frequency_hz: ArrayLike) -> Floats:
+    frequency = frozen("frf frequency", np.atleast_1d(np.asarray(frequency_hz, dtype=np.float64)), (None,))
+    if (frequency < 0).any():
+        raise InputError("frf frequency", got=f"{frequency.min():g} Hz", expected="frequencies >= 0")
+    return 2.0 * np.pi * frequency
+
+
+def _check_kind(response: Probe | ForceRow | str, kind: str) -> None:
+    if kind not in UNITS:
+        raise InputError("frf kind", got=f"'{kind}'", expected=" or ".join(UNITS))
+    if not isinstance(response, Probe) and kind != "transmissibility":
+        raise InputError(
+            "frf kind", got=f"'{kind}' of a force", expected="transmissibility", do="forces are over the driving force"
+        )
+
+
+def _rate(kind: FrfKind, omega: Floats) -> Complex:
+    """What turns a displacement into the kind's motion."""
+    power = {"receptance": 0, "mobility": 1, "accelerance": 2}[kind]
+    return _complex((1j * omega) ** power)
+
+
+def _complex(values: ArrayLike) -> Complex:
+    return np.asarray(values, dtype=np.complex128)
