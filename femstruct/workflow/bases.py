@@ -7,7 +7,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from femstruct.assembly.assemble import assemble
-from femstruct.errors import Finding
 from femstruct.modal.basis import ModalBasis
 from femstruct.modal.damping import carry_damping, with_damping
 from femstruct.modal.reduction import modal_basis
@@ -63,20 +62,19 @@ def solve(structure: StructureModel, extent: Extent, studies: Sequence[Study] = 
     return Solved(key, None, Places(points, {}), basis)
 
 
-def damped(case: Case, solved: Mapping[str, Solved], baseline: Case) -> tuple[ModalBasis, tuple[Finding, ...]]:
-    """The basis of a case with its damping, and the findings of having carried it.
+def damped(case: Case, solved: Mapping[str, Solved], baseline: Case) -> ModalBasis:
+    """The basis of a case with its damping.
 
     Notes
     -----
     A case that changes the structure but not the damping keeps the baseline's ratios mode by mode, by shape (MAC);
     mode numbers would give them to other modes.
     """
-    own = solved[case.name]
+    own, reference = solved[case.name], solved[baseline.name]
     changes_damping = any(path.split(".")[0] == "damping" for path in case.changes)
-    if own.key == solved[baseline.name].key or changes_damping or case.study.damping.modes == ():
-        return with_damping(own.basis, case.study.damping), ()
-    reference = with_damping(solved[baseline.name].basis, baseline.study.damping)
-    return carry_damping(reference, own.basis, case.study.damping)
+    if own.key == reference.key or changes_damping:
+        return with_damping(own.basis, case.study.damping)
+    return carry_damping(case.study.damping, with_damping(reference.basis, baseline.study.damping), own.basis)
 
 
 def _key(structure: StructureModel, extent: Extent) -> str:

@@ -8,7 +8,7 @@ import numpy as np
 
 from femstruct.arrays import Floats
 from femstruct.modal.basis import ModalBasis
-from femstruct.modal.mac import mac
+from femstruct.modal.likeness import mac
 from femstruct.study.result import CaseComparison, CaseResult, Channel, Comparison, PeakChange
 from femstruct.workflow.channels import filter_sentence
 

@@ -85,10 +85,10 @@ def run_case(case: Case, solved: Mapping[str, Solved], baseline: Case, clock: St
     """One case through every stage that its study asks for."""
     study, own = case.study, solved[case.name]
     with clock("damping", case.name):
-        basis, carried = damped(case, solved, baseline)
+        basis = damped(case, solved, baseline)
     with clock("frf", case.name):
         responses = {request.name: frequency_response(request, own.places, basis) for request in study.frf}
-    findings = [*structure_findings(own, basis), *carried]
+    findings = [*structure_findings(own, basis)]
     response, channels = None, {}
     rooms: dict[str, RoomResponse] = {}
     heard: dict[str, Levels] = {}

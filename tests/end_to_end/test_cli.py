@@ -1,0 +1,90 @@
+"""The command line as a user meets it: exit codes, JSON, one-line errors, nothing written on bad input."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+MODELS = ROOT / "models"
+
+
+def femstruct(*words: str, cwd: Path = ROOT) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-c", "from femstruct.cli import main; main()", *words]
+    return subprocess.run(command, capture_output=True, text=True, cwd=cwd, env=_environment())
+
+
+def _environment() -> dict[str, str]:
+    import os
+
+    return {**os.environ, "PYTHONPATH": str(ROOT), "PYTHONWARNINGS": "error"}
+
+
+def test_modes_as_json() -> None:
+    done = femstruct("modes", str(MODELS / "small_plate.yaml"), "--count", "6", "--json")
+    assert done.returncode == 0, done.stderr
+    table = json.loads(done.stdout)
+    keys = {"frequency_hz", "damping_ratio", "kind", "rigid_body_modes", "complete_below_hz", "mass_kg", "findings"}
+    assert keys <= set(table)
+    D = 210e9 * 3e-3**3 / 12 / (1 - 0.3**2)
+    first = 3.141592653589793 / 2 * (D / (7850 * 3e-3)) ** 0.5 * (1 / 0.5**2 + 1 / 0.4**2)
+    assert table["frequency_hz"][0] == pytest.approx(first, rel=2e-4)  # bfs16 on 10 x 8 cells: 4th order
+    assert table["damping_ratio"][0] == pytest.approx(0.01)  # loss factor 2 %
+
+
+def test_modal_and_direct_frf_agree() -> None:
+    words = ("frf", str(MODELS / "small_plate.yaml"), "--drive", "off.z", "--response", "middle.z")
+    options = ("--band", "20 Hz:200 Hz", "--step", "20 Hz", "--json")
+    modal, direct = (json.loads(femstruct(*words, *options, "--method", m).stdout) for m in ("modal", "direct"))
+    size = max(abs(complex(a, b)) for a, b in zip(direct["real"], direct["imag"], strict=True))
+    for part in ("real", "imag"):
+        # residual vectors leave 1e-3 of the largest output (two orders of the frequency)
+        assert modal[part] == pytest.approx(direct[part], abs=1e-3 * size)
+
+
+def test_impact_and_sound_as_json() -> None:
+    done = femstruct("impact", str(MODELS / "three_bodies.study.yaml"), "--json")
+    assert done.returncode == 0, done.stderr
+    (case,) = json.loads(done.stdout)["cases"].values()
+    at = case["energy"]["at_separation"]
+    assert at["damper"] / case["energy"]["input_j"] == pytest.approx(0.75469329, abs=1e-6)  # exact event-driven solution
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (("run", "missing.study.yaml"), "missing.study.yaml"),
+        (("modes", "."), "folder"),
+        (("modes", str(MODELS / "small_plate.yaml"), "--count", "3", "--up-to", "100 Hz"), "one of them"),
+        (("modes", str(MODELS / "small_plate.yaml"), "--up-to", "100 rad/s"), "15.9"),
+        (("run", str(MODELS / "three_bodies.study.yaml"), "--set", "bodies.ball.mas=1 kg"), "mass"),
+        (("run", str(MODELS / "three_bodies.study.yaml"), "--set", "bodies.ball.mass=1 m"), "length"),
+        (("frf", str(MODELS / "small_plate.yaml"), "--drive", "of.z", "--response", "off.z", "--band", "1:2"), "off"),
+        (("frf", str(MODELS / "small_plate.yaml"), "--drive", "off.z", "--response", "off.z", "--band", "5"), "two freq"),
+        (("dance",), "dance"),
+    ],
+)
+def test_bad_input_is_told_in_a_line(words: tuple[str, ...], told: str, tmp_path: Path) -> None:
+    done = femstruct(*words, cwd=tmp_path)
+    assert done.returncode == 2, done.stderr
+    assert told in done.stderr
+    assert "Traceback" not in done.stderr
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_point_off_its_part_is_told_with_its_line(tmp_path: Path) -> None:
+    text = (MODELS / "small_plate.yaml").read_text().replace("at: [0.17, 0.11]", "at: [0.6, 0.11]")
+    (tmp_path / "plate.yaml").write_text(text)
+    done = femstruct("modes", "plate.yaml", cwd=tmp_path)
+    assert done.returncode == 2
+    assert done.stderr.startswith("plate.yaml:8:"), done.stderr
+    assert "off" in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def test_quiet_in_a_pipe() -> None:
+    done = femstruct("modes", str(MODELS / "portal.yaml"), "--json")
+    assert done.stderr == ""
+    json.loads(done.stdout)
