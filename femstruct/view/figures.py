@@ -1,0 +1,160 @@
+"""What all figures share: size, colours of cases, thinned lines, scaled units, and one way to the disk."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from femstruct.arrays import Floats
+from femstruct.files.atomic import replacing
+
+BASELINE: Final = "#222222"
+COLOURS: Final = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#8c564b", "#7f7f7f")
+"""Okabe and Ito's colours, told apart by colour-blind readers."""
+
+_SCALES: Final = {  # unit: (how much of the unit, shown unit), the largest first
+    "m": ((1.0, "m"), (1e-3, "mm"), (1e-6, "µm"), (1e-9, "nm")),
+    "m/s": ((1.0, "m/s"), (1e-3, "mm/s"), (1e-6, "µm/s")),
+    "m/s^2": ((1.0, "m/s²"), (1e-3, "mm/s²")),
+    "rad": ((1.0, "rad"), (1e-3, "mrad")),
+    "N": ((1e3, "kN"), (1.0, "N"), (1e-3, "mN")),
+    "Pa": ((1e3, "kPa"), (1.0, "Pa"), (1e-3, "mPa"), (1e-6, "µPa")),
+    "J": ((1.0, "J"), (1e-3, "mJ"), (1e-6, "µJ")),
+}
+
+
+def new_figure(width: float, height: float, title: str) -> Figure:
+    """An empty figure [inches] of its own, without pyplot: no window, no global state."""
+    figure = Figure(figsize=(width, height), dpi=100)
+    FigureCanvasAgg(figure)
+    figure.text(0.09 / width, 1.0 - 0.08 / height, title, fontsize=11, ha="left", va="top")
+    return figure
+
+
+def panels(
+    figure: Figure, rows: int, columns: int, *, between: float, top: float = 0.62, **options: object
+) -> NDArray[np.object_]:
+    """Axes [rows, columns] with margins in inches: `between` the rows, `top` above the first.
+
+    A layout engine would measure every text twice; that doubles the time of a picture.
+    """
+    width, height = figure.get_size_inches()
+    left, right, bottom, beside = 0.78, 0.15, 0.5, 0.75
+    inner = (
+        ((height - top - bottom) - (rows - 1) * between) / rows,
+        (width - left - right - (columns - 1) * beside) / columns,
+    )
+    figure.subplots_adjust(
+        left / width, bottom / height, 1.0 - right / width, 1.0 - top / height, beside / inner[1], between / inner[0]
+    )
+    axes: NDArray[np.object_] = figure.subplots(rows, columns, squeeze=False, **options)
+    return axes
+
+
+def save(figure: Figure, path: str | Path) -> Path:
+    """Write a figure in one step: nobody sees half a picture. The suffix of the path chooses the format."""
+    path = Path(path)
+    with replacing(path) as temporary:
+        figure.savefig(temporary, format=path.suffix.removeprefix(".") or "png")  # no layout, no tight box: quick
+    return path
+
+
+def case_colours(names: Iterable[str], baseline: str) -> dict[str, str]:
+    """One colour a case, the same in all pictures of a study: the baseline dark, the others in their order.
+
+    >>> case_colours(["a", "b"], baseline="a")
+    {'a': '#222222', 'b': '#0072b2'}
+    """
+    others = [name for name in names if name != baseline]
+    return {baseline: BASELINE} | {name: COLOURS[number % len(COLOURS)] for number, name in enumerate(others)}
+
+
+def scaled(unit: str, largest: float) -> tuple[float, str]:
+    """A factor and a unit in which `largest` is a number near 1..1000 to read.
+
+    >>> scaled("m", 0.0042)
+    (1000.0, 'mm')
+    """
+    scales = _SCALES.get(unit, ((1.0, unit),))
+    size, name = next((scale for scale in scales if largest >= 0.5 * scale[0]), scales[-1] if largest else scales[0])
+    return 1.0 / size, name
+
+
+def thinned(t: Floats, values: Floats, most: int = 1500) -> tuple[Floats, Floats]:
+    """A history with at most about 2 x `most` points that looks the same: least and largest of every stretch.
+
+    >>> t, y = thinned(np.arange(1e5), np.sin(np.arange(1e5)))
+    >>> len(t) < 3100, float(y.max()) > 0.9999
+    (True, True)
+    """
+    stretch = len(t) // most
+    if stretch < 3:
+        return t, values
+    whole = len(t) // stretch * stretch
+    blocks = values[:whole].reshape(-1, stretch)
+    start = np.arange(len(blocks)) * stretch
+    picked = np.sort(np.stack([start + blocks.argmin(axis=1), start + blocks.argmax(axis=1)], axis=1), axis=1).ravel()
+    picked = np.concatenate([picked, np.arange(whole, len(t))])
+    return t[picked], values[picked]
+
+
+def finish(axes: Axes, xlabel: str, ylabel: str) -> None:
+    """Labels and a light grid."""
+    axes.set_xlabel(xlabel)
+    axes.set_ylabel(ylabel)
+    axes.grid(True, which="major", color="0.88", linewidth=0.6)
+    axes.set_axisbelow(True)
+
+
+def legend_above(axes: Axes, *, up: float = 0.0) -> None:
+    """A legend over the axes, `up` points above them, where it covers no curve."""
+    axes.legend(
+        fontsize=8, loc="lower left", bbox_to_anchor=(0.0, 1.0), borderaxespad=0.2 + up / 8, frameon=False,
+        labelspacing=0.25,
+    )  # fmt: skip
+
+
+def readable(unit: str) -> str:
+    """A unit as people write it.
+
+    >>> readable("m/s^2/N")
+    '(m/s²)/N'
+    """
+    return {"m/s/N": "(m/s)/N", "m/s^2/N": "(m/s²)/N"}.get(unit, unit.replace("^2", "²"))
+
+
+def mode_lines(axes: Axes, frequency_hz: Mapping[int, float], low: float, high: float, *, numbers: bool = True) -> None:
+    """Dotted lines at natural frequencies inside a band, with the modes' numbers on top.
+
+    A number is left out where it would cover the one before.
+    """
+    logarithmic = axes.get_xscale() == "log"
+    last = -np.inf
+    for mode, frequency in frequency_hz.items():
+        if not low <= frequency <= high:
+            continue
+        axes.axvline(frequency, color="0.7", linewidth=0.6, linestyle=":", zorder=0)
+        along = np.log(frequency / low) / np.log(high / low) if logarithmic else (frequency - low) / (high - low)
+        if numbers and along - last > 0.022:
+            axes.annotate(
+                str(mode), (frequency, 1.0), xycoords=("data", "axes fraction"), xytext=(0, 2),
+                textcoords="offset points", fontsize=7, color="0.4", ha="center",
+            )  # fmt: skip
+            last = along
+
+
+def file_name(*words: str) -> str:
+    """A file name that every system takes.
+
+    >>> file_name("history", "ball on floor force")
+    'history_ball_on_floor_force.png'
+    """
+    return re.sub(r"[^\w.+-]+", "_", "_".join(words)) + ".png"

@@ -1,0 +1,172 @@
+"""Figures over time: channels, contact forces, bodies, energy; the first impact large, the whole window beside it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Final
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from femstruct.arrays import Floats
+from femstruct.impact.response import EnergyLedger, Response
+from femstruct.study.result import CaseResult, StudyResult
+from femstruct.view.figures import case_colours, finish, legend_above, new_figure, panels, scaled, thinned
+
+ZOOM_WITHOUT_RULE: Final = 0.05  # of the window, where no first-impact window is given
+AROUND: Final = 1.25  # times the first-impact window: what comes next is seen to begin
+ENERGY_COLOURS: Final = ("#0072b2", "#009e73", "#e69f00", "#bbbbbb")
+
+Row = tuple[str, str, Mapping[str, tuple[Floats, Floats]], Mapping[str, str]]  # ylabel, unit, by case (t, y), legend
+
+
+def history(result: StudyResult, channel: str) -> Figure:
+    """A recorded channel of all cases; the legend gives the peaks |x|, in the first impact and in the whole window."""
+    cases = {name: case for name, case in result.cases.items() if channel in case.channels}
+    first = next(iter(cases.values())).channels[channel]
+    factor, unit = scaled(first.unit, max(case.channels[channel].whole for case in cases.values()))
+    legend = {
+        name: f"{name}: peak {factor * case.channels[channel].first_impact:.4g} {unit} in the first impact, "
+        f"{factor * case.channels[channel].whole:.4g} {unit} in all"
+        for name, case in cases.items()
+    }
+    curves = {name: (_times(case), case.channels[channel].values) for name, case in cases.items()}
+    title = f"{channel}   (peaks of |x|; {result.comparison.filter})"
+    return _figure(result, title, [(channel, first.unit, curves, legend)])
+
+
+def contact_forces(result: StudyResult) -> Figure | None:
+    """Forces of all contacts, a row each; None where nothing touches."""
+    return _rows_of(
+        result,
+        "Contact forces",
+        "N",
+        {
+            case: {name: (contact.force, f"peak {contact.peak_force:.4g} N") for name, contact in r.contacts.items()}
+            for case, r in _responses(result).items()
+        },
+    )
+
+
+def travels(result: StudyResult) -> Figure | None:
+    """Displacement of all bodies since the start, a row each; None without bodies."""
+    return _rows_of(
+        result,
+        "Displacement of the bodies",
+        "m",
+        {
+            case: {
+                name: (body.displacement, f"ends with {body.velocity[-1]:.4g} m/s") for name, body in r.bodies.items()
+            }
+            for case, r in _responses(result).items()
+        },
+    )
+
+
+def energy(result: StudyResult) -> Figure | None:
+    """The ledger of every case, stacked: bodies, structure, contacts and links, losses, up to what was put in."""
+    responses = _responses(result)
+    if not responses:
+        return None
+    figure = new_figure(10.0, 1.1 + 2.3 * len(responses), "Where the energy is")
+    grid = panels(figure, len(responses), 2, between=0.75, top=0.65, sharey="row")
+    for row, (name, response) in zip(grid, responses.items(), strict=True):
+        ledger = response.ledger
+        factor, unit = scaled("J", float(_input(ledger).max()))
+        for axes, end in zip(row, (_zoom(result, response), float(ledger.t[-1])), strict=True):
+            _stack(axes, ledger, factor, end)
+            time, time_unit = scaled_time(end)
+            finish(axes, f"time in {time_unit}", "")
+            axes.set_xlim(0.0, time * end)
+            axes.set_ylim(0.0, 1.08 * factor * float(_input(ledger).max()))
+        row[0].set_ylabel(f"energy in {unit}")
+        row[0].set_title(f"{name}   (ledger residual {ledger.residual:.1e})", fontsize=9, loc="left")
+    grid[0, 1].legend(
+        fontsize=8,
+        loc="lower right",
+        bbox_to_anchor=(1.0, 1.0),
+        borderaxespad=0.3,
+        frameon=False,
+        ncols=5,
+        columnspacing=1.0,
+    )
+    return figure
+
+
+def scaled_time(end: float) -> tuple[float, str]:
+    """Milliseconds up to half a second, then seconds.
+
+    >>> scaled_time(0.02)
+    (1000.0, 'ms')
+    """
+    return (1e3, "ms") if end < 0.5 else (1.0, "s")
+
+
+def _stack(axes: Axes, ledger: EnergyLedger, factor: float, end: float) -> None:
+    bodies = np.sum(list(ledger.bodies.values()), axis=0) if ledger.bodies else np.zeros_like(ledger.t)
+    terms = (("bodies", bodies), ("structure", ledger.structure), ("contacts, links", ledger.stored))
+    t = np.linspace(0.0, end, 500)
+    scale, _ = scaled_time(end)
+    layers = [factor * np.interp(t, ledger.t, term) for _, term in (*terms, ("", ledger.dissipated))]
+    labels = [*(name for name, _ in terms), "dissipated"]
+    axes.stackplot(scale * t, layers, labels=labels, colors=ENERGY_COLOURS, linewidth=0)
+    axes.plot(scale * t, factor * np.interp(t, ledger.t, _input(ledger)), "k--", linewidth=1.0, label="put in")
+
+
+def _input(ledger: EnergyLedger) -> Floats:
+    """Energy at the start and the work done since [nt] [J]."""
+    put_in: Floats = ledger.start.total + ledger.work
+    return put_in
+
+
+def _rows_of(
+    result: StudyResult, title: str, unit: str, found: Mapping[str, Mapping[str, tuple[Floats, str]]]
+) -> Figure | None:
+    """A row for every name that occurs in any case."""
+    names = list(dict.fromkeys(name for rows in found.values() for name in rows))
+    if not names:
+        return None
+    rows: list[Row] = []
+    for name in names:
+        having = {case: rows_[name] for case, rows_ in found.items() if name in rows_}
+        curves = {case: (_times(result.cases[case]), values) for case, (values, _) in having.items()}
+        rows.append((name, unit, curves, {case: f"{case}: {text}" for case, (_, text) in having.items()}))
+    return _figure(result, title, rows)
+
+
+def _figure(result: StudyResult, title: str, rows: list[Row]) -> Figure:
+    """Rows of two panels: the first impact, and the whole window."""
+    colours = case_colours(result.cases, result.plan.baseline)
+    above = 0.12 + 0.155 * max(len(legend) for *_, legend in rows)  # inches a legend takes
+    figure = new_figure(11.0, 0.8 + (2.8 + 0.55 + above) * len(rows) - 0.55, title)
+    grid = panels(figure, len(rows), 2, between=0.55 + above, top=0.3 + above, width_ratios=(3, 2))
+    response = next(iter(_responses(result).values()))
+    ends = (_zoom(result, response), float(response.t[-1]))
+    for row, (label, unit, curves, legend) in zip(grid, rows, strict=True):
+        for axes, end in zip(row, ends, strict=True):
+            shown = {name: (t[t <= end], y[t <= end]) for name, (t, y) in curves.items()}
+            factor, named = scaled(unit, max(float(np.abs(y).max()) for _, y in shown.values()))
+            time, time_unit = scaled_time(end)
+            for name, (t, y) in shown.items():
+                x, values = thinned(t, y)
+                axes.plot(time * x, factor * values, color=colours[name], linewidth=1.0, label=legend[name])
+            axes.set_xlim(0.0, time * end)
+            finish(axes, f"time in {time_unit}", f"{label} in {named}")
+        legend_above(row[0])
+    return figure
+
+
+def _responses(result: StudyResult) -> dict[str, Response]:
+    return {name: case.response for name, case in result.cases.items() if case.response is not None}
+
+
+def _times(case: CaseResult) -> Floats:
+    return np.empty(0) if case.response is None else case.response.t
+
+
+def _zoom(result: StudyResult, response: Response) -> float:
+    """End of the panel of the first impact [s]."""
+    window = next(iter(result.cases.values())).case.study.peaks.first_impact
+    duration = float(response.t[-1])
+    return min(duration, AROUND * window if window else ZOOM_WITHOUT_RULE * duration)

@@ -1,0 +1,42 @@
+"""All figures of a study, to a folder."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from matplotlib.figure import Figure
+
+from femstruct.study.result import StudyResult
+from femstruct.view.figures import file_name, save
+from femstruct.view.histories import contact_forces, energy, history, travels
+from femstruct.view.spectra import frequency_response, sound
+
+
+def figures(result: StudyResult) -> dict[str, Figure]:
+    """All figures of a study by file name: frequency responses, channels, contacts, bodies, energy, sound."""
+    cases = result.cases.values()
+    responses = dict.fromkeys(name for case in cases for name in case.frf)
+    channels = dict.fromkeys(name for case in cases for name in case.channels)
+    receivers = dict.fromkeys(
+        f"{room}.{receiver.name}"
+        for case in cases
+        for room, response in case.rooms.items()
+        for receiver in response.receivers
+    )
+    made: dict[str, Figure | None] = {
+        **{file_name("frf", name): frequency_response(result, name) for name in responses},
+        **{file_name("history", name): history(result, name) for name in channels},
+        file_name("contact_forces"): contact_forces(result),
+        file_name("bodies"): travels(result),
+        file_name("energy"): energy(result),
+        **{file_name("sound", name): sound(result, name) for name in receivers},
+    }
+    return {name: figure for name, figure in made.items() if figure is not None}
+
+
+def plot_all(result: StudyResult, folder: str | Path) -> list[Path]:
+    """Draw all figures of a study as PNG files in a folder; returns their paths.
+
+    Each file is replaced in one step. Figures of an earlier run that this one does not make are left alone.
+    """
+    return [save(figure, Path(folder) / name) for name, figure in figures(result).items()]

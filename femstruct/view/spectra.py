@@ -1,0 +1,148 @@
+"""Figures over frequency: frequency responses, sound spectra, third octaves."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
+from acoustics.levels import level_spectrum
+from femstruct.arrays import Floats
+from femstruct.modal.basis import ModalBasis
+from femstruct.study.result import Frf, StudyResult
+from femstruct.view.figures import case_colours, finish, legend_above, mode_lines, new_figure, panels, readable, thinned
+
+DYNAMIC_RANGE_DB: Final = 90.0
+LOWEST_HZ: Final = 5.0
+
+
+def frequency_response(result: StudyResult, name: str) -> Figure:
+    """Magnitude and phase of a frequency response in all cases, with the modes of the baseline by number.
+
+    Cases whose structure is the same share one line.
+    """
+    colours = case_colours(result.cases, result.plan.baseline)
+    lines = _distinct({case: item.frf[name] for case, item in result.cases.items() if name in item.frf})
+    frf = next(iter(lines.values()))
+    request = frf.request
+    figure = new_figure(9.0, 5.8, f"{name}: {request.kind}, {request.drive} to {request.response}")
+    top = 0.55 + 0.155 * len(lines)
+    (above,), (below,) = panels(figure, 2, 1, between=0.15, top=top, sharex=True, height_ratios=(2, 1))
+    for label, line in lines.items():
+        case = label.split(", ")[0]
+        colour = colours.get(case, colours[result.plan.baseline])
+        above.loglog(line.frequency_hz, np.abs(line.values), color=colour, linewidth=1.1, label=label)
+        below.semilogx(line.frequency_hz, np.degrees(np.angle(line.values)), color=colour, linewidth=1.0)
+    low, high = float(frf.frequency_hz[0]), float(frf.frequency_hz[-1])
+    above.set_xlim(max(low, 1e-3), high)
+    below.set_ylim(-190, 190)
+    below.set_yticks([-180, -90, 0, 90, 180])
+    modes = _numbered(result.cases[result.plan.baseline].basis)
+    mode_lines(above, modes, max(low, 1e-3), high)
+    mode_lines(below, modes, max(low, 1e-3), high, numbers=False)
+    finish(above, "", f"|{request.kind}| in {readable(frf.unit)}")
+    legend_above(above, up=12)
+    finish(below, "frequency in Hz   (numbers: modes of the baseline)", "phase in degrees")
+    _plain_ticks(below)
+    return figure
+
+
+def sound(result: StudyResult, receiver: str) -> Figure | None:
+    """Spectrum and third octaves of the pressure at a receiver ("ROOM.NAME") in all cases; None if nobody hears it.
+
+    Frequencies end where the modal basis does: above, the structure's answer is not complete.
+    """
+    colours = case_colours(result.cases, result.plan.baseline)
+    heard = {name: p for name, case in result.cases.items() if (p := _pressure(result, name, receiver)) is not None}
+    if not heard:
+        return None
+    basis = result.cases[result.plan.baseline].basis
+    dt, p = next(iter(heard.values()))
+    top = min(basis.complete_below_hz, 0.5 / dt) if np.isfinite(basis.complete_below_hz) else 0.5 / dt
+    legend = 0.155 * len(heard)  # inches
+    figure = new_figure(11.0, 6.8 + 2 * legend, f"Sound at {receiver}")
+    (above,), (below,) = panels(figure, 2, 1, between=0.75 + legend, top=0.55 + legend)
+    peak = -np.inf
+    for name, (step, p) in heard.items():
+        frequency, level = level_spectrum(p, step)
+        shown = (frequency >= LOWEST_HZ) & (frequency <= top)
+        x, y = thinned(frequency[shown], level[shown], most=3000)
+        above.semilogx(x, y, color=colours[name], linewidth=0.9, label=name)
+        peak = max(peak, float(level[shown].max(initial=-np.inf)))
+    above.set_xlim(LOWEST_HZ, top)
+    if np.isfinite(peak):
+        above.set_ylim(peak - DYNAMIC_RANGE_DB, peak + 6)
+    mode_lines(above, _numbered(basis), LOWEST_HZ, top)
+    resolution = 1.0 / (dt * len(p))
+    finish(
+        above, "frequency in Hz   (numbers: modes of the baseline)", f"lines {resolution:.3g} Hz apart, dB re 20 µPa"
+    )
+    legend_above(above, up=12)
+    _plain_ticks(above)
+    _bands(below, result, receiver, top)
+    return figure
+
+
+def _bands(axes: Axes, result: StudyResult, receiver: str, top: float) -> None:
+    colours = case_colours(result.cases, result.plan.baseline)
+    levels = {name: case.levels[receiver] for name, case in result.cases.items() if receiver in case.levels}
+    if not levels:
+        return
+    centres = [centre for centre in next(iter(levels.values())).bands_db if centre <= top]
+    width = 0.8 / len(levels)
+    values = {name: [level.bands_db[centre] for centre in centres] for name, level in levels.items()}
+    highest = max((max(row, default=0.0) for row in values.values()), default=0.0)
+    lowest = max(min((min(row, default=0.0) for row in values.values()), default=0.0), highest - DYNAMIC_RANGE_DB)
+    floor = 10.0 * np.floor((lowest - 3.0) / 10.0)
+    for number, (name, row) in enumerate(values.items()):
+        x = np.arange(len(centres)) + (number - (len(levels) - 1) / 2) * width
+        level = levels[name]
+        label = f"{name}: L_peak {level.l_peak_db:.1f} dB, L_AFmax {level.l_afmax_db:.1f} dB"
+        axes.bar(x, np.asarray(row) - floor, width, bottom=floor, color=colours[name], label=label)
+    axes.set_xticks(range(len(centres)), [f"{centre:g}" for centre in centres], fontsize=8)
+    axes.set_xlim(-0.6, len(centres) - 0.4)
+    axes.set_ylim(floor, highest + 4.0)
+    finish(axes, "third octave, nominal centre in Hz", "L_Fmax in dB re 20 µPa")
+    legend_above(axes)
+    axes.grid(False, axis="x")
+
+
+def _pressure(result: StudyResult, case: str, receiver: str) -> tuple[float, Floats] | None:
+    """Sampling interval [s] and pressure [nt] [Pa] at ROOM.NAME."""
+    for room, response in result.cases[case].rooms.items():
+        for row, item in zip(response.p, response.receivers, strict=True):
+            if f"{room}.{item.name}" == receiver:
+                return response.dt, row
+    return None
+
+
+def _distinct(responses: dict[str, Frf]) -> dict[str, Frf]:
+    """Responses by the cases that share them, joined by commas."""
+    groups: list[tuple[list[str], Frf]] = []
+    for name, frf in responses.items():
+        for names, other in groups:
+            if frf.values.shape == other.values.shape and np.array_equal(frf.values, other.values):
+                names.append(name)
+                break
+        else:
+            groups.append(([name], frf))
+    return {", ".join(names): frf for names, frf in groups}
+
+
+def _numbered(basis: ModalBasis) -> dict[int, float]:
+    """Natural frequencies [Hz] of the elastic modes by their number, counted from 1."""
+    return {
+        number: float(frequency)
+        for number, (frequency, kind) in enumerate(zip(basis.frequency_hz, basis.kind, strict=True), 1)
+        if kind == "elastic"
+    }
+
+
+def _plain_ticks(axes: Axes) -> None:
+    """100 rather than 10^2, and 2 and 5 between the decades."""
+    axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axes.xaxis.set_minor_formatter(NullFormatter())
