@@ -81,20 +81,16 @@ def transfer(room: Room, s: Complexes, k_lm: Floats, z: Floats) -> list[Complexe
     since sine and cosine overflow where |Im mu| Lz > 710. Where a room without losses resonates, s on the frequency
     axis, the result is not finite.
     """
-    height = room.size[2]
     mu = -1j * vertical_wavenumber(room, s, k_lm)  # now exp(mu x) = E(x)
-    whole = np.exp(mu * height)
-    # -rho d(s) j / mu_true with mu_true = j mu
+    ways = [_ways(mu, float(room.size[2]), level) for level in z.tolist()]
+    whole = ways[0][0] * ways[0][1]  # E(Lz), the same at all heights
     front = -room.air.rho * (s + 2 * room.losses.decay_rate) / (mu * (1 - whole * whole))
-    return [front * _standing(mu, whole, height, level) for level in z.tolist()]
+    return [front * (down * (1 + up * up)) for up, down in ways]
 
 
-def _standing(mu: Complexes, whole: Complexes, height: float, level: float) -> Complexes:
-    """E(Lz - z) + E(Lz + z); floor, ceiling and mid-height need fewer exponentials."""
-    if level <= 0:
-        return np.asarray(2 * whole)
-    if level >= height:
-        return np.asarray(1 + whole * whole)
-    up = np.exp(mu * level)
-    down = up if 2 * level == height else np.exp(mu * (height - level))
-    return np.asarray(down * (1 + up * up))
+def _ways(mu: Complexes, height: float, level: float) -> tuple[Complexes | float, Complexes | float]:
+    """E(z) and E(Lz - z); the exponentials are the cost of a room, so none is made that is known."""
+    up = np.exp(mu * level) if level > 0 else 1.0
+    if 2 * level == height:
+        return up, up
+    return up, np.exp(mu * (height - level)) if level < height else 1.0

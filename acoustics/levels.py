@@ -89,7 +89,7 @@ def sound_levels(p: Floats, dt: float) -> Levels:
         ringing_s = ringing_time(centre)
         heard = sosfilt(third_octave_filter(centre, sampling_hz), _with_tail(p, ceil(ringing_s * sampling_hz)))
         bands[nominal] = _decibel(float(fast(heard**2, dt).max()))
-        exposures[nominal] = _decibel((heard @ heard) * dt)
+        exposures[nominal] = _decibel(float(heard @ heard) * dt)
         if ringing_s > record_s:
             unsettled.append(nominal)
     findings = []

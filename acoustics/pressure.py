@@ -230,7 +230,7 @@ def _order_blocks(room: Room, orders: int | None, highest_hz: float) -> list[Int
     if orders is not None:
         if orders < 1:
             raise AcousticsError("orders", got=str(orders), expected="at least 1")
-        return [_square(n, n) for n in (orders - 2, orders) if n > 0]
+        return [_square(n, n) for n in sorted({max(1, orders - 2), orders})]
     n_l, n_m = (int(np.ceil(2 * length * highest_hz / room.air.c)) + 3 for length in room.size[:2].tolist())
     return [_square(n_l + more, n_m + more) for more in range(0, MOST + 1, 2)]
 
@@ -255,7 +255,7 @@ def _synthesise(surface: SurfaceVelocity, room: Room, orders: Integers, places: 
     weighted = room.losses.kind != "source"
     decay = WINDOW / (nt * dt) if weighted else 0.0
     weight = np.exp(-decay * dt * np.arange(length))
-    s = decay + 2j * np.pi * np.fft.rfftfreq(length, dt)
+    s = np.asarray(decay + 2j * np.pi * np.fft.rfftfreq(length, dt), dtype=np.complex128)
     heights, plane = np.unique(places[:, 2], return_inverse=True)
     p = np.zeros((len(places), nt))
     batch = max(1, _MEMORY // (len(s) * max(1, len(heights))))
@@ -263,7 +263,7 @@ def _synthesise(surface: SurfaceVelocity, room: Room, orders: Integers, places: 
         chosen = orders[start : start + batch]
         velocity = coefficients[start : start + batch] @ surface.rates
         future = extended(velocity, length) if weighted else returned(velocity, length, dt)
-        spectra = np.asarray(np.fft.rfft(future * weight, axis=1), dtype=np.complex128)
+        spectra = np.fft.rfft(future * weight, axis=1).astype(np.complex128, copy=False)
         parts = _through(room, chosen, s, heights, spectra, None if weighted else future * dt)
         at_places = cosines(room, chosen, places)
         for height, part in enumerate(parts):

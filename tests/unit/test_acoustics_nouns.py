@@ -1,0 +1,189 @@
+"""What the acoustic wing refuses, advises and keeps."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from acoustics import (
+    AcousticsError,
+    Air,
+    Losses,
+    Receiver,
+    Room,
+    RoomResponse,
+    SurfaceVelocity,
+    air_stiffness,
+    air_stiffness_advice,
+    level_spectrum,
+    losses_from_beta,
+    losses_from_loss_factor,
+    losses_from_t60,
+    mean_square_velocity,
+    modal_damping_ratio,
+    pressure,
+    pressure_map,
+    sound_levels,
+    third_octave_bands,
+)
+
+BOX = Room([0.58, 0.47, 0.1], Air(340, 1.29), losses_from_beta(0.0116, 293))
+MIC = Receiver("mic", [0.2, 0.3, 0.05])
+
+
+def surface(z=0.1, weight=0.2726 / 144, rates=None, shape=None, dt=1 / 24e3):
+    x, y = (np.arange(12) + 0.5) / 12 * 0.58, (np.arange(12) + 0.5) / 12 * 0.47
+    grid = np.array([[a, b, z] for a in x for b in y])
+    t = np.arange(2400) * dt
+    if rates is None:
+        rates = np.exp(-(((t - 0.02) / 2e-3) ** 2))
+    return SurfaceVelocity(
+        grid, np.full(144, weight), np.ones((144, 1)) if shape is None else shape(grid), np.atleast_2d(rates), dt
+    )
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: Air(c=-1), "air.c: got -1 m/s, expected a positive"),
+        (lambda: Room([1, 2], Air()), r"room.size: got shape \(2,\), expected shape \(3,\)"),
+        (lambda: Room([1, 2, 0], Air()), "room.size: got .* expected positive"),
+        (lambda: Losses("magic"), "losses.kind: got 'magic', expected one of none, kelvin_voigt"),
+        (lambda: Losses("kelvin_voigt"), "losses.relaxation_time: got 0, expected a positive"),
+        (lambda: Losses("none", beta=0.1), "losses.beta: got 0.1, expected nothing with kind none; leave it out"),
+        (lambda: Losses("source", beta=1.16), "losses.beta: got 1.16, expected less than 1"),
+        (lambda: losses_from_beta(0.01, 293, "anti"), "losses.form: got 'anti', expected causal or source"),
+        (lambda: losses_from_t60(0), "losses.t60"),
+        (lambda: surface(weight=-1), "surface.weights: got -1 m"),
+        (lambda: surface(rates=np.full(9, np.nan)), "surface.rates: got nan or infinity"),
+        (lambda: pressure(surface(z=0.11), BOX, [MIC]), "surface.points: got z = 0.11 m, expected the ceiling"),
+        (lambda: pressure(surface(weight=0.01), BOX, [MIC]), "surface.weights: got a sum of 1.44"),
+        (lambda: pressure(surface(), BOX, []), "receivers: got none"),
+        (lambda: pressure(surface(), BOX, [MIC], orders=0), "orders: got 0"),
+        (lambda: pressure(surface(), BOX, [Receiver("far", [0.1, 0.1, 0.2])]), "receiver far: got .* lower corner"),
+        (lambda: pressure_map(surface(), BOX, [0.0], at=0.05), "map.frequency: got 0 Hz"),
+        (lambda: pressure_map(surface(), BOX, [50.0], normal="n", at=0.05), "map.normal: got 'n'"),
+        (lambda: pressure_map(surface(), BOX, [50.0], at=0.5), "map.at: got"),
+        (lambda: sound_levels(np.zeros((2, 3)), 1e-3), r"p: got shape \(2, 3\)"),
+    ],
+)
+def test_refusals(make, message):
+    with pytest.raises(AcousticsError, match=message):
+        make()
+
+
+def test_losses_are_what_they_say():
+    assert losses_from_loss_factor(0.0232, 293).relaxation_time == losses_from_beta(0.0116, 293).relaxation_time
+    for f, kelvin_voigt in ((19.9, 0.0116 * 19.9 / 293), (293, 0.0116), (1700, 0.0116 * 1700 / 293)):
+        assert modal_damping_ratio(losses_from_beta(0.0116, 293), f) == pytest.approx(kelvin_voigt, rel=1e-12)
+        assert modal_damping_ratio(losses_from_beta(0.0116, 293, "source"), f) == 0.0116
+        # 60 dB in T60: exp(-zeta omega T60) = 1e-3
+        decay = np.exp(-modal_damping_ratio(losses_from_t60(0.7), f) * 2 * np.pi * f * 0.7)
+        assert decay == pytest.approx(1e-3, rel=1e-12)
+
+
+def test_air_stiffness_of_the_box():
+    assert air_stiffness(BOX, BOX.ceiling_area) == pytest.approx(4.065e5, rel=1e-4)  # physics: rho c^2 S^2 / V
+    advice = air_stiffness_advice(BOX, BOX.ceiling_area, 4.641e5)
+    assert advice is not None
+    assert advice.values["ratio"] == pytest.approx(0.876, abs=1e-3)
+    assert 19.9 * advice.values["frequency_factor"] == pytest.approx(27.253, abs=0.01)  # the coupled heave
+    assert air_stiffness_advice(BOX, BOX.ceiling_area, 5e6) is None
+
+
+def test_arrays_are_read_only_and_not_the_callers():
+    mine = np.array([0.58, 0.47, 0.1])
+    room = Room(mine)
+    mine[0] = 9
+    assert room.size[0] == 0.58
+    with pytest.raises(ValueError, match="read-only"):
+        pressure(surface(), BOX, [MIC], orders=2).p[0, 0] = 1
+
+
+def test_parseval():
+    heard = pressure(surface(), BOX, [MIC], orders=2)
+    df = heard.frequency_hz[1]
+    twice = np.full(len(heard.frequency_hz), 2.0)
+    twice[[0, -1]] = 1
+    in_time = (heard.p[0] ** 2).sum() * heard.dt
+    assert (twice * np.abs(heard.spectrum[0]) ** 2).sum() * df == pytest.approx(in_time, rel=1e-12)
+    for n in (2400, 2399):
+        _, lines = level_spectrum(heard.p[0, :n], heard.dt)
+        mean_square = (heard.p[0, :n] ** 2).mean()
+        assert (10 ** (lines / 10)).sum() * 20e-6**2 == pytest.approx(mean_square, rel=1e-9)
+
+
+def test_map_agrees_with_the_record_that_has_decayed():
+    rates = np.gradient(np.exp(-(((np.arange(19200) / 24e3 - 0.03) / 3e-3) ** 2)))
+    tilt = surface(rates=rates, shape=lambda grid: grid[:, :1] - 0.1)
+    heard = pressure(tilt, BOX, [Receiver("a", [0.29, 0.235, 0.05]), Receiver("b", [0.58, 0, 0.1])], orders=12)
+    for normal, at, pick in (("z", 0.05, (2, 2, 0)), ("y", 0.235, (2, 2, 0)), ("x", 0.58, (0, 4, 1))):
+        field = pressure_map(tilt, BOX, [100.0, 350.0], normal=normal, at=at, divisions=(4, 4), orders=12)
+        i, j, receiver = pick
+        bins = [80, 280]  # 0.8 s: 1.25 Hz apart
+        # the record's last sample is 1e-6 of its peak (box modes decay by exp(-21 x 0.77 s))
+        np.testing.assert_allclose(
+            field.spectrum[:, i, j], heard.spectrum[receiver, bins], atol=1e-5 * np.abs(heard.spectrum).max()
+        )
+
+
+def test_superposition_over_heights_and_numbers_of_receivers():
+    """Few receivers are summed before the inverse transform, many after it: the same pressures."""
+    tilt = surface(shape=lambda grid: grid[:, :1] ** 2)
+    many = [Receiver(str(i), [0.02 * i, 0.3, 0.05]) for i in range(28)] + [Receiver("low", [0.1, 0.2, 0.01])]
+    together = pressure(tilt, BOX, many, orders=4).p
+    for i in (3, 28):
+        np.testing.assert_allclose(pressure(tilt, BOX, [many[i]], orders=4).p[0], together[i], atol=1e-9)
+
+
+def test_orders_are_added_until_they_do_not_matter():
+    tilt = surface(shape=lambda grid: np.exp(-((grid[:, :1] - 0.2) ** 2 + (grid[:, 1:2] - 0.2) ** 2) / 0.02))
+    chosen, many = (pressure(tilt, BOX, [MIC], orders=n).p[0] for n in (None, 12))
+    assert np.abs(chosen - many).max() < 1e-4 * np.abs(many).max()
+    codes = {finding.code for finding in pressure(tilt, BOX, [Receiver("at", [0.2, 0.2, 0.1])], orders=4).findings}
+    assert "orders-truncated" in codes
+
+
+def test_advice_on_the_record():
+    t = np.arange(2400) / 24e3
+    codes = {a.code for a in pressure(surface(rates=np.cos(2 * np.pi * 1000 * t)), BOX, [MIC], orders=2).findings}
+    assert {"starts-moving", "record-not-decayed", "sampling-low"} <= codes
+    assert pressure(surface(), BOX, [MIC], orders=2).findings == ()
+    codes = {a.code for a in pressure(surface(shape=lambda g: g[:, :1]), BOX, [MIC], orders=13).findings}
+    assert "surface-coarse" in codes
+    short = sound_levels(np.sin(2 * np.pi * 100 * t), 1 / 24e3)
+    assert [a.code for a in short.findings] == ["band-not-settled"]
+
+
+def test_a_still_surface_is_silent():
+    heard = pressure(surface(rates=np.zeros(200)), BOX, [MIC])
+    assert not heard.p.any()
+    assert sound_levels(heard.p[0], heard.dt).l_peak_db < -100
+
+
+def test_mean_square_velocity_is_that_of_the_field():
+    both = SurfaceVelocity([[0.1, 0.1, 0.1], [0.3, 0.1, 0.1]], [0.1, 0.05], [[1, 2], [3, -1]], [[1, 2], [0, 1]], 1e-3)
+    field = both.shapes @ both.rates
+    np.testing.assert_allclose(mean_square_velocity(both), (both.weights @ field**2) / 0.15, rtol=1e-14)
+
+
+def test_bands_end_where_the_sampling_does():
+    assert list(third_octave_bands(8000))[-1] == 3150
+    assert next(iter(third_octave_bands(48000))) == 25
+    assert len(third_octave_bands(48000)) == 30
+
+
+def test_a_response_knows_its_shapes():
+    with pytest.raises(AcousticsError, match=r"response.p: got shape \(2, 4\), expected shape \(1, 4\)"):
+        RoomResponse((MIC,), np.arange(4.0), np.zeros((2, 4)))
+
+
+def test_importing_the_wing_fetches_no_filters_and_no_femstruct():
+    code = "import sys, acoustics; print([m for m in ('scipy', 'femstruct', 'h5py', 'matplotlib') if m in sys.modules])"
+    told = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
+    assert told.strip() == "[]"
+    code = "import acoustics.pressure, acoustics; assert callable(acoustics.pressure) and acoustics.sound_levels"
+    subprocess.run([sys.executable, "-c", code], check=True)
