@@ -15,9 +15,9 @@ from femstruct.arrays import Floats
 from femstruct.conventions import N_COMPONENTS, RY, UX, UZ
 from femstruct.errors import InputError
 from femstruct.modal.basis import ForceRow, Kind, ModalBasis
+from femstruct.modal.beam_shapes import CONDITIONS, End, amplitudes_of, rigid_shapes, roots, sign_of, terms
 from femstruct.model.probe import Point
 
-End = Literal["pinned", "free", "clamped"]
 Axis = Literal["x", "y", "z"]
 Points = dict[str, Point]
 _AXES: Final = ("x", "y", "z")
@@ -102,7 +102,7 @@ def beam(
     "ground.z" is the force of the supported ends on the ground, of a motion that is free between them.
 
     Notes: shapes are sums of cos, sin and exponentials that decay from either end, so nothing overflows; the
-    roots of the frequency equation are found by Newton's method on its bounded form, to rounding.
+    wave_numbers of the frequency equation are found by Newton's method on its bounded form, to rounding.
 
     Source: R. D. Blevins, Formulas for Natural Frequency and Mode Shape (1979), table 8-1.
 
@@ -113,14 +113,14 @@ def beam(
     for name, value in (("length", length), ("EI", EI), ("mass_per_length", mass_per_length), ("modes", modes)):
         _positive(f"beam.{name}", value)
     for end in ends:
-        if end not in _CONDITIONS:
-            raise InputError("beam.ends", got=f"'{end}'", expected=" or ".join(_CONDITIONS))
+        if end not in CONDITIONS:
+            raise InputError("beam.ends", got=f"'{end}'", expected=" or ".join(CONDITIONS))
     total = mass_per_length * length
     rate = np.sqrt(EI / mass_per_length) / length**2
-    rigid = _rigid_shapes(ends)
+    rigid = rigid_shapes(ends)
     n_rigid = min(len(rigid), modes)
-    roots = _roots(ends, modes + 1 - n_rigid)
-    omega = np.concatenate([np.zeros(n_rigid), roots[: modes - n_rigid] ** 2 * rate])
+    wave_numbers = roots(ends, modes + 1 - n_rigid)
+    omega = np.concatenate([np.zeros(n_rigid), wave_numbers[: modes - n_rigid] ** 2 * rate])
     places = _stations("beam", length, modes, points)
     s = places[:, 0] / length
     nodes, weights = np.polynomial.legendre.leggauss(4 * modes + 40)  # exact to rounding: four points a half wave
@@ -133,17 +133,17 @@ def beam(
         shapes[:, UZ, index], shapes[:, RY, index] = (a + b * s) / size, -b / (size * length)
         momentum[index] = total * weights @ (a + b * nodes) / size
     for index in range(n_rigid, modes):
-        root = roots[index - n_rigid]
-        factors = _factors(ends, root)
-        inside = _terms(root, nodes, 0) @ factors
-        size = _sign(inside) * float(np.sqrt(total * weights @ inside**2))
-        shapes[:, UZ, index] = _terms(root, s, 0) @ factors / size
-        shapes[:, RY, index] = -_terms(root, s, 1) @ factors / (size * length)
+        root = wave_numbers[index - n_rigid]
+        factors = amplitudes_of(ends, root)
+        inside = terms(root, nodes, 0) @ factors
+        size = sign_of(inside) * float(np.sqrt(total * weights @ inside**2))
+        shapes[:, UZ, index] = terms(root, s, 0) @ factors / size
+        shapes[:, RY, index] = -terms(root, s, 1) @ factors / (size * length)
         momentum[index] = total * weights @ inside / size
     held = any(end != "free" for end in ends)
     outputs = {"ground.z": _row(omega**2 * momentum)} if held else {}
     modal_mass = np.stack([np.zeros(modes), np.zeros(modes), momentum**2])
-    above = float(roots[modes - n_rigid] ** 2 * rate / (2.0 * np.pi))
+    above = float(wave_numbers[modes - n_rigid] ** 2 * rate / (2.0 * np.pi))
     return _basis(omega, shapes, places, modal_mass, total, above, outputs), _points(tuple(points or {}), places)
 
 
@@ -181,73 +181,12 @@ def given_modes(
     return _basis(omega, shapes, places, np.zeros((3, k)), 0.0, 0.0, {}, viscous), _points(tuple(points), places)
 
 
-_CONDITIONS: Final[dict[str, tuple[int, int]]] = {"pinned": (0, 2), "free": (2, 3), "clamped": (0, 1)}
-"""Orders of the derivatives of w that vanish at an end."""
-
-
-def _rigid_shapes(ends: tuple[End, End]) -> tuple[tuple[float, float], ...]:
-    """a + b x / L of the rigid motions the ends allow, orthogonal over the beam."""
-    if set(ends) == {"free"}:
-        return ((1.0, 0.0), (-1.0, 2.0))
-    if set(ends) == {"pinned", "free"}:
-        return ((0.0, 1.0),) if ends[0] == "pinned" else ((1.0, -1.0),)
-    return ()
-
-
-def _roots(ends: tuple[End, End], count: int) -> Floats:
-    """beta L of the first elastic modes: Newton from the roots without the exponentially small terms."""
-    n = np.arange(1, count + 1, dtype=np.float64)
-    kinds = {*ends}
-    if kinds == {"pinned"}:
-        return n * np.pi
-    if "pinned" in kinds:  # tan z = tanh z
-        z = (n + 0.25) * np.pi
-        for _ in range(8):
-            z = z - (np.sin(z) - np.tanh(z) * np.cos(z)) / (
-                np.cos(z) + np.tanh(z) * np.sin(z) - np.cos(z) * _sech(z) ** 2
-            )
-        return z
-    sign = 1.0 if kinds == {"clamped", "free"} else -1.0  # cos z = -+ 1 / cosh z
-    z = (n - 0.5) * np.pi if sign > 0 else (n + 0.5) * np.pi
-    for _ in range(8):
-        z = z - (np.cos(z) + sign * _sech(z)) / (-np.sin(z) - sign * np.tanh(z) * _sech(z))
-    return z
-
-
-def _sech(z: Floats) -> Floats:
-    return 2.0 * np.exp(-z) / (1.0 + np.exp(-2.0 * z))
-
-
-def _terms(root: float, s: Floats, order: int) -> Floats:
-    """The order-th derivative by s of cos, sin, e^{-z s} and e^{-z (1 - s)} at s [n] -> [n, 4], z = root."""
-    phase = root * s[:, None] + order * np.pi / 2.0
-    decay, rise = np.exp(-root * s[:, None]), np.exp(-root * (1.0 - s[:, None]))
-    return root**order * np.concatenate([np.cos(phase), np.sin(phase), (-1.0) ** order * decay, rise], axis=1)
-
-
-def _factors(ends: tuple[End, End], root: float) -> Floats:
-    """Amplitudes of the four terms that meet the conditions at both ends."""
-    rows = [
-        _terms(root, np.array([s]), order)[0] / root**order
-        for s, end in ((0.0, ends[0]), (1.0, ends[1]))
-        for order in _CONDITIONS[end]
-    ]
-    amplitudes: Floats = np.linalg.svd(np.array(rows))[2][-1]
-    return amplitudes
-
-
-def _sign(shape: Floats) -> float:
-    """The sign of the largest value, of the first where several are alike to 0.1 %."""
-    size = np.abs(shape)
-    return float(np.sign(shape[np.argmax(size >= 0.999 * size.max())]))
-
-
 def _stations(where: str, length: float, modes: int, points: Mapping[str, float] | None) -> Floats:
     """The named positions, then 4 stations for every mode, along x [n, 3]."""
     named = np.array(list((points or {}).values()), dtype=np.float64)
-    for name, x in (points or {}).items():
-        if not 0.0 <= x <= length:
-            raise InputError(f"points.{name}.at", got=f"{x:g} m", expected=f"0 to {length:g} m along the {where}")
+    for name, place in (points or {}).items():
+        if not 0.0 <= place <= length:
+            raise InputError(f"points.{name}.at", got=f"{place:g} m", expected=f"0 to {length:g} m along the {where}")
     x = np.concatenate([named, np.linspace(0.0, length, 4 * modes + 1)])
     return np.stack([x, np.zeros_like(x), np.zeros_like(x)], axis=1)
 

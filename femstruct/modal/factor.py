@@ -19,6 +19,8 @@ _SYMMETRIC = {"SymmetricMode": True}
 _SUSPICIOUS = 1e-12
 # A massless mechanism strains and weighs nothing but rounding: real modes have 1e-3 and more in one of the two.
 _NOTHING = 1e-10
+# |sigma| x^T M x of a shape of x^T diag(A) x = 1: |sigma| / omega_max^2, 1e-14 and more, if it has any mass at all.
+_MASSLESS = 1e-20
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,7 +45,7 @@ def factorise(K: csc_array, M: csc_array, sigma: float, labels: Sequence[str] = 
     except RuntimeError:  # SuperLU met an exactly zero pivot
         factor = None
     if factor is None or _reciprocal_condition(factor, diagonal) < _SUSPICIOUS:
-        _refuse_null_vector(A, K, M, labels)
+        _refuse_null_vector(A, K, M, sigma, labels)
     if factor is None:
         factor = _symmetric_factor(csc_array(A + diags_array(_NOTHING * 1e-5 * diagonal)))
     return Factor(sigma, factor.solve)
@@ -83,7 +85,7 @@ def _reciprocal_condition(factor: SuperLU, diagonal: Floats) -> float:
     return float(np.linalg.norm(start)) / size if np.isfinite(size) else 0.0
 
 
-def _refuse_null_vector(A: csc_array, K: csc_array, M: csc_array, labels: Sequence[str]) -> None:
+def _refuse_null_vector(A: csc_array, K: csc_array, M: csc_array, sigma: float, labels: Sequence[str]) -> None:
     """Raise SingularSystem if the softest shape of A has neither stiffness nor mass."""
     diagonal = A.diagonal()
     nudged = _symmetric_factor(csc_array(A + diags_array(1e-13 * diagonal)))
@@ -91,7 +93,9 @@ def _refuse_null_vector(A: csc_array, K: csc_array, M: csc_array, labels: Sequen
     for _ in range(3):  # inverse iteration: each step gains the ratio of the null vector to the next shape
         shape = nudged.solve(diagonal * shape)
         shape /= np.sqrt(shape @ (diagonal * shape))
-    if relative_energy(K, shape[:, None])[0] < _NOTHING and relative_energy(M, shape[:, None])[0] < _NOTHING:
+    weighs = float(np.abs(shape) @ (abs(M) @ np.abs(shape)))
+    massless = weighs < _MASSLESS / abs(sigma) or relative_energy(M, shape[:, None])[0] < _NOTHING
+    if massless and relative_energy(K, shape[:, None])[0] < _NOTHING:
         raise _singular(int(np.argmax(np.abs(shape) * np.sqrt(diagonal))), labels)
 
 
