@@ -22,7 +22,7 @@ from acoustics.source import SurfaceVelocity, on_ceiling
 
 WINDOW: Final = 10.0  # a T: the wrap-around of the padded record is exp(-2 a T), rounding is amplified by exp(a T)
 ENOUGH: Final = 1e-5  # share of the last orders in the pressure at which no more are added
-SILENT: Final = 1e-12  # share of the velocity below which a cosine is not driven (symmetry)
+SILENT: Final = 1e-9  # share of the velocity below which a cosine is not driven: symmetry, but for rounding
 NEGLIGIBLE: Final = 1e-9  # share of the summed velocity spectrum above the highest frequency that is evaluated
 MOST: Final = 40  # orders beyond those of the band that the search for convergence may add
 _BLOCK: Final = 1 << 15  # complex numbers handled at once: they stay in the cache
