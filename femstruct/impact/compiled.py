@@ -1,0 +1,15 @@
+"""The one place where kernels are compiled: numba, cached on disk, IEEE division, no reordering of sums."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TypeVar, cast
+
+from numba import njit
+
+F = TypeVar("F", bound=Callable[..., object])
+
+
+def kernel(function: F) -> F:
+    """The function, compiled at its first call and cached; typed like the Python it was written in."""
+    return cast(F, njit(cache=True, error_model="numpy")(function))

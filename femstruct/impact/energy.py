@@ -1,0 +1,139 @@
+"""The energy ledger: every term evaluated or integrated by itself, none a remainder."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from femstruct.arrays import Floats
+from femstruct.impact.bodies import Scene
+from femstruct.impact.compiled import kernel
+from femstruct.impact.propagate import CLAMPED, CLOSED, State, Trial
+from femstruct.impact.response import EnergyBalance, EnergyLedger
+from femstruct.impact.rule import STAGES, Rule
+from femstruct.impact.system import HERTZ, LINK, Compiled, System
+
+TIME, STRUCTURE, BODIES = 0, 1, 2  # columns of a ledger row; then stored [i], lost in modes, lost [i], work
+
+
+def ledger_width(system: System) -> int:
+    """Columns of a ledger row."""
+    return BODIES + len(system.omega) - system.n_modes + 2 * len(system.kind) + 2
+
+
+@kernel
+def potential(system: System, a: int, delta: float) -> float:
+    """Energy of the spring of a contact at an indentation."""
+    if delta <= 0.0:
+        return 0.0
+    if system.kind[a] == HERTZ:
+        return 0.4 * system.stiffness[a] * delta * delta * np.sqrt(delta)
+    return 0.5 * system.stiffness[a] * delta * delta
+
+
+@kernel
+def stored(system: System, state: State, a: int, displacement: float) -> float:
+    """Energy interface a holds, from zero at rest; a link's preload counts from the start, released or not."""
+    stiffness, preload = system.stiffness[a], system.preload[a]
+    if system.kind[a] == LINK:
+        held = 0.5 * preload * preload / stiffness if stiffness > 0.0 else 0.0
+        if state.status[a] != CLOSED:
+            return held
+        moved = displacement - state.rest[a]
+        return held + 0.5 * stiffness * moved * moved + preload * moved
+    energy = potential(system, a, displacement + system.offset[a]) if state.status[a] else 0.0
+    if preload > 0.0:
+        energy -= potential(system, a, system.offset[a]) + preload * displacement
+    return energy
+
+
+@kernel
+def take_stock(t: float, system: System, state: State, place: Floats, lost: Floats, row: Floats) -> float:
+    """Fill a ledger row; lost [m + 2] holds what was integrated: by interface, then modes and work. Returns the total:
+    stored and dissipated less the work."""
+    k, n, m = system.n_modes, len(system.omega), len(system.kind)
+    structure = 0.0
+    for i in range(k):
+        structure += 0.5 * (state.v[i] ** 2 + (system.omega[i] * state.z[i]) ** 2)
+    row[TIME], row[STRUCTURE] = t, structure
+    total = structure
+    for i in range(k, n):
+        row[BODIES + i - k] = 0.5 * state.v[i] ** 2
+        total += row[BODIES + i - k]
+    at = BODIES + n - k
+    for a in range(m):
+        row[at + a] = stored(system, state, a, place[a])
+        row[at + m + 1 + a] = lost[a]
+        total += row[at + a] + lost[a]
+    row[at + m] = lost[m]
+    row[at + 2 * m + 1] = lost[m + 1]
+    return total + lost[m] - lost[m + 1]
+
+
+@kernel
+def integrate_losses(h: float, system: System, state: State, rule: Rule, trial: Trial, lost: Floats) -> None:
+    """Add what dashpots took and loads gave over a step, by Gauss quadrature at its nodes."""
+    m = len(system.kind)
+    for a in range(m):
+        status = state.status[a]
+        if status == CLOSED:
+            for p in range(STAGES):
+                speed = trial.rate[a, p + 1]
+                damping = system.closing[a]
+                if system.kind[a] == LINK and speed < 0.0:
+                    damping = system.opening[a]
+                elif system.kind[a] == HERTZ:
+                    damping *= np.sqrt(max(trial.place[a, p + 1] + system.offset[a], 0.0))
+                lost[a] += h * rule.weights[p] * damping * speed * speed
+        elif status == CLAMPED:  # the spring drives its own dashpot, without force to the outside
+            for p in range(STAGES):
+                delta = max(trial.place[a, p + 1] + system.offset[a], 0.0)
+                force = system.stiffness[a] * (delta * np.sqrt(delta) if system.kind[a] == HERTZ else delta)
+                lost[a] -= h * rule.weights[p] * force * trial.rate[a, p + 1]
+    for a in range(m, len(system.rows)):
+        for p in range(STAGES):
+            lost[m + 1] += h * rule.weights[p] * trial.forces[a, p] * trial.rate[a, p + 1]
+    for p in range(trial.modal.shape[0]):
+        for i in range(trial.modal.shape[1]):
+            lost[m] -= h * rule.weights[p] * trial.modal[p, i] * trial.speeds[p, i]
+
+
+def balance(row: Floats, scene: Scene, compiled: Compiled) -> EnergyBalance:
+    """A ledger row with names."""
+    system = compiled.system
+    m, at = len(system.kind), BODIES + len(scene.bodies)
+    held, lost = row[at : at + m], row[at + m + 1 : at + 2 * m + 1]
+    return EnergyBalance(
+        t=float(row[TIME]),
+        bodies={body.name: float(row[BODIES + i]) for i, body in enumerate(scene.bodies)},
+        structure=float(row[STRUCTURE]),
+        contacts={name: float(sum(held[a] for a in rows)) for name, rows in compiled.contacts.items()},
+        links={name: float(held[a]) for name, a in compiled.links.items()},
+        lost_modes=float(row[at + m]),
+        lost_contacts={name: float(sum(lost[a] for a in rows)) for name, rows in compiled.contacts.items()},
+        lost_links={name: float(lost[a]) for name, a in compiled.links.items()},
+        work=float(row[at + 2 * m + 1]),
+    )
+
+
+def ledger(
+    history: Floats, separation: Floats | None, largest_work: float, residual: float, scene: Scene, compiled: Compiled
+) -> EnergyLedger:
+    """The ledger of a run from its rows: first and last are its start and end.
+
+    residual [J] : largest change of the total; largest_work [J] : largest |work|.
+    """
+    m, at = len(compiled.system.kind), BODIES + len(scene.bodies)
+    start, end = balance(history[0], scene, compiled), balance(history[-1], scene, compiled)
+    scale = max(abs(start.total), largest_work)
+    return EnergyLedger(
+        start=start,
+        at_separation=None if separation is None else balance(separation, scene, compiled),
+        end=end,
+        t=history[:, TIME].copy(),
+        bodies={body.name: history[:, BODIES + i].copy() for i, body in enumerate(scene.bodies)},
+        structure=history[:, STRUCTURE].copy(),
+        stored=history[:, at : at + m].sum(axis=1),
+        dissipated=history[:, at + m : at + 2 * m + 1].sum(axis=1),
+        work=history[:, at + 2 * m + 1].copy(),
+        residual=residual / scale if scale > 0.0 else 0.0,
+    )

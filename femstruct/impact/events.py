@@ -1,0 +1,183 @@
+"""Watching the contacts: what a step may do before a contact changes its status. No excursion is missed.
+
+Over a step the rows' displacements are interpolated at start, nodes and end. Bernstein coefficients bound the
+interpolant, and a remainder from every mode's energy and the forces' derivatives bounds what it can miss: Lagrange's
+form for modes slow beside the step, the norm of the interpolation for fast ones. A step in which a change of status
+cannot be excluded is halved until it can, or until it is one tick long, where the change happens.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from femstruct.arrays import Floats
+from femstruct.impact.compiled import kernel
+from femstruct.impact.propagate import CLAMPED, CLOSED, OPEN, State, Trial
+from femstruct.impact.rule import PLACES, STAGES, Rule
+from femstruct.impact.system import LINK, System
+from femstruct.impact.tables import Tables
+
+ROUNDING = 4e-15  # relative to the terms a displacement is summed from
+RELATIVE = 1e-12  # relative to the largest value in the step: rounding of the Bernstein coefficients
+SAFE, CHANGES, UNCERTAIN = 0, 1, 2
+
+
+@kernel
+def strays(level: int, h: float, system: System, state: State, rule: Rule, tables: Tables, trial: Trial,
+           out: Floats) -> None:  # fmt: skip
+    """Per interface what interpolation can miss of displacement and velocity, and their rounding: out [i, 4]."""
+    r = len(system.rows)
+    derivatives = np.zeros((r, STAGES + 1))
+    for a in range(r):
+        for j in range(STAGES):
+            for s in range(STAGES):
+                derivatives[a, j] += rule.slopes[j, s] * trial.forces[a, s]
+            derivatives[a, j] = abs(derivatives[a, j])
+            derivatives[a, STAGES] = max(derivatives[a, STAGES], 4.6 * abs(trial.forces[a, j]))
+    place, rate, push = tables.stray[level, 0], tables.stray[level, 1], tables.stray_push[level]
+    out[:] = 0.0
+    for i in range(len(system.omega)):
+        z, v = abs(state.z[i]), abs(state.v[i])
+        if z != 0.0 or v != 0.0:
+            norm = system.omega[i] * z + v
+            for a in range(len(out)):
+                row = abs(system.rows[a, i])
+                out[a, 0] += row * place[i] * norm
+                out[a, 1] += row * rate[i] * norm
+                out[a, 2] += row * z
+                out[a, 3] += row * v
+    if len(system.coupling):
+        for i in range(system.n_modes):
+            largest = 0.0
+            for j in range(STAGES):
+                largest = max(largest, 4.6 * abs(trial.modal[j, i]))
+            for a in range(len(out)):
+                row = abs(system.rows[a, i]) * (1.0 + rule.lebesgue) * largest * h
+                out[a, 0] += row * h * min(1.0, place[i] / h)
+                out[a, 1] += row * min(1.0, rate[i])
+    for a in range(len(out)):
+        for b in range(r):
+            for j in range(STAGES + 1):
+                out[a, 0] += push[0, j, a, b] * derivatives[b, j]
+                out[a, 1] += push[1, j, a, b] * derivatives[b, j]
+        out[a, 2] *= ROUNDING
+        out[a, 3] *= ROUNDING
+
+
+@kernel
+def excursion(values: Floats, margin: float, stray: float, rule: Rule) -> tuple[int, float]:
+    """Whether the function with these values at the places exceeds the margin, and where first it is seen to do so."""
+    largest = 0.0
+    for i in range(PLACES):
+        largest = max(largest, abs(values[i]))
+    margin += RELATIVE * largest
+    for i in range(PLACES):
+        if values[i] > margin:
+            if i == 0:
+                return CHANGES, 0.0
+            low, high = rule.places[i - 1], rule.places[i]
+            for _ in range(60):
+                middle = 0.5 * (low + high)
+                if _interpolant(values, middle, rule) > margin:
+                    high = middle
+                else:
+                    low = middle
+            return CHANGES, low
+    bound = -np.inf
+    for i in range(PLACES):
+        coefficient = 0.0
+        for j in range(PLACES):
+            coefficient += rule.bernstein[i, j] * values[j]
+        bound = max(bound, coefficient)
+    return (SAFE if bound + stray <= margin else UNCERTAIN), 1.0
+
+
+@kernel
+def _interpolant(values: Floats, theta: float, rule: Rule) -> float:
+    top, bottom = 0.0, 0.0
+    for i in range(PLACES):
+        distance = theta - rule.places[i]
+        if distance == 0.0:
+            return values[i]
+        weight = rule.barycentric[i] / distance
+        top += weight * values[i]
+        bottom += weight
+    return top / bottom
+
+
+@kernel
+def watch(h: float, system: System, state: State, rule: Rule, trial: Trial, bounds: Floats,
+          loaded: Floats) -> tuple[int, float]:  # fmt: skip
+    """First change of status in a trial step: SAFE, CHANGES with the part of the step before it, or UNCERTAIN."""
+    values = np.empty(PLACES)
+    answer, part = SAFE, 1.0
+    for a in range(len(system.kind)):
+        if system.kind[a] == LINK:
+            continue
+        clamps = system.tensile[a] == 0 and system.closing[a] > 0.0
+        stiffness, damping, status = system.stiffness[a], system.closing[a], state.status[a]
+        stray, margin = bounds[a, 0], bounds[a, 2]
+        if status != CLOSED or not clamps:  # indentation: must stay negative when open, positive when closed
+            side = 1.0 if status == OPEN else -1.0
+            for p in range(PLACES):
+                values[p] = side * (trial.place[a, p] + system.offset[a])
+            code, where = excursion(values, margin, stray, rule)
+            answer, part = _first(answer, part, code, where)
+        if clamps and status != OPEN:  # k delta + c delta' has the sign of the force
+            side = -1.0 if status == CLOSED else 1.0
+            for p in range(PLACES):
+                values[p] = side * (stiffness * (trial.place[a, p] + system.offset[a]) + damping * trial.rate[a, p])
+            margin = stiffness * bounds[a, 2] + damping * bounds[a, 3]
+            code, where = excursion(values, margin, stiffness * bounds[a, 0] + damping * bounds[a, 1], rule)
+            answer, part = _first(answer, part, code, where)
+        if system.preload[a] > 0.0 and status == CLOSED:
+            side = -1.0 if loaded[a] > 0.0 else 1.0
+            values[0] = side * _ends(trial.forces[a], rule.at_start)
+            values[PLACES - 1] = side * _ends(trial.forces[a], rule.at_end)
+            for p in range(STAGES):
+                values[p + 1] = side * trial.forces[a, p]
+            code, where = excursion(values, 1e-9 * system.preload[a], 0.0, rule)
+            answer, part = _first(answer, part, code, where)
+    return answer, part
+
+
+@kernel
+def _ends(forces: Floats, weights: Floats) -> float:
+    total = 0.0
+    for j in range(STAGES):
+        total += weights[j] * forces[j]
+    return total
+
+
+@kernel
+def _first(answer: int, part: float, code: int, where: float) -> tuple[int, float]:
+    """The earlier of two changes; a change comes before a doubt, a doubt before nothing."""
+    if code == CHANGES:
+        return CHANGES, min(part, where)
+    if code == UNCERTAIN and answer == SAFE:
+        return UNCERTAIN, part
+    return answer, part
+
+
+@kernel
+def switch(system: System, state: State, trial: Trial, bounds: Floats, a: int) -> int:
+    """Status of contact a at the end of a step of one tick."""
+    p = PLACES - 1
+    delta, speed = trial.place[a, p] + system.offset[a], trial.rate[a, p]
+    margin = bounds[a, 2]
+    psi = system.stiffness[a] * delta + system.closing[a] * speed
+    clamps = system.tensile[a] == 0 and system.closing[a] > 0.0
+    psi_margin = system.stiffness[a] * margin + system.closing[a] * bounds[a, 3]
+    if state.status[a] == OPEN:
+        if delta > margin:
+            return CLOSED if psi > 0.0 or not clamps else CLAMPED
+        return OPEN
+    if state.status[a] == CLOSED:
+        if clamps:
+            if psi < -psi_margin:
+                return CLAMPED if delta > margin else OPEN
+            return CLOSED
+        return OPEN if delta < -margin else CLOSED
+    if delta < -margin:
+        return OPEN
+    return CLOSED if psi > psi_margin else CLAMPED

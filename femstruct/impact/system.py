@@ -1,0 +1,221 @@
+"""A scene compiled to arrays: every contact, link and load is a row over the coordinates [modes; bodies]."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from femstruct.arrays import Floats, Integers
+from femstruct.errors import FemstructError
+from femstruct.impact.bodies import Clock, End, Ground, HalfSine, Scene, Table
+from femstruct.impact.laws import Hertz, Linear, Stop
+from femstruct.impact.rule import FINEST_HALVINGS
+from femstruct.modal.basis import ModalBasis
+from femstruct.model.probe import Probe
+
+HERTZ, LINEAR, LINK = 0, 1, 2
+CONSTANT, HALF_SINE, TABLE = 0, 1, 2
+
+
+class System(NamedTuple):
+    """What the kernels need to know. n coordinates of unit mass: k modes, then bodies as sqrt(m) x.
+
+    omega, damping [n]; coupling [k, k] : damping off the diagonal, empty without.
+    rows [r, n] : contacts, links, then loads; displacement of a row is lower end less upper end (approach), its force
+    acts as sign * row. mobility [r] : row . row, the inverse mass behind it at high frequency.
+    kind, stiffness, closing, opening, offset, preload, tensile, release [i] : laws of the interfaces (contacts and
+    links); indentation = displacement + offset; release in ticks.
+    load_kind [l], load_values [l, 2], load_first, load_length [l] into table_t, table_f.
+    kinks : ticks at which a load or a link changes its formula; tick [s].
+    """
+
+    omega: Floats
+    damping: Floats
+    coupling: Floats
+    n_modes: int
+    rows: Floats
+    sign: Floats
+    mobility: Floats
+    kind: Integers
+    stiffness: Floats
+    closing: Floats
+    opening: Floats
+    offset: Floats
+    preload: Floats
+    tensile: Integers
+    release: Integers
+    load_kind: Integers
+    load_values: Floats
+    load_first: Integers
+    load_length: Integers
+    table_t: Floats
+    table_f: Floats
+    kinks: Integers
+    tick: float
+
+
+@dataclass(frozen=True, eq=False)
+class Compiled:
+    """A System, the start of its coordinates, and which rows carry which name.
+
+    start [2, n]; scale [n] : coordinate over displacement (1 for modes, sqrt(m) for bodies).
+    contacts : rows of a contact by name (two for a stop); links : row of a link by name.
+    """
+
+    system: System
+    start: Floats
+    scale: Floats
+    contacts: Mapping[str, tuple[int, ...]]
+    links: Mapping[str, int]
+    n_samples: int
+    halvings: int
+
+
+def compile_scene(basis: ModalBasis, scene: Scene, clock: Clock) -> Compiled:
+    """The scene as rows over [modes; bodies].
+
+    Raises FemstructError for a name used twice, an end that is no body, a preloaded stop, a modal velocity of the
+    wrong length, or nothing that could move.
+    """
+    k, bodies = len(basis.omega), {body.name: i for i, body in enumerate(scene.bodies)}
+    _refuse_duplicates("bodies", [body.name for body in scene.bodies])
+    _refuse_duplicates("contacts and links", [one.name for one in (*scene.contacts, *scene.links)])
+    if k + len(bodies) == 0:
+        raise FemstructError("scene", got="no mode and no body", expected="something that moves")
+    scale = np.concatenate((np.ones(k), np.sqrt([body.mass for body in scene.bodies])))
+    n_samples, halvings, tick = _ticks(clock)
+
+    def row(end: End, where: str) -> Floats:
+        values = np.zeros(k + len(bodies))
+        if isinstance(end, Probe):
+            values[:k] = end.of(basis.shapes)
+        elif isinstance(end, str):
+            if end not in bodies:
+                raise FemstructError(where, got=f"'{end}'", expected=f"a body: {', '.join(bodies) or 'there is none'}")
+            values[k + bodies[end]] = 1.0 / scale[k + bodies[end]]
+        else:
+            assert isinstance(end, Ground)
+        return values
+
+    interfaces = _Interfaces()
+    contact_rows: dict[str, tuple[int, ...]] = {}
+    for contact in scene.contacts:
+        where = f"contacts.{contact.name}"
+        approach = row(contact.lower, where) - row(contact.upper, where)
+        law = contact.law
+        if isinstance(law, Stop) and contact.preload:
+            raise FemstructError(where, got="a preload on a stop", expected="none", do="preload one side by a contact")
+        rest = 0.0
+        if contact.preload:
+            rest = (contact.preload / law.stiffness) ** (2.0 / 3.0 if isinstance(law, Hertz) else 1.0)
+        first = len(interfaces.rows)
+        for side in (1.0, -1.0) if isinstance(law, Stop) else (1.0,):
+            interfaces.add(
+                side * approach, HERTZ if isinstance(law, Hertz) else LINEAR, law, rest - contact.gap, contact.preload
+            )
+        contact_rows[contact.name] = tuple(range(first, len(interfaces.rows)))
+    link_rows: dict[str, int] = {}
+    kinks: set[int] = set()
+    for link in scene.links:
+        where = f"links.{link.name}"
+        link_rows[link.name] = len(interfaces.rows)
+        release = round(link.release_at / tick)
+        kinks.add(release)
+        interfaces.rows.append(row(link.lower, where) - row(link.upper, where))
+        interfaces.laws.append((LINK, link.stiffness, link.closing, link.opening, 0.0, link.preload, 0, release))
+
+    loads = _Loads()
+    for load in scene.loads:
+        rows = row(load.on, f"loads.{load.name}")
+        kinks |= loads.add(rows, load.history, tick)
+    if scene.gravity and any(body.falls for body in scene.bodies):
+        weight = np.concatenate((np.zeros(k), [float(body.falls) for body in scene.bodies])) * scale
+        loads.rows.append(weight)
+        loads.laws.append((CONSTANT, -scene.gravity, 0.0, 0, 0))
+
+    n = k + len(bodies)
+    matrix = np.array(interfaces.rows + loads.rows).reshape(-1, n)
+    laws = np.array(interfaces.laws, dtype=np.float64).reshape(-1, 8).T
+    histories = np.array(loads.laws, dtype=np.float64).reshape(-1, 5).T
+    time_damping = basis.time_damping
+    coupling = time_damping - np.diag(np.diag(time_damping))
+    velocity = np.zeros(k) if scene.velocity is None else np.asarray(scene.velocity, dtype=np.float64)
+    if velocity.shape != (k,):
+        raise FemstructError("scene velocity", got=f"shape {velocity.shape}", expected=f"({k},)")
+    start = np.zeros((2, n))
+    start[1] = np.concatenate((velocity, [body.velocity for body in scene.bodies])) * scale
+    system = System(
+        omega=np.concatenate((basis.omega, np.zeros(len(bodies)))),
+        damping=np.concatenate((np.diag(time_damping), np.zeros(len(bodies)))),
+        coupling=np.ascontiguousarray(coupling) if coupling.any() else np.zeros((0, 0)),
+        n_modes=k,
+        rows=np.ascontiguousarray(matrix),
+        sign=np.concatenate((-np.ones(len(interfaces.rows)), np.ones(len(loads.rows)))),
+        mobility=(matrix**2).sum(axis=1),
+        kind=laws[0].astype(np.int64),
+        stiffness=laws[1].copy(),
+        closing=laws[2].copy(),
+        opening=laws[3].copy(),
+        offset=laws[4].copy(),
+        preload=laws[5].copy(),
+        tensile=laws[6].astype(np.int64),
+        release=laws[7].astype(np.int64),
+        load_kind=histories[0].astype(np.int64),
+        load_values=np.ascontiguousarray(histories[1:3].T),
+        load_first=histories[3].astype(np.int64),
+        load_length=histories[4].astype(np.int64),
+        table_t=np.array(loads.times, dtype=np.float64),
+        table_f=np.array(loads.values, dtype=np.float64),
+        kinks=np.array(sorted(kink for kink in kinks if kink > 0), dtype=np.int64),
+        tick=tick,
+    )
+    return Compiled(system, start, scale, contact_rows, link_rows, n_samples, halvings)
+
+
+class _Interfaces:
+    """Rows and laws of contacts and links while they are collected."""
+
+    def __init__(self) -> None:
+        self.rows: list[Floats] = []
+        self.laws: list[tuple[float, ...]] = []
+
+    def add(self, row: Floats, kind: int, law: Hertz | Linear | Stop, offset: float, preload: float) -> None:
+        self.rows.append(row)
+        self.laws.append((kind, law.stiffness, law.damping, law.damping, offset, preload, float(law.tensile), 0))
+
+
+class _Loads:
+    """Rows and histories of loads while they are collected."""
+
+    def __init__(self) -> None:
+        self.rows: list[Floats] = []
+        self.laws: list[tuple[float, ...]] = []
+        self.times: list[float] = []
+        self.values: list[float] = []
+
+    def add(self, row: Floats, history: HalfSine | Table, tick: float) -> set[int]:
+        """Keep the load; returns the ticks at which its formula changes."""
+        self.rows.append(row)
+        if isinstance(history, HalfSine):
+            self.laws.append((HALF_SINE, history.amplitude, history.frequency, 0, 0))
+            return {round(0.5 / history.frequency / tick)}
+        self.laws.append((TABLE, 0.0, 0.0, len(self.times), len(history.times)))
+        self.times.extend(history.times)
+        self.values.extend(history.values)
+        return {round(t / tick) for t in history.times}
+
+
+def _ticks(clock: Clock) -> tuple[int, int, float]:
+    """Number of samples, halvings of the sampling interval to a tick, tick [s]."""
+    n_samples = max(round(clock.duration * clock.sampling), 1)
+    halvings = min(FINEST_HALVINGS, 61 - n_samples.bit_length())
+    return n_samples, halvings, 1.0 / clock.sampling / 2.0**halvings
+
+
+def _refuse_duplicates(where: str, names: list[str]) -> None:
+    twice = sorted({name for name in names if names.count(name) > 1})
+    if twice:
+        raise FemstructError(where, got=f"'{twice[0]}' twice", expected="a name of its own for each")
