@@ -1,0 +1,133 @@
+"""Structures that cannot be meshed are refused in one sentence that names the parts and the numbers."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from femstruct.errors import InputError
+from femstruct.model.material import Material
+from femstruct.model.mesher import mesh_structure
+from femstruct.model.parts import (
+    Foundation,
+    Frame,
+    Joint,
+    Mass,
+    PlaceOn,
+    Plate,
+    Region,
+    Spring,
+    Structure,
+    Support,
+    SurfaceOn,
+)
+from femstruct.model.section import circle
+
+STEEL = Material("steel", 206e9, 0.3, 7850.0)
+FLOOR = Plate("floor", STEEL, 0.01, (0.0, 0.0, 0.0), (0.4, 0.3), 0.2)
+WALL = replace(FLOOR, name="wall", normal=(0.0, -1.0, 0.0))
+OTHER = replace(FLOOR, name="other", origin=(0.3, 0.1, 0.0))
+ABOVE = replace(FLOOR, name="other", origin=(0.0, 0.0, 0.05))
+POST = Frame("post", STEEL, circle("rod", 0.01), (((0.1, 0.1, 0.02), (0.1, 0.1, 0.4)),))
+CENTER = PlaceOn("P", "floor", ((0.2, 0.15),))
+BASE = Structure("base", (FLOOR, POST), points=(CENTER,))
+
+FAULTS = {
+    "apart": (
+        replace(BASE, joints=(Joint("j", "post", "floor"),)),
+        r"joints.j: got post and floor 0.02 m apart, expected parts that touch",
+    ),
+    "point off": (
+        replace(BASE, points=(PlaceOn("P", "floor", ((0.45, 0.15),)),)),
+        r"points.P.at: got \(0.45, 0.15\) m, 0.05 m off floor",
+    ),
+    "point off bar": (
+        replace(BASE, points=(PlaceOn("P", "post", ((0.1, 0.13, 0.1),)),)),
+        r"points.P.at: got .* 0.03 m off post",
+    ),
+    "several points": (
+        replace(BASE, points=(PlaceOn("P", "floor", ((0.1, 0.1), (0.1, 0.5))),)),
+        r"points.P.2.at: got .* 0.2 m off floor",
+    ),
+    "region beyond": (
+        replace(BASE, parts=(FLOOR, Foundation("foam", "floor", Region("rim", (0.5, 0.2)), 1e5))),
+        r"parts.foam.region: got a region that reaches 0.05 m beyond floor",
+    ),
+    "oblique line": (
+        replace(BASE, supports=(Support("s", "simple", "floor", line=((0.1, 0.1), (0.2, 0.2))),)),
+        r"supports.s.line: got a line over 0.1 m x 0.1 m, expected a line along x or y",
+    ),
+    "unknown plate": (
+        replace(BASE, surfaces=(SurfaceOn("S", "roof"),)),
+        r"surfaces.S.region: got 'roof', expected a plate: floor",
+    ),
+    "steep side": (
+        Structure("steep", (WALL,), surfaces=(SurfaceOn("S", "wall"),)),
+        r"surfaces.S.side: got 'above' of a plate at 90 degrees",
+    ),
+    "unknown joint": (replace(BASE, joints=(Joint("j", "post", "flor"),)), r"joints.j: got 'flor'"),
+    "unknown point": (
+        replace(BASE, parts=(FLOOR, Spring("k", "Q", None, (1e3, 0, 0, 0, 0, 0)))),
+        r"parts.k.between: got 'Q', expected a point: P",
+    ),
+    "no stiffness": (
+        replace(BASE, parts=(FLOOR, Spring("k", "P", None))),
+        r"parts.k: got stiffness and damping without one positive value",
+    ),
+    "negative mass": (replace(BASE, parts=(FLOOR, Mass("m", -1.0, at="P"))), r"parts.m.mass: got -1"),
+    "mass per": (
+        replace(BASE, parts=(FLOOR, Mass("m", 1.0, on="floor", per="length"))),
+        r"parts.m.mass: got a mass per length over a whole, expected kg or per area",
+    ),
+    "taken name": (
+        replace(BASE, points=(PlaceOn("floor", "floor", ((0.1, 0.1),)),)),
+        r"points.floor: got a name taken by parts.floor",
+    ),
+    "overlap": (
+        Structure("two", (FLOOR, OTHER), (Joint("j", "floor", "other"),)),
+        r"plates floor and other: got an overlap of 0.1 m x 0.2 m in one plane",
+    ),
+    "parallel": (
+        Structure("two", (FLOOR, ABOVE), (Joint("j", "floor", "other"),)),
+        r"plates floor and other: got mid-surfaces about 0.05 m apart",
+    ),
+    "oblique plates": (
+        Structure(
+            "two", (FLOOR, replace(WALL, origin=(0.2, 0.15, 0), normal=(1.0, 1.0, 0.0))), (Joint("j", "floor", "wall"),)
+        ),
+        r"plates floor and wall: got a common line oblique to the sides of floor",
+    ),
+    "mesh": (Structure("m", (replace(FLOOR, mesh=0.0),)), r"parts.floor.mesh: got 0 m"),
+    "divisions": (Structure("m", (replace(FLOOR, mesh=(0, 2)),)), r"parts.floor.mesh: got 0 divisions"),
+    "thickness": (Structure("m", (replace(FLOOR, thickness=-0.01),)), r"parts.floor.thickness: got -0.01 m"),
+    "x_direction": (
+        Structure("m", (replace(FLOOR, x_direction=(1.0, 0.0, 1.0)),)),
+        r"parts.floor.x_direction: got \[1.0, 0.0, 1.0\]",
+    ),
+    "orientation": (
+        Structure("m", (replace(POST, orientation=(0.0, 0.0, 2.0)),)),
+        r"parts.post.orientation: got a vector parallel to the member",
+    ),
+    "no length": (
+        Structure("m", (replace(POST, lines=(((0, 0, 0), (0, 0, 0), (0, 0, 1)),)),)),
+        r"parts.post.lines\[0\]: got two points 0 m apart",
+    ),
+    "nothing": (Structure("m", ()), r"parts: got no plate and no frame"),
+    "direction": (
+        replace(BASE, supports=(Support("s", ("z", "w"), "floor", edge="x0"),)),
+        r"supports.s: got \('z', 'w'\), expected directions out of x, y, z",
+    ),
+}
+
+
+@pytest.mark.parametrize("fault", FAULTS)
+def test_faults_are_one_sentence(fault: str) -> None:
+    structure, message = FAULTS[fault]
+    with pytest.raises(InputError, match=message) as caught:
+        mesh_structure(structure)
+    assert "\n" not in str(caught.value)
+
+
+def test_the_sound_one_is_meshed() -> None:
+    assert mesh_structure(BASE).mesh.n_nodes > 0
