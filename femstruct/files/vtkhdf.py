@@ -7,13 +7,17 @@ from typing import Final
 import h5py
 import numpy as np
 
+from femstruct.arrays import Integers
+from femstruct.conventions import N_COMPONENTS
 from femstruct.files.hdf5 import put
-from femstruct.files.skin import Skin, bare_skin, skin
 from femstruct.modal.basis import ModalBasis
+from femstruct.model.interpolation import node_rows
 from femstruct.model.model import Model
+from femstruct.model.refine import Refined, refined
 
 VERSION: Final = (2, 2)
 VTK_VERTEX, VTK_LINE, VTK_QUAD = 1, 3, 9
+DIVISIONS: Final = 3
 
 
 def mode_name(basis: ModalBasis, mode: int) -> str:
@@ -33,7 +37,7 @@ def write_vtkhdf(file: h5py.File, basis: ModalBasis, model: Model | None, *, cou
 
     References: VTK File Formats, "VTKHDF File Format", version 2.2, UnstructuredGrid.
     """
-    shown = bare_skin(basis) if model is None else skin(model)
+    shown = bare(basis) if model is None else refined(model, DIVISIONS)
     target = file.create_group("VTKHDF")
     target.attrs["Version"] = np.array(VERSION, dtype=np.int64)
     kind = b"UnstructuredGrid"
@@ -44,7 +48,7 @@ def write_vtkhdf(file: h5py.File, basis: ModalBasis, model: Model | None, *, cou
     put(target, "Points", shown.points, "m", "Points at rest", ())
     data = target.create_group("PointData")
     modes = range(min(count, basis.modes.stop))
-    moved = shown.displacements(basis.shapes[:, :, : len(modes)])
+    moved = shown.displacement(basis.shapes[:, :, : len(modes)])
     for mode in modes:
         values = np.ascontiguousarray(moved[:, :, mode], dtype=np.float32)
         put(data, mode_name(basis, mode), values, "kg^-0.5", "Mass-normalised displacement", ())
@@ -53,16 +57,32 @@ def write_vtkhdf(file: h5py.File, basis: ModalBasis, model: Model | None, *, cou
     put(fields, "damping_ratio", basis.damping_ratio[: len(modes)], "1", "Damping ratios of the shown modes", ())
 
 
-def _write_cells(target: h5py.Group, shown: Skin) -> None:
-    lone = np.empty(0, dtype=np.int64) if shown.parts else np.arange(len(shown.points))
-    connectivity = np.concatenate([shown.quads.ravel(), shown.lines.ravel(), lone])
+def bare(basis: ModalBasis) -> Refined:
+    """The nodes alone, for a basis in closed form, which has no elements."""
+    count = len(basis.points)
+    translations = np.tile(np.eye(3, N_COMPONENTS), (count, 1))
+    return Refined(
+        basis.points,
+        np.empty((0, 4), dtype=np.int64),
+        np.empty((0, 2), dtype=np.int64),
+        node_rows(np.repeat(np.arange(count), 3), translations, count),
+        ("structure",),
+        np.zeros(count, dtype=np.int64),
+    )
+
+
+def _write_cells(target: h5py.Group, shown: Refined) -> None:
+    drawn = np.concatenate([shown.quads.ravel(), shown.lines.ravel()])
+    lone: Integers = np.setdiff1d(np.arange(len(shown.points)), drawn)
+    connectivity = np.concatenate([drawn, lone])
     counts = (len(shown.quads), len(shown.lines), len(lone))
     sizes, types = np.repeat([4, 2, 1], counts), np.repeat([VTK_QUAD, VTK_LINE, VTK_VERTEX], counts)
+    offsets = np.concatenate([[0], np.cumsum(sizes)])
     put(target, "Connectivity", connectivity, "1", "Points of the cells", ())
-    put(target, "Offsets", np.concatenate([[0], np.cumsum(sizes)]), "1", "Where each cell starts", ())
+    put(target, "Offsets", offsets, "1", "Where each cell starts", ())
     put(target, "Types", types.astype(np.uint8), "1", "Kinds of cells, VTK's numbers", ())
     put(target, "NumberOfCells", np.array([len(types)]), "1", "Number of cells", ())
     put(target, "NumberOfConnectivityIds", np.array([len(connectivity)]), "1", "Length of Connectivity", ())
-    parts = np.concatenate([shown.part_of_quads, shown.part_of_lines, np.zeros(len(lone), dtype=np.int64)])
     cells = target.create_group("CellData")
-    put(cells, "part", parts, "1", f"Index of the part: {', '.join(shown.parts) or 'one point each'}", ())
+    part = shown.part_of_point[connectivity[offsets[:-1]]]
+    put(cells, "part", part, "1", f"Part, by number: {', '.join(shown.parts)}", ())

@@ -9,11 +9,12 @@ from matplotlib.figure import Figure
 from femstruct.study.result import StudyResult
 from femstruct.view.figures import file_name, save
 from femstruct.view.histories import contact_forces, energy, history, travels
+from femstruct.view.maps import pressure_maps
 from femstruct.view.spectra import frequency_response, sound
 
 
 def figures(result: StudyResult) -> dict[str, Figure]:
-    """All figures of a study by file name: frequency responses, channels, contacts, bodies, energy, sound."""
+    """All figures of a study by file name: frequency responses, channels, contacts, bodies, energy, sound, maps."""
     cases = result.cases.values()
     responses = dict.fromkeys(name for case in cases for name in case.frf)
     channels = dict.fromkeys(name for case in cases for name in case.channels)
@@ -23,6 +24,7 @@ def figures(result: StudyResult) -> dict[str, Figure]:
         for room, response in case.rooms.items()
         for receiver in response.receivers
     )
+    rooms = dict.fromkeys(name for case in cases for name in case.rooms)
     made: dict[str, Figure | None] = {
         **{file_name("frf", name): frequency_response(result, name) for name in responses},
         **{file_name("history", name): history(result, name) for name in channels},
@@ -30,6 +32,7 @@ def figures(result: StudyResult) -> dict[str, Figure]:
         file_name("bodies"): travels(result),
         file_name("energy"): energy(result),
         **{file_name("sound", name): sound(result, name) for name in receivers},
+        **{file_name("pressure_map", name): pressure_maps(result, name) for name in rooms},
     }
     return {name: figure for name, figure in made.items() if figure is not None}
 
