@@ -13,8 +13,8 @@ def fast_length(n: int) -> int:
     >>> fast_length(192000), fast_length(97)
     (192000, 100)
     """
-    sizes: list[int] = [2 * 2**i * 3**j * 5**k for i in range(40) for j in range(20) for k in range(14)]
-    return min(size for size in sizes if size >= n)
+    odd = [3**j * 5**k for j in range(20) for k in range(14)]
+    return min(part << max(1, (-(-n // part) - 1).bit_length()) for part in odd)
 
 
 def extended(velocity: Floats, length: int) -> Floats:

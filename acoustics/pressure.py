@@ -114,7 +114,7 @@ def pressure(
     places = np.stack([receiver.position for receiver in receivers])
     for receiver in receivers:
         inside(room, f"receiver {receiver.name}", receiver.position[None, :])
-    highest_hz = source_bandwidth(project(surface, room, _square(3, 3)) @ surface.rates, surface.dt)
+    highest_hz = source_bandwidth(project(surface, room, _square(2, 2)) @ surface.rates, surface.dt)
     p = np.zeros((len(receivers), surface.rates.shape[1]))
     done, share = np.zeros((0, 2), dtype=np.int64), 0.0
     for block in _order_blocks(room, orders, highest_hz):
