@@ -13,7 +13,7 @@ def fast_length(n: int) -> int:
     >>> fast_length(192000), fast_length(97)
     (192000, 100)
     """
-    odd = [3**j * 5**k for j in range(20) for k in range(14)]
+    odd: list[int] = [3**j * 5**k for j in range(20) for k in range(14)]
     return min(part << max(1, (-(-n // part) - 1).bit_length()) for part in odd)
 
 
