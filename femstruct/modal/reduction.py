@@ -29,7 +29,8 @@ def modal_basis(
 
     up_to : upper frequency [Hz]; all modes with f <= up_to are returned, none is skipped (inertia count).
     count : number of modes, rigid ones counted. Give one of the two.
-    probes : where the structure will be pushed or listened to; the static response to forces there is exact.
+    probes : where the structure will be pushed or listened to; the static response to forces there is exact. The
+    places of permanent dashpots are added to them.
 
     Returns a ModalBasis with no other damping than the permanent dashpots': `with_damping` adds the structure's own.
 
@@ -41,7 +42,7 @@ def modal_basis(
     it is infinite for a basis of every mode there is.
     """
     found = modes(assembly.K, assembly.M, up_to_hz=up_to, count=count, labels=assembly.dofs.labels)
-    loads = _loads(assembly, probes)
+    loads = np.concatenate([_loads(assembly, probes), _dashpots(assembly)], axis=1)
     extra_values, extra_shapes = residual_vectors(assembly.K, assembly.M, found, loads)
     values = np.concatenate([found.eigenvalues, extra_values])
     shapes = np.concatenate([found.shapes, extra_shapes], axis=1)
@@ -73,6 +74,13 @@ def _loads(assembly: Assembly, probes: Sequence[Probe]) -> Floats:
     transposed = assembly.dofs.T.T
     columns = [(transposed @ probe.row(len(assembly.points)).T).toarray() for probe in probes]
     return np.concatenate([np.zeros((assembly.K.shape[0], 0)), *columns], axis=1)
+
+
+def _dashpots(assembly: Assembly) -> Floats:
+    """Forces of the permanent dashpots [n_free, d]: they push where they sit, as a probe does."""
+    touched = np.flatnonzero(assembly.C.diagonal())
+    forces: Floats = assembly.C[:, touched].toarray()
+    return forces
 
 
 def _truncation(assembly: Assembly, modal_mass: Floats, eigenvalues: Floats) -> tuple[Finding, ...]:
