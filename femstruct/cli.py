@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import functools
 import json
 import os
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -38,16 +40,27 @@ def main() -> None:
     for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
         os.environ.setdefault(name, "1")  # two threads are slower on the small blocks of an eigensolution
     try:
-        code = app(standalone_mode=False)
-    except KeyboardInterrupt:
-        print("interrupted: nothing was written", file=sys.stderr)
-        code = INTERRUPTED
+        app()
     except Exception as error:
-        code = _told(error)
-    sys.exit(code)
+        sys.exit(_told(error))
 
 
-@app.command()
+def _command(function: Callable[..., int]) -> Callable[..., None]:
+    """A command that leaves with the exit code its function returns, and tells an interruption from a failure."""
+
+    @functools.wraps(function)
+    def command(*args: Any, **options: Any) -> None:
+        try:
+            code = function(*args, **options)
+        except KeyboardInterrupt:
+            print("interrupted: nothing was written", file=sys.stderr)
+            code = INTERRUPTED
+        raise typer.Exit(code)
+
+    return app.command()(command)
+
+
+@_command
 def run(
     study: StudyFile,
     case: OnlyCase = "",
@@ -74,19 +87,19 @@ def run(
     return _verdict(result)
 
 
-@app.command()
+@_command
 def impact(study: StudyFile, case: OnlyCase = "", set_: Sets = [], as_json: AsJson = False) -> int:  # noqa: B006
     """Simulate the impacts of a study and print peaks, contacts and energies; nothing is written."""
     return _stages(study, case, set_, as_json, with_rooms=False)
 
 
-@app.command()
+@_command
 def sound(study: StudyFile, case: OnlyCase = "", set_: Sets = [], as_json: AsJson = False) -> int:  # noqa: B006
     """Simulate the impacts of a study and what is heard in its rooms; nothing is written."""
     return _stages(study, case, set_, as_json, with_rooms=True)
 
 
-@app.command()
+@_command
 def check(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="a model or a study (YAML)")],
     picture: Annotated[
@@ -112,7 +125,7 @@ def check(
     return GOOD
 
 
-@app.command()
+@_command
 def modes(
     model: ModelFile,
     count: Annotated[int | None, typer.Option("--count", min=1, help="how many modes")] = None,
@@ -135,7 +148,7 @@ def modes(
     return NOT_TRUSTED if any(finding["severe"] for finding in table["findings"]) else GOOD
 
 
-@app.command()
+@_command
 def frf(
     model: ModelFile,
     drive: Annotated[str, typer.Option("--drive", metavar="P.z", help="where the force acts")],
@@ -162,7 +175,7 @@ def frf(
     return GOOD
 
 
-@app.command()
+@_command
 def schema(
     kind: Annotated[str, typer.Argument(metavar="model|study", help="which of the two kinds of file")] = "model",
 ) -> int:
@@ -217,14 +230,9 @@ def _print_json(table: Any) -> None:
 
 def _told(error: Exception) -> int:
     """Say what went wrong on stderr, and with which exit code to leave."""
-    import click
-
     from acoustics.errors import AcousticsError
     from femstruct.errors import FemstructError, NotConverged
 
-    if isinstance(error, click.ClickException):
-        error.show()
-        return BAD_INPUT
     if isinstance(error, NotConverged):
         print(f"not converged: {error}", file=sys.stderr)
         return NOT_TRUSTED

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from acoustics.levels import Levels
-from acoustics.pressure import RoomResponse
 from numpy import complex128
 from numpy.typing import NDArray
 
+from acoustics.levels import Levels
+from acoustics.pressure import RoomResponse
 from femstruct.arrays import Floats
 from femstruct.errors import Finding
 from femstruct.impact.response import Response

@@ -16,6 +16,7 @@ from femstruct.modal.damping import Damping
 from femstruct.model.parts import Pair, Structure, Vector
 
 FrfKind = Literal["receptance", "mobility", "accelerance", "transmissibility"]
+BeamEnd = Literal["pinned", "free", "clamped"]
 
 
 @dataclass(frozen=True)
@@ -192,7 +193,7 @@ class BeamModel:
     """`structure: {type: beam}`: a beam along x deflecting along z; points by their position [m] along it."""
 
     length: float
-    ends: tuple[str, str]
+    ends: tuple[BeamEnd, BeamEnd]
     EI: float
     mass_per_length: float
     modes: int

@@ -5,17 +5,29 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Literal
 
 from femstruct.assembly.assemble import assemble
+from femstruct.modal.analytic import beam, given_modes, oscillator, rod
 from femstruct.modal.basis import ModalBasis
 from femstruct.modal.damping import carry_damping, with_damping
 from femstruct.modal.reduction import modal_basis
 from femstruct.model.mesher import mesh_structure
 from femstruct.model.model import Model
 from femstruct.model.parts import Structure
-from femstruct.model.probe import Probe
-from femstruct.study.study import Case, Extent, StructureModel, Study
-from femstruct.workflow.staging import Places, force_probes
+from femstruct.model.probe import Point, Probe
+from femstruct.study.study import (
+    BeamModel,
+    Case,
+    Extent,
+    ModesModel,
+    NoStructure,
+    OscillatorModel,
+    RodModel,
+    StructureModel,
+    Study,
+)
+from femstruct.workflow.staging import Places, axis_of, force_probes
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,7 +50,7 @@ def solve_all(cases: Sequence[Case]) -> dict[str, Solved]:
     """
     groups: dict[str, list[Case]] = {}
     for case in cases:
-        groups.setdefault(_key(case.study.structure, case.study.extent), []).append(case)
+        groups.setdefault(_key(case.study), []).append(case)
     solved: dict[str, Solved] = {}
     for key, members in groups.items():
         shared = solve(members[0].study.structure, members[0].study.extent, [case.study for case in members], key)
@@ -58,7 +70,7 @@ def solve(structure: StructureModel, extent: Extent, studies: Sequence[Study] = 
             assemble(model), up_to=extent.up_to_hz, count=extent.count, probes=[probes[name] for name in sorted(probes)]
         )
         return Solved(key, model, places, basis)
-    basis, points = _closed_form(structure)
+    basis, points = _closed_form(structure, _axis(studies))
     return Solved(key, None, Places(points, {}), basis)
 
 
@@ -74,9 +86,30 @@ def damped(case: Case, solved: Mapping[str, Solved], baseline: Case) -> ModalBas
     changes_damping = any(path.split(".")[0] == "damping" for path in case.changes)
     if own.key == reference.key or changes_damping:
         return with_damping(own.basis, case.study.damping)
-    return carry_damping(case.study.damping, with_damping(reference.basis, baseline.study.damping), own.basis)
+    return carry_damping(baseline.study.damping, reference.basis, own.basis)
 
 
-def _key(structure: StructureModel, extent: Extent) -> str:
+def _closed_form(
+    structure: OscillatorModel | RodModel | BeamModel | ModesModel | NoStructure, axis: Literal["x", "z"]
+) -> tuple[ModalBasis, Mapping[str, Point]]:
+    match structure:
+        case OscillatorModel(mass, frequency_hz, stiffness, points):
+            return oscillator(mass, frequency_hz=frequency_hz, stiffness=stiffness, points=tuple(points), axis=axis)
+        case RodModel(length, E, rho, area, modes, points):
+            return rod(length, E, rho, area, modes, points)
+        case BeamModel(length, ends, EI, mass_per_length, modes, points):
+            return beam(length, EI, mass_per_length, ends, modes, points)
+        case ModesModel(frequency_hz, ratio, shapes):
+            return given_modes(frequency_hz, ratio, shapes, axis=axis)
+        case NoStructure():
+            return given_modes((), (), {})
+
+
+def _axis(studies: Sequence[Study]) -> Literal["x", "z"]:
+    """Oscillators and given modes have no direction of their own: they move along the axis their study uses."""
+    return axis_of(studies[0]) if studies else "z"
+
+
+def _key(study: Study) -> str:
     """A short stable name for all that an undamped basis depends on."""
-    return hashlib.sha256(repr((structure, extent)).encode()).hexdigest()[:12]
+    return hashlib.sha256(repr((study.structure, study.extent, axis_of(study))).encode()).hexdigest()[:12]

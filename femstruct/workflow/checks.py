@@ -63,8 +63,8 @@ def impact_findings(basis: ModalBasis, response: Response) -> tuple[Finding, ...
             found.append(
                 Finding(
                     "basis-truncated",
-                    f"{name}: {100 * share:.1f} % of the force's spectrum lies beyond {basis.complete_below_hz:.0f} Hz, "
-                    "where modes are left out (their static share is kept); accelerations there are too small",
+                    f"{name}: {100 * share:.1f} % of the force's spectrum lies beyond {basis.complete_below_hz:.0f} "
+                    "Hz, where modes are left out (their static share is kept); accelerations there are too small",
                     {"share": share, "complete_below_hz": basis.complete_below_hz},
                 )
             )

@@ -19,10 +19,11 @@ from femstruct.modal.damping import Damping, with_damping
 from femstruct.modal.frf import direct_frf
 from femstruct.model.facts import ModelFacts, model_facts
 from femstruct.model.model import Model
+from femstruct.model.probe import Probe
 from femstruct.study.study import Extent, FrfKind, FrfRequest, RoomPlan, Spot, Study
 from femstruct.units import quantity
 from femstruct.workflow.bases import Solved, solve
-from femstruct.workflow.run import frequency_response, frf_unit, response_row, structure_findings
+from femstruct.workflow.run import frequency_response, response_row, structure_findings
 from femstruct.workflow.staging import Rest, force_probes, rest_states, scene
 
 DEFAULT_MODES = 30
@@ -167,10 +168,11 @@ def frf_of(
                 "--method", got="'direct' of a closed-form structure", expected="modal", do="it has no matrices"
             )
         listened = response_row(request.response, solved.places, basis, "--response")
+        force = f"{request.response.name}.{_axis(request.response)}"
         values = direct_frf(
             assemble(solved.model),
             solved.places.point(request.drive.name, "--drive").probe(request.drive.what),
-            listened if request.response.what[:5] != "force" else f"{request.response.name}.{_axis(request.response)}",
+            listened if isinstance(listened, Probe) else force,
             answer.frequency_hz,
             source.damping,
             request.kind,
@@ -184,7 +186,7 @@ def frf_of(
         "frequency_hz": answer.frequency_hz.tolist(),
         "real": np.real(values).tolist(),
         "imag": np.imag(values).tolist(),
-        "unit": frf_unit(request),
+        "unit": answer.unit,
     }
 
 

@@ -7,20 +7,22 @@ import sys
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import replace
 from datetime import UTC, datetime
 from importlib.metadata import version
 
 import numpy as np
 
-from acoustics.levels import Levels, levels
+from acoustics.levels import Levels, response_levels
 from acoustics.pressure import RoomResponse, pressure
-from femstruct.model.facts import model_findings
+from femstruct.arrays import Floats
 from femstruct.errors import Finding, InputError
 from femstruct.impact.bodies import Clock
 from femstruct.impact.response import Response
 from femstruct.impact.simulate import simulate
 from femstruct.modal.basis import ForceRow, ModalBasis
-from femstruct.modal.frf import frf
+from femstruct.modal.frf import UNITS, frf
+from femstruct.model.facts import model_findings
 from femstruct.model.probe import Probe
 from femstruct.radiation import coupling_findings, surface_velocity
 from femstruct.study.result import CaseResult, Frf, StudyResult
@@ -32,7 +34,6 @@ from femstruct.workflow.compare import compare
 from femstruct.workflow.staging import Places, scene
 
 Progress = Callable[[str], None]
-FRF_UNITS = {"receptance": "m/N", "mobility": "m/s/N", "accelerance": "m/s^2/N", "transmissibility": "1"}
 
 
 def run_study(plan: Plan, progress: Progress = lambda line: None, command: str = "") -> StudyResult:
@@ -81,6 +82,12 @@ def run_study(plan: Plan, progress: Progress = lambda line: None, command: str =
     )
 
 
+def without_rooms(plan: Plan) -> Plan:
+    """The same plan, impacts only."""
+    cases = (replace(case, study=replace(case.study, rooms=())) for case in plan.cases)
+    return replace(plan, cases=tuple(cases))
+
+
 def run_case(case: Case, solved: Mapping[str, Solved], baseline: Case, clock: Stopwatch) -> CaseResult:
     """One case through every stage that its study asks for."""
     study, own = case.study, solved[case.name]
@@ -100,12 +107,16 @@ def run_case(case: Case, solved: Mapping[str, Solved], baseline: Case, clock: St
         with clock("room", case.name):
             rooms = _rooms(study, own.places, response)
         with clock("levels", case.name):
-            heard = _levels(study, rooms, response)
+            heard = {
+                f"{room}.{receiver}": found
+                for room, pressures in rooms.items()
+                for receiver, found in response_levels(pressures).items()
+            }
             channels = record(study, own.places, response, rooms)
         for plan in study.rooms:
             findings += coupling_findings(basis, own.places.surfaces[plan.under], plan.room)
-            findings += [from_advice(advice) for advice in rooms[plan.name].advice]
-        findings += [from_advice(advice) for levels_of in heard.values() for advice in levels_of.advice]
+            findings += [from_advice(advice) for advice in rooms[plan.name].findings]
+        findings += [from_advice(advice) for levels_of in heard.values() for advice in levels_of.findings]
     return CaseResult(case, own.key, basis, response, responses, channels, rooms, heard, distinct(findings))
 
 
@@ -126,12 +137,12 @@ def structure_findings(solved: Solved, basis: ModalBasis) -> tuple[Finding, ...]
 def frequency_response(request: FrfRequest, places: Places, basis: ModalBasis) -> Frf:
     """One frequency response of a study from the modal basis."""
     start, stop = request.band
-    frequency = start + request.step * np.arange(int(np.floor((stop - start) / request.step + 1e-9)) + 1)
+    lines = np.arange(int(np.floor((stop - start) / request.step + 1e-9)) + 1, dtype=np.float64)
+    frequency = start + request.step * lines
     drive = places.point(request.drive.name, f"frf.{request.name}.drive").probe(request.drive.what)
     response = response_row(request.response, places, basis, f"frf.{request.name}.response")
     values = frf(basis, drive, response, frequency, request.kind)
-    unit = FRF_UNITS[request.kind] if isinstance(response, Probe) else "N/N"
-    return Frf(request, frequency, values, unit)
+    return Frf(request, frequency, values, UNITS[request.kind])
 
 
 def response_row(spot: Spot, places: Places, basis: ModalBasis, asked_by: str) -> Probe | ForceRow:
@@ -190,11 +201,3 @@ def _rooms(study: Study, places: Places, response: Response) -> dict[str, RoomRe
         ceiling = surface_velocity(response, places.surfaces[plan.under], plan.room, plan.offset)
         rooms[plan.name] = pressure(ceiling, plan.room, plan.receivers)
     return rooms
-
-
-def _levels(study: Study, rooms: Mapping[str, RoomResponse], response: Response) -> dict[str, Levels]:
-    return {
-        f"{plan.name}.{receiver.name}": levels(rooms[plan.name].p[i], response.clock.sampling)
-        for plan in study.rooms
-        for i, receiver in enumerate(plan.receivers)
-    }

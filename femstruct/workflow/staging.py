@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
@@ -13,7 +14,7 @@ from femstruct.errors import InputError
 from femstruct.impact.bodies import GROUND, Body, Contact, End, Link, Load, Scene
 from femstruct.modal.basis import ModalBasis
 from femstruct.model.probe import Point, Probe, Surface
-from femstruct.study.study import InitialMotion, PlacedBody, PlannedContact, PlannedLink, Study
+from femstruct.study.study import InitialMotion, PlacedBody, PlannedContact, PlannedLink, Spot, Study
 
 HORIZONTAL = np.cos(np.radians(45.0))
 
@@ -44,7 +45,7 @@ class Places:
 def scene(study: Study, places: Places, basis: ModalBasis | None = None) -> Scene:
     """Bodies, contacts, links and loads of a study between probes.
 
-    basis : needed only for start velocities of the structure.
+    basis : for start velocities of the structure, and to see that what is hit can move.
 
     Raises InputError when a place is missing or ambiguous, when it cannot be told which end of a contact is above,
     or when gravity leaves a body without a state of rest.
@@ -55,10 +56,13 @@ def scene(study: Study, places: Places, basis: ModalBasis | None = None) -> Scen
     the upper one; a body is just above or below what it was placed on.
     """
     stage = _Stage(study, places)
+    _refuse_mixed_axes(study)
     contacts = tuple(stage.contact(contact) for contact in planned_contacts(study))
     links = tuple(stage.link(link) for link in study.links)
     linked = {end for link in study.links for end in link.between}
     bodies = tuple(_body(body, body.name in linked, study) for body in study.bodies)
+    if basis is not None:
+        _refuse_immovable(basis, contacts, links, stage.axis)
     velocity = _modal_velocity(study.initial, places, basis) if basis is not None else None
     gravity = GRAVITY if study.time is not None and study.time.gravity else 0.0
     return Scene(bodies, contacts, links, stage.loads(), velocity, gravity)
@@ -74,9 +78,17 @@ def planned_contacts(study: Study) -> tuple[PlannedContact, ...]:
     return (*study.contacts, *own)
 
 
-def axis_of(study: Study) -> str:
-    """The axis all bodies of a study move along: "z", or "x" where bodies are placed before and after."""
-    return "x" if any(body.side in ("before", "after") for body in study.bodies) else "z"
+def axis_of(study: Study) -> Literal["x", "z"]:
+    """The axis all bodies of a study move along: x where they are placed before and after, z above and below.
+
+    Without bodies it is the axis of what the study pushes or starts: x if that says so, else z.
+    """
+    if study.bodies:
+        return "x" if any(body.side in ("before", "after") for body in study.bodies) else "z"
+    spots = [spot for spot, _ in study.initial.velocities]
+    spots += [load.on for load in study.loads if isinstance(load.on, Spot)]
+    spots += [request.drive for request in study.frf]
+    return "x" if any(spot.what == "x" for spot in spots) else "z"
 
 
 def ordered(study: Study, places: Places, planned: PlannedContact) -> tuple[str, str]:
@@ -87,7 +99,8 @@ def ordered(study: Study, places: Places, planned: PlannedContact) -> tuple[str,
 def force_probes(study: Study, places: Places) -> dict[str, Probe]:
     """All places where forces act on the structure, by address: each gets residual vectors in the basis."""
     stage = _Stage(study, places)
-    ends = {end for item in (*planned_contacts(study), *study.links) for end in item.between}
+    pairs = [contact.between for contact in planned_contacts(study)] + [link.between for link in study.links]
+    ends = {end for pair in pairs for end in pair}
     probes = {
         f"{end}.{stage.axis}": stage.end(end, "contacts")
         for end in sorted(ends)
@@ -229,6 +242,32 @@ class _Stage:
         return tuple(loads)
 
 
+def _refuse_immovable(basis: ModalBasis, contacts: Sequence[Contact], links: Sequence[Link], axis: str) -> None:
+    """A place that no mode moves is held, or moves along another axis than its bodies: hitting it is a mistake."""
+    pairs = [(f"contacts.{contact.name}", contact.upper, contact.lower) for contact in contacts]
+    pairs += [(f"links.{link.name}", link.upper, link.lower) for link in links]
+    for where, *ends in pairs:
+        for end in ends:
+            if isinstance(end, Probe) and not end.of(basis.shapes).any():
+                raise InputError(
+                    where,
+                    got=f"an end that no mode moves along {axis}",
+                    expected="a place that can move along the axis of the bodies",
+                    do="connect it to `ground` if it is meant to be held",
+                )
+
+
+def _refuse_mixed_axes(study: Study) -> None:
+    along_x = [body.name for body in study.bodies if body.side in ("before", "after")]
+    along_z = [body.name for body in study.bodies if body.side in ("above", "below")]
+    if along_x and along_z:
+        raise InputError(
+            f"bodies.{along_z[0]}",
+            got=f"above or below, while {along_x[0]} is before or after",
+            expected="bodies that move along one axis",
+        )
+
+
 def _lies(body: PlacedBody) -> bool:
     return body.side == "above" and not body.dropped and body.speed == 0.0
 
@@ -270,9 +309,9 @@ def _modal_velocity(initial: InitialMotion, places: Places, basis: ModalBasis) -
                 expected="a structure that is free to move so",
                 do="remove the supports and springs that hold it",
             )
-        velocity = np.zeros(len(basis.omega))
-        velocity[rigid] = q
-        return velocity
+        moving = np.zeros(len(basis.omega))
+        moving[rigid] = q
+        return moving
     if not initial.velocities:
         return None
     rows = np.array(
@@ -282,7 +321,7 @@ def _modal_velocity(initial: InitialMotion, places: Places, basis: ModalBasis) -
         ]
     )
     values = np.array([value for _, value in initial.velocities])
-    velocity, *_ = np.linalg.lstsq(rows, values, rcond=None)
+    velocity: Floats = np.linalg.lstsq(rows, values, rcond=None)[0]
     if not np.allclose(rows @ velocity, values, rtol=1e-9, atol=1e-12):
         raise InputError(
             "initial.velocity",
