@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -40,14 +40,14 @@ def new_figure(width: float, height: float, title: str) -> Figure:
 
 
 def panels(
-    figure: Figure, rows: int, columns: int, *, between: float, top: float = 0.62, **options: object
+    figure: Figure, rows: int, columns: int, *, between: float, top: float = 0.62, right: float = 0.15, **options: Any
 ) -> NDArray[np.object_]:
-    """Axes [rows, columns] with margins in inches: `between` the rows, `top` above the first.
+    """Axes [rows, columns] with margins in inches: `between` the rows, `top` above the first, `right` of the last.
 
     A layout engine would measure every text twice; that doubles the time of a picture.
     """
     width, height = figure.get_size_inches()
-    left, right, bottom, beside = 0.78, 0.15, 0.5, 0.75
+    left, bottom, beside = 0.78, 0.5, 0.75
     inner = (
         ((height - top - bottom) - (rows - 1) * between) / rows,
         (width - left - right - (columns - 1) * beside) / columns,

@@ -55,9 +55,10 @@ def draw_map(drawn: PressureMap, names: Sequence[str], receivers: Sequence[Recei
     drawn : normal to z. names : one a frequency. The range of the level over the plane stands above each pane.
     """
     count = len(drawn.frequency_hz)
-    figure = new_figure(0.9 + 3.3 * count, 3.9, f"{title};  Re P / max |P|, red and blue of opposite phase")
-    (row,) = panels(figure, 1, count, between=0.0, top=0.85)
-    image = None
+    width, height = 1.6 + 3.3 * count, 3.9
+    figure = new_figure(width, height, f"{title};  Re P / max |P|, red and blue of opposite phase")
+    (row,) = panels(figure, 1, count, between=0.0, top=0.85, right=0.85)
+    images = []
     for axes, spectrum, name in zip(row, drawn.spectrum, names, strict=True):
         level = 20.0 * np.log10(np.maximum(np.abs(spectrum), np.finfo(float).tiny) / REFERENCE_PA)
         largest = spectrum.ravel()[np.abs(spectrum).argmax()]
@@ -65,6 +66,7 @@ def draw_map(drawn: PressureMap, names: Sequence[str], receivers: Sequence[Recei
         image = axes.pcolormesh(
             drawn.first, drawn.second, shown.T, cmap="RdBu_r", vmin=-1.0, vmax=1.0, shading="gouraud", rasterized=True
         )
+        images.append(image)
         for receiver in receivers:
             axes.plot(*receiver.position[:2], "k+", markersize=9)
             axes.annotate(receiver.name, receiver.position[:2], (5, 5), textcoords="offset points", fontsize=8)
@@ -73,5 +75,6 @@ def draw_map(drawn: PressureMap, names: Sequence[str], receivers: Sequence[Recei
         axes.set_xlabel("x in m")
         axes.tick_params(labelsize=8)
     row[0].set_ylabel("y in m")
-    figure.colorbar(image, ax=list(row), fraction=0.02, pad=0.01)
+    scale = figure.add_axes((1.0 - 0.65 / width, 0.6 / height, 0.13 / width, 1.0 - 1.5 / height))
+    figure.colorbar(images[-1], cax=scale, ticks=(-1.0, 0.0, 1.0))
     return figure

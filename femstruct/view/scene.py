@@ -70,8 +70,8 @@ def picture_modes(model: Model, basis: ModalBasis, path: str | Path, title: str 
     columns = min(4, len(modes))
     rows = -(-len(modes) // columns)
     height = PANE[1] * rows
-    plotter = pyvista.Plotter(
-        off_screen=True, shape=(rows, columns), window_size=(PANE[0] * columns, height), border=False
+    plotter: Any = pyvista.Plotter(
+        off_screen=True, shape=(rows, columns), window_size=[PANE[0] * columns, height], border=False
     )
     rest = _mesh(fine, fine.points)
     edges = rest.extract_feature_edges(
@@ -99,7 +99,7 @@ def picture_model(model: Model | None, rooms: Sequence[RoomPlan], path: str | Pa
     require_opengl()
     import pyvista
 
-    plotter = pyvista.Plotter(off_screen=True, window_size=(1300, 950))
+    plotter: Any = pyvista.Plotter(off_screen=True, window_size=[1300, 950])
     fine = refined(model, 1)
     for number, name in enumerate(fine.parts):
         own = fine.part_of_point == number

@@ -56,11 +56,11 @@ def sound(result: StudyResult, receiver: str) -> Figure | None:
     Frequencies end where the modal basis does: above, the structure's answer is not complete.
     """
     colours = case_colours(result.cases, result.plan.baseline)
-    heard = {name: p for name, case in result.cases.items() if (p := _pressure(result, name, receiver)) is not None}
+    heard = {name: found for name in result.cases if (found := _pressure(result, name, receiver)) is not None}
     if not heard:
         return None
     basis = result.cases[result.plan.baseline].basis
-    dt, p = next(iter(heard.values()))
+    dt, first = next(iter(heard.values()))
     top = min(basis.complete_below_hz, 0.5 / dt) if np.isfinite(basis.complete_below_hz) else 0.5 / dt
     legend = 0.155 * len(heard)  # inches
     figure = new_figure(11.0, 6.8 + 2 * legend, f"Sound at {receiver}")
@@ -76,7 +76,7 @@ def sound(result: StudyResult, receiver: str) -> Figure | None:
     if np.isfinite(peak):
         above.set_ylim(peak - DYNAMIC_RANGE_DB, peak + 6)
     mode_lines(above, _numbered(basis), LOWEST_HZ, top)
-    resolution = 1.0 / (dt * len(p))
+    resolution = 1.0 / (dt * len(first))
     finish(
         above, "frequency in Hz   (numbers: modes of the baseline)", f"lines {resolution:.3g} Hz apart, dB re 20 µPa"
     )
