@@ -250,9 +250,13 @@ class Case:
 
 @dataclass(frozen=True)
 class Plan:
-    """A study file, read: its cases in order, which one is the baseline, and the YAML verbatim by file name."""
+    """A study file, read: its cases in order, which one is the baseline, and the YAML verbatim by file name.
+
+    positions : (file, line, column) of every path of the files, for messages.
+    """
 
     title: str
     cases: tuple[Case, ...]
     baseline: str
     sources: Mapping[str, str]
+    positions: Mapping[str, tuple[str, int, int]] = field(default_factory=dict)

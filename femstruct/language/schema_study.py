@@ -1,0 +1,332 @@
+"""The study file: what happens to the structure. Units become SI here; names are checked in `references`."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import BeforeValidator, Field, model_validator
+
+from femstruct.language.schema_model import Dashpot, Position2, Position3, Stiffness, _coordinates
+from femstruct.language.spec import (
+    LATER,
+    Count,
+    Duration,
+    Flag,
+    Frequency,
+    Gap,
+    Instant,
+    Length,
+    LossFactor,
+    MassKg,
+    Measured,
+    Quantity,
+    Ratio,
+    Speed,
+    Spec,
+    Text,
+    exactly_one,
+    only,
+    refuse,
+)
+from femstruct.units import shown_as
+
+QUANTITIES = ("displacement", "velocity", "acceleration", "force", "travel")
+UNTIL_NEXT = "until next contact"
+Force = Annotated[float, Quantity(("force",), least=0.0)]
+Preload = Annotated[float, Quantity(("force",))]
+DropSpeed = Annotated[float, Quantity(("speed",), least=0.0)]
+
+
+class ModesSpec(Spec):
+    """How many modes: all up to a frequency, or the lowest ones."""
+
+    up_to: Frequency | None = None
+    count: Count | None = None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _one_extent(cls, value: Any) -> Any:
+        if isinstance(value, dict):
+            exactly_one(value, ("up_to", "count"))
+        return value
+
+
+FRF_KINDS = ("receptance", "mobility", "accelerance", "transmissibility")
+
+
+class FrfSpec(Spec):
+    """A frequency response; addresses are POINT.x or NAME.force."""
+
+    drive: Text
+    response: Text
+    kind: Annotated[
+        Literal["receptance", "mobility", "accelerance", "transmissibility"], BeforeValidator(only(FRF_KINDS))
+    ]
+    band: tuple[Annotated[float, Quantity(("frequency",), least=0.0)], Frequency]
+    step: Frequency
+
+
+class HertzSpec(Spec):
+    """f = k d^1.5 + c d^0.5 d'."""
+
+    type: Literal["hertz"]
+    stiffness: Annotated[float, Quantity(("hertz stiffness",), above=0.0)]
+    damping: Annotated[float, Quantity(("hertz damping",), least=0.0)] = 0.0
+    tensile: Flag = False
+
+
+class LinearSpec(Spec):
+    """f = k d + c d'."""
+
+    type: Literal["linear"]
+    stiffness: Annotated[float, Quantity(("stiffness",), above=0.0)]
+    damping: Dashpot = 0.0
+    tensile: Flag = False
+
+
+class StopSpec(Spec):
+    """A bumper on both sides."""
+
+    type: Literal["stop"]
+    stiffness: Annotated[float, Quantity(("stiffness",), above=0.0)]
+    damping: Dashpot = 0.0
+    tensile: Flag = False
+
+
+LawSpec = Annotated[HertzSpec | LinearSpec | StopSpec, Field(discriminator="type")]
+SIDES = ("above", "below", "before", "after")
+
+
+class BodySpec(Spec):
+    """A point mass beside a place or another body, at rest, dropped or thrown."""
+
+    mass: MassKg
+    above: Text | None = None
+    below: Text | None = None
+    before: Text | None = None
+    after: Text | None = None
+    drop_height: Gap | None = None
+    speed: DropSpeed | None = None
+    contact: LawSpec | None = None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _one_place(cls, value: Any) -> Any:
+        if isinstance(value, dict):
+            exactly_one(value, SIDES)
+            exactly_one(value, ("drop_height", "speed"), or_none=True)
+        return value
+
+
+class ContactSpec(Spec):
+    """A unilateral law between two ends; gap and preload are those of the rest state."""
+
+    between: tuple[Text, Text]
+    law: LawSpec
+    gap: Gap = 0.0
+    preload: Force = 0.0
+
+
+class OneWaySpec(Spec):
+    """A dashpot with one constant while its ends approach and another while they move apart."""
+
+    closing: Dashpot = 0.0
+    opening: Dashpot = 0.0
+
+
+def _dashpot(value: object) -> object:
+    if isinstance(value, dict):
+        return value
+    constant = Quantity(("damping",), least=0.0).read(value)
+    return {"closing": constant, "opening": constant}
+
+
+class LinkSpec(Spec):
+    """A spring and dashpot that both pull and push."""
+
+    between: tuple[Text, Text]
+    stiffness: Stiffness = 0.0
+    damping: Annotated[OneWaySpec, BeforeValidator(_dashpot)] = OneWaySpec()
+    release_at: Instant = 0.0
+    preload: Preload = 0.0
+
+
+class HalfSineSpec(Spec):
+    """The first half period of a sine."""
+
+    amplitude: Annotated[Measured, Quantity(("force", "pressure"), which=True)]
+    frequency: Frequency
+
+
+class LoadSpec(Spec):
+    """A force history on a point's direction or a body, or a pressure history on a surface."""
+
+    at: Text | None = None
+    body: Text | None = None
+    on: Text | None = None
+    half_sine: HalfSineSpec | None = None
+    file: Text | None = None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _one_of_each(cls, value: Any) -> Any:
+        if isinstance(value, dict):
+            exactly_one(value, ("at", "body", "on"))
+            exactly_one(value, ("half_sine", "file"))
+        return value
+
+
+Spin = Annotated[float, Quantity(("angular speed",))]
+
+
+class RigidMotionSpec(Spec):
+    """A structure that moves as a whole."""
+
+    about: Text
+    velocity: tuple[Speed, Speed, Speed] = (0.0, 0.0, 0.0)
+    spin: tuple[Spin, Spin, Spin] = (0.0, 0.0, 0.0)
+
+
+class InitialSpec(Spec):
+    """Start velocities of points, or of the whole structure."""
+
+    velocity: dict[str, Annotated[Measured, Quantity(("speed", "angular speed"), which=True)]] | None = None
+    rigid: RigidMotionSpec | None = None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _one_motion(cls, value: Any) -> Any:
+        if isinstance(value, dict):
+            exactly_one(value, ("velocity", "rigid"), or_none=True)
+        return value
+
+
+def _recorded(value: object) -> object:
+    wanted = value if isinstance(value, list) and value else [value]
+    for one in wanted:
+        only(QUANTITIES)(one)
+    return tuple(wanted)
+
+
+class TimeSpec(Spec):
+    """The window, how densely it is sampled, and whether there is gravity."""
+
+    duration: Duration
+    sampling: Frequency
+    gravity: Flag = False
+
+
+def _first_impact(value: object) -> object:
+    return None if value == UNTIL_NEXT else Quantity(("time",), above=0.0).read(value)
+
+
+def _lowpass(value: object) -> object:
+    return None if value == "none" else Quantity(("frequency",), above=0.0).read(value)
+
+
+class PeaksSpec(Spec):
+    """Which peaks are reported, and what they are filtered with."""
+
+    first_impact: Annotated[float | None, BeforeValidator(_first_impact)] = 20e-3
+    lowpass: Annotated[float | None, BeforeValidator(_lowpass)] = None
+
+
+class AirSpec(Spec):
+    """Speed of sound and density."""
+
+    c: Annotated[float, Quantity(("speed",), above=0.0)] = 343.0
+    rho: Annotated[float, Quantity(("density",), above=0.0)] = 1.21
+
+
+def _t60(value: object) -> object:
+    if isinstance(value, dict):
+        raise refuse(f"a t60 for each band, which is {LATER}", "one reverberation time", "write it like t60: 0.4 s")
+    return Quantity(("time",), above=0.0).read(value)
+
+
+class LossesSpec(Spec):
+    """How sound dies away: a damping ratio or loss factor at a frequency, or a reverberation time."""
+
+    beta: Annotated[float, Quantity(("ratio",), above=0.0, below=1.0)] | None = None
+    loss_factor: LossFactor | None = None
+    t60: Annotated[float | None, BeforeValidator(_t60)] = None
+    at: Frequency | None = None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _one_law(cls, value: Any) -> Any:
+        if isinstance(value, dict):
+            exactly_one(value, ("beta", "loss_factor", "t60"))
+            if ("t60" in value) == ("at" in value):
+                got = "t60 with a frequency" if "at" in value else "no frequency"
+                raise refuse(got, "'at' with beta or loss_factor only", "write it like {beta: 1.16 %, at: 293 Hz}")
+        return value
+
+
+def _receivers(value: object) -> object:
+    if isinstance(value, list) and value and all(isinstance(one, list) for one in value):
+        return tuple(_receivers_at(one) for one in value)
+    return (_receivers_at(value),)
+
+
+def _receivers_at(value: object) -> tuple[float, ...]:
+    found = _coordinates(value)
+    if len(found) != 3:
+        raise refuse(f"{len(found)} coordinates", "[x, y, z] from the room's lower corner")
+    return found
+
+
+Receivers = Annotated[tuple[tuple[float, float, float], ...], BeforeValidator(_receivers)]
+
+
+class RoomSpec(Spec):
+    """A rectangular room under a surface, and who listens in it. at: offset of the surface's centre, room axes."""
+
+    size: tuple[Length, Length, Length]
+    under: Text
+    at: Position2 = (0.0, 0.0)
+    air: AirSpec = AirSpec()
+    losses: LossesSpec | None = None
+    form: Annotated[Literal["causal", "source"], BeforeValidator(only(("causal", "source")))] = "causal"
+    receivers: dict[str, Receivers] = {}
+    coupling: Annotated[Literal["one-way"], BeforeValidator(only(("one-way",), later=("two-way",)))] = "one-way"
+
+
+def _changes(value: object) -> object:
+    """A case is checked where it is applied; here only its form."""
+    if value is None:
+        return {}
+    if not isinstance(value, dict):
+        raise refuse(shown_as(value), "a mapping of paths to values", "write it like {bodies.damper.mass: 0.9 kg}")
+    return value
+
+
+class CompareSpec(Spec):
+    """Which case the others are compared with."""
+
+    baseline: Text
+
+
+class StudySpec(Spec):
+    """A study file."""
+
+    title: Text | None = None
+    model: Text
+    modes: ModesSpec | None = None
+    frf: dict[str, FrfSpec] = {}
+    bodies: dict[str, BodySpec] = {}
+    contacts: dict[str, ContactSpec] = {}
+    links: dict[str, LinkSpec] = {}
+    loads: dict[str, LoadSpec] = {}
+    initial: InitialSpec = InitialSpec()
+    record: dict[str, Annotated[tuple[str, ...], BeforeValidator(_recorded)]] = {}
+    time: TimeSpec | None = None
+    peaks: PeaksSpec = PeaksSpec()
+    quiet: Instant = 0.0
+    rooms: dict[str, RoomSpec] = {}
+    cases: dict[str, Annotated[dict[str, Any], BeforeValidator(_changes)]] = {}
+    compare: CompareSpec | None = None
+    save: Annotated[Literal["modal"] | None, BeforeValidator(only(("modal",)))] = None
+
+
+__all__ = ["UNTIL_NEXT", "Position3", "Ratio", "StudySpec"]

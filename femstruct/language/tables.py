@@ -1,0 +1,82 @@
+"""Force histories from CSV files."""
+
+from __future__ import annotations
+
+import csv
+import io
+from pathlib import Path
+from typing import Final
+
+from femstruct.errors import FemstructError
+from femstruct.impact.bodies import Table
+from femstruct.language.reader import Mistakes, Position
+from femstruct.units import QuantityError, quantity
+
+LARGEST: Final = 50_000_000  # bytes
+
+
+def read_history(path: Path, what: str, asked_at: Position, asked_path: str, mistakes: Mistakes) -> Table | None:
+    """A force [N] or pressure [Pa] over time [s] from two columns, time and value; None with mistakes noted.
+
+    what : "force" or "pressure". A first line of words is a header; a unit in brackets or parentheses after a word,
+    as in ``time [ms], force [kN]``, scales its column. Lines that are empty or begin with # are skipped.
+    """
+    try:
+        if path.stat().st_size > LARGEST:
+            mistakes.add(asked_at, asked_path, got="a file of more than 50 MB", expected="a shorter history")
+            return None
+        text = path.read_text(encoding="utf-8-sig")
+    except FileNotFoundError:
+        mistakes.add(asked_at, asked_path, got=f"no file '{path}'", expected="a CSV file beside the study")
+        return None
+    except (OSError, ValueError) as error:
+        mistakes.add(asked_at, asked_path, got=f"'{path}' ({error})", expected="a CSV file of text")
+        return None
+    scales = [1.0, 1.0]
+    times: list[float] = []
+    values: list[float] = []
+    header = True
+    for number, row in enumerate(csv.reader(io.StringIO(text)), start=1):
+        cells = [cell.strip() for cell in row]
+        if not any(cells) or cells[0].startswith("#"):
+            continue
+        at = Position(str(path), number, 1)
+        if len(cells) != 2:
+            mistakes.add(
+                at, "", got=f"{len(cells)} columns", expected="two: time, value", do="separate them by a comma"
+            )
+            return None
+        try:
+            pair = [quantity(float(cell), "ratio") for cell in cells]
+        except QuantityError:
+            mistakes.add(at, "", got=f"'{', '.join(cells)}'", expected="finite numbers")
+            return None
+        except ValueError:
+            if not header:
+                mistakes.add(at, "", got=f"'{', '.join(cells)}'", expected="two numbers")
+                return None
+            found = _scales(cells, what, at, mistakes)
+            if found is None:
+                return None
+            scales, header = found, False
+            continue
+        header = False
+        times.append(pair[0] * scales[0])
+        values.append(pair[1] * scales[1])
+    try:
+        return Table(times, values)  # type: ignore[arg-type]
+    except FemstructError as error:
+        mistakes.add(Position(str(path), 1, 1), "", got=error.got, expected=error.expected)
+        return None
+
+
+def _scales(cells: list[str], what: str, at: Position, mistakes: Mistakes) -> list[float] | None:
+    scales = []
+    for cell, dimension in zip(cells, ("time", what), strict=True):
+        unit = cell.replace("(", "[").replace(")", "]").partition("[")[2].rstrip("] ")
+        try:
+            scales.append(quantity(f"1 {unit}", dimension) if unit else 1.0)
+        except QuantityError as error:
+            mistakes.add(at, "", got=f"'{cell}'", expected=error.expected, do=error.do)
+            return None
+    return scales
