@@ -182,12 +182,12 @@ def given_modes(
 
 
 def _stations(where: str, length: float, modes: int, points: Mapping[str, float] | None) -> Floats:
-    """The named positions, then 4 stations for every mode, along x [n, 3]."""
+    """The named positions, then 4 stations for every mode (400 at most), along x [n, 3]."""
     named = np.array(list((points or {}).values()), dtype=np.float64)
     for name, place in (points or {}).items():
         if not 0.0 <= place <= length:
             raise InputError(f"points.{name}.at", got=f"{place:g} m", expected=f"0 to {length:g} m along the {where}")
-    x = np.concatenate([named, np.linspace(0.0, length, 4 * modes + 1)])
+    x = np.concatenate([named, np.linspace(0.0, length, min(4 * modes, 400) + 1)])
     return np.stack([x, np.zeros_like(x), np.zeros_like(x)], axis=1)
 
 

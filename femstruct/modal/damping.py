@@ -212,10 +212,10 @@ def _exceptions(
             message = f"Mode {mode.number} (near {mode.near_hz:.4g} Hz) is above this basis: its damping is not used."
             findings.append(Finding("mode-damping-unused", message, {"mode": mode.number, "near_hz": mode.near_hz}))
             continue
+        if index < basis.n_rigid:
+            raise InputError(f"damping.modes.{mode.number}", got="a rigid mode", expected="an elastic mode")
         if index >= len(frequency) or abs(frequency[index] - mode.near_hz) > _NEAR * mode.near_hz:
             raise _misplaced(basis, mode)
-        if basis.kind[index] == "rigid":
-            raise InputError(f"damping.modes.{mode.number}", got="a rigid mode", expected="an elastic mode")
         found[index] = mode
     return found, tuple(findings)
 
