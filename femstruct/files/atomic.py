@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import socket
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from femstruct.errors import FemstructError
@@ -46,7 +46,8 @@ def replacing(path: str | Path) -> Iterator[Path]:
             do="free space or choose another folder with -o; a file that was there before is untouched",
         ) from error
     finally:
-        temporary.unlink(missing_ok=True)
+        with suppress(OSError):  # there is nothing to remove, or the error on its way says more
+            temporary.unlink()
 
 
 def _sweep(path: Path) -> None:

@@ -17,6 +17,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
+from io import BytesIO
 from pathlib import Path
 from typing import Final
 
@@ -24,7 +25,7 @@ import h5py
 import numpy as np
 
 from femstruct.conventions import COMPONENTS
-from femstruct.errors import FemstructError, Finding
+from femstruct.errors import Finding
 from femstruct.files.atomic import replacing
 from femstruct.files.hdf5 import axis, group, put, put_text
 from femstruct.files.sound import write_levels, write_room
@@ -44,19 +45,18 @@ def write_results(path: str | Path, result: StudyResult) -> None:
 
     Raises FemstructError when the disk is full or refuses; the file that was there before is then untouched.
 
-    Notes: written to a temporary name in the same folder, `complete = True` last, synced, then renamed. Modal
-    coordinates are kept only where the study says `save: modal`: they are most of the bytes.
+    Notes: made in memory, `complete = True` last, then written to a temporary name in the same folder, synced and
+    renamed. A disk that fills up while HDF5 itself writes leaves its library in a state that crashes the process; the
+    price is the size of the file in memory. Modal coordinates are kept only where the study says `save: modal`: they
+    are most of the bytes.
     """
+    image = BytesIO()
+    with h5py.File(image, "w", libver=LIBVER) as file:
+        _write(file, result)
+        file.flush()
+        file.attrs["complete"] = True
     with replacing(path) as temporary:
-        try:
-            with h5py.File(temporary, "w", libver=LIBVER) as file:
-                _write(file, result)
-                file.flush()
-                file.attrs["complete"] = True
-        except RuntimeError as error:  # what h5py makes of a write that failed while closing
-            raise FemstructError(
-                str(path), got=str(error), expected="room to write", do="free space; an older file is untouched"
-            ) from error
+        temporary.write_bytes(image.getbuffer())
 
 
 def _write(file: h5py.File, result: StudyResult) -> None:

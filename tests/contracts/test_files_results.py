@@ -1,0 +1,143 @@
+"""What every results file promises: units, descriptions, checksums, named axes, a way back, nothing half."""
+
+import runpy
+from dataclasses import replace
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+import xarray
+
+from femstruct.errors import InputError
+from femstruct.files.results import write_results
+from femstruct.files.stored import read_results
+
+BY_HAND = runpy.run_path(str(Path(__file__).parents[1] / "data" / "study_by_hand.py"))
+
+
+@pytest.fixture(scope="module")
+def result():
+    return BY_HAND["study_by_hand"]()
+
+
+@pytest.fixture(scope="module")
+def path(result, tmp_path_factory):
+    path = tmp_path_factory.mktemp("results") / "results.h5"
+    write_results(path, result)
+    return path
+
+
+def datasets(path):
+    with h5py.File(path, "r") as file:
+        found = []
+        file.visititems(lambda name, item: found.append((name, item)) if isinstance(item, h5py.Dataset) else None)
+        yield from found
+
+
+def test_every_dataset_says_what_it_is(path):
+    seen = list(datasets(path))
+    assert len(seen) > 80
+    for name, item in datasets(path):
+        assert item.attrs.get("description"), name
+        assert "unit" in item.attrs, name
+
+
+def test_every_dataset_has_a_checksum(path):
+    for name, item in datasets(path):
+        assert item.fletcher32 or "sha256" in item.attrs or not item.size, name
+
+
+def test_every_axis_outside_vtkhdf_is_named(path):
+    for name, item in datasets(path):
+        if not name.startswith("VTKHDF") and not item.is_scale:
+            assert all(len(dimension) for dimension in item.dims), name
+
+
+def test_complete_and_readable_by_older_hdf5(path):
+    with h5py.File(path, "r") as file:
+        assert file.attrs["complete"]
+        assert file.attrs["format_version"] == 1
+    # superblock version, byte 8: below 3, which HDF5 1.8 reads too; "latest" of HDF5 2 is read by no VTK yet
+    assert path.read_bytes()[8] < 3
+
+
+def test_reads_back_what_was_written(result, path):
+    stored = read_results(path)
+    assert stored.title == "By hand" and stored.baseline == "without damper"
+    assert dict(stored.sources) == dict(result.plan.sources)
+    assert dict(stored.provenance) == dict(result.provenance)
+    assert list(stored.cases) == list(result.cases)
+    for name, case in result.cases.items():
+        again = stored.cases[name]
+        assert again.basis == case.basis_key and again.outcome == case.response.outcome.value
+        np.testing.assert_array_equal(again.t, case.response.t)
+        np.testing.assert_array_equal(again.damping_ratio, case.basis.damping_ratio)
+        assert list(again.channels) == list(case.channels)
+        for channel in case.channels.values():
+            np.testing.assert_array_equal(again.channels[channel.name], channel.values)
+            assert again.units[channel.name] == channel.unit
+    basis = stored.bases["abc123"]
+    assert basis.kind == result.bases["abc123"].kind
+    np.testing.assert_array_equal(basis.frequency_hz, result.bases["abc123"].frequency_hz)
+
+
+def test_xarray_opens_labelled_tables(result, path):
+    with xarray.open_dataset(path, group="cases/without damper/channels", engine="h5netcdf") as table:
+        case = result.cases["without damper"]
+        np.testing.assert_array_equal(table["time"], case.response.t)
+        np.testing.assert_array_equal(table["O_f.z velocity"], case.channels["O_f.z velocity"].values)
+        assert table["O_f.z velocity"].attrs["units"] == "m/s"
+    with xarray.open_dataset(path, group="cases/without damper/contacts", engine="h5netcdf") as table:
+        force = table["force"].sel(contact="ball on floor")
+        np.testing.assert_array_equal(force, case.response.contacts["ball on floor"].force)
+    with xarray.open_dataset(path, group="cases/without damper/frf/centre", engine="h5netcdf") as table:
+        np.testing.assert_array_equal(table["response"], case.frf["centre"].values)
+        assert table["response"].dims == ("frequency_hz",)
+
+
+def test_xarray_opens_all_stages_of_a_case(path):
+    with xarray.open_datatree(path, group="/cases/without damper", engine="h5netcdf") as tree:
+        assert {"/channels", "/energy", "/rooms/box", "/levels/box.mic", "/modal"} <= set(tree.groups)
+
+
+def test_motion_of_the_modes_is_kept_only_on_demand(result, path, tmp_path):
+    with h5py.File(path, "r") as file:
+        np.testing.assert_array_equal(file["cases/without damper/modal/q"], result.cases["without damper"].response.q)
+    light = tmp_path / "light.h5"
+    write_results(light, BY_HAND["study_by_hand"](save_modal=False))
+    with h5py.File(light, "r") as file:
+        assert "modal" not in file["cases/without damper"]
+
+
+def test_no_response_no_room_no_frf(result, tmp_path):
+    """A study of modes only still has a file."""
+    bare = {
+        name: replace(case, response=None, frf={}, channels={}, rooms={}, levels={})
+        for name, case in result.cases.items()
+    }
+    write_results(tmp_path / "bare.h5", replace(result, cases=bare))
+    stored = read_results(tmp_path / "bare.h5")
+    assert stored.cases["without damper"].outcome is None and not stored.cases["without damper"].channels
+
+
+def test_incomplete_other_and_missing_files_are_refused(path, tmp_path):
+    half = tmp_path / "half.h5"
+    half.write_bytes(path.read_bytes())
+    with h5py.File(half, "r+") as file:
+        file.attrs["complete"] = False
+    with pytest.raises(InputError, match="incomplete"):
+        read_results(half)
+    with h5py.File(half, "r+") as file:
+        del file.attrs["complete"]
+    with pytest.raises(InputError, match="incomplete"):
+        read_results(half)
+    with h5py.File(tmp_path / "other.h5", "w") as file:
+        file.attrs["complete"] = True
+    with pytest.raises(InputError, match="another kind"):
+        read_results(tmp_path / "other.h5")
+    (tmp_path / "text.h5").write_text("not HDF5")
+    with pytest.raises(InputError, match="damaged"):
+        read_results(tmp_path / "text.h5")
+    with pytest.raises(InputError, match="no such file"):
+        read_results(tmp_path / "none.h5")
