@@ -121,7 +121,7 @@ def test_order_of_parts_changes_no_frequency() -> None:
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_matrices_are_symmetric_and_parts_add_up(kind: str) -> None:
-    assembly = assemble(mesh_structure(table(kind)))
+    assembly = assemble(mesh_structure(turned(table(kind), Rotation.from_rotvec([0.4, -0.7, 1.1]))))
     for matrix in (assembly.K, assembly.M, assembly.C):
         assert abs(matrix - matrix.T).max() == 0.0
     total = sum(part.toarray() for part in assembly.part_stiffness.values())
@@ -166,7 +166,9 @@ def rigid_motion(assembly: Assembly) -> NDArray[np.float64]:
 def test_rigid_motion_of_a_free_structure_strains_nothing() -> None:
     structure = table()
     parts = tuple(
-        replace(part, start_offset=(0.01, 0.02, 0.01), end_offset=(0.0, 0.005, -0.02)) if part.name == "legs" else part  # type: ignore[call-arg]
+        replace(part, start_offset=(0.01, 0.02, 0.01), end_offset=(0.0, 0.005, -0.02))
+        if isinstance(part, Frame) and part.name == "legs"
+        else part
         for part in structure.parts
         if part.name != "foam"
     )
@@ -244,7 +246,11 @@ def test_interpolated_points_follow_a_rigid_motion() -> None:
         table(),
         points=(*table().points, PlaceOn("L", "legs", ((0.4, 0.3, 0.033),)), PlaceOn("B", "bar", ((0.1, 0.0, 0.1),))),
     )
-    parts = tuple(part for part in structure.parts if part.name != "foam")
+    parts = tuple(
+        replace(part, start_offset=(0.0, 0.0, 0.02)) if isinstance(part, Frame) and part.name == "legs" else part
+        for part in structure.parts
+        if part.name != "foam"
+    )
     model = mesh_structure(replace(structure, parts=parts))
     assembly = assemble(model)
     nodal = (assembly.dofs.T @ rigid_motion(assembly)).reshape(-1, 7, 6)
@@ -264,6 +270,35 @@ def test_interpolated_points_follow_a_rigid_motion() -> None:
     fine = refined(model, 3)
     moved = fine.displacement(nodal)
     assert moved[:, :, 3] == pytest.approx(np.cross([1.0, 0.0, 0.0], fine.points), abs=1e-9)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_point_follows_a_cubic_deflection_exactly(kind: str) -> None:
+    """w = x^3 - 2 x + 3 y, with x^2 y^3 for bfs16, from its nodal values, on a plate in any plane."""
+    plate = Plate("p", STEEL, 0.01, (1.0, 2.0, 3.0), (0.4, 0.3), (3, 2), kind, normal=(1.0, 2.0, 3.0))
+    x0, y0 = 0.37, 0.19
+    model = mesh_structure(Structure("p", (plate,), points=(PlaceOn("P", "p", ((x0, y0),)),)))
+    mesh = model.plates["p"]
+    mixed = 1.0 if kind == "bfs16" else 0.0
+
+    def field(x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
+        w = x**3 - 2 * x + 3 * y + mixed * (x**2 * y**3)
+        wx = 3 * x**2 - 2 + mixed * 2 * x * y**3
+        wy = 3 + mixed * 3 * x**2 * y**2
+        return np.stack([w, wy, -wx, mixed * 6 * x * y**2], axis=-1)
+
+    x, y = (grid.ravel() for grid in np.meshgrid(mesh.x, mesh.y, indexing="ij"))
+    nodal = np.zeros((len(x), 7, 1))
+    values = field(x, y)
+    nodal[:, :3, 0] = values[:, :1] * mesh.axes[2]
+    nodal[:, 3:6, 0] = values[:, 1:2] * mesh.axes[0] + values[:, 2:3] * mesh.axes[1]
+    nodal[:, 6, 0] = values[:, 3]
+    w, rx, ry, _ = field(np.array(x0), np.array(y0))
+    point = model.points["P"]
+    moved = np.array([point.probe(direction).of(nodal)[0] for direction in ("x", "y", "z", "rx", "ry", "rz")])
+    assert moved[:3] == pytest.approx(w * mesh.axes[2], abs=1e-13)
+    assert moved[3:] == pytest.approx(rx * mesh.axes[0] + ry * mesh.axes[1], abs=1e-12)
+    assert point.probe("n").of(nodal)[0] == pytest.approx(w, abs=1e-13)
 
 
 def test_a_simply_supported_edge_stays_straight_between_nodes() -> None:
