@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from functools import partial
 from math import sqrt
 from pathlib import Path
 from typing import Any, TypeVar
@@ -10,7 +11,6 @@ from typing import Any, TypeVar
 from acoustics.air import Air
 from acoustics.errors import AcousticsError
 from acoustics.room import Losses, Receiver, Room, losses_from_beta, losses_from_loss_factor, losses_from_t60
-
 from femstruct.conventions import GRAVITY
 from femstruct.errors import FemstructError
 from femstruct.impact.bodies import HalfSine, Table
@@ -100,9 +100,9 @@ class Builder:
             self.mistakes.add(self.tree.position(steps), path, got=got, expected=error.expected, do=error.do)
             return None
 
-    def each(self, group: str, specs: Mapping[str, Any], maker: Callable[[str, Any], T]) -> dict[str, T]:
+    def each(self, group: str, specs: Mapping[str, Any], maker: Callable[[str, Any], T | None]) -> dict[str, T]:
         """One noun for every name of a group; those refused are left out."""
-        made = {name: self.make((group, name), lambda n=name, s=spec: maker(n, s)) for name, spec in specs.items()}
+        made = {name: self.make((group, name), partial(maker, name, spec)) for name, spec in specs.items()}
         return {name: noun for name, noun in made.items() if noun is not None}
 
 
@@ -115,7 +115,11 @@ def structure_of(model: ModelSpec, title: str, tree: Tree, mistakes: Mistakes) -
     sections = builder.each("sections", model.sections, _section)
     if mistakes.lines:
         return None
-    parts = builder.each("parts", model.parts, lambda n, s: _part(n, s, materials, sections))
+
+    def part(name: str, spec: object) -> Part:
+        return _part(name, spec, materials, sections)
+
+    parts: dict[str, Part] = builder.each("parts", model.parts, part)
     points = {name: _place(name, spec, model) for name, spec in model.points.items()}
     surfaces = (SurfaceOn(n, s.on, s.side, _region(s.region)) for n, s in model.surfaces.items())
     supports = (Support(n, s.fix, s.on, s.edge, s.line, s.at) for n, s in model.supports.items())

@@ -7,6 +7,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
 
+from pydantic import BaseModel
+
 from femstruct.errors import FemstructError, InputErrors
 from femstruct.language.build import damping_of, structure_of, study_of
 from femstruct.language.patch import MODEL_KEYS, STUDY_KEYS, Patch
@@ -137,7 +139,7 @@ def locate(source: ModelFile | Plan, path: str) -> str:
 
 def json_schema(kind: Literal["model", "study"]) -> dict[str, Any]:
     """JSON Schema (2020-12) of a model or study file, for editors."""
-    schema = {"model": ModelSpec, "study": StudySpec}[kind]
+    schema: type[BaseModel] = ModelSpec if kind == "model" else StudySpec
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema.model_json_schema()}
 
 
@@ -225,7 +227,7 @@ def _warn_if_set_again(patch: Patch, path: str, where: str) -> None:
 def _baseline(study: Tree, names: Sequence[str]) -> str:
     compare = study.value.get("compare")
     chosen = compare.get("baseline") if isinstance(compare, dict) else None
-    return chosen if chosen in names else names[0]
+    return str(chosen) if chosen in names else names[0]
 
 
 def _model_tree(study: Tree, name: Any, at: Position, asked_path: str, mistakes: Mistakes) -> Tree | None:

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import difflib
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
+from itertools import accumulate
 from pathlib import Path
 from typing import Any, Final
 
@@ -160,19 +161,28 @@ def _siblings(path: Path) -> list[str]:
         return []
 
 
-def nearest(name: str, known: Any) -> str:
+def nearest(name: str, known: Iterable[object]) -> str:
     """``did you mean 'x'?`` with the known name nearest to this one; the known names when none is near."""
-    names = sorted({str(one) for one in known})
-    folded = {one.lower(): one for one in reversed(names)}
-    near = difflib.get_close_matches(name.lower(), folded, n=1, cutoff=0.6)
+    near = near_name(name, known)
     if near:
-        return f"did you mean '{folded[near[0]]}'?"
+        return f"did you mean '{near}'?"
+    names = sorted({str(one) for one in known})
     return f"known here: {', '.join(names)}" if 0 < len(names) <= 20 else ""
 
 
+def near_name(name: str, known: Iterable[object]) -> str:
+    """The known name nearest to this one, empty when none is near."""
+    folded = {one.lower(): one for one in sorted({str(one) for one in known}, reverse=True)}
+    near = difflib.get_close_matches(name[:100].lower(), folded, n=1, cutoff=0.6)
+    return folded[near[0]] if near else ""
+
+
 def _compose(text: str, file: str, mistakes: Mistakes) -> Node | None:
+    if _bracket_depth(text) > 10 * DEEPEST:  # the YAML reader's time grows with its square
+        mistakes.add(Position(file, 1, 1), "", got="endless nesting", expected=f"at most {DEEPEST} levels")
+        return None
     try:
-        node = YAML(typ="safe", pure=True).compose(text)
+        node: Node | None = YAML(typ="safe", pure=True).compose(text)
     except MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         at = Position(file, mark.line + 1, mark.column + 1) if mark else Position(file, 1, 1)
@@ -192,6 +202,11 @@ def _compose(text: str, file: str, mistakes: Mistakes) -> Node | None:
     if node is None:
         mistakes.add(Position(file, 1, 1), "", got="an empty file", expected="a mapping", do="begin with 'title: ...'")
     return node
+
+
+def _bracket_depth(text: str) -> int:
+    steps = (1 if match[0] in "[{" else -1 for match in re.finditer(r"[\[\]{}]", text))
+    return max(accumulate(steps), default=0)
 
 
 class _Walk:
@@ -228,7 +243,7 @@ class _Walk:
                 self.keys[*steps, number] = self.at(item)
                 items.append(self.value(item, (*steps, number)))
             return items
-        return self.scalar(node, steps)
+        return self.scalar(node, steps) if isinstance(node, ScalarNode) else None
 
     def mapping(self, node: MappingNode, steps: Steps) -> dict[str, Any]:
         found: dict[str, Any] = {}
@@ -252,7 +267,7 @@ class _Walk:
             found[key] = self.value(value_node, (*steps, key))
         return found
 
-    def scalar(self, node: Node, steps: Steps) -> Any:
+    def scalar(self, node: ScalarNode, steps: Steps) -> Any:
         text = str(node.value)
         tag = str(node.tag or "")
         if not tag.startswith("tag:yaml.org,2002:") or "python" in tag:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 
@@ -169,9 +170,9 @@ def check_model(model: ModelSpec, tree: Tree, mistakes: Mistakes) -> None:
             if support.edge is None and support.line is None and isinstance(support.fix, str):
                 do = "add edge: all, or list the directions as in [x, y]"
                 check.wrong((*here, "fix"), f"'{support.fix}' for a whole part", "an edge, a line or directions", do)
-    for number in model.damping.modes:
-        if not (number.isascii() and number.isdigit() and 0 < int(number[:6]) and len(number) <= 6):
-            check.wrong(("damping", "modes", number), f"'{number}'", "a mode number from 1", of_key=True)
+    for mode in model.damping.modes:
+        if not re.fullmatch("[1-9][0-9]{0,5}", mode):
+            check.wrong(("damping", "modes", mode), f"'{mode}'", "a mode number from 1", of_key=True)
 
 
 def _check_section(check: _Checker, steps: Steps, section: object) -> None:

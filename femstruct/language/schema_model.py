@@ -259,7 +259,7 @@ class JointSpec(Spec):
     stiffness: SixStiffnesses = SixStiffnesses()
 
 
-def _coordinates(value: object) -> tuple[float, ...]:
+def coordinates(value: object) -> tuple[float, ...]:
     if not isinstance(value, list) or not 1 <= len(value) <= 3:
         raise refuse(shown_as(value), "a list of coordinates", "write center, [x, y] or [[x, y], [x, y]]")
     return tuple(Quantity(("length",)).read(one) for one in value)
@@ -271,8 +271,8 @@ def _places(value: object) -> object:
         return "center"
     if isinstance(value, list):
         if value and all(isinstance(one, list) for one in value):
-            return tuple(_coordinates(one) for one in value)
-        return (_coordinates(value),)
+            return tuple(coordinates(one) for one in value)
+        return (coordinates(value),)
     try:
         return ((quantity(value, "length"),),)
     except QuantityError as error:
@@ -359,7 +359,7 @@ class DampingSpec(Spec):
     loss_factor: LossFactor | None = None
     rayleigh: RayleighSpec | None = None
     source: Annotated[str | None, BeforeValidator(only(("materials",)))] = Field(default=None, alias="from")
-    modes: dict[str, ModeDampingSpec] = {}
+    modes: dict[str, ModeDampingSpec] = Field(default_factory=dict)
 
     @model_validator(mode="before")
     @classmethod
@@ -439,12 +439,12 @@ class ModelSpec(Spec):
     """A model file: parts and what joins, holds and damps them, or one closed-form structure."""
 
     title: Text | None = None
-    materials: dict[str, MaterialSpec] = {}
-    sections: dict[str, SectionSpec] = {}
-    parts: dict[str, PartSpec] = {}
-    joints: dict[str, JointSpec] = {}
-    points: dict[str, PointSpec] = {}
-    surfaces: dict[str, SurfaceSpec] = {}
-    supports: dict[str, SupportSpec] = {}
+    materials: dict[str, MaterialSpec] = Field(default_factory=dict)
+    sections: dict[str, SectionSpec] = Field(default_factory=dict)
+    parts: dict[str, PartSpec] = Field(default_factory=dict)
+    joints: dict[str, JointSpec] = Field(default_factory=dict)
+    points: dict[str, PointSpec] = Field(default_factory=dict)
+    surfaces: dict[str, SurfaceSpec] = Field(default_factory=dict)
+    supports: dict[str, SupportSpec] = Field(default_factory=dict)
     damping: DampingSpec = DampingSpec()
     structure: StructureSpec | None = None

@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, model_validator
 
-from femstruct.language.schema_model import Dashpot, Position2, Position3, Stiffness, _coordinates
+from femstruct.language.schema_model import Dashpot, Stiffness, coordinates
 from femstruct.language.spec import (
     LATER,
     Count,
@@ -19,10 +19,10 @@ from femstruct.language.spec import (
     LossFactor,
     MassKg,
     Measured,
+    Position2,
     Quantity,
-    Ratio,
-    Speed,
     Spec,
+    Speed,
     Text,
     exactly_one,
     only,
@@ -270,7 +270,7 @@ def _receivers(value: object) -> object:
 
 
 def _receivers_at(value: object) -> tuple[float, ...]:
-    found = _coordinates(value)
+    found = coordinates(value)
     if len(found) != 3:
         raise refuse(f"{len(found)} coordinates", "[x, y, z] from the room's lower corner")
     return found
@@ -288,7 +288,7 @@ class RoomSpec(Spec):
     air: AirSpec = AirSpec()
     losses: LossesSpec | None = None
     form: Annotated[Literal["causal", "source"], BeforeValidator(only(("causal", "source")))] = "causal"
-    receivers: dict[str, Receivers] = {}
+    receivers: dict[str, Receivers] = Field(default_factory=dict)
     coupling: Annotated[Literal["one-way"], BeforeValidator(only(("one-way",), later=("two-way",)))] = "one-way"
 
 
@@ -313,20 +313,17 @@ class StudySpec(Spec):
     title: Text | None = None
     model: Text
     modes: ModesSpec | None = None
-    frf: dict[str, FrfSpec] = {}
-    bodies: dict[str, BodySpec] = {}
-    contacts: dict[str, ContactSpec] = {}
-    links: dict[str, LinkSpec] = {}
-    loads: dict[str, LoadSpec] = {}
+    frf: dict[str, FrfSpec] = Field(default_factory=dict)
+    bodies: dict[str, BodySpec] = Field(default_factory=dict)
+    contacts: dict[str, ContactSpec] = Field(default_factory=dict)
+    links: dict[str, LinkSpec] = Field(default_factory=dict)
+    loads: dict[str, LoadSpec] = Field(default_factory=dict)
     initial: InitialSpec = InitialSpec()
-    record: dict[str, Annotated[tuple[str, ...], BeforeValidator(_recorded)]] = {}
+    record: dict[str, Annotated[tuple[str, ...], BeforeValidator(_recorded)]] = Field(default_factory=dict)
     time: TimeSpec | None = None
     peaks: PeaksSpec = PeaksSpec()
     quiet: Instant = 0.0
-    rooms: dict[str, RoomSpec] = {}
-    cases: dict[str, Annotated[dict[str, Any], BeforeValidator(_changes)]] = {}
+    rooms: dict[str, RoomSpec] = Field(default_factory=dict)
+    cases: dict[str, Annotated[dict[str, Any], BeforeValidator(_changes)]] = Field(default_factory=dict)
     compare: CompareSpec | None = None
     save: Annotated[Literal["modal"] | None, BeforeValidator(only(("modal",)))] = None
-
-
-__all__ = ["UNTIL_NEXT", "Position3", "Ratio", "StudySpec"]

@@ -5,12 +5,12 @@ from __future__ import annotations
 import types
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Annotated, Any, Final, Literal, NamedTuple, TypeVar, Union, get_args, get_origin
+from typing import Annotated, Any, Final, NamedTuple, TypeVar, Union, get_args, get_origin
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, GetCoreSchemaHandler, GetJsonSchemaHandler, ValidationError
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
-from femstruct.language.reader import Mistakes, Steps, Tree, dotted, nearest
+from femstruct.language.reader import Mistakes, Steps, Tree, dotted, near_name, nearest
 from femstruct.units import DIMENSIONS, QuantityError, quantity_of, shown_as
 
 LATER: Final = "not yet in this version"
@@ -147,8 +147,15 @@ def validate(schema: type[S], value: Any, tree: Tree, mistakes: Mistakes) -> S |
     try:
         return schema.model_validate(value)
     except ValidationError as error:
-        for one in error.errors(include_url=False):
-            _note(one, schema, tree, mistakes)
+        found = error.errors(include_url=False)
+        meant = {
+            (*one["loc"][:-1], near_name(str(one["loc"][-1]), _allowed(schema, one["loc"][:-1])))
+            for one in found
+            if one["type"] == "extra_forbidden"
+        }
+        for one in found:
+            if not (one["type"] == "missing" and one["loc"] in meant):  # a misspelt key is one mistake, not two
+                _note(one, schema, tree, mistakes)
         return None
 
 
@@ -214,9 +221,8 @@ def _steps(loc: Steps, value: Any) -> Steps:
     """A pydantic location without the tags of its unions: only what is in the tree, and a last missing key."""
     steps: list[str | int] = []
     for number, step in enumerate(loc):
-        if isinstance(value, dict) and step in value:
-            value = value[step]
-        elif isinstance(value, list) and isinstance(step, int) and step < len(value):
+        in_list = isinstance(value, list) and isinstance(step, int) and step < len(value)
+        if in_list or (isinstance(value, dict) and step in value):
             value = value[step]
         elif number < len(loc) - 1:
             continue
@@ -272,6 +278,3 @@ def _tags(union: Any) -> list[str]:
     if get_origin(union) not in (Union, types.UnionType):
         return []
     return [tag for member in get_args(union) for tag in _own_tags(member)]
-
-
-__all__ = ["LATER", "Literal", "Measured", "Quantity", "Spec", "exactly_one", "only", "refuse", "validate"]

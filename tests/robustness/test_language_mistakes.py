@@ -1,0 +1,226 @@
+"""Seeded mistakes: each one line, file:line:column, what was got, what was expected, what to do; all in one pass."""
+
+from __future__ import annotations
+
+import re
+import time
+from pathlib import Path
+
+import pytest
+
+from femstruct.errors import InputErrors
+from femstruct.language import read_model, read_study
+
+MODELS = Path(__file__).parents[2] / "models"
+MODEL, STUDY = "floor_frame_slab.yaml", "floor_tennis_ball.study.yaml"
+
+
+def folder(tmp_path: Path, edits: dict[str, tuple[str, str]]) -> Path:
+    """The floor's two files in a folder, with a text replaced in one of them."""
+    for name in (MODEL, STUDY):
+        text = (MODELS / name).read_text(encoding="utf-8")
+        if name in edits:
+            old, new = edits[name]
+            assert old in text, f"the sample does not hold {old!r}"
+            text = text.replace(old, new, 1)
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    return tmp_path
+
+
+def place(path: Path, text: str) -> str:
+    """line:column of the first occurrence of a text in a file."""
+    for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), start=1):
+        if text in line:
+            return f"{number}:{line.index(text) + 1}"
+    raise AssertionError(f"no {text!r} in {path}")
+
+
+# file, text replaced, replacement, text whose position is told, what the line says after the position
+MISTAKES = {
+    "unknown key": (MODEL, "thickness: 5 mm", "thicknes: 5 mm", "thicknes:",
+        r"parts\.floor\.thicknes: got the unknown key 'thicknes'.*did you mean 'thickness'\?"),
+    "missing key": (MODEL, ", thickness: 5 mm", "", "floor: {type",
+        r"parts\.floor\.thickness: got nothing, expected 'thickness'; add 'thickness: \.\.\.'"),
+    "wrong dimension": (MODEL, "E: 5.9 GPa", "E: 5.9 mm", "5.9 mm",
+        r"materials\.acrylic\.E: got '5\.9 mm', which is a length, expected a pressure \[Pa\]"),
+    "comma decimal": (MODEL, "width: 7.216 mm", "width: '7,216 mm'", "'7,216 mm'",
+        r"sections\.bar\.width: got '7,216 mm' with a comma.*write a decimal point: 7\.216 mm"),
+    "rad/s for Hz": (MODEL, "near: 19.9 Hz", "near: 125 rad/s", "125 rad/s",
+        r"damping\.modes\.4\.near: got '125 rad/s'.*in Hz it is 19\.8944 Hz"),
+    "rpm for Hz": (STUDY, "up_to: 3 kHz", "up_to: 3000 rpm", "3000 rpm", r"modes\.up_to: .*in Hz it is 50 Hz"),
+    "unknown unit": (STUDY, "mass: 54 g", "mass: 54 gramm", "54 gramm", r"bodies\.ball\.mass: .*unknown unit 'gramm'"),
+    "missing material": (MODEL, "material: acrylic", "material: acryl", "acryl,",
+        r"parts\.floor\.material: got 'acryl', expected the name of a material; did you mean 'acrylic'\?"),
+    "missing part": (MODEL, "O_f: {on: floor", "O_f: {on: flor", "flor,", r"points\.O_f\.on: .*did you mean 'floor'\?"),
+    "missing joint part": (MODEL, "connect: [edge, floor]", "connect: [edges, floor]", "edges, ",
+        r"joints\.edge on floor\.connect\[0\]: .*did you mean 'edge'\?"),
+    "missing point": (STUDY, "above: O_f", "above: O_g", "O_g", r"bodies\.ball\.above: .*the name of a point, body"),
+    "missing end": (STUDY, "between: [ball, O_f]", "between: [bal, O_f]", "bal,",
+        r"contacts\.ball on floor\.between\[0\]: got 'bal'.*did you mean 'ball'\?"),
+    "missing surface": (STUDY, "under: ceiling", "under: celing", "celing", r"rooms\.box\.under: .*'ceiling'\?"),
+    "unknown record": (STUDY, "O_s.z: velocity", "O_t.z: velocity", "O_t.z",
+        r"record\.O_t\.z: got 'O_t\.z', expected a direction of a point"),
+    "wrong direction": (STUDY, "{drive: O_s.z", "{drive: O_s.w", "O_s.w", r"frf\.slab centre\.drive: got 'O_s\.w'"),
+    "duplicate key": (STUDY, "gravity: false", "gravity: false, duration: 1 s", "duration: 1 s",
+        r"time\.duration: got 'duration' twice \(first in line \d+\)"),
+    "duplicate name": (MODEL, "  B:   {on", "  slab: {on: floor, at: center}\n  B:   {on", "slab: {on: floor",
+        r"points\.slab: got 'slab', which names one of the parts already"),
+    "name with a dot": (MODEL, "  B:   {on", "  B.1: {on: floor, at: center}\n  B:   {on", "B.1",
+        r"points\.B\.1: got the name 'B\.1', expected a name without dots; write B_1"),
+    "negative thickness": (MODEL, "thickness: 5 mm", "thickness: -5 mm", "-5 mm",
+        r"parts\.floor\.thickness: got '-5 mm', expected a positive value: a length"),
+    "negative mass": (STUDY, "mass: 0.45 kg", "mass: -0.45 kg", "-0.45 kg", r"bodies\.damper\.mass: got '-0\.45 kg'"),
+    "nan": (MODEL, "rho: 7850", "rho: .nan", ".nan", r"materials\.steel\.rho: got nan, expected .*finite number"),
+    "infinity": (STUDY, "duration: 2 s", "duration: .inf", ".inf", r"time\.duration: got inf, .*finite number"),
+    "boolean": (STUDY, "mass: 54 g", "mass: true", "true", r"bodies\.ball\.mass: got true, expected a mass"),
+    "wrong type": (MODEL, "size: [0.4, 0.32]", "size: 0.4 m", "0.4 m",
+        r"parts\.floor\.size: got '0\.4 m', expected a list; write it like \[1, 2\]"),
+    "too few coordinates": (MODEL, "[-0.2, -0.16, 0.08], size", "[-0.2, -0.16], size", "[-0.2, -0.16], size",
+        r"parts\.floor\.origin: got a list that is too short, expected at least 3 values"),
+    "too many coordinates": (MODEL, "size: [0.4, 0.32]", "size: [0.4, 0.32, 1]", "[0.4, 0.32, 1]",
+        r"parts\.floor\.size: got 3 values, expected 2"),
+    "yes for true": (STUDY, "gravity: false", "gravity: no", "no}", r"time\.gravity: got 'no', expected true or false"),
+    "percent forgotten": (MODEL, "ratio: 1.8 %", "ratio: 1.8", "1.8,",
+        r"damping\.modes\.7\.ratio: got 1\.8, expected a ratio below 1; .*did you mean 1\.8 %\?"),
+    "two laws of damping": (MODEL, "  ratio: 2 %\n", "  ratio: 2 %\n  loss_factor: 4 %\n", "ratio: 2 %",
+        r"damping: got both ratio and loss_factor, expected exactly one"),
+    "unknown kind": (STUDY, "type: hertz, stiffness: 3.7e5", "type: herz, stiffness: 3.7e5", "herz",
+        r"contacts\.ball on floor\.law\.type: got 'herz', expected one of hertz, linear, stop; did you mean 'hertz'\?"),
+    "unknown word": (MODEL, "element: hermite12", "element: hermit12", "hermit12",
+        r"parts\.floor\.element: .*'hermite12'\?"),
+    "stiffness per area on a rim": (MODEL, "normal: 2.21e5 N/m^2", "normal: 2.21e5 N/m^3", "2.21e5 N/m^3",
+        r"parts\.foam\.stiffness\.normal: got a stiffness in N/m\^3, expected N/m\^2"),
+    "case path": (STUDY, "{bodies.damper.mass: 0.90 kg}", "{bodies.dumper.mass: 0.90 kg}", "bodies.dumper.mass",
+        r"cases\.damper 1\.2\.bodies\.dumper\.mass: got the path 'bodies\.dumper\.mass', which does not exist.*"
+        r"did you mean 'damper'\?"),
+    "case key": (STUDY, "{bodies.damper.mass: 0.90 kg}", "{bodies.damper.mas: 0.90 kg}", "bodies.damper.mas:",
+        r"bodies\.damper\.mas: got the unknown key 'mas'.*did you mean 'mass'\?"),
+    "case value": (STUDY, "0.90 kg", "0.90 m", "0.90 m", r"bodies\.damper\.mass: got '0\.90 m', which is a length"),
+    "case removes nothing": (STUDY, "[bodies.damper]", "[bodies.dampr]", "bodies.dampr", r".*did you mean 'damper'\?"),
+    "baseline": (STUDY, "baseline: without damper", "baseline: without", "without}",
+        r"compare\.baseline: got 'without'"),
+    "contacts that disagree": (STUDY, "0.23 m}", "0.23 m, contact: {type: linear, stiffness: 1}}",
+        "contact: {type: linear", r"bodies\.ball\.contact: got a contact that disagrees with 'contacts\.ball on floor'"),
+    "two places of a body": (STUDY, "above: O_f,", "above: O_f, below: O_s,", "{mass: 54 g",
+        r"bodies\.ball: got both above and below, expected exactly one of above, below, before, after"),
+    "receiver outside": (STUDY, "mic: [0.29, 0.235, 0.05]", "mic: [0.29, 0.235, 5]", "[0.29, 0.235, 5]",
+        r"rooms\.box\.receivers\.mic: got \[0\.29, 0\.235, 5\.0\] m, expected a point of the room"),
+    "model that is not there": (STUDY, "model: floor_frame_slab.yaml", "model: floor_frame_slap.yaml",
+        "floor_frame_slap.yaml", r"model: got no file .*did you mean 'floor_frame_slab\.yaml'\?"),
+    "later: two-way": (STUDY, "coupling: one-way", "coupling: two-way", "two-way",
+        r"rooms\.box\.coupling: got 'two-way', which is not yet in this version"),
+    "later: bands of t60": (STUDY, "{beta: 1.16 %, at: 293 Hz}", "{t60: {63 Hz: 1 s}}", "{63 Hz",
+        r"rooms\.box\.losses\.t60: got a t60 for each band, which is not yet in this version"),
+    "later: limits": (STUDY, "compare:", "limits: {ground force: 600 kN}\ncompare:", "limits",
+        r"limits: got 'limits', which is not yet in this version"),
+    "later: blows": (STUDY, "mass: 54 g", "mass: 54 g, blows: {count: 3}", "blows",
+        r"bodies\.ball\.blows: got 'blows', which is not yet in this version"),
+    "later: source": (STUDY, "mass: 54 g", "mass: 54 g, source: rubber ball", "source",
+        r"bodies\.ball\.source: got 'source', which is not yet in this version"),
+    "later: levels": (STUDY, "coupling: one-way", "coupling: one-way, levels: [L_AFmax]", "levels",
+        r"rooms\.box\.levels: got 'levels', which is not yet in this version"),
+    "later: block": (MODEL, "floor: {type: plate", "floor: {type: block", "block",
+        r"parts\.floor\.type: got 'block', which is not yet in this version"),
+    "later: layers": (MODEL, "thickness: 5 mm", "thickness: 5 mm, layers: []", "layers",
+        r"parts\.floor\.layers: got 'layers', which is not yet in this version"),
+    "later: between plates": (MODEL, "on: slab, region: {rim", "between: [slab, floor], on: slab, region: {rim",
+        "between",
+        r"parts\.foam\.between: got 'between', which is not yet in this version"),
+    "broken YAML": (MODEL, "concrete: {E", "concrete: E", "}\nsections", r"got broken YAML"),
+    "a tag": (STUDY, "mass: 54 g", "mass: !!python/object:os.system 54", "!!python", r".*remove the tag"),
+    "a date": (STUDY, "mass: 54 g", "mass: 2026-01-02", "2026-01-02", r"bodies\.ball\.mass: got '2026-01-02'"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", MISTAKES)
+def test_one_mistake_is_one_line_with_its_position(name: str, tmp_path: Path) -> None:
+    file, old, new, told_at, message = MISTAKES[name]
+    here = folder(tmp_path, {file: (old, new)})
+    with pytest.raises(InputErrors) as caught:
+        read_study(here / STUDY)
+    assert len(caught.value.errors) == 1, caught.value.errors
+    line = caught.value.errors[0]
+    assert line.isprintable()
+    position = "" if name == "broken YAML" else place(here / file, told_at)
+    if position:
+        assert line.startswith(f"{here / file}:{position}: "), line
+        assert re.match(message, line.removeprefix(f"{here / file}:{position}: ")), line
+    else:
+        assert re.match(rf"{re.escape(str(here / file))}:\d+:\d+: {message}", line), line
+
+
+def test_all_mistakes_of_both_files_and_the_cases_come_in_one_pass(tmp_path: Path) -> None:
+    here = folder(tmp_path, {MODEL: ("thickness: 5 mm", "thickness: 5 Pa"), STUDY: ("mass: 54 g", "mas: 54 g")})
+    study = here / STUDY
+    study.write_text(
+        study.read_text().replace("under: ceiling", "under: 5").replace("[bodies.damper]", "[bodies.nobody]")
+    )
+    with pytest.raises(InputErrors) as caught:
+        read_study(study)
+    text = "\n".join(caught.value.errors)
+    for piece in (
+        "parts.floor.thickness",
+        "bodies.ball.mas:",
+        "under: got 5",
+        "nobody",
+    ):
+        assert piece in text, text
+    assert len(caught.value.errors) == 4
+
+
+FILES = {
+    "empty": (b"", r":1:1: got an empty file, expected a mapping"),
+    "only a comment": (b"# nothing\n", r":1:1: got an empty file"),
+    "binary": (bytes(range(256)), r":1:1: got binary data"),
+    "control characters": (b"title: \x00\x01", r":1:1: got characters that are not text"),
+    "a list": (b"- 1\n- 2\n", r":1:1: got a list, expected a mapping"),
+    "a word": (b"hello\n", r":1:1: got 'hello', expected a mapping"),
+    "two documents": (b"title: a\n---\ntitle: b\n", r":2:1: got broken YAML"),
+    "tabs": (b"parts:\n\tfloor: 1\n", r":2:1: got broken YAML"),
+    "unknown alias": (b"parts: *nothing\n", r":1:8: got broken YAML"),
+    "endless nesting": (b"[" * 5000, r":1:1: got endless nesting"),
+    "circular alias": (b"parts: &a {b: *a}\n", r"got aliases \(\*name\) or lists that unfold without end"),
+    "a study for a model": (b"model: x.yaml\nbodies: {}\n", r":1:1: model: got a study file, expected a model file"),
+    "a list as a key": (b"? [1, 2]\n: 3\n", r":1:3: got a list or mapping as a key"),
+    "too large": (b"#" * 600_000, r":1:1: got a file of 600000 bytes, expected at most 500000"),
+}
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_files_that_are_no_models(name: str, tmp_path: Path) -> None:
+    content, message = FILES[name]
+    path = tmp_path / "model.yaml"
+    path.write_bytes(content)
+    with pytest.raises(InputErrors) as caught:
+        read_model(path)
+    assert re.search(rf"^{re.escape(str(path))}(:\d+:\d+)?.*{message}", caught.value.errors[0]), caught.value.errors
+
+
+def test_a_missing_file_names_the_nearest(tmp_path: Path) -> None:
+    (tmp_path / "floor.yaml").write_text("title: x")
+    with pytest.raises(InputErrors, match=r"flor\.yaml:1:1: got no file .*did you mean 'floor\.yaml'\?"):
+        read_model(tmp_path / "flor.yaml")
+
+
+def test_a_folder_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputErrors, match=r":1:1: got the folder .*expected a YAML file; name a file in it"):
+        read_study(tmp_path)
+
+
+def test_an_alias_bomb_is_refused_quickly(tmp_path: Path) -> None:
+    lines = ["a0: &a0 [1, 1, 1, 1, 1, 1, 1, 1, 1, 1]"]
+    lines += [f"a{i}: &a{i} [{', '.join([f'*a{i - 1}'] * 10)}]" for i in range(1, 30)]
+    path = tmp_path / "bomb.yaml"
+    path.write_text("\n".join(lines))
+    start = time.process_time()
+    with pytest.raises(InputErrors, match="unfold without end") as caught:
+        read_model(path)
+    assert len(caught.value.errors) == 1
+    assert time.process_time() - start < 5.0  # unfolding 10^29 values would not end
+
+
+def test_aliases_that_help_are_read(tmp_path: Path) -> None:
+    here = folder(tmp_path, {MODEL: ("size: [0.4, 0.32]", "size: &floor_size [0.4, 0.32]")})
+    model = here / MODEL
+    model.write_text(model.read_text().replace("at: [0.3, 0.24]", "at: *floor_size"))
+    assert read_model(model).title.startswith("Floor")
