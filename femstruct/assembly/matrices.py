@@ -33,7 +33,11 @@ class ForceRows:
 
     Each is [3, n_free], the global x, y, z components [N]. The sign is that of the force on what carries the part
     away from it: on the ground for springs to ground, foundations and supports (so a weight pressing down is
-    negative along z), on the second end for a spring between two places.
+    negative along z), on the second end for a spring between two places, on the second part for a joint.
+
+    Rows act on the motion of the free degrees of freedom only. The share of a load that acts on held or joined nodes
+    themselves passes on directly and is not in them: a load in the plane of a plate held in its plane, or in a cell
+    next to a support, where the shape functions give part of it to the held nodes.
     """
 
     stiffness: csr_array

@@ -161,7 +161,6 @@ def joint(item: Joint, model: Model, tolerance: float) -> tuple[Tie | None, Elas
     """
     where = f"joints.{item.name}"
     pairs = _pairs(item, model, tolerance)
-    n_nodes = model.mesh.n_nodes
     springy = _listed(where, tuple(item.stiffness))
     values = np.array([item.stiffness[DIRECTIONS[number]] for number in springy])
     if not (values >= 0).all():
@@ -174,14 +173,14 @@ def joint(item: Joint, model: Model, tolerance: float) -> tuple[Tie | None, Elas
         components = np.zeros((_SIX, N_COMPONENTS))
         components[:3, :3] = components[3:, 3:6] = axes
         components = components[: len(stiff)]
-    tie = _relative(item.name, pairs, components, n_nodes) if stiff else None
+    tie = _relative(item.name, pairs, components, model) if stiff else None
     if tie is not None and item.kind == "rigid" and not springy:
         twist = _twist_rows(item, model, pairs)
         rows = csr_array(vstack([tie.rows, twist]))
         tie = Tie(item.name, rows, np.concatenate([tie.directions, np.zeros((twist.shape[0], 3))]), grounded=False)
     if not springy:
         return tie, None
-    relative = _relative(item.name, pairs, np.eye(N_COMPONENTS)[springy], n_nodes)
+    relative = _relative(item.name, pairs, np.eye(N_COMPONENTS)[springy], model)
     stiffness = np.tile(values, len(pairs))
     elastic = Elastic(
         item.name, relative.rows, stiffness, np.zeros(stiffness.size), relative.directions, grounded=False
@@ -197,9 +196,16 @@ def _held(name: str, nodes: Integers, components: Floats, n_nodes: int) -> Tie:
     return Tie(name, rows, np.tile(components[:, :3], (len(nodes), 1)), grounded=True)
 
 
-def _relative(name: str, pairs: Integers, components: Floats, n_nodes: int) -> Tie:
-    one, other = (_held(name, nodes, components, n_nodes) for nodes in pairs.T)
-    return Tie(name, csr_array(one.rows - other.rows), one.directions, grounded=False)
+def _relative(name: str, pairs: Integers, components: Floats, model: Model) -> Tie:
+    """Motion of the first node less that of the second, where the second is: nodes that meet within the tolerance are
+    joined by the small arm between them, so that a rigid motion of both violates nothing."""
+    n_nodes = model.mesh.n_nodes
+    arms = model.mesh.points[pairs[:, 1]] - model.mesh.points[pairs[:, 0]]
+    carried = np.tile(components, (len(pairs), 1, 1))
+    carried[..., 3:_SIX] += np.cross(arms[:, None], components[None, :, :3])
+    one = node_rows(np.repeat(pairs[:, 0], len(components)), carried.reshape(-1, N_COMPONENTS), n_nodes)
+    other = _held(name, pairs[:, 1], components, n_nodes)
+    return Tie(name, csr_array(one - other.rows), other.directions, grounded=False)
 
 
 def _twist_rows(item: Joint, model: Model, pairs: Integers) -> csr_array:

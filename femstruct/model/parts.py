@@ -55,7 +55,8 @@ class Plate:
 class Frame:
     """Bars along polylines of global points; coincident ends of its own lines are joined.
 
-    mesh : largest element length [m], None for one element a segment. orientation : a vector the section's local z
+    mesh : largest element length [m], None for one element a segment; a line that lies in a plate it is joined to takes
+    the plate's nodes instead. orientation : a vector the section's local z
     (its height) points along as nearly as it can. start_offset, end_offset : rigid arms from the first and last
     point of every line to the ends of the flexible bar, global axes [m].
     """
@@ -90,6 +91,8 @@ class Foundation:
 class Spring:
     """A spring and dashpot between two places, or a place and the ground; several places of a point: one each.
 
+    Two places apart from each other are joined in the middle between them, through rigid arms.
+
     stiffness, damping : x y z rx ry rz along global axes [N/m, N m/rad] and [N s/m, N m s/rad].
     """
 
@@ -119,7 +122,8 @@ class Mass:
 class Joint:
     """Where two parts touch they move together: rigid (all six), pinned (translations).
 
-    stiffness : directions (x y z rx ry rz, global) that are springs instead of rigid or free [N/m, N m/rad].
+    stiffness : directions (x y z rx ry rz, global) that are springs instead of rigid or free [N/m, N m/rad], one at
+    every pair of joined nodes.
     """
 
     name: str

@@ -220,6 +220,16 @@ def test_plates_at_right_angles_have_six_rigid_motions() -> None:
     assert np.count_nonzero(folded < 1e-3 * folded[6]) == 6
 
 
+def test_parts_that_meet_within_rounding_are_not_held_by_it() -> None:
+    """Seams that disagree by 1e-7 of the size: the redundant equations must stay redundant."""
+    left = plate("left", (0, 0, 0), (0.3, 0.3))
+    right = plate("right", (0.3, 1e-7, 5e-8), (0.3, 0.3), normal=(1e-7, 0.0, 1.0), x_direction=(1.0, 2e-7, -1e-7))
+    posts = Frame("posts", STEEL, circle("rod", 0.01), tuple(((x, 0.3, -0.2), (x, 0.3, 1e-7)) for x in (0.0, 0.3, 0.6)))
+    joints = (Joint("seam", "left", "right"), Joint("a", "posts", "left"), Joint("b", "right", "posts"))
+    found = frequencies(Structure("nearly", (left, right, posts), joints))
+    assert np.count_nonzero(found < 1e-3 * found[6]) == 6
+
+
 def test_a_plate_standing_on_another_needs_a_line_of_nodes() -> None:
     floor = plate("floor", (0, 0, 0), (0.4, 0.3))
     rib = plate("rib", (0.07, 0.1, 0.0), (0.2, 0.05), normal=(0.0, -1.0, 0.0))

@@ -122,7 +122,10 @@ def test_order_of_parts_changes_no_frequency() -> None:
 @pytest.mark.parametrize("kind", KINDS)
 def test_matrices_are_symmetric_and_parts_add_up(kind: str) -> None:
     assembly = assemble(mesh_structure(turned(table(kind), Rotation.from_rotvec([0.4, -0.7, 1.1]))))
-    for matrix in (assembly.K, assembly.M, assembly.C):
+    bed = Foundation("bed", "p", Region("whole"), 1e6, 1e5)
+    plate = Plate("p", STEEL, 0.01, (0.0, 0.0, 0.0), (0.4, 0.3), (3, 2), kind, normal=(1.0, 2.0, 3.0))
+    untied = assemble(mesh_structure(Structure("bed", (plate, bed))))
+    for matrix in (assembly.K, assembly.M, assembly.C, untied.K, untied.M):
         assert abs(matrix - matrix.T).max() == 0.0
     total = sum(part.toarray() for part in assembly.part_stiffness.values())
     assert np.abs(total - assembly.K.toarray()).max() <= 1e-14 * np.abs(total).max()  # order of summation
