@@ -8,7 +8,7 @@ import os
 import sys
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
@@ -32,7 +32,8 @@ AsJson = Annotated[bool, typer.Option("--json", help="print JSON to stdout")]
 Sets = Annotated[
     list[str], typer.Option("--set", metavar="PATH=VALUE", help="change one value before anything is read")
 ]
-OnlyCase = Annotated[str, typer.Option("--case", metavar="CASE", help="run this case and the baseline only")]
+Kind = Literal["model", "study"]
+OnlyCase = Annotated[str, typer.Option("--case", metavar="CASE", help="run this case alone")]
 
 
 def main() -> None:
@@ -77,13 +78,15 @@ def run(
     _, result = _solve(study, set_, case)
     folder = output or Path("results") / study.name.removesuffix(".yaml").removesuffix(".study")
     with _progress() as tell:
-        written = write_all(result, folder, tell)
+        seconds, left_out = write_all(result, folder, tell)
     if as_json:
         _print_json(summary(result))
     else:
         from femstruct.view.terminal import show_study
 
-        show_study(result, written, str(folder))
+        show_study(result, seconds, str(folder))
+        if left_out:
+            print(left_out)
     return _verdict(result)
 
 
@@ -177,7 +180,7 @@ def frf(
 
 @_command
 def schema(
-    kind: Annotated[str, typer.Argument(metavar="model|study", help="which of the two kinds of file")] = "model",
+    kind: Annotated[Kind, typer.Argument(metavar="model|study", help="which of the two kinds of file")] = "model",
 ) -> int:
     """JSON schema of a model or a study file, for editors."""
     from femstruct.language import json_schema
@@ -201,12 +204,13 @@ def _stages(study: Path, case: str, sets: list[str], as_json: bool, with_rooms: 
 
 def _solve(study: Path, sets: list[str], case: str, with_rooms: bool = True) -> tuple[Plan, StudyResult]:
     from femstruct.language import read_study
+    from femstruct.workflow.positions import positioned
     from femstruct.workflow.run import run_study, without_rooms
 
     plan = read_study(study, tuple(sets), only=case or None)
     if not with_rooms:
         plan = without_rooms(plan)
-    with _progress() as tell:
+    with _progress() as tell, positioned(plan):
         return plan, run_study(plan, tell, " ".join(["femstruct", *sys.argv[1:]]))
 
 

@@ -30,7 +30,7 @@ def progress() -> Iterator[Callable[[str], None]]:
 def show_study(result: StudyResult, written: Mapping[str, float], folder: str = "") -> None:
     """Cases side by side: outcome, peaks, contacts, energy, levels, changes against the baseline, findings, timings."""
     console = _console()
-    console.print(f"[bold]{result.plan.title}[/bold]")
+    console.print(result.plan.title, style="bold")
     for name, case in result.cases.items():
         if case.response is not None:
             console.print(f"  {name}: {case.response.outcome.value}")
@@ -75,7 +75,7 @@ def show_frf(table: Row) -> None:
 def show_inspection(table: Row, picture: str = "") -> None:
     """What `check` found: masses, box, degrees of freedom, rigid modes, damping, sags, rooms, findings."""
     console = _console()
-    console.print(f"[bold]{table['title']}[/bold]")
+    console.print(table["title"], style="bold")
     if table["masses_kg"]:
         grid = _grid("masses", ("part", "mass [kg]"))
         for name, mass in table["masses_kg"].items():
@@ -110,7 +110,7 @@ def _first(table: Row) -> str:
 
 
 def _console() -> Console:
-    return Console(width=None if sys.stdout.isatty() else 140, highlight=False)
+    return Console(width=None if sys.stdout.isatty() else 160, highlight=False, markup=False)
 
 
 def _grid(title: str, columns: Sequence[str]) -> Table:
@@ -225,7 +225,7 @@ def _mode_db(beside: CaseComparison, channel: str, mode: int) -> str:
 def _show_findings(console: Console, findings: Sequence[Finding]) -> None:
     distinct = {(finding.code, finding.message): finding for finding in findings}
     if distinct:
-        console.print("[bold]findings[/bold]")
+        console.print("findings", style="bold")
     for finding in distinct.values():
         mark = "NOT TO BE TRUSTED " if finding.severe else ""
         console.print(f"  {mark}{finding.code}: {finding.message}", soft_wrap=True)

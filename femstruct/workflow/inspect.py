@@ -15,7 +15,7 @@ from femstruct.errors import Finding, InputError
 from femstruct.files.tables import finding_table, number
 from femstruct.language import ModelFile, read_any, read_model
 from femstruct.modal.basis import ModalBasis
-from femstruct.modal.damping import Damping, with_damping
+from femstruct.modal.damping import Damping, FromMaterials, LossFactor, Ratio, Rayleigh, with_damping
 from femstruct.modal.frf import direct_frf
 from femstruct.model.facts import ModelFacts, model_facts
 from femstruct.model.model import Model
@@ -23,6 +23,7 @@ from femstruct.model.probe import Probe
 from femstruct.study.study import Extent, FrfKind, FrfRequest, RoomPlan, Spot, Study
 from femstruct.units import quantity
 from femstruct.workflow.bases import Solved, solve
+from femstruct.workflow.positions import positioned
 from femstruct.workflow.run import frequency_response, response_row, structure_findings
 from femstruct.workflow.staging import Rest, force_probes, rest_states, scene
 
@@ -77,10 +78,11 @@ def inspect_file(path: Path, overrides: tuple[str, ...] = ()) -> Inspection:
     else:
         study = next(case.study for case in source.cases if case.name == source.baseline)
         title, structure, damping = source.title, study.structure, study.damping
-    solved = solve(structure, Extent(count=DEFAULT_MODES), () if study is None else (study,))
-    basis = _damped_as_far_as_solved(solved.basis, damping)
-    if study is not None:
-        _try(study, solved, basis)
+    with positioned(source):
+        solved = solve(structure, Extent(count=DEFAULT_MODES), () if study is None else (study,))
+        basis = _damped_as_far_as_solved(solved.basis, damping)
+        if study is not None:
+            _try(study, solved, basis)
     model = solved.model
     return Inspection(
         title=title,
@@ -89,7 +91,7 @@ def inspect_file(path: Path, overrides: tuple[str, ...] = ()) -> Inspection:
         degrees_of_freedom=None if model is None else assemble(model).K.shape[0],
         basis=basis,
         positions={name: tuple(point.position.tolist()) for name, point in solved.places.points.items()},
-        damping=damping.sentences(),
+        damping=damping_sentences(damping),
         rests=() if study is None else rest_states(study),
         rooms=() if study is None else study.rooms,
         findings=structure_findings(solved, basis),
@@ -111,8 +113,9 @@ def extent_of(count: int | None, up_to: str) -> Extent:
 def modes_of(path: Path, extent: Extent, overrides: tuple[str, ...] = ()) -> Table:
     """Table of modes of a model file: frequencies, damping ratios, kinds, effective masses, findings."""
     source = read_model(path, overrides)
-    solved = solve(source.structure, extent)
-    basis = _damped_as_far_as_solved(solved.basis, source.damping)
+    with positioned(source):
+        solved = solve(source.structure, extent)
+        basis = _damped_as_far_as_solved(solved.basis, source.damping)
     true = basis.modes
     return {
         "title": source.title,
@@ -157,26 +160,27 @@ def frf_of(
         (low, high),
         quantity(step, "frequency") if step else (high - low) / DEFAULT_LINES,
     )
-    asking = Study("", source.title, source.structure, source.damping, Extent(), frf=(request,))
-    solved = solve(source.structure, Extent(up_to_hz=2.5 * high), (asking,))
-    basis = with_damping(solved.basis, source.damping)
-    answer = frequency_response(request, solved.places, basis)
-    values = answer.values
-    if method == "direct":
-        if solved.model is None:
-            raise InputError(
-                "--method", got="'direct' of a closed-form structure", expected="modal", do="it has no matrices"
+    with positioned(source):
+        asking = Study("", source.title, source.structure, source.damping, Extent(), frf=(request,))
+        solved = solve(source.structure, Extent(up_to_hz=2.5 * high), (asking,))
+        basis = with_damping(solved.basis, source.damping)
+        answer = frequency_response(request, solved.places, basis)
+        values = answer.values
+        if method == "direct":
+            if solved.model is None:
+                raise InputError(
+                    "--method", got="'direct' of a closed-form structure", expected="modal", do="it has no matrices"
+                )
+            listened = response_row(request.response, solved.places, basis, "--response")
+            force = f"{request.response.name}.{_axis(request.response)}"
+            values = direct_frf(
+                assemble(solved.model),
+                solved.places.point(request.drive.name, "--drive").probe(request.drive.what),
+                listened if isinstance(listened, Probe) else force,
+                answer.frequency_hz,
+                source.damping,
+                request.kind,
             )
-        listened = response_row(request.response, solved.places, basis, "--response")
-        force = f"{request.response.name}.{_axis(request.response)}"
-        values = direct_frf(
-            assemble(solved.model),
-            solved.places.point(request.drive.name, "--drive").probe(request.drive.what),
-            listened if isinstance(listened, Probe) else force,
-            answer.frequency_hz,
-            source.damping,
-            request.kind,
-        )
     return {
         "title": source.title,
         "drive": drive,
@@ -188,6 +192,33 @@ def frf_of(
         "imag": np.imag(values).tolist(),
         "unit": answer.unit,
     }
+
+
+def damping_sentences(damping: Damping) -> tuple[str, ...]:
+    """The damping of a file in both of its usual measures.
+
+    >>> damping_sentences(Damping(Ratio(0.02)))
+    ('damping: ratio 2 % = loss factor 4 %',)
+    """
+    match damping.base:
+        case Ratio(value):
+            base = _ratio_and_loss_factor(value)
+        case LossFactor(value):
+            base = _ratio_and_loss_factor(value / 2.0)
+        case Rayleigh(alpha, beta):
+            base = f"Rayleigh, alpha {alpha:g} 1/s, beta {beta:g} s"
+        case FromMaterials():
+            base = "loss factors of the materials and foundations"
+    exceptions = (
+        f"mode {mode.number} near {mode.near_hz:g} Hz: "
+        + _ratio_and_loss_factor(mode.ratio if mode.ratio is not None else (mode.loss_factor or 0.0) / 2.0)
+        for mode in damping.modes
+    )
+    return (f"damping: {base}", *exceptions)
+
+
+def _ratio_and_loss_factor(ratio: float) -> str:
+    return f"ratio {100 * ratio:g} % = loss factor {200 * ratio:g} %"
 
 
 def _try(study: Study, solved: Solved, basis: ModalBasis) -> None:

@@ -17,13 +17,15 @@ from femstruct.view.scene import shapes_all
 from femstruct.workflow.run import Progress, Stopwatch
 
 
-def write_all(result: StudyResult, folder: Path, progress: Progress = lambda line: None) -> dict[str, float]:
+def write_all(
+    result: StudyResult, folder: Path, progress: Progress = lambda line: None
+) -> tuple[dict[str, float], str]:
     """Write results.h5, summary.json, a WAV for every receiver and case, and all pictures into a folder.
 
     Every file is complete or absent: each is written under a temporary name and then renamed. All sounds of a study
     have one full scale, so that cases can be compared by ear.
 
-    Returns CPU seconds by stage: results, sound, pictures, shapes.
+    Returns CPU seconds by stage, and a sentence about pictures that were left out ("" for none).
     """
     folder.mkdir(parents=True, exist_ok=True)
     clock = Stopwatch(progress)
@@ -36,8 +38,8 @@ def write_all(result: StudyResult, folder: Path, progress: Progress = lambda lin
     with clock("pictures"):
         plot_all(result, folder)
     with clock("mode shapes"):
-        shapes_all(result, folder)
-    return clock.seconds
+        _, left_out = shapes_all(result, folder)
+    return clock.seconds, left_out
 
 
 def _write_sounds(result: StudyResult, folder: Path) -> None:

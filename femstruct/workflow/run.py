@@ -15,7 +15,6 @@ import numpy as np
 
 from acoustics.levels import Levels, response_levels
 from acoustics.pressure import RoomResponse, pressure
-from femstruct.arrays import Floats
 from femstruct.errors import Finding, InputError
 from femstruct.impact.bodies import Clock
 from femstruct.impact.response import Response
