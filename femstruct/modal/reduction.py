@@ -88,9 +88,9 @@ def _truncation(assembly: Assembly, modal_mass: Floats, eigenvalues: Floats) -> 
     share = modal_mass.sum(axis=1) / assembly.total_mass if assembly.total_mass > 0 else np.ones(3)
     moves = np.abs(assembly.momentum).max(axis=1, initial=0.0) > 0.0
     short = moves & (share < _CAPTURED)
-    if not short.any() or not len(eigenvalues):
+    if not short.any():
         return ()
-    top = float(np.sqrt(eigenvalues[-1])) / (2.0 * np.pi)
+    top = float(np.sqrt(eigenvalues[-1])) / (2.0 * np.pi) if len(eigenvalues) else 0.0
     told = ", ".join(f"{axis} {100.0 * share[i]:.0f} %" for i, axis in enumerate(AXES) if moves[i])
     values = {f"share_{axis}": float(share[i]) for i, axis in enumerate(AXES)} | {"top_frequency_hz": top}
     message = (

@@ -7,10 +7,16 @@ import pytest
 from scipy.linalg import block_diag
 from scipy.sparse import block_array, csc_array, diags_array
 
+from femstruct.assembly.assemble import assemble
 from femstruct.errors import FemstructError, SingularSystem
 from femstruct.modal import factor, solve
 from femstruct.modal.factor import count_below
+from femstruct.modal.reduction import modal_basis
 from femstruct.modal.solve import modes, signed
+from femstruct.model.material import Material
+from femstruct.model.mesher import mesh_structure
+from femstruct.model.parts import Frame, PlaceOn, Structure, Support
+from femstruct.model.section import rectangle
 
 TWO_PI = 2.0 * np.pi
 
@@ -95,6 +101,35 @@ def test_seven_mechanisms_are_seven_rigid_modes():
     assert found.n_rigid == 7
     # the softest chain alone has the first elastic mode
     assert found.eigenvalues[7] == pytest.approx(1e-3 * 4 * np.sin(np.pi / 160) ** 2, rel=1e-9)
+
+
+def portal(held=False):
+    """A bent bar in space, free unless its feet are held."""
+    steel = Material("steel", 206e9, 0.3, 7850.0)
+    line = ((0.0, 0.0, 0.0), (0.1, 0.2, 0.5), (0.4, 0.1, 0.6), (0.4, 0.1, 0.0))
+    bars = Frame("bars", steel, rectangle("bar", 12e-3, 10e-3), (line,), mesh=0.05)
+    feet = PlaceOn("foot", "bars", ((0.0, 0.0, 0.0), (0.4, 0.1, 0.0)))
+    supports = (Support("feet", "clamped", at="foot"),) if held else ()
+    return assemble(mesh_structure(Structure("portal", (bars,), points=(feet,), supports=supports)))
+
+
+def test_a_free_frame_has_six_rigid_modes_and_all_its_mass():
+    basis = modal_basis(portal(), count=14)
+    assert basis.n_rigid == 6
+    assert basis.frequency_hz[6] > 1.0
+    np.testing.assert_allclose(basis.modal_mass.sum(axis=1), basis.total_mass, rtol=1e-9)
+    assert modal_basis(portal(held=True), count=4).n_rigid == 0
+
+
+def test_a_limit_far_below_the_first_elastic_mode():
+    assembly = portal()
+    rigid = modes(assembly.K, assembly.M, up_to_hz=1e-3)  # here K - mu M itself is rounding only
+    assert rigid.n_rigid == len(rigid.eigenvalues) == 6
+    assembly = portal(held=True)
+    none = modal_basis(assembly, up_to=0.1)
+    assert none.kind == ()
+    assert none.complete_below_hz == pytest.approx(0.1)
+    assert [finding.code for finding in none.findings] == ["basis-truncated"]
 
 
 def test_a_massless_mechanism_is_named():
