@@ -211,7 +211,7 @@ class Patch:
         parent = _resolve(draft.value, parent_text) if parent_text else ()
         if parent is not None and isinstance(draft.at(parent), dict):
             own_top = parent or last in MODEL_KEYS | STUDY_KEYS
-            if may_be_new and own_top and not _is_named(parent):
+            if may_be_new and own_top and not _is_named(parent) and "[" not in last:
                 return (*parent, last)  # the schema knows whether there is such a key
             known = draft.at(parent) or {}
             self._unknown(path, last, known if parent else MODEL_KEYS | STUDY_KEYS, source, at, new=_is_named(parent))
