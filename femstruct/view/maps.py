@@ -63,9 +63,13 @@ def draw_map(drawn: PressureMap, names: Sequence[str], receivers: Sequence[Recei
         level = 20.0 * np.log10(np.maximum(np.abs(spectrum), np.finfo(float).tiny) / REFERENCE_PA)
         largest = spectrum.ravel()[np.abs(spectrum).argmax()]
         shown = np.real(spectrum / largest) if largest else np.zeros(spectrum.shape)
-        image = axes.pcolormesh(
-            drawn.first, drawn.second, shown.T, cmap="RdBu_r", vmin=-1.0, vmax=1.0, shading="gouraud", rasterized=True
+        half = drawn.first[1] / 2.0, drawn.second[1] / 2.0  # a pixel is centred on its point
+        sides = (-half[0], drawn.first[-1] + half[0], -half[1], drawn.second[-1] + half[1])
+        image = axes.imshow(
+            shown.T, origin="lower", extent=sides, cmap="RdBu_r", vmin=-1.0, vmax=1.0, interpolation="bilinear"
         )
+        axes.set_xlim(0.0, drawn.first[-1])
+        axes.set_ylim(0.0, drawn.second[-1])
         images.append(image)
         for receiver in receivers:
             axes.plot(*receiver.position[:2], "k+", markersize=9)
@@ -76,5 +80,5 @@ def draw_map(drawn: PressureMap, names: Sequence[str], receivers: Sequence[Recei
         axes.tick_params(labelsize=8)
     row[0].set_ylabel("y in m")
     scale = figure.add_axes((1.0 - 0.65 / width, 0.6 / height, 0.13 / width, 1.0 - 1.5 / height))
-    figure.colorbar(images[-1], cax=scale, ticks=(-1.0, 0.0, 1.0))
+    figure.colorbar(images[-1], cax=scale, ticks=(-1.0, 0.0, 1.0), label="of the largest")
     return figure

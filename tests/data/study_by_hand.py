@@ -7,7 +7,7 @@ import numpy as np
 
 from acoustics.levels import sound_levels
 from acoustics.pressure import RoomResponse
-from acoustics.room import Receiver, Room
+from acoustics.room import Receiver, Room, losses_from_beta
 from femstruct.conventions import N_COMPONENTS, RX, RY, TWIST, UZ
 from femstruct.errors import Finding
 from femstruct.impact.bodies import Body, Clock, Contact, Link, Scene
@@ -22,11 +22,12 @@ from femstruct.impact.response import (
     Response,
 )
 from femstruct.modal.basis import ForceRow, ModalBasis
+from femstruct.model.interpolation import plate_rows, sparse_rows
 from femstruct.model.material import Material
 from femstruct.model.mesh import Mesh
 from femstruct.model.model import FrameMesh, Model, PlateMesh
 from femstruct.model.parts import Frame, Plate, Structure
-from femstruct.model.probe import Point, Probe
+from femstruct.model.probe import Point, Probe, Surface
 from femstruct.model.section import circle
 from femstruct.study.result import (
     CaseComparison,
@@ -87,8 +88,20 @@ def model_by_hand(divisions=8):
         {"floor": nodes.ravel(), "post": np.arange(first, first + 3)},
         {"floor": np.arange(len(plate.cells)), "post": np.arange(2)},
     )
+    surfaces = {"ceiling": ceiling_by_hand(plate, len(points))}
     structure = Structure("Plate and post", (plate.part, frame.part))
-    return Model(structure, mesh, {"floor": plate}, {"post": frame}, (), (), (), {"O_f": place}, {})
+    return Model(structure, mesh, {"floor": plate}, {"post": frame}, (), (), (), {"O_f": place}, surfaces)
+
+
+def ceiling_by_hand(plate, n_nodes):
+    """The underside of the plate, by the midpoints of the quarters of its cells."""
+    x, y = np.arange(0.5, 16) * LX / 16, np.arange(0.5, 16) * LY / 16
+    places = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1).reshape(-1, 2)
+    nodes, rows = plate_rows(plate, places)
+    points = np.column_stack([places, np.zeros(len(places))])
+    weights = np.full(len(places), LX * LY / len(places))
+    rows = sparse_rows(nodes, -rows[:, 2:3], n_nodes)
+    return Surface("ceiling", points, weights, [0, 0, -1], [0, LY, 0], [[1, 0, 0], [0, -1, 0]], [LX, LY], rows)
 
 
 def basis_by_hand(model):
@@ -167,7 +180,7 @@ def study_by_hand(duration=0.25, sampling=4800.0, save_modal=True, tag=1.0):
     basis = basis_by_hand(model)
     request = FrfRequest("centre", Spot("O_f", "z"), Spot("O_f", "z"), "accelerance", (1.0, 500.0), 0.5)
     mic = Receiver("mic", [0.2, 0.16, 0.05])
-    room = Room([LX, LY, 0.1])
+    room = Room([LX, LY, 0.1], losses=losses_from_beta(0.0116, 293))
     study = Study(
         "By hand",
         "Plate and post",

@@ -1,0 +1,179 @@
+"""Figures: axes with units, colours that stay with their case, nothing global, nothing half."""
+
+import re
+import runpy
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import matplotlib
+import numpy as np
+import pytest
+
+from acoustics.pressure import PressureMap
+from acoustics.room import Receiver
+from femstruct.view.figures import case_colours, new_figure, save, scaled, thinned
+from femstruct.view.histories import energy, history
+from femstruct.view.maps import draw_map, loudest_modes, pressure_maps
+from femstruct.view.plots import figures, plot_all
+from femstruct.view.spectra import frequency_response, sound
+
+BY_HAND = runpy.run_path(str(Path(__file__).parents[1] / "data" / "study_by_hand.py"))
+BESIDE = "damper 0.6 / new"
+
+
+@pytest.fixture(scope="module")
+def result():
+    return BY_HAND["study_by_hand"]()
+
+
+def test_all_figures_are_drawn_to_files(result, tmp_path):
+    paths = plot_all(result, tmp_path / "pictures")
+    names = {path.name for path in paths}
+    assert {"frf_centre.png", "history_box.mic_pressure.png", "contact_forces.png", "bodies.png"} <= names
+    assert {"energy.png", "sound_box.mic.png"} <= names
+    assert len(names) == len(paths) == len(list((tmp_path / "pictures").iterdir()))
+    for path in paths:
+        assert path.read_bytes()[:8] == b"\x89PNG\r\n\x1a\n"
+        image = matplotlib.image.imread(path)
+        assert image.shape[0] > 300 and image[..., :3].std() > 0.02  # something is drawn on the white
+
+
+def test_every_axis_has_a_label_with_its_unit(result):
+    unit = re.compile(r" in (Hz|s|ms|degrees|dB|[µmk]?(m|m/s|m/s²|N|Pa|J)|\(m/s²\)/N)( |$)|dB re 20 µPa$")
+    for name, figure in figures(result).items():
+        lowest = min(axes.get_position().y0 for axes in figure.axes)
+        for axes in figure.axes:
+            if axes.get_position().width < 0.05:  # a colour scale
+                continue
+            if axes.get_position().y0 <= lowest + 1e-6:
+                assert unit.search(axes.get_xlabel()), f"{name}: {axes.get_xlabel()!r}"
+            if axes.get_ylabel():
+                assert unit.search(axes.get_ylabel()), f"{name}: {axes.get_ylabel()!r}"
+
+
+def test_a_case_has_one_colour_in_all_figures(result):
+    colours = case_colours(result.cases, "without damper")
+    assert len(set(colours.values())) == 2
+    for figure in (history(result, "O_f.z velocity"), sound(result, "box.mic")):
+        drawn = {line.get_label().split(":")[0]: line.get_color() for line in figure.axes[0].get_lines()}
+        assert {name: drawn[name] for name in colours} == colours
+
+
+def test_legend_tells_both_peaks_and_the_filter(result):
+    figure = history(result, "O_f.z velocity")
+    labels = figure.axes[0].get_legend_handles_labels()[1]
+    channel = result.cases[BESIDE].channels["O_f.z velocity"]
+    assert f"{1e3 * channel.whole:.4g} mm/s in all" in labels[1] or f"{channel.whole:.4g} m/s in all" in labels[1]
+    assert "no filter" in figure.texts[0].get_text()
+
+
+def test_history_shows_the_values_it_was_given(result):
+    figure = history(result, "box.mic pressure")
+    line = figure.axes[0].get_lines()[0]
+    channel = result.cases["without damper"].channels["box.mic pressure"]
+    t = result.cases["without damper"].response.t
+    shown = len(line.get_xdata())
+    np.testing.assert_allclose(line.get_xdata(), 1e3 * t[:shown])
+    np.testing.assert_allclose(line.get_ydata(), channel.values[:shown])
+
+
+def test_a_channel_only_one_case_has_is_drawn_alone(result):
+    case = result.cases[BESIDE]
+    rest = {name: channel for name, channel in case.channels.items() if name != "ball travel"}
+    fewer = replace(result, cases={**result.cases, BESIDE: replace(case, channels=rest)})
+    assert len(history(fewer, "ball travel").axes[0].get_lines()) == 1
+
+
+def test_equal_responses_share_a_line_and_others_do_not(result):
+    assert (
+        len([line for line in frequency_response(result, "centre").axes[0].get_lines() if len(line.get_xdata()) > 2])
+        == 1
+    )
+    case = result.cases[BESIDE]
+    other = replace(case.frf["centre"], values=2 * case.frf["centre"].values)
+    changed = replace(result, cases={**result.cases, BESIDE: replace(case, frf={"centre": other})})
+    lines = [line for line in frequency_response(changed, "centre").axes[0].get_lines() if len(line.get_xdata()) > 2]
+    assert len(lines) == 2
+    np.testing.assert_allclose(lines[1].get_ydata(), 2 * lines[0].get_ydata())
+
+
+def test_spectrum_peaks_stand_on_the_mode_lines(result):
+    axes = sound(result, "box.mic").axes[0]
+    line = axes.get_lines()[0]
+    x, y = line.get_xdata(), line.get_ydata()
+    marked = [text.get_text() for text in axes.texts]
+    assert marked == ["2", "3", "4", "5", "6"]
+    loudest = x[np.argmax(y)]
+    # the made-up pressure is loudest in its highest mode, 448.3 Hz; lines are 4 Hz apart
+    assert loudest == pytest.approx(448.3, abs=4.0)
+    assert list(loudest_modes(result, "box").values())[-1] == 448.3
+
+
+def test_energy_layers_reach_what_was_put_in(result):
+    axes = energy(result).axes[0]
+    top = axes.collections[-1].get_paths()[0].vertices[:, 1].max()
+    put_in = axes.get_lines()[0].get_ydata()[0]
+    assert top == pytest.approx(put_in, rel=1e-12) == 120.0  # mJ, made by hand
+
+
+def test_a_study_of_modes_only_has_no_histories(result):
+    bare = {name: replace(case, response=None, channels={}, rooms={}, levels={}) for name, case in result.cases.items()}
+    assert set(figures(replace(result, cases=bare))) == {"frf_centre.png"}
+
+
+def test_silence_can_be_drawn(result):
+    """All zero: no logarithm of nothing, no empty axis."""
+    quiet = {}
+    for name, case in result.cases.items():
+        channels = {
+            key: replace(channel, values=0 * channel.values, first_impact=0.0, whole=0.0)
+            for key, channel in case.channels.items()
+        }
+        rooms = {key: replace(room, p=0 * room.p) for key, room in case.rooms.items()}
+        quiet[name] = replace(case, channels=channels, rooms=rooms)
+    silent = replace(result, cases=quiet)
+    for figure in (history(silent, "O_f.z velocity"), sound(silent, "box.mic")):
+        figure.canvas.draw()
+    assert pressure_maps(silent, "box") is None
+
+
+def test_map_shows_the_room_from_above():
+    first, second = np.linspace(0, 0.6, 7), np.linspace(0, 0.4, 5)
+    spectrum = (np.cos(np.pi * first / 0.6)[None, :, None] * np.ones((1, 1, 5))).astype(complex) * 1j
+    drawn = PressureMap("z", 0.05, first, second, np.array([283.0]), spectrum)
+    figure = draw_map(drawn, ["mode 7"], [Receiver("mic", [0.3, 0.2, 0.05])], "box")
+    axes = figure.axes[0]
+    values = axes.images[0].get_array()
+    assert values.shape == (5, 7)  # rows along y
+    np.testing.assert_allclose(values[0], np.cos(np.pi * first / 0.6), atol=1e-12)
+    assert "94 dB" in axes.get_title()  # 1 Pa/Hz
+
+
+def test_units_are_scaled_and_extremes_kept():
+    assert scaled("m/s", 0.012) == (pytest.approx(1e3), "mm/s")
+    assert scaled("N", 3600.0) == (pytest.approx(1e-3), "kN")
+    assert scaled("rad/s", 3.0) == (1.0, "rad/s")
+    y = np.random.default_rng(1).standard_normal(100_000)
+    t, thin = thinned(np.arange(100_000.0), y)
+    assert len(t) < 3200 and thin.max() == y.max() and thin.min() == y.min()
+    assert (np.diff(t) > 0).all() or (np.diff(t) >= 0).all()
+
+
+def test_a_picture_is_whole_or_not_there(tmp_path):
+    figure = new_figure(2, 2, "x")
+    figure.savefig = None  # type: ignore[method-assign]
+    with pytest.raises(TypeError):
+        save(figure, tmp_path / "a.png")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_drawing_has_no_global_effects():
+    code = (
+        "import sys, matplotlib; before = dict.copy(matplotlib.rcParams)\n"
+        "import femstruct.view.plots, femstruct.view.scene\n"
+        "assert 'matplotlib.pyplot' not in sys.modules and 'pyvista' not in sys.modules\n"
+        "assert dict.copy(matplotlib.rcParams) == before\n"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True)

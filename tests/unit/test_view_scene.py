@@ -1,0 +1,72 @@
+"""Pictures in three dimensions, each in a process of its own; and what is told where there is no OpenGL."""
+
+import runpy
+import subprocess
+import sys
+from pathlib import Path
+
+import matplotlib
+import matplotlib.image
+import numpy as np
+import pytest
+
+from femstruct.errors import InputError
+from femstruct.view import opengl
+from femstruct.view.opengl import LEFT_OUT, NoOpenGL
+from femstruct.view.scene import picture_model, shapes_all
+
+DATA = Path(__file__).parents[1] / "data" / "study_by_hand.py"
+BY_HAND = runpy.run_path(str(DATA))
+DRAW = """
+import runpy, sys
+from pathlib import Path
+from acoustics.room import Receiver, Room
+from femstruct.view.scene import picture_model, shapes_all
+made = runpy.run_path(sys.argv[1])
+result = made["study_by_hand"]()
+folder = Path(sys.argv[2])
+paths, told = shapes_all(result, folder)
+assert not told and [path.name for path in paths] == ["mode_shapes.png"], (paths, told)
+picture_model(result.models["abc123"], result.cases["without damper"].case.study.rooms, folder / "model.png")
+"""
+
+
+@pytest.fixture
+def no_opengl(monkeypatch):
+    monkeypatch.setattr(opengl, "_PROBE", "import os, signal; os.kill(os.getpid(), signal.SIGSEGV)")
+    opengl._working_window.cache_clear()
+    yield
+    opengl._working_window.cache_clear()
+
+
+def test_without_opengl_shapes_are_left_out_with_a_sentence(no_opengl, tmp_path):
+    paths, told = shapes_all(BY_HAND["study_by_hand"](), tmp_path)
+    assert paths == [] and told == LEFT_OUT
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_without_opengl_the_picture_of_a_model_is_refused(no_opengl, tmp_path):
+    with pytest.raises(NoOpenGL, match="libegl1"):
+        picture_model(BY_HAND["model_by_hand"](), (), tmp_path / "model.png")
+
+
+def test_a_structure_in_closed_form_has_no_picture(tmp_path):
+    with pytest.raises(InputError, match="closed form"):
+        picture_model(None, (), tmp_path / "model.png")
+
+
+def test_shapes_and_model_are_drawn(tmp_path):
+    try:
+        opengl.require_opengl()
+    except NoOpenGL as reason:
+        pytest.skip(str(reason))
+    subprocess.run([sys.executable, "-c", DRAW, str(DATA), str(tmp_path)], check=True, capture_output=True)
+    sheet = matplotlib.image.imread(tmp_path / "mode_shapes.png")[..., :3]
+    assert sheet.shape == (600, 1360, 3)  # five elastic modes on two rows of four
+    first, second = sheet[:250, :340], sheet[:250, 340:680]
+    red = lambda pane: int((pane[..., 0] - pane[..., 2] > 0.4).sum())  # noqa: E731
+    blue = lambda pane: int((pane[..., 2] - pane[..., 0] > 0.4).sum())  # noqa: E731
+    assert red(first) > 1000 and blue(first) == 0  # mode (1,1) goes one way
+    assert red(second) > 1000 and blue(second) > 300  # mode (2,1) both ways, the lower side partly hidden
+    model = matplotlib.image.imread(tmp_path / "model.png")
+    assert model.shape[:2] == (950, 1300) and np.ptp(model[..., :3]) > 0.5
