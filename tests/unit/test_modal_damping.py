@@ -67,6 +67,9 @@ def test_rayleigh_brakes_rigid_motion_too(basis):
     np.testing.assert_allclose(np.diag(damped.viscous), 3.0 + 1e-5 * basis.omega**2)
     row = damped.outputs["ground.z"]
     np.testing.assert_allclose(row.damping, 1e-5 * row.stiffness)  # no inertia in this row
+    heavy = replace(basis, outputs={"ground.z": ForceRow(row.stiffness, np.zeros(5), np.arange(5.0))})
+    damped = with_damping(heavy, Damping(Rayleigh(3.0, 1e-5)))
+    np.testing.assert_allclose(damped.outputs["ground.z"].damping, 3.0 * np.arange(5.0) + 1e-5 * row.stiffness)
 
 
 def test_materials_weigh_by_strain_energy(in_parts):
