@@ -10,10 +10,13 @@ from typing import Any, Literal
 from pydantic import BaseModel
 
 from femstruct.errors import FemstructError, InputErrors
-from femstruct.language.build import damping_of, structure_of, study_of
+from femstruct.language.build_model import damping_of, structure_of
+from femstruct.language.build_study import study_of
 from femstruct.language.patch import MODEL_KEYS, STUDY_KEYS, Patch
 from femstruct.language.reader import Mistakes, Position, Tree, dotted, nearest, parse_value, read_yaml
-from femstruct.language.references import check_model, check_names, check_study
+from femstruct.language.references import check_names
+from femstruct.language.references_model import check_model
+from femstruct.language.references_study import check_study
 from femstruct.language.schema_model import ModelSpec
 from femstruct.language.schema_study import StudySpec
 from femstruct.language.spec import validate

@@ -6,20 +6,17 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, model_validator
 
-from femstruct.language.schema_model import Dashpot, Stiffness, coordinates
+from femstruct.language.schema_parts import Dashpot, Stiffness
+from femstruct.language.schema_rooms import RoomSpec
 from femstruct.language.spec import (
-    LATER,
     Count,
     Duration,
     Flag,
     Frequency,
     Gap,
     Instant,
-    Length,
-    LossFactor,
     MassKg,
     Measured,
-    Position2,
     Quantity,
     Spec,
     Speed,
@@ -229,67 +226,6 @@ class PeaksSpec(Spec):
 
     first_impact: Annotated[float | None, BeforeValidator(_first_impact)] = 20e-3
     lowpass: Annotated[float | None, BeforeValidator(_lowpass)] = None
-
-
-class AirSpec(Spec):
-    """Speed of sound and density."""
-
-    c: Annotated[float, Quantity(("speed",), above=0.0)] = 343.0
-    rho: Annotated[float, Quantity(("density",), above=0.0)] = 1.21
-
-
-def _t60(value: object) -> object:
-    if isinstance(value, dict):
-        raise refuse(f"a t60 for each band, which is {LATER}", "one reverberation time", "write it like t60: 0.4 s")
-    return Quantity(("time",), above=0.0).read(value)
-
-
-class LossesSpec(Spec):
-    """How sound dies away: a damping ratio or loss factor at a frequency, or a reverberation time."""
-
-    beta: Annotated[float, Quantity(("ratio",), above=0.0, below=1.0)] | None = None
-    loss_factor: LossFactor | None = None
-    t60: Annotated[float | None, BeforeValidator(_t60)] = None
-    at: Frequency | None = None
-
-    @model_validator(mode="before")
-    @classmethod
-    def _one_law(cls, value: Any) -> Any:
-        if isinstance(value, dict):
-            exactly_one(value, ("beta", "loss_factor", "t60"))
-            if ("t60" in value) == ("at" in value):
-                got = "t60 with a frequency" if "at" in value else "no frequency"
-                raise refuse(got, "'at' with beta or loss_factor only", "write it like {beta: 1.16 %, at: 293 Hz}")
-        return value
-
-
-def _receivers(value: object) -> object:
-    if isinstance(value, list) and value and all(isinstance(one, list) for one in value):
-        return tuple(_receivers_at(one) for one in value)
-    return (_receivers_at(value),)
-
-
-def _receivers_at(value: object) -> tuple[float, ...]:
-    found = coordinates(value)
-    if len(found) != 3:
-        raise refuse(f"{len(found)} coordinates", "[x, y, z] from the room's lower corner")
-    return found
-
-
-Receivers = Annotated[tuple[tuple[float, float, float], ...], BeforeValidator(_receivers)]
-
-
-class RoomSpec(Spec):
-    """A rectangular room under a surface, and who listens in it. at: offset of the surface's centre, room axes."""
-
-    size: tuple[Length, Length, Length]
-    under: Text
-    at: Position2 = (0.0, 0.0)
-    air: AirSpec = AirSpec()
-    losses: LossesSpec | None = None
-    form: Annotated[Literal["causal", "source"], BeforeValidator(only(("causal", "source")))] = "causal"
-    receivers: dict[str, Receivers] = Field(default_factory=dict)
-    coupling: Annotated[Literal["one-way"], BeforeValidator(only(("one-way",), later=("two-way",)))] = "one-way"
 
 
 def _changes(value: object) -> object:

@@ -18,49 +18,11 @@ from femstruct.language import read_any, read_model, read_study
 MODELS = Path(__file__).parents[2] / "models"
 MODEL = YAML(typ="safe", pure=True).load((MODELS / "floor_frame_slab.yaml").read_text(encoding="utf-8"))
 STUDY = YAML(typ="safe", pure=True).load((MODELS / "floor_acrylic_ball.study.yaml").read_text(encoding="utf-8"))
-WORDS = st.sampled_from(
-    [
-        "plate",
-        "frame",
-        "type",
-        "floor",
-        "slab",
-        "O_f",
-        "O_f.z",
-        "ball",
-        "ground",
-        "center",
-        "whole",
-        "none",
-        "hertz",
-        "rod",
-        "5 mm",
-        "1,5 m",
-        "40 rad/s",
-        "2 %",
-        "3 Hz",
-        "1 N",
-        "until next contact",
-        "materials",
-        "from",
-        "at",
-        "on",
-        "region",
-        "add",
-        "remove",
-        "bodies.damper",
-        "parts.floor",
-        "model",
-        "between",
-        "stiffness",
-        "",
-        " ",
-        ".",
-        "a.b",
-        "x[0]",
-        "~",
-    ]
-)
+WORDS = st.sampled_from([
+    "plate", "frame", "type", "floor", "slab", "O_f", "O_f.z", "ball", "ground", "center", "whole", "none", "hertz",
+    "rod", "5 mm", "1,5 m", "40 rad/s", "2 %", "3 Hz", "1 N", "until next contact", "materials", "from", "at", "on",
+    "region", "add", "remove", "bodies.damper", "parts.floor", "model", "between", "stiffness", "", " ", ".", "a.b",
+])  # fmt: skip
 SCALARS = st.one_of(
     WORDS, st.none(), st.booleans(), st.integers(), st.floats(), st.text(max_size=8), st.sampled_from([10**30, -1, 0])
 )

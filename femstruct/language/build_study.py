@@ -1,0 +1,161 @@
+"""From a checked study file to a study."""
+
+from __future__ import annotations
+
+from math import sqrt
+from pathlib import Path
+from typing import Any
+
+from acoustics.air import Air
+from acoustics.room import Losses, Receiver, Room, losses_from_beta, losses_from_loss_factor, losses_from_t60
+from femstruct.conventions import GRAVITY
+from femstruct.impact.bodies import HalfSine, Table
+from femstruct.impact.laws import Hertz, Law, Linear, Stop
+from femstruct.language.build import Builder
+from femstruct.language.reader import Mistakes, Steps, Tree, dotted
+from femstruct.language.schema_rooms import RoomSpec
+from femstruct.language.schema_study import SIDES, BodySpec, HertzSpec, LinearSpec, LoadSpec, StudySpec
+from femstruct.language.tables import read_history
+from femstruct.modal.damping import Damping
+from femstruct.study.study import (
+    Extent,
+    FrfRequest,
+    InitialMotion,
+    PeakRule,
+    PlacedBody,
+    PlannedContact,
+    PlannedLink,
+    PlannedLoad,
+    Record,
+    RigidMotion,
+    RoomPlan,
+    Spot,
+    StructureModel,
+    Study,
+    TimePlan,
+)
+
+
+def study_of(
+    study: StudySpec,
+    titles: tuple[str, str],
+    structure: StructureModel,
+    damping: Damping,
+    tree: Tree,
+    mistakes: Mistakes,
+) -> Study | None:
+    """The study of a checked study file on a structure; None with mistakes noted. titles : of study and model."""
+    builder = Builder(tree, mistakes)
+    bodies = builder.each("bodies", study.bodies, lambda n, s: _body(n, s, study))
+    contacts = builder.each(
+        "contacts", study.contacts, lambda n, s: PlannedContact(n, s.between, law_of(s.law), s.gap, s.preload)
+    )
+    links = builder.each(
+        "links",
+        study.links,
+        lambda n, s: PlannedLink(
+            n, s.between, s.stiffness, s.damping.closing, s.damping.opening, s.release_at, s.preload
+        ),
+    )
+    loads = builder.each("loads", study.loads, lambda n, s: _load(n, s, builder))
+    rooms = builder.each("rooms", study.rooms, _room)
+    if mistakes.lines:
+        return None
+    frf = tuple(
+        FrfRequest(name, spot_of(one.drive), spot_of(one.response), one.kind, one.band, one.step)
+        for name, one in study.frf.items()
+    )
+    records = tuple(Record(target, what) for target, wanted in study.record.items() for what in wanted)  # type: ignore[arg-type]
+    extent = Extent(study.modes.up_to, study.modes.count) if study.modes is not None else Extent()
+    time = study.time
+    return Study(
+        title=titles[0],
+        model_title=titles[1],
+        structure=structure,
+        damping=damping,
+        extent=extent,
+        frf=frf,
+        bodies=tuple(bodies.values()),
+        contacts=tuple(contacts.values()),
+        links=tuple(links.values()),
+        loads=tuple(loads.values()),
+        initial=_initial(study),
+        records=records,
+        time=TimePlan(time.duration, time.sampling, time.gravity, study.quiet) if time is not None else None,
+        peaks=PeakRule(study.peaks.first_impact, study.peaks.lowpass),
+        rooms=tuple(rooms.values()),
+        save_modal=study.save == "modal",
+    )
+
+
+def spot_of(text: str) -> Spot:
+    """An address such as ``O_s.z`` or ``ground.force``.
+
+    >>> spot_of("rail.2.z")
+    Spot(name='rail.2', what='z')
+    """
+    name, _, what = text.rpartition(".")
+    return Spot(name, what)
+
+
+def law_of(spec: Any) -> Law:
+    """The contact law of a spec."""
+    if isinstance(spec, HertzSpec):
+        return Hertz(spec.stiffness, spec.damping, spec.tensile)
+    if isinstance(spec, LinearSpec):
+        return Linear(spec.stiffness, spec.damping, spec.tensile)
+    return Stop(spec.stiffness, spec.damping, spec.tensile)
+
+
+def _body(name: str, spec: BodySpec, study: StudySpec) -> PlacedBody:
+    side = next(side for side in SIDES if getattr(spec, side) is not None)
+    target = getattr(spec, side)
+    named = any({name, target} == set(contact.between) for contact in study.contacts.values())
+    law = law_of(spec.contact) if spec.contact is not None and not named else None
+    dropped = spec.drop_height is not None
+    speed = sqrt(2 * GRAVITY * spec.drop_height) if spec.drop_height is not None else spec.speed or 0.0
+    return PlacedBody(name, spec.mass, side, target, speed, dropped, law)  # type: ignore[arg-type]
+
+
+def _load(name: str, spec: LoadSpec, builder: Builder) -> PlannedLoad | None:
+    history: HalfSine | Table | None
+    if spec.half_sine is not None:
+        history = HalfSine(spec.half_sine.amplitude.value, spec.half_sine.frequency)
+    else:
+        steps: Steps = ("loads", name, "file")
+        path = Path(builder.tree.file).parent / (spec.file or "")
+        what = "pressure" if spec.on is not None else "force"
+        history = read_history(path, what, builder.tree.position(steps), dotted(steps), builder.mistakes)
+        if history is None:
+            return None
+    if spec.at is not None:
+        return PlannedLoad(name, spot_of(spec.at), "point", history)
+    return PlannedLoad(name, spec.body or spec.on or "", "body" if spec.body is not None else "surface", history)
+
+
+def _initial(study: StudySpec) -> InitialMotion:
+    spec = study.initial
+    velocities = tuple((spot_of(address), one.value) for address, one in (spec.velocity or {}).items())
+    rigid = RigidMotion(spec.rigid.about, spec.rigid.velocity, spec.rigid.spin) if spec.rigid is not None else None
+    return InitialMotion(velocities, rigid)
+
+
+def _room(name: str, spec: RoomSpec) -> RoomPlan:
+    receivers = []
+    for receiver, places in spec.receivers.items():
+        several = len(places) > 1
+        receivers += [Receiver(f"{receiver}.{i}" if several else receiver, place) for i, place in enumerate(places, 1)]  # type: ignore[arg-type]
+    room = Room(spec.size, Air(spec.air.c, spec.air.rho), _losses(spec))  # type: ignore[arg-type]
+    return RoomPlan(name, room, spec.under, tuple(receivers), spec.at)
+
+
+def _losses(spec: RoomSpec) -> Losses:
+    losses = spec.losses
+    if losses is None:
+        return Losses()
+    if losses.t60 is not None:
+        return losses_from_t60(losses.t60)
+    at = losses.at or 0.0
+    if losses.beta is not None:
+        return losses_from_beta(losses.beta, at, spec.form)
+    return losses_from_loss_factor(losses.loss_factor or 0.0, at, spec.form)

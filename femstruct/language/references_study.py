@@ -1,0 +1,138 @@
+"""The second pass over a study file: its names, and what its keys say about each other."""
+
+from __future__ import annotations
+
+from femstruct.language.reader import Mistakes, Steps, Tree, nearest
+from femstruct.language.references import Checker, Names
+from femstruct.language.schema_model import ModelSpec
+from femstruct.language.schema_study import SIDES, StudySpec
+
+
+def check_study(study: StudySpec, tree: Tree, model: ModelSpec, mistakes: Mistakes) -> None:
+    """Every name a study uses is there, of the right kind, and its keys agree with each other."""
+    check = Checker(tree, mistakes)
+    names = Names.of(model)
+    ends = [*study.bodies, "ground"]
+    if study.modes is None and model.structure is None:
+        check.wrong((), "no modes", "how many modes to use", "add 'modes: {up_to: 3 kHz}'")
+    for name, request in study.frf.items():
+        here: Steps = ("frf", name)
+        for key in ("drive", "response"):
+            check.spot((*here, key), getattr(request, key), names, names.forces)
+        if not request.band[0] < request.band[1]:
+            check.wrong((*here, "band"), f"{request.band[0]:g} to {request.band[1]:g} Hz", "a rising band [low, high]")
+        elif (request.band[1] - request.band[0]) / request.step > 1e6:
+            check.wrong((*here, "step"), f"{request.step:g} Hz", "at most a million lines", "take a wider step")
+    for name, body in study.bodies.items():
+        key = next(side for side in SIDES if getattr(body, side) is not None)
+        check.place(
+            ("bodies", name, key), getattr(body, key), names, [*(n for n in study.bodies if n != name), "ground"]
+        )
+    for group, items in (("contacts", study.contacts), ("links", study.links)):
+        for name, item in items.items():
+            for number, end in enumerate(item.between):
+                check.place((group, name, "between", number), end, names, ends)
+            if item.between[0] == item.between[1]:
+                check.wrong((group, name, "between"), f"'{item.between[0]}' twice", "two different ends")
+    for name, contact in study.contacts.items():
+        if contact.gap and contact.preload:
+            got = f"a gap of {contact.gap:g} m and a preload of {contact.preload:g} N"
+            check.wrong(("contacts", name), got, "one of them", "a preloaded contact is closed: remove the gap")
+    for name, link in study.links.items():
+        if not (link.stiffness or link.damping.closing or link.damping.opening or link.preload):
+            check.wrong(("links", name), "no stiffness and no damping", "one of them", of_key=True)
+    _check_contacts(check, study)
+    _check_loads(check, study, names, model)
+    for address in study.initial.velocity or {}:
+        check.spot(("initial", "velocity", address), address, names, of_key=True)
+        rotation = address.rpartition(".")[2] in ("rx", "ry", "rz")
+        measured = (study.initial.velocity or {})[address]
+        if measured.dimension not in (None, "angular speed" if rotation else "speed"):
+            check.wrong(("initial", "velocity", address), f"a {measured.dimension}", "rad/s" if rotation else "m/s")
+    if study.initial.rigid is not None:
+        check.place(("initial", "rigid", "about"), study.initial.rigid.about, names)
+    _check_records(check, study, names)
+    for name, room in study.rooms.items():
+        check.known(("rooms", name, "under"), room.under, "surface", model.surfaces)
+        if room.losses is not None and room.losses.t60 is not None and room.form == "source":
+            check.wrong(
+                ("rooms", name, "form"), "the source's form with t60", "beta or loss_factor", "leave out 'form'"
+            )
+        for receiver, places in room.receivers.items():
+            for place in places:
+                if not all(0 <= x <= length for x, length in zip(place, room.size, strict=True)):
+                    steps: Steps = ("rooms", name, "receivers", receiver)
+                    size = " x ".join(f"{length:g}" for length in room.size)
+                    check.wrong(steps, f"{list(place)} m", f"a point of the room, {size} m", "from its lower corner")
+    moving = study.bodies or study.loads or study.initial.velocity or study.initial.rigid or study.record or study.rooms
+    if moving and study.time is None:
+        check.wrong((), "no time", "how long to simulate", "add 'time: {duration: 1 s, sampling: 48 kHz}'")
+    if study.compare is not None and study.cases:
+        check.known(("compare", "baseline"), study.compare.baseline, "case", study.cases)
+
+
+def _check_contacts(check: Checker, study: StudySpec) -> None:
+    """A body that owns its contact agrees with the named one between the same ends; so do two named ones."""
+    by_ends: dict[frozenset[str], str] = {}
+    for name, contact in study.contacts.items():
+        ends = frozenset(contact.between)
+        first = by_ends.setdefault(ends, name)
+        if first != name and study.contacts[first].gap == contact.gap:
+            got = f"a second contact between {' and '.join(contact.between)} (the first is '{first}')"
+            check.wrong(("contacts", name), got, "one contact, or another gap", "remove one", of_key=True)
+    for name, body in study.bodies.items():
+        target = body.above or body.below or body.before or body.after or ""
+        named = by_ends.get(frozenset((name, target)))
+        if body.contact is not None and named is not None and study.contacts[named].law != body.contact:
+            steps: Steps = ("bodies", name, "contact")
+            got = f"a contact that disagrees with 'contacts.{named}' between the same ends"
+            check.wrong(steps, got, "one contact, or two that agree", "remove one of them", of_key=True)
+        if body.contact is not None and named is None and f"{name} on {target}" in study.contacts:
+            steps = ("contacts", f"{name} on {target}")
+            check.wrong(steps, "the name of a body's own contact", "another name", "rename it", of_key=True)
+
+
+def _check_loads(check: Checker, study: StudySpec, names: Names, model: ModelSpec) -> None:
+    for name, load in study.loads.items():
+        here: Steps = ("loads", name)
+        if load.at is not None:
+            check.spot((*here, "at"), load.at, names)
+        elif load.body is not None:
+            check.known((*here, "body"), load.body, "body", study.bodies)
+        elif load.on is not None:
+            check.known((*here, "on"), load.on, "surface", model.surfaces)
+        if load.half_sine is not None:
+            right = "pressure" if load.on is not None else "force"
+            if load.half_sine.amplitude.dimension not in (None, right):
+                where = (*here, "half_sine", "amplitude")
+                check.wrong(
+                    where, f"a {load.half_sine.amplitude.dimension}", f"a {right}", "surfaces take Pa, points N"
+                )
+
+
+def _check_records(check: Checker, study: StudySpec, names: Names) -> None:
+    own = [
+        f"{name} on {body.above or body.below or body.before or body.after}"
+        for name, body in study.bodies.items()
+        if body.contact is not None
+    ]
+    forced = [*names.forces, *study.contacts, *study.links, *own]
+    for target, wanted in study.record.items():
+        steps: Steps = ("record", target)
+        for what in wanted:
+            if target in study.bodies:
+                if what not in ("displacement", "velocity", "travel"):
+                    check.wrong(steps, f"'{what}' of a body", "displacement, velocity or travel")
+            elif target in forced:
+                if what != "force":
+                    check.wrong(steps, f"'{what}' of '{target}'", "force")
+            elif what in ("force", "travel"):
+                words = "a body" if what == "travel" else "a contact, link, part, joint, support or ground"
+                known = list(study.bodies) if what == "travel" else forced
+                check.wrong(steps, f"'{target}'", f"the name of {words}", nearest(target, known), of_key=True)
+            elif "." in target:
+                check.spot(steps, target, names, of_key=True)
+            else:
+                known = [*study.bodies, *(f"{place}.z" for place in names.places)]
+                do = nearest(target, known)
+                check.wrong(steps, f"'{target}'", "a direction of a point, or a body", do, of_key=True)
