@@ -20,10 +20,13 @@ from acoustics.judgement import one_way, source_advice, truncation
 from acoustics.room import Receiver, Room, inside
 from acoustics.source import SurfaceVelocity, on_ceiling
 
-WINDOW: Final = 10.0  # a T: the wrap-around of the padded record is exp(-2 a T), rounding is amplified by exp(a T)
-ENOUGH: Final = 1e-5  # share of the last orders in the pressure at which no more are added
+PADDING: Final = 1.5  # length of the transform over that of the record
+WINDOW: Final = 13.5  # a T: wrap-around is exp(-a T PADDING) = 2e-9, rounding is amplified by exp(a T) to 2e-10
+ENOUGH: Final = 1e-4  # share (rms, 0.001 dB) of the last orders in the pressure at which no more are added
 SILENT: Final = 1e-9  # share of the velocity below which a cosine is not driven: symmetry, but for rounding
-NEGLIGIBLE: Final = 1e-9  # share of the summed velocity spectrum above the highest frequency that is evaluated
+NEGLIGIBLE: Final = 1e-6  # share (rms) of the pressure above the highest frequency that is evaluated
+FIRST_ORDERS: Final = 5  # cosines l, m to begin with
+FINER: Final = 0.1  # share of the most driven cosine above which one that is left out keeps the search going
 MOST: Final = 40  # orders beyond those of the band that the search for convergence may add
 _BLOCK: Final = 1 << 15  # complex numbers handled at once: they stay in the cache
 _MEMORY: Final = 1 << 24  # complex numbers of one batch of cosines
@@ -78,7 +81,7 @@ def pressure(
     """Pressure at the receivers of a rigid-walled room whose ceiling moves with the given velocity.
 
     orders : cosines l, m = 0 .. orders - 1 of the ceiling in both directions; None: those of the source's band, and
-        then more until the last ones add less than 1e-5 of the pressure (rms, at the worst receiver).
+        then more until the last ones add less than 1e-4 of the pressure (rms, at the worst receiver).
 
     Returns RoomResponse; its findings say whether the orders, the sampling, the decay of the record and the losses
     allow the result to be believed.
@@ -86,8 +89,8 @@ def pressure(
 
     Notes
     -----
-    The velocity is continued smoothly beyond the record's end T to 2 T, where it no longer matters (the room is
-    causal), weighted with exp(-a t), a = 10 / T, transformed, multiplied with the transfer function at omega - j a,
+    The velocity is continued smoothly beyond the record's end T to 1.5 T, where it no longer matters (the room is
+    causal), weighted with exp(-a t), a = 13.5 / T, transformed, multiplied with the transfer function at omega - j a,
     including the bin at zero, transformed back and weighted with exp(a t). Against exact modal equations the error
     is below 1e-6 of the peak where the sampling rate is 30 times the source's highest frequency.
     With losses of kind ``source``, which are not analytic off the frequency axis, there is no weighting: the surface
@@ -123,7 +126,7 @@ def pressure(
         p += part
         done = np.concatenate([done, new])
         share = _worst_share(part, p)
-        if orders is None and len(done) > len(new) and share < ENOUGH:
+        if orders is None and len(done) > len(new) and share < ENOUGH and _undriven(surface, room, done, highest_hz):
             break
     findings = (
         *source_advice(surface, room, done, highest_hz),
@@ -231,8 +234,25 @@ def _order_blocks(room: Room, orders: int | None, highest_hz: float) -> list[Int
         if orders < 1:
             raise AcousticsError("orders", got=str(orders), expected="at least 1")
         return [_square(n, n) for n in sorted({max(1, orders - 2), orders})]
+    most = max(_band_orders(room, highest_hz)) + MOST
+    return [_square(n, n) for n in range(FIRST_ORDERS, max(most, FIRST_ORDERS + 2) + 1, 2)]
+
+
+def _band_orders(room: Room, highest_hz: float) -> tuple[int, int]:
+    """Cosines that propagate below a frequency, in both directions, and three more."""
     n_l, n_m = (int(np.ceil(2 * length * highest_hz / room.air.c)) + 3 for length in room.size[:2].tolist())
-    return [_square(n_l + more, n_m + more) for more in range(0, MOST + 1, 2)]
+    return n_l, n_m
+
+
+def _undriven(surface: SurfaceVelocity, room: Room, done: Integers, highest_hz: float) -> bool:
+    """Whether no cosine of the source's band that is left out is driven nearly as much as those that are in.
+
+    Blocks that add nothing end the search; a surface that moves in a pattern finer than the last block would end it
+    too early.
+    """
+    left = _not_in(_square(*_band_orders(room, highest_hz)), done)
+    speeds = [np.abs(project(surface, room, some)) @ surface.sizes for some in (left, done)]
+    return bool(speeds[0].max(initial=0.0) <= FINER * speeds[1].max())
 
 
 def _worst_share(part: Floats, p: Floats) -> float:
@@ -245,13 +265,11 @@ def _synthesise(surface: SurfaceVelocity, room: Room, orders: Integers, places: 
     """Pressure [n_places, nt] of the cosines `orders` of the ceiling velocity."""
     nt, dt = surface.rates.shape[1], surface.dt
     coefficients = project(surface, room, orders)
-    speed = np.abs(coefficients) @ np.sqrt(np.einsum("kt,kt->k", surface.rates, surface.rates))
-    loudest = np.abs(surface.shapes).max(axis=0, initial=0) @ np.sqrt(
-        np.einsum("kt,kt->k", surface.rates, surface.rates)
-    )
+    speed = np.abs(coefficients) @ surface.sizes
+    loudest = np.abs(surface.shapes).max(axis=0, initial=0) @ surface.sizes
     driven = speed > SILENT * loudest
     orders, coefficients = orders[driven], coefficients[driven]
-    length = fast_length(2 * nt)
+    length = fast_length(int(np.ceil(PADDING * nt)))
     weighted = room.losses.kind != "source"
     decay = WINDOW / (nt * dt) if weighted else 0.0
     weight = np.exp(-decay * dt * np.arange(length))
@@ -288,9 +306,12 @@ def _through(
     """
     parts = [np.zeros_like(spectra) for _ in heights]
     k_lm = horizontal_wavenumber(room, orders)
-    size = np.abs(spectra).max(axis=0)
-    above = np.cumsum(size[::-1])[::-1]
-    last = int(np.count_nonzero(above > NEGLIGIBLE * above[0]))
+    stiff = np.maximum(
+        1.0, room.air.c / (np.abs(s) * float(room.size[2]))
+    )  # |pressure| / rho c |v|, but for resonances
+    energy = np.square(np.abs(spectra).max(axis=0) * stiff)
+    above = np.cumsum(energy[::-1])[::-1]
+    last = int(np.count_nonzero(above > NEGLIGIBLE**2 * above[0]))
     width = max(1, _BLOCK // max(1, len(orders)))
     for start in range(0 if steps is None else 1, last, width):
         band = slice(start, min(start + width, last))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -51,6 +52,11 @@ class SurfaceVelocity:
             raise AcousticsError("surface.rates", got=f"{rates.shape[1]} samples", expected="at least 2")
         dt = positive("surface.dt", self.dt, "s")
         freeze(self, points=points, weights=weights, shapes=shapes, rates=rates, dt=dt)
+
+    @cached_property
+    def sizes(self) -> Floats:
+        """Root of the summed squares of every modal rate [k], the size of its part in the motion."""
+        return np.sqrt(np.einsum("kt,kt->k", self.rates, self.rates))
 
     @property
     def t(self) -> Floats:
