@@ -63,7 +63,9 @@ def save(figure: Figure, path: str | Path) -> Path:
     """Write a figure in one step: nobody sees half a picture. The suffix of the path chooses the format."""
     path = Path(path)
     with replacing(path) as temporary:
-        figure.savefig(temporary, format=path.suffix.removeprefix(".") or "png")  # no layout, no tight box: quick
+        form = path.suffix.removeprefix(".") or "png"
+        options: dict[str, Any] = {"pil_kwargs": {"compress_level": 2}} if form == "png" else {}
+        figure.savefig(temporary, format=form, **options)
     return path
 
 
@@ -136,14 +138,16 @@ def mode_lines(axes: Axes, frequency_hz: Mapping[int, float], low: float, high: 
 
     A number is left out where it would cover the one before.
     """
+    inside = {mode: frequency for mode, frequency in frequency_hz.items() if low <= frequency <= high}
+    axes.vlines(
+        list(inside.values()), 0.0, 1.0, transform=axes.get_xaxis_transform(), color="0.7", linewidth=0.6,
+        linestyle=":", zorder=0,
+    )  # fmt: skip
     logarithmic = axes.get_xscale() == "log"
     last = -np.inf
-    for mode, frequency in frequency_hz.items():
-        if not low <= frequency <= high:
-            continue
-        axes.axvline(frequency, color="0.7", linewidth=0.6, linestyle=":", zorder=0)
+    for mode, frequency in inside.items() if numbers else ():
         along = np.log(frequency / low) / np.log(high / low) if logarithmic else (frequency - low) / (high - low)
-        if numbers and along - last > 0.022:
+        if along - last > 0.022:
             axes.annotate(
                 str(mode), (frequency, 1.0), xycoords=("data", "axes fraction"), xytext=(0, 2),
                 textcoords="offset points", fontsize=7, color="0.4", ha="center",

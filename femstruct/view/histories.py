@@ -37,13 +37,18 @@ def history(result: StudyResult, channel: str) -> Figure:
 
 
 def contact_forces(result: StudyResult) -> Figure | None:
-    """Forces of all contacts, a row each; None where nothing touches."""
+    """Forces of the contacts that are not recorded channels, which have figures of their own; None without any."""
+    recorded = {name for case in result.cases.values() for name in case.channels}
     return _rows_of(
         result,
         "Contact forces",
         "N",
         {
-            case: {name: (contact.force, f"peak {contact.peak_force:.4g} N") for name, contact in r.contacts.items()}
+            case: {
+                name: (contact.force, f"peak {contact.peak_force:.4g} N")
+                for name, contact in r.contacts.items()
+                if f"{name} force" not in recorded
+            }
             for case, r in _responses(result).items()
         },
     )
