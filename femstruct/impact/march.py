@@ -74,7 +74,7 @@ def march(system: System, state: State, rule: Rule, tables: Tables, trial: Trial
     for a in range(m):
         if loaded[a] > 0.0:
             events, event_rows, n_events = _log(events, event_rows, n_events, a, CLOSES, 0, history[0])
-    t, level, hint, kink, steps = np.int64(0), top_level, np.int64(-1), 0, 0
+    t, level, hint, kink = np.int64(0), top_level, np.int64(-1), 0
     stride = max(end // 2048, 1)
     last = np.int64(0)
     while t < end:

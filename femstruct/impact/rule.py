@@ -27,7 +27,7 @@ class Rule(NamedTuple):
     shift [p, s, s] : values at (theta_p + c_n) / 2. moments [m, p, s] : integrals of (theta_p - u)^m / m! l_n(u)
     from 0 to theta_p. slopes [s, s] : derivatives 0..s-1 at the start. ends [p] : the points theta_p.
     places [s + 2] : start, nodes, end. bernstein [s + 2, s + 2] : Bernstein coefficients from values at the places.
-    barycentric [s + 2] : weights of interpolation at the places. lebesgue, node_polynomial : of interpolation at the places
+    barycentric [s + 2] : weights of interpolation at the places. lebesgue, node_polynomial : of that interpolation
     (norm of the operator; largest |product of distances|). pieces [i, s, s] : values at the nodes of part j of a
     step cut in 2^m parts, i = 2^m - 1 + j.
     """
