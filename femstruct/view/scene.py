@@ -92,10 +92,12 @@ def picture_modes(model: Model, basis: ModalBasis, path: str | Path, title: str 
 def picture_model(model: Model | None, rooms: Sequence[RoomPlan], path: str | Path) -> None:
     """Draw a model with its names: parts, supports, springs and foundations, points, surfaces, rooms, axes in metres.
 
-    Raises InputError for a structure in closed form, NoOpenGL where VTK cannot draw.
+    Raises InputError for a structure in closed form or a name that is no picture's, NoOpenGL where VTK cannot draw.
     """
     if model is None:
         raise InputError("--picture", got="a structure in closed form", expected="a model with parts")
+    if (suffix := Path(path).suffix.lower()) not in (".png", ".jpg", ".jpeg", ".tif"):
+        raise InputError("--picture", got=f"'{suffix}'", expected="a name that ends in .png, .jpg or .tif")
     require_opengl()
     import pyvista
 
@@ -163,8 +165,7 @@ def _mesh(fine: Refined, points: Floats, own: Any = None) -> Any:
 def _save(plotter: Any, path: str | Path) -> None:
     from PIL import Image
 
-    image = plotter.screenshot(None, return_img=True)
+    image = Image.fromarray(plotter.screenshot(None, return_img=True))
     plotter.close()
-    path = Path(path)
     with replacing(path) as temporary:
-        Image.fromarray(image).save(temporary, format=path.suffix.removeprefix(".").upper() or "PNG")
+        image.save(temporary)  # which has the suffix of path

@@ -55,6 +55,11 @@ def test_a_structure_in_closed_form_has_no_picture(tmp_path):
         picture_model(None, (), tmp_path / "model.png")
 
 
+def test_a_name_that_is_no_picture_is_refused(tmp_path):
+    with pytest.raises(InputError, match=r"ends in \.png"):
+        picture_model(BY_HAND["model_by_hand"](), (), tmp_path / "model.pnf")
+
+
 def test_shapes_and_model_are_drawn(tmp_path):
     try:
         opengl.require_opengl()
