@@ -17,15 +17,15 @@ from acoustics.cavity import cosines, horizontal_wavenumber, project, transfer
 from acoustics.errors import AcousticsError, Advice
 from acoustics.extension import extended, fast_length, returned, source_bandwidth
 from acoustics.judgement import one_way, source_advice, truncation
-from acoustics.room import Receiver, Room, inside
+from acoustics.room import Receiver, Room, inside, modal_damping_ratio
 from acoustics.source import SurfaceVelocity, on_ceiling
 
 PADDING: Final = 1.5  # length of the transform over that of the record
 WINDOW: Final = 13.5  # a T: wrap-around is exp(-a T PADDING) = 2e-9, rounding is amplified by exp(a T) to 2e-10
 ENOUGH: Final = 1e-4  # share (rms, 0.001 dB) of the last orders in the pressure at which no more are added
 SILENT: Final = 1e-9  # share of the velocity below which a cosine is not driven: symmetry, but for rounding
-NEGLIGIBLE: Final = 1e-6  # share (rms) of the pressure above the highest frequency that is evaluated
-FIRST_ORDERS: Final = 5  # cosines l, m to begin with
+NEGLIGIBLE: Final = 1e-9  # share of the summed velocity spectrum above the highest frequency that is evaluated
+FIRST_ORDERS: Final = 3  # cosines l, m to begin with, all of them evaluated
 FINER: Final = 0.1  # share of the most driven cosine above which one that is left out keeps the search going
 MOST: Final = 40  # orders beyond those of the band that the search for convergence may add
 _BLOCK: Final = 1 << 15  # complex numbers handled at once: they stay in the cache
@@ -122,7 +122,8 @@ def pressure(
     done, share = np.zeros((0, 2), dtype=np.int64), 0.0
     for block in _order_blocks(room, orders, highest_hz):
         new = _not_in(block, done)
-        part = _synthesise(surface, room, new, places)
+        audible = new if orders is not None or not len(done) else _audible(surface, room, new, p)
+        part = _synthesise(surface, room, audible, places)
         p += part
         done = np.concatenate([done, new])
         share = _worst_share(part, p)
@@ -255,6 +256,26 @@ def _undriven(surface: SurfaceVelocity, room: Room, done: Integers, highest_hz: 
     return bool(speeds[0].max(initial=0.0) <= FINER * speeds[1].max())
 
 
+def _audible(surface: SurfaceVelocity, room: Room, orders: Integers, p: Floats) -> Integers:
+    """The cosines that could matter: the others, each in resonance all the time, would together stay below ENOUGH.
+
+    Notes
+    -----
+    A resonance of cosine (l, m) makes no more than rho c^2 v / (Lz zeta omega_lm) of the velocity v; motions that only
+    rounding or a mesh without symmetry excites are left out so.
+    """
+    k_lm = horizontal_wavenumber(room, orders)
+    omega = room.air.c * np.where(k_lm > 0, k_lm, np.pi / float(room.size[:2].max()))
+    ratio = np.array([modal_damping_ratio(room.losses, w / (2 * np.pi)) for w in omega.tolist()])
+    velocity = project(surface, room, orders) @ surface.rates
+    loudest = np.sqrt(np.einsum("nt,nt->n", velocity, velocity)) * room.air.bulk_modulus / float(room.size[2])
+    bound = np.divide(loudest, ratio * omega, out=np.full_like(loudest, np.inf), where=ratio > 0)
+    quiet = np.argsort(bound)
+    together = np.sqrt(np.cumsum(bound[quiet] ** 2))
+    left_out = quiet[together < ENOUGH * np.sqrt(np.einsum("rt,rt->r", p, p).min())]
+    return np.delete(orders, left_out, axis=0)
+
+
 def _worst_share(part: Floats, p: Floats) -> float:
     """Largest ratio over the receivers of the rms of `part` to that of `p`."""
     of_part, of_all = (np.einsum("rt,rt->r", x, x) for x in (part, p))
@@ -306,12 +327,9 @@ def _through(
     """
     parts = [np.zeros_like(spectra) for _ in heights]
     k_lm = horizontal_wavenumber(room, orders)
-    stiff = np.maximum(
-        1.0, room.air.c / (np.abs(s) * float(room.size[2]))
-    )  # |pressure| / rho c |v|, but for resonances
-    energy = np.square(np.abs(spectra).max(axis=0) * stiff)
-    above = np.cumsum(energy[::-1])[::-1]
-    last = int(np.count_nonzero(above > NEGLIGIBLE**2 * above[0]))
+    size = np.abs(spectra).max(axis=0)
+    above = np.cumsum(size[::-1])[::-1]
+    last = int(np.count_nonzero(above > NEGLIGIBLE * above[0]))
     width = max(1, _BLOCK // max(1, len(orders)))
     for start in range(0 if steps is None else 1, last, width):
         band = slice(start, min(start + width, last))

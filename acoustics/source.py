@@ -56,7 +56,8 @@ class SurfaceVelocity:
     @cached_property
     def sizes(self) -> Floats:
         """Root of the summed squares of every modal rate [k], the size of its part in the motion."""
-        return np.sqrt(np.einsum("kt,kt->k", self.rates, self.rates))
+        sizes: Floats = np.sqrt(np.einsum("kt,kt->k", self.rates, self.rates))
+        return sizes
 
     @property
     def t(self) -> Floats:
