@@ -7,7 +7,7 @@ The way through this wing, each step a pure function or a frozen noun::
     pressure(...) -> RoomResponse      what is heard, in time and frequency      pressure (transfer functions: cavity)
     sound_levels(...) -> Levels        peak, L_AFmax, third octaves              levels
 
-Layers, lowest first: ``errors arrays | air room source | cavity | extension judgement | pressure | levels``. A module
+Layers, lowest first: ``errors arrays | air room source | cavity extension | orders judgement pressure maps | levels``. A module
 imports only from lower ones. Nothing here knows of finite elements, opens a file or prints.
 
 Harmonic quantities are the real part of X exp(+j omega t). The surface's velocity is positive into the room, where it
@@ -22,7 +22,8 @@ from typing import TYPE_CHECKING, Any
 from acoustics.air import Air
 from acoustics.errors import AcousticsError, Advice
 from acoustics.judgement import air_stiffness_advice
-from acoustics.pressure import PressureMap, RoomResponse, pressure, pressure_map
+from acoustics.maps import PressureMap, pressure_map
+from acoustics.pressure import RoomResponse, pressure
 from acoustics.room import (
     Losses,
     Receiver,

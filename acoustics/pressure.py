@@ -12,22 +12,19 @@ from typing import Final
 
 import numpy as np
 
-from acoustics.arrays import Complexes, Floats, Integers, freeze, frozen, positive
+from acoustics.arrays import Complexes, Floats, Integers, freeze, frozen
 from acoustics.cavity import cosines, horizontal_wavenumber, project, transfer
 from acoustics.errors import AcousticsError, Advice
 from acoustics.extension import extended, fast_length, returned, source_bandwidth
 from acoustics.judgement import one_way, source_advice, truncation
-from acoustics.room import Receiver, Room, inside, modal_damping_ratio
+from acoustics.orders import ENOUGH, audible, not_in, order_blocks, square, undriven
+from acoustics.room import Receiver, Room, inside
 from acoustics.source import SurfaceVelocity, on_ceiling
 
 PADDING: Final = 1.5  # length of the transform over that of the record
 WINDOW: Final = 13.5  # a T: wrap-around is exp(-a T PADDING) = 2e-9, rounding is amplified by exp(a T) to 2e-10
-ENOUGH: Final = 1e-4  # share (rms, 0.001 dB) of the last orders in the pressure at which no more are added
 SILENT: Final = 1e-9  # share of the velocity below which a cosine is not driven: symmetry, but for rounding
 NEGLIGIBLE: Final = 1e-9  # share of the summed velocity spectrum above the highest frequency that is evaluated
-FIRST_ORDERS: Final = 3  # cosines l, m to begin with, all of them evaluated
-FINER: Final = 0.1  # share of the most driven cosine above which one that is left out keeps the search going
-MOST: Final = 40  # orders beyond those of the band that the search for convergence may add
 _BLOCK: Final = 1 << 15  # complex numbers handled at once: they stay in the cache
 _MEMORY: Final = 1 << 24  # complex numbers of one batch of cosines
 
@@ -117,17 +114,17 @@ def pressure(
     places = np.stack([receiver.position for receiver in receivers])
     for receiver in receivers:
         inside(room, f"receiver {receiver.name}", receiver.position[None, :])
-    highest_hz = source_bandwidth(project(surface, room, _square(2, 2)) @ surface.rates, surface.dt)
+    highest_hz = source_bandwidth(project(surface, room, square(2, 2)) @ surface.rates, surface.dt)
     p = np.zeros((len(receivers), surface.rates.shape[1]))
     done, share = np.zeros((0, 2), dtype=np.int64), 0.0
-    for block in _order_blocks(room, orders, highest_hz):
-        new = _not_in(block, done)
-        audible = new if orders is not None or not len(done) else _audible(surface, room, new, p)
-        part = _synthesise(surface, room, audible, places)
+    for block in order_blocks(room, orders, highest_hz):
+        new = not_in(block, done)
+        heard = new if orders is not None or not len(done) else audible(surface, room, new, p)
+        part = _synthesise(surface, room, heard, places)
         p += part
         done = np.concatenate([done, new])
         share = _worst_share(part, p)
-        if orders is None and len(done) > len(new) and share < ENOUGH and _undriven(surface, room, done, highest_hz):
+        if orders is None and len(done) > len(new) and share < ENOUGH and undriven(surface, room, done, highest_hz):
             break
     findings = (
         *source_advice(surface, room, done, highest_hz),
@@ -136,144 +133,6 @@ def pressure(
     )
     p.flags.writeable = False
     return RoomResponse(tuple(receivers), surface.t, p, findings)
-
-
-@dataclass(frozen=True, eq=False)
-class PressureMap:
-    """Pressure on a plane of the room, for pictures.
-
-    normal : axis the plane is normal to, ``x``, ``y`` or ``z``.
-    first, second : [n1], [n2], coordinates along the two other axes, in the order x, y, z [m].
-    frequency_hz : [nf].
-    spectrum : [nf, n1, n2], Fourier transform of the pressure [Pa/Hz].
-    """
-
-    normal: str
-    at: float
-    first: Floats
-    second: Floats
-    frequency_hz: Floats
-    spectrum: Complexes
-
-    def __post_init__(self) -> None:
-        first = frozen("map.first", self.first, (None,))
-        second = frozen("map.second", self.second, (None,))
-        frequency_hz = frozen("map.frequency_hz", self.frequency_hz, (None,))
-        spectrum = np.array(self.spectrum, dtype=np.complex128)
-        if spectrum.shape != (expected := (len(frequency_hz), len(first), len(second))):
-            raise AcousticsError("map.spectrum", got=f"shape {spectrum.shape}", expected=f"shape {expected}")
-        spectrum.flags.writeable = False
-        freeze(self, first=first, second=second, frequency_hz=frequency_hz, spectrum=spectrum)
-
-
-def pressure_map(
-    surface: SurfaceVelocity,
-    room: Room,
-    frequencies_hz: Sequence[float] | Floats,
-    *,
-    normal: str = "z",
-    at: float,
-    divisions: tuple[int, int] = (48, 40),
-    orders: int = 24,
-) -> PressureMap:
-    """Spectrum of the pressure at chosen frequencies on a plane of the room.
-
-    frequencies_hz : [nf], above 0 [Hz].
-    normal, at : the plane x, y or z = `at` [m].
-    divisions : intervals along the two other axes.
-
-    Raises AcousticsError: a plane outside the room, a frequency not above 0, a room without losses at resonance.
-
-    Notes
-    -----
-    The Fourier transform of the velocity's record times the transfer function at that frequency: what a record long
-    enough for the air to fall silent would give, the surface standing still after the record's end. It equals
-    `RoomResponse.spectrum` when the record has decayed.
-    """
-    on_ceiling(surface, room)
-    if normal not in ("x", "y", "z"):
-        raise AcousticsError("map.normal", got=repr(normal), expected="x, y or z")
-    fixed = "xyz".index(normal)
-    axes = [axis for axis in range(3) if axis != fixed]
-    first, second = (np.linspace(0, room.size[axis], n + 1) for axis, n in zip(axes, divisions, strict=True))
-    corner = np.zeros((1, 3))
-    corner[0, fixed] = at
-    inside(room, "map.at", corner)
-    frequency_hz = np.array([positive("map.frequency", float(f), "Hz") for f in frequencies_hz])
-    s = 2j * np.pi * frequency_hz
-    chosen = _square(orders, orders)
-    kernel = surface.dt * np.exp(-np.outer(surface.t, s))
-    velocity = project(surface, room, chosen) @ (surface.rates @ kernel)
-    heights = np.array([at]) if normal == "z" else second
-    with np.errstate(divide="ignore", invalid="ignore"):  # a resonance without losses is refused just below
-        parts = np.stack(transfer(room, s, horizontal_wavenumber(room, chosen), heights)) * velocity
-    if not np.isfinite(parts).all():
-        raise AcousticsError("map.frequency", got="a resonance of a room without losses", expected="losses")
-    if normal == "z":
-        grid = np.stack(np.meshgrid(first, second, indexing="ij"), axis=-1).reshape(-1, 2)
-        spectrum = (cosines(room, chosen, grid) @ parts[0]).T.reshape(-1, len(first), len(second))
-    else:
-        line = np.zeros((len(first), 2))
-        line[:, fixed], line[:, 1 - fixed] = at, first
-        spectrum = np.einsum("ic,zcf->fiz", cosines(room, chosen, line), parts, optimize=True)
-    return PressureMap(normal, at, first, second, frequency_hz, spectrum)
-
-
-def _square(n_l: int, n_m: int) -> Integers:
-    grid = np.stack(np.meshgrid(np.arange(n_l), np.arange(n_m), indexing="ij"), axis=-1)
-    return grid.reshape(-1, 2).astype(np.int64)
-
-
-def _not_in(block: Integers, done: Integers) -> Integers:
-    known = {tuple(pair) for pair in done.tolist()}
-    return np.array([pair for pair in block.tolist() if tuple(pair) not in known], dtype=np.int64).reshape(-1, 2)
-
-
-def _order_blocks(room: Room, orders: int | None, highest_hz: float) -> list[Integers]:
-    """Growing sets of cosines; the last two orders, which tell the truncation, are a block of their own."""
-    if orders is not None:
-        if orders < 1:
-            raise AcousticsError("orders", got=str(orders), expected="at least 1")
-        return [_square(n, n) for n in sorted({max(1, orders - 2), orders})]
-    most = max(_band_orders(room, highest_hz)) + MOST
-    return [_square(n, n) for n in range(FIRST_ORDERS, max(most, FIRST_ORDERS + 2) + 1, 2)]
-
-
-def _band_orders(room: Room, highest_hz: float) -> tuple[int, int]:
-    """Cosines that propagate below a frequency, in both directions, and three more."""
-    n_l, n_m = (int(np.ceil(2 * length * highest_hz / room.air.c)) + 3 for length in room.size[:2].tolist())
-    return n_l, n_m
-
-
-def _undriven(surface: SurfaceVelocity, room: Room, done: Integers, highest_hz: float) -> bool:
-    """Whether no cosine of the source's band that is left out is driven nearly as much as those that are in.
-
-    Blocks that add nothing end the search; a surface that moves in a pattern finer than the last block would end it
-    too early.
-    """
-    left = _not_in(_square(*_band_orders(room, highest_hz)), done)
-    speeds = [np.abs(project(surface, room, some)) @ surface.sizes for some in (left, done)]
-    return bool(speeds[0].max(initial=0.0) <= FINER * speeds[1].max())
-
-
-def _audible(surface: SurfaceVelocity, room: Room, orders: Integers, p: Floats) -> Integers:
-    """The cosines that could matter: the others, each in resonance all the time, would together stay below ENOUGH.
-
-    Notes
-    -----
-    A resonance of cosine (l, m) makes no more than rho c^2 v / (Lz zeta omega_lm) of the velocity v; motions that only
-    rounding or a mesh without symmetry excites are left out so.
-    """
-    k_lm = horizontal_wavenumber(room, orders)
-    omega = room.air.c * np.where(k_lm > 0, k_lm, np.pi / float(room.size[:2].max()))
-    ratio = np.array([modal_damping_ratio(room.losses, w / (2 * np.pi)) for w in omega.tolist()])
-    velocity = project(surface, room, orders) @ surface.rates
-    loudest = np.sqrt(np.einsum("nt,nt->n", velocity, velocity)) * room.air.bulk_modulus / float(room.size[2])
-    bound = np.divide(loudest, ratio * omega, out=np.full_like(loudest, np.inf), where=ratio > 0)
-    quiet = np.argsort(bound)
-    together = np.sqrt(np.cumsum(bound[quiet] ** 2))
-    left_out = quiet[together < ENOUGH * np.sqrt(np.einsum("rt,rt->r", p, p).min())]
-    return np.delete(orders, left_out, axis=0)
 
 
 def _worst_share(part: Floats, p: Floats) -> float:

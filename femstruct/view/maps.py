@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from acoustics.levels import REFERENCE_PA
-from acoustics.pressure import PressureMap, pressure_map
+from acoustics.maps import PressureMap, pressure_map
 from acoustics.room import Receiver
 from femstruct.radiation import surface_velocity
 from femstruct.study.result import StudyResult

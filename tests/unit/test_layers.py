@@ -25,7 +25,7 @@ LAYERS = [
 ACOUSTICS = [
     ["acoustics.errors", "acoustics.arrays", "acoustics.air", "acoustics.room", "acoustics.source"],
     ["acoustics.extension", "acoustics.cavity"],
-    ["acoustics.judgement", "acoustics.pressure"],
+    ["acoustics.orders", "acoustics.judgement", "acoustics.pressure", "acoustics.maps"],
     ["acoustics.levels"],
 ]
 HEARS_ACOUSTICS = {"radiation", "study", "language", "files", "view", "workflow", "cli"}

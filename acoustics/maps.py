@@ -1,0 +1,96 @@
+"""Pressure on a plane of the room at single frequencies, for pictures."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from acoustics.arrays import Complexes, Floats, freeze, frozen, positive
+from acoustics.cavity import cosines, horizontal_wavenumber, project, transfer
+from acoustics.errors import AcousticsError
+from acoustics.orders import square
+from acoustics.room import Room, inside
+from acoustics.source import SurfaceVelocity, on_ceiling
+
+
+@dataclass(frozen=True, eq=False)
+class PressureMap:
+    """Pressure on a plane of the room, for pictures.
+
+    normal : axis the plane is normal to, ``x``, ``y`` or ``z``.
+    first, second : [n1], [n2], coordinates along the two other axes, in the order x, y, z [m].
+    frequency_hz : [nf].
+    spectrum : [nf, n1, n2], Fourier transform of the pressure [Pa/Hz].
+    """
+
+    normal: str
+    at: float
+    first: Floats
+    second: Floats
+    frequency_hz: Floats
+    spectrum: Complexes
+
+    def __post_init__(self) -> None:
+        first = frozen("map.first", self.first, (None,))
+        second = frozen("map.second", self.second, (None,))
+        frequency_hz = frozen("map.frequency_hz", self.frequency_hz, (None,))
+        spectrum = np.array(self.spectrum, dtype=np.complex128)
+        if spectrum.shape != (expected := (len(frequency_hz), len(first), len(second))):
+            raise AcousticsError("map.spectrum", got=f"shape {spectrum.shape}", expected=f"shape {expected}")
+        spectrum.flags.writeable = False
+        freeze(self, first=first, second=second, frequency_hz=frequency_hz, spectrum=spectrum)
+
+
+def pressure_map(
+    surface: SurfaceVelocity,
+    room: Room,
+    frequencies_hz: Sequence[float] | Floats,
+    *,
+    normal: str = "z",
+    at: float,
+    divisions: tuple[int, int] = (48, 40),
+    orders: int = 24,
+) -> PressureMap:
+    """Spectrum of the pressure at chosen frequencies on a plane of the room.
+
+    frequencies_hz : [nf], above 0 [Hz].
+    normal, at : the plane x, y or z = `at` [m].
+    divisions : intervals along the two other axes.
+
+    Raises AcousticsError: a plane outside the room, a frequency not above 0, a room without losses at resonance.
+
+    Notes
+    -----
+    The Fourier transform of the velocity's record times the transfer function at that frequency: what a record long
+    enough for the air to fall silent would give, the surface standing still after the record's end. It equals
+    `RoomResponse.spectrum` when the record has decayed.
+    """
+    on_ceiling(surface, room)
+    if normal not in ("x", "y", "z"):
+        raise AcousticsError("map.normal", got=repr(normal), expected="x, y or z")
+    fixed = "xyz".index(normal)
+    axes = [axis for axis in range(3) if axis != fixed]
+    first, second = (np.linspace(0, room.size[axis], n + 1) for axis, n in zip(axes, divisions, strict=True))
+    corner = np.zeros((1, 3))
+    corner[0, fixed] = at
+    inside(room, "map.at", corner)
+    frequency_hz = np.array([positive("map.frequency", float(f), "Hz") for f in frequencies_hz])
+    s = 2j * np.pi * frequency_hz
+    chosen = square(orders, orders)
+    kernel = surface.dt * np.exp(-np.outer(surface.t, s))
+    velocity = project(surface, room, chosen) @ (surface.rates @ kernel)
+    heights = np.array([at]) if normal == "z" else second
+    with np.errstate(divide="ignore", invalid="ignore"):  # a resonance without losses is refused just below
+        parts = np.stack(transfer(room, s, horizontal_wavenumber(room, chosen), heights)) * velocity
+    if not np.isfinite(parts).all():
+        raise AcousticsError("map.frequency", got="a resonance of a room without losses", expected="losses")
+    if normal == "z":
+        grid = np.stack(np.meshgrid(first, second, indexing="ij"), axis=-1).reshape(-1, 2)
+        spectrum = (cosines(room, chosen, grid) @ parts[0]).T.reshape(-1, len(first), len(second))
+    else:
+        line = np.zeros((len(first), 2))
+        line[:, fixed], line[:, 1 - fixed] = at, first
+        spectrum = np.einsum("ic,zcf->fiz", cosines(room, chosen, line), parts, optimize=True)
+    return PressureMap(normal, at, first, second, frequency_hz, spectrum)

@@ -1,0 +1,77 @@
+"""Which cosines of the ceiling a response needs: grown from few, until more add nothing that can be heard."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+
+from acoustics.arrays import Floats, Integers
+from acoustics.cavity import horizontal_wavenumber, project
+from acoustics.errors import AcousticsError
+from acoustics.room import Room, modal_damping_ratio
+from acoustics.source import SurfaceVelocity
+
+ENOUGH: Final = 1e-4  # share (rms, 0.001 dB) of the last orders in the pressure at which no more are added
+FIRST_ORDERS: Final = 3  # cosines l, m to begin with, all of them evaluated
+FINER: Final = 0.1  # share of the most driven cosine above which one that is left out keeps the search going
+MOST: Final = 40  # orders beyond those of the band that the search for convergence may add
+
+
+def square(n_l: int, n_m: int) -> Integers:
+    """All pairs of orders below n_l and n_m [n_l n_m, 2]."""
+    grid = np.stack(np.meshgrid(np.arange(n_l), np.arange(n_m), indexing="ij"), axis=-1)
+    return grid.reshape(-1, 2).astype(np.int64)
+
+
+def not_in(block: Integers, done: Integers) -> Integers:
+    """Orders of a block that have not been done."""
+    known = {tuple(pair) for pair in done.tolist()}
+    return np.array([pair for pair in block.tolist() if tuple(pair) not in known], dtype=np.int64).reshape(-1, 2)
+
+
+def order_blocks(room: Room, orders: int | None, highest_hz: float) -> list[Integers]:
+    """Growing sets of cosines; the last two orders, which tell the truncation, are a block of their own."""
+    if orders is not None:
+        if orders < 1:
+            raise AcousticsError("orders", got=str(orders), expected="at least 1")
+        return [square(n, n) for n in sorted({max(1, orders - 2), orders})]
+    most = max(_band_orders(room, highest_hz)) + MOST
+    return [square(n, n) for n in range(FIRST_ORDERS, max(most, FIRST_ORDERS + 2) + 1, 2)]
+
+
+def _band_orders(room: Room, highest_hz: float) -> tuple[int, int]:
+    """Cosines that propagate below a frequency, in both directions, and three more."""
+    n_l, n_m = (int(np.ceil(2 * length * highest_hz / room.air.c)) + 3 for length in room.size[:2].tolist())
+    return n_l, n_m
+
+
+def undriven(surface: SurfaceVelocity, room: Room, done: Integers, highest_hz: float) -> bool:
+    """Whether no cosine of the source's band that is left out is driven nearly as much as those that are in.
+
+    Blocks that add nothing end the search; a surface that moves in a pattern finer than the last block would end it
+    too early.
+    """
+    left = not_in(square(*_band_orders(room, highest_hz)), done)
+    speeds = [np.abs(project(surface, room, some)) @ surface.sizes for some in (left, done)]
+    return bool(speeds[0].max(initial=0.0) <= FINER * speeds[1].max())
+
+
+def audible(surface: SurfaceVelocity, room: Room, orders: Integers, p: Floats) -> Integers:
+    """The cosines that could matter: the others, each in resonance all the time, would together stay below ENOUGH.
+
+    Notes
+    -----
+    A resonance of cosine (l, m) makes no more than rho c^2 v / (Lz zeta omega_lm) of the velocity v; motions that only
+    rounding or a mesh without symmetry excites are left out so.
+    """
+    k_lm = horizontal_wavenumber(room, orders)
+    omega = room.air.c * np.where(k_lm > 0, k_lm, np.pi / float(room.size[:2].max()))
+    ratio = np.array([modal_damping_ratio(room.losses, w / (2 * np.pi)) for w in omega.tolist()])
+    velocity = project(surface, room, orders) @ surface.rates
+    loudest = np.sqrt(np.einsum("nt,nt->n", velocity, velocity)) * room.air.bulk_modulus / float(room.size[2])
+    bound = np.divide(loudest, ratio * omega, out=np.full_like(loudest, np.inf), where=ratio > 0)
+    quiet = np.argsort(bound)
+    together = np.sqrt(np.cumsum(bound[quiet] ** 2))
+    left_out = quiet[together < ENOUGH * np.sqrt(np.einsum("rt,rt->r", p, p).min())]
+    return np.delete(orders, left_out, axis=0)
