@@ -228,7 +228,8 @@ class Patch:
 
     def _refuse(self, source: Tree, at: Steps, *, got: str, expected: str, do: str = "") -> None:
         position: Position = source.position(at, of_key=True)
-        self.mistakes.add(position, dotted(at), got=got, expected=expected, do=do)
+        path = "" if at == ("value",) else dotted(at)  # an override has no path in a file
+        self.mistakes.add(position, path, got=got, expected=expected, do=do)
 
 
 def _mapping(value: Mapping[str, Any], key: str) -> dict[str, Any]:

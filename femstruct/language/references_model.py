@@ -9,6 +9,8 @@ from femstruct.language.references import Checker, Names
 from femstruct.language.schema_model import ModelSpec, PointSpec
 from femstruct.language.schema_parts import FoundationSpec, FrameSpec, ISpec, MassSpec, PlateSpec, SpringSpec
 
+ROUNDING = 1e-9  # of a side: what a coordinate written in decimals may be off the edge
+
 
 def check_model(model: ModelSpec, tree: Tree, mistakes: Mistakes) -> None:
     """Every name a model uses is there, of the right kind, and its keys agree with each other."""
@@ -120,6 +122,13 @@ def _check_mass(check: Checker, steps: Steps, part: MassSpec, names: Names, plat
         check.known((*steps, "on"), part.on, "plate", plates)
 
 
+def _check_inside(check: Checker, steps: Steps, places: tuple[tuple[float, ...], ...], plate: PlateSpec) -> None:
+    for place in places:
+        if not all(-ROUNDING * side <= x <= side * (1 + ROUNDING) for x, side in zip(place, plate.size, strict=True)):
+            expected = f"a place on the plate, {plate.size[0]:g} m x {plate.size[1]:g} m"
+            check.wrong(steps, f"{list(place)} m", expected, "measure from the plate's own corner, along its own axes")
+
+
 def _check_point(check: Checker, steps: Steps, point: PointSpec, model: ModelSpec, lined: list[str]) -> None:
     if model.structure is None:
         for key in ("on", "at"):
@@ -133,6 +142,8 @@ def _check_point(check: Checker, steps: Steps, point: PointSpec, model: ModelSpe
             if isinstance(point.at, tuple) and any(len(one) != wanted for one in point.at):
                 got = f"{len(point.at[0])} coordinates"
                 check.wrong((*steps, "at"), got, f"{wanted} on a {part.type}", "global axes" if wanted == 3 else "")
+            elif isinstance(point.at, tuple) and isinstance(part, PlateSpec):
+                _check_inside(check, (*steps, "at"), point.at, part)
         return
     kind = model.structure.type
     if kind in ("none", "modes"):

@@ -5,7 +5,9 @@ from __future__ import annotations
 from femstruct.language.reader import Mistakes, Steps, Tree, nearest
 from femstruct.language.references import Checker, Names
 from femstruct.language.schema_model import ModelSpec
-from femstruct.language.schema_study import SIDES, StudySpec
+from femstruct.language.schema_study import SIDES, StudySpec, TimeSpec
+
+MOST_SAMPLES = 20_000_000
 
 
 def check_study(study: StudySpec, tree: Tree, model: ModelSpec, mistakes: Mistakes) -> None:
@@ -64,11 +66,24 @@ def check_study(study: StudySpec, tree: Tree, model: ModelSpec, mistakes: Mistak
                     steps: Steps = ("rooms", name, "receivers", receiver)
                     size = " x ".join(f"{length:g}" for length in room.size)
                     check.wrong(steps, f"{list(place)} m", f"a point of the room, {size} m", "from its lower corner")
+    if study.time is not None:
+        _check_time(check, study, study.time)
     moving = study.bodies or study.loads or study.initial.velocity or study.initial.rigid or study.record or study.rooms
     if moving and study.time is None:
         check.wrong((), "no time", "how long to simulate", "add 'time: {duration: 1 s, sampling: 48 kHz}'")
     if study.compare is not None and study.cases:
         check.known(("compare", "baseline"), study.compare.baseline, "case", study.cases)
+
+
+def _check_time(check: Checker, study: StudySpec, time: TimeSpec) -> None:
+    if time.duration * time.sampling > MOST_SAMPLES:
+        got = f"{time.duration * time.sampling:.3g} samples"
+        check.wrong(("time",), got, f"at most {MOST_SAMPLES:.0e}", "shorten the duration or lower the sampling")
+    if study.peaks.lowpass is not None and not study.peaks.lowpass < time.sampling / 2:
+        got = f"{study.peaks.lowpass:g} Hz"
+        check.wrong(
+            ("peaks", "lowpass"), got, f"less than half the sampling, {time.sampling / 2:g} Hz", "sample faster"
+        )
 
 
 def _check_contacts(check: Checker, study: StudySpec) -> None:

@@ -20,6 +20,7 @@ from femstruct.language.schema_parts import (
 )
 from femstruct.language.spec import (
     Component,
+    Coordinate,
     Count,
     Frequency,
     Length,
@@ -32,6 +33,7 @@ from femstruct.language.spec import (
     Text,
     exactly_one,
     only,
+    read_by,
     refuse,
 )
 from femstruct.units import QuantityError, quantity, shown_as
@@ -65,7 +67,11 @@ def _places(value: object) -> object:
         raise refuse(error.got, "center, [x, y] or [[x, y], [x, y]]", nearest(str(value), ["center"])) from None
 
 
-At = Annotated[Literal["center"] | tuple[tuple[float, ...], ...], BeforeValidator(_places)]
+_WrittenAt = Literal["center"] | Coordinate | list[Coordinate] | list[list[Coordinate]]
+At = Annotated[
+    Literal["center"] | tuple[tuple[float, ...], ...],
+    read_by(_places, _WrittenAt),
+]
 Side = Annotated[Literal["above", "below"], BeforeValidator(only(("above", "below")))]
 
 
@@ -98,10 +104,16 @@ def _fix(value: object) -> object:
 Edge = Annotated[Literal["x0", "x1", "y0", "y1", "all"], BeforeValidator(only(("x0", "x1", "y0", "y1", "all")))]
 
 
+_Directions = list[Literal["x", "y", "z", "rx", "ry", "rz"]]
+
+
 class SupportSpec(Spec):
     """Held directions of an edge or line of a plate, of a point, or of a whole part."""
 
-    fix: Annotated[Literal["simple", "clamped"] | tuple[str, ...], BeforeValidator(_fix)]
+    fix: Annotated[
+        Literal["simple", "clamped"] | tuple[str, ...],
+        read_by(_fix, Literal["simple", "clamped"] | _Directions),
+    ]
     on: Text | None = None
     edge: Edge | None = None
     line: tuple[Position2, Position2] | None = None
@@ -215,10 +227,10 @@ def _structure(value: object) -> object:
     return {"type": "none"} if value == "none" else value
 
 
-StructureSpec = Annotated[
-    Annotated[NoStructureSpec | OscillatorSpec | RodSpec | BeamSpec | GivenModesSpec, Field(discriminator="type")],
-    BeforeValidator(_structure),
+_Structures = Annotated[
+    NoStructureSpec | OscillatorSpec | RodSpec | BeamSpec | GivenModesSpec, Field(discriminator="type")
 ]
+StructureSpec = Annotated[_Structures, read_by(_structure, Literal["none"] | _Structures)]
 
 
 class ModelSpec(Spec):

@@ -8,6 +8,7 @@ from pydantic import BeforeValidator, Discriminator, Field, Tag
 
 from femstruct.language.spec import (
     AnyRatio,
+    Count,
     Direction3,
     Factor,
     Length,
@@ -20,6 +21,7 @@ from femstruct.language.spec import (
     Text,
     exactly_one,
     only,
+    read_by,
     refuse,
 )
 from femstruct.units import shown_as
@@ -123,7 +125,7 @@ def _mesh(value: object) -> object:
     return Quantity(("length",), above=0.0).read(value)
 
 
-Mesh = Annotated[float | tuple[int, int], BeforeValidator(_mesh)]
+Mesh = Annotated[float | tuple[int, int], read_by(_mesh, Length | tuple[Count, Count])]
 
 
 class RegionSpec(Spec):
@@ -145,7 +147,7 @@ def _region(value: object) -> object:
     return value
 
 
-Region = Annotated[RegionSpec, BeforeValidator(_region)]
+Region = Annotated[RegionSpec, read_by(_region, Literal["whole"] | RegionSpec)]
 
 
 class PlateSpec(Spec):

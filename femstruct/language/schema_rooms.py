@@ -9,15 +9,18 @@ from pydantic import BeforeValidator, Field, model_validator
 from femstruct.language.schema_model import coordinates
 from femstruct.language.spec import (
     LATER,
+    Duration,
     Frequency,
     Length,
     LossFactor,
     Position2,
+    Position3,
     Quantity,
     Spec,
     Text,
     exactly_one,
     only,
+    read_by,
     refuse,
 )
 
@@ -40,7 +43,7 @@ class LossesSpec(Spec):
 
     beta: Annotated[float, Quantity(("ratio",), above=0.0, below=1.0)] | None = None
     loss_factor: LossFactor | None = None
-    t60: Annotated[float | None, BeforeValidator(_t60)] = None
+    t60: Annotated[float | None, read_by(_t60, Duration)] = None
     at: Frequency | None = None
 
     @model_validator(mode="before")
@@ -67,7 +70,10 @@ def _receivers_at(value: object) -> tuple[float, ...]:
     return found
 
 
-Receivers = Annotated[tuple[tuple[float, float, float], ...], BeforeValidator(_receivers)]
+Receivers = Annotated[
+    tuple[tuple[float, float, float], ...],
+    read_by(_receivers, Position3 | list[Position3]),
+]
 
 
 class RoomSpec(Spec):

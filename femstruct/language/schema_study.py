@@ -23,10 +23,12 @@ from femstruct.language.spec import (
     Text,
     exactly_one,
     only,
+    read_by,
     refuse,
 )
 from femstruct.units import shown_as
 
+_Quantity = Literal["displacement", "velocity", "acceleration", "force", "travel"]
 QUANTITIES = ("displacement", "velocity", "acceleration", "force", "travel")
 UNTIL_NEXT = "until next contact"
 Force = Annotated[float, Quantity(("force",), least=0.0)]
@@ -143,7 +145,7 @@ class LinkSpec(Spec):
 
     between: tuple[Text, Text]
     stiffness: Stiffness = 0.0
-    damping: Annotated[OneWaySpec, BeforeValidator(_dashpot)] = OneWaySpec()
+    damping: Annotated[OneWaySpec, read_by(_dashpot, Dashpot | OneWaySpec)] = OneWaySpec()
     release_at: Instant = 0.0
     preload: Preload = 0.0
 
@@ -224,8 +226,8 @@ def _lowpass(value: object) -> object:
 class PeaksSpec(Spec):
     """Which peaks are reported, and what they are filtered with."""
 
-    first_impact: Annotated[float | None, BeforeValidator(_first_impact)] = 20e-3
-    lowpass: Annotated[float | None, BeforeValidator(_lowpass)] = None
+    first_impact: Annotated[float | None, read_by(_first_impact, Literal["until next contact"] | Duration)] = 20e-3
+    lowpass: Annotated[float | None, read_by(_lowpass, Literal["none"] | Frequency)] = None
 
 
 def _changes(value: object) -> object:
@@ -255,11 +257,13 @@ class StudySpec(Spec):
     links: dict[str, LinkSpec] = Field(default_factory=dict)
     loads: dict[str, LoadSpec] = Field(default_factory=dict)
     initial: InitialSpec = InitialSpec()
-    record: dict[str, Annotated[tuple[str, ...], BeforeValidator(_recorded)]] = Field(default_factory=dict)
+    record: dict[str, Annotated[tuple[str, ...], read_by(_recorded, _Quantity | list[_Quantity])]] = Field(
+        default_factory=dict
+    )
     time: TimeSpec | None = None
     peaks: PeaksSpec = PeaksSpec()
     quiet: Instant = 0.0
     rooms: dict[str, RoomSpec] = Field(default_factory=dict)
-    cases: dict[str, Annotated[dict[str, Any], BeforeValidator(_changes)]] = Field(default_factory=dict)
+    cases: dict[str, Annotated[dict[str, Any], read_by(_changes, dict[str, Any] | None)]] = Field(default_factory=dict)
     compare: CompareSpec | None = None
     save: Annotated[Literal["modal"] | None, BeforeValidator(only(("modal",)))] = None

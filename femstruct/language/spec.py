@@ -118,6 +118,11 @@ Position3 = tuple[Coordinate, Coordinate, Coordinate]
 Direction3 = tuple[Component, Component, Component]
 
 
+def read_by(reader: Callable[[Any], object], written: Any) -> BeforeValidator:
+    """Annotation of a field that `reader` makes of what may be written in the file (for the JSON Schema)."""
+    return BeforeValidator(reader, json_schema_input_type=written)
+
+
 def only(words: Sequence[str], later: Sequence[str] = ()) -> Callable[[object], object]:
     """Validator of a field that takes some words; others are refused with the nearest."""
 

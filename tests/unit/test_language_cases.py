@@ -155,7 +155,7 @@ def test_overrides_of_a_model_file(files: Path) -> None:
 @pytest.mark.parametrize(
     ("override", "message"),
     [
-        ("bodies.bal.mass=1 kg", r"--set bodies.bal.mass=1 kg: value: .*did you mean 'ball'"),
+        ("bodies.bal.mass=1 kg", r"--set bodies.bal.mass=1 kg: got the path .*did you mean 'ball'"),
         ("bodies.ball.mass=1 m", r"--set bodies.ball.mass=1 m: bodies.ball.mass: got '1 m', which is a length"),
         ("bodies.ball.mas=1 kg", r"bodies.ball.mas: got the unknown key 'mas'.*'mass'"),
         ("nonsense", r"--set nonsense: got no PATH=VALUE"),

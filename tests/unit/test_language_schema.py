@@ -1,0 +1,79 @@
+"""The JSON Schema accepts the shipped files and refuses what the readers refuse: a small validator of our own."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from femstruct.language import json_schema
+from femstruct.language.reader import read_yaml
+
+MODELS = Path(__file__).parents[2] / "models"
+TYPES: dict[str, type | tuple[type, ...]] = {
+    "object": dict, "array": list, "string": str, "integer": int, "number": (int, float), "boolean": bool,
+    "null": type(None),
+}  # fmt: skip
+
+
+def fits(schema: dict[str, Any], value: Any, root: dict[str, Any]) -> bool:
+    """Whether a value fits the keywords of JSON Schema that pydantic writes."""
+    if "$ref" in schema:
+        return fits(root["$defs"][schema["$ref"].rpartition("/")[2]], value, root)
+    for word in ("anyOf", "oneOf"):
+        if word in schema and not any(fits(option, value, root) for option in schema[word]):
+            return False
+    if "const" in schema and value != schema["const"]:
+        return False
+    if "enum" in schema and value not in schema["enum"]:
+        return False
+    if "type" in schema and (
+        not isinstance(value, TYPES[schema["type"]]) or (isinstance(value, bool) and schema["type"] != "boolean")
+    ):
+        return False
+    if isinstance(value, str) and "pattern" in schema and not re.search(schema["pattern"], value):
+        return False
+    if isinstance(value, list):
+        if not schema.get("minItems", 0) <= len(value) <= schema.get("maxItems", len(value)):
+            return False
+        ordered = schema.get("prefixItems", [])
+        rest = schema.get("items", {})
+        return all(fits(ordered[i] if i < len(ordered) else rest, item, root) for i, item in enumerate(value))
+    if isinstance(value, dict):
+        known, more = schema.get("properties", {}), schema.get("additionalProperties", True)
+        if any(key not in value for key in schema.get("required", [])):
+            return False
+        for key, item in value.items():
+            inner = known.get(key, more)
+            if inner is False or (isinstance(inner, dict) and not fits(inner, item, root)):
+                return False
+    return True
+
+
+@pytest.mark.parametrize("path", sorted(MODELS.glob("*.yaml")), ids=lambda path: path.name)
+def test_shipped_files_fit_the_schema(path: Path) -> None:
+    schema = json_schema("study" if path.name.endswith(".study.yaml") else "model")
+    assert fits(schema, read_yaml(path).value, schema)
+
+
+@pytest.mark.parametrize(
+    ("path", "value"),
+    [
+        (("parts", "floor", "thickness"), True),
+        (("parts", "floor", "thicknes"), "5 mm"),
+        (("parts", "floor", "mesh"), ["a", "b"]),
+        (("parts", "floor", "element"), "hermit12"),
+        (("points", "O_f", "at"), "middle"),
+        (("surfaces", "ceiling", "region"), {"circle": 1}),
+    ],
+)
+def test_mistakes_do_not_fit_the_schema(path: tuple[str, ...], value: object) -> None:
+    schema = json_schema("model")
+    tree = read_yaml(MODELS / "floor_frame_slab.yaml").value
+    parent = tree
+    for step in path[:-1]:
+        parent = parent[step]
+    parent[path[-1]] = value
+    assert not fits(schema, tree, schema)
