@@ -7,8 +7,8 @@ The way through this wing, each step a pure function or a frozen noun::
     pressure(...) -> RoomResponse      what is heard, in time and frequency      pressure (transfer functions: cavity)
     sound_levels(...) -> Levels        peak, L_AFmax, third octaves              levels
 
-Layers, lowest first: ``errors arrays | air room source | cavity extension | orders judgement pressure maps | levels``. A module
-imports only from lower ones. Nothing here knows of finite elements, opens a file or prints.
+Layers, lowest first: ``errors arrays | air room source | cavity extension | orders judgement pressure maps | levels``;
+a module imports from lower ones only. Nothing here knows of finite elements, opens a file or prints.
 
 Harmonic quantities are the real part of X exp(+j omega t). The surface's velocity is positive into the room, where it
 raises the pressure. Coordinates are the room's own: from its lower corner, z up, the ceiling at z = Lz.

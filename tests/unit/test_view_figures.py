@@ -11,7 +11,7 @@ import matplotlib
 import numpy as np
 import pytest
 
-from acoustics.pressure import PressureMap
+from acoustics.maps import PressureMap
 from acoustics.room import Receiver
 from femstruct.view.figures import case_colours, new_figure, save, scaled, thinned
 from femstruct.view.histories import contact_forces, energy, history
