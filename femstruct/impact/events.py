@@ -19,6 +19,7 @@ from femstruct.impact.tables import Tables
 
 ROUNDING = 4e-15  # relative to the terms a displacement is summed from
 RELATIVE = 1e-12  # relative to the largest value in the step: rounding of the Bernstein coefficients
+AMPLIFIED = 400.0  # rounding of the values in the Bernstein coefficients: the norm of that matrix is 375
 SAFE, CHANGES, UNCERTAIN = 0, 1, 2
 
 
@@ -70,6 +71,7 @@ def excursion(values: Floats, margin: float, stray: float, rule: Rule) -> tuple[
     largest = 0.0
     for i in range(PLACES):
         largest = max(largest, abs(values[i]))
+    doubt = AMPLIFIED * margin + RELATIVE * largest
     margin += RELATIVE * largest
     for i in range(PLACES):
         if values[i] > margin:
@@ -89,7 +91,7 @@ def excursion(values: Floats, margin: float, stray: float, rule: Rule) -> tuple[
         for j in range(PLACES):
             coefficient += rule.bernstein[i, j] * values[j]
         bound = max(bound, coefficient)
-    return (SAFE if bound + stray <= margin else UNCERTAIN), 1.0
+    return (SAFE if bound + stray <= doubt else UNCERTAIN), 1.0
 
 
 @kernel
@@ -108,7 +110,8 @@ def _interpolant(values: Floats, theta: float, rule: Rule) -> float:
 @kernel
 def watch(h: float, system: System, state: State, rule: Rule, trial: Trial, bounds: Floats,
           loaded: Floats) -> tuple[int, float]:  # fmt: skip
-    """First change of status in a trial step: SAFE, CHANGES with the part of the step before it, or UNCERTAIN."""
+    """First change of status in a trial step: AMPLIFIED = 400.0  # rounding of the values in the Bernstein coefficients: the norm of that matrix is 375
+    SAFE, CHANGES with the part of the step before it, or UNCERTAIN."""
     values = np.empty(PLACES)
     answer, part = SAFE, 1.0
     for a in range(len(system.kind)):

@@ -15,6 +15,7 @@ from femstruct.impact.compiled import kernel
 from femstruct.impact.energy import integrate_losses, take_stock
 from femstruct.impact.events import CHANGES, UNCERTAIN, strays, switch, watch
 from femstruct.impact.propagate import (
+    CLAMPED,
     CLOSED,
     OPEN,
     State,
@@ -187,6 +188,8 @@ def _start(system: System, state: State, place: Floats, rate: Floats, loaded: Fl
         elif system.preload[a] > 0.0 or (system.offset[a] == 0.0 and rate[a] > 0.0):
             state.status[a] = CLOSED
             loaded[a] = 1.0 if system.preload[a] == 0.0 else 0.0
+            if system.tensile[a] == 0 and law(system, a, place[a] + system.offset[a], rate[a])[0] < 0.0:
+                state.status[a] = CLAMPED
         if state.status[a] == CLOSED:
             state.force[a] = net_force(system, state, a, place[a], rate[a])
     for a in range(len(rate)):

@@ -71,7 +71,9 @@ def test_linear_three_bodies_to_the_end() -> None:
 
             crossing.terminal, crossing.direction = True, -1.0 if closed[i] else 1.0  # type: ignore[attr-defined]
             events.append(crossing)
-        part = solve_ivp(rate, (t, response.t[-1]), state, "DOP853", events=events, rtol=1e-13, atol=1e-15, max_step=0.01)
+        part = solve_ivp(
+            rate, (t, response.t[-1]), state, "DOP853", events=events, rtol=1e-13, atol=1e-15, max_step=0.01
+        )
         t, state = part.t[-1], part.y[:, -1]
         for i in (0, 1):
             if len(part.t_events[i]):

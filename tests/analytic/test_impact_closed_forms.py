@@ -56,9 +56,7 @@ def test_hertz_rebound(struck: float | None) -> None:
     depth = (1.25 * reduced * v**2 / k) ** 0.4
     touch = response.contacts["touch"]
     assert touch.peak_force == pytest.approx(k * depth**1.5, rel=1e-9)
-    assert touch.first_open == pytest.approx(
-        4 * np.sqrt(np.pi) * gamma(0.4) / (5 * gamma(0.9)) * depth / v, rel=1e-9
-    )
+    assert touch.first_open == pytest.approx(4 * np.sqrt(np.pi) * gamma(0.4) / (5 * gamma(0.9)) * depth / v, rel=1e-9)
     assert response.ledger.residual < 1e-9
     if struck is None:
         assert response.bodies["ball"].velocity[-1] == pytest.approx(v, rel=1e-9)

@@ -103,9 +103,7 @@ def test_samples_satisfy_the_equations_of_motion(floor: Response) -> None:
 def test_order_does_not_matter(floor: Response) -> None:
     basis, points = plate()
     scene = floor_scene(points)
-    other = simulate(
-        basis, replace(scene, bodies=scene.bodies[::-1], contacts=scene.contacts[::-1]), Clock(0.3, 20e3)
-    )
+    other = simulate(basis, replace(scene, bodies=scene.bodies[::-1], contacts=scene.contacts[::-1]), Clock(0.3, 20e3))
     # rounding, grown over some bounces
     assert np.abs(other.qd - floor.qd).max() < 1e-9 * np.abs(floor.qd).max()
     assert other.ledger.end.bodies["ball"] == pytest.approx(floor.ledger.end.bodies["ball"], rel=1e-9)
