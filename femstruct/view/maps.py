@@ -7,6 +7,7 @@ from typing import Final
 
 import numpy as np
 from matplotlib.figure import Figure
+from scipy.signal import find_peaks
 
 from acoustics.levels import REFERENCE_PA
 from acoustics.maps import PressureMap, pressure_map
@@ -15,38 +16,52 @@ from femstruct.radiation import surface_velocity
 from femstruct.study.result import StudyResult
 from femstruct.view.figures import new_figure, panels
 
-LOUDEST: Final = 4
+MOST: Final = 4
+PROMINENT: Final = 6.0  # dB a peak stands above the valleys beside it
+SILENCE: Final = 1e-6  # share of the loudest line below which there are no peaks, only rounding
+NEAR: Final = 0.02
 
 
 def pressure_maps(result: StudyResult, room: str) -> Figure | None:
-    """Pressure on the horizontal plane of a room's first receiver, at the loudest modes of the baseline.
+    """Pressure on the horizontal plane of a room's first receiver, at the most prominent peaks of the baseline.
 
-    None where the baseline has no such room, no response or no mode that is heard.
+    None where the baseline has no such room, no response or no peak that is heard.
     """
     case = result.cases[result.plan.baseline]
     plan = next((item for item in case.case.study.rooms if item.name == room), None)
     model = result.models.get(case.basis_key)
     if plan is None or room not in case.rooms or case.response is None or model is None:
         return None
-    frequencies = loudest_modes(result, room)
+    frequencies = heard_peaks(result, room)
     if not frequencies:
         return None
     ceiling = surface_velocity(case.response, model.surfaces[plan.under], plan.room, plan.offset)
     height = float(plan.receivers[0].position[2])
     drawn = pressure_map(ceiling, plan.room, list(frequencies.values()), at=height)
-    names = [f"mode {mode}, {frequency:.1f} Hz" for mode, frequency in frequencies.items()]
-    return draw_map(drawn, names, plan.receivers, f"{result.plan.baseline}: pressure in {room} at z = {height:g} m")
+    return draw_map(
+        drawn, list(frequencies), plan.receivers, f"{result.plan.baseline}: pressure in {room} at z = {height:g} m"
+    )
 
 
-def loudest_modes(result: StudyResult, room: str) -> dict[int, float]:
-    """Numbers and frequencies [Hz] of the baseline's elastic modes that are loudest at a room's first receiver."""
+def heard_peaks(result: StudyResult, room: str) -> dict[str, float]:
+    """The most prominent peaks of the baseline's sound at a room's first receiver: names and frequencies [Hz].
+
+    A peak within 2 % of a mode of the structure carries that mode's number, any other is one of the room's or of the
+    force.
+    """
     case = result.cases[result.plan.baseline]
     heard = case.rooms[room]
-    strength = np.interp(case.basis.frequency_hz, heard.frequency_hz, np.abs(heard.spectrum[0]))
-    elastic = [mode for mode, kind in enumerate(case.basis.kind) if kind == "elastic"]
-    within = [mode for mode in elastic if case.basis.frequency_hz[mode] < heard.frequency_hz[-1] and strength[mode] > 0]
-    chosen = sorted(sorted(within, key=lambda mode: -strength[mode])[:LOUDEST])
-    return {mode + 1: float(case.basis.frequency_hz[mode]) for mode in chosen}
+    spectrum = np.abs(heard.spectrum[0])
+    level = 20.0 * np.log10(np.maximum(spectrum, SILENCE * spectrum.max(initial=0.0)) + np.finfo(float).tiny)
+    tops, found = find_peaks(level, prominence=PROMINENT)
+    chosen = np.sort(tops[np.argsort(-found["prominences"])[:MOST]])
+    elastic = np.flatnonzero([kind == "elastic" for kind in case.basis.kind])
+    named = {}
+    for frequency in heard.frequency_hz[chosen].tolist():
+        away = np.abs(case.basis.frequency_hz[elastic] / frequency - 1.0)
+        near = int(elastic[away.argmin()]) + 1 if elastic.size and away.min() < NEAR else 0
+        named[f"mode {near}, {frequency:.1f} Hz" if near else f"{frequency:.1f} Hz"] = frequency
+    return named
 
 
 def draw_map(drawn: PressureMap, names: Sequence[str], receivers: Sequence[Receiver], title: str) -> Figure:
