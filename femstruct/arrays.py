@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -42,11 +41,6 @@ def freeze(instance: object, **arrays: Any) -> None:
     """Set fields of a frozen dataclass from its own ``__post_init__``."""
     for name, value in arrays.items():
         object.__setattr__(instance, name, value)
-
-
-def frozen_rows(name: str, rows: Mapping[str, ArrayLike], length: int) -> dict[str, Floats]:
-    """Read-only float64 rows of one length, by name."""
-    return {key: frozen(f"{name}[{key}]", row, (length,)) for key, row in rows.items()}
 
 
 def _check_shape(name: str, got: tuple[int, ...], expected: tuple[int | None, ...]) -> None:

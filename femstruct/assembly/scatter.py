@@ -7,7 +7,7 @@ from scipy.sparse import coo_array, csr_array, diags_array
 
 from femstruct.arrays import Floats, Integers
 from femstruct.assembly.dofs import RawDofs
-from femstruct.elements import frame, plate
+from femstruct.elements import frame, placement, plate
 from femstruct.model.model import Elastic, FrameMesh, Inert, PlateMesh
 
 
@@ -41,7 +41,8 @@ def frame_matrices(mesh: FrameMesh, dofs: RawDofs, first_node: int) -> tuple[csr
     )
     of_bars = dofs.of_nodes[part.name][mesh.bars - first_node].reshape(len(mesh.bars), -1)
     at_nodes = [
-        frame.with_offsets(frame.to_global(matrix, mesh.axes), mesh.arms[:, 0], mesh.arms[:, 1]) for matrix in local
+        placement.with_offsets(placement.to_global(matrix, mesh.axes), mesh.arms[:, 0], mesh.arms[:, 1])
+        for matrix in local
     ]
     return scattered(at_nodes[0], at_nodes[1], of_bars, dofs.count)
 

@@ -1,4 +1,4 @@
-"""Gauss points on the unit interval and the unit square."""
+"""Gauss points on the unit interval."""
 
 from __future__ import annotations
 
@@ -18,22 +18,6 @@ def gauss_interval(n: int) -> tuple[Floats, Floats]:
     0.166666666667
     """
     points, weights = np.polynomial.legendre.leggauss(n)
-    return _read_only((points + 1.0) / 2.0), _read_only(weights / 2.0)
-
-
-@cache
-def gauss_square(n: int) -> tuple[Floats, Floats, Floats]:
-    """Places xi, eta and weights [n^2] on the unit square; the weights sum to 1.
-
-    >>> xi, eta, weights = gauss_square(2)
-    >>> round(float(weights @ (xi**3 * eta)), 12)
-    0.125
-    """
-    points, weights = gauss_interval(n)
-    xi, eta = np.repeat(points, n), np.tile(points, n)
-    return _read_only(xi), _read_only(eta), _read_only(np.outer(weights, weights).ravel())
-
-
-def _read_only(array: Floats) -> Floats:
-    array.flags.writeable = False
-    return array
+    points, weights = (points + 1.0) / 2.0, weights / 2.0
+    points.flags.writeable = weights.flags.writeable = False  # the cached arrays are shared by all who ask
+    return points, weights

@@ -8,7 +8,7 @@ from scipy.sparse import csr_array
 
 from femstruct.arrays import Floats, Integers
 from femstruct.conventions import N_COMPONENTS, TWIST
-from femstruct.elements import frame, plate
+from femstruct.elements import frame, placement, plate
 from femstruct.model.model import FrameMesh, PlateMesh
 
 
@@ -70,8 +70,8 @@ def frame_rows(mesh: FrameMesh, bars: Integers, places: Floats) -> tuple[Integer
         section.ky,
         section.kz,
     )
-    turn = frame.rotation(mesh.axes[bars])
-    arms = frame.rigid_arms(mesh.arms[bars, 0], mesh.arms[bars, 1])
+    turn = placement.rotation(mesh.axes[bars])
+    arms = placement.rigid_arms(mesh.arms[bars, 0], mesh.arms[bars, 1])
     rows = np.swapaxes(turn[:, :6, :6], -1, -2) @ local @ turn @ arms
     padded = np.zeros((len(bars), 6, 2, N_COMPONENTS))
     padded[..., :6] = rows.reshape(len(bars), 6, 2, 6)

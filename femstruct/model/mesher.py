@@ -10,7 +10,7 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import KDTree
 
 from femstruct.arrays import Floats, Integers
-from femstruct.elements.frame import directions
+from femstruct.elements.placement import directions
 from femstruct.errors import InputError
 from femstruct.model.attachments import foundation, joint, lumped_mass, spread_mass, springs, support
 from femstruct.model.geometry import from_plate

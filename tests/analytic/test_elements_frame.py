@@ -8,7 +8,7 @@ import pytest
 from scipy.linalg import eigh
 from scipy.optimize import brentq
 
-from femstruct.elements import frame
+from femstruct.elements import frame, placement
 from femstruct.errors import InputError
 
 REFERENCE = json.loads((Path(__file__).parents[1] / "data" / "elements.json").read_text(encoding="utf-8"))["frame"]
@@ -29,11 +29,11 @@ def assembled(points, members, kind, rho, s, orientation=None):
     points, members = np.asarray(points, dtype=float), np.asarray(members)
     start, end = points[members[:, 0]], points[members[:, 1]]
     length = np.linalg.norm(end - start, axis=1)
-    R = frame.directions(start, end, orientation)
+    R = placement.directions(start, end, orientation)
     dofs = (members[:, :, None] * 6 + np.arange(6)).reshape(len(members), 12)
     matrices = np.zeros((2, 6 * len(points), 6 * len(points)))
     for k, local in enumerate((element_stiffness(kind, length, s), element_mass(kind, length, rho, s))):
-        np.add.at(matrices[k], (dofs[:, :, None], dofs[:, None, :]), frame.to_global(local, R))
+        np.add.at(matrices[k], (dofs[:, :, None], dofs[:, None, :]), placement.to_global(local, R))
     return matrices
 
 
@@ -173,7 +173,7 @@ def test_rigid_arms_in_line_with_the_member():
     """Cantilever with stiff ends d1 and d2: force at the far node, closed form."""
     length, d1, d2 = 0.7, 0.2, 0.15
     K = element_stiffness("euler", length, SECTION)
-    K = frame.with_offsets(K, [[d1, 0, 0]], [[-d2, 0, 0]])[0]
+    K = placement.with_offsets(K, [[d1, 0, 0]], [[-d2, 0, 0]])[0]
     EI = SECTION["E"] * SECTION["Iz"]
     flexibility = np.linalg.inv(K[6:, 6:])
     end = length**3 / 3 + d2 * length**2 / 2
@@ -189,7 +189,7 @@ def test_rigid_arms_beside_the_member():
     """Axial force at a node e beside the axis: stretching plus bending by N e, u = N (L / EA + e^2 L / EI)."""
     length, e = 0.7, 0.05
     for arm, inertia in (([0, e, 0], "Iz"), ([0, 0, e], "Iy")):
-        K = frame.with_offsets(element_stiffness("timoshenko", length, SECTION), [[0, 0, 0]], [arm])[0]
+        K = placement.with_offsets(element_stiffness("timoshenko", length, SECTION), [[0, 0, 0]], [arm])[0]
         exact = length / (SECTION["E"] * SECTION["A"]) + e**2 * length / (SECTION["E"] * SECTION[inertia])
         assert np.linalg.inv(K[6:, 6:])[0, 0] == pytest.approx(exact, rel=1e-10)
 
@@ -202,19 +202,21 @@ def test_rigid_arms_against_stiff_members():
     K = np.zeros((24, 24))
     for (i, j), s in (((0, 1), stiff), ((1, 2), SECTION), ((2, 3), stiff)):
         length = np.linalg.norm(nodes[j] - nodes[i])
-        block = frame.to_global(element_stiffness("euler", length, s), frame.directions(nodes[[i]], nodes[[j]]))[0]
+        block = placement.to_global(
+            element_stiffness("euler", length, s), placement.directions(nodes[[i]], nodes[[j]])
+        )[0]
         dofs = np.r_[6 * i : 6 * i + 6, 6 * j : 6 * j + 6]
         K[np.ix_(dofs, dofs)] += block
     explicit = np.linalg.inv(K[6:, 6:])[12:, 12:]
-    R = frame.directions(start, end)
-    member = frame.to_global(element_stiffness("euler", np.linalg.norm(end - start), SECTION), R)
-    offset = frame.with_offsets(member, start - nodes[0], end - nodes[3])[0]
+    R = placement.directions(start, end)
+    member = placement.to_global(element_stiffness("euler", np.linalg.norm(end - start), SECTION), R)
+    offset = placement.with_offsets(member, start - nodes[0], end - nodes[3])[0]
     got = np.linalg.inv(offset[6:, 6:])
     np.testing.assert_allclose(got, explicit, rtol=0, atol=5e-4 * np.abs(explicit).max())  # stiff, not rigid
 
 
 def test_mass_beyond_a_rigid_arm_has_its_moment_of_inertia():
-    M = frame.with_offsets(element_mass("euler", 0.7, 7800.0, SECTION), [[0, 0, 0.3]], [[0, 0, 0.3]])[0]
+    M = placement.with_offsets(element_mass("euler", 0.7, 7800.0, SECTION), [[0, 0, 0.3]], [[0, 0, 0.3]])[0]
     mass = 7800.0 * SECTION["A"] * 0.7
     about_x = np.zeros(12)
     about_x[[3, 9]] = 1  # both nodes turn about the x axis, 0.3 m under the member
@@ -225,7 +227,7 @@ def test_mass_beyond_a_rigid_arm_has_its_moment_of_inertia():
 def test_directions():
     start = np.zeros((4, 3))
     end = np.array([[2.0, 0, 0], [0, 0, 3.0], [1.0, 1.0, 0], [1.0, 2.0, 2.0]])
-    R = frame.directions(start, end)
+    R = placement.directions(start, end)
     np.testing.assert_allclose(R @ R.transpose(0, 2, 1), np.tile(np.eye(3), (4, 1, 1)), atol=1e-15)
     np.testing.assert_allclose(np.linalg.det(R), 1, rtol=1e-14)
     np.testing.assert_allclose(R[:, 0], end / np.linalg.norm(end, axis=1)[:, None], rtol=1e-15)
@@ -233,16 +235,16 @@ def test_directions():
     np.testing.assert_allclose(R[1, 2], [1, 0, 0], atol=1e-15)  # vertical: z looks along global x
     # as near to global z as a right angle to the member allows
     assert R[3, 2, 2] == pytest.approx(np.sqrt(1 - (2 / 3) ** 2), rel=1e-14)
-    np.testing.assert_allclose(frame.directions([[0, 0, 0]], [[1, 0, 0]], [5, 3, 0])[0, 2], [0, 1, 0], atol=1e-15)
+    np.testing.assert_allclose(placement.directions([[0, 0, 0]], [[1, 0, 0]], [5, 3, 0])[0, 2], [0, 1, 0], atol=1e-15)
 
 
 def test_what_frames_refuse():
     with pytest.raises(InputError, match="parallel to the member"):
-        frame.directions([[0, 0, 0]], [[0, 0, 1]], [0, 0, -2])
+        placement.directions([[0, 0, 0]], [[0, 0, 1]], [0, 0, -2])
     with pytest.raises(InputError, match="two ends in one place"):
-        frame.directions([[1, 0, 0]], [[1, 0, 0]])
+        placement.directions([[1, 0, 0]], [[1, 0, 0]])
     with pytest.raises(InputError, match="zero vector"):
-        frame.directions([[0, 0, 0]], [[0, 0, 1]], [0, 0, 0])
+        placement.directions([[0, 0, 0]], [[0, 0, 1]], [0, 0, 0])
     with pytest.raises(InputError, match="euler or timoshenko"):
         element_stiffness("bernoulli", 1.0, SECTION)
     with pytest.raises(InputError, match=r"length: got 0\.0"):

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from femstruct.elements import plate
+from femstruct.errors import InputError
 
 REFERENCE = json.loads((Path(__file__).parents[1] / "data" / "elements.json").read_text(encoding="utf-8"))
 EXACT = REFERENCE["exact_lambda_square_nu0.3"]
@@ -100,3 +101,18 @@ def test_rigid_motion_of_100_x_100_cells_takes_no_force(kind, plate_grid):
         r = np.stack([w, turn_x, turn_y, none], axis=1)[:, : grid.per_node].ravel()
         # rounding, measured 1e-16; shape functions fitted in global coordinates lose digits as the mesh gets finer
         assert np.linalg.norm(grid.K @ r) / (largest * np.linalg.norm(r)) <= 1e-13
+
+
+def test_what_plates_refuse():
+    with pytest.raises(InputError, match="expected hermite12 or acm12 or bfs16"):
+        plate.stiffness("q4", [1.0], [1.0], np.eye(3))
+    with pytest.raises(InputError, match=r"b: got -1\.0"):
+        plate.mass("acm12", [1.0], [-1.0], 1.0)
+    with pytest.raises(InputError, match="asymmetric"):
+        plate.stiffness("acm12", [1.0], [1.0], [[1, 0.3, 0], [0.2, 1, 0], [0, 0, 1]])
+    with pytest.raises(InputError, match="shape"):
+        plate.stiffness("acm12", [1.0], [1.0], np.eye(2))
+    with pytest.raises(InputError, match=r"nu: got 1\.2"):
+        plate.rigidity(1.0, 1.2, 1.0)
+    with pytest.raises(InputError, match="thickness: got nan"):
+        plate.rigidity(1.0, 0.2, float("nan"))
