@@ -17,7 +17,7 @@ TIME, STRUCTURE, BODIES = 0, 1, 2  # columns of a ledger row; then stored [i], l
 
 def ledger_width(system: System) -> int:
     """Columns of a ledger row."""
-    return BODIES + len(system.omega) - system.n_modes + 2 * len(system.kind) + 2
+    return BODIES + len(system.omega) - system.n_modes + 2 * len(system.interfaces) + 2
 
 
 @kernel
@@ -25,24 +25,24 @@ def potential(system: System, a: int, delta: float) -> float:
     """Energy of the spring of a contact at an indentation."""
     if delta <= 0.0:
         return 0.0
-    if system.kind[a] == HERTZ:
-        return 0.4 * system.stiffness[a] * delta * delta * np.sqrt(delta)
-    return 0.5 * system.stiffness[a] * delta * delta
+    if system.interfaces[a]["kind"] == HERTZ:
+        return float(0.4 * system.interfaces[a]["stiffness"] * delta * delta * np.sqrt(delta))
+    return float(0.5 * system.interfaces[a]["stiffness"] * delta * delta)
 
 
 @kernel
 def stored(system: System, state: State, a: int, displacement: float) -> float:
     """Energy interface a holds, from zero at rest; a link's preload counts from the start, released or not."""
-    stiffness, preload = system.stiffness[a], system.preload[a]
-    if system.kind[a] == LINK:
+    stiffness, preload = system.interfaces[a]["stiffness"], system.interfaces[a]["preload"]
+    if system.interfaces[a]["kind"] == LINK:
         held = 0.5 * preload * preload / stiffness if stiffness > 0.0 else 0.0
         if state.status[a] != CLOSED:
-            return held
+            return float(held)
         moved = displacement - state.rest[a]
-        return held + 0.5 * stiffness * moved * moved + preload * moved
-    energy = potential(system, a, displacement + system.offset[a]) if state.status[a] else 0.0
+        return float(held + 0.5 * stiffness * moved * moved + preload * moved)
+    energy = potential(system, a, displacement + system.interfaces[a]["offset"]) if state.status[a] else 0.0
     if preload > 0.0:
-        energy -= potential(system, a, system.offset[a]) + preload * displacement
+        energy -= potential(system, a, system.interfaces[a]["offset"]) + preload * displacement
     return energy
 
 
@@ -50,7 +50,7 @@ def stored(system: System, state: State, a: int, displacement: float) -> float:
 def take_stock(t: float, system: System, state: State, place: Floats, lost: Floats, row: Floats) -> float:
     """Fill a ledger row; lost [m + 2] holds what was integrated: by interface, then modes and work. Returns the total:
     stored and dissipated less the work."""
-    k, n, m = system.n_modes, len(system.omega), len(system.kind)
+    k, n, m = system.n_modes, len(system.omega), len(system.interfaces)
     structure = 0.0
     for i in range(k):
         structure += 0.5 * (state.v[i] ** 2 + (system.omega[i] * state.z[i]) ** 2)
@@ -72,22 +72,24 @@ def take_stock(t: float, system: System, state: State, place: Floats, lost: Floa
 @kernel
 def integrate_losses(h: float, system: System, state: State, rule: Rule, trial: Trial, lost: Floats) -> None:
     """Add what dashpots took and loads gave over a step, by Gauss quadrature at its nodes."""
-    m = len(system.kind)
+    m = len(system.interfaces)
     for a in range(m):
         status = state.status[a]
         if status == CLOSED:
             for p in range(STAGES):
                 speed = trial.rate[a, p + 1]
-                damping = system.closing[a]
-                if system.kind[a] == LINK and speed < 0.0:
-                    damping = system.opening[a]
-                elif system.kind[a] == HERTZ:
-                    damping *= np.sqrt(max(trial.place[a, p + 1] + system.offset[a], 0.0))
+                damping = system.interfaces[a]["closing"]
+                if system.interfaces[a]["kind"] == LINK and speed < 0.0:
+                    damping = system.interfaces[a]["opening"]
+                elif system.interfaces[a]["kind"] == HERTZ:
+                    damping *= np.sqrt(max(trial.place[a, p + 1] + system.interfaces[a]["offset"], 0.0))
                 lost[a] += h * rule.weights[p] * damping * speed * speed
         elif status == CLAMPED:  # the spring drives its own dashpot, without force to the outside
             for p in range(STAGES):
-                delta = max(trial.place[a, p + 1] + system.offset[a], 0.0)
-                force = system.stiffness[a] * (delta * np.sqrt(delta) if system.kind[a] == HERTZ else delta)
+                delta = max(trial.place[a, p + 1] + system.interfaces[a]["offset"], 0.0)
+                force = system.interfaces[a]["stiffness"] * (
+                    delta * np.sqrt(delta) if system.interfaces[a]["kind"] == HERTZ else delta
+                )
                 lost[a] -= h * rule.weights[p] * force * trial.rate[a, p + 1]
     for a in range(m, len(system.rows)):
         for p in range(STAGES):
@@ -100,7 +102,7 @@ def integrate_losses(h: float, system: System, state: State, rule: Rule, trial: 
 def balance(row: Floats, scene: Scene, compiled: Compiled) -> EnergyBalance:
     """A ledger row with names."""
     system = compiled.system
-    m, at = len(system.kind), BODIES + len(scene.bodies)
+    m, at = len(system.interfaces), BODIES + len(scene.bodies)
     held, lost = row[at : at + m], row[at + m + 1 : at + 2 * m + 1]
     return EnergyBalance(
         t=float(row[TIME]),
@@ -122,7 +124,7 @@ def ledger(
 
     residual [J] : largest change of the total; largest_work [J] : largest |work|.
     """
-    m, at = len(compiled.system.kind), BODIES + len(scene.bodies)
+    m, at = len(compiled.system.interfaces), BODIES + len(scene.bodies)
     start, end = balance(history[0], scene, compiled), balance(history[-1], scene, compiled)
     scale = max(abs(start.total), largest_work)
     return EnergyLedger(

@@ -100,7 +100,7 @@ def _interpolant(values: Floats, theta: float, rule: Rule) -> float:
     for i in range(PLACES):
         distance = theta - rule.places[i]
         if distance == 0.0:
-            return values[i]
+            return float(values[i])
         weight = rule.barycentric[i] / distance
         top += weight * values[i]
         bottom += weight
@@ -110,36 +110,37 @@ def _interpolant(values: Floats, theta: float, rule: Rule) -> float:
 @kernel
 def watch(h: float, system: System, state: State, rule: Rule, trial: Trial, bounds: Floats,
           loaded: Floats) -> tuple[int, float]:  # fmt: skip
-    """First change of status in a trial step: AMPLIFIED = 400.0  # rounding of the values in the Bernstein coefficients: the norm of that matrix is 375
-    SAFE, CHANGES with the part of the step before it, or UNCERTAIN."""
+    """First change of status in a trial step: SAFE, CHANGES with the part of the step before it, or UNCERTAIN."""
     values = np.empty(PLACES)
     answer, part = SAFE, 1.0
-    for a in range(len(system.kind)):
-        if system.kind[a] == LINK:
+    for a in range(len(system.interfaces)):
+        if system.interfaces[a]["kind"] == LINK:
             continue
-        clamps = system.tensile[a] == 0 and system.closing[a] > 0.0
-        stiffness, damping, status = system.stiffness[a], system.closing[a], state.status[a]
+        clamps = system.interfaces[a]["tensile"] == 0 and system.interfaces[a]["closing"] > 0.0
+        stiffness, damping, status = system.interfaces[a]["stiffness"], system.interfaces[a]["closing"], state.status[a]
         stray, margin = bounds[a, 0], bounds[a, 2]
         if status != CLOSED or not clamps:  # indentation: must stay negative when open, positive when closed
             side = 1.0 if status == OPEN else -1.0
             for p in range(PLACES):
-                values[p] = side * (trial.place[a, p] + system.offset[a])
+                values[p] = side * (trial.place[a, p] + system.interfaces[a]["offset"])
             code, where = excursion(values, margin, stray, rule)
             answer, part = _first(answer, part, code, where)
         if clamps and status != OPEN:  # k delta + c delta' has the sign of the force
             side = -1.0 if status == CLOSED else 1.0
             for p in range(PLACES):
-                values[p] = side * (stiffness * (trial.place[a, p] + system.offset[a]) + damping * trial.rate[a, p])
+                values[p] = side * (
+                    stiffness * (trial.place[a, p] + system.interfaces[a]["offset"]) + damping * trial.rate[a, p]
+                )
             margin = stiffness * bounds[a, 2] + damping * bounds[a, 3]
             code, where = excursion(values, margin, stiffness * bounds[a, 0] + damping * bounds[a, 1], rule)
             answer, part = _first(answer, part, code, where)
-        if system.preload[a] > 0.0 and status == CLOSED:
+        if system.interfaces[a]["preload"] > 0.0 and status == CLOSED:
             side = -1.0 if loaded[a] > 0.0 else 1.0
             values[0] = side * _ends(trial.forces[a], rule.at_start)
             values[PLACES - 1] = side * _ends(trial.forces[a], rule.at_end)
             for p in range(STAGES):
                 values[p + 1] = side * trial.forces[a, p]
-            code, where = excursion(values, 1e-9 * system.preload[a], 0.0, rule)
+            code, where = excursion(values, 1e-9 * system.interfaces[a]["preload"], 0.0, rule)
             answer, part = _first(answer, part, code, where)
     return answer, part
 
@@ -166,11 +167,11 @@ def _first(answer: int, part: float, code: int, where: float) -> tuple[int, floa
 def switch(system: System, state: State, trial: Trial, bounds: Floats, a: int) -> int:
     """Status of contact a at the end of a step of one tick."""
     p = PLACES - 1
-    delta, speed = trial.place[a, p] + system.offset[a], trial.rate[a, p]
+    delta, speed = trial.place[a, p] + system.interfaces[a]["offset"], trial.rate[a, p]
     margin = bounds[a, 2]
-    psi = system.stiffness[a] * delta + system.closing[a] * speed
-    clamps = system.tensile[a] == 0 and system.closing[a] > 0.0
-    psi_margin = system.stiffness[a] * margin + system.closing[a] * bounds[a, 3]
+    psi = system.interfaces[a]["stiffness"] * delta + system.interfaces[a]["closing"] * speed
+    clamps = system.interfaces[a]["tensile"] == 0 and system.interfaces[a]["closing"] > 0.0
+    psi_margin = system.interfaces[a]["stiffness"] * margin + system.interfaces[a]["closing"] * bounds[a, 3]
     if state.status[a] == OPEN:
         if delta > margin:
             return CLOSED if psi > 0.0 or not clamps else CLAMPED

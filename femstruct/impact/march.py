@@ -12,7 +12,7 @@ import numpy as np
 
 from femstruct.arrays import Floats, Integers
 from femstruct.impact.compiled import kernel
-from femstruct.impact.energy import integrate_losses, take_stock
+from femstruct.impact.energy import integrate_losses, ledger_width, take_stock
 from femstruct.impact.events import CHANGES, UNCERTAIN, strays, switch, watch
 from femstruct.impact.propagate import (
     CLAMPED,
@@ -21,6 +21,7 @@ from femstruct.impact.propagate import (
     State,
     Trial,
     advance,
+    dot,
     drift,
     law,
     load_at,
@@ -32,14 +33,16 @@ from femstruct.impact.rule import LONGEST_DOUBLINGS, PLACES, STAGES, Rule
 from femstruct.impact.system import LINK, System
 from femstruct.impact.tables import Tables, tabulate
 
-DONE, TOO_MANY_STEPS, NO_FORCES = 0, 1, 2
+DONE, TOO_MANY_STEPS, NO_FORCES, TOO_MANY_EVENTS = 0, 1, 2, 3
 OPENS, CLOSES = 0, 1
+MOST_EVENTS = 500_000
 
 
 class Record(NamedTuple):
     """What is kept. z, v, a [nt, n] at the samples; force, place [nt, m] of the interfaces; peak [m, 2] force and its
-    time; touched [m] : time from closing to opening at last [s], least over closings; totals : [0] steps, [1] trials,
-    [2] largest |total - start|, [3] largest |work|."""
+    time; shortest [m] : least time from closing to opening [s]; totals : [0] steps, [1] trials,
+    [2] largest |total - start|, [3] largest |work|, then whether each contact counts as closed. history : ledger rows;
+    events : interface, what, whether all are open then; event_rows : their ledger rows."""
 
     z: Floats
     v: Floats
@@ -49,22 +52,23 @@ class Record(NamedTuple):
     peak: Floats
     shortest: Floats
     totals: Floats
+    history: Floats
+    events: Integers
+    event_rows: Floats
 
 
 @kernel
 def march(system: System, state: State, rule: Rule, tables: Tables, trial: Trial, record: Record, halvings: int,
-          top_level: int, tolerance: float, max_steps: int,
-          width: int) -> tuple[int, float, Floats, Integers, Floats]:  # fmt: skip
-    """Run to the end; returns how it ended, when, and the rows of history, events (interface, what, all open) and their
-    ledger rows."""
-    m, n, nt = len(system.kind), len(system.omega), len(record.z)
-    per_sample = np.int64(1) << halvings
-    end = np.int64(nt) * per_sample
+          top_level: int, tolerance: float, max_steps: int) -> tuple[int, float, int, int]:  # fmt: skip
+    """Run to the end; returns how it ended, when, and the numbers of ledger rows and events in the record."""
+    history, events, event_rows = record.history, record.events, record.event_rows
+    m, n, nt = len(system.interfaces), len(system.omega), len(record.z)
+    per_sample = 1 << halvings
+    end = nt * per_sample
     lost = np.zeros(m + 2)
     bounds, work = np.zeros((m, 4)), np.zeros((STAGES + 4, n))
     loaded, closed_at = np.zeros(m), np.zeros(m)
-    history, n_history = np.zeros((1024, width)), 0
-    events, event_rows, n_events = np.zeros((64, 3), dtype=np.int64), np.zeros((64, width)), 0
+    n_events = 0
     place, rate = np.zeros(len(system.rows)), np.zeros(len(system.rows))
     rows_now(system, state.z, state.v, place, rate)
     _start(system, state, place, rate, loaded)
@@ -74,13 +78,14 @@ def march(system: System, state: State, rule: Rule, tables: Tables, trial: Trial
     _peaks_at_start(system, state, place, rate, record)
     for a in range(m):
         if loaded[a] > 0.0:
-            events, event_rows, n_events = _log(events, event_rows, n_events, a, CLOSES, 0, history[0])
-    t, level, hint, kink = np.int64(0), top_level, np.int64(-1), 0
+            _log(events, event_rows, n_events, a, CLOSES, 0, history[0])
+            n_events += 1
+    t, level, hint, kink = 0, top_level, -1, 0
     stride = max(end // 2048, 1)
-    last = np.int64(0)
+    last = 0
     while t < end:
         if record.totals[1] >= max_steps:
-            return TOO_MANY_STEPS, t * system.tick, history[:n_history], events[:n_events], event_rows[:n_events]
+            return TOO_MANY_STEPS, t * system.tick, n_history, n_events
         record.totals[1] += 1.0
         limit = end
         while kink < len(system.kinks) and system.kinks[kink] <= t:
@@ -94,22 +99,23 @@ def march(system: System, state: State, rule: Rule, tables: Tables, trial: Trial
         now = t * system.tick
         if not tables.ready[level]:
             tabulate(level, h, system, rule, tables)
-        trial.place[:, 0], trial.rate[:, 0] = place, rate
+        for a in range(len(place)):
+            trial.place[a, 0], trial.rate[a, 0] = place[a], rate[a]
         error = try_step(now, level, h, system, state, rule, tables, trial, tolerance)
         if not error <= 1.0 and level > 0:
             level -= 1 if error < 300.0 else (2 if error < 1e6 else 4)
             level = max(level, 0)
             continue
         if not error < np.inf:
-            return NO_FORCES, now, history[:n_history], events[:n_events], event_rows[:n_events]
+            return NO_FORCES, now, n_history, n_events
         strays(level, h, system, state, rule, tables, trial, bounds)
         answer, part = watch(h, system, state, rule, trial, bounds, loaded)
-        ticks = np.int64(1) << level
+        ticks = 1 << level
         if answer == UNCERTAIN and level > 0:
             level -= 1
             continue
         if answer == CHANGES and level > 0:
-            hint = t + np.int64(part * ticks)
+            hint = t + int(part * ticks)
             level -= 1
             continue
         _inner_samples(t, level, halvings, system, state, rule, tables, trial, record, work)
@@ -124,9 +130,10 @@ def march(system: System, state: State, rule: Rule, tables: Tables, trial: Trial
                 state.pace[a] = max(state.pace[a], abs(trial.rate[a, p]))
         changed = False
         if answer == CHANGES:
-            trial.place[:, PLACES - 1], trial.rate[:, PLACES - 1] = place, rate
+            for a in range(len(place)):
+                trial.place[a, PLACES - 1], trial.rate[a, PLACES - 1] = place[a], rate[a]
             for a in range(m):
-                if system.kind[a] != LINK:
+                if system.interfaces[a]["kind"] != LINK:
                     before = loaded[a]
                     state.status[a] = switch(system, state, trial, bounds, a)
                     loaded[a] = _is_loaded(system, state, a, place[a], rate[a], before)
@@ -135,43 +142,54 @@ def march(system: System, state: State, rule: Rule, tables: Tables, trial: Trial
                     if loaded[a] < before:
                         record.shortest[a] = min(record.shortest[a], now - closed_at[a])
         for a in range(m):
-            if system.kind[a] == LINK and state.status[a] == OPEN and system.release[a] <= t:
+            if (
+                system.interfaces[a]["kind"] == LINK
+                and state.status[a] == OPEN
+                and system.interfaces[a]["release"] <= t
+            ):
                 state.status[a], state.rest[a] = CLOSED, place[a]
             state.force[a] = net_force(system, state, a, place[a], rate[a]) if state.status[a] == CLOSED else 0.0
         if t % per_sample == 0 and t < end:
             _sample(t // per_sample, now, system, state, state.z, state.v, record, work)
-        if n_history + 1 >= len(history):
-            history = _grown(history)
         total = take_stock(now, system, state, place, lost, history[n_history])
         if not np.isfinite(total):
-            return NO_FORCES, now, history[:n_history], events[:n_events], event_rows[:n_events]
+            return NO_FORCES, now, n_history, n_events
         record.totals[2] = max(record.totals[2], abs(total - initial))
         record.totals[3] = max(record.totals[3], abs(lost[m + 1]))
         if changed:
             for a in range(m):
-                if system.kind[a] != LINK and loaded[a] != record.totals[4 + a]:
-                    all_open = 1 if loaded.sum() == 0.0 else 0
+                if system.interfaces[a]["kind"] != LINK and loaded[a] != record.totals[4 + a]:
+                    all_open = 1 if _total(loaded) == 0.0 else 0
                     what = CLOSES if loaded[a] > 0.0 else OPENS
-                    events, event_rows, n_events = _log(
-                        events, event_rows, n_events, a, what, all_open, history[n_history]
-                    )
+                    if n_events == len(events):
+                        return TOO_MANY_EVENTS, now, n_history, n_events
+                    _log(events, event_rows, n_events, a, what, all_open, history[n_history])
+                    n_events += 1
         for a in range(m):
             record.totals[4 + a] = loaded[a]
-        busy = loaded.sum() > 0.0 and t - last >= per_sample
+        busy = _total(loaded) > 0.0 and t - last >= per_sample
         if busy or t - last >= stride or t == end:
             n_history += 1
             last = t
         record.totals[0] += 1.0
         if error < 2e-3:
             level += 1
-    return DONE, end * system.tick, history[:n_history], events[:n_events], event_rows[:n_events]
+    return DONE, end * system.tick, n_history, n_events
+
+
+@kernel
+def _total(values: Floats) -> float:
+    total = 0.0
+    for i in range(len(values)):
+        total += values[i]
+    return total
 
 
 @kernel
 def _longest(t: int, room: int, top: int) -> int:
     """Level of the longest step from t that is aligned to its length and fits into the room."""
     level = 0
-    while level < top and (t >> level) & 1 == 0 and (np.int64(2) << level) <= room:
+    while level < top and (t >> level) & 1 == 0 and (2 << level) <= room:
         level += 1
     return level
 
@@ -180,15 +198,18 @@ def _longest(t: int, room: int, top: int) -> int:
 def _start(system: System, state: State, place: Floats, rate: Floats, loaded: Floats) -> None:
     """Contacts that close at once, preloaded contacts, links without a release time; the rest is open, touching or
     not, and closes when the leading derivative of its indentation says so."""
-    for a in range(len(system.kind)):
+    for a in range(len(system.interfaces)):
         state.status[a] = OPEN
-        if system.kind[a] == LINK:
-            if system.release[a] <= 0:
+        if system.interfaces[a]["kind"] == LINK:
+            if system.interfaces[a]["release"] <= 0:
                 state.status[a] = CLOSED
-        elif system.preload[a] > 0.0 or (system.offset[a] == 0.0 and rate[a] > 0.0):
+        elif system.interfaces[a]["preload"] > 0.0 or (system.interfaces[a]["offset"] == 0.0 and rate[a] > 0.0):
             state.status[a] = CLOSED
-            loaded[a] = 1.0 if system.preload[a] == 0.0 else 0.0
-            if system.tensile[a] == 0 and law(system, a, place[a] + system.offset[a], rate[a])[0] < 0.0:
+            loaded[a] = 1.0 if system.interfaces[a]["preload"] == 0.0 else 0.0
+            if (
+                system.interfaces[a]["tensile"] == 0
+                and law(system, a, place[a] + system.interfaces[a]["offset"], rate[a])[0] < 0.0
+            ):
                 state.status[a] = CLAMPED
         if state.status[a] == CLOSED:
             state.force[a] = net_force(system, state, a, place[a], rate[a])
@@ -201,10 +222,10 @@ def _is_loaded(system: System, state: State, a: int, place: float, rate: float, 
     """Whether a contact counts as closed: it has a force, or one above its preload."""
     if state.status[a] != CLOSED:
         return 0.0
-    if system.preload[a] == 0.0:
+    if system.interfaces[a]["preload"] == 0.0:
         return 1.0
     excess = net_force(system, state, a, place, rate)
-    if abs(excess) <= 1e-9 * system.preload[a]:
+    if abs(excess) <= 1e-9 * system.interfaces[a]["preload"]:
         return before
     return 1.0 if excess > 0.0 else 0.0
 
@@ -229,8 +250,12 @@ def _inner_samples(t: int, level: int, halvings: int, system: System, state: Sta
                 for s in range(STAGES):
                     total += piece[p, s] * trial.forces[a, s]
                 forces[a, p] = total
-        if modal.shape[1]:
-            modal[:] = piece @ trial.modal
+        for i in range(modal.shape[1]):
+            for p in range(STAGES):
+                total = 0.0
+                for s in range(STAGES):
+                    total += piece[p, s] * trial.modal[s, i]
+                modal[p, i] = total
         drift(halvings, system, tables, forces, modal, z, v, work)
         _sample(first + j + 1, (t + ((j + 1) << halvings)) * system.tick, system, state, z, v, record, work)
 
@@ -239,19 +264,18 @@ def _inner_samples(t: int, level: int, halvings: int, system: System, state: Sta
 def _sample(index: int, now: float, system: System, state: State, z: Floats, v: Floats, record: Record,
             work: Floats) -> None:  # fmt: skip
     """Write one sample: coordinates, rates, accelerations, and the interfaces' forces as they are felt."""
-    n, m, k = len(z), len(system.kind), system.n_modes
+    n, m, k = len(z), len(system.interfaces), system.n_modes
     acceleration = record.a[index]
     for i in range(n):
         acceleration[i] = -system.damping[i] * v[i] - system.omega[i] * system.omega[i] * z[i]
     for a in range(len(system.rows)):
         if a < m:
-            x, u = 0.0, 0.0
-            for i in range(n):
-                x += system.rows[a, i] * z[i]
-                u += system.rows[a, i] * v[i]
+            x, u = dot(system.rows[a], z), dot(system.rows[a], v)
             net = net_force(system, state, a, x, u)
             record.place[index, a] = x
-            record.force[index, a] = net if system.kind[a] == LINK else net + system.preload[a]
+            record.force[index, a] = (
+                net if system.interfaces[a]["kind"] == LINK else net + system.interfaces[a]["preload"]
+            )
         else:
             net = load_at(system, a - m, now)
         net *= system.sign[a]
@@ -259,23 +283,25 @@ def _sample(index: int, now: float, system: System, state: State, z: Floats, v: 
             for i in range(n):
                 acceleration[i] += system.rows[a, i] * net
     if len(system.coupling):
-        acceleration[:k] -= system.coupling @ v[:k]
-    record.z[index] = z
-    record.v[index] = v
+        for i in range(k):
+            for j in range(k):
+                acceleration[i] -= system.coupling[i, j] * v[j]
+    for i in range(n):
+        record.z[index, i], record.v[index, i] = z[i], v[i]
 
 
 @kernel
 def _peaks_at_start(system: System, state: State, place: Floats, rate: Floats, record: Record) -> None:
-    for a in range(len(system.kind)):
-        if system.kind[a] != LINK and state.status[a] == CLOSED:
-            record.peak[a, 0] = law(system, a, place[a] + system.offset[a], rate[a])[0]
+    for a in range(len(system.interfaces)):
+        if system.interfaces[a]["kind"] != LINK and state.status[a] == CLOSED:
+            record.peak[a, 0] = law(system, a, place[a] + system.interfaces[a]["offset"], rate[a])[0]
 
 
 @kernel
 def _peaks(t: float, h: float, system: System, state: State, rule: Rule, trial: Trial, record: Record) -> None:
     """Largest force of each contact from the polynomials of the step: bracketed on the nodes, then golden section."""
-    for a in range(len(system.kind)):
-        if system.kind[a] == LINK or state.status[a] != CLOSED:
+    for a in range(len(system.interfaces)):
+        if system.interfaces[a]["kind"] == LINK or state.status[a] != CLOSED:
             continue
         largest, at = -np.inf, 0
         for p in range(STAGES):
@@ -285,7 +311,7 @@ def _peaks(t: float, h: float, system: System, state: State, rule: Rule, trial: 
         for p in range(STAGES):
             start += rule.at_start[p] * trial.forces[a, p]
             end += rule.at_end[p] * trial.forces[a, p]
-        largest = max(largest, start, end) + system.preload[a]
+        largest = max(largest, start, end) + system.interfaces[a]["preload"]
         if largest < 0.9 * record.peak[a, 0]:
             continue
         low, high = rule.places[at], rule.places[at + 2]
@@ -297,8 +323,12 @@ def _peaks(t: float, h: float, system: System, state: State, rule: Rule, trial: 
             else:
                 low = left
         place = 0.5 * (low + high)
-        force = _polynomial(trial.forces[a], place, rule) + system.preload[a]
-        for value, where in ((force, place), (start + system.preload[a], 0.0), (end + system.preload[a], 1.0)):
+        force = _polynomial(trial.forces[a], place, rule) + system.interfaces[a]["preload"]
+        for value, where in (
+            (force, place),
+            (start + system.interfaces[a]["preload"], 0.0),
+            (end + system.interfaces[a]["preload"], 1.0),
+        ):
             if value > record.peak[a, 0]:
                 record.peak[a, 0], record.peak[a, 1] = value, t + where * h
 
@@ -310,7 +340,7 @@ def _polynomial(values: Floats, theta: float, rule: Rule) -> float:
     for i in range(STAGES):
         distance = theta - rule.nodes[i]
         if distance == 0.0:
-            return values[i]
+            return float(values[i])
         # barycentric weights of the places without both ends
         weight = rule.barycentric[i + 1] * (rule.nodes[i]) * (rule.nodes[i] - 1.0) / distance
         top += weight * values[i]
@@ -319,23 +349,31 @@ def _polynomial(values: Floats, theta: float, rule: Rule) -> float:
 
 
 @kernel
-def _log(
-    events: Integers, rows: Floats, count: int, a: int, what: int, all_open: int, row: Floats
-) -> tuple[Integers, Floats, int]:
-    if count == len(events):
-        more = np.zeros((2 * count, 3), dtype=np.int64)
-        more[:count] = events
-        events, rows = more, _grown(rows)
+def _log(events: Integers, rows: Floats, count: int, a: int, what: int, all_open: int, row: Floats) -> None:
     events[count, 0], events[count, 1], events[count, 2] = a, what, all_open
-    rows[count] = row
-    return events, rows, count + 1
+    for i in range(len(row)):
+        rows[count, i] = row[i]
 
 
-@kernel
-def _grown(rows: Floats) -> Floats:
-    more = np.zeros((2 * len(rows), rows.shape[1]))
-    more[: len(rows)] = rows
-    return more
+def room_for(system: System, n_samples: int) -> Record:
+    """Empty records of a run; memory is touched only where something is written.
+
+    The history takes at most a row a sample while a contact is closed and 2048 more.
+    """
+    n, m, width = len(system.omega), len(system.interfaces), ledger_width(system)
+    return Record(
+        z=np.empty((n_samples, n)),
+        v=np.empty((n_samples, n)),
+        a=np.empty((n_samples, n)),
+        force=np.empty((n_samples, m)),
+        place=np.empty((n_samples, m)),
+        peak=np.zeros((m, 2)),
+        shortest=np.full(m, np.inf),
+        totals=np.zeros(4 + m),
+        history=np.empty((n_samples + 2100, width)),
+        events=np.empty((MOST_EVENTS, 3), dtype=np.int64),
+        event_rows=np.empty((MOST_EVENTS, width)),
+    )
 
 
 def levels_for(halvings: int) -> int:

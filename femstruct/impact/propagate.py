@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from femstruct.arrays import Floats, Integers
-from femstruct.impact.compiled import kernel
+from femstruct.impact.compiled import kernel, summing
 from femstruct.impact.rule import PLACES, POINTS, STAGES, Rule
 from femstruct.impact.system import CONSTANT, HALF_SINE, HERTZ, LINK, System
 from femstruct.impact.tables import Tables
@@ -64,12 +64,12 @@ def trial_room(system: System) -> Trial:
 @kernel
 def law(system: System, a: int, delta: float, speed: float) -> tuple[float, float, float]:
     """Force of interface a by its formula (no clamp) and its derivatives to indentation and speed."""
-    stiffness, damping = system.stiffness[a], system.closing[a]
-    if system.kind[a] == LINK:
+    stiffness, damping = system.interfaces[a]["stiffness"], system.interfaces[a]["closing"]
+    if system.interfaces[a]["kind"] == LINK:
         if speed < 0.0:
-            damping = system.opening[a]
-        return stiffness * delta + damping * speed + system.preload[a], stiffness, damping
-    if system.kind[a] == HERTZ:
+            damping = system.interfaces[a]["opening"]
+        return stiffness * delta + damping * speed + system.interfaces[a]["preload"], stiffness, damping
+    if system.interfaces[a]["kind"] == HERTZ:
         if delta <= 0.0:
             return 0.0, 0.0, 0.0
         root = np.sqrt(delta)
@@ -81,28 +81,36 @@ def law(system: System, a: int, delta: float, speed: float) -> tuple[float, floa
 @kernel
 def net_force(system: System, state: State, a: int, displacement: float, speed: float) -> float:
     """Force with which interface a acts in its present status: preloads of contacts are in balance with the rest."""
-    if system.kind[a] == LINK:
+    if system.interfaces[a]["kind"] == LINK:
         return law(system, a, displacement - state.rest[a], speed)[0] if state.status[a] == CLOSED else 0.0
     if state.status[a] == CLOSED:
-        return law(system, a, displacement + system.offset[a], speed)[0] - system.preload[a]
-    return -system.preload[a]
+        return float(
+            law(system, a, displacement + system.interfaces[a]["offset"], speed)[0] - system.interfaces[a]["preload"]
+        )
+    return float(-system.interfaces[a]["preload"])
 
 
 @kernel
 def load_at(system: System, i: int, t: float) -> float:
     """Value of load i at time t, by the formula of the piece it is in."""
-    if system.load_kind[i] == CONSTANT:
-        return system.load_values[i, 0]
-    if system.load_kind[i] == HALF_SINE:
-        amplitude, frequency = system.load_values[i]
-        return amplitude * np.sin(2.0 * np.pi * frequency * t) if t * frequency < 0.5 else 0.0
-    first, length = system.load_first[i], system.load_length[i]
-    times = system.table_t[first : first + length]
-    if t < times[0] or t > times[-1]:
+    if system.loads[i]["kind"] == CONSTANT:
+        return float(system.loads[i]["value"])
+    if system.loads[i]["kind"] == HALF_SINE:
+        amplitude, frequency = system.loads[i]["value"], system.loads[i]["frequency"]
+        return float(amplitude * np.sin(2.0 * np.pi * frequency * t)) if t * frequency < 0.5 else 0.0
+    first, length = system.loads[i]["first"], system.loads[i]["length"]
+    last = first + length - 1
+    if t < system.table[first, 0] or t > system.table[last, 0]:
         return 0.0
-    right = min(max(np.searchsorted(times, t), 1), length - 1)
-    share = (t - times[right - 1]) / (times[right] - times[right - 1])
-    return (1.0 - share) * system.table_f[first + right - 1] + share * system.table_f[first + right]
+    left, right = first, last
+    while right - left > 1:
+        middle = (left + right) // 2
+        if system.table[middle, 0] <= t:
+            left = middle
+        else:
+            right = middle
+    share = (t - system.table[left, 0]) / (system.table[right, 0] - system.table[left, 0])
+    return float((1.0 - share) * system.table[left, 1] + share * system.table[right, 1])
 
 
 @kernel
@@ -142,7 +150,7 @@ def try_step(t: float, level: int, h: float, system: System, state: State, rule:
     The error of a force is what its polynomial misses of its law at both ends; what counts is the speed it would give
     the mass behind the row in the step, against the largest speed the row has had.
     """
-    n, r, m = len(system.omega), len(system.rows), len(system.kind)
+    n, r, m = len(system.omega), len(system.rows), len(system.interfaces)
     q = trial.q
     q[:] = 0.0
     free = tables.free[level]
@@ -159,7 +167,7 @@ def try_step(t: float, level: int, h: float, system: System, state: State, rule:
             count += 1
             trial.forces[a] = state.force[a]
         else:
-            trial.forces[a] = 0.0 if system.kind[a] == LINK else -system.preload[a]
+            trial.forces[a] = 0.0 if system.interfaces[a]["kind"] == LINK else -system.interfaces[a]["preload"]
     for i in range(r - m):
         for j in range(STAGES):
             trial.forces[m + i, j] = load_at(system, i, t + rule.nodes[j] * h)
@@ -203,9 +211,9 @@ def _interface_forces(level: int, system: System, state: State, tables: Tables, 
         worst = 0.0
         for i in range(count):
             a = active[i]
-            shift = -state.rest[a] if system.kind[a] == LINK else system.offset[a]
-            held = 0.0 if system.kind[a] == LINK else system.preload[a]
-            largest, miss = system.preload[a], 0.0
+            shift = -state.rest[a] if system.interfaces[a]["kind"] == LINK else system.interfaces[a]["offset"]
+            held = 0.0 if system.interfaces[a]["kind"] == LINK else system.interfaces[a]["preload"]
+            largest, miss = system.interfaces[a]["preload"], 0.0
             for p in range(STAGES):
                 f, slope[i, p, 0], slope[i, p, 1] = law(system, a, place[a, p + 1] + shift, rate[a, p + 1])
                 residual[i * STAGES + p] = f - held - trial.forces[a, p]
@@ -253,9 +261,14 @@ def _couple(level: int, system: System, state: State, tables: Tables, trial: Tri
                 if force != 0.0:
                     for i in range(k):
                         speeds[p, i] += tables.mode_forced[level, p, j, i] * system.rows[a, i] * force
-    new = -(speeds @ system.coupling)
-    change, size = np.abs(new - trial.modal).max(), np.abs(new).max()
-    trial.modal[:] = new
+    change, size = 0.0, 0.0
+    for p in range(STAGES):
+        for i in range(k):
+            force = 0.0
+            for j in range(k):
+                force -= system.coupling[i, j] * speeds[p, j]
+            change, size = max(change, abs(force - trial.modal[p, i])), max(size, abs(force))
+            trial.modal[p, i] = force
     return change, size
 
 
@@ -277,7 +290,7 @@ def _add_coupled(level: int, system: System, tables: Tables, trial: Trial) -> No
 
 @kernel
 def _error(t: float, h: float, system: System, state: State, rule: Rule, trial: Trial, tolerance: float) -> float:
-    m = len(system.kind)
+    m = len(system.interfaces)
     worst = 0.0
     for a in range(len(system.rows)):
         start, end, top = 0.0, 0.0, 0.0
@@ -291,7 +304,7 @@ def _error(t: float, h: float, system: System, state: State, rule: Rule, trial: 
             start -= net_force(system, state, a, trial.place[a, 0], trial.rate[a, 0])
             end -= net_force(system, state, a, trial.place[a, PLACES - 1], trial.rate[a, PLACES - 1])
         else:
-            if system.load_kind[a - m] != HALF_SINE:
+            if system.loads[a - m]["kind"] != HALF_SINE:
                 continue
             start -= load_at(system, a - m, t)
             end -= load_at(system, a - m, t + h * (1.0 - 1e-12))
@@ -310,20 +323,29 @@ def _error(t: float, h: float, system: System, state: State, rule: Rule, trial: 
                 top += rule.top[j] * trial.modal[j, i]
             tail += top * top
         if tail > 0.0:
-            fastest = np.sqrt(max(energy, (trial.speeds**2).sum() / STAGES))
+            fastest = 0.0
+            for p in range(STAGES):
+                for i in range(system.n_modes):
+                    fastest += trial.speeds[p, i] ** 2 / STAGES
+            fastest = np.sqrt(max(energy, fastest))
             worst = max(worst, 0.1 * h * np.sqrt(tail) / (tolerance * fastest))
     return worst
+
+
+@summing
+def dot(left: Floats, right: Floats) -> float:
+    """Sum of products."""
+    total = 0.0
+    for i in range(len(left)):
+        total += left[i] * right[i]
+    return total
 
 
 @kernel
 def rows_now(system: System, z: Floats, v: Floats, place: Floats, rate: Floats) -> None:
     """Displacements and velocities of all rows."""
     for a in range(len(system.rows)):
-        x, u = 0.0, 0.0
-        for i in range(len(z)):
-            x += system.rows[a, i] * z[i]
-            u += system.rows[a, i] * v[i]
-        place[a], rate[a] = x, u
+        place[a], rate[a] = dot(system.rows[a], z), dot(system.rows[a], v)
 
 
 @kernel
@@ -379,12 +401,17 @@ def drift(level: int, system: System, tables: Tables, forces: Floats, modal: Flo
         work[0, i] = flow[0, i] * z[i] + flow[1, i] * v[i]
         work[1, i] = flow[2, i] * z[i] + flow[3, i] * v[i]
     for j in range(STAGES):
-        work[2] = 0.0
+        pushed = modal.shape[1] > 0
+        for i in range(n):
+            work[2, i] = 0.0
         for a in range(len(system.rows)):
             force = system.sign[a] * forces[a, j]
             if force != 0.0:
+                pushed = True
                 for i in range(n):
                     work[2, i] += system.rows[a, i] * force
+        if not pushed:
+            continue
         for i in range(modal.shape[1]):
             work[2, i] += modal[j, i]
         for i in range(n):

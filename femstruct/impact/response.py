@@ -23,7 +23,10 @@ class Outcome(Enum):
 
 @dataclass(frozen=True)
 class Event:
-    """A contact closed or opened: time [s], contact name, "closes" or "opens"."""
+    """A contact closed or opened: time [s], contact name, "closes" or "opens".
+
+    Open is: without force (a clamped dashpot may end it before the indentation), or below the preload.
+    """
 
     t: float
     contact: str
@@ -55,8 +58,8 @@ class BodyHistory:
 class EnergyBalance:
     """Energy at one instant t [s], in J: every term integrated or evaluated by itself, none a remainder.
 
-    bodies : kinetic energy (and potential in gravity) by name. structure : kinetic and elastic energy of the modes.
-    contacts, links : stored energy by name. lost_modes, lost_contacts, lost_links : dissipated until t.
+    bodies : kinetic energy by name (gravity is in the work). structure : kinetic and elastic energy of the modes.
+    contacts, links : stored energy by name, from zero at rest; a link's preload counts from the start. lost_modes, lost_contacts, lost_links : dissipated until t.
     work : done by loads and gravity until t.
     """
 

@@ -107,7 +107,7 @@ def collocation_rule() -> Rule:
         slopes=slopes,
         ends=ends,
         places=places,
-        bernstein=np.linalg.inv(shape),
+        bernstein=np.linalg.inv(shape).astype(np.float64),
         barycentric=1.0 / differences.prod(axis=1),
         lebesgue=float(np.abs(cardinal).sum(axis=1).max()),
         node_polynomial=float(np.abs(products).max()),

@@ -7,8 +7,18 @@ import numpy as np
 from femstruct.arrays import Floats, Integers
 from femstruct.errors import Finding, NotConverged
 from femstruct.impact.bodies import Clock, Scene
-from femstruct.impact.energy import TIME, ledger, ledger_width
-from femstruct.impact.march import CLOSES, DONE, NO_FORCES, Record, levels_for, march
+from femstruct.impact.energy import TIME, ledger
+from femstruct.impact.march import (
+    CLOSES,
+    DONE,
+    NO_FORCES,
+    TOO_MANY_EVENTS,
+    TOO_MANY_STEPS,
+    Record,
+    levels_for,
+    march,
+    room_for,
+)
 from femstruct.impact.propagate import State, trial_room
 from femstruct.impact.response import BodyHistory, ContactHistory, EnergyLedger, Event, Outcome, Response
 from femstruct.impact.rule import collocation_rule
@@ -19,6 +29,7 @@ from femstruct.modal.basis import ModalBasis
 MAX_STEPS = 20_000_000
 ENERGY_DRIFT = 1e-6
 SAMPLES_PER_CONTACT = 10
+NOT_DECAYED = 1e-2
 ERROR_BUDGET = 0.1  # share of the tolerance that a step may spend
 
 
@@ -50,7 +61,7 @@ def simulate(basis: ModalBasis, scene: Scene, clock: Clock) -> Response:
     """
     compiled = compile_scene(basis, scene, clock)
     system, nt = compiled.system, compiled.n_samples
-    n, m, r = len(system.omega), len(system.kind), len(system.rows)
+    m, r = len(system.interfaces), len(system.rows)
     levels = levels_for(compiled.halvings)
     top_level = levels - 1
     if system.coupling.size:
@@ -65,17 +76,8 @@ def simulate(basis: ModalBasis, scene: Scene, clock: Clock) -> Response:
         pace=np.zeros(r),
         force=np.zeros(m),
     )
-    record = Record(
-        z=np.empty((nt, n)),
-        v=np.empty((nt, n)),
-        a=np.empty((nt, n)),
-        force=np.zeros((nt, m)),
-        place=np.zeros((nt, m)),
-        peak=np.zeros((m, 2)),
-        shortest=np.full(m, np.inf),
-        totals=np.zeros(4 + m),
-    )
-    status, when, history, events, event_rows = march(
+    record = room_for(system, nt)
+    status, when, n_history, n_events = march(
         system,
         state,
         collocation_rule(),
@@ -86,17 +88,20 @@ def simulate(basis: ModalBasis, scene: Scene, clock: Clock) -> Response:
         top_level,
         clock.tolerance * ERROR_BUDGET,
         MAX_STEPS,
-        ledger_width(system),
     )
     if status != DONE:
+        trouble = {
+            TOO_MANY_STEPS: f"{MAX_STEPS} steps by t = {when:g} s",
+            TOO_MANY_EVENTS: f"{n_events} closings and openings by t = {when:g} s: a contact chatters",
+            NO_FORCES: f"no contact force at t = {when:g} s",
+        }
         raise NotConverged(
             "impact",
-            got=f"no contact force at t = {when:g} s"
-            if status == NO_FORCES
-            else f"{MAX_STEPS} steps by t = {when:g} s",
+            got=trouble[status],
             expected=f"to reach t = {clock.duration:g} s",
             do="look at stiffnesses and masses there, or choose a larger tolerance",
         )
+    history, events, event_rows = record.history[:n_history], record.events[:n_events], record.event_rows[:n_events]
     names = {a: name for name, rows in compiled.contacts.items() for a in rows}
     log = tuple(
         Event(float(row[TIME]), names[int(a)], "closes" if what == CLOSES else "opens")
@@ -143,7 +148,7 @@ def _separation(events: Integers, rows: Floats, clock: Clock) -> Floats | None:
 def _contact(
     name: str, rows: tuple[int, ...], compiled: Compiled, record: Record, log: tuple[Event, ...]
 ) -> ContactHistory:
-    offset = compiled.system.offset
+    offset = compiled.system.interfaces["offset"]
     mine = [event for event in log if event.contact == name]
     opened = [event.t for event in mine if event.what == "opens"]
     peak = max(rows, key=lambda a: float(record.peak[a, 0]))
@@ -190,6 +195,16 @@ def _findings(
                 "window-too-short",
                 f"A contact is still closed at the end of the window of {clock.duration:g} s.",
                 {"duration_s": clock.duration},
+            )
+        )
+    most, left = float(book.structure.max()), book.end.structure
+    if compiled.system.damping.any() and left > NOT_DECAYED * most:
+        found.append(
+            Finding(
+                "not-decayed",
+                f"The structure still has {100 * left / most:.2g} % of its largest energy at the end of the window of "
+                f"{clock.duration:g} s: spectra of this record are those of a cut signal.",
+                {"energy_left": left / most, "allowed": NOT_DECAYED, "duration_s": clock.duration},
             )
         )
     for name, rows in compiled.contacts.items():

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from femstruct.arrays import Floats, Integers
 from femstruct.errors import FemstructError
@@ -20,15 +21,38 @@ HERTZ, LINEAR, LINK = 0, 1, 2
 CONSTANT, HALF_SINE, TABLE = 0, 1, 2
 
 
+Records = NDArray[np.void]
+INTERFACE = np.dtype(
+    [
+        ("kind", np.int64),
+        ("stiffness", np.float64),
+        ("closing", np.float64),
+        ("opening", np.float64),
+        ("offset", np.float64),
+        ("preload", np.float64),
+        ("tensile", np.int64),
+        ("release", np.int64),
+    ]
+)
+LOAD = np.dtype(
+    [
+        ("kind", np.int64),
+        ("value", np.float64),
+        ("frequency", np.float64),
+        ("first", np.int64),
+        ("length", np.int64),
+    ]
+)
+
+
 class System(NamedTuple):
     """What the kernels need to know. n coordinates of unit mass: k modes, then bodies as sqrt(m) x.
 
     omega, damping [n]; coupling [k, k] : damping off the diagonal, empty without.
     rows [r, n] : contacts, links, then loads; displacement of a row is lower end less upper end (approach), its force
     acts as sign * row. mobility [r] : row . row, the inverse mass behind it at high frequency.
-    kind, stiffness, closing, opening, offset, preload, tensile, release [i] : laws of the interfaces (contacts and
-    links); indentation = displacement + offset; release in ticks.
-    load_kind [l], load_values [l, 2], load_first, load_length [l] into table_t, table_f.
+    interfaces : laws of contacts and links (INTERFACE); indentation = displacement + offset; release in ticks.
+    loads : histories (LOAD); first, length point into table [t, force].
     kinks : ticks at which a load or a link changes its formula; tick [s].
     """
 
@@ -39,20 +63,9 @@ class System(NamedTuple):
     rows: Floats
     sign: Floats
     mobility: Floats
-    kind: Integers
-    stiffness: Floats
-    closing: Floats
-    opening: Floats
-    offset: Floats
-    preload: Floats
-    tensile: Integers
-    release: Integers
-    load_kind: Integers
-    load_values: Floats
-    load_first: Integers
-    load_length: Integers
-    table_t: Floats
-    table_f: Floats
+    interfaces: Records
+    loads: Records
+    table: Floats
     kinks: Integers
     tick: float
 
@@ -82,7 +95,7 @@ def compile_scene(basis: ModalBasis, scene: Scene, clock: Clock) -> Compiled:
     """
     k, bodies = len(basis.omega), {body.name: i for i, body in enumerate(scene.bodies)}
     _refuse_duplicates("bodies", [body.name for body in scene.bodies])
-    _refuse_duplicates("contacts and links", [one.name for one in (*scene.contacts, *scene.links)])
+    _refuse_duplicates("contacts and links", [c.name for c in scene.contacts] + [link.name for link in scene.links])
     if k + len(bodies) == 0:
         raise FemstructError("scene", got="no mode and no body", expected="something that moves")
     scale = np.concatenate((np.ones(k), np.sqrt([body.mass for body in scene.bodies])))
@@ -138,8 +151,6 @@ def compile_scene(basis: ModalBasis, scene: Scene, clock: Clock) -> Compiled:
 
     n = k + len(bodies)
     matrix = np.array(interfaces.rows + loads.rows).reshape(-1, n)
-    laws = np.array(interfaces.laws, dtype=np.float64).reshape(-1, 8).T
-    histories = np.array(loads.laws, dtype=np.float64).reshape(-1, 5).T
     time_damping = basis.time_damping
     coupling = time_damping - np.diag(np.diag(time_damping))
     velocity = np.zeros(k) if scene.velocity is None else np.asarray(scene.velocity, dtype=np.float64)
@@ -155,20 +166,9 @@ def compile_scene(basis: ModalBasis, scene: Scene, clock: Clock) -> Compiled:
         rows=np.ascontiguousarray(matrix),
         sign=np.concatenate((-np.ones(len(interfaces.rows)), np.ones(len(loads.rows)))),
         mobility=(matrix**2).sum(axis=1),
-        kind=laws[0].astype(np.int64),
-        stiffness=laws[1].copy(),
-        closing=laws[2].copy(),
-        opening=laws[3].copy(),
-        offset=laws[4].copy(),
-        preload=laws[5].copy(),
-        tensile=laws[6].astype(np.int64),
-        release=laws[7].astype(np.int64),
-        load_kind=histories[0].astype(np.int64),
-        load_values=np.ascontiguousarray(histories[1:3].T),
-        load_first=histories[3].astype(np.int64),
-        load_length=histories[4].astype(np.int64),
-        table_t=np.array(loads.times, dtype=np.float64),
-        table_f=np.array(loads.values, dtype=np.float64),
+        interfaces=np.array(interfaces.laws, dtype=INTERFACE),
+        loads=np.array(loads.laws, dtype=LOAD),
+        table=np.array([loads.times, loads.values], dtype=np.float64).T.copy(),
         kinks=np.array(sorted(kink for kink in kinks if kink > 0), dtype=np.int64),
         tick=tick,
     )
@@ -184,7 +184,7 @@ class _Interfaces:
 
     def add(self, row: Floats, kind: int, law: Hertz | Linear | Stop, offset: float, preload: float) -> None:
         self.rows.append(row)
-        self.laws.append((kind, law.stiffness, law.damping, law.damping, offset, preload, float(law.tensile), 0))
+        self.laws.append((kind, law.stiffness, law.damping, law.damping, offset, preload, int(law.tensile), 0))
 
 
 class _Loads:

@@ -47,7 +47,7 @@ def test_restitution_of_a_clamped_dashpot(zeta: float) -> None:
 
 @pytest.mark.parametrize("struck", [None, 0.3])
 def test_hertz_rebound(struck: float | None) -> None:
-    """delta_max = (5 m v^2 / 4 k)^(2/5), contact 4 sqrt(pi) Gamma(2/5) / (5 Gamma(9/10)) delta_max / v, m the reduced mass."""
+    """delta_max = (5 m v^2 / 4 k)^(2/5), contact 4 sqrt(pi) Gamma(2/5) / (5 Gamma(9/10)) delta_max / v, m reduced."""
     m, k, v = 0.054, 3.7e5, 2.1
     reduced = m if struck is None else m * struck / (m + struck)
     bodies = (Body("ball", m, -v),) + (() if struck is None else (Body("other", struck),))
