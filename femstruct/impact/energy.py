@@ -66,7 +66,7 @@ def take_stock(t: float, system: System, state: State, place: Floats, lost: Floa
         total += row[at + a] + lost[a]
     row[at + m] = lost[m]
     row[at + 2 * m + 1] = lost[m + 1]
-    return total + lost[m] - lost[m + 1]
+    return float(total + lost[m] - lost[m + 1])
 
 
 @kernel

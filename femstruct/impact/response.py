@@ -59,7 +59,8 @@ class EnergyBalance:
     """Energy at one instant t [s], in J: every term integrated or evaluated by itself, none a remainder.
 
     bodies : kinetic energy by name (gravity is in the work). structure : kinetic and elastic energy of the modes.
-    contacts, links : stored energy by name, from zero at rest; a link's preload counts from the start. lost_modes, lost_contacts, lost_links : dissipated until t.
+    contacts, links : stored energy by name, from zero at rest; a link's preload counts from the start.
+    lost_modes, lost_contacts, lost_links : dissipated until t.
     work : done by loads and gravity until t.
     """
 
