@@ -21,14 +21,12 @@ from typing import TYPE_CHECKING, Any
 
 from acoustics.air import Air
 from acoustics.errors import AcousticsError, Advice
-from acoustics.judgement import air_stiffness_advice
 from acoustics.maps import PressureMap, pressure_map
 from acoustics.pressure import RoomResponse, pressure
 from acoustics.room import (
     Losses,
     Receiver,
     Room,
-    air_stiffness,
     air_stiffness_ratio,
     losses_from_beta,
     losses_from_loss_factor,
@@ -36,7 +34,7 @@ from acoustics.room import (
     modal_damping_ratio,
     room_modes,
 )
-from acoustics.source import SurfaceVelocity, displaced_volume, mean_square_velocity, volume_velocity
+from acoustics.source import SurfaceVelocity
 
 if TYPE_CHECKING:
     from acoustics.levels import Levels, level_spectrum, response_levels, sound_levels, third_octave_bands
@@ -55,15 +53,11 @@ __all__ = [
     "Room",
     "RoomResponse",
     "SurfaceVelocity",
-    "air_stiffness",
-    "air_stiffness_advice",
     "air_stiffness_ratio",
-    "displaced_volume",
     "level_spectrum",
     "losses_from_beta",
     "losses_from_loss_factor",
     "losses_from_t60",
-    "mean_square_velocity",
     "modal_damping_ratio",
     "pressure",
     "pressure_map",
@@ -71,7 +65,6 @@ __all__ = [
     "room_modes",
     "sound_levels",
     "third_octave_bands",
-    "volume_velocity",
 ]
 
 

@@ -26,8 +26,3 @@ class Air:
     def bulk_modulus(self) -> float:
         """Stiffness of the air against compression, rho c^2 [Pa]."""
         return self.rho * self.c**2
-
-    @property
-    def impedance(self) -> float:
-        """Characteristic impedance rho c [Pa s/m]."""
-        return self.rho * self.c

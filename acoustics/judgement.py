@@ -9,39 +9,13 @@ import numpy as np
 from acoustics.arrays import Integers
 from acoustics.cavity import cosines, project
 from acoustics.errors import Advice
-from acoustics.room import Room, air_stiffness, air_stiffness_ratio
+from acoustics.room import Room
 from acoustics.source import SurfaceVelocity
 
-STIFF_AIR: Final = 0.1  # frequencies move by 5 %
 SAMPLES_PER_PERIOD: Final = 30.0  # of the source's highest frequency: gives 1e-6
 TRUNCATED: Final = 1e-3
 DECAYED: Final = 1e-3
 COARSE: Final = 0.05
-
-
-def air_stiffness_advice(room: Room, area: float, stiffness: float) -> Advice | None:
-    """Advice ``air-stiffness`` when the sealed air is stiffer than 0.1 of the structure [N/m], else None.
-
-    >>> from acoustics.air import Air
-    >>> box = Room([0.58, 0.47, 0.1], Air(340, 1.29))
-    >>> air_stiffness_advice(box, box.ceiling_area, 4.641e5).code
-    'air-stiffness'
-    """
-    ratio = float(air_stiffness_ratio(room, area, stiffness))
-    if ratio <= STIFF_AIR:
-        return None
-    return Advice(
-        "air-stiffness",
-        f"the air of the sealed room is {ratio:.2f} times as stiff as the structure ({air_stiffness(room, area):.4g} "
-        f"against {stiffness:.4g} N/m): one-way coupling does not hold for a sealed room above {STIFF_AIR:g}; "
-        "reductions in percent survive, pascals do not",
-        {
-            "ratio": ratio,
-            "air_stiffness_n_per_m": float(air_stiffness(room, area)),
-            "structural_stiffness_n_per_m": float(stiffness),
-            "frequency_factor": float(np.sqrt(1 + ratio)),
-        },
-    )
 
 
 def source_advice(surface: SurfaceVelocity, room: Room, orders: Integers, highest_hz: float) -> tuple[Advice, ...]:

@@ -182,13 +182,8 @@ def room_modes(room: Room, up_to_hz: float) -> tuple[Floats, Integers]:
     return frequency_hz[order], indices[order]
 
 
-def air_stiffness(room: Room, area: float | Floats) -> float | Floats:
-    """Stiffness rho c^2 area^2 / V [N/m] of the sealed room's air against a piston of `area` [m^2]."""
-    return room.air.bulk_modulus * area**2 / room.volume
-
-
 def air_stiffness_ratio(room: Room, area: float | Floats, stiffness: float | Floats) -> float | Floats:
-    """Stiffness of the sealed air over that of the structure which moves its ceiling [-].
+    """Stiffness rho c^2 area^2 / V of the sealed room's air over that of the structure which moves its ceiling [-].
 
     area : area of the moving surface [m^2], or of a mode: the integral of its mass-normalised shape over the surface
         [m^2/sqrt(kg)].
@@ -196,10 +191,15 @@ def air_stiffness_ratio(room: Room, area: float | Floats, stiffness: float | Flo
 
     Notes
     -----
-    A mode's frequency with the air is about sqrt(1 + ratio) times that without.
+    A mode's frequency with the air is about sqrt(1 + ratio) times that without. The room is compressed uniformly,
+    which holds well below its first mode.
+
+    References
+    ----------
+    F. Fahy, P. Gardonio, Sound and Structural Vibration, 2nd ed., section 7.4 (uniform pressure in an enclosure).
 
     >>> box = Room([0.58, 0.47, 0.1], Air(340, 1.29))
     >>> round(air_stiffness_ratio(box, box.ceiling_area, 4.641e5), 3)
     0.876
     """
-    return air_stiffness(room, area) / stiffness
+    return room.air.bulk_modulus * area**2 / (room.volume * stiffness)

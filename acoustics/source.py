@@ -30,9 +30,9 @@ class SurfaceVelocity:
     What the points do not cover of the ceiling is rigid.
 
     >>> import numpy as np
-    >>> v = SurfaceVelocity([[0.25, 0.5, 1], [0.75, 0.5, 1]], [0.5, 0.5], [[1], [1]], [np.ones(4)], dt=0.1)
-    >>> volume_velocity(v).tolist()
-    [1.0, 1.0, 1.0, 1.0]
+    >>> v = SurfaceVelocity([[0.25, 0.5, 1], [0.75, 0.5, 1]], [0.5, 0.5], [[1], [1]], [np.ones(3)], dt=0.5)
+    >>> v.area, v.t.tolist()
+    (1.0, [0.0, 0.5, 1.0])
     """
 
     points: Floats
@@ -68,25 +68,6 @@ class SurfaceVelocity:
     def area(self) -> float:
         """Area the points stand for [m^2]."""
         return float(self.weights.sum())
-
-
-def volume_velocity(surface: SurfaceVelocity) -> Floats:
-    """Volume velocity into the room, the integral of v over the surface [nt] [m^3/s]."""
-    swept: Floats = (surface.weights @ surface.shapes) @ surface.rates
-    return swept
-
-
-def displaced_volume(surface: SurfaceVelocity) -> Floats:
-    """Volume displaced into the room since the first sample [nt] [m^3], by the trapezoidal rule."""
-    rate = volume_velocity(surface)
-    return np.concatenate([[0.0], np.cumsum(0.5 * surface.dt * (rate[1:] + rate[:-1]))])
-
-
-def mean_square_velocity(surface: SurfaceVelocity) -> Floats:
-    """Mean over the surface of v^2 [nt] [m^2/s^2]."""
-    gram = surface.shapes.T @ (surface.weights[:, None] * surface.shapes) / surface.area
-    mean: Floats = np.einsum("kt,kt->t", surface.rates, gram @ surface.rates)
-    return mean
 
 
 def on_ceiling(surface: SurfaceVelocity, room: Room) -> None:

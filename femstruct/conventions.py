@@ -17,7 +17,7 @@ A contact is compressive: its force is positive or zero, and zero when it is ope
 contact is positive when closed; ``gap`` = -delta is positive when open. Velocity of a surface is positive into the
 room below or above it, where it raises the pressure.
 
-Levels are 20 lg(rms / reference) with the references below, and the reference is always printed.
+Levels of sound are 20 lg(rms / 20 uPa), and the reference is always printed.
 """
 
 from typing import Final
@@ -27,10 +27,3 @@ UX, UY, UZ, RX, RY, RZ, TWIST = range(7)
 N_COMPONENTS: Final = 7
 
 GRAVITY: Final = 9.80665  # m/s^2, the standard acceleration of free fall
-
-REFERENCE: Final = {
-    "pressure": 20e-6,  # Pa
-    "force": 1.0,  # N
-    "velocity": 1e-9,  # m/s
-    "acceleration": 1e-6,  # m/s^2
-}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from acoustics.room import Room
+from acoustics.room import Room, air_stiffness_ratio
 from acoustics.source import SurfaceVelocity
 from femstruct.arrays import Floats
 from femstruct.errors import Finding, InputError
@@ -66,18 +66,13 @@ def air_stiffness(basis: ModalBasis, surface: Surface, room: Room) -> Floats:
 
     Notes
     -----
-    A mode that displaces the volume L q stores the energy rho c^2 (L q)^2 / 2V in a sealed, uniformly compressed
-    room beside its own omega^2 q^2 / 2. For a stiff slab on springs this is rho c^2 S^2 / V over the stiffness of the
-    springs. Uniform compression holds well below the first room mode.
-
-    References
-    ----------
-    F. Fahy, P. Gardonio, Sound and Structural Vibration, 2nd ed., section 7.4 (uniform pressure in an enclosure).
+    A mode that displaces the volume L q stores the energy rho c^2 (L q)^2 / 2V in the room beside its own
+    omega^2 q^2 / 2; see `acoustics.air_stiffness_ratio`.
     """
     displaced = surface.weights @ surface.shapes(basis.shapes)
-    air = room.air.bulk_modulus / float(np.prod(room.size)) * displaced**2
     elastic = np.array([kind == "elastic" for kind in basis.kind])
-    return np.divide(air, basis.omega**2, out=np.zeros_like(air), where=elastic)
+    ratios = air_stiffness_ratio(room, displaced, np.where(elastic, basis.omega**2, np.inf))
+    return np.asarray(ratios, dtype=np.float64)
 
 
 def coupling_findings(basis: ModalBasis, surface: Surface, room: Room) -> tuple[Finding, ...]:
