@@ -1,5 +1,5 @@
 """YAML to structures and studies: the language of model and study files."""
 
-from femstruct.language.cases import ModelFile, json_schema, locate, read_any, read_model, read_study, with_position
+from femstruct.language.cases import ModelFile, json_schema, read_any, read_model, read_study, with_position
 
-__all__ = ["ModelFile", "json_schema", "locate", "read_any", "read_model", "read_study", "with_position"]
+__all__ = ["ModelFile", "json_schema", "read_any", "read_model", "read_study", "with_position"]

@@ -38,13 +38,13 @@ from femstruct.study.study import (
 
 def study_of(
     study: StudySpec,
-    titles: tuple[str, str],
+    title: str,
     structure: StructureModel,
     damping: Damping,
     tree: Tree,
     mistakes: Mistakes,
 ) -> Study | None:
-    """The study of a checked study file on a structure; None with mistakes noted. titles : of study and model."""
+    """The study of a checked study file on a structure; None with mistakes noted."""
     builder = Builder(tree, mistakes)
     bodies = builder.each("bodies", study.bodies, lambda n, s: _body(n, s, study))
     contacts = builder.each(
@@ -69,8 +69,7 @@ def study_of(
     extent = Extent(study.modes.up_to, study.modes.count) if study.modes is not None else Extent()
     time = study.time
     return Study(
-        title=titles[0],
-        model_title=titles[1],
+        title=title,
         structure=structure,
         damping=damping,
         extent=extent,

@@ -56,12 +56,11 @@ def read_model(path: str | Path, overrides: Sequence[str] = ()) -> ModelFile:
     if spec is not None:
         check_model(spec, tree, mistakes)
     mistakes.stop_if_any()
-    title = _title(tree)
-    structure, damping = _built_model(spec, title, tree, mistakes) if spec is not None else (None, None)
+    structure, damping = _built_model(spec, tree, mistakes) if spec is not None else (None, None)
     mistakes.stop_if_any()
     if structure is None or damping is None:
         raise InputErrors((f"{path}: cannot be read",))
-    return ModelFile(title, structure, damping, {tree.file: tree.text}, _positions(tree))
+    return ModelFile(_title(tree), structure, damping, {tree.file: tree.text}, _positions(tree))
 
 
 def read_study(path: str | Path, overrides: Sequence[str] = (), only: str | None = None) -> Plan:
@@ -134,12 +133,6 @@ def with_position(source: ModelFile | Plan, error: FemstructError) -> str:
     return str(error)
 
 
-def locate(source: ModelFile | Plan, path: str) -> str:
-    """``file:line:column`` of a path such as ``points.O_f``; empty when it is not in the files."""
-    found = source.positions.get(path)
-    return str(Position(*found)) if found else ""
-
-
 def json_schema(kind: Literal["model", "study"]) -> dict[str, Any]:
     """JSON Schema (2020-12) of a model or study file, for editors."""
     schema: type[BaseModel] = ModelSpec if kind == "model" else StudySpec
@@ -189,19 +182,15 @@ def _cases(study: Tree, model: Tree | None, mistakes: Mistakes) -> list[tuple[st
 def _case(name: str, one: _Resolved, overrides: Mapping[str, str], mistakes: Mistakes) -> Case | None:
     if one.study_spec is None or one.model_spec is None or one.model is None:
         return None
-    title = _title(one.model)
-    structure, damping = _built_model(one.model_spec, title, one.model, mistakes)
+    structure, damping = _built_model(one.model_spec, one.model, mistakes)
     if structure is None or damping is None:
         return None
-    titles = (_title(one.study), title)
-    study: Study | None = study_of(one.study_spec, titles, structure, damping, one.study, mistakes)
+    study: Study | None = study_of(one.study_spec, _title(one.study), structure, damping, one.study, mistakes)
     return Case(name, study, {**overrides, **one.changes}) if study is not None else None
 
 
-def _built_model(
-    spec: ModelSpec, title: str, tree: Tree, mistakes: Mistakes
-) -> tuple[StructureModel | None, Damping | None]:
-    return structure_of(spec, title, tree, mistakes), damping_of(spec, tree, mistakes)
+def _built_model(spec: ModelSpec, tree: Tree, mistakes: Mistakes) -> tuple[StructureModel | None, Damping | None]:
+    return structure_of(spec, _title(tree), tree, mistakes), damping_of(spec, tree, mistakes)
 
 
 def _override(patch: Patch, overrides: Sequence[str]) -> None:

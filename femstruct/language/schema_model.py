@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import BeforeValidator, Field
 
 from femstruct.language.reader import nearest
 from femstruct.language.schema_parts import (
@@ -31,7 +31,6 @@ from femstruct.language.spec import (
     Ratio,
     Spec,
     Text,
-    exactly_one,
     only,
     read_by,
     refuse,
@@ -110,6 +109,9 @@ _Directions = list[Literal["x", "y", "z", "rx", "ry", "rz"]]
 class SupportSpec(Spec):
     """Held directions of an edge or line of a plate, of a point, or of a whole part."""
 
+    one_of = (("on", "at"),)
+    at_most_one_of = (("edge", "line"),)
+
     fix: Annotated[
         Literal["simple", "clamped"] | tuple[str, ...],
         read_by(_fix, Literal["simple", "clamped"] | _Directions),
@@ -118,14 +120,6 @@ class SupportSpec(Spec):
     edge: Edge | None = None
     line: tuple[Position2, Position2] | None = None
     at: Text | None = None
-
-    @model_validator(mode="before")
-    @classmethod
-    def _one_place(cls, value: Any) -> Any:
-        if isinstance(value, dict):
-            exactly_one(value, ("on", "at"))
-            exactly_one(value, ("edge", "line"), or_none=True)
-        return value
 
 
 class RayleighSpec(Spec):
@@ -138,33 +132,23 @@ class RayleighSpec(Spec):
 class ModeDampingSpec(Spec):
     """The damping of one mode, and the frequency at which that mode is expected."""
 
+    one_of = (("ratio", "loss_factor"),)
+
     ratio: Ratio | None = None
     loss_factor: LossFactor | None = None
     near: Frequency
 
-    @model_validator(mode="before")
-    @classmethod
-    def _one_law(cls, value: Any) -> Any:
-        if isinstance(value, dict):
-            exactly_one(value, ("ratio", "loss_factor"))
-        return value
-
 
 class DampingSpec(Spec):
     """The structure's own damping: a general law and exceptions by mode number."""
+
+    at_most_one_of = (("ratio", "loss_factor", "rayleigh", "from"),)
 
     ratio: Ratio | None = None
     loss_factor: LossFactor | None = None
     rayleigh: RayleighSpec | None = None
     source: Annotated[str | None, BeforeValidator(only(("materials",)))] = Field(default=None, alias="from")
     modes: dict[str, ModeDampingSpec] = Field(default_factory=dict)
-
-    @model_validator(mode="before")
-    @classmethod
-    def _one_law(cls, value: Any) -> Any:
-        if isinstance(value, dict):
-            exactly_one(value, ("ratio", "loss_factor", "rayleigh", "from"), or_none=True)
-        return value
 
 
 class NoStructureSpec(Spec):
@@ -176,17 +160,12 @@ class NoStructureSpec(Spec):
 class OscillatorSpec(Spec):
     """A mass on a spring, by its frequency or its stiffness."""
 
+    one_of = (("frequency", "stiffness"),)
+
     type: Literal["oscillator"]
     mass: MassKg
     frequency: Frequency | None = None
     stiffness: Annotated[float, Quantity(("stiffness",), above=0.0)] | None = None
-
-    @model_validator(mode="before")
-    @classmethod
-    def _one_spring(cls, value: Any) -> Any:
-        if isinstance(value, dict):
-            exactly_one(value, ("frequency", "stiffness"))
-        return value
 
 
 class RodSpec(Spec):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import BeforeValidator, Field
 
 from femstruct.language.schema_parts import Dashpot, Stiffness
 from femstruct.language.schema_rooms import RoomSpec
@@ -21,7 +21,6 @@ from femstruct.language.spec import (
     Spec,
     Speed,
     Text,
-    exactly_one,
     only,
     read_by,
     refuse,
@@ -39,15 +38,10 @@ DropSpeed = Annotated[float, Quantity(("speed",), least=0.0)]
 class ModesSpec(Spec):
     """How many modes: all up to a frequency, or the lowest ones."""
 
+    one_of = (("up_to", "count"),)
+
     up_to: Frequency | None = None
     count: Count | None = None
-
-    @model_validator(mode="before")
-    @classmethod
-    def _one_extent(cls, value: Any) -> Any:
-        if isinstance(value, dict):
-            exactly_one(value, ("up_to", "count"))
-        return value
 
 
 FRF_KINDS = ("receptance", "mobility", "accelerance", "transmissibility")
@@ -99,6 +93,9 @@ SIDES = ("above", "below", "before", "after")
 class BodySpec(Spec):
     """A point mass beside a place or another body, at rest, dropped or thrown."""
 
+    one_of = (SIDES,)
+    at_most_one_of = (("drop_height", "speed"),)
+
     mass: MassKg
     above: Text | None = None
     below: Text | None = None
@@ -107,14 +104,6 @@ class BodySpec(Spec):
     drop_height: Gap | None = None
     speed: DropSpeed | None = None
     contact: LawSpec | None = None
-
-    @model_validator(mode="before")
-    @classmethod
-    def _one_place(cls, value: Any) -> Any:
-        if isinstance(value, dict):
-            exactly_one(value, SIDES)
-            exactly_one(value, ("drop_height", "speed"), or_none=True)
-        return value
 
 
 class ContactSpec(Spec):
@@ -160,19 +149,13 @@ class HalfSineSpec(Spec):
 class LoadSpec(Spec):
     """A force history on a point's direction or a body, or a pressure history on a surface."""
 
+    one_of = (("at", "body", "on"), ("half_sine", "file"))
+
     at: Text | None = None
     body: Text | None = None
     on: Text | None = None
     half_sine: HalfSineSpec | None = None
     file: Text | None = None
-
-    @model_validator(mode="before")
-    @classmethod
-    def _one_of_each(cls, value: Any) -> Any:
-        if isinstance(value, dict):
-            exactly_one(value, ("at", "body", "on"))
-            exactly_one(value, ("half_sine", "file"))
-        return value
 
 
 Spin = Annotated[float, Quantity(("angular speed",))]
@@ -189,15 +172,10 @@ class RigidMotionSpec(Spec):
 class InitialSpec(Spec):
     """Start velocities of points, or of the whole structure."""
 
+    at_most_one_of = (("velocity", "rigid"),)
+
     velocity: dict[str, Annotated[Measured, Quantity(("speed", "angular speed"), which=True)]] | None = None
     rigid: RigidMotionSpec | None = None
-
-    @model_validator(mode="before")
-    @classmethod
-    def _one_motion(cls, value: Any) -> Any:
-        if isinstance(value, dict):
-            exactly_one(value, ("velocity", "rigid"), or_none=True)
-        return value
 
 
 def _recorded(value: object) -> object:

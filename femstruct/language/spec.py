@@ -5,9 +5,17 @@ from __future__ import annotations
 import types
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Annotated, Any, Final, NamedTuple, TypeVar, Union, get_args, get_origin
+from typing import Annotated, Any, ClassVar, Final, NamedTuple, TypeVar, Union, get_args, get_origin
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, GetCoreSchemaHandler, GetJsonSchemaHandler, ValidationError
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    GetCoreSchemaHandler,
+    GetJsonSchemaHandler,
+    ValidationError,
+    model_validator,
+)
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
 from femstruct.language.reader import Mistakes, Steps, Tree, dotted, near_name, nearest
@@ -20,9 +28,24 @@ _QUANTITY_PATTERN: Final = (
 
 
 class Spec(BaseModel):
-    """A mapping of the language: unknown keys are refused."""
+    """A mapping of the language: unknown keys are refused, and keys that exclude each other.
+
+    one_of : groups of keys of which a file gives exactly one. at_most_one_of : groups of which it may give one.
+    """
 
     model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=False, arbitrary_types_allowed=True)
+    one_of: ClassVar[tuple[tuple[str, ...], ...]] = ()
+    at_most_one_of: ClassVar[tuple[tuple[str, ...], ...]] = ()
+
+    @model_validator(mode="before")
+    @classmethod
+    def _exclusive(cls, value: Any) -> Any:
+        if isinstance(value, dict):
+            for names in cls.one_of:
+                exactly_one(value, names)
+            for names in cls.at_most_one_of:
+                exactly_one(value, names, or_none=True)
+        return value
 
 
 class Measured(NamedTuple):

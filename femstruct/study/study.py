@@ -222,7 +222,6 @@ class Study:
     """All inputs of one simulation."""
 
     title: str
-    model_title: str
     structure: StructureModel
     damping: Damping
     extent: Extent

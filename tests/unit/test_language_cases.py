@@ -8,7 +8,7 @@ import pytest
 from femstruct.errors import FemstructError, InputErrors
 from femstruct.impact.bodies import HalfSine, Table
 from femstruct.impact.laws import Linear, Stop
-from femstruct.language import locate, read_model, read_study, with_position
+from femstruct.language import read_model, read_study, with_position
 from femstruct.model.parts import Mass, Structure
 from femstruct.study.study import BeamModel, ModesModel, NoStructure, OscillatorModel, Plan, RodModel, Spot
 
@@ -329,8 +329,6 @@ def test_errors_of_later_stages_get_their_position(files: Path) -> None:
     read = plan(files)
     error = FemstructError("points.P", got="[3, 3]", expected="a place on the plate")
     where = f"{files.parent / 'plate.yaml'}:6:3"
-    assert locate(read, "points.P") == where
     assert with_position(read, error) == f"{where}: points.P: got [3, 3], expected a place on the plate"
     assert with_position(read, FemstructError("points.P.somewhere else")).startswith(f"{where}: ")
     assert with_position(read, FemstructError("basis", got="nothing")) == "basis: got nothing"
-    assert locate(read, "points.R") == ""
