@@ -1,112 +1,86 @@
 """Impact vibration of structures and the sound it makes.
 
-    text -> Spec -> Structure -> Model -> Assembly -> ModalBasis -> Response -> SurfaceVelocity -> RoomResponse -> Levels
+    text -> Spec -> Structure -> Model -> Assembly -> ModalBasis -> Response
+         -> SurfaceVelocity -> RoomResponse -> Levels -> files, pictures
 
 Each arrow is a pure function, each noun a frozen value; nothing points back::
 
-    read_model, read_study     a YAML file           -> Structure and damping, Plan
-    mesh_structure             Structure             -> Model
-    assemble                   Model                 -> Assembly
-    modal_basis, with_damping  Assembly              -> ModalBasis
-    frf, simulate              ModalBasis, Scene     -> frequency response, Response
-    surface_velocity           Response, Surface     -> acoustics.SurfaceVelocity
-    run_study                  Plan                  -> StudyResult
-    write_results              StudyResult           -> results.h5
+    read_model, read_study      a YAML file           -> Structure and damping, Plan
+    mesh_structure              Structure             -> Model
+    assemble                    Model                 -> Assembly
+    modal_basis, with_damping   Assembly              -> ModalBasis
+    frf, simulate               ModalBasis, Scene     -> frequency response, Response
+    surface_velocity            Response, Surface     -> acoustics.SurfaceVelocity
+    run_study                   Plan                  -> StudyResult
+    write_results, read_results StudyResult           -> results.h5 and back
+
+Names are fetched when first asked for (PEP 562): a script that only meshes never loads HDF5.
 """
 
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from femstruct.assembly.assemble import assemble
-    from femstruct.errors import FemstructError, Finding, InputError
-    from femstruct.files.results import write_results
-    from femstruct.impact.bodies import GROUND, Body, Clock, Contact, Link, Load, Scene
-    from femstruct.impact.laws import Hertz, Linear, Stop
-    from femstruct.impact.response import Response
-    from femstruct.impact.simulate import simulate
-    from femstruct.language import read_model, read_study
-    from femstruct.modal.basis import ModalBasis
-    from femstruct.modal.damping import Damping, with_damping
-    from femstruct.modal.frf import frf
-    from femstruct.modal.reduction import modal_basis
-    from femstruct.model.mesher import mesh_structure
-    from femstruct.model.model import Model
-    from femstruct.model.parts import Structure
-    from femstruct.radiation import surface_velocity
-    from femstruct.study.result import StudyResult
-    from femstruct.study.study import Plan, Study
-    from femstruct.workflow.run import run_study
+    from femstruct.assembly.assemble import assemble as assemble
+    from femstruct.assembly.matrices import Assembly as Assembly
+    from femstruct.errors import FemstructError as FemstructError
+    from femstruct.errors import Finding as Finding
+    from femstruct.errors import InputError as InputError
+    from femstruct.files.results import write_results as write_results
+    from femstruct.files.stored import read_results as read_results
+    from femstruct.impact.bodies import GROUND as GROUND
+    from femstruct.impact.bodies import Body as Body
+    from femstruct.impact.bodies import Clock as Clock
+    from femstruct.impact.bodies import Contact as Contact
+    from femstruct.impact.bodies import Link as Link
+    from femstruct.impact.bodies import Load as Load
+    from femstruct.impact.bodies import Scene as Scene
+    from femstruct.impact.laws import Hertz as Hertz
+    from femstruct.impact.laws import Linear as Linear
+    from femstruct.impact.laws import Stop as Stop
+    from femstruct.impact.response import Response as Response
+    from femstruct.impact.simulate import simulate as simulate
+    from femstruct.language import read_model as read_model
+    from femstruct.language import read_study as read_study
+    from femstruct.modal.basis import ModalBasis as ModalBasis
+    from femstruct.modal.damping import Damping as Damping
+    from femstruct.modal.damping import with_damping as with_damping
+    from femstruct.modal.frf import frf as frf
+    from femstruct.modal.reduction import modal_basis as modal_basis
+    from femstruct.model.mesher import mesh_structure as mesh_structure
+    from femstruct.model.model import Model as Model
+    from femstruct.model.parts import Structure as Structure
+    from femstruct.radiation import surface_velocity as surface_velocity
+    from femstruct.study.result import StudyResult as StudyResult
+    from femstruct.study.study import Plan as Plan
+    from femstruct.study.study import Study as Study
+    from femstruct.workflow.run import run_study as run_study
 
-_HOMES = {
-    "assemble": "femstruct.assembly.assemble",
-    "FemstructError": "femstruct.errors",
-    "Finding": "femstruct.errors",
-    "InputError": "femstruct.errors",
-    "write_results": "femstruct.files.results",
-    "GROUND": "femstruct.impact.bodies",
-    "Body": "femstruct.impact.bodies",
-    "Clock": "femstruct.impact.bodies",
-    "Contact": "femstruct.impact.bodies",
-    "Link": "femstruct.impact.bodies",
-    "Load": "femstruct.impact.bodies",
-    "Scene": "femstruct.impact.bodies",
-    "Hertz": "femstruct.impact.laws",
-    "Linear": "femstruct.impact.laws",
-    "Stop": "femstruct.impact.laws",
-    "Response": "femstruct.impact.response",
-    "simulate": "femstruct.impact.simulate",
-    "read_model": "femstruct.language",
-    "read_study": "femstruct.language",
-    "ModalBasis": "femstruct.modal.basis",
-    "Damping": "femstruct.modal.damping",
-    "with_damping": "femstruct.modal.damping",
-    "frf": "femstruct.modal.frf",
-    "modal_basis": "femstruct.modal.reduction",
-    "mesh_structure": "femstruct.model.mesher",
-    "Model": "femstruct.model.model",
-    "Structure": "femstruct.model.parts",
-    "surface_velocity": "femstruct.radiation",
-    "StudyResult": "femstruct.study.result",
-    "Plan": "femstruct.study.study",
-    "Study": "femstruct.study.study",
-    "run_study": "femstruct.workflow.run",
+_NAMES = {
+    "assembly.assemble": ("assemble",),
+    "assembly.matrices": ("Assembly",),
+    "errors": ("FemstructError", "Finding", "InputError"),
+    "files.results": ("write_results",),
+    "files.stored": ("read_results",),
+    "impact.bodies": ("GROUND", "Body", "Clock", "Contact", "Link", "Load", "Scene"),
+    "impact.laws": ("Hertz", "Linear", "Stop"),
+    "impact.response": ("Response",),
+    "impact.simulate": ("simulate",),
+    "language": ("read_model", "read_study"),
+    "modal.basis": ("ModalBasis",),
+    "modal.damping": ("Damping", "with_damping"),
+    "modal.frf": ("frf",),
+    "modal.reduction": ("modal_basis",),
+    "model.mesher": ("mesh_structure",),
+    "model.model": ("Model",),
+    "model.parts": ("Structure",),
+    "radiation": ("surface_velocity",),
+    "study.result": ("StudyResult",),
+    "study.study": ("Plan", "Study"),
+    "workflow.run": ("run_study",),
 }
-
-__all__ = [  # noqa: RUF022 (in the order of _HOMES: the way through the house)
-    "assemble",
-    "FemstructError",
-    "Finding",
-    "InputError",
-    "write_results",
-    "GROUND",
-    "Body",
-    "Clock",
-    "Contact",
-    "Link",
-    "Load",
-    "Scene",
-    "Hertz",
-    "Linear",
-    "Stop",
-    "Response",
-    "simulate",
-    "read_model",
-    "read_study",
-    "ModalBasis",
-    "Damping",
-    "with_damping",
-    "frf",
-    "modal_basis",
-    "mesh_structure",
-    "Model",
-    "Structure",
-    "surface_velocity",
-    "StudyResult",
-    "Plan",
-    "Study",
-    "run_study",
-]
+_HOMES = {name: f"femstruct.{module}" for module, names in _NAMES.items() for name in names}
+__all__ = sorted(_HOMES)
 
 
 def __getattr__(name: str) -> Any:
@@ -116,4 +90,4 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    return sorted(_HOMES)
+    return __all__

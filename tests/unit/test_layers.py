@@ -7,6 +7,8 @@ from pathlib import Path
 
 import pytest
 
+import femstruct
+
 ROOT = Path(__file__).parents[2]
 
 # A module may import from lower layers, and from names of its own layer to its left.
@@ -108,3 +110,12 @@ def test_help_is_quick() -> None:
     spent = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT).stdout
     # CPU seconds, not wall time; measured 0.2 s, and a numpy import alone would add 0.1 s
     assert float(spent) <= 0.3
+
+
+def test_public_names_come_from_where_the_type_checker_looks() -> None:
+    """The lists for people who type-check and for those who run are two; each name must be in both."""
+    looked_up = {name for name in imports(ROOT / "femstruct/__init__.py") if name.startswith("femstruct.")}
+    assert looked_up == {f"{femstruct._HOMES[name]}.{name}" for name in femstruct.__all__}
+    assert all(getattr(femstruct, name).__doc__ for name in femstruct.__all__)
+    with pytest.raises(AttributeError, match="no attribute 'fly'"):
+        femstruct.fly  # noqa: B018
