@@ -17,7 +17,7 @@ Integers = NDArray[np.int64]
 def frozen(name: str, values: ArrayLike, shape: tuple[int | None, ...]) -> Floats:
     """Read-only float64 array of `values`; None in `shape` accepts any length.
 
-    Copies, unless the array already is read-only and owns its memory (then nobody else can change it).
+    Copies, unless the array is read-only down to the memory it looks at (then nobody else can change it).
 
     Raises AcousticsError when the shape is another or a value is not finite.
 
@@ -29,10 +29,20 @@ def frozen(name: str, values: ArrayLike, shape: tuple[int | None, ...]) -> Float
         raise AcousticsError(name, got=f"shape {array.shape}", expected=f"shape {shape}".replace("None", "any"))
     if not np.isfinite(array).all():
         raise AcousticsError(name, got="nan or infinity", expected="finite numbers")
-    if array.flags.writeable or not array.flags.owndata:
+    if not _sealed(array):
         array = array.copy()
         array.flags.writeable = False
     return array
+
+
+def _sealed(array: Floats) -> bool:
+    """Whether neither the array nor any array it is a view of can be written to."""
+    base: object = array
+    while isinstance(base, np.ndarray):
+        if base.flags.writeable:
+            return False
+        base = base.base
+    return base is None
 
 
 def freeze(instance: object, **fields: Any) -> None:

@@ -39,14 +39,14 @@ MOST_EVENTS = 500_000
 
 
 class Record(NamedTuple):
-    """What is kept. z, v, a [nt, n] at the samples; force, place [nt, m] of the interfaces; peak [m, 2] force and its
-    time; shortest [m] : least time from closing to opening [s]; totals : [0] steps, [1] trials,
+    """What is kept. z, v [nt, n] at the samples; push [nt, r] of all rows, as it acts on the coordinates; force,
+    place [nt, m] of the interfaces; peak [m, 2] force and its time; shortest [m] : least time from closing to opening [s]; totals : [0] steps, [1] trials,
     [2] largest |total - start|, [3] largest |work|, then whether each contact counts as closed. history : ledger rows;
     events : interface, what, whether all are open then; event_rows : their ledger rows."""
 
     z: Floats
     v: Floats
-    a: Floats
+    push: Floats
     force: Floats
     place: Floats
     peak: Floats
@@ -74,7 +74,7 @@ def march(system: System, state: State, rule: Rule, tables: Tables, trial: Trial
     _start(system, state, place, rate, loaded)
     initial = take_stock(0.0, system, state, place, lost, history[0])
     n_history = 1
-    _sample(0, 0.0, system, state, state.z, state.v, record, work)
+    _sample(0, 0.0, system, state, state.z, state.v, record)
     _peaks_at_start(system, state, place, rate, record)
     for a in range(m):
         if loaded[a] > 0.0:
@@ -150,7 +150,7 @@ def march(system: System, state: State, rule: Rule, tables: Tables, trial: Trial
                 state.status[a], state.rest[a] = CLOSED, place[a]
             state.force[a] = net_force(system, state, a, place[a], rate[a]) if state.status[a] == CLOSED else 0.0
         if t % per_sample == 0 and t < end:
-            _sample(t // per_sample, now, system, state, state.z, state.v, record, work)
+            _sample(t // per_sample, now, system, state, state.z, state.v, record)
         total = take_stock(now, system, state, place, lost, history[n_history])
         if not np.isfinite(total):
             return NO_FORCES, now, n_history, n_events
@@ -257,17 +257,13 @@ def _inner_samples(t: int, level: int, halvings: int, system: System, state: Sta
                     total += piece[p, s] * trial.modal[s, i]
                 modal[p, i] = total
         drift(halvings, system, tables, forces, modal, z, v, work)
-        _sample(first + j + 1, (t + ((j + 1) << halvings)) * system.tick, system, state, z, v, record, work)
+        _sample(first + j + 1, (t + ((j + 1) << halvings)) * system.tick, system, state, z, v, record)
 
 
 @kernel
-def _sample(index: int, now: float, system: System, state: State, z: Floats, v: Floats, record: Record,
-            work: Floats) -> None:  # fmt: skip
-    """Write one sample: coordinates, rates, accelerations, and the interfaces' forces as they are felt."""
-    n, m, k = len(z), len(system.interfaces), system.n_modes
-    acceleration = record.a[index]
-    for i in range(n):
-        acceleration[i] = -system.damping[i] * v[i] - system.omega[i] * system.omega[i] * z[i]
+def _sample(index: int, now: float, system: System, state: State, z: Floats, v: Floats, record: Record) -> None:
+    """Write one sample: coordinates, rates, what pushes them, and the interfaces' forces as they are felt."""
+    m = len(system.interfaces)
     for a in range(len(system.rows)):
         if a < m:
             x, u = dot(system.rows[a], z), dot(system.rows[a], v)
@@ -278,15 +274,8 @@ def _sample(index: int, now: float, system: System, state: State, z: Floats, v: 
             )
         else:
             net = load_at(system, a - m, now)
-        net *= system.sign[a]
-        if net != 0.0:
-            for i in range(n):
-                acceleration[i] += system.rows[a, i] * net
-    if len(system.coupling):
-        for i in range(k):
-            for j in range(k):
-                acceleration[i] -= system.coupling[i, j] * v[j]
-    for i in range(n):
+        record.push[index, a] = system.sign[a] * net
+    for i in range(len(z)):
         record.z[index, i], record.v[index, i] = z[i], v[i]
 
 
@@ -364,7 +353,7 @@ def room_for(system: System, n_samples: int) -> Record:
     return Record(
         z=np.empty((n_samples, n)),
         v=np.empty((n_samples, n)),
-        a=np.empty((n_samples, n)),
+        push=np.empty((n_samples, len(system.rows))),
         force=np.empty((n_samples, m)),
         place=np.empty((n_samples, m)),
         peak=np.zeros((m, 2)),

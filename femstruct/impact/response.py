@@ -112,7 +112,8 @@ class EnergyLedger:
 class Response:
     """Motion and forces of a simulated impact; it remembers its problem.
 
-    t [nt] [s]; q, qd [k, nt] : modal coordinates and velocities [kg^.5 m], [kg^.5 m/s]; qdd [k, nt] accelerations.
+    t [nt] [s]; q, qd [k, nt] : modal coordinates and velocities [kg^.5 m], [kg^.5 m/s].
+    pushed [p, k], pushes [p, nt] : rows of all that pushes the modes, and their forces [N]: what accelerations need.
     bodies, contacts by name; links : force by name [nt] [N], positive in compression (pushing its ends apart).
     """
 
@@ -122,7 +123,8 @@ class Response:
     t: Floats
     q: Floats
     qd: Floats
-    qdd: Floats
+    pushed: Floats
+    pushes: Floats
     bodies: Mapping[str, BodyHistory]
     contacts: Mapping[str, ContactHistory]
     links: Mapping[str, Floats]
@@ -130,3 +132,18 @@ class Response:
     ledger: EnergyLedger
     outcome: Outcome
     findings: tuple[Finding, ...]
+
+    def acceleration(self, row: Floats) -> Floats:
+        """Weighted sum of the modal accelerations [nt], row [k]: q'' = pushes - damping q' - omega^2 q.
+
+        Not stored: it follows from what is, and all modes at all samples would take as much memory as q.
+        """
+        basis = self.basis
+        inner: Floats = (row * basis.omega**2) @ self.q + (row @ basis.time_damping) @ self.qd
+        return (self.pushed @ row) @ self.pushes - inner
+
+    @property
+    def qdd(self) -> Floats:
+        """Modal accelerations [k, nt]."""
+        basis = self.basis
+        return self.pushed.T @ self.pushes - (basis.omega**2)[:, None] * self.q - basis.time_damping @ self.qd

@@ -112,6 +112,8 @@ def simulate(basis: ModalBasis, scene: Scene, clock: Clock) -> Response:
     contacts = {name: _contact(name, rows, compiled, record, log) for name, rows in compiled.contacts.items()}
     outcome = _outcome(contacts, events)
     k = system.n_modes
+    for samples in (record.z, record.v, record.push, record.force):
+        samples.flags.writeable = False
     displacement, velocity = record.z[:, k:] / compiled.scale[k:], record.v[:, k:] / compiled.scale[k:]
     return Response(
         basis=basis,
@@ -120,7 +122,8 @@ def simulate(basis: ModalBasis, scene: Scene, clock: Clock) -> Response:
         t=np.arange(nt) / clock.sampling,
         q=record.z[:, :k].T,
         qd=record.v[:, :k].T,
-        qdd=record.a[:, :k].T,
+        pushed=system.rows[:, :k],
+        pushes=record.push.T,
         bodies={b.name: BodyHistory(displacement[:, i], velocity[:, i]) for i, b in enumerate(scene.bodies)},
         contacts=contacts,
         links={name: record.force[:, a] for name, a in compiled.links.items()},

@@ -92,8 +92,10 @@ def _recorded(wanted: Record, study: Study, places: Places, response: Response) 
     name, _, direction = target.rpartition(".")
     if what in ("displacement", "velocity", "acceleration") and name:
         probe = places.point(name, f"record.{target}").probe(direction)
-        motion = {"displacement": response.q, "velocity": response.qd, "acceleration": response.qdd}[what]
-        return {str(wanted): (probe.of(response.basis.shapes) @ motion, unit)}
+        row = probe.of(response.basis.shapes)
+        if what == "acceleration":
+            return {str(wanted): (response.acceleration(row), unit)}
+        return {str(wanted): (row @ (response.q if what == "displacement" else response.qd), unit)}
     raise InputError(
         f"record.{target}",
         got=f"'{what}' of '{target}'",
@@ -105,7 +107,7 @@ def _recorded(wanted: Record, study: Study, places: Places, response: Response) 
 def _forces(target: str, rows: Mapping[str, ForceRow], response: Response) -> dict[str, tuple[Floats, str]]:
     """The vertical force under the plain name, and the horizontal ones that are not zero."""
     found = {
-        axis: row.stiffness @ response.q + row.damping @ response.qd + row.inertia @ response.qdd
+        axis: row.stiffness @ response.q + row.damping @ response.qd + response.acceleration(row.inertia)
         for axis, row in rows.items()
     }
     largest = max((np.abs(force).max() for force in found.values()), default=0.0)

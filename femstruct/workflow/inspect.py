@@ -161,7 +161,7 @@ def frf_of(
         quantity(step, "frequency") if step else (high - low) / DEFAULT_LINES,
     )
     with positioned(source):
-        asking = Study("", source.title, source.structure, source.damping, Extent(), frf=(request,))
+        asking = Study(source.title, source.structure, source.damping, Extent(), frf=(request,))
         solved = solve(source.structure, Extent(up_to_hz=2.5 * high), (asking,))
         basis = with_damping(solved.basis, source.damping)
         answer = frequency_response(request, solved.places, basis)
