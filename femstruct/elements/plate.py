@@ -88,7 +88,7 @@ def stiffness(kind: str, a: ArrayLike, b: ArrayLike, D: ArrayLike) -> Floats:
     Returns [n, nd, nd], nd = 12 or 16, exactly symmetric. Raises InputError for an unknown kind, sizes that are not
     positive, or a D that is not symmetric.
 
-    Notes: hermite12 is too stiff in twist at any mesh size.
+    Notes: the moments follow from the same D (`moments`). hermite12 is too stiff in twist at any mesh size.
 
     >>> K = stiffness("bfs16", [0.1, 0.2], [0.1, 0.1], rigidity(5.9e9, 0.35, 0.005))
     >>> K.shape
@@ -136,6 +136,20 @@ def interpolate(kind: str, a: ArrayLike, b: ArrayLike, xi: ArrayLike, eta: Array
     signs = np.stack([one, 1.0 / b, -1.0 / a, 1.0 / (a * b)], axis=1)
     rows = _evaluate(kind, ((0, 0), (0, 1), (1, 0), (1, 1)), xi, eta)
     return rows * signs[:, :, None] * _dof_scale(kind, a, b)[:, None, :]
+
+
+def moments(kind: str, a: ArrayLike, b: ArrayLike, xi: ArrayLike, eta: ArrayLike, D: ArrayLike) -> Floats:
+    """Rows that give the moments (Mx, My, Mxy) per length [N] at points of cells from the DOFs of the cells.
+
+    Arguments as `interpolate`; D [3, 3] or [m, 3, 3] : the rigidity the stiffness was made with [N m].
+
+    Returns [m, 3, nd]: M = -D (w_xx, w_yy, 2 w_xy), so a positive Mx stretches the side of positive z.
+    """
+    a, b = _sizes(a, b)
+    scale = np.stack([1.0 / a**2, 1.0 / b**2, 2.0 / (a * b)], axis=1)
+    curvatures = _evaluate(kind, _CURVATURES, xi, eta) * scale[:, :, None] * _dof_scale(kind, a, b)[:, None, :]
+    result: Floats = -_rigidities(D) @ curvatures
+    return result
 
 
 def twist_excess(beta: ArrayLike, nu: ArrayLike) -> Floats:

@@ -54,7 +54,7 @@ def moment_matrix(terms, left, right, a, b):
 
 @pytest.mark.parametrize("kind", plate.KINDS)
 @pytest.mark.parametrize(("a", "b"), CELLS)
-def test_stiffness_mass_and_shapes(kind, a, b):
+def test_stiffness_mass_shapes_and_moments(kind, a, b):
     with mpmath.workdps(40):
         exact_a, exact_b = mpmath.mpf(a), mpmath.mpf(b)
         terms, columns = shapes(kind, exact_a, exact_b)
@@ -70,7 +70,7 @@ def test_stiffness_mass_and_shapes(kind, a, b):
         at = (exact_a * mpmath.mpf(xi), exact_b * mpmath.mpf(eta))
         rows = {
             order: (np.array([monomial(term, order, *at) for term in terms], dtype=object) @ columns).astype(float)
-            for order in ((0, 0), (0, 1), (1, 0), (1, 1))
+            for order in ((0, 0), (0, 1), (1, 0), (1, 1), (2, 0), (0, 2))
         }
     got = plate.stiffness(kind, [a], [b], D)[0]
     size = np.sqrt(np.outer(K.diagonal(), K.diagonal()))
@@ -79,3 +79,6 @@ def test_stiffness_mass_and_shapes(kind, a, b):
     np.testing.assert_allclose(plate.mass(kind, [a], [b], 1.0)[0], M, rtol=1e-14, atol=0)
     expected = np.array([rows[0, 0], rows[0, 1], -rows[1, 0], rows[1, 1]])
     np.testing.assert_allclose(plate.interpolate(kind, [a], [b], [xi], [eta])[0], expected, rtol=1e-12, atol=1e-14)
+    curvatures = np.array([rows[2, 0], rows[0, 2], 2 * rows[1, 1]])
+    moments = plate.moments(kind, [a], [b], [xi], [eta], D)[0]
+    np.testing.assert_allclose(moments, -D @ curvatures, rtol=1e-12, atol=1e-13 * np.abs(moments).max())

@@ -88,6 +88,9 @@ class TestPlate:
                 D[2, 2] *= 1 + plate.twist_excess(b / a, 0.3)
             energy = u @ plate.stiffness(kind, [a], [b], ISOTROPIC)[0] @ u
             assert energy == pytest.approx(a * b * curvature @ D @ curvature, rel=1e-12)
+            if kind != "hermite12":
+                got = plate.moments(kind, [a], [b], [0.3], [0.9], ISOTROPIC)[0] @ u
+                np.testing.assert_allclose(got, -ISOTROPIC @ curvature, rtol=0, atol=1e-12 * np.abs(got).max())
 
     def test_pure_twist(self, kind, a, b):
         x, y = corners(a, b)
@@ -95,6 +98,17 @@ class TestPlate:
         ratio = u @ plate.stiffness(kind, [a], [b], ISOTROPIC)[0] @ u / (4 * a * b * ISOTROPIC[2, 2])
         excess = float(plate.twist_excess(b / a, 0.3)) if kind == "hermite12" else 0.0
         assert ratio == pytest.approx(1 + excess, rel=1e-12)
+
+    def test_the_moments_do_the_work_the_stiffness_stores(self, kind, a, b):
+        """One constitutive matrix: u K u equals the integral of moments times curvatures."""
+        xi, eta, weights = gauss_square()
+        full, a_, b_ = np.full(16, 1.0), np.full(16, a), np.full(16, b)
+        D = np.array([[3.0, 0.7, 0.2], [0.7, 5.0, -0.4], [0.2, -0.4, 1.3]])
+        moments = plate.moments(kind, a_, b_, xi, eta, D)
+        curvatures = -np.linalg.solve(D, moments)
+        work = -np.einsum("g,gki,gkj->ij", weights * full * a * b, curvatures, moments)
+        K = plate.stiffness(kind, [a], [b], D)[0]
+        assert np.abs(work - K).max() <= 1e-12 * np.abs(K).max()
 
     def test_mass_equals_the_integral_of_its_own_rows(self, kind, a, b):
         xi, eta, weights = gauss_square()
