@@ -183,7 +183,6 @@ def study_by_hand(duration=0.25, sampling=4800.0, save_modal=True, tag=1.0):
     room = Room([LX, LY, 0.1], losses=losses_from_beta(0.0116, 293))
     study = Study(
         "By hand",
-        "Plate and post",
         Structure("Plate and post", ()),
         None,
         Extent(up_to_hz=500.0),
