@@ -23,6 +23,15 @@ def assemble(model: Model) -> Assembly:
 
     Notes: the matrices are exactly symmetric. A rigid motion of a free structure strains nothing to rounding, and the
     mass it moves is the sum of the parts.
+
+    >>> from femstruct.model.material import Material
+    >>> from femstruct.model.mesher import mesh_structure
+    >>> from femstruct.model.parts import Plate, Structure
+    >>> steel = Material("steel", E=210e9, nu=0.3, rho=8000.0)
+    >>> plate = Plate("plate", steel, 0.003, origin=(0.0, 0.0, 0.0), size=(0.5, 0.4), mesh=(4, 3))
+    >>> assembly = assemble(mesh_structure(Structure("a free plate", (plate,))))
+    >>> round(assembly.total_mass, 9), assembly.K.shape == assembly.M.shape
+    (4.8, True)
     """
     dofs = number_dofs(model)
     stiffness: dict[str, csr_array] = {}

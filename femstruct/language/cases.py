@@ -44,6 +44,14 @@ def read_model(path: str | Path, overrides: Sequence[str] = ()) -> ModelFile:
     overrides : texts ``PATH=VALUE`` that change the file before anything is read.
 
     Raises InputErrors: every mistake of the file, each on one line ``file:line:column: path: got, expected; do``.
+
+    >>> import tempfile
+    >>> text = "structure: {type: oscillator, mass: 1 kg, stiffness: 100 N/m}\\npoints: {m: {}}"
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     _ = Path(folder, "oscillator.yaml").write_text(text, encoding="utf-8")
+    ...     model = read_model(Path(folder, "oscillator.yaml"), overrides=["structure.mass=500 g"])
+    >>> model.title, model.structure.mass
+    ('oscillator', 0.5)
     """
     tree = read_yaml(path)
     _refuse_kind(tree, "model", MODEL_KEYS, STUDY_KEYS)
@@ -67,10 +75,28 @@ def read_study(path: str | Path, overrides: Sequence[str] = (), only: str | None
     """A study file, its model and its cases, resolved and in SI units.
 
     overrides : texts ``PATH=VALUE`` that change the files before the cases do; paths of the study, its cases and its
-        model. only : run this case alone (it is then the baseline, too, unless the baseline itself is named).
+        model.
+    only : run this case alone; it is then the baseline, too.
+
+    Returns a Plan: cases in the order of the file, without `cases:` one named "as given".
 
     Raises InputErrors: every mistake of both files and all cases, each on one line
     ``file:line:column: path: got, expected; do``.
+
+    >>> import tempfile
+    >>> model = "structure: {type: oscillator, mass: 1 kg, stiffness: 100 N/m}\\npoints: {m: {}}"
+    >>> study = '''
+    ... model: model.yaml
+    ... bodies: {ball: {mass: 1 kg, above: m, drop_height: 5 cm, contact: {type: linear, stiffness: 1 MN/m}}}
+    ... time: {duration: 1 s, sampling: 1 kHz}
+    ... cases: {light: {}, heavy: {bodies.ball.mass: 2 kg}}
+    ... '''
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     _ = Path(folder, "model.yaml").write_text(model, encoding="utf-8")
+    ...     _ = Path(folder, "drop.study.yaml").write_text(study, encoding="utf-8")
+    ...     plan = read_study(Path(folder, "drop.study.yaml"))
+    >>> [(case.name, case.study.bodies[0].mass) for case in plan.cases], plan.baseline
+    ([('light', 1.0), ('heavy', 2.0)], 'light')
     """
     study = read_yaml(path)
     _refuse_kind(study, "study", STUDY_KEYS, MODEL_KEYS)

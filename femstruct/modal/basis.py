@@ -63,6 +63,13 @@ class ModalBasis:
     modal_mass [3, k] : effective modal masses along x, y, z [kg].
     total_mass : of the structure [kg].
     findings : what to know before believing it.
+
+    Raises FemstructError: arrays that do not fit each other, a negative frequency.
+
+    >>> from femstruct.modal.analytic import given_modes
+    >>> basis, points = given_modes([20.0, 50.0], [0.02, 0.03], {"P": [0.5, -0.4]})
+    >>> basis.kind, basis.frequency_hz.round(6), basis.damping_ratio.round(6)
+    (('elastic', 'elastic'), array([20., 50.]), array([0.02, 0.03]))
     """
 
     omega: Floats

@@ -68,7 +68,15 @@ class ModeDamping:
 
 @dataclass(frozen=True)
 class Damping:
-    """How the structure itself dissipates: a general law and the exceptions from it."""
+    """How the structure itself dissipates: a general law and the exceptions from it, each mode once.
+
+    base : Ratio, LossFactor, Rayleigh or FromMaterials. modes : exceptions by mode number.
+
+    Raises InputError: a negative value, a mode named twice.
+
+    >>> Damping(LossFactor(0.04), (ModeDamping(4, near_hz=19.9, ratio=0.06),)).modes[0].number
+    4
+    """
 
     base: Ratio | LossFactor | Rayleigh | FromMaterials = Ratio(0.0)
     modes: tuple[ModeDamping, ...] = ()

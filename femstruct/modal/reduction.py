@@ -40,6 +40,21 @@ def modal_basis(
     Notes: bit-reproducible on one machine and number of threads. Modes come first, ascending; the residual
     pseudo-modes after them have frequencies above, which mean nothing by themselves. `complete_below_hz` ignores them;
     it is infinite for a basis of every mode there is.
+
+    >>> from femstruct.assembly.assemble import assemble
+    >>> from femstruct.model.material import Material
+    >>> from femstruct.model.mesher import mesh_structure
+    >>> from femstruct.model.parts import Plate, Structure, Support
+    >>> steel = Material("steel", E=210e9, nu=0.3, rho=7850.0)
+    >>> plate = Plate("plate", steel, 0.003, origin=(0.0, 0.0, 0.0), size=(0.5, 0.4), mesh=(10, 8))
+    >>> edges = Support("edges", "simple", on="plate", edge="all")
+    >>> assembly = assemble(mesh_structure(Structure("on all edges", (plate,), supports=(edges,))))
+
+    Mode (1, 1) of the closed form, (pi / 2) sqrt(D / rho h) (1 / a^2 + 1 / b^2), is at 75.6 Hz:
+
+    >>> basis = modal_basis(assembly, up_to=200.0)
+    >>> basis.frequency_hz.round(1)
+    array([ 75.6, 164.1])
     """
     found = modes(assembly.K, assembly.M, up_to_hz=up_to, count=count, labels=assembly.dofs.labels)
     loads = np.concatenate([_loads(assembly, probes), _dashpots(assembly)], axis=1)
