@@ -144,7 +144,7 @@ def test_impulse_and_contact_of_the_ball(oracles: dict[str, Oracle]) -> None:
 
 
 def _ceiling(study: StudyResult, name: str, count: int) -> Floats:
-    """Volume per modal displacement into the room, weighted with cosines [count, count, k]: own Hermite interpolation."""
+    """Volume displaced into the room per modal coordinate, weighted with cosines [count, count, k]."""
     case = study.cases[name]
     model = study.models[case.basis_key]
     assert model is not None
