@@ -58,7 +58,7 @@ class Levels:
 
 
 def response_levels(response: RoomResponse) -> dict[str, Levels]:
-    """Levels of every receiver of a room response, by name."""
+    """Levels of every receiver of a room response, by name; see `sound_levels`."""
     rows = zip(response.receivers, response.p, strict=True)
     return {receiver.name: sound_levels(p, response.dt) for receiver, p in rows}
 

@@ -66,6 +66,14 @@ def pressure_map(
     The Fourier transform of the velocity's record times the transfer function at that frequency: what a record long
     enough for the air to fall silent would give, the surface standing still after the record's end. It equals
     `RoomResponse.spectrum` when the record has decayed.
+
+    >>> from acoustics.air import Air
+    >>> box = Room([0.58, 0.47, 0.1], Air(340, 1.29))
+    >>> push = np.sin(np.pi * np.arange(48) / 48) ** 2
+    >>> ceiling = SurfaceVelocity([[0.29, 0.235, 0.1]], [box.ceiling_area], [[1]], [push], dt=1e-3)
+    >>> heard = pressure_map(ceiling, box, [20.0, 40.0], at=0.05, divisions=(4, 2), orders=1)
+    >>> heard.spectrum.shape, bool(np.ptp(abs(heard.spectrum[0])) < 1e-12)
+    ((2, 5, 3), True)
     """
     on_ceiling(surface, room)
     if normal not in ("x", "y", "z"):

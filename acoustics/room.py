@@ -81,7 +81,11 @@ def losses_from_beta(beta: float, frequency_hz: float, form: str = "causal") -> 
 
 
 def losses_from_loss_factor(eta: float, frequency_hz: float, form: str = "causal") -> Losses:
-    """Losses with the loss factor `eta` = 2 beta [-] at `frequency_hz` [Hz]."""
+    """Losses with the loss factor `eta` = 2 beta [-] at `frequency_hz` [Hz]; see `losses_from_beta`.
+
+    >>> round(modal_damping_ratio(losses_from_loss_factor(0.0232, 293), 293), 6)
+    0.0116
+    """
     return losses_from_beta(positive("losses.loss_factor", eta, "") / 2, frequency_hz, form)
 
 
@@ -95,7 +99,13 @@ def losses_from_t60(t60: float) -> Losses:
 
 
 def modal_damping_ratio(losses: Losses, frequency_hz: float) -> float:
-    """Damping ratio [-] of a room mode at `frequency_hz` [Hz] under these losses."""
+    """Damping ratio [-] of a room mode at `frequency_hz` [Hz] under these losses.
+
+    Raises AcousticsError: a frequency not above 0 (the uniform mode has none).
+
+    >>> modal_damping_ratio(losses_from_beta(0.0116, 293, "source"), 50.0)
+    0.0116
+    """
     omega = 2 * pi * positive("frequency", frequency_hz, "Hz")
     return {
         "none": 0.0,

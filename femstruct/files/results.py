@@ -49,6 +49,24 @@ def write_results(path: str | Path, result: StudyResult) -> None:
     renamed. A disk that fills up while HDF5 itself writes leaves its library in a state that crashes the process; the
     price is the size of the file in memory. Modal coordinates are kept only where the study says `save: modal`: they
     are most of the bytes.
+
+    >>> import tempfile
+    >>> from femstruct import read_results, read_study, run_study
+    >>> model = "structure: {type: oscillator, mass: 1 kg, stiffness: 100 N/m}\\npoints: {m: {}}"
+    >>> study = '''
+    ... model: model.yaml
+    ... bodies: {ball: {mass: 1 kg, above: m, speed: 1 m/s, contact: {type: linear, stiffness: 1 MN/m}}}
+    ... record: {m.z: velocity}
+    ... time: {duration: 10 ms, sampling: 10 kHz}
+    ... '''
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     _ = Path(folder, "model.yaml").write_text(model, encoding="utf-8")
+    ...     _ = Path(folder, "hit.study.yaml").write_text(study, encoding="utf-8")
+    ...     write_results(Path(folder, "results.h5"), run_study(read_study(Path(folder, "hit.study.yaml"))))
+    ...     stored = read_results(Path(folder, "results.h5"))
+    >>> case = stored.cases["as given"]
+    >>> case.outcome, case.units["m.z velocity"], case.channels["m.z velocity"].shape
+    ('All contacts opened and stayed open to the end.', 'm/s', (100,))
     """
     image = BytesIO()
     with h5py.File(image, "w", libver=LIBVER) as file:

@@ -52,7 +52,7 @@ class StoredResults:
 
 
 def read_results(path: str | Path) -> StoredResults:
-    """The tables, channels and modes of a results file.
+    """The tables, channels and modes of a results file; the example of `write_results` reads one.
 
     Raises InputError for a file that is not there, not of this format, incomplete, or damaged: every value read is
     checked against its checksum.

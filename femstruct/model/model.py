@@ -158,6 +158,8 @@ class Model:
 
     points, surfaces : by name; several places of a point are NAME.1, NAME.2. plates, frames : by part.
     elastics : springs, foundations and joints with stiffness. inerts : masses. ties : supports and joints.
+
+    Raises FemstructError: rows that do not fit the mesh.
     """
 
     structure: Structure

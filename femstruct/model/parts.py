@@ -178,7 +178,17 @@ Part = Plate | Frame | Foundation | Spring | Mass
 
 @dataclass(frozen=True)
 class Structure:
-    """Everything a model file says about the structure; names are unique over all of it."""
+    """Everything a model file says about the structure, in SI units.
+
+    parts : plates, frames, foundations, springs and masses. joints : where they move together. points, surfaces :
+    named places. supports : what is held. Names are unique over all of it; the mesher checks that they exist.
+
+    >>> steel = Material("steel", E=210e9, nu=0.3, rho=7850.0)
+    >>> plate = Plate("plate", steel, 0.003, origin=(0.0, 0.0, 0.0), size=(0.5, 0.4), mesh=0.05)
+    >>> on_edges = Structure("a plate", (plate,), supports=(Support("edges", "simple", on="plate", edge="all"),))
+    >>> [part.name for part in on_edges.parts]
+    ['plate']
+    """
 
     title: str
     parts: tuple[Part, ...]

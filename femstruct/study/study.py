@@ -219,7 +219,13 @@ StructureModel = Structure | OscillatorModel | RodModel | BeamModel | ModesModel
 
 @dataclass(frozen=True)
 class Study:
-    """All inputs of one simulation."""
+    """All inputs of one simulation, in SI units.
+
+    structure, damping : the model. extent : how many modes its basis has. frf : frequency responses asked for.
+    bodies, contacts, links, loads, initial : what meets, and how it starts. records : histories to keep.
+    time : the window, None when nothing is simulated. peaks : which peaks are reported. rooms : who listens.
+    save_modal : whether the modal coordinates go into the results file.
+    """
 
     title: str
     structure: StructureModel

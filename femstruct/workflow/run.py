@@ -39,9 +39,35 @@ def run_study(plan: Plan, progress: Progress = lambda line: None, command: str =
     """All stages of all cases of a study, and their comparison.
 
     progress : is told the name of every stage as it starts.
+    command : the command line to be kept with the results.
 
-    Raises what the stages raise. A KeyboardInterrupt after the first finished case ends the run with the cases
-    finished so far and a severe finding on each.
+    Returns a StudyResult; bases are solved once for every distinct model.
+
+    Raises what the stages raise: InputError for names and numbers that do not fit the meshed model, NotConverged for
+    a result that cannot be had.
+
+    Notes: a KeyboardInterrupt once the baseline is finished ends the run with the cases finished so far and a severe
+    finding.
+
+    A ball of 1 kg hits a mass of 1 kg on a soft spring and hands over its speed of 1 m/s:
+
+    >>> import tempfile
+    >>> from pathlib import Path
+    >>> from femstruct.language import read_study
+    >>> model = "structure: {type: oscillator, mass: 1 kg, stiffness: 100 N/m}\\npoints: {m: {}}"
+    >>> study = '''
+    ... model: model.yaml
+    ... bodies: {ball: {mass: 1 kg, above: m, speed: 1 m/s, contact: {type: linear, stiffness: 1 MN/m}}}
+    ... record: {m.z: velocity}
+    ... time: {duration: 10 ms, sampling: 10 kHz}
+    ... '''
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     _ = Path(folder, "model.yaml").write_text(model, encoding="utf-8")
+    ...     _ = Path(folder, "hit.study.yaml").write_text(study, encoding="utf-8")
+    ...     result = run_study(read_study(Path(folder, "hit.study.yaml")))
+    >>> case = result.cases["as given"]
+    >>> round(case.channels["m.z velocity"].whole, 3), case.response.contacts["ball on m"].closings
+    (1.0, 1)
     """
     clock = Stopwatch(progress)
     with clock("modes"):
