@@ -7,7 +7,8 @@ import numpy as np
 from femstruct.arrays import Floats
 from femstruct.impact.bodies import Scene
 from femstruct.impact.compiled import kernel
-from femstruct.impact.propagate import CLAMPED, CLOSED, State, Trial
+from femstruct.impact.forces import CLAMPED, CLOSED, State
+from femstruct.impact.propagate import Trial
 from femstruct.impact.response import EnergyBalance, EnergyLedger
 from femstruct.impact.rule import STAGES, Rule
 from femstruct.impact.system import HERTZ, LINK, Compiled, System

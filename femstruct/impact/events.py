@@ -12,7 +12,8 @@ import numpy as np
 
 from femstruct.arrays import Floats
 from femstruct.impact.compiled import kernel
-from femstruct.impact.propagate import CLAMPED, CLOSED, OPEN, State, Trial
+from femstruct.impact.forces import CLAMPED, CLOSED, OPEN, State
+from femstruct.impact.propagate import Trial
 from femstruct.impact.rule import PLACES, STAGES, Rule
 from femstruct.impact.system import LINK, System
 from femstruct.impact.tables import Tables

@@ -12,27 +12,14 @@ from typing import NamedTuple
 import numpy as np
 
 from femstruct.arrays import Floats, Integers
-from femstruct.impact.compiled import kernel, summing
+from femstruct.impact.compiled import kernel
+from femstruct.impact.forces import CLOSED, State, law, load_at, net_force
 from femstruct.impact.rule import PLACES, POINTS, STAGES, Rule
-from femstruct.impact.system import CONSTANT, HALF_SINE, HERTZ, LINK, System
+from femstruct.impact.system import HALF_SINE, LINK, System
 from femstruct.impact.tables import Tables
 
-OPEN, CLOSED, CLAMPED = 0, 1, 2  # a contact without force; with force; indented, its dashpot out of force
 NEWTON_STEPS = 12
 PICARD_STEPS = 40
-
-
-class State(NamedTuple):
-    """Where the system is; changed in place. z, v [n] : coordinates and rates. status [i] : of the interfaces (a link
-    is CLOSED from its release on). rest [i] : displacement of a link at its release. pace [r] : largest speed of a
-    row so far. force [r] : force of a row at the end of the last step."""
-
-    z: Floats
-    v: Floats
-    status: Integers
-    rest: Floats
-    pace: Floats
-    force: Floats
 
 
 class Trial(NamedTuple):
@@ -59,58 +46,6 @@ def trial_room(system: System) -> Trial:
         speeds=np.zeros((STAGES, k)),
         q=np.zeros(r * POINTS * 2),
     )
-
-
-@kernel
-def law(system: System, a: int, delta: float, speed: float) -> tuple[float, float, float]:
-    """Force of interface a by its formula (no clamp) and its derivatives to indentation and speed."""
-    stiffness, damping = system.interfaces[a]["stiffness"], system.interfaces[a]["closing"]
-    if system.interfaces[a]["kind"] == LINK:
-        if speed < 0.0:
-            damping = system.interfaces[a]["opening"]
-        return stiffness * delta + damping * speed + system.interfaces[a]["preload"], stiffness, damping
-    if system.interfaces[a]["kind"] == HERTZ:
-        if delta <= 0.0:
-            return 0.0, 0.0, 0.0
-        root = np.sqrt(delta)
-        force = root * (stiffness * delta + damping * speed)
-        return force, 1.5 * stiffness * root + 0.5 * damping * speed / root, damping * root
-    return stiffness * delta + damping * speed, stiffness, damping
-
-
-@kernel
-def net_force(system: System, state: State, a: int, displacement: float, speed: float) -> float:
-    """Force with which interface a acts in its present status: preloads of contacts are in balance with the rest."""
-    if system.interfaces[a]["kind"] == LINK:
-        return law(system, a, displacement - state.rest[a], speed)[0] if state.status[a] == CLOSED else 0.0
-    if state.status[a] == CLOSED:
-        return float(
-            law(system, a, displacement + system.interfaces[a]["offset"], speed)[0] - system.interfaces[a]["preload"]
-        )
-    return float(-system.interfaces[a]["preload"])
-
-
-@kernel
-def load_at(system: System, i: int, t: float) -> float:
-    """Value of load i at time t, by the formula of the piece it is in."""
-    if system.loads[i]["kind"] == CONSTANT:
-        return float(system.loads[i]["value"])
-    if system.loads[i]["kind"] == HALF_SINE:
-        amplitude, frequency = system.loads[i]["value"], system.loads[i]["frequency"]
-        return float(amplitude * np.sin(2.0 * np.pi * frequency * t)) if t * frequency < 0.5 else 0.0
-    first, length = system.loads[i]["first"], system.loads[i]["length"]
-    last = first + length - 1
-    if t < system.table[first, 0] or t > system.table[last, 0]:
-        return 0.0
-    left, right = first, last
-    while right - left > 1:
-        middle = (left + right) // 2
-        if system.table[middle, 0] <= t:
-            left = middle
-        else:
-            right = middle
-    share = (t - system.table[left, 0]) / (system.table[right, 0] - system.table[left, 0])
-    return float((1.0 - share) * system.table[left, 1] + share * system.table[right, 1])
 
 
 @kernel
@@ -330,92 +265,3 @@ def _error(t: float, h: float, system: System, state: State, rule: Rule, trial: 
             fastest = np.sqrt(max(energy, fastest))
             worst = max(worst, 0.1 * h * np.sqrt(tail) / (tolerance * fastest))
     return worst
-
-
-@summing
-def dot(left: Floats, right: Floats) -> float:
-    """Sum of products."""
-    total = 0.0
-    for i in range(len(left)):
-        total += left[i] * right[i]
-    return total
-
-
-@kernel
-def rows_now(system: System, z: Floats, v: Floats, place: Floats, rate: Floats) -> None:
-    """Displacements and velocities of all rows."""
-    for a in range(len(system.rows)):
-        place[a], rate[a] = dot(system.rows[a], z), dot(system.rows[a], v)
-
-
-@kernel
-def advance(level: int, system: System, tables: Tables, forces: Floats, modal: Floats, z: Floats, v: Floats,
-            work: Floats) -> float:  # fmt: skip
-    """Move z, v over a step under forces at the nodes; returns the energy the diagonal damping took.
-
-    work [STAGES + 4, n] : room; the modal forces at the nodes are left in its first STAGES rows.
-    """
-    n = len(z)
-    for j in range(STAGES):
-        work[j] = 0.0
-        for a in range(len(system.rows)):
-            force = system.sign[a] * forces[a, j]
-            if force != 0.0:
-                for i in range(n):
-                    work[j, i] += system.rows[a, i] * force
-        for i in range(modal.shape[1]):
-            work[j, i] += modal[j, i]
-    flow, push, loss = tables.flow[level], tables.push[level], tables.loss[level]
-    basis = STAGES + 2
-    for i in range(n):
-        work[basis, i] = flow[0, i] * z[i] + flow[1, i] * v[i]
-        work[basis + 1, i] = flow[2, i] * z[i] + flow[3, i] * v[i]
-    for j in range(STAGES):
-        for i in range(n):
-            work[basis, i] += push[0, j, i] * work[j, i]
-            work[basis + 1, i] += push[1, j, i] * work[j, i]
-    work[STAGES] = 0.0
-    q = 0
-    for a in range(basis):
-        left = z if a == 0 else (v if a == 1 else work[a - 2])
-        for b in range(a, basis):
-            right = z if b == 0 else (v if b == 1 else work[b - 2])
-            for i in range(n):
-                work[STAGES, i] += loss[q, i] * left[i] * right[i]
-            q += 1
-    taken = 0.0
-    for i in range(n):
-        taken += work[STAGES, i]
-    z[:] = work[basis]
-    v[:] = work[basis + 1]
-    return taken
-
-
-@kernel
-def drift(level: int, system: System, tables: Tables, forces: Floats, modal: Floats, z: Floats, v: Floats,
-          work: Floats) -> None:  # fmt: skip
-    """As `advance`, without the loss: the samples inside a step."""
-    n = len(z)
-    flow, push = tables.flow[level], tables.push[level]
-    for i in range(n):
-        work[0, i] = flow[0, i] * z[i] + flow[1, i] * v[i]
-        work[1, i] = flow[2, i] * z[i] + flow[3, i] * v[i]
-    for j in range(STAGES):
-        pushed = modal.shape[1] > 0
-        for i in range(n):
-            work[2, i] = 0.0
-        for a in range(len(system.rows)):
-            force = system.sign[a] * forces[a, j]
-            if force != 0.0:
-                pushed = True
-                for i in range(n):
-                    work[2, i] += system.rows[a, i] * force
-        if not pushed:
-            continue
-        for i in range(modal.shape[1]):
-            work[2, i] += modal[j, i]
-        for i in range(n):
-            work[0, i] += push[0, j, i] * work[2, i]
-            work[1, i] += push[1, j, i] * work[2, i]
-    z[:] = work[0]
-    v[:] = work[1]

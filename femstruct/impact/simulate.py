@@ -8,20 +8,12 @@ from femstruct.arrays import Floats, Integers
 from femstruct.errors import Finding, NotConverged
 from femstruct.impact.bodies import Clock, Scene
 from femstruct.impact.energy import TIME, ledger
-from femstruct.impact.march import (
-    CLOSES,
-    DONE,
-    NO_FORCES,
-    TOO_MANY_EVENTS,
-    TOO_MANY_STEPS,
-    Record,
-    levels_for,
-    march,
-    room_for,
-)
-from femstruct.impact.propagate import State, trial_room
+from femstruct.impact.forces import State
+from femstruct.impact.march import CLOSES, DONE, NO_FORCES, TOO_MANY_EVENTS, TOO_MANY_STEPS, levels_for, march
+from femstruct.impact.propagate import trial_room
 from femstruct.impact.response import BodyHistory, ContactHistory, EnergyLedger, Event, Outcome, Response
 from femstruct.impact.rule import collocation_rule
+from femstruct.impact.sampling import Record, room_for
 from femstruct.impact.system import Compiled, compile_scene
 from femstruct.impact.tables import empty_tables
 from femstruct.modal.basis import ModalBasis

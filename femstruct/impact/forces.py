@@ -1,0 +1,94 @@
+"""Forces as they are at one instant: laws of contacts and links, loads, and the displacements they see."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from femstruct.arrays import Floats, Integers
+from femstruct.impact.compiled import kernel, summing
+from femstruct.impact.system import CONSTANT, HALF_SINE, HERTZ, LINK, System
+
+OPEN, CLOSED, CLAMPED = 0, 1, 2  # a contact without force; with force; indented, its dashpot out of force
+
+
+class State(NamedTuple):
+    """Where the system is; changed in place. z, v [n] : coordinates and rates. status [i] : of the interfaces (a link
+    is CLOSED from its release on). rest [i] : displacement of a link at its release. pace [r] : largest speed of a
+    row so far. force [r] : force of a row at the end of the last step."""
+
+    z: Floats
+    v: Floats
+    status: Integers
+    rest: Floats
+    pace: Floats
+    force: Floats
+
+
+@kernel
+def law(system: System, a: int, delta: float, speed: float) -> tuple[float, float, float]:
+    """Force of interface a by its formula (no clamp) and its derivatives to indentation and speed."""
+    stiffness, damping = system.interfaces[a]["stiffness"], system.interfaces[a]["closing"]
+    if system.interfaces[a]["kind"] == LINK:
+        if speed < 0.0:
+            damping = system.interfaces[a]["opening"]
+        return stiffness * delta + damping * speed + system.interfaces[a]["preload"], stiffness, damping
+    if system.interfaces[a]["kind"] == HERTZ:
+        if delta <= 0.0:
+            return 0.0, 0.0, 0.0
+        root = np.sqrt(delta)
+        force = root * (stiffness * delta + damping * speed)
+        return force, 1.5 * stiffness * root + 0.5 * damping * speed / root, damping * root
+    return stiffness * delta + damping * speed, stiffness, damping
+
+
+@kernel
+def net_force(system: System, state: State, a: int, displacement: float, speed: float) -> float:
+    """Force with which interface a acts in its present status: preloads of contacts are in balance with the rest."""
+    if system.interfaces[a]["kind"] == LINK:
+        return law(system, a, displacement - state.rest[a], speed)[0] if state.status[a] == CLOSED else 0.0
+    if state.status[a] == CLOSED:
+        return float(
+            law(system, a, displacement + system.interfaces[a]["offset"], speed)[0] - system.interfaces[a]["preload"]
+        )
+    return float(-system.interfaces[a]["preload"])
+
+
+@kernel
+def load_at(system: System, i: int, t: float) -> float:
+    """Value of load i at time t, by the formula of the piece it is in."""
+    if system.loads[i]["kind"] == CONSTANT:
+        return float(system.loads[i]["value"])
+    if system.loads[i]["kind"] == HALF_SINE:
+        amplitude, frequency = system.loads[i]["value"], system.loads[i]["frequency"]
+        return float(amplitude * np.sin(2.0 * np.pi * frequency * t)) if t * frequency < 0.5 else 0.0
+    first, length = system.loads[i]["first"], system.loads[i]["length"]
+    last = first + length - 1
+    if t < system.table[first, 0] or t > system.table[last, 0]:
+        return 0.0
+    left, right = first, last
+    while right - left > 1:
+        middle = (left + right) // 2
+        if system.table[middle, 0] <= t:
+            left = middle
+        else:
+            right = middle
+    share = (t - system.table[left, 0]) / (system.table[right, 0] - system.table[left, 0])
+    return float((1.0 - share) * system.table[left, 1] + share * system.table[right, 1])
+
+
+@summing
+def dot(left: Floats, right: Floats) -> float:
+    """Sum of products."""
+    total = 0.0
+    for i in range(len(left)):
+        total += left[i] * right[i]
+    return total
+
+
+@kernel
+def rows_now(system: System, z: Floats, v: Floats, place: Floats, rate: Floats) -> None:
+    """Displacements and velocities of all rows."""
+    for a in range(len(system.rows)):
+        place[a], rate[a] = dot(system.rows[a], z), dot(system.rows[a], v)
