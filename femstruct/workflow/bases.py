@@ -27,7 +27,8 @@ from femstruct.study.study import (
     StructureModel,
     Study,
 )
-from femstruct.workflow.staging import Places, axis_of, force_probes
+from femstruct.workflow.rest import axis_of
+from femstruct.workflow.staging import Places, force_probes
 
 
 @dataclass(frozen=True, eq=False)

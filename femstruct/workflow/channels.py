@@ -14,7 +14,8 @@ from femstruct.impact.response import Response
 from femstruct.modal.basis import ForceRow
 from femstruct.study.result import Channel
 from femstruct.study.study import PeakRule, Record, RoomPlan, Study
-from femstruct.workflow.staging import Places, axis_of, ordered, planned_contacts
+from femstruct.workflow.rest import axis_of, planned_contacts
+from femstruct.workflow.staging import Places, ordered
 
 UNITS = {"displacement": "m", "velocity": "m/s", "acceleration": "m/s^2", "force": "N", "travel": "m", "pressure": "Pa"}
 AXES = "xyz"

@@ -24,8 +24,9 @@ from femstruct.study.study import Extent, FrfKind, FrfRequest, RoomPlan, Spot, S
 from femstruct.units import quantity
 from femstruct.workflow.bases import Solved, solve
 from femstruct.workflow.positions import positioned
+from femstruct.workflow.rest import Rest, rest_states
 from femstruct.workflow.run import frequency_response, response_row, structure_findings
-from femstruct.workflow.staging import Rest, force_probes, rest_states, scene
+from femstruct.workflow.staging import force_probes, scene
 
 DEFAULT_MODES = 30
 DEFAULT_LINES = 500

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 
@@ -14,7 +13,8 @@ from femstruct.errors import InputError
 from femstruct.impact.bodies import GROUND, Body, Contact, End, Link, Load, Scene
 from femstruct.modal.basis import ModalBasis
 from femstruct.model.probe import Point, Probe, Surface
-from femstruct.study.study import InitialMotion, PlacedBody, PlannedContact, PlannedLink, Spot, Study
+from femstruct.study.study import InitialMotion, PlacedBody, PlannedContact, PlannedLink, Study
+from femstruct.workflow.rest import at_rest, axis_of, lying_bodies, mass_on, planned_contacts, refuse_restless, weighs
 
 HORIZONTAL = np.cos(np.radians(45.0))
 
@@ -52,43 +52,21 @@ def scene(study: Study, places: Places, basis: ModalBasis | None = None) -> Scen
 
     Notes
     -----
-    Bodies above and below move along z, bodies before and after along x. The end that is higher (further along x) is
-    the upper one; a body is just above or below what it was placed on.
+    Bodies above and below move along z, bodies before and after along x, where gravity does not act. The end that is
+    higher (further along x) is the upper one; a body is just above or below what it was placed on.
     """
     stage = _Stage(study, places)
     _refuse_mixed_axes(study)
     contacts = tuple(stage.contact(contact) for contact in planned_contacts(study))
     links = tuple(stage.link(link) for link in study.links)
-    linked = {end for link in study.links for end in link.between}
-    bodies = tuple(_body(body, body.name in linked, study) for body in study.bodies)
+    refuse_restless(study)
+    resting = at_rest(study)
+    bodies = tuple(_body(body, body.name not in resting) for body in study.bodies)
     if basis is not None:
         _refuse_immovable(basis, contacts, links, stage.axis)
     velocity = _modal_velocity(study.initial, places, basis) if basis is not None else None
-    gravity = GRAVITY if study.time is not None and study.time.gravity else 0.0
+    gravity = GRAVITY if weighs(study) else 0.0
     return Scene(bodies, contacts, links, stage.loads(), velocity, gravity)
-
-
-def planned_contacts(study: Study) -> tuple[PlannedContact, ...]:
-    """Named contacts of a study, and those its bodies bring along, named "BODY on TARGET"."""
-    own = tuple(
-        PlannedContact(f"{body.name} on {body.target}", (body.name, body.target), body.law)
-        for body in study.bodies
-        if body.law is not None
-    )
-    return (*study.contacts, *own)
-
-
-def axis_of(study: Study) -> Literal["x", "z"]:
-    """The axis all bodies of a study move along: x where they are placed before and after, z above and below.
-
-    Without bodies it is the axis of what the study pushes or starts: x if that says so, else z.
-    """
-    if study.bodies:
-        return "x" if any(body.side in ("before", "after") for body in study.bodies) else "z"
-    spots = [spot for spot, _ in study.initial.velocities]
-    spots += [load.on for load in study.loads if isinstance(load.on, Spot)]
-    spots += [request.drive for request in study.frf]
-    return "x" if any(spot.what == "x" for spot in spots) else "z"
 
 
 def ordered(study: Study, places: Places, planned: PlannedContact) -> tuple[str, str]:
@@ -115,28 +93,6 @@ def force_probes(study: Study, places: Places) -> dict[str, Probe]:
             request.drive.what
         )
     return found
-
-
-@dataclass(frozen=True)
-class Rest:
-    """Gravity on a body at rest: its weight [N], and the sag [m] of the links that carry it (0 without springs)."""
-
-    body: str
-    weight: float
-    sag: float
-
-
-def rest_states(study: Study) -> tuple[Rest, ...]:
-    """Weights and static sags of the bodies that links carry; empty without gravity."""
-    if study.time is None or not study.time.gravity:
-        return ()
-    rests = []
-    for body in study.bodies:
-        stiffness = sum(link.stiffness for link in study.links if body.name in link.between)
-        weight = body.mass * GRAVITY
-        if stiffness > 0:
-            rests.append(Rest(body.name, weight, weight / stiffness))
-    return tuple(rests)
 
 
 @dataclass(frozen=True)
@@ -204,16 +160,11 @@ class _Stage:
 
     def resting_weight(self, planned: PlannedContact) -> float:
         """Weight of a body that lies still on the contact when gravity starts [N]."""
-        if self.study.time is None or not self.study.time.gravity or planned.gap > 0:
+        if not weighs(self.study):
             return 0.0
-        linked = {end for link in self.study.links for end in link.between}
-        lying = {body.name: body for body in self.study.bodies if _lies(body) and body.name not in linked}
-
-        def carried(body: PlacedBody) -> float:
-            return body.mass + sum(carried(other) for other in lying.values() if other.target == body.name)
-
+        lying = lying_bodies(self.study)
         here = [body for body in lying.values() if {body.name, body.target} == set(planned.between)]
-        return sum(carried(body) for body in here) * GRAVITY
+        return sum(mass_on(body, lying) for body in here) * GRAVITY
 
     def link(self, planned: PlannedLink) -> Link:
         upper, lower = self.ordered(planned.between, f"links.{planned.name}")
@@ -268,21 +219,8 @@ def _refuse_mixed_axes(study: Study) -> None:
         )
 
 
-def _lies(body: PlacedBody) -> bool:
-    return body.side == "above" and not body.dropped and body.speed == 0.0
-
-
-def _body(body: PlacedBody, linked: bool, study: Study) -> Body:
+def _body(body: PlacedBody, falls: bool) -> Body:
     towards = 1.0 if body.side in ("below", "before") else -1.0
-    falls = not linked and not _lies(body)
-    gravity = study.time is not None and study.time.gravity
-    if gravity and falls and not body.dropped and body.speed == 0.0:
-        raise InputError(
-            f"bodies.{body.name}",
-            got="no link, and nothing it lies on",
-            expected="a state of rest under gravity",
-            do="hang it on a link, drop it (drop_height or speed), or switch gravity off",
-        )
     return Body(body.name, body.mass, towards * body.speed, falls)
 
 

@@ -1,0 +1,128 @@
+"""What a study says before it has a structure: its contacts, its axis, and what rests on what under gravity."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from femstruct.conventions import GRAVITY
+from femstruct.errors import InputError
+from femstruct.study.study import PlacedBody, PlannedContact, PlannedLink, Spot, Study
+
+
+def planned_contacts(study: Study) -> tuple[PlannedContact, ...]:
+    """Named contacts of a study, and those its bodies bring along, named "BODY on TARGET"."""
+    own = tuple(
+        PlannedContact(f"{body.name} on {body.target}", (body.name, body.target), body.law)
+        for body in study.bodies
+        if body.law is not None
+    )
+    return (*study.contacts, *own)
+
+
+def axis_of(study: Study) -> Literal["x", "z"]:
+    """The axis all bodies of a study move along: x where they are placed before and after, z above and below.
+
+    Without bodies it is the axis of what the study pushes or starts: x if that says so, else z.
+    """
+    if study.bodies:
+        return "x" if any(body.side in ("before", "after") for body in study.bodies) else "z"
+    spots = [spot for spot, _ in study.initial.velocities]
+    spots += [load.on for load in study.loads if isinstance(load.on, Spot)]
+    spots += [request.drive for request in study.frf]
+    return "x" if any(spot.what == "x" for spot in spots) else "z"
+
+
+@dataclass(frozen=True)
+class Rest:
+    """Gravity on a body that links carry: its weight with all that lies on it [N], and how far it has sunk [m]."""
+
+    body: str
+    weight: float
+    sag: float
+
+
+def rest_states(study: Study) -> tuple[Rest, ...]:
+    """Weights and static sags of the bodies that links carry; empty without gravity.
+
+    Notes: the structure and the contacts under lying bodies are taken as rigid beside the links.
+    """
+    if not weighs(study):
+        return ()
+    carried, lying = carried_bodies(study), lying_bodies(study)
+    names = [body.name for body in study.bodies if body.name in carried]
+    weight = np.array([mass_on(body, lying) for body in study.bodies if body.name in carried]) * GRAVITY
+    stiffness = np.zeros((len(names), len(names)))
+    for link in _holding(study):
+        row = np.array([float(name == link.between[0]) - float(name == link.between[1]) for name in names])
+        stiffness += link.stiffness * np.outer(row, row)
+    sag = np.linalg.solve(stiffness, weight)
+    return tuple(Rest(*rest) for rest in zip(names, weight.tolist(), sag.tolist(), strict=True))
+
+
+def carried_bodies(study: Study) -> set[str]:
+    """Bodies that springs connect, from the start and maybe through other bodies, to something that is held."""
+    bodies, carried = {body.name for body in study.bodies}, set[str]()
+    links = _holding(study)
+    while True:
+        firm = [end for link in links for end in link.between if end not in bodies or end in carried]
+        more = {end for link in links if set(link.between) & set(firm) for end in link.between if end in bodies}
+        if more <= carried:
+            return carried
+        carried |= more
+
+
+def _holding(study: Study) -> list[PlannedLink]:
+    """Links that can carry a weight at the start: not dashpots alone, nor springs that act later."""
+    return [link for link in study.links if link.stiffness > 0.0 and link.release_at == 0.0]
+
+
+def lying_bodies(study: Study) -> dict[str, PlacedBody]:
+    """Bodies that lie still on the structure, the ground, a carried body or each other, their contact closed."""
+    closed = [set(contact.between) for contact in planned_contacts(study) if contact.gap == 0.0]
+    bodies, carried = {body.name for body in study.bodies}, carried_bodies(study)
+    candidates = [
+        body
+        for body in study.bodies
+        if body.side == "above"
+        and not (body.dropped or body.speed or body.name in carried)
+        and {body.name, body.target} in closed
+    ]
+    lying: dict[str, PlacedBody] = {}
+    for _ in candidates:  # each round lays another layer
+        lying |= {b.name: b for b in candidates if b.target not in bodies or b.target in carried or b.target in lying}
+    return lying
+
+
+def at_rest(study: Study) -> set[str]:
+    """Bodies whose weight something holds."""
+    return carried_bodies(study) | lying_bodies(study).keys()
+
+
+def mass_on(body: PlacedBody, lying: Mapping[str, PlacedBody]) -> float:
+    """Mass of a body and of all that lies on it [kg]."""
+    return body.mass + sum(mass_on(other, lying) for other in lying.values() if other.target == body.name)
+
+
+def weighs(study: Study) -> bool:
+    """Whether gravity acts along the axis of the bodies."""
+    return study.time is not None and study.time.gravity and axis_of(study) == "z"
+
+
+def refuse_restless(study: Study) -> None:
+    """Raise InputError when gravity acts on a body that neither rests nor falls."""
+    if not weighs(study):
+        return
+    resting = at_rest(study)
+    for body in study.bodies:
+        if body.name not in resting and not body.dropped and body.speed == 0.0:
+            raise InputError(
+                f"bodies.{body.name}",
+                got="no spring that carries it, and no closed contact with something at rest below it",
+                expected="a state of rest under gravity",
+                do="hang it on a link, lay it on its contact without a gap, drop it (drop_height or speed), or switch "
+                "gravity off",
+            )

@@ -1,0 +1,450 @@
+"""Signs and conventions along the whole chain, from YAML to pressure, by cases with obvious answers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from femstruct.errors import InputError
+from femstruct.language import read_study
+from femstruct.study.result import CaseResult
+from femstruct.workflow.rest import rest_states
+from femstruct.workflow.run import run_study
+
+Floats = NDArray[np.float64]
+Run = Callable[[str, str], CaseResult]
+G = 9.80665
+
+NONE = "structure: none"
+OSCILLATOR = """
+structure: {type: oscillator, mass: 2 kg, stiffness: 800 N/m}
+points: {m: {}}
+"""
+ROD = """
+structure: {type: rod, length: 1 m, E: 200 GPa, rho: 7850, area: 3 cm2, modes: 8}
+points: {left: {at: 0}, right: {at: 1 m}}
+"""
+FREE = """
+materials: {steel: {E: 210 GPa, nu: 0.3, rho: 8000}}
+parts:
+  plate: {type: plate, material: steel, thickness: 20 mm, origin: [-0.3, -0.2, 0], size: [0.6, 0.4], mesh: [6, 4]}
+points:
+  c: {on: plate, at: center}
+  east: {on: plate, at: [0.5, 0.2]}
+surfaces:
+  under: {on: plate, side: below}
+  top: {on: plate, side: above}
+damping: {ratio: 10 %}
+"""
+MASS = 8000 * 0.02 * 0.6 * 0.4
+BEDDED = FREE.replace(
+    "points:", "  bed: {type: foundation, on: plate, region: whole, stiffness: {normal: 1e10, shear: 1e10}}\npoints:"
+)
+HELD = FREE + "supports: {edges: {on: plate, edge: all, fix: simple}}\n"
+ROOM = """
+rooms:
+  box:
+    size: [0.6, 0.4, 0.3]
+    under: under
+    losses: {t60: 30 ms}
+    receivers: {mic: [0.3, 0.2, 0.15], west: [0.05, 0.2, 0.25], east: [0.55, 0.2, 0.25]}
+"""
+
+
+@pytest.fixture
+def run(tmp_path: Path) -> Run:
+    """Run a study of one case, both files given as text."""
+
+    def running(model: str, study: str) -> CaseResult:
+        (tmp_path / "model.yaml").write_text(model)
+        path = tmp_path / "study.yaml"
+        path.write_text(f"model: model.yaml\n{study}")
+        (case,) = run_study(read_study(path)).cases.values()
+        return case
+
+    return running
+
+
+def values(case: CaseResult, channel: str) -> Floats:
+    return case.channels[channel].values
+
+
+def time(case: CaseResult) -> Floats:
+    assert case.response is not None
+    return case.response.t
+
+
+def ledger_residual(case: CaseResult) -> float:
+    assert case.response is not None
+    return case.response.ledger.residual
+
+
+# Loads
+
+
+@pytest.mark.parametrize(("load", "force"), [("at: c.z", "-100 N"), ("on: top", "417 Pa")])
+def test_a_push_from_above_goes_down_and_raises_the_pressure_below(run: Run, load: str, force: str) -> None:
+    """Slow against all modes of a bedded plate: deflection, ground force and uniform compression are static."""
+    study = f"""
+modes: {{up_to: 3 kHz}}
+loads: {{push: {{{load}, half_sine: {{amplitude: {force}, frequency: 5 Hz}}}}}}
+record: {{c.z: displacement, bed: force, ground: force}}
+time: {{duration: 0.1 s, sampling: 20 kHz}}
+{ROOM}"""
+    case = run(BEDDED, study)
+    total = 100 if "N" in force else 417 * 0.24
+    sine = np.sin(2 * np.pi * 5 * time(case))
+    down, ground = values(case, "c.z displacement"), values(case, "ground force")
+    # the load starts with a kink, which the plate on its bed answers at 1258 Hz: 5 / 1258
+    assert np.abs(ground + total * sine).max() < 0.005 * total
+    assert np.abs(values(case, "bed force") - ground).max() < 1e-9 * total
+    # the plate yields locally under a force at a point
+    assert down[1000] < -total / (1e10 * 0.24) * (1.0 if "N" in force else 0.995)
+    volume = total / 1e10
+    compression = 1.21 * 343**2 * volume / (0.6 * 0.4 * 0.3)
+    assert values(case, "box.mic pressure")[1000] == pytest.approx(compression, rel=0.01)
+
+
+def test_a_surface_is_pushed_against_from_its_own_side(run: Run) -> None:
+    """Pressure on the underside lifts; the room below then thins."""
+    study = f"""
+modes: {{up_to: 3 kHz}}
+loads: {{push: {{on: under, half_sine: {{amplitude: 100 Pa, frequency: 5 Hz}}}}}}
+record: {{c.z: displacement, ground: force}}
+time: {{duration: 0.1 s, sampling: 20 kHz}}
+{ROOM}"""
+    case = run(BEDDED, study)
+    assert values(case, "c.z displacement")[1000] == pytest.approx(100 / 1e10, rel=0.005)
+    assert values(case, "ground force")[1000] == pytest.approx(100 * 0.24, rel=0.01)
+    assert values(case, "box.mic pressure")[1000] < 0
+
+
+def test_what_presses_on_supports_reaches_the_ground(run: Run) -> None:
+    study = """
+modes: {up_to: 3 kHz}
+loads: {push: {at: c.z, half_sine: {amplitude: -100 N, frequency: 5 Hz}}}
+record: {edges: force, ground: force}
+time: {duration: 0.1 s, sampling: 4 kHz}
+"""
+    case = run(HELD, study)
+    sine = np.sin(2 * np.pi * 5 * time(case))
+    for channel in ("edges force", "ground force"):
+        # the load starts with a kink, which the plate answers at its first mode, 430 Hz: 5 / 430, and more above
+        assert np.abs(values(case, channel) + 100 * sine).max() < 3
+
+
+@pytest.mark.parametrize(("load", "total"), [("at: c.z", "50 N"), ("on: under", "250 Pa")])
+def test_momentum_of_a_half_sine(run: Run, load: str, total: str) -> None:
+    """A free plate: 2 / pi of amplitude times length, which is half a period."""
+    study = f"""
+modes: {{up_to: 3 kHz}}
+loads: {{hit: {{{load}, half_sine: {{amplitude: {total}, frequency: 250 Hz}}}}}}
+record: {{c.z: velocity}}
+time: {{duration: 50 ms, sampling: 20 kHz}}
+save: modal
+"""
+    case = run(FREE, study)
+    assert case.response is not None
+    assert case.basis.n_rigid == 6
+    amplitude = 50.0 if "N" in total else 250 * 0.24
+    momentum = amplitude * (2 / np.pi) * 0.5 / 250
+    rigid = case.basis.shapes[:, 2, :6] @ case.response.qd[:6, -1]
+    assert rigid == pytest.approx(np.full(len(rigid), momentum / MASS), rel=1e-9)
+
+
+def test_a_force_file_pushes_a_body_along_its_axis(run: Run, tmp_path: Path) -> None:
+    (tmp_path / "force.csv").write_text("time [s], force [N]\n0, 0\n0.1, 6\n0.2, 0\n")
+    study = """
+bodies: {b: {mass: 3 kg, above: ground}}
+loads: {pull: {body: b, file: force.csv}}
+record: {b: velocity}
+time: {duration: 0.3 s, sampling: 1 kHz}
+"""
+    assert values(run(NONE, study), "b velocity")[-1] == pytest.approx(0.6 / 3, rel=1e-12)  # a triangle of 0.6 N s
+
+
+# Bodies and contacts
+
+
+@pytest.mark.parametrize(("side", "sign"), [("above", -1.0), ("below", 1.0)])
+def test_a_body_moves_towards_what_it_was_put_beside(run: Run, side: str, sign: float) -> None:
+    study = f"""
+modes: {{count: 1}}
+bodies: {{ball: {{mass: 0.1 kg, {side}: m, speed: 2 m/s, contact: {{type: linear, stiffness: 1e6}}}}}}
+record: {{m.z: velocity, ball: [velocity, travel], ball on m: force}}
+time: {{duration: 5 ms, sampling: 100 kHz}}
+"""
+    case = run(OSCILLATOR, study)
+    assert values(case, "ball velocity")[0] == sign * 2
+    assert values(case, "ball on m force").min() == 0
+    # 0.1 kg against 2 kg, elastic, the spring of the oscillator far too soft to matter: (omega t)^2 ~ 1e-4
+    assert values(case, "ball velocity")[-1] == pytest.approx(-sign * 2 * 1.9 / 2.1, rel=1e-3)
+    assert values(case, "m.z velocity")[150] == pytest.approx(sign * 2 * 0.2 / 2.1, rel=1e-2)
+    assert -sign * values(case, "ball travel")[-1] > 0
+    net = values(case, "net force on m")
+    assert sign * net.max() >= 0 and sign * net.min() >= 0
+    assert ledger_residual(case) < 1e-9
+
+
+@pytest.mark.parametrize(("side", "end", "sign"), [("before", "left", 1.0), ("after", "right", -1.0)])
+def test_before_and_after_run_along_x(run: Run, side: str, end: str, sign: float) -> None:
+    study = f"""
+modes: {{count: 8}}
+bodies: {{ball: {{mass: 0.1 kg, {side}: {end}, speed: 2 m/s, contact: {{type: linear, stiffness: 1e6}}}}}}
+record: {{{end}.x: displacement, ball: velocity}}
+time: {{duration: 5 ms, sampling: 100 kHz}}
+save: modal
+"""
+    case = run(ROD, study)
+    assert values(case, "ball velocity")[0] == sign * 2
+    assert values(case, "ball velocity")[-1] * sign < 0
+    assert values(case, f"{end}.x displacement")[-1] * sign > 0
+    assert case.response is not None
+    rod = 7850 * 3e-4
+    rigid = case.response.qd[0] / np.sqrt(rod)
+    rigid *= np.sign(case.basis.shapes[0, 0, 0])
+    assert 0.1 * values(case, "ball velocity") + rod * rigid == pytest.approx(sign * 0.2, rel=1e-9)
+
+
+def test_a_gap_is_crossed_before_anything_happens(run: Run) -> None:
+    study = """
+modes: {count: 1}
+bodies: {ball: {mass: 0.1 kg, above: m, speed: 2 m/s}}
+contacts: {c: {between: [m, ball], law: {type: hertz, stiffness: 1e8}, gap: 3 mm}}
+record: {m.z: displacement}
+time: {duration: 5 ms, sampling: 100 kHz}
+"""
+    case = run(OSCILLATOR, study)
+    assert case.response is not None
+    assert case.response.events[0].t == pytest.approx(1.5e-3, rel=1e-9)
+    assert (values(case, "m.z displacement")[time(case) < 1.5e-3] == 0).all()
+    assert values(case, "m.z displacement")[-1] < 0
+
+
+def test_a_stop_acts_both_ways(run: Run) -> None:
+    """A body on a stop of 10 mm swings between its two sides, a stiff spring's half period spent in each."""
+    study = """
+bodies: {b: {mass: 1 kg, above: ground, speed: 1 m/s}}
+contacts: {s: {between: [b, ground], law: {type: stop, stiffness: 1e6}, gap: 10 mm}}
+record: {b: [displacement, velocity], s: force}
+time: {duration: 0.2 s, sampling: 50 kHz}
+"""
+    case = run(NONE, study)
+    place, depth = values(case, "b displacement"), 1 / 1e3  # v / omega
+    assert place.max() == pytest.approx(10e-3 + depth, rel=1e-4)
+    assert place.min() == pytest.approx(-10e-3 - depth, rel=1e-4)
+    assert case.response is not None
+    closings = [event.t for event in case.response.events if event.what == "closes"]
+    assert np.diff(closings) == pytest.approx(np.pi / 1e3 + 20e-3, rel=1e-9)
+    force = values(case, "s force")
+    # pushes the body, the upper end, up at the lower side and down at the upper side
+    assert force[place.argmin()] > 0 > force[place.argmax()]
+
+
+# Links
+
+
+@pytest.mark.parametrize(("half", "ratio"), [("closing", 0.3), ("opening", 0.3)])
+def test_a_one_way_dashpot_acts_in_its_own_half(run: Run, half: str, ratio: float) -> None:
+    """A mass on a spring to the ground, thrown down: closing damps the way down, opening the way up."""
+    omega = 100.0
+    study = f"""
+bodies: {{b: {{mass: 1 kg, above: ground, speed: 1 m/s}}}}
+links: {{l: {{between: [ground, b], stiffness: {omega**2} N/m, damping: {{{half}: {2 * ratio * omega} N*s/m}}}}}}
+record: {{b: displacement, l: force}}
+time: {{duration: 0.08 s, sampling: 50 kHz}}
+"""
+    case = run(NONE, study)
+    place, root = values(case, "b displacement"), np.sqrt(1 - ratio**2)
+    lowest = np.exp(-ratio / root * np.arccos(ratio)) if half == "closing" else 1.0
+    highest = lowest if half == "closing" else np.exp(-ratio / root * np.pi)
+    # samples are 0.002 rad apart
+    assert place.min() == pytest.approx(-lowest / omega, rel=1e-5)
+    assert place.max() == pytest.approx(highest / omega, rel=1e-5)
+    assert values(case, "l force")[place.argmin()] == pytest.approx(lowest * omega, rel=1e-2)  # compressed: positive
+
+
+def test_a_loaded_link_pushes_its_ends_apart_when_released(run: Run) -> None:
+    study = """
+bodies: {low: {mass: 1 kg, above: ground}, high: {mass: 1 kg, above: low}}
+links: {l: {between: [low, high], stiffness: 800 N/m, preload: 4 N, release_at: 50 ms}}
+record: {low: displacement, high: displacement}
+time: {duration: 0.3 s, sampling: 10 kHz}
+"""
+    case = run(NONE, study)
+    low, high = values(case, "low displacement"), values(case, "high displacement")
+    assert (high[time(case) <= 0.05] == 0).all()
+    assert (high - low).max() == pytest.approx(2 * 4 / 800, rel=1e-5)  # twice the static stroke
+    assert (high - low).min() == pytest.approx(0, abs=1e-9)
+    assert np.abs(high + low).max() < 1e-12
+
+
+@pytest.mark.parametrize("law", ["{type: linear, stiffness: 1e5}", "{type: hertz, stiffness: 1e7}"])
+def test_a_preloaded_contact_stays_at_rest(run: Run, law: str) -> None:
+    study = f"""
+modes: {{count: 1}}
+bodies: {{damper: {{mass: 0.4 kg, below: m}}}}
+contacts: {{c: {{between: [m, damper], law: {law}, preload: 5 N}}}}
+links: {{l: {{between: [damper, ground], stiffness: 500 N/m}}}}
+record: {{m.z: velocity, damper: velocity, c: force}}
+time: {{duration: 0.1 s, sampling: 10 kHz}}
+"""
+    case = run(OSCILLATOR, study)
+    # rounding: 5 N less 5 N
+    assert np.abs(values(case, "m.z velocity")).max() < 1e-15
+    assert np.abs(values(case, "damper velocity")).max() < 1e-15
+    assert values(case, "c force") == pytest.approx(5, rel=1e-12)
+
+
+# Gravity
+
+
+def test_a_hanging_body_stays_where_it_hangs(run: Run, tmp_path: Path) -> None:
+    study = """
+modes: {count: 1}
+bodies: {b: {mass: 0.4 kg, below: m}}
+links: {l: {between: [m, b], stiffness: 200 N/m, damping: 3}}
+record: {b: velocity, m.z: velocity}
+time: {duration: 0.5 s, sampling: 1 kHz, gravity: true}
+"""
+    case = run(OSCILLATOR, study)
+    assert not values(case, "b velocity").any()
+    assert not values(case, "m.z velocity").any()
+    (rest,) = rest_states(case.case.study)
+    assert rest.weight == pytest.approx(0.4 * G)
+    assert rest.sag == pytest.approx(0.4 * G / 200)
+
+
+def test_a_dropped_ball_returns_after_twice_its_speed_over_g(run: Run) -> None:
+    study = """
+bodies: {ball: {mass: 0.2 kg, above: ground, drop_height: 0.1 m, contact: {type: linear, stiffness: 1e6}}}
+record: {ball: [displacement, velocity], ball on ground: force}
+time: {duration: 0.5 s, sampling: 20 kHz, gravity: true}
+"""
+    case = run(NONE, study)
+    speed = np.sqrt(2 * G * 0.1)
+    assert values(case, "ball velocity")[0] == pytest.approx(-speed, rel=1e-12)
+    assert case.response is not None
+    contact = case.response.contacts["ball on ground"]
+    closings = [event.t for event in case.response.events if event.what == "closes"]
+    assert closings[1] - contact.first_open == pytest.approx(2 * speed / G, rel=1e-9)
+    assert values(case, "ball displacement").max() == pytest.approx(0.1, rel=1e-5)
+    weight = 0.2 * G
+    assert contact.peak_force == pytest.approx(weight + np.sqrt(weight**2 + 1e6 * 0.2 * speed**2), rel=1e-9)
+
+
+def test_bodies_that_lie_on_each_other_stay(run: Run) -> None:
+    """The lower contact carries both weights, and nothing moves."""
+    study = """
+modes: {count: 1}
+bodies:
+  low: {mass: 2 kg, above: m, contact: {type: hertz, stiffness: 1e7}}
+  high: {mass: 1 kg, above: low, contact: {type: linear, stiffness: 1e5}}
+record: {low on m: force, high on low: force, m.z: velocity, low: velocity, high: velocity}
+time: {duration: 0.2 s, sampling: 5 kHz, gravity: true}
+"""
+    case = run(OSCILLATOR, study)
+    assert values(case, "low on m force") == pytest.approx(3 * G, rel=1e-9)
+    assert values(case, "high on low force") == pytest.approx(G, rel=1e-9)
+    for channel in ("m.z velocity", "low velocity", "high velocity"):
+        assert np.abs(values(case, channel)).max() < 1e-12
+
+
+def test_a_lying_body_thrown_up_falls_with_its_weight(run: Run) -> None:
+    study = """
+modes: {count: 1}
+bodies: {b: {mass: 0.1 kg, above: m, contact: {type: linear, stiffness: 1e6}}}
+initial: {velocity: {m.z: 1 m/s}}
+record: {b: velocity, m.z: velocity, b on m: force}
+time: {duration: 0.1 s, sampling: 20 kHz, gravity: true}
+"""
+    case = run(OSCILLATOR, study)
+    assert values(case, "m.z velocity")[0] == pytest.approx(1, rel=1e-12)
+    force, speed = values(case, "b on m force"), values(case, "b velocity")
+    assert force[0] == pytest.approx(0.1 * G, rel=1e-9)
+    flying = (force[1:] == 0) & (force[:-1] == 0)
+    assert flying.sum() > 500
+    assert np.diff(speed)[flying] * 20e3 == pytest.approx(-G, rel=1e-9)
+    assert speed.max() > 1.5  # a light body struck by a heavy one leaves at nearly twice its speed
+    assert ledger_residual(case) < 1e-9
+
+
+def test_the_sag_of_a_link_is_that_of_all_it_carries(run: Run) -> None:
+    study = """
+modes: {count: 1}
+bodies:
+  tray: {mass: 0.4 kg, below: m}
+  load: {mass: 0.6 kg, above: tray, contact: {type: linear, stiffness: 1e5}}
+links: {l: {between: [m, tray], stiffness: 200 N/m}}
+record: {tray: velocity, load: velocity, load on tray: force}
+time: {duration: 0.1 s, sampling: 1 kHz, gravity: true}
+"""
+    case = run(OSCILLATOR, study)
+    assert np.abs(values(case, "tray velocity")).max() < 1e-12
+    assert np.abs(values(case, "load velocity")).max() < 1e-12
+    assert values(case, "load on tray force") == pytest.approx(0.6 * G, rel=1e-9)
+    (rest,) = rest_states(case.case.study)
+    assert rest.sag == pytest.approx(1.0 * G / 200)
+
+
+@pytest.mark.parametrize(
+    "bodies",
+    [
+        "{b: {mass: 1 kg, above: m}}",
+        "{b: {mass: 1 kg, below: m, contact: {type: linear, stiffness: 1e5}}}",
+        "{b: {mass: 1 kg, above: m}}\ncontacts: {c: {between: [b, m], law: {type: linear, stiffness: 1e5}, gap: 1 mm}}",
+        "{d: {mass: 1 kg, above: m, drop_height: 1 cm, contact: {type: linear, stiffness: 1e5}}, "
+        "b: {mass: 1 kg, above: d, contact: {type: linear, stiffness: 1e5}}}",
+    ],
+    ids=["no contact", "below", "a gap", "on something that falls"],
+)
+def test_gravity_needs_a_state_of_rest(run: Run, bodies: str) -> None:
+    study = f"modes: {{count: 1}}\nbodies: {bodies}\ntime: {{duration: 10 ms, sampling: 1 kHz, gravity: true}}\n"
+    with pytest.raises(InputError, match=r"bodies\.b"):
+        run(OSCILLATOR, study)
+
+
+def test_gravity_does_not_act_along_x(run: Run) -> None:
+    study = """
+modes: {count: 4}
+bodies: {ball: {mass: 0.1 kg, before: left, speed: 2 m/s}}
+contacts: {c: {between: [ball, left], law: {type: linear, stiffness: 1e6}, gap: 1 m}}
+record: {ball: velocity}
+time: {duration: 50 ms, sampling: 1 kHz, gravity: true}
+"""
+    assert values(run(ROD, study), "ball velocity") == pytest.approx(2.0, rel=1e-12)
+
+
+# Start velocities, and where it is loud
+
+
+def test_start_velocity_of_an_oscillator(run: Run) -> None:
+    study = """
+modes: {count: 1}
+initial: {velocity: {m.z: -3 m/s}}
+record: {m.z: displacement}
+time: {duration: 0.5 s, sampling: 2 kHz}
+"""
+    case = run(OSCILLATOR, study)
+    # 1e-12: rounding of the propagator
+    assert values(case, "m.z displacement") == pytest.approx(-3 / 20 * np.sin(20 * time(case)), abs=1e-12)
+
+
+def test_a_turning_ceiling_presses_where_it_goes_down(run: Run) -> None:
+    """A right-handed turn about y moves the east side of a plate down and displaces no volume."""
+    study = f"""
+modes: {{up_to: 3 kHz}}
+initial: {{rigid: {{about: c, spin: [0, 0.1 rad/s, 0]}}}}
+record: {{east.z: velocity, c.z: velocity}}
+time: {{duration: 20 ms, sampling: 20 kHz}}
+{ROOM}"""
+    case = run(FREE, study)
+    assert values(case, "east.z velocity") == pytest.approx(-0.1 * 0.2, rel=1e-9)
+    assert np.abs(values(case, "c.z velocity")).max() < 1e-12
+    early = slice(0, 17)  # a quarter period of the air's swing from east to west, 1.2 m / 343 m/s
+    assert values(case, "box.east pressure")[early].mean() > 1
+    assert values(case, "box.east pressure") == pytest.approx(-values(case, "box.west pressure"), abs=1e-6)
