@@ -11,7 +11,12 @@ from pathlib import Path
 from femstruct import read_study, run_study
 
 STUDY = Path(__file__).parents[1] / "models" / "floor_tennis_ball.study.yaml"
-SOURCE = {"velocity": (47.0, 62.0), "pressure": (53.0, 67.0), "pressure mode 7": (4.6, 7.7), "velocity mode 7": (8.3, 14.0)}
+SOURCE = {
+    "velocity": (47.0, 62.0),
+    "pressure": (53.0, 67.0),
+    "pressure mode 7": (4.6, 7.7),
+    "velocity mode 7": (8.3, 14.0),
+}
 CHANNELS = {"velocity": "O_s.z velocity", "pressure": "box.mic pressure", "net force": "net force on O_f"}
 CASES = ("damper 0.6", "damper 1.2")
 MODE = 7  # floor (1, 1) at 151 Hz, the source's 8th

@@ -16,10 +16,10 @@ CHUNK_BYTES = 2**20
 def key(name: str) -> str:
     """A name as a name in the file, where a slash would open a group.
 
-    >>> key("floor/slab")
-    'floor∕slab'
+    >>> key("floor/slab") == "floor\\N{DIVISION SLASH}slab"
+    True
     """
-    return name.replace("/", "∕")
+    return name.replace("/", "\N{DIVISION SLASH}")
 
 
 def group(parent: h5py.Group, name: str, description: str, **attributes: object) -> h5py.Group:

@@ -9,6 +9,7 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 MODELS = ROOT / "models"
+PLATE, BODIES = str(MODELS / "small_plate.yaml"), str(MODELS / "three_bodies.study.yaml")
 
 
 def femstruct(*words: str, cwd: Path = ROOT) -> subprocess.CompletedProcess[str]:
@@ -23,7 +24,7 @@ def _environment() -> dict[str, str]:
 
 
 def test_modes_as_json() -> None:
-    done = femstruct("modes", str(MODELS / "small_plate.yaml"), "--count", "6", "--json")
+    done = femstruct("modes", PLATE, "--count", "6", "--json")
     assert done.returncode == 0, done.stderr
     table = json.loads(done.stdout)
     keys = {"frequency_hz", "damping_ratio", "kind", "rigid_body_modes", "complete_below_hz", "mass_kg", "findings"}
@@ -35,7 +36,7 @@ def test_modes_as_json() -> None:
 
 
 def test_modal_and_direct_frf_agree() -> None:
-    words = ("frf", str(MODELS / "small_plate.yaml"), "--drive", "off.z", "--response", "middle.z")
+    words = ("frf", PLATE, "--drive", "off.z", "--response", "middle.z")
     options = ("--band", "20 Hz:200 Hz", "--step", "20 Hz", "--json")
     modal, direct = (json.loads(femstruct(*words, *options, "--method", m).stdout) for m in ("modal", "direct"))
     size = max(abs(complex(a, b)) for a, b in zip(direct["real"], direct["imag"], strict=True))
@@ -45,11 +46,11 @@ def test_modal_and_direct_frf_agree() -> None:
 
 
 def test_impact_and_sound_as_json() -> None:
-    done = femstruct("impact", str(MODELS / "three_bodies.study.yaml"), "--json")
+    done = femstruct("impact", BODIES, "--json")
     assert done.returncode == 0, done.stderr
     (case,) = json.loads(done.stdout)["cases"].values()
     at = case["energy"]["at_separation"]
-    assert at["damper"] / case["energy"]["input_j"] == pytest.approx(0.75469329, abs=1e-6)  # exact event-driven solution
+    assert at["damper"] / case["energy"]["input_j"] == pytest.approx(0.75469329, abs=1e-6)  # exact, by events
 
 
 @pytest.mark.parametrize(
@@ -57,12 +58,12 @@ def test_impact_and_sound_as_json() -> None:
     [
         (("run", "missing.study.yaml"), "missing.study.yaml"),
         (("modes", "."), "folder"),
-        (("modes", str(MODELS / "small_plate.yaml"), "--count", "3", "--up-to", "100 Hz"), "one of them"),
-        (("modes", str(MODELS / "small_plate.yaml"), "--up-to", "100 rad/s"), "15.9"),
-        (("run", str(MODELS / "three_bodies.study.yaml"), "--set", "bodies.ball.mas=1 kg"), "mass"),
-        (("run", str(MODELS / "three_bodies.study.yaml"), "--set", "bodies.ball.mass=1 m"), "length"),
-        (("frf", str(MODELS / "small_plate.yaml"), "--drive", "of.z", "--response", "off.z", "--band", "1:2"), "off"),
-        (("frf", str(MODELS / "small_plate.yaml"), "--drive", "off.z", "--response", "off.z", "--band", "5"), "two freq"),
+        (("modes", PLATE, "--count", "3", "--up-to", "100 Hz"), "one of them"),
+        (("modes", PLATE, "--up-to", "100 rad/s"), "15.9"),
+        (("run", BODIES, "--set", "bodies.ball.mas=1 kg"), "mass"),
+        (("run", BODIES, "--set", "bodies.ball.mass=1 m"), "length"),
+        (("frf", PLATE, "--drive", "of.z", "--response", "off.z", "--band", "1:2"), "off"),
+        (("frf", PLATE, "--drive", "off.z", "--response", "off.z", "--band", "5"), "two freq"),
         (("dance",), "dance"),
     ],
 )

@@ -48,7 +48,10 @@ def test_killed_runs_leave_complete_files(tmp_path: Path, kills: int) -> None:
     seen = set()
     for _ in range(kills):
         process = subprocess.Popen(
-            [*RUN, str(folder), "--set", f"title={TITLES[1]}"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, cwd=ROOT
+            [*RUN, str(folder), "--set", f"title={TITLES[1]}"],
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+            cwd=ROOT,
         )
         # most of the writing happens in the last half of a run
         time.sleep(duration * choose.uniform(0.3, 1.1))
