@@ -25,5 +25,7 @@ from typing import Final
 COMPONENTS: Final = ("UX", "UY", "UZ", "RX", "RY", "RZ", "TWIST")
 UX, UY, UZ, RX, RY, RZ, TWIST = range(7)
 N_COMPONENTS: Final = 7
+DIRECTIONS: Final = ("x", "y", "z", "rx", "ry", "rz")
+"""What a point can do, as it is written: the first six components."""
 
 GRAVITY: Final = 9.80665  # m/s^2, the standard acceleration of free fall

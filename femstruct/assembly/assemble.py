@@ -21,7 +21,9 @@ def assemble(model: Model) -> Assembly:
     Joints and supports are eliminated, not penalised. Raises SingularSystem for a degree of freedom with neither
     stiffness nor mass, naming part, node and component.
 
-    Notes: the matrices are exactly symmetric. A rigid motion of a free structure strains nothing to rounding, and the
+    Notes
+    -----
+    The matrices are exactly symmetric. A rigid motion of a free structure strains nothing to rounding, and the
     mass it moves is the sum of the parts.
 
     >>> from femstruct.model.material import Material

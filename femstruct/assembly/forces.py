@@ -30,7 +30,9 @@ def force_rows(
     equations [m, n_raw] with the stretch of each tie in `owners`; matrices : stiffness, damping and mass on the raw
     degrees of freedom [n_raw, n_raw].
 
-    Notes: the force of a tie is found by virtual work: the nodes of its side are moved by a unit translation, all other
+    Notes
+    -----
+    The force of a tie is found by virtual work: the nodes of its side are moved by a unit translation, all other
     equations kept, and the work of K u + C u' + M u'' is the force. A load that acts on held nodes themselves, or the
     share that reaches them through the shape functions of a cell next to a support, goes straight to the ground and is
     not in it.

@@ -92,7 +92,9 @@ def mass(
 
     Returns [n, 12, 12], exactly symmetric.
 
-    Notes: translation, and torsion with rho (Iy + Iz), whatever J is. "timoshenko" adds the rotary inertia rho I of
+    Notes
+    -----
+    Translation, and torsion with rho (Iy + Iz), whatever J is. "timoshenko" adds the rotary inertia rho I of
     bending and uses the shape functions its stiffness has; "euler" leaves rotary inertia in bending out, so a rigid
     rotation of an Euler element about local y or z has the inertia of a line of mass.
 

@@ -97,7 +97,9 @@ def with_offsets(matrix: ArrayLike, arm_i: ArrayLike, arm_j: ArrayLike) -> Float
 
     arm_i, arm_j [n, 3] : arm from the node to the end of the flexible part [m], global axes.
 
-    Notes: the arms have no mass and no flexibility; the mass of the flexible part follows exactly.
+    Notes
+    -----
+    The arms have no mass and no flexibility; the mass of the flexible part follows exactly.
     """
     return _congruent(matrix, rigid_arms(arm_i, arm_j))
 

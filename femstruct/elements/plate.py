@@ -88,7 +88,9 @@ def stiffness(kind: str, a: ArrayLike, b: ArrayLike, D: ArrayLike) -> Floats:
     Returns [n, nd, nd], nd = 12 or 16, exactly symmetric. Raises InputError for an unknown kind, sizes that are not
     positive, or a D that is not symmetric.
 
-    Notes: the moments follow from the same D (`moments`). hermite12 is too stiff in twist at any mesh size.
+    Notes
+    -----
+    The moments follow from the same D (`moments`). hermite12 is too stiff in twist at any mesh size.
 
     >>> K = stiffness("bfs16", [0.1, 0.2], [0.1, 0.1], rigidity(5.9e9, 0.35, 0.005))
     >>> K.shape
@@ -107,7 +109,9 @@ def mass(kind: str, a: ArrayLike, b: ArrayLike, mass_per_area: ArrayLike) -> Flo
 
     Returns [n, nd, nd], exactly symmetric.
 
-    Notes: inertia of the translation w only. The rotary inertia of the cross-section, of relative size
+    Notes
+    -----
+    Inertia of the translation w only. The rotary inertia of the cross-section, of relative size
     (pi t / wavelength)^2 / 3, is left out, as in Kirchhoff's theory.
 
     >>> M = mass("acm12", [0.1], [0.2], 10.0)

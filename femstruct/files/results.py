@@ -45,7 +45,9 @@ def write_results(path: str | Path, result: StudyResult) -> None:
 
     Raises FemstructError when the disk is full or refuses; the file that was there before is then untouched.
 
-    Notes: made in memory, `complete = True` last, then written to a temporary name in the same folder, synced and
+    Notes
+    -----
+    Made in memory, `complete = True` last, then written to a temporary name in the same folder, synced and
     renamed. A disk that fills up while HDF5 itself writes leaves its library in a state that crashes the process; the
     price is the size of the file in memory. Modal coordinates are kept only where the study says `save: modal`: they
     are most of the bytes.

@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
+from femstruct.conventions import DIRECTIONS
 from femstruct.language.reader import Mistakes, Steps, Tree, dotted, nearest
 from femstruct.language.schema_model import ModelSpec, PointSpec
 
-POINT_DIRECTIONS = ("x", "y", "z", "rx", "ry", "rz", "n")
+POINT_DIRECTIONS = (*DIRECTIONS, "n")
 FORCES = ("force", "force_x", "force_y", "force_z")
 _NAMESPACE = ("parts", "joints", "points", "surfaces", "supports", "bodies", "contacts", "links", "loads", "rooms")
 _ALL_NAMED = (*_NAMESPACE, "materials", "sections", "frf")

@@ -6,9 +6,9 @@ from typing import Annotated, Literal
 
 from pydantic import BeforeValidator, Field
 
+from femstruct.conventions import DIRECTIONS
 from femstruct.language.reader import nearest
 from femstruct.language.schema_parts import (
-    DIRECTIONS,
     Area,
     MaterialSpec,
     Modulus,

@@ -36,7 +36,6 @@ Stiffness = Annotated[float, Quantity(("stiffness",), least=0.0)]
 RotationalStiffness = Annotated[float, Quantity(("rotational stiffness",), least=0.0)]
 Dashpot = Annotated[float, Quantity(("damping",), least=0.0)]
 RotationalDashpot = Annotated[float, Quantity(("rotational damping",), least=0.0)]
-DIRECTIONS = ("x", "y", "z", "rx", "ry", "rz")
 
 
 class MaterialSpec(Spec):

@@ -64,7 +64,9 @@ def rod(
 
     length [m], E [Pa], rho [kg/m^3], area [m^2]; modes : how many, the rigid one counted; points : name to x [m].
 
-    Notes: modal masses rho A L (rigid) and rho A L / 2 are divided out. A local contact converges slowly with the
+    Notes
+    -----
+    Modal masses rho A L (rigid) and rho A L / 2 are divided out. A local contact converges slowly with the
     number of modes: 50 of them leave about 1 % in the energy of a short impact.
 
     >>> basis, _ = rod(2.0, 206e9, 7850.0, 3.14e-4, modes=3)
@@ -101,7 +103,9 @@ def beam(
     modes : how many, rigid ones counted (two if free-free, one if pinned-free); points : name to x [m].
     "ground.z" is the force of the supported ends on the ground, of a motion that is free between them.
 
-    Notes: shapes are sums of cos, sin and exponentials that decay from either end, so nothing overflows; the
+    Notes
+    -----
+    Shapes are sums of cos, sin and exponentials that decay from either end, so nothing overflows; the
     wave_numbers of the frequency equation are found by Newton's method on its bounded form, to rounding.
 
     Source: R. D. Blevins, Formulas for Natural Frequency and Mode Shape (1979), table 8-1.
@@ -157,7 +161,9 @@ def given_modes(
 
     points : name to the mode shape there along the axis, one value a mode [1/sqrt(kg)] (mass-normalised).
 
-    Notes: the ratios are viscous and part of the basis already. Nothing is known of modes left out, of masses or of
+    Notes
+    -----
+    The ratios are viscous and part of the basis already. Nothing is known of modes left out, of masses or of
     forces on the ground: `complete_below_hz` is 0 and modal masses are 0.
 
     >>> basis, points = given_modes([6.37, 282.8], [0.0, 0.0], {"O_b": [0.14, 0.392], "O_f": [0.14, -0.07]})

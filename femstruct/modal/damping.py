@@ -102,7 +102,9 @@ def with_damping(basis: ModalBasis, damping: Damping) -> ModalBasis:
     Raises InputError when mode N is not within 5 % of where it is said to be, naming the modes that are near, and
     when a rigid mode is given a damping. A mode above a basis cut short is a finding, not an error.
 
-    Notes: a damping matrix that is not diagonal (materials) keeps its off-diagonal terms, but an exception clears
+    Notes
+    -----
+    A damping matrix that is not diagonal (materials) keeps its off-diagonal terms, but an exception clears
     the row and column of its mode.
 
     >>> from femstruct.modal.analytic import oscillator

@@ -44,7 +44,9 @@ def frf(
 
     Raises InputError for a kind that does not fit, a negative frequency, or zero with rigid modes.
 
-    Notes: e^{+j omega t}, loss factors as K (1 + j eta). With residual vectors for both probes in the basis and modes
+    Notes
+    -----
+    Motion is e^{+j omega t}, loss factors K (1 + j eta). With residual vectors for both probes in the basis and modes
     up to 2.5 times the highest frequency the error is below 1e-3 of the largest response (measured, `direct_frf`).
 
     At its resonance an oscillator moves 1 / (k eta), a quarter of a period late:

@@ -37,7 +37,9 @@ def modal_basis(
     Raises SingularSystem when K and M share a null vector (a massless mechanism); it names node and component.
     NotConverged when modes and inertia count do not agree.
 
-    Notes: bit-reproducible on one machine and number of threads. Modes come first, ascending; the residual
+    Notes
+    -----
+    Bit-reproducible on one machine and number of threads. Modes come first, ascending; the residual
     pseudo-modes after them have frequencies above, which mean nothing by themselves. `complete_below_hz` ignores them;
     it is infinite for a basis of every mode there is.
 

@@ -24,7 +24,9 @@ def residual_vectors(K: csc_array, M: csc_array, found: Modes, loads: Floats) ->
     being the inverse on what is M-orthogonal to the modes found. With them the static response to every b is exact;
     the error in frequency falls as (omega / omega_next)^4. K and M are diagonal on modes and pseudo-modes together.
 
-    Notes: solved with the shifted factor of the eigen solver, (K - sigma M) y = b - sigma M y, iterated; on the
+    Notes
+    -----
+    Solved with the shifted factor of the eigen solver, (K - sigma M) y = b - sigma M y, iterated; on the
     complement of the modes this contracts by |sigma| / (omega_next^2 - sigma). Free structures need no special case.
 
     Source: R. J. Craig, A. J. Kurdila, Fundamentals of Structural Dynamics (2006), section 11.2 (static part); Krylov

@@ -54,7 +54,9 @@ def modes(
     Raises SingularSystem when K and M share a null vector, NotConverged when the inertia count and the modes
     found do not agree after several attempts.
 
-    Notes: the shift is negative and set from the data, so a singular K is no special case. Completeness is proved
+    Notes
+    -----
+    The shift is negative and set from the data, so a singular K is no special case. Completeness is proved
     by the number of negative pivots of K - mu M above the last mode. The start vector is fixed and the largest
     component (weighted by its mass) is positive: two runs on one machine and thread count agree in every bit.
     The shapes within a group of equal frequencies are one choice out of many.

@@ -7,12 +7,12 @@ from scipy.sparse import csr_array, vstack
 from scipy.spatial import KDTree
 
 from femstruct.arrays import Floats, Integers
-from femstruct.conventions import N_COMPONENTS, TWIST
+from femstruct.conventions import DIRECTIONS, N_COMPONENTS, TWIST
 from femstruct.errors import InputError
 from femstruct.model.interpolation import node_rows, plate_rows, sparse_rows
 from femstruct.model.model import Elastic, Inert, Model, PlateMesh, Tie
 from femstruct.model.parts import Foundation, Joint, Mass, Region, Spring, Support
-from femstruct.model.probe import DIRECTIONS, Point
+from femstruct.model.probe import Point
 from femstruct.model.regions import area_points, line_points, region_box, region_lines
 
 ORDER = 4

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
 from femstruct.arrays import Floats, Integers, freeze, frozen, frozen_integers
-from femstruct.conventions import N_COMPONENTS
+from femstruct.conventions import DIRECTIONS, N_COMPONENTS
 from femstruct.errors import FemstructError
 
 
@@ -96,9 +96,6 @@ class Point:
             )
         used = row != 0.0
         return Probe(self.nodes[used], self.components[used], row[used])
-
-
-DIRECTIONS = ("x", "y", "z", "rx", "ry", "rz")
 
 
 @dataclass(frozen=True, eq=False)

@@ -68,7 +68,9 @@ def tube(name: str, outer: float, thickness: float) -> Section:
 
     outer : outer diameter [m]; thickness [m].
 
-    Notes: shear coefficient 6 (1 + m^2)^2 / (7 (1 + m^2)^2 + 20 m^2), m = inner / outer diameter: 6/7 for the solid,
+    Notes
+    -----
+    Shear coefficient 6 (1 + m^2)^2 / (7 (1 + m^2)^2 + 20 m^2), m = inner / outer diameter: 6/7 for the solid,
     1/2 for the thin tube. Cowper, J. Applied Mechanics 33 (1966) 335, doi:10.1115/1.3625046, with nu = 0, as the 5/6 of
     the rectangle is; nu = 0.3 would raise them by 3 to 6 %.
     """
@@ -83,7 +85,9 @@ def box(name: str, width: float, height: float, thickness: float) -> Section:
 
     width, height : outer sides along local y and z [m]; thickness [m].
 
-    Notes: J = 4 A_m^2 t / s (Bredt, thin-walled: A_m, s the area and length of the middle line), good to a few per cent
+    Notes
+    -----
+    J = 4 A_m^2 t / s (Bredt, thin-walled: A_m, s the area and length of the middle line), good to a few per cent
     for t below a tenth of the smaller side. Shear is carried by the two walls along it: k = their area / A.
     """
     _positive(name, width=width, height=height, thickness=thickness)
@@ -110,7 +114,9 @@ def i_section(name: str, width: float, height: float, web: float, flange: float)
 
     width, height : over all [m]; web, flange : thicknesses [m].
 
-    Notes: J = sum of s t^3 / 3 over the walls (open thin-walled section, fillets neglected; warping is free). Shear
+    Notes
+    -----
+    J = sum of s t^3 / 3 over the walls (open thin-walled section, fillets neglected; warping is free). Shear
     along z is carried by the web, along y by 5/6 of the flanges.
     """
     _positive(name, width=width, height=height, web=web, flange=flange)

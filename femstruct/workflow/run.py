@@ -46,7 +46,9 @@ def run_study(plan: Plan, progress: Progress = lambda line: None, command: str =
     Raises what the stages raise: InputError for names and numbers that do not fit the meshed model, NotConverged for
     a result that cannot be had.
 
-    Notes: a KeyboardInterrupt once the baseline is finished ends the run with the cases finished so far and a severe
+    Notes
+    -----
+    A KeyboardInterrupt once the baseline is finished ends the run with the cases finished so far and a severe
     finding.
 
     A ball of 1 kg hits a mass of 1 kg on a soft spring and hands over its speed of 1 m/s:
