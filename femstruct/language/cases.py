@@ -19,7 +19,7 @@ from femstruct.language.references_model import check_model
 from femstruct.language.references_study import check_study
 from femstruct.language.schema_model import ModelSpec
 from femstruct.language.schema_study import StudySpec
-from femstruct.language.spec import validate
+from femstruct.language.validation import validate
 from femstruct.modal.damping import Damping
 from femstruct.study.study import Case, Plan, StructureModel, Study
 from femstruct.units import shown_as
