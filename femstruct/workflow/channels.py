@@ -20,6 +20,7 @@ from femstruct.workflow.staging import Places, ordered
 UNITS = {"displacement": "m", "velocity": "m/s", "acceleration": "m/s^2", "force": "N", "travel": "m", "pressure": "Pa"}
 AXES = "xyz"
 FILTER_ORDER = 4
+NET_FORCE = "net force on "  # begins the names of channels that no study asks for
 
 
 def record(study: Study, places: Places, response: Response, rooms: Mapping[str, RoomResponse]) -> dict[str, Channel]:
@@ -30,7 +31,7 @@ def record(study: Study, places: Places, response: Response, rooms: Mapping[str,
     histories: dict[str, tuple[Floats, str]] = {}
     for wanted in study.records:
         histories |= _recorded(wanted, study, places, response)
-    histories |= {f"net force on {name}": (force, "N") for name, force in _net_forces(study, places, response).items()}
+    histories |= {f"{NET_FORCE}{name}": (force, "N") for name, force in _net_forces(study, places, response).items()}
     for plan in study.rooms:
         histories |= _pressures(plan, rooms[plan.name])
     window = first_window(study.peaks, response)

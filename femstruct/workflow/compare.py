@@ -10,7 +10,7 @@ from femstruct.arrays import Floats
 from femstruct.modal.basis import ModalBasis
 from femstruct.modal.likeness import mac
 from femstruct.study.result import CaseComparison, CaseResult, Channel, Comparison, PeakChange
-from femstruct.workflow.channels import filter_sentence
+from femstruct.workflow.channels import NET_FORCE, filter_sentence
 
 NEAR = 0.02  # a spectral peak belongs to a mode within 2 % of its frequency
 PADDING = 8  # times the record, so that 2 % of the lowest modes holds several spectral lines
@@ -61,8 +61,9 @@ def _band_attenuation(reference: Mapping[float, float], levels: Mapping[float, f
 def mode_attenuation(reference: CaseResult, result: CaseResult, channel: str) -> dict[int, float]:
     """Attenuation [dB] of a channel's spectrum at the baseline's own peaks, by the number of the mode they belong to.
 
-    A mode is listed when the baseline's spectrum has a local maximum within 2 % of its frequency. The spectrum is
-    that of the whole record, not windowed.
+    A mode is listed when the baseline's spectrum has a local maximum within 2 % of its frequency; a net force, which
+    has no peaks at modes, is compared at the frequency of every mode. The spectrum is that of the whole record, not
+    windowed.
     """
     if reference.response is None or result.response is None:
         return {}
@@ -74,9 +75,11 @@ def mode_attenuation(reference: CaseResult, result: CaseResult, channel: str) ->
     table = {}
     for number, (kind, frequency) in enumerate(zip(reference.basis.kind, reference.basis.frequency_hz, strict=True), 1):
         near = top[np.abs(top * step - frequency) <= NEAR * frequency]
-        if kind == "elastic" and near.size:
+        if channel.startswith(NET_FORCE):
+            near = np.array([round(frequency / step)])
+        if kind == "elastic" and near.size and near[-1] < len(before):
             peak = near[before[near].argmax()]
-            if after[peak] > 0.0:
+            if before[peak] > 0.0 and after[peak] > 0.0:
                 table[number] = float(20.0 * np.log10(before[peak] / after[peak]))
     return table
 
