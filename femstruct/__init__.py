@@ -5,8 +5,8 @@
 
 Each arrow is a pure function, each noun a frozen value; nothing points back::
 
-    read_model, read_study      a YAML file           -> Structure and damping, Plan
-    mesh_structure              Structure             -> Model
+    read_model, read_study      a YAML file           -> Model, Plan
+    mesh_structure              Structure             -> Model, for structures written in Python
     assemble                    Model                 -> Assembly
     modal_basis, with_damping   Assembly              -> ModalBasis
     frf, simulate               ModalBasis, Scene     -> frequency response, Response

@@ -21,6 +21,9 @@ from femstruct.language.schema_model import ModelSpec
 from femstruct.language.schema_study import StudySpec
 from femstruct.language.validation import validate
 from femstruct.modal.damping import Damping
+from femstruct.model.mesher import mesh_structure
+from femstruct.model.model import Model
+from femstruct.model.parts import Structure
 from femstruct.study.study import Case, Plan, StructureModel, Study
 from femstruct.units import shown_as
 
@@ -38,7 +41,7 @@ class ModelFile:
     positions: Mapping[str, tuple[str, int, int]] = field(default_factory=dict)
 
 
-def read_model(path: str | Path, overrides: Sequence[str] = ()) -> ModelFile:
+def read_model_file(path: str | Path, overrides: Sequence[str] = ()) -> ModelFile:
     """A model file as a structure in SI units and its damping.
 
     overrides : texts ``PATH=VALUE`` that change the file before anything is read.
@@ -49,7 +52,7 @@ def read_model(path: str | Path, overrides: Sequence[str] = ()) -> ModelFile:
     >>> text = "structure: {type: oscillator, mass: 1 kg, stiffness: 100 N/m}\\npoints: {m: {}}"
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     _ = Path(folder, "oscillator.yaml").write_text(text, encoding="utf-8")
-    ...     model = read_model(Path(folder, "oscillator.yaml"), overrides=["structure.mass=500 g"])
+    ...     model = read_model_file(Path(folder, "oscillator.yaml"), overrides=["structure.mass=500 g"])
     >>> model.title, model.structure.mass
     ('oscillator', 0.5)
     """
@@ -69,6 +72,30 @@ def read_model(path: str | Path, overrides: Sequence[str] = ()) -> ModelFile:
     if structure is None or damping is None:
         raise InputErrors((f"{path}: cannot be read",))
     return ModelFile(_title(tree), structure, damping, {tree.file: tree.text}, _positions(tree))
+
+
+def read_model(path: str | Path, overrides: Sequence[str] = ()) -> Model:
+    """A model file as a meshed structure, ready for `assemble`; its damping is in `read_model_file`.
+
+    overrides : texts ``PATH=VALUE`` that change the file before anything is read.
+
+    Raises InputErrors: as `read_model_file`, and for a structure in closed form, which has no mesh.
+
+    >>> import tempfile
+    >>> text = "materials: {steel: {E: 210 GPa, nu: 0.3, rho: 7850}}\\nparts: {sheet: {type: plate, material: steel, "
+    >>> text += "thickness: 1 mm, origin: [0, 0, 0], size: [1, 1], mesh: [2, 2]}}"
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     _ = Path(folder, "sheet.yaml").write_text(text, encoding="utf-8")
+    ...     read_model(Path(folder, "sheet.yaml")).mesh.n_nodes
+    9
+    """
+    file = read_model_file(path, overrides)
+    if not isinstance(file.structure, Structure):
+        raise InputErrors((f"{path}: structure: got a structure in closed form, expected parts to mesh",))
+    try:
+        return mesh_structure(file.structure)
+    except FemstructError as error:
+        raise InputErrors((with_position(file, error),)) from error
 
 
 def read_study(path: str | Path, overrides: Sequence[str] = (), only: str | None = None) -> Plan:
@@ -145,7 +172,7 @@ def read_study(path: str | Path, overrides: Sequence[str] = (), only: str | None
 def read_any(path: str | Path, overrides: Sequence[str] = ()) -> ModelFile | Plan:
     """A model or a study file, told apart by their keys: a study has `model`."""
     tree = read_yaml(path)
-    return read_study(path, overrides) if _study_like(tree) else read_model(path, overrides)
+    return read_study(path, overrides) if _study_like(tree) else read_model_file(path, overrides)
 
 
 def with_position(source: ModelFile | Plan, error: FemstructError) -> str:

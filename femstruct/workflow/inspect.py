@@ -13,7 +13,7 @@ from acoustics.room import modal_damping_ratio, room_modes
 from femstruct.assembly.assemble import assemble
 from femstruct.errors import Finding, InputError
 from femstruct.files.tables import finding_table, number
-from femstruct.language import ModelFile, read_any, read_model
+from femstruct.language import ModelFile, read_any, read_model_file
 from femstruct.modal.basis import ModalBasis
 from femstruct.modal.damping import Damping, FromMaterials, LossFactor, Ratio, Rayleigh, with_damping
 from femstruct.modal.frf import direct_frf
@@ -113,7 +113,7 @@ def extent_of(count: int | None, up_to: str) -> Extent:
 
 def modes_of(path: Path, extent: Extent, overrides: tuple[str, ...] = ()) -> Table:
     """Table of modes of a model file: frequencies, damping ratios, kinds, effective masses, findings."""
-    source = read_model(path, overrides)
+    source = read_model_file(path, overrides)
     with positioned(source):
         solved = solve(source.structure, extent)
         basis = _damped_as_far_as_solved(solved.basis, source.damping)
@@ -152,7 +152,7 @@ def frf_of(
     if method not in ("modal", "direct"):
         raise InputError("--method", got=f"'{method}'", expected="modal or direct")
     low, high = _band(band)
-    source = read_model(path, overrides)
+    source = read_model_file(path, overrides)
     request = FrfRequest(
         "frf",
         _spot(drive, "--drive"),

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from ruamel.yaml import YAML
 
 from femstruct.errors import InputErrors
-from femstruct.language import read_any, read_model, read_study
+from femstruct.language import read_any, read_model_file, read_study
 
 MODELS = Path(__file__).parents[2] / "models"
 MODEL = YAML(typ="safe", pure=True).load((MODELS / "floor_frame_slab.yaml").read_text(encoding="utf-8"))
@@ -83,7 +83,7 @@ FUZZ = settings(max_examples=25, deadline=None, suppress_health_check=[HealthChe
 def test_random_trees(folder: Path, tree: dict[str, Any]) -> None:
     (folder / "any.yaml").write_text(dumped(tree), encoding="utf-8")
     read_or_refuse(read_any, folder / "any.yaml")
-    read_or_refuse(read_model, folder / "any.yaml")
+    read_or_refuse(read_model_file, folder / "any.yaml")
     read_or_refuse(read_study, folder / "any.yaml")
 
 
@@ -91,7 +91,7 @@ def test_random_trees(folder: Path, tree: dict[str, Any]) -> None:
 @given(st.sampled_from(MODEL_PATHS), st.none() | WORDS, TREES)
 def test_a_damaged_model(folder: Path, path: tuple[Any, ...], key: Any, value: Any) -> None:
     (folder / "model.yaml").write_text(dumped(damaged(MODEL, path, key, value)), encoding="utf-8")
-    read_or_refuse(read_model, folder / "model.yaml")
+    read_or_refuse(read_model_file, folder / "model.yaml")
 
 
 @FUZZ

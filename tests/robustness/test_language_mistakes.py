@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from femstruct.errors import InputErrors
-from femstruct.language import read_model, read_study
+from femstruct.language import read_model_file, read_study
 
 MODELS = Path(__file__).parents[2] / "models"
 MODEL, STUDY = "floor_frame_slab.yaml", "floor_tennis_ball.study.yaml"
@@ -198,14 +198,14 @@ def test_files_that_are_no_models(name: str, tmp_path: Path) -> None:
     path = tmp_path / "model.yaml"
     path.write_bytes(content)
     with pytest.raises(InputErrors) as caught:
-        read_model(path)
+        read_model_file(path)
     assert re.search(rf"^{re.escape(str(path))}(:\d+:\d+)?.*{message}", caught.value.errors[0]), caught.value.errors
 
 
 def test_a_missing_file_names_the_nearest(tmp_path: Path) -> None:
     (tmp_path / "floor.yaml").write_text("title: x")
     with pytest.raises(InputErrors, match=r"flor\.yaml:1:1: got no file .*did you mean 'floor\.yaml'\?"):
-        read_model(tmp_path / "flor.yaml")
+        read_model_file(tmp_path / "flor.yaml")
 
 
 def test_a_folder_is_refused(tmp_path: Path) -> None:
@@ -220,7 +220,7 @@ def test_an_alias_bomb_is_refused_quickly(tmp_path: Path) -> None:
     path.write_text("\n".join(lines))
     start = time.process_time()
     with pytest.raises(InputErrors, match="unfold without end") as caught:
-        read_model(path)
+        read_model_file(path)
     assert len(caught.value.errors) == 1
     assert time.process_time() - start < 5.0  # unfolding 10^29 values would not end
 
@@ -229,4 +229,4 @@ def test_aliases_that_help_are_read(tmp_path: Path) -> None:
     here = folder(tmp_path, {MODEL: ("size: [0.4, 0.32]", "size: &floor_size [0.4, 0.32]")})
     model = here / MODEL
     model.write_text(model.read_text().replace("at: [0.3, 0.24]", "at: *floor_size"))
-    assert read_model(model).title.startswith("Floor")
+    assert read_model_file(model).title.startswith("Floor")

@@ -8,7 +8,7 @@ import pytest
 from femstruct.errors import FemstructError, InputErrors
 from femstruct.impact.bodies import HalfSine, Table
 from femstruct.impact.laws import Linear, Stop
-from femstruct.language import read_model, read_study, with_position
+from femstruct.language import read_model_file, read_study, with_position
 from femstruct.model.parts import Mass, Structure
 from femstruct.study.study import BeamModel, ModesModel, NoStructure, OscillatorModel, Plan, RodModel, Spot
 
@@ -147,7 +147,7 @@ def test_overrides_change_the_file_before_the_cases_do(files: Path) -> None:
 
 
 def test_overrides_of_a_model_file(files: Path) -> None:
-    structure = read_model(files.parent / "plate.yaml", ["parts.plate.thickness=4 mm"]).structure
+    structure = read_model_file(files.parent / "plate.yaml", ["parts.plate.thickness=4 mm"]).structure
     assert isinstance(structure, Structure)
     assert structure.parts[0].thickness == 0.004  # type: ignore[union-attr]
 
@@ -269,7 +269,7 @@ def test_a_load_file_that_is_not_there(files: Path) -> None:
 def test_closed_form_structures(tmp_path: Path, text: str, expected: object) -> None:
     path = tmp_path / "model.yaml"
     path.write_text(text)
-    assert read_model(path).structure == expected
+    assert read_model_file(path).structure == expected
 
 
 @pytest.mark.parametrize(
@@ -290,7 +290,7 @@ def test_closed_form_structures_that_cannot_be(tmp_path: Path, text: str, messag
     path = tmp_path / "model.yaml"
     path.write_text(text)
     with pytest.raises(InputErrors) as caught:
-        read_model(path)
+        read_model_file(path)
     assert any(message in line for line in caught.value.errors), caught.value.errors
 
 

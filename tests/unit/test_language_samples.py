@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from femstruct.impact.laws import Hertz
-from femstruct.language import ModelFile, json_schema, read_any, read_model, read_study
+from femstruct.language import ModelFile, json_schema, read_any, read_model_file, read_study
 from femstruct.modal.damping import Ratio
 from femstruct.model.parts import Foundation, Frame, Mass, Plate, Region, Structure
 from femstruct.study.study import Plan
@@ -21,7 +21,7 @@ ACRYLIC = MODELS / "floor_acrylic_ball.study.yaml"
 
 @pytest.fixture(scope="module")
 def floor() -> Structure:
-    structure = read_model(FLOOR).structure
+    structure = read_model_file(FLOOR).structure
     assert isinstance(structure, Structure)
     return structure
 
@@ -66,7 +66,7 @@ def test_places_and_damping_of_the_floor(floor: Structure) -> None:
     assert points["O_s"].at == ((0.33, 0.285),)
     assert points["B"].at == ((0.3, 0.24),)
     assert (floor.surfaces[0].side, floor.surfaces[0].region) == ("below", Region("rectangle", (0.58, 0.47)))
-    damping = read_model(FLOOR).damping
+    damping = read_model_file(FLOOR).damping
     assert damping.base == Ratio(0.02)
     assert [(mode.number, mode.ratio, mode.near_hz) for mode in damping.modes] == [
         (4, 0.06, 19.9),
@@ -132,7 +132,7 @@ def test_the_rest_of_the_tennis_ball_study(tennis: Plan) -> None:
 
 
 def test_the_model_of_the_cases_is_one(tennis: Plan) -> None:
-    assert tennis.cases[0].study.structure == tennis.cases[1].study.structure == read_model(FLOOR).structure
+    assert tennis.cases[0].study.structure == tennis.cases[1].study.structure == read_model_file(FLOOR).structure
 
 
 def test_sources_are_verbatim_and_positions_are_kept(tennis: Plan) -> None:
