@@ -72,11 +72,13 @@ def run(
     as_json: AsJson = False,
 ) -> int:
     """Run all that a study names: modes, responses, impacts, rooms, levels; write results, pictures and tables."""
+    from femstruct.files.atomic import refuse_unwritable
     from femstruct.files.tables import summary
     from femstruct.workflow.output import write_all
 
-    _, result = _solve(study, set_, case)
     folder = output or Path("results") / study.name.removesuffix(".yaml").removesuffix(".study")
+    refuse_unwritable(folder)
+    _, result = _solve(study, set_, case)
     with _progress() as tell:
         seconds, left_out = write_all(result, folder, tell)
     if as_json:
@@ -158,15 +160,13 @@ def frf(
     response: Annotated[str, typer.Option("--response", metavar="Q.z", help="what is listened to; also NAME.force")],
     band: Annotated[str, typer.Option("--band", metavar="A:B", help="frequencies, such as '1 Hz:500 Hz'")],
     step: Annotated[str, typer.Option("--step", metavar="F", help="frequency step (default: 500 lines)")] = "",
-    kind: Annotated[
-        str, typer.Option("--kind", help="receptance, mobility, accelerance or transmissibility")
-    ] = "accelerance",
+    kind: Annotated[str, typer.Option("--kind", help="receptance, mobility, accelerance or transmissibility")] = "",
     method: Annotated[str, typer.Option("--method", help="modal, or direct as its check")] = "modal",
     set_: Sets = [],  # noqa: B006
     as_json: AsJson = False,
 ) -> int:
     """One frequency response of a model."""
-    from femstruct.workflow.inspect import frf_of
+    from femstruct.workflow.responses import frf_of
 
     table = frf_of(model, drive, response, band, step, kind, method, tuple(set_))
     if as_json:
@@ -228,8 +228,7 @@ def _progress() -> Any:
 
 
 def _print_json(table: Any) -> None:
-    json.dump(table, sys.stdout, indent=1, allow_nan=False)
-    print()
+    print(json.dumps(table, indent=1, allow_nan=False))
 
 
 def _told(error: Exception) -> int:

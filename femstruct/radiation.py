@@ -16,7 +16,7 @@ STIFF_AIR = 0.1  # air stiffness over structural stiffness above which frequenci
 
 
 def surface_velocity(
-    response: Response, surface: Surface, room: Room, offset: tuple[float, float] = (0.0, 0.0)
+    response: Response, surface: Surface, room: Room, offset: tuple[float, float] = (0.0, 0.0), asked_by: str = ""
 ) -> SurfaceVelocity:
     """Velocity of a surface as the moving ceiling of a room, factored into shapes and modal rates.
 
@@ -53,7 +53,7 @@ def surface_velocity(
     (1.0, [[0.25, 0.25, 1.0]])
     """
     return SurfaceVelocity(
-        points=room_coordinates(surface, room, offset),
+        points=room_coordinates(surface, room, offset, asked_by),
         weights=surface.weights,
         shapes=surface.shapes(response.basis.shapes),
         rates=response.qd,
@@ -61,11 +61,18 @@ def surface_velocity(
     )
 
 
-def room_coordinates(surface: Surface, room: Room, offset: tuple[float, float] = (0.0, 0.0)) -> Floats:
-    """Quadrature points [p, 3] of a surface in the coordinates of the room below it [m]."""
+def room_coordinates(
+    surface: Surface, room: Room, offset: tuple[float, float] = (0.0, 0.0), asked_by: str = ""
+) -> Floats:
+    """Quadrature points [p, 3] of a surface in the coordinates of the room below it [m].
+
+    asked_by : what an error begins with, the surface's own path if left out.
+
+    Raises InputError as `surface_velocity` does.
+    """
     if surface.normal[2] > -0.99:
         raise InputError(
-            f"surfaces.{surface.name}",
+            asked_by or f"surfaces.{surface.name}",
             got=f"a surface that faces ({surface.normal[0]:.2g}, {surface.normal[1]:.2g}, {surface.normal[2]:.2g})",
             expected="one that faces down, the ceiling of its room",
             do="use `side: below` on a horizontal plate",
@@ -75,7 +82,7 @@ def room_coordinates(surface: Surface, room: Room, offset: tuple[float, float] =
     beyond = np.abs(offset) + surface.size / 2.0 - np.asarray(room.size[:2]) / 2.0
     if beyond.max() > 1e-9:
         raise InputError(
-            f"surfaces.{surface.name}",
+            asked_by or f"surfaces.{surface.name}",
             got=f"a surface of {surface.size[0]:g} x {surface.size[1]:g} m over a room of "
             f"{room.size[0]:g} x {room.size[1]:g} m, {beyond.max():.3g} m beyond its walls",
             expected="a surface within the ceiling",

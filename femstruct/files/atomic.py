@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from femstruct.errors import FemstructError
+from femstruct.errors import FemstructError, InputError
 
 _MARK = ".part-"
 
@@ -48,6 +48,18 @@ def replacing(path: str | Path) -> Iterator[Path]:
     finally:
         with suppress(OSError):  # there is nothing to remove, or the error on its way says more
             temporary.unlink()
+
+
+def refuse_unwritable(folder: Path) -> None:
+    """Raise InputError when a folder cannot be made or written to: better before the work than after it."""
+    existing = next(place for place in (folder, *folder.absolute().parents) if place.exists())
+    if not existing.is_dir() or not os.access(existing, os.W_OK | os.X_OK):
+        raise InputError(
+            str(folder),
+            got=f"{existing}, which is {'not writable' if existing.is_dir() else 'a file'}",
+            expected="a folder to write to",
+            do="choose another one with -o",
+        )
 
 
 def _sweep(path: Path) -> None:

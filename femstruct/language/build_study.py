@@ -145,7 +145,9 @@ def _room(name: str, spec: RoomSpec) -> RoomPlan:
         several = len(places) > 1
         receivers += [Receiver(f"{receiver}.{i}" if several else receiver, place) for i, place in enumerate(places, 1)]  # type: ignore[arg-type]
     room = Room(spec.size, Air(spec.air.c, spec.air.rho), _losses(spec))  # type: ignore[arg-type]
-    return RoomPlan(name, room, spec.under, tuple(receivers), spec.at)
+    lx, ly, _ = spec.size
+    offset = (spec.at[0] - lx / 2.0, spec.at[1] - ly / 2.0) if spec.at is not None else (0.0, 0.0)
+    return RoomPlan(name, room, spec.under, tuple(receivers), offset)
 
 
 def _losses(spec: RoomSpec) -> Losses:

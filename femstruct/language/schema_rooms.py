@@ -77,11 +77,14 @@ Receivers = Annotated[
 
 
 class RoomSpec(Spec):
-    """A rectangular room under a surface, and who listens in it. at: offset of the surface's centre, room axes."""
+    """A rectangular room under a surface, and who listens in it.
+
+    at: where the surface's centre is in the ceiling, from the room's corner; the middle when left out.
+    """
 
     size: tuple[Length, Length, Length]
     under: Text
-    at: Position2 = (0.0, 0.0)
+    at: Position2 | None = None
     air: AirSpec = AirSpec()
     losses: LossesSpec | None = None
     form: Annotated[Literal["causal", "source"], BeforeValidator(only(("causal", "source")))] = "causal"

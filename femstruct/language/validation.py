@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import types
 from typing import Annotated, Any, Final, TypeVar, Union, get_args, get_origin
 
@@ -12,6 +13,7 @@ from femstruct.language.spec import LATER
 from femstruct.units import shown_as
 
 S = TypeVar("S", bound=BaseModel)
+NUMBER_LIKE: Final = re.compile(r"\d+([eE][+-]?\d+)?( .*)?")  # what is left of a number cut at a decimal comma
 
 
 def validate(schema: type[S], value: Any, tree: Tree, mistakes: Mistakes) -> S | None:
@@ -44,6 +46,8 @@ def _note(error: Any, schema: type[BaseModel], tree: Tree, mistakes: Mistakes) -
         known = _allowed(schema, loc[:-1])
         got, of_key = f"the unknown key '{key}'", True
         expected, do = "a key of the language", nearest(key, known)
+        if NUMBER_LIKE.fullmatch(key):
+            do = "write decimals with a point: a comma begins the next item"
         if _is_later(loc):
             got, expected, do = f"'{key}', which is {LATER}", "a model or study without it", "remove it"
     elif kind == "missing" and isinstance(loc[-1], int):

@@ -1,13 +1,11 @@
-"""What a file means, without hitting anything: its structure, its modes, one frequency response."""
+"""What a file means, without hitting anything: its structure and its modes."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, cast, get_args
-
-import numpy as np
+from typing import Any
 
 from acoustics.room import modal_damping_ratio, room_modes
 from femstruct.assembly.assemble import assemble
@@ -16,20 +14,18 @@ from femstruct.files.tables import finding_table, number
 from femstruct.language import ModelFile, read_any, read_model_file
 from femstruct.modal.basis import ModalBasis
 from femstruct.modal.damping import Damping, FromMaterials, LossFactor, Ratio, Rayleigh, with_damping
-from femstruct.modal.frf import direct_frf
 from femstruct.model.facts import ModelFacts, model_facts
 from femstruct.model.model import Model
-from femstruct.model.probe import Probe
-from femstruct.study.study import Extent, FrfKind, FrfRequest, RoomPlan, Spot, Study
-from femstruct.units import quantity
+from femstruct.radiation import room_coordinates
+from femstruct.study.study import Extent, RoomPlan, Study
 from femstruct.workflow.bases import Solved, solve
 from femstruct.workflow.positions import positioned
+from femstruct.workflow.responses import frequency_option, response_row
 from femstruct.workflow.rest import Rest, rest_states
-from femstruct.workflow.run import frequency_response, response_row, structure_findings
+from femstruct.workflow.run import ceiling, structure_findings
 from femstruct.workflow.staging import force_probes, scene
 
 DEFAULT_MODES = 30
-DEFAULT_LINES = 500
 Table = dict[str, Any]
 
 
@@ -107,7 +103,7 @@ def extent_of(count: int | None, up_to: str) -> Extent:
     if count is not None and up_to:
         raise InputError("--count and --up-to", got="both", expected="one of them")
     if up_to:
-        return Extent(up_to_hz=quantity(up_to, "frequency"))
+        return Extent(up_to_hz=frequency_option(up_to, "--up-to"))
     return Extent(count=count or DEFAULT_MODES)
 
 
@@ -125,73 +121,9 @@ def modes_of(path: Path, extent: Extent, overrides: tuple[str, ...] = ()) -> Tab
         "kind": list(basis.kind[true]),
         "modal_mass_kg": {axis: basis.modal_mass[i, true].tolist() for i, axis in enumerate("xyz")},
         "rigid_body_modes": basis.n_rigid,
-        "complete_below_hz": basis.complete_below_hz,
+        "complete_below_hz": number(basis.complete_below_hz),
         "mass_kg": basis.total_mass,
         "findings": [finding_table(finding) for finding in structure_findings(solved, basis)],
-    }
-
-
-def frf_of(
-    path: Path,
-    drive: str,
-    response: str,
-    band: str,
-    step: str,
-    kind: str,
-    method: str,
-    overrides: tuple[str, ...] = (),
-) -> Table:
-    """One frequency response of a model file, by modes with residuals or, as their check, line by line.
-
-    Notes
-    -----
-    The basis holds all modes up to 2.5 times the upper end of the band, where residual vectors leave 1e-3.
-    """
-    if kind not in get_args(FrfKind):
-        raise InputError("--kind", got=f"'{kind}'", expected=", ".join(get_args(FrfKind)))
-    if method not in ("modal", "direct"):
-        raise InputError("--method", got=f"'{method}'", expected="modal or direct")
-    low, high = _band(band)
-    source = read_model_file(path, overrides)
-    request = FrfRequest(
-        "frf",
-        _spot(drive, "--drive"),
-        _spot(response, "--response"),
-        cast(FrfKind, kind),
-        (low, high),
-        quantity(step, "frequency") if step else (high - low) / DEFAULT_LINES,
-    )
-    with positioned(source):
-        asking = Study(source.title, source.structure, source.damping, Extent(), frf=(request,))
-        solved = solve(source.structure, Extent(up_to_hz=2.5 * high), (asking,))
-        basis = with_damping(solved.basis, source.damping)
-        answer = frequency_response(request, solved.places, basis)
-        values = answer.values
-        if method == "direct":
-            if solved.model is None:
-                raise InputError(
-                    "--method", got="'direct' of a closed-form structure", expected="modal", do="it has no matrices"
-                )
-            listened = response_row(request.response, solved.places, basis, "--response")
-            force = f"{request.response.name}.{_axis(request.response)}"
-            values = direct_frf(
-                assemble(solved.model),
-                solved.places.point(request.drive.name, "--drive").probe(request.drive.what),
-                listened if isinstance(listened, Probe) else force,
-                answer.frequency_hz,
-                source.damping,
-                request.kind,
-            )
-    return {
-        "title": source.title,
-        "drive": drive,
-        "response": response,
-        "kind": kind,
-        "method": method,
-        "frequency_hz": answer.frequency_hz.tolist(),
-        "real": np.real(values).tolist(),
-        "imag": np.imag(values).tolist(),
-        "unit": answer.unit,
     }
 
 
@@ -228,33 +160,14 @@ def _try(study: Study, solved: Solved, basis: ModalBasis) -> None:
     force_probes(study, solved.places)
     for request in study.frf:
         response_row(request.response, solved.places, basis, f"frf.{request.name}.response")
+    for plan in study.rooms:
+        room_coordinates(ceiling(plan, solved.places), plan.room, plan.offset, f"rooms.{plan.name}")
 
 
 def _damped_as_far_as_solved(basis: ModalBasis, damping: Damping) -> ModalBasis:
     """Damping of the modes there are; ratios of modes beyond the ones asked for have nothing to act on yet."""
     known = len(basis.kind[basis.modes])
     return with_damping(basis, Damping(damping.base, tuple(mode for mode in damping.modes if mode.number <= known)))
-
-
-def _band(text: str) -> tuple[float, float]:
-    low, colon, high = text.partition(":")
-    if not colon:
-        raise InputError("--band", got=f"'{text}'", expected="two frequencies, such as '1 Hz:500 Hz'")
-    band = quantity(low.strip(), "frequency"), quantity(high.strip(), "frequency")
-    if not 0 <= band[0] < band[1]:
-        raise InputError("--band", got=f"'{text}'", expected="a lower and a higher frequency")
-    return band
-
-
-def _spot(text: str, where: str) -> Spot:
-    name, _, what = text.rpartition(".")
-    if not name:
-        raise InputError(where, got=f"'{text}'", expected="POINT.direction or NAME.force, such as O_s.z")
-    return Spot(name, what)
-
-
-def _axis(spot: Spot) -> str:
-    return spot.what.removeprefix("force").lstrip("_") or "z"
 
 
 def _room_table(plan: RoomPlan) -> Table:

@@ -11,25 +11,23 @@ from dataclasses import replace
 from datetime import UTC, datetime
 from importlib.metadata import version
 
-import numpy as np
-
 from acoustics.levels import Levels, response_levels
 from acoustics.pressure import RoomResponse, pressure
 from femstruct.errors import Finding, InputError
 from femstruct.impact.bodies import Clock
 from femstruct.impact.response import Response
 from femstruct.impact.simulate import simulate
-from femstruct.modal.basis import ForceRow, ModalBasis
-from femstruct.modal.frf import UNITS, frf
+from femstruct.modal.basis import ModalBasis
 from femstruct.model.facts import model_findings
-from femstruct.model.probe import Probe
+from femstruct.model.probe import Surface
 from femstruct.radiation import coupling_findings, surface_velocity
-from femstruct.study.result import CaseResult, Frf, StudyResult
-from femstruct.study.study import Case, FrfRequest, Plan, Spot, Study
+from femstruct.study.result import CaseResult, StudyResult
+from femstruct.study.study import Case, Plan, RoomPlan, Study
 from femstruct.workflow.bases import Solved, damped, solve_all
 from femstruct.workflow.channels import record
 from femstruct.workflow.checks import from_advice, impact_findings, mesh_findings
 from femstruct.workflow.compare import compare
+from femstruct.workflow.responses import frequency_response
 from femstruct.workflow.staging import Places, scene
 
 Progress = Callable[[str], None]
@@ -141,7 +139,7 @@ def run_case(case: Case, solved: Mapping[str, Solved], baseline: Case, clock: St
             }
             channels = record(study, own.places, response, rooms)
         for plan in study.rooms:
-            findings += coupling_findings(basis, own.places.surfaces[plan.under], plan.room)
+            findings += coupling_findings(basis, ceiling(plan, own.places), plan.room)
             findings += [from_advice(advice) for advice in rooms[plan.name].findings]
         findings += [from_advice(advice) for levels_of in heard.values() for advice in levels_of.findings]
     return CaseResult(case, own.key, basis, response, responses, channels, rooms, heard, distinct(findings))
@@ -159,35 +157,6 @@ def structure_findings(solved: Solved, basis: ModalBasis) -> tuple[Finding, ...]
         top = basis.complete_below_hz
         found = (*model_findings(solved.model), *found, *mesh_findings(solved.model, top))
     return found
-
-
-def frequency_response(request: FrfRequest, places: Places, basis: ModalBasis) -> Frf:
-    """One frequency response of a study from the modal basis."""
-    start, stop = request.band
-    lines = np.arange(int(np.floor((stop - start) / request.step + 1e-9)) + 1, dtype=np.float64)
-    frequency = start + request.step * lines
-    drive = places.point(request.drive.name, f"frf.{request.name}.drive").probe(request.drive.what)
-    response = response_row(request.response, places, basis, f"frf.{request.name}.response")
-    values = frf(basis, drive, response, frequency, request.kind)
-    return Frf(request, frequency, values, UNITS[request.kind])
-
-
-def response_row(spot: Spot, places: Places, basis: ModalBasis, asked_by: str) -> Probe | ForceRow:
-    """What a frequency response listens to: a point's direction or a force of the structure.
-
-    Raises InputError when there is no such force or place.
-    """
-    if not spot.what.startswith("force"):
-        return places.point(spot.name, asked_by).probe(spot.what)
-    key = f"{spot.name}.{spot.what.removeprefix('force').lstrip('_') or 'z'}"
-    if key not in basis.outputs:
-        forces = sorted({name.rpartition(".")[0] for name in basis.outputs})
-        raise InputError(
-            asked_by,
-            got=f"'{spot}'",
-            expected=f"a force of {', '.join(forces) or 'nothing'}",
-        )
-    return basis.outputs[key]
 
 
 def provenance(command: str) -> dict[str, str]:
@@ -218,13 +187,21 @@ class Stopwatch:
             self.seconds[stage] = self.seconds.get(stage, 0.0) + time.process_time() - begin
 
 
+def ceiling(plan: RoomPlan, places: Places) -> Surface:
+    """The surface a room lies under.
+
+    Raises InputError when the structure has no such surface.
+    """
+    if plan.under not in places.surfaces:
+        raise InputError(
+            f"rooms.{plan.name}.under", got=f"'{plan.under}'", expected=", ".join(places.surfaces) or "a surface"
+        )
+    return places.surfaces[plan.under]
+
+
 def _rooms(study: Study, places: Places, response: Response) -> dict[str, RoomResponse]:
     rooms = {}
     for plan in study.rooms:
-        if plan.under not in places.surfaces:
-            raise InputError(
-                f"rooms.{plan.name}.under", got=f"'{plan.under}'", expected=", ".join(places.surfaces) or "a surface"
-            )
-        ceiling = surface_velocity(response, places.surfaces[plan.under], plan.room, plan.offset)
-        rooms[plan.name] = pressure(ceiling, plan.room, plan.receivers)
+        moving = surface_velocity(response, ceiling(plan, places), plan.room, plan.offset, f"rooms.{plan.name}")
+        rooms[plan.name] = pressure(moving, plan.room, plan.receivers)
     return rooms

@@ -89,3 +89,25 @@ def test_quiet_in_a_pipe() -> None:
     done = femstruct("modes", str(MODELS / "portal.yaml"), "--json")
     assert done.stderr == ""
     json.loads(done.stdout)
+
+
+def test_what_has_no_number_is_null(tmp_path: Path) -> None:
+    done = femstruct("modes", str(MODELS / "oscillator.yaml"), "--json")
+    assert done.returncode == 0, done.stderr
+    assert json.loads(done.stdout)["complete_below_hz"] is None  # all modes are there: no bound
+
+
+@pytest.mark.parametrize("step", ["0", "1e-9"])
+def test_frf_steps_that_cannot_be_are_refused(step: str) -> None:
+    words = ("--drive", "off.z", "--response", "off.z", "--band", "1:100", "--step", step)
+    done = femstruct("frf", str(MODELS / "small_plate.yaml"), *words)
+    assert done.returncode == 2
+    assert done.stderr.startswith("--step: got")
+
+
+def test_a_results_folder_that_cannot_be_is_refused_before_the_work(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    done = femstruct("run", str(MODELS / "three_bodies.study.yaml"), "-o", str(tmp_path / "file"))
+    assert done.returncode == 2
+    assert "folder to write to" in done.stderr
+    assert "Traceback" not in done.stderr
