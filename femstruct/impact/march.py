@@ -13,11 +13,11 @@ from femstruct.impact.compiled import kernel
 from femstruct.impact.energy import integrate_losses, take_stock
 from femstruct.impact.events import CHANGES, UNCERTAIN, strays, switch, watch
 from femstruct.impact.flow import advance
-from femstruct.impact.forces import CLAMPED, CLOSED, OPEN, State, law, net_force, rows_now
+from femstruct.impact.forces import CLAMPED, CLOSED, OPEN, State, law, load_at, net_force, rows_now
 from femstruct.impact.propagate import Trial, try_step
 from femstruct.impact.rule import LONGEST_DOUBLINGS, PLACES, STAGES, Rule
 from femstruct.impact.sampling import Record, inner_samples, peaks, peaks_at_start, sample
-from femstruct.impact.system import LINK, System
+from femstruct.impact.system import CONSTANT, LINK, System
 from femstruct.impact.tables import Tables, tabulate
 
 DONE, TOO_MANY_STEPS, NO_FORCES, TOO_MANY_EVENTS = 0, 1, 2, 3
@@ -47,8 +47,10 @@ def march(system: System, state: State, rule: Rule, tables: Tables, trial: Trial
         if loaded[a] > 0.0:
             _log(events, event_rows, n_events, a, CLOSES, 0, history[0])
             n_events += 1
-    t, level, hint, kink = 0, top_level, -1, 0
     stride = max(end // 2048, 1)
+    while top_level > 0 and (1 << top_level) > 4 * stride:  # a row of the ledger is the end of a step
+        top_level -= 1
+    t, level, hint, kink = 0, top_level, -1, 0
     last = 0
     while t < end:
         if record.totals[1] >= max_steps:
@@ -62,6 +64,9 @@ def march(system: System, state: State, rule: Rule, tables: Tables, trial: Trial
         if hint > t:
             limit = min(limit, hint)
         level = min(level, _longest(t, limit - t, top_level))
+        acting = _acts(system, (t + 0.5 * min(limit - t, per_sample)) * system.tick)
+        if acting:  # what a load puts in is kept as finely as what it moves
+            level = min(level, halvings)
         h = system.tick * 2.0**level
         now = t * system.tick
         if not tables.ready[level]:
@@ -134,7 +139,7 @@ def march(system: System, state: State, rule: Rule, tables: Tables, trial: Trial
                     n_events += 1
         for a in range(m):
             record.totals[4 + a] = loaded[a]
-        busy = _total(loaded) > 0.0 and t - last >= per_sample
+        busy = (acting or _total(loaded) > 0.0) and t - last >= per_sample
         if busy or t - last >= stride or t == end:
             n_history += 1
             last = t
@@ -142,6 +147,15 @@ def march(system: System, state: State, rule: Rule, tables: Tables, trial: Trial
         if error < 2e-3:
             level += 1
     return DONE, end * system.tick, n_history, n_events
+
+
+@kernel
+def _acts(system: System, now: float) -> bool:
+    """Whether a load other than the weight of bodies pushes."""
+    for i in range(len(system.loads)):
+        if system.loads[i]["kind"] != CONSTANT and load_at(system, i, now) != 0.0:
+            return True
+    return False
 
 
 @kernel

@@ -45,7 +45,7 @@ class Record(NamedTuple):
 def room_for(system: System, n_samples: int) -> Record:
     """Empty records of a run; memory is touched only where something is written.
 
-    The history takes at most a row a sample while a contact is closed and 2048 more.
+    The history takes at most a row a sample while a contact is closed or a load acts, and 2048 more.
     """
     n, m, width = len(system.omega), len(system.interfaces), ledger_width(system)
     return Record(
