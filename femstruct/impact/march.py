@@ -44,6 +44,7 @@ def march(system: System, state: State, rule: Rule, tables: Tables, trial: Trial
     sample(0, 0.0, system, state, state.z, state.v, record)
     peaks_at_start(system, state, place, rate, record)
     for a in range(m):
+        record.totals[4 + a] = loaded[a]
         if loaded[a] > 0.0:
             _log(events, event_rows, n_events, a, CLOSES, 0, history[0])
             n_events += 1

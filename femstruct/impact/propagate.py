@@ -239,6 +239,14 @@ def _error(t: float, h: float, system: System, state: State, rule: Rule, trial: 
             start -= net_force(system, state, a, trial.place[a, 0], trial.rate[a, 0])
             end -= net_force(system, state, a, trial.place[a, PLACES - 1], trial.rate[a, PLACES - 1])
         else:
+            load, curl, speed = 0.0, 0.0, state.pace[a]
+            for j in range(STAGES):
+                load = max(load, abs(trial.forces[a, j]))
+                curl += rule.top[j] * trial.rate[a, j + 1]
+                speed = max(speed, abs(trial.rate[a, j + 1]))
+            if load > 0.0 and speed > 0.0:
+                # the load's work is a Gauss sum, good to the square of what a polynomial misses of the speed
+                worst = max(worst, (curl / speed) ** 2 / tolerance)
             if system.loads[a - m]["kind"] != HALF_SINE:
                 continue
             start -= load_at(system, a - m, t)

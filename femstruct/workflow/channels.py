@@ -20,6 +20,7 @@ from femstruct.workflow.staging import Places, ordered
 UNITS = {"displacement": "m", "velocity": "m/s", "acceleration": "m/s^2", "force": "N", "travel": "m", "pressure": "Pa"}
 AXES = "xyz"
 FILTER_ORDER = 4
+DUST = 1e-9  # share of the largest value below which a peak is rounding, or a filter's tail
 NET_FORCE = "net force on "  # begins the names of channels that no study asks for
 
 
@@ -48,8 +49,12 @@ def filter_sentence(rule: PeakRule) -> str:
 
 
 def first_window(rule: PeakRule, response: Response) -> float:
-    """End of the first impact [s]: its window after the first closing, or until a contact closes next."""
-    closings = [event for event in response.events if event.what == "closes"]
+    """End of the first impact [s]: its window after the first closing, or until a contact closes again.
+
+    A preloaded contact is a clamp that may rattle: it neither begins nor ends an impact.
+    """
+    clamps = {contact.name for contact in response.scene.contacts if contact.preload > 0.0}
+    closings = [event for event in response.events if event.what == "closes" and event.contact not in clamps]
     start = min((event.t for event in closings), default=0.0)
     if rule.first_impact is not None:
         return start + rule.first_impact
@@ -67,8 +72,9 @@ def _channel(name: str, values: Floats, unit: str, rule: PeakRule, response: Res
         sos = butter(FILTER_ORDER, rule.lowpass_hz, fs=response.clock.sampling, output="sos")
         filtered = sosfiltfilt(sos, values)
     size = np.abs(filtered)
-    first = size[response.t <= window]
-    return Channel(name, values, unit, float(first.max()) if first.size else 0.0, float(size.max()))
+    largest = float(size.max())
+    first = float(size[response.t <= window].max(initial=0.0))
+    return Channel(name, values, unit, first if first > DUST * largest else 0.0, largest)
 
 
 def _recorded(wanted: Record, study: Study, places: Places, response: Response) -> dict[str, tuple[Floats, str]]:

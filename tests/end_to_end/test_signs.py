@@ -448,3 +448,34 @@ time: {{duration: 20 ms, sampling: 20 kHz}}
     early = slice(0, 17)  # a quarter period of the air's swing from east to west, 1.2 m / 343 m/s
     assert values(case, "box.east pressure")[early].mean() > 1
     assert values(case, "box.east pressure") == pytest.approx(-values(case, "box.west pressure"), abs=1e-6)
+
+
+def test_every_contact_closes_before_it_opens(run: Run) -> None:
+    """A contact that touches without speed is armed by another's blow; both are logged once."""
+    study = """
+modes: {count: 1}
+bodies:
+  ball: {mass: 0.1 kg, above: m, speed: 2 m/s, contact: {type: hertz, stiffness: 1e8}}
+  damper: {mass: 0.3 kg, below: m, contact: {type: hertz, stiffness: 1e8}}
+time: {duration: 5 ms, sampling: 100 kHz}
+peaks: {first_impact: until next contact}
+record: {m.z: velocity}
+"""
+    case = run(OSCILLATOR, study)
+    assert case.response is not None
+    assert case.response.bodies["damper"].velocity[-1] < 0
+    for name, contact in case.response.contacts.items():
+        words = [event.what for event in case.response.events if event.contact == name]
+        assert words == ["closes", "opens"] * contact.closings, name
+    assert case.channels["m.z velocity"].first_impact > 0
+
+
+def test_the_ledger_of_a_slow_push_closes(run: Run) -> None:
+    """The push lasts fifty periods of the first mode: its work must be integrated through all of them."""
+    study = """
+modes: {up_to: 3 kHz}
+loads: {push: {at: c.z, half_sine: {amplitude: -100 N, frequency: 5 Hz}}}
+record: {ground: force}
+time: {duration: 0.1 s, sampling: 4 kHz}
+"""
+    assert ledger_residual(run(HELD, study)) < 1e-8
