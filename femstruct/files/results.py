@@ -1,7 +1,7 @@
 """The results of a study as one HDF5 file.
 
-    /                   complete (written last), format, title, baseline, findings (JSON), versions
-    /input              the YAML files verbatim
+    /                   complete (written last), format, title, baseline, findings and their cases (JSON)
+    /input              the files of the study verbatim: YAML, and CSV of loads
     /provenance         versions, platform, date, command line (attributes)
     /summary            the numbers of all cases and their comparison (JSON)
     /bases/KEY          modes, damping, shapes, force rows
@@ -29,7 +29,7 @@ from femstruct.errors import Finding
 from femstruct.files.atomic import replacing
 from femstruct.files.hdf5 import axis, group, put, put_text
 from femstruct.files.sound import write_levels, write_room
-from femstruct.files.tables import finding_table, summary
+from femstruct.files.tables import finding_table, findings_by_case, summary
 from femstruct.files.vtkhdf import write_vtkhdf
 from femstruct.impact.response import Response
 from femstruct.modal.basis import ModalBasis
@@ -85,7 +85,7 @@ def _write(file: h5py.File, result: StudyResult) -> None:
         format_version=FORMAT_VERSION,
         title=result.plan.title,
         baseline=result.plan.baseline,
-        findings=_findings(result.findings),
+        findings=json.dumps([finding_table(found) | {"cases": cases} for found, cases in findings_by_case(result)]),
         timings_s=json.dumps(dict(result.timings)),
     )
     inputs = group(file, "input", "The files of the study, verbatim")

@@ -39,7 +39,7 @@ class StoredCase:
 
 @dataclass(frozen=True, eq=False)
 class StoredResults:
-    """What a results file says. summary : the tables of `femstruct.files.tables.summary`; sources : YAML by name."""
+    """What a results file says. summary : the tables of `femstruct.files.tables.summary`; sources : files by name."""
 
     title: str
     baseline: str

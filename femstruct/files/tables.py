@@ -31,6 +31,20 @@ def finding_table(finding: Finding) -> Table:
     return {"code": finding.code, "message": finding.message, "values": values, "severe": finding.severe}
 
 
+def findings_by_case(result: StudyResult) -> tuple[tuple[Finding, tuple[str, ...]], ...]:
+    """Every distinct finding of a run and the cases it holds for; none for one of the run as a whole."""
+    own = {(finding.code, finding.message): finding for case in result.cases.values() for finding in case.findings}
+    holds = {
+        key: tuple(
+            name
+            for name, case in result.cases.items()
+            if key in {(finding.code, finding.message) for finding in case.findings}
+        )
+        for key in own
+    }
+    return (*((finding, ()) for finding in result.findings), *((own[key], cases) for key, cases in holds.items()))
+
+
 def number(value: float | None) -> float | None:
     """A number for JSON, which knows neither nan nor infinity: None instead.
 

@@ -43,8 +43,12 @@ def study_of(
     damping: Damping,
     tree: Tree,
     mistakes: Mistakes,
+    sources: dict[str, str],
 ) -> Study | None:
-    """The study of a checked study file on a structure; None with mistakes noted."""
+    """The study of a checked study file on a structure; None with mistakes noted.
+
+    sources : is given the texts of the files that the study file names, by their names.
+    """
     builder = Builder(tree, mistakes)
     bodies = builder.each("bodies", study.bodies, lambda n, s: _body(n, s, study))
     contacts = builder.each(
@@ -57,7 +61,7 @@ def study_of(
             n, s.between, s.stiffness, s.damping.closing, s.damping.opening, s.release_at, s.preload
         ),
     )
-    loads = builder.each("loads", study.loads, lambda n, s: _load(n, s, builder))
+    loads = builder.each("loads", study.loads, lambda n, s: _load(n, s, builder, sources))
     rooms = builder.each("rooms", study.rooms, _room)
     if mistakes.lines:
         return None
@@ -116,7 +120,7 @@ def _body(name: str, spec: BodySpec, study: StudySpec) -> PlacedBody:
     return PlacedBody(name, spec.mass, side, target, speed, dropped, law)  # type: ignore[arg-type]
 
 
-def _load(name: str, spec: LoadSpec, builder: Builder) -> PlannedLoad | None:
+def _load(name: str, spec: LoadSpec, builder: Builder, sources: dict[str, str]) -> PlannedLoad | None:
     history: HalfSine | Table | None
     if spec.half_sine is not None:
         history = HalfSine(spec.half_sine.amplitude.value, spec.half_sine.frequency)
@@ -124,7 +128,8 @@ def _load(name: str, spec: LoadSpec, builder: Builder) -> PlannedLoad | None:
         steps: Steps = ("loads", name, "file")
         path = Path(builder.tree.file).parent / (spec.file or "")
         what = "pressure" if spec.on is not None else "force"
-        history = read_history(path, what, builder.tree.position(steps), dotted(steps), builder.mistakes)
+        at = builder.tree.position(steps)
+        history = read_history(path, what, at, dotted(steps), builder.mistakes, sources)
         if history is None:
             return None
     if spec.at is not None:

@@ -24,7 +24,7 @@ from femstruct.modal.damping import Damping
 from femstruct.model.mesher import mesh_structure
 from femstruct.model.model import Model
 from femstruct.model.parts import Structure
-from femstruct.study.study import Case, Plan, StructureModel, Study
+from femstruct.study.study import Case, Plan, StructureModel
 from femstruct.units import shown_as
 
 AS_GIVEN = "as given"
@@ -156,9 +156,6 @@ def read_study(path: str | Path, overrides: Sequence[str] = (), only: str | None
             raise InputErrors((f"--case: got '{only}', expected a case of {path}; {nearest(only, names)}",))
         cases = [(name, one) for name, one in cases if name == only]
         baseline = only
-    built = tuple(_case(name, one, patch.changes, mistakes) for name, one in cases)
-    mistakes.stop_if_any()
-    whole = tuple(case for case in built if case is not None)
     sources: dict[str, str] = {}
     positions: dict[str, tuple[str, int, int]] = {}
     for _, one in [("", base), *cases]:
@@ -166,6 +163,9 @@ def read_study(path: str | Path, overrides: Sequence[str] = (), only: str | None
             if tree is not None:
                 sources[tree.file] = tree.text
                 positions = {**_positions(tree), **positions}
+    built = tuple(_case(name, one, patch.changes, mistakes, sources) for name, one in cases)
+    mistakes.stop_if_any()
+    whole = tuple(case for case in built if case is not None)
     return Plan(_title(base_study), whole, baseline, sources, positions)
 
 
@@ -232,13 +232,15 @@ def _cases(study: Tree, model: Tree | None, mistakes: Mistakes) -> list[tuple[st
     return done
 
 
-def _case(name: str, one: _Resolved, overrides: Mapping[str, str], mistakes: Mistakes) -> Case | None:
+def _case(
+    name: str, one: _Resolved, overrides: Mapping[str, str], mistakes: Mistakes, sources: dict[str, str]
+) -> Case | None:
     if one.study_spec is None or one.model_spec is None or one.model is None:
         return None
     structure, damping = _built_model(one.model_spec, one.model, mistakes)
     if structure is None or damping is None:
         return None
-    study: Study | None = study_of(one.study_spec, _title(one.study), structure, damping, one.study, mistakes)
+    study = study_of(one.study_spec, _title(one.study), structure, damping, one.study, mistakes, sources)
     return Case(name, study, {**overrides, **one.changes}) if study is not None else None
 
 

@@ -15,11 +15,14 @@ from femstruct.units import QuantityError, quantity
 LARGEST: Final = 50_000_000  # bytes
 
 
-def read_history(path: Path, what: str, asked_at: Position, asked_path: str, mistakes: Mistakes) -> Table | None:
+def read_history(
+    path: Path, what: str, asked_at: Position, asked_path: str, mistakes: Mistakes, sources: dict[str, str]
+) -> Table | None:
     """A force [N] or pressure [Pa] over time [s] from two columns, time and value; None with mistakes noted.
 
     what : "force" or "pressure". A first line of words is a header; a unit in brackets or parentheses after a word,
     as in ``time [ms], force [kN]``, scales its column. Lines that are empty or begin with # are skipped.
+    sources : is given the text of the file under its name.
     """
     try:
         if path.stat().st_size > LARGEST:
@@ -32,6 +35,7 @@ def read_history(path: Path, what: str, asked_at: Position, asked_path: str, mis
     except (OSError, ValueError) as error:
         mistakes.add(asked_at, asked_path, got=f"'{path}' ({error})", expected="a CSV file of text")
         return None
+    sources[str(path)] = text
     scales = [1.0, 1.0]
     times: list[float] = []
     values: list[float] = []

@@ -255,7 +255,8 @@ class Case:
 
 @dataclass(frozen=True)
 class Plan:
-    """A study file, read: its cases in order, which one is the baseline, and the YAML verbatim by file name.
+    """A study file, read: its cases in order, which one is the baseline, and its files verbatim by
+    name: YAML, and CSV of loads.
 
     positions : (file, line, column) of every path of the files, for messages.
     """

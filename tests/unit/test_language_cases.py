@@ -210,8 +210,10 @@ def test_cases_that_cannot_be(files: Path, case: str, message: str) -> None:
 def test_loads_from_a_file_beside_the_study(files: Path) -> None:
     (files.parent / "force.csv").write_text("# hammer\ntime [ms], force [kN]\n0, 0\n1, 0.5\n\n2, 0\n")
     wind = "wind: {on: top, half_sine: {amplitude: 3 Pa, frequency: 9}}"
-    study = plan(files, f"loads: {{hammer: {{at: Q.2.z, file: force.csv}}, {wind}}}\n").cases[0].study
-    loads = study.loads
+    read = plan(files, f"loads: {{hammer: {{at: Q.2.z, file: force.csv}}, {wind}}}\n")
+    csv = files.parent / "force.csv"
+    assert read.sources[str(csv)] == csv.read_text()  # a run can be done again from its results
+    loads = read.cases[0].study.loads
     assert isinstance(loads[0].history, Table)
     assert loads[0].history.times.tolist() == [0.0, 0.001, 0.002]
     assert loads[0].history.values.tolist() == [0.0, 500.0, 0.0]
