@@ -8,10 +8,11 @@ from contextlib import contextmanager
 from typing import Any
 
 from rich.console import Console
-from rich.table import Table
 
 from femstruct.errors import Finding
+from femstruct.files.tables import findings_by_case
 from femstruct.study.result import CaseComparison, CaseResult, StudyResult
+from femstruct.view.grid import Grid
 
 Row = Mapping[str, Any]
 
@@ -35,9 +36,14 @@ def show_study(result: StudyResult, written: Mapping[str, float], folder: str = 
         if case.response is not None:
             console.print(f"  {name}: {case.response.outcome.value}")
     for table in (_peaks(result), _contacts(result), _energies(result), _levels(result), _modes_db(result)):
-        if table.row_count:
-            console.print(table)
-    _show_findings(console, [*result.findings, *(f for case in result.cases.values() for f in case.findings)])
+        table.show(console)
+    _show_findings(
+        console,
+        [
+            (finding, "" if len(cases) in (0, len(result.cases)) else _in_cases(cases))
+            for finding, cases in findings_by_case(result)
+        ],
+    )
     _show_timings(console, {**result.timings, **written})
     if folder:
         console.print(f"written to {folder}")
@@ -46,22 +52,25 @@ def show_study(result: StudyResult, written: Mapping[str, float], folder: str = 
 def show_modes(table: Row) -> None:
     """Mode numbers, frequencies, damping ratios, kinds and effective masses."""
     console = _console()
-    grid = _grid(
+    grid = Grid(
         table["title"], ("mode", "frequency [Hz]", "damping ratio", "kind", "x [%]", "y [%]", "z [%] of the mass")
     )
     for i, frequency in enumerate(table["frequency_hz"]):
         ratio = table["damping_ratio"][i]
-        shares = [100 * table["modal_mass_kg"][axis][i] / table["mass_kg"] for axis in "xyz"]
-        grid.add_row(
+        shares = [_percentage(table["modal_mass_kg"][axis][i], table["mass_kg"]) for axis in "xyz"]
+        grid.add(
             str(i + 1),
             f"{frequency:.2f}",
             "" if ratio is None else f"{100 * ratio:.2f} %",
             table["kind"][i],
-            *(f"{share:.1f}" for share in shares),
+            *shares,
         )
-    console.print(grid)
-    console.print(f"mass {table['mass_kg']:.4g} kg; no mode is missing below {table['complete_below_hz']:.5g} Hz")
-    _show_findings(console, [Finding(f["code"], f["message"], f["values"], f["severe"]) for f in table["findings"]])
+    grid.show(console)
+    if table["mass_kg"]:
+        console.print(f"mass {table['mass_kg']:.4g} kg")
+    if told := _completeness(table["complete_below_hz"]):
+        console.print(told)
+    _show_findings(console, _read(table["findings"]))
 
 
 def show_frf(table: Row) -> None:
@@ -77,11 +86,11 @@ def show_inspection(table: Row, picture: str = "") -> None:
     console = _console()
     console.print(table["title"], style="bold")
     if table["masses_kg"]:
-        grid = _grid("masses", ("part", "mass [kg]"))
+        grid = Grid("masses", ("part", "mass [kg]"))
         for name, mass in table["masses_kg"].items():
-            grid.add_row(name, f"{mass:.5g}")
-        grid.add_row("all", f"{table['mass_kg']:.5g}")
-        console.print(grid)
+            grid.add(name, f"{mass:.5g}")
+        grid.add("all", f"{table['mass_kg']:.5g}")
+        grid.show(console)
         low, high = table["box_m"]
         console.print("box " + " x ".join(f"{b - a:.4g}" for a, b in zip(low, high, strict=True)) + " m")
         console.print(", ".join(f"{count} {name}" for name, count in table["counts"].items()))
@@ -99,7 +108,7 @@ def show_inspection(table: Row, picture: str = "") -> None:
         console.print(
             f"room {name}: first modes {', '.join(f'{f:.1f}' for f in room['first_modes_hz'])} Hz; damping {ratios}"
         )
-    _show_findings(console, [Finding(f["code"], f["message"], f["values"], f["severe"]) for f in table["findings"]])
+    _show_findings(console, _read(table["findings"]))
     if picture:
         console.print(f"picture: {picture}")
 
@@ -113,19 +122,27 @@ def _console() -> Console:
     return Console(width=None if sys.stdout.isatty() else 160, highlight=False, markup=False)
 
 
-def _grid(title: str, columns: Sequence[str]) -> Table:
-    grid = Table(title=title, title_justify="left", box=None, pad_edge=False)
-    for i, column in enumerate(columns):
-        grid.add_column(column, justify="left" if i == 0 else "right", no_wrap=i == 0)
-    return grid
+def _completeness(below_hz: float | None) -> str:
+    """Which modes are proven to be here: below a frequency, all of them (None), or none (0).
+
+    >>> _completeness(None), _completeness(0.0), _completeness(512.0)
+    ('all modes of the structure are here', '', 'no mode is missing below 512 Hz')
+    """
+    if below_hz is None:
+        return "all modes of the structure are here"
+    return f"no mode is missing below {below_hz:.5g} Hz" if below_hz > 0.0 else ""
 
 
-def _peaks(result: StudyResult) -> Table:
-    grid = _grid(f"peaks: first impact / whole window ({result.comparison.filter})", ("", *result.cases))
+def _percentage(part: float, whole: float) -> str:
+    return f"{100 * part / whole:.1f}" if whole else "-"
+
+
+def _peaks(result: StudyResult) -> Grid:
+    grid = Grid(f"peaks: first impact / whole window ({result.comparison.filter})", ("", *result.cases))
     names = list(dict.fromkeys(name for case in result.cases.values() for name in case.channels))
     for name in names:
         unit = next(case.channels[name].unit for case in result.cases.values() if name in case.channels)
-        grid.add_row(f"{name} [{unit}]", *(_peak(result, case, name) for case in result.cases))
+        grid.add(f"{name} [{unit}]", *(_peak(result, case, name) for case in result.cases))
     return grid
 
 
@@ -138,28 +155,29 @@ def _peak(result: StudyResult, case: str, name: str) -> str:
     texts = [f"{channel.first_impact:.4g} / {channel.whole:.4g}"]
     if change is not None:
         texts.append(f"{_percent(change.first_impact_percent)} / {_percent(change.whole_percent)}")
-    return "  ".join(texts)
+    return "\n".join(texts)
 
 
 def _percent(value: float | None) -> str:
     return "-" if value is None else f"{value:+.1f} %"
 
 
-def _contacts(result: StudyResult) -> Table:
-    grid = _grid("contacts", ("", "case", "peak force [N]", "closings", "first opens [ms]"))
+def _contacts(result: StudyResult) -> Grid:
+    grid = Grid("contacts", ("", "case", "peak force [N]", "closings", "first opens [ms]"), keys=2)
     for case_name, case in result.cases.items():
         if case.response is None:
             continue
         for name, contact in case.response.contacts.items():
             opens = "never" if contact.first_open is None else f"{1e3 * contact.first_open:.3f}"
-            grid.add_row(name, case_name, f"{contact.peak_force:.4g}", str(contact.closings), opens)
+            grid.add(name, case_name, f"{contact.peak_force:.4g}", str(contact.closings), opens)
     return grid
 
 
-def _energies(result: StudyResult) -> Table:
-    grid = _grid(
+def _energies(result: StudyResult) -> Grid:
+    grid = Grid(
         "energy [mJ]",
         ("case", "when", "t [ms]", "bodies", "structure", "contacts, links", "dissipated", "ledger residual"),
+        keys=3,
     )
     for name, case in result.cases.items():
         if case.response is None:
@@ -167,11 +185,11 @@ def _energies(result: StudyResult) -> Table:
         ledger = case.response.ledger
         for label, balance in (("start", ledger.start), ("separation", ledger.at_separation), ("end", ledger.end)):
             if balance is None:
-                grid.add_row(name, label, "never", "", "", "", "", "")
+                grid.add(name, label, "never", "", "", "", "", "")
                 continue
             bodies = ", ".join(f"{body} {1e3 * energy:.4g}" for body, energy in balance.bodies.items())
             stored = sum(balance.contacts.values()) + sum(balance.links.values())
-            grid.add_row(
+            grid.add(
                 name,
                 label,
                 f"{1e3 * balance.t:.3f}",
@@ -184,12 +202,12 @@ def _energies(result: StudyResult) -> Table:
     return grid
 
 
-def _levels(result: StudyResult) -> Table:
-    grid = _grid("levels re 20 uPa", ("receiver", *result.cases))
+def _levels(result: StudyResult) -> Grid:
+    grid = Grid("levels re 20 uPa", ("receiver", *result.cases))
     names = list(dict.fromkeys(name for case in result.cases.values() for name in case.levels))
     for name in names:
-        grid.add_row(f"{name} L_peak [dB]", *(_level(case, name, "l_peak_db") for case in result.cases.values()))
-        grid.add_row(f"{name} L_AFmax [dB]", *(_level(case, name, "l_afmax_db") for case in result.cases.values()))
+        grid.add(f"{name} L_peak [dB]", *(_level(case, name, "l_peak_db") for case in result.cases.values()))
+        grid.add(f"{name} L_AFmax [dB]", *(_level(case, name, "l_afmax_db") for case in result.cases.values()))
     return grid
 
 
@@ -197,11 +215,13 @@ def _level(case: CaseResult, name: str, what: str) -> str:
     return f"{getattr(case.levels[name], what):.1f}" if name in case.levels else "-"
 
 
-def _modes_db(result: StudyResult) -> Table:
+def _modes_db(result: StudyResult) -> Grid:
     """Attenuation at the baseline's spectral peaks: pressures, velocities and the net force side by side."""
     others = result.comparison.cases
-    grid = _grid(
-        f"attenuation at the modes of '{result.comparison.baseline}' [dB]", ("channel", "mode", "f [Hz]", *others)
+    grid = Grid(
+        f"attenuation at the modes of '{result.comparison.baseline}' [dB]",
+        ("channel", "mode", "f [Hz]", *others),
+        keys=3,
     )
     reference = result.cases[result.comparison.baseline]
     shown = [
@@ -211,9 +231,7 @@ def _modes_db(result: StudyResult) -> Table:
         for mode in sorted({mode for beside in others.values() for mode in beside.modes_db.get(channel, {})}):
             frequency = reference.basis.frequency_hz[mode - 1]
             if frequency <= 500.0:
-                grid.add_row(
-                    channel, str(mode), f"{frequency:.1f}", *(_mode_db(c, channel, mode) for c in others.values())
-                )
+                grid.add(channel, str(mode), f"{frequency:.1f}", *(_mode_db(c, channel, mode) for c in others.values()))
     return grid
 
 
@@ -222,13 +240,27 @@ def _mode_db(beside: CaseComparison, channel: str, mode: int) -> str:
     return "-" if value is None else f"{value:.2f}"
 
 
-def _show_findings(console: Console, findings: Sequence[Finding]) -> None:
-    distinct = {(finding.code, finding.message): finding for finding in findings}
-    if distinct:
+def _read(findings: Sequence[Row]) -> list[tuple[Finding, str]]:
+    """Findings of a table of one structure, where there are no cases to name."""
+    return [(Finding(f["code"], f["message"], f["values"], f["severe"]), "") for f in findings]
+
+
+def _in_cases(names: Sequence[str]) -> str:
+    """The cases a finding holds for.
+
+    >>> _in_cases(["light", "heavy"])
+    ' (cases light, heavy)'
+    """
+    return f" (case{'s' if len(names) > 1 else ''} {', '.join(names)})"
+
+
+def _show_findings(console: Console, findings: Sequence[tuple[Finding, str]]) -> None:
+    """Findings, each with what is said after it."""
+    if findings:
         console.print("findings", style="bold")
-    for finding in distinct.values():
+    for finding, after in findings:
         mark = "NOT TO BE TRUSTED " if finding.severe else ""
-        console.print(f"  {mark}{finding.code}: {finding.message}", soft_wrap=True)
+        console.print(f"  {mark}{finding.code}: {finding.message}{after}", soft_wrap=True)
 
 
 def _show_timings(console: Console, seconds: Mapping[str, float]) -> None:
