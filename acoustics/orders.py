@@ -13,6 +13,7 @@ from acoustics.room import Room, modal_damping_ratio
 from acoustics.source import SurfaceVelocity
 
 ENOUGH: Final = 1e-4  # share (rms, 0.001 dB) of the last orders in the pressure at which no more are added
+SEEN: Final = 1 << 14  # samples of the record that tell well enough how much a cosine moves
 FIRST_ORDERS: Final = 3  # cosines l, m to begin with, all of them evaluated
 FINER: Final = 0.1  # share of the most driven cosine above which one that is left out keeps the search going
 MOST: Final = 40  # orders beyond those of the band that the search for convergence may add
@@ -68,8 +69,9 @@ def audible(surface: SurfaceVelocity, room: Room, orders: Integers, p: Floats) -
     k_lm = horizontal_wavenumber(room, orders)
     omega = room.air.c * np.where(k_lm > 0, k_lm, np.pi / float(room.size[:2].max()))
     ratio = np.array([modal_damping_ratio(room.losses, w / (2 * np.pi)) for w in omega.tolist()])
-    velocity = project(surface, room, orders) @ surface.rates
-    loudest = np.sqrt(np.einsum("nt,nt->n", velocity, velocity)) * room.air.bulk_modulus / float(room.size[2])
+    every = max(1, surface.rates.shape[1] // SEEN)
+    velocity = project(surface, room, orders) @ surface.rates[:, ::every]
+    loudest = np.sqrt(every * np.einsum("nt,nt->n", velocity, velocity)) * room.air.bulk_modulus / float(room.size[2])
     bound = np.divide(loudest, ratio * omega, out=np.full_like(loudest, np.inf), where=ratio > 0)
     quiet = np.argsort(bound)
     together = np.sqrt(np.cumsum(bound[quiet] ** 2))
