@@ -13,7 +13,7 @@ from femstruct.study.result import CaseComparison, CaseResult, Channel, Comparis
 from femstruct.workflow.channels import NET_FORCE, filter_sentence
 
 NEAR = 0.02  # a spectral peak belongs to a mode within 2 % of its frequency
-PADDING = 8  # times the record, so that 2 % of the lowest modes holds several spectral lines
+FINENESS = 0.2  # Hz between spectral lines at most, so that 2 % of the lowest modes holds some
 
 
 def compare(baseline: str, results: Mapping[str, CaseResult]) -> Comparison:
@@ -25,11 +25,13 @@ def compare(baseline: str, results: Mapping[str, CaseResult]) -> Comparison:
     transfer function, so all attenuations of one mode are equal, and equal to that of the net force.
     """
     reference = results[baseline]
-    others = {name: _beside(reference, result) for name, result in results.items() if name != baseline}
+    sampling = reference.response.clock.sampling if reference.response is not None else 1.0
+    spectra = {name: _spectrum(channel.values, sampling) for name, channel in reference.channels.items()}
+    others = {name: _beside(reference, spectra, result) for name, result in results.items() if name != baseline}
     return Comparison(baseline, others, filter_sentence(reference.case.study.peaks))
 
 
-def _beside(reference: CaseResult, result: CaseResult) -> CaseComparison:
+def _beside(reference: CaseResult, spectra: Mapping[str, Floats], result: CaseResult) -> CaseComparison:
     shared = [name for name in reference.channels if name in result.channels]
     return CaseComparison(
         peaks={name: _peak_change(reference.channels[name], result.channels[name]) for name in shared},
@@ -38,7 +40,7 @@ def _beside(reference: CaseResult, result: CaseResult) -> CaseComparison:
             for name, levels in reference.levels.items()
             if name in result.levels
         },
-        modes_db={name: mode_attenuation(reference, result, name) for name in shared},
+        modes_db={name: _mode_attenuation(reference, spectra[name], result, name) for name in shared},
         frequencies=mode_table(reference.basis, result.basis),
     )
 
@@ -58,7 +60,7 @@ def _band_attenuation(reference: Mapping[float, float], levels: Mapping[float, f
     }
 
 
-def mode_attenuation(reference: CaseResult, result: CaseResult, channel: str) -> dict[int, float]:
+def _mode_attenuation(reference: CaseResult, before: Floats, result: CaseResult, channel: str) -> dict[int, float]:
     """Attenuation [dB] of a channel's spectrum at the baseline's own peaks, by the number of the mode they belong to.
 
     A mode is listed when the baseline's spectrum has a local maximum within 2 % of its frequency; a net force, which
@@ -67,7 +69,7 @@ def mode_attenuation(reference: CaseResult, result: CaseResult, channel: str) ->
     """
     if reference.response is None or result.response is None:
         return {}
-    before, after = (_spectrum(item.channels[channel].values) for item in (reference, result))
+    after = _spectrum(result.channels[channel].values, result.response.clock.sampling)
     if len(before) != len(after):
         return {}
     step = reference.response.clock.sampling / (2.0 * (len(before) - 1))
@@ -96,6 +98,6 @@ def mode_table(reference: ModalBasis, basis: ModalBasis) -> dict[int, tuple[int,
     }
 
 
-def _spectrum(values: Floats) -> Floats:
-    length = PADDING * 2 ** int(np.ceil(np.log2(len(values))))
+def _spectrum(values: Floats, sampling: float) -> Floats:
+    length = 2 ** int(np.ceil(np.log2(max(2 * len(values), sampling / FINENESS))))
     return np.abs(np.fft.rfft(values, length))
