@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 from scipy.sparse import csc_array, csr_array, vstack
 
@@ -13,6 +15,8 @@ from femstruct.assembly.ties import Elimination, eliminate
 from femstruct.errors import SingularSystem
 from femstruct.model.facts import part_masses
 from femstruct.model.model import Model
+
+_CANCELLED = 16 * float(np.finfo(float).eps)  # of the terms of a sum: sums of many terms keep two or three eps of them
 
 
 def assemble(model: Model) -> Assembly:
@@ -57,8 +61,10 @@ def assemble(model: Model) -> Assembly:
     equations, owners = _equations(model, dofs)
     solved = eliminate(equations)
     labels = DofLabels(model, dofs, solved.free)
-    part_stiffness = {name: _on_free(matrix, solved) for name, matrix in stiffness.items()}
-    K = part_stiffness[next(iter(stiffness))] if len(stiffness) == 1 else _on_free(total, solved)
+    part_stiffness = {
+        name: _without_rounding(_on_free(matrix, solved), matrix, solved) for name, matrix in stiffness.items()
+    }
+    K = _total(part_stiffness)
     M = _on_free(mass, solved)
     _check_singular(K, M, labels)
     translations = rigid_translations(model, dofs)
@@ -95,6 +101,27 @@ def _on_free(matrix: csr_array, solved: Elimination) -> csc_array:
     if len(solved.free) == matrix.shape[0]:
         return _symmetric(matrix)
     return _symmetric(csr_array(matrix[solved.free][:, solved.free]))
+
+
+def _total(part_stiffness: Mapping[str, csc_array]) -> csc_array:
+    """Sum of the stiffnesses of the parts; the one itself where there is one."""
+    parts = list(part_stiffness.values())
+    return parts[0] if len(parts) == 1 else _symmetric(_sum([csr_array(part) for part in parts], parts[0].shape[0]))
+
+
+def _without_rounding(reduced: csc_array, matrix: csr_array, solved: Elimination) -> csc_array:
+    """The reduced matrix without the entries that are rounding of the terms that cancel in E^T matrix E.
+
+    A bar in a plate that is rigid in its plane only follows when the plate shifts, so its stiff ends leave nothing
+    there; what rounding leaves would be a spring to the ground, of either sign.
+    """
+    if solved.E.nnz == len(solved.free):
+        return reduced
+    E = csr_array(abs(solved.E))
+    terms = _symmetric(csr_array(E.T @ (abs(matrix) @ E)))
+    kept = csc_array(reduced.multiply(abs(reduced) > _CANCELLED * terms))
+    kept.eliminate_zeros()
+    return kept
 
 
 def _symmetric(matrix: csr_array) -> csc_array:

@@ -19,6 +19,11 @@ _DENSE = 300  # degrees of freedom up to which full matrices cost less than the 
 # A rigid mode strains nothing but rounding: 1e-16 of the terms of phi^T K phi at most on plates, frames and joints
 # of all sizes tried. The softest elastic mode of a 400 x 400 plate has 1e-12, of a floor on springs at 0.2 Hz 1e-11.
 _ROUNDING = 2e-14
+# Where K hardly touches a mode (a plate free to shift in its own plane, where no matrix entry resists), even the terms
+# of phi^T K phi are rounding: up to 1e-17 |sigma| measured, 1e-18 |sigma| once the modes are separated. A real spring
+# is told from none down to 3e-8 of the frequency of sigma, which is near the first elastic one, or the limit.
+_UNTOUCHED = 1e-15
+_UNRESOLVED = 1e-10  # of |sigma|: below it eigenvalues by shift-invert are too coarse to count between
 _SHIFT_RANGE = (0.005, 50.0)  # of |sigma| over the first elastic omega^2: no loss of digits and no slow convergence
 _ATTEMPTS = 6
 
@@ -61,6 +66,10 @@ def modes(
     component (weighted by its mass) is positive: two runs on one machine and thread count agree in every bit.
     The shapes within a group of equal frequencies are one choice out of many.
 
+    A mode is rigid when its strain energy is rounding: 2e-14 of the terms it is summed from, or, where no stiffness
+    resists it but soft springs, 1e-15 |sigma|. So a structure on springs so soft that it floats below 1e-7 of its own
+    first frequency counts as free where it strains in rounding (bending), and below 3e-8 where nothing else resists.
+
     >>> two = csc_array(np.array([[2.0, -1.0], [-1.0, 2.0]]))
     >>> modes(two, csc_array(np.eye(2)), count=2).eigenvalues.round(12)
     array([1., 3.])
@@ -82,12 +91,11 @@ def modes(
         first = min(count + 3, n)
     factor = _shifted(K, M, first, mu, labels)
     values, shapes, complete = _complete(K, M, factor, first, mu, wanted)
-    keep = values <= limit if count is None else np.arange(len(values)) < count
-    values, shapes = values[keep], shapes[:, keep]
-    rigid = _is_rigid(K, shapes)
-    if values.size and values.min() < 0 and not rigid[np.argmin(values)]:
+    values, shapes, rigid = _classified(K, M, values, shapes, abs(factor.sigma))
+    if values.size and values.min() < 0:
         raise FemstructError("K", got=f"a mode of omega^2 = {values.min():.3g}", expected="no negative stiffness")
-    values = np.where(rigid, 0.0, values)
+    keep = values <= limit if count is None else np.arange(len(values)) < count
+    values, shapes, rigid = values[keep], shapes[:, keep], rigid[keep]
     return Modes(values, shapes, int(rigid.sum()), limit if count is None else complete, factor)
 
 
@@ -178,7 +186,10 @@ def _complete(
         if np.isinf(mu):
             if len(values) == n or len(values) < ask:
                 return values, shapes, np.inf  # all modes there are
-            upto = _gap(values, wanted)
+            upto = _gap(values, wanted, _UNRESOLVED * abs(factor.sigma))
+            if upto == len(values):
+                ask *= 2
+                continue
             level = 0.5 * (values[upto - 1] + values[upto])
             counted = count_below(K, M, level)
             if counted is None:
@@ -189,7 +200,7 @@ def _complete(
             expected = wanted
         found = int(np.count_nonzero(values < level))
         if found == expected:
-            complete = values[wanted] if np.isinf(mu) else mu
+            complete = max(0.0, values[wanted]) if np.isinf(mu) else mu  # among rigid modes: rounding, of either sign
             return values, shapes, float(complete)
         ask = min(n, max(ask, expected) + 4 * (attempt + 1))
     raise NotConverged(
@@ -197,10 +208,14 @@ def _complete(
     )
 
 
-def _gap(values: Floats, wanted: int) -> int:
-    """Index after `wanted` or a little later where the next eigenvalue is farthest off, to count in the gap."""
+def _gap(values: Floats, wanted: int, resolved: float) -> int:
+    """Index after `wanted` or a little later where the next eigenvalue is farthest off, to count in the gap; the
+    number of values when there is none above `resolved`."""
     later = np.arange(wanted, len(values))
-    return int(later[np.argmax(np.diff(values)[wanted - 1 :] / np.abs(values[wanted:]).clip(1e-300))])
+    later = later[values[later] > resolved]
+    if not later.size:
+        return len(values)
+    return int(later[np.argmax((values[later] - values[later - 1]) / values[later])])
 
 
 def _lowest(K: csc_array, M: csc_array, factor: Factor, k: int, tol: float, seed: int) -> tuple[Floats, Floats]:
@@ -249,6 +264,25 @@ def _dense(K: csc_array, M: csc_array, sigma: float, k: int) -> tuple[Floats, Fl
     return values[:k], low[:, :k]
 
 
-def _is_rigid(K: csc_array, shapes: Floats) -> NDArray[np.bool_]:
-    """Which modes strain nothing but rounding [k]; only the lowest ones can."""
-    return np.logical_and.accumulate(relative_energy(K, shapes) < _ROUNDING)
+def _classified(
+    K: csc_array, M: csc_array, values: Floats, shapes: Floats, scale: float
+) -> tuple[Floats, Floats, NDArray[np.bool_]]:
+    """(values, shapes, which are rigid), ascending, rigid ones 0; scale : |sigma| of the shift-invert [rad^2/s^2].
+
+    Eigenvalues by shift-invert carry an error of eps |sigma|, Rayleigh quotients one of eps |phi|^T |K| |phi|. The
+    modes that the stiffness hardly touches are better by quotients: they are separated by K projected on them.
+    """
+    size = np.abs(shapes)
+    slack = (size * (abs(K) @ size)).sum(axis=0) < scale
+    if slack.any():
+        projected = shapes[:, slack].T @ (K @ shapes[:, slack])
+        found, turn = eigh(0.5 * (projected + projected.T))
+        values, shapes = values.copy(), shapes.copy()
+        values[slack] = np.where(np.abs(found) <= _UNTOUCHED * scale, 0.0, found)
+        shapes[:, slack] = signed(shapes[:, slack] @ turn, np.sqrt(np.abs(M.diagonal())))
+    # Of those it does touch, only the lowest ones can strain nothing but rounding.
+    unstrained = relative_energy(K, shapes) < _ROUNDING
+    rigid = np.where(slack, values == 0.0, np.logical_and.accumulate(slack | unstrained))
+    values = np.where(rigid, 0.0, values)
+    order = np.argsort(values, kind="stable")
+    return values[order], shapes[:, order], rigid[order]
