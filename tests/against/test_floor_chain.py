@@ -276,7 +276,7 @@ def test_columns_of_the_results_file(stored: h5py.File) -> None:
             assert change["whole_percent"] == pytest.approx(100 * (new.max() - old.max()) / old.max(), abs=1e-9)
         for channel, modes in (("O_s.z velocity", (4, 7)), ("box.mic pressure", (4, 7))):
             for mode in modes:
-                lines = SAMPLING / (8 * 4096) * np.arange(1, 400)  # of the record, padded to 8 times a power of two
+                lines = SAMPLING / 2**18 * np.arange(1, 3200)  # of the record, padded until lines are 0.2 Hz apart
                 old = _amplitude(before[channel][()], lines)
                 higher = np.r_[False, (old[1:-1] > old[:-2]) & (old[1:-1] > old[2:]), False]
                 tops = np.flatnonzero(higher & (np.abs(lines / frequency[mode - 1] - 1) <= 0.02))
