@@ -153,10 +153,11 @@ def march(system: System, state: State, rule: Rule, tables: Tables, trial: Trial
 @kernel
 def _acts(system: System, now: float) -> bool:
     """Whether a load other than the weight of bodies pushes."""
+    acting = 0
     for i in range(len(system.loads)):
         if system.loads[i]["kind"] != CONSTANT and load_at(system, i, now) != 0.0:
-            return True
-    return False
+            acting += 1
+    return acting > 0
 
 
 @kernel
