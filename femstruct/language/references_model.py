@@ -37,7 +37,7 @@ def check_model(model: ModelSpec, tree: Tree, mistakes: Mistakes) -> None:
         if isinstance(part, SpringSpec):
             _check_spring(check, steps, part, names)
         if isinstance(part, MassSpec):
-            _check_mass(check, steps, part, names, plates)
+            _check_mass(check, steps, part, names, model)
     for name, joint in model.joints.items():
         for number, part_name in enumerate(joint.connect):
             check.known(("joints", name, "connect", number), part_name, "part", lined)
@@ -101,25 +101,37 @@ def _check_spring(check: Checker, steps: Steps, part: SpringSpec, names: Names) 
         check.wrong(steps, "no stiffness and no damping", "one of them", "add stiffness: {z: ...}", of_key=True)
 
 
-def _check_mass(check: Checker, steps: Steps, part: MassSpec, names: Names, plates: list[str]) -> None:
+def _check_mass(check: Checker, steps: Steps, part: MassSpec, names: Names, model: ModelSpec) -> None:
     if (part.at is None) == (part.on is None):
         check.wrong(
             steps, "both 'at' and 'on'" if part.at else "no place", "one of at: POINT and on: PART", of_key=True
         )
         return
-    along = part.region is not None and (part.region.rim is not None or part.region.line is not None)
+    frame = isinstance(model.parts.get(part.on or ""), FrameSpec)
+    along = frame or (part.region is not None and (part.region.rim is not None or part.region.line is not None))
     allowed = ("mass",) if part.at is not None else ("mass", "mass/length") if along else ("mass", "mass/area")
     if part.mass.dimension not in (None, *allowed):
         units = {"mass": "kg", "mass/length": "kg/m", "mass/area": "kg/m^2"}
         got = f"a mass in {units[part.mass.dimension or 'mass']}"
-        where = "at a point" if part.at is not None else "along a rim or line" if along else "over an area"
+        where = (
+            "at a point"
+            if part.at is not None
+            else "along a frame"
+            if frame
+            else "along a rim or line"
+            if along
+            else "over an area"
+        )
         check.wrong((*steps, "mass"), f"{got} {where}", " or ".join(units[one] for one in allowed))
     if part.at is not None:
         check.known((*steps, "at"), part.at, "point", [*names.points, *names.places])
         if part.region is not None:
             check.wrong((*steps, "region"), "a region at a point", "a region on a part", "use on: PART", of_key=True)
     elif part.on is not None:
-        check.known((*steps, "on"), part.on, "plate", plates)
+        lined = [name for name, one in model.parts.items() if isinstance(one, PlateSpec | FrameSpec)]
+        check.known((*steps, "on"), part.on, "plate or frame", lined)
+        if frame and part.region is not None:
+            check.wrong((*steps, "region"), "a region of a frame", "all of the frame", "remove 'region'", of_key=True)
 
 
 def _check_inside(check: Checker, steps: Steps, places: tuple[tuple[float, ...], ...], plate: PlateSpec) -> None:

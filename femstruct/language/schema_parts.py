@@ -234,7 +234,7 @@ class SpringSpec(Spec):
 
 
 class MassSpec(Spec):
-    """A mass at the places of a point (kg each), or over a region of a plate (kg, kg/m, kg/m^2)."""
+    """A mass at the places of a point (kg each), over a region of a plate (kg, kg/m, kg/m^2), or along a frame."""
 
     type: Literal["mass"]
     mass: AnyMass

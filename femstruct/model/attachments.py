@@ -8,8 +8,9 @@ from scipy.spatial import KDTree
 
 from femstruct.arrays import Floats, Integers
 from femstruct.conventions import DIRECTIONS, N_COMPONENTS, TWIST
+from femstruct.elements.quadrature import gauss_interval
 from femstruct.errors import InputError
-from femstruct.model.interpolation import node_rows, plate_rows, sparse_rows
+from femstruct.model.interpolation import frame_rows, node_rows, plate_rows, sparse_rows
 from femstruct.model.model import Elastic, Inert, Model, PlateMesh, Tie
 from femstruct.model.parts import Foundation, Joint, Mass, Region, Spring, Support
 from femstruct.model.probe import Point
@@ -98,18 +99,29 @@ def lumped_mass(part: Mass, model: Model) -> Inert:
 
 
 def spread_mass(part: Mass, model: Model, tolerance: float) -> Inert:
-    """Mass over an area or along lines of a plate; it follows the mid-surface."""
+    """Mass over an area or along lines of a plate, or along a frame; it follows the mid-surface or the axis."""
     where = f"parts.{part.name}"
     _positive_mass(part)
-    plate = _plate(f"{where}.on", part.on or "", model)
     region = part.region or Region("whole")
-    spread = "area" if region.kind in ("whole", "rectangle") else "length"
+    frame = model.frames.get(part.on or "")
+    if frame is not None and region.kind != "whole":
+        raise InputError(f"{where}.region", got=f"a {region.kind} of a frame", expected="all of the frame")
+    spread = "area" if region.kind in ("whole", "rectangle") and frame is None else "length"
     if part.per not in ("total", spread):
         raise InputError(
-            f"{where}.mass", got=f"a mass per {part.per} over a {region.kind}", expected=f"kg or per {spread}"
+            f"{where}.mass",
+            got=f"a mass per {part.per} over a {region.kind if frame is None else 'frame'}",
+            expected=f"kg or per {spread}",
         )
-    local, weights = _region_points(f"{where}.region", plate, region, tolerance)
-    nodes, rows = plate_rows(plate, local)
+    if frame is not None:
+        places, shares = gauss_interval(ORDER)
+        bars = np.repeat(np.arange(len(frame.bars)), ORDER)
+        weights = frame.lengths[bars] * np.tile(shares, len(frame.bars))
+        nodes, rows = frame_rows(frame, bars, np.tile(places, len(frame.bars)))
+    else:
+        plate = _plate(f"{where}.on", part.on or "", model)
+        local, weights = _region_points(f"{where}.region", plate, region, tolerance)
+        nodes, rows = plate_rows(plate, local)
     mass = part.mass * weights / (weights.sum() if part.per == "total" else 1.0)
     return Inert(part.name, sparse_rows(nodes, rows[:, :3], model.mesh.n_nodes), np.repeat(mass, 3))
 

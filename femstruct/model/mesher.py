@@ -19,7 +19,8 @@ from femstruct.model.mesh import Mesh
 from femstruct.model.model import Elastic, FrameMesh, Inert, Model, PlateMesh, Tie
 from femstruct.model.parts import Foundation, Frame, Mass, Plate, Spring, Structure
 from femstruct.model.places import locate_points, locate_surface
-from femstruct.model.planning import Plan, Segment
+from femstruct.model.planning import Plan
+from femstruct.model.segments import Segment
 
 
 def mesh_structure(structure: Structure) -> Model:
@@ -107,17 +108,14 @@ def _mesh_plate(part: Plate, axes: Floats, grids: Mapping[Key, Floats], first: i
 def _mesh_frame(
     part: Frame, segments: tuple[Segment, ...], grids: Mapping[Key, Floats], first: int, tolerance: float
 ) -> tuple[FrameMesh, Floats]:
-    """Bars of every segment between nodes; at the end of a line with a rigid arm the node is the foot of the arm."""
+    """Bars of every segment between nodes; where they have a rigid arm the node is the foot of the arm."""
     tips, feet = [], []
-    last_of = {segment.key[1]: segment.key for segment in segments}
     for segment in segments:
         share = (grids[segment.key] / grids[segment.key][-1])[:, None]
         places = (1.0 - share) * segment.start + share * segment.end
-        stands = places.copy()
-        if segment.key[2] == 0:
-            stands[0] -= part.start_offset
-        if last_of[segment.key[1]] == segment.key:
-            stands[-1] -= part.end_offset
+        stands = places - ((1.0 - share) * segment.arms[0] + share * segment.arms[1])
+        line = part.lines[int(segment.key[1])]
+        stands[0], stands[-1] = line[int(segment.key[2])], line[int(segment.key[2]) + 1]
         tips.append(np.stack([places[:-1], places[1:]], axis=1))
         feet.append(np.stack([stands[:-1], stands[1:]], axis=1))
     ends, stands = np.concatenate(tips), np.concatenate(feet)

@@ -57,8 +57,12 @@ class Frame:
 
     mesh : largest element length [m], None for one element a segment; a line that lies in a plate it is joined to takes
     the plate's nodes instead. orientation : a vector the section's local z
-    (its height) points along as nearly as it can. start_offset, end_offset : rigid arms from the first and last
-    point of every line to the ends of the flexible bar, global axes [m].
+    (its height) points along as nearly as it can.
+    start_offset, end_offset : rigid arms from the first and last point of every line to the ends of the flexible bar,
+    global axes [m]. Where both are the same the whole line is eccentric: its nodes stay on the line, joined there to
+    what it touches, and every bar hangs beside it on arms at both ends, as a rib under a plate does. Two different
+    ones go over into each other along the line; one at an end alone leaves the other points of the line where they
+    are. What differs along the line itself only shortens or lengthens the bar.
     """
 
     name: str
@@ -105,9 +109,10 @@ class Spring:
 
 @dataclass(frozen=True)
 class Mass:
-    """A mass without elasticity: at the places of a point (kg each), or over a region of a plate.
+    """A mass without elasticity: at the places of a point (kg each), over a region of a plate, or along a frame.
 
-    per : what `mass` is counted by: "total" [kg], "length" [kg/m] along a rim or line, "area" [kg/m^2].
+    per : what `mass` is counted by: "total" [kg], "length" [kg/m] along a rim, a line or all bars of a frame, "area"
+    [kg/m^2].
     """
 
     name: str

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from itertools import pairwise, product
+from itertools import product
 from math import inf
 
 import numpy as np
@@ -21,18 +20,14 @@ from femstruct.model.geometry import (
 from femstruct.model.gridlines import Axis, Key, SharedLine, Track, settle
 from femstruct.model.parts import Foundation, Frame, Joint, Mass, PlaceOn, Plate, Region, Spring, Structure
 from femstruct.model.regions import region_box
+from femstruct.model.segments import Segment, frame_segments
 
 RELATIVE_TOLERANCE = 1e-6
 """Places closer than this share of the structure's extent are one place."""
-
-
-@dataclass(frozen=True, eq=False)
-class Segment:
-    """A straight piece of a frame line; `start`, `end` are the ends of the flexible bar [m]."""
-
-    key: Key
-    start: Floats
-    end: Floats
+MOST_DIVISIONS = 2000
+"""Of a side of a plate."""
+MOST_BARS = 100_000
+"""Of a frame; more of either is a slip of a unit, and does not fit into memory."""
 
 
 class Plan:
@@ -54,8 +49,15 @@ class Plan:
             size = frame.mesh if frame.mesh is not None else inf
             if not size > 0:
                 raise InputError(f"parts.{name}.mesh", got=f"{size:g} m", expected="a positive length")
-            for segment in self.segments[name]:
-                length = float(np.linalg.norm(segment.end - segment.start))
+            lengths = [float(np.linalg.norm(segment.end - segment.start)) for segment in self.segments[name]]
+            if sum(lengths) > MOST_BARS * size:
+                raise InputError(
+                    f"parts.{name}.mesh",
+                    got=f"{size:g} m, {sum(lengths) / size:.3g} bars",
+                    expected=f"at most {MOST_BARS} bars",
+                    do=f"use {sum(lengths) / MOST_BARS:.2g} m or more",
+                )
+            for segment, length in zip(self.segments[name], lengths, strict=True):
                 self.grids[segment.key] = Axis(length, size, self.tolerance)
             self._own_vertices(name)
         self._regions()
@@ -75,9 +77,10 @@ class Plan:
     def require_on_frame(self, name: str, position: Floats) -> None:
         """Nodes of a frame at a place, on every segment that passes through it."""
         for segment in self.segments[name]:
-            distance, place = distance_to_segments(position, segment.start[None], segment.end[None])
-            if distance[0] <= self.tolerance:
-                self.grids[segment.key].require(float(place[0]) * self.grids[segment.key].length)
+            starts, ends = np.stack([segment.feet, [segment.start, segment.end]], axis=1)
+            for distance, place in zip(*distance_to_segments(position, starts, ends), strict=True):
+                if distance <= self.tolerance:
+                    self.grids[segment.key].require(float(place) * self.grids[segment.key].length)
 
     def _own_vertices(self, name: str) -> None:
         for line in self.frames[name].lines:
@@ -88,7 +91,7 @@ class Plan:
         for part in self.structure.parts:
             if isinstance(part, Foundation):
                 self._region(f"parts.{part.name}.region", part.on, part.region)
-            elif isinstance(part, Mass) and part.on is not None:
+            elif isinstance(part, Mass) and part.on is not None and part.on not in self.frames:
                 self._region(f"parts.{part.name}.region", part.on, part.region or Region("whole"))
         for surface in self.structure.surfaces:
             self._region(f"surfaces.{surface.name}.region", surface.on, surface.region)
@@ -151,8 +154,7 @@ class Plan:
     def _frame_on_frame(self, joint: Joint) -> None:
         nearest = inf
         for one, other in ((joint.a, joint.b), (joint.b, joint.a)):
-            starts = np.stack([segment.start for segment in self.segments[other]])
-            ends = np.stack([segment.end for segment in self.segments[other]])
+            starts, ends = np.stack([segment.feet for segment in self.segments[other]], axis=1)
             for vertex in np.concatenate([np.asarray(line, dtype=np.float64) for line in self.frames[one].lines]):
                 nearest = min(nearest, float(distance_to_segments(vertex, starts, ends)[0].min()))
                 self.require_on_frame(other, vertex)
@@ -173,7 +175,7 @@ class Plan:
 
     def _segment_on_plate(self, segment: Segment, plate: str) -> bool:
         size, tolerance = self.plates[plate].size, self.tolerance
-        ends = to_plate(self.plates[plate], self.axes_of[plate], np.stack([segment.start, segment.end]))
+        ends = to_plate(self.plates[plate], self.axes_of[plate], segment.feet)
         heights = ends[:, 2]
         axis = self.grids[segment.key]
         if np.abs(heights).max() > tolerance:
@@ -220,30 +222,6 @@ class Plan:
             )
 
 
-def frame_segments(frame: Frame, tolerance: float) -> tuple[Segment, ...]:
-    """The straight pieces of a frame's lines, shortened by the rigid arms at the ends of each line.
-
-    Raises InputError for a line of fewer than two points and for two consecutive points in one place.
-    """
-    segments = []
-    if not frame.lines:
-        raise InputError(f"parts.{frame.name}.lines", got="no lines", expected="at least one")
-    for number, line in enumerate(frame.lines):
-        where = f"parts.{frame.name}.lines[{number}]"
-        if len(line) < 2:
-            raise InputError(where, got=f"{len(line)} point", expected="at least two points")
-        points = np.asarray(line, dtype=np.float64).copy()
-        points[0] += frame.start_offset
-        points[-1] += frame.end_offset
-        lengths = np.linalg.norm(np.diff(points, axis=0), axis=1)
-        if lengths.min() <= tolerance:
-            raise InputError(where, got=f"two points {lengths.min():g} m apart", expected="a length above zero")
-        segments += [
-            Segment((frame.name, number, index), start, end) for index, (start, end) in enumerate(pairwise(points))
-        ]
-    return tuple(segments)
-
-
 def extent(structure: Structure) -> float:
     """Largest side of the box around a structure [m]."""
     corners: list[Floats] = []
@@ -270,10 +248,18 @@ def _check_plate(plate: Plate) -> None:
 
 def _plate_size(plate: Plate, direction: int) -> float:
     where = f"parts.{plate.name}.mesh"
-    if isinstance(plate.mesh, tuple):
-        if plate.mesh[direction] < 1:
-            raise InputError(where, got=f"{plate.mesh[direction]} divisions", expected="at least one")
-        return plate.size[direction] / plate.mesh[direction]
-    if not plate.mesh > 0:
-        raise InputError(where, got=f"{plate.mesh:g} m", expected="a positive length")
-    return plate.mesh
+    side, mesh = plate.size[direction], plate.mesh
+    if isinstance(mesh, tuple):
+        if not 1 <= mesh[direction] <= MOST_DIVISIONS:
+            raise InputError(where, got=f"{mesh[direction]} divisions", expected=f"1 to {MOST_DIVISIONS}")
+        return side / mesh[direction]
+    if not mesh > 0:
+        raise InputError(where, got=f"{mesh:g} m", expected="a positive length")
+    if side > MOST_DIVISIONS * mesh * (1.0 + 1e-9):
+        raise InputError(
+            where,
+            got=f"{mesh:g} m, {side / mesh:.3g} divisions of a side of {side:g} m",
+            expected=f"at most {MOST_DIVISIONS} divisions",
+            do=f"use {side / MOST_DIVISIONS:.2g} m or more",
+        )
+    return mesh

@@ -1,0 +1,72 @@
+"""Lines of frames as straight pieces, with the rigid arms between the line and the flexible bars."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from femstruct.arrays import Floats
+from femstruct.errors import InputError
+from femstruct.model.gridlines import Key
+from femstruct.model.parts import Frame
+
+
+@dataclass(frozen=True, eq=False)
+class Segment:
+    """A straight piece of a frame line; `start`, `end` are the ends of the flexible bar [m].
+
+    arms [2, 3] : from the line to the flexible bar at its nodes near start and end, linear between them [m].
+    """
+
+    key: Key
+    start: Floats
+    end: Floats
+    arms: Floats
+
+    @property
+    def feet(self) -> Floats:
+        """Ends of the straight line its nodes lie on [2, 3]; bars and nodes divide both in the same shares."""
+        line: Floats = np.stack([self.start, self.end]) - self.arms
+        return line
+
+
+def frame_segments(frame: Frame, tolerance: float) -> tuple[Segment, ...]:
+    """The straight pieces of a frame's lines, moved by their rigid arms as `Frame` says.
+
+    Raises InputError for a line of fewer than two points and for two consecutive points in one place.
+    """
+    segments = []
+    if not frame.lines:
+        raise InputError(f"parts.{frame.name}.lines", got="no lines", expected="at least one")
+    for number, line in enumerate(frame.lines):
+        where = f"parts.{frame.name}.lines[{number}]"
+        if len(line) < 2:
+            raise InputError(where, got=f"{len(line)} point", expected="at least two points")
+        points = np.asarray(line, dtype=np.float64)
+        offsets = _vertex_offsets(frame, points)
+        tips = points + offsets
+        lengths = np.minimum(*(np.linalg.norm(np.diff(ends, axis=0), axis=1) for ends in (points, tips)))
+        if lengths.min() <= tolerance:
+            raise InputError(where, got=f"two points {lengths.min():g} m apart", expected="a length above zero")
+        for index, (start, end) in enumerate(pairwise(tips)):
+            arms = offsets[index : index + 2]
+            if (arms[0] != arms[1]).any():  # what an arm has along the line shortens the bar and is an end's own
+                along = (points[index + 1] - points[index]) / np.linalg.norm(points[index + 1] - points[index])
+                arms = arms - np.outer(arms @ along, along)
+            segments.append(Segment((frame.name, number, index), start, end, arms))
+    return tuple(segments)
+
+
+def _vertex_offsets(frame: Frame, points: Floats) -> Floats:
+    """Rigid arms at the points of a line [n, 3]: between two given ones linear in the distance along it."""
+    first, last = np.asarray(frame.start_offset, dtype=np.float64), np.asarray(frame.end_offset, dtype=np.float64)
+    if (first == last).all():
+        return np.tile(first, (len(points), 1))
+    offsets = np.zeros_like(points)
+    if first.any() and last.any():
+        way = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
+        offsets = first + np.outer(way / max(way[-1], np.finfo(float).tiny), last - first)
+    offsets[0], offsets[-1] = first, last
+    return offsets

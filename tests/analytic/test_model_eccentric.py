@@ -1,0 +1,84 @@
+"""Ribs beside the plate they stiffen: rigid arms at every node, as the same arms given bar by bar."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from femstruct.assembly.assemble import assemble
+from femstruct.modal.reduction import modal_basis
+from femstruct.model.material import Material
+from femstruct.model.mesher import mesh_structure
+from femstruct.model.parts import Frame, Joint, Mass, PlaceOn, Plate, Structure, Support
+from femstruct.model.section import i_section, rectangle
+
+STEEL = Material("steel", E=210e9, nu=0.3, rho=7850.0)
+ARM = (0.0, 0.0, -32.5e-3)
+LINE = ((0.0, 0.3, 0.0), (1.0, 0.3, 0.0))
+
+
+def ribbed(*lines, start=ARM, end=ARM, mesh=0.1, extra=(), points=()):
+    """A plate on two opposite edges, with an I of 60 mm under its middle line."""
+    plate = Plate("plate", STEEL, 5e-3, (0.0, 0.0, 0.0), (1.0, 0.6), (10, 6), "acm12")
+    section = i_section("s", 40e-3, 60e-3, 4e-3, 5e-3)
+    rib = Frame("rib", STEEL, section, lines, mesh, start_offset=start, end_offset=end)
+    held = tuple(Support(edge, "simple", on="plate", edge=edge) for edge in ("x0", "x1"))
+    joints = (Joint("seam", "plate", "rib"),)
+    return mesh_structure(Structure("ribbed", (plate, rib, *extra), joints, points=points, supports=held))
+
+
+def frequencies(model):
+    return modal_basis(assemble(model), count=8).frequency_hz
+
+
+def test_one_eccentric_line_is_its_bars_given_one_by_one():
+    places = np.linspace(0.0, 1.0, 11)
+    pieces = tuple(((x, 0.3, 0.0), (y, 0.3, 0.0)) for x, y in pairwise(places))
+    whole, piecewise = ribbed(LINE), ribbed(*pieces)
+    assert whole.frames["rib"].arms == pytest.approx(piecewise.frames["rib"].arms, abs=1e-15)
+    # the same matrices but for the order of numbers: rounding
+    assert frequencies(whole) == pytest.approx(frequencies(piecewise), rel=1e-9)
+    # the first bending mode: an I of A = 600 mm^2 far from the plate's mid-surface is stiffer than in it
+    centred = frequencies(ribbed(LINE, start=(0.0, 0.0, 0.0), end=(0.0, 0.0, 0.0)))
+    assert frequencies(whole)[0] > 1.5 * centred[0]
+
+
+@pytest.mark.parametrize("mesh", [None, 0.3, 0.04])
+def test_the_rib_has_the_nodes_of_the_plate_whatever_its_own_size(mesh):
+    model = ribbed(LINE, mesh=mesh)
+    assert len(model.frames["rib"].bars) == 10
+    assert model.ties[-1].rows.shape[0] == 6 * 11  # joined at every node
+
+
+def test_inner_points_of_the_line_change_nothing():
+    bent = (LINE[0], (0.35, 0.3, 0.0), LINE[1])
+    straight = ribbed(LINE, points=(PlaceOn("p", "plate", ((0.35, 0.3),)),), extra=(Mass("m", 1e-9, at="p"),))
+    assert frequencies(ribbed(bent)) == pytest.approx(frequencies(straight), rel=1e-6)  # for the mass of a microgram
+
+
+def test_different_arms_go_over_into_each_other():
+    model = ribbed(LINE, start=(0.0, 0.0, -20e-3), end=(0.0, 0.0, -40e-3))
+    arms, x = model.frames["rib"].arms, model.frames["rib"].start[:, 0]
+    assert arms[:, 0, 2] == pytest.approx(-20e-3 - 20e-3 * x, abs=1e-12)
+    assert model.ties[-1].rows.shape[0] == 6 * 11
+    low, high = (frequencies(ribbed(LINE, start=(0, 0, z), end=(0, 0, z)))[0] for z in (-20e-3, -40e-3))
+    assert low < frequencies(model)[0] < high
+
+
+def test_an_arm_along_the_line_only_shortens_the_bar():
+    frame = Frame("bar", STEEL, rectangle("s", 0.02, 0.03), (((0, 0, 0), (1.0, 0, 0)),), 0.1)
+    bars = mesh_structure(Structure("bar", (replace(frame, start_offset=(0.2, 0.0, 0.0)),))).frames["bar"]
+    assert bars.start[0] == pytest.approx([0.2, 0.0, 0.0])
+    assert np.abs(bars.arms.reshape(-1, 3)[1:]).max() <= 1e-15
+
+
+def test_an_arm_at_one_end_leaves_the_knee_where_it_is():
+    knee = ((0.0, 0.0, 0.0), (0.0, 0.0, 1.0), (1.0, 0.0, 1.0))
+    frame = Frame("leg", STEEL, rectangle("s", 0.02, 0.03), (knee,), start_offset=(0.05, 0.0, 0.1))
+    bars = mesh_structure(Structure("leg", (frame,))).frames["leg"]
+    assert bars.start[0] == pytest.approx([0.05, 0.0, 0.1])
+    assert bars.end[0] == pytest.approx(knee[1])
+    assert bars.end[1] == pytest.approx(knee[2])
