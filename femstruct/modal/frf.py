@@ -19,12 +19,9 @@ from femstruct.model.probe import Probe
 
 Complex = NDArray[np.complex128]
 FrfKind = Literal["receptance", "mobility", "accelerance", "transmissibility"]
-UNITS: Final[dict[FrfKind, str]] = {
-    "receptance": "m/N",
-    "mobility": "m/(N s)",
-    "accelerance": "m/(N s^2)",
-    "transmissibility": "1",
-}
+_PER_SECOND: Final[dict[FrfKind, str]] = {"receptance": "", "mobility": "s", "accelerance": "s^2"}
+KINDS: Final[tuple[FrfKind, ...]] = (*_PER_SECOND, "transmissibility")
+_UNMOVED = 1e-12  # of the largest motion of the structure: rounding
 _CHUNK = 2**22  # complex numbers held at once: 64 MB
 
 
@@ -42,7 +39,8 @@ def frf(
     transmissibility: for a ForceRow (say `basis.outputs["ground.z"]`) that force over the driving force, for a
     Probe its displacement over the displacement at the drive point [1]. A ForceRow has no other kind.
 
-    Raises InputError for a kind that does not fit, a negative frequency, or zero with rigid modes.
+    Raises InputError for a kind that does not fit, a negative frequency, zero with rigid modes, or a probe that no mode
+    of the basis moves.
 
     Notes
     -----
@@ -63,10 +61,13 @@ def frf(
     if basis.n_rigid and (omega == 0).any():
         raise InputError("frf frequency", got="0 Hz", expected="a frequency > 0: the structure is free")
     _check_kind(response, kind)
+    for role, probe in (("drive", drive), ("response", response)):
+        if isinstance(probe, Probe) and not moves(basis, probe):
+            raise InputError(f"frf {role}", got="a direction along which no mode moves", expected="one that moves")
     pushed = drive.of(basis.shapes)
     if isinstance(response, ForceRow):
-        with np.errstate(divide="ignore"):
-            structural = np.where(basis.omega > 0, response.hysteretic / basis.omega, 0.0)
+        none = np.zeros_like(basis.omega)
+        structural = np.divide(response.hysteretic, basis.omega, out=none, where=basis.omega > 0)
         rows: tuple[Complex, Complex, Complex] = (
             _complex(response.stiffness + 1j * response.hysteretic),
             _complex(1j * (response.damping - structural)),
@@ -74,11 +75,43 @@ def frf(
         )
         return _modal(basis, pushed, rows, omega)
     listened = response.of(basis.shapes).astype(np.complex128)
-    none = np.zeros_like(listened)
-    answer = _modal(basis, pushed, (listened, none, none), omega)
+    still = np.zeros_like(listened)
+    answer = _modal(basis, pushed, (listened, still, still), omega)
     if kind == "transmissibility":
-        return answer / _modal(basis, pushed, (pushed.astype(np.complex128), none, none), omega)
+        return answer / _modal(basis, pushed, (pushed.astype(np.complex128), still, still), omega)
     return answer * _rate(kind, omega)
+
+
+def moves(basis: ModalBasis, probe: Probe) -> bool:
+    """Whether any mode of the basis moves a probe: a rod known along its axis does not move across it.
+
+    >>> from femstruct.modal.analytic import rod
+    >>> basis, points = rod(2.0, 206e9, 7850.0, 3.14e-4, modes=3, points={"tip": 2.0})
+    >>> moves(basis, points["tip"].probe("x")), moves(basis, points["tip"].probe("z"))
+    (True, False)
+    """
+    largest = np.abs(basis.shapes).max(axis=0)[probe.components]
+    return bool((np.abs(probe.of(basis.shapes)) > _UNMOVED * (np.abs(probe.weights) @ largest)).any())
+
+
+def frf_unit(kind: FrfKind, drive: str, response: str) -> str:
+    """Unit of a frequency response: `drive` and `response` are directions (x y z n, rx ry rz), or "force_z".
+
+    A moment drives a rotation; a force as response is one over what drives.
+
+    >>> frf_unit("accelerance", "rx", "rx"), frf_unit("receptance", "ry", "z"), frf_unit("mobility", "n", "rx")
+    ('rad/(N m s^2)', 'm/(N m)', 'rad/(N s)')
+    >>> frf_unit("transmissibility", "z", "force_z"), frf_unit("transmissibility", "z", "rx")
+    ('1', 'rad/m')
+    """
+    turned, turning = drive.startswith("r"), response.startswith("r")
+    if response.startswith("force"):
+        return "1/m" if turned else "1"
+    motion = "rad" if turning else "m"
+    if kind == "transmissibility":
+        return "1" if turned == turning else f"{motion}/{'rad' if turned else 'm'}"
+    below = " ".join(part for part in ("N m" if turned else "N", _PER_SECOND[kind]) if part)
+    return f"{motion}/({below})" if " " in below else f"{motion}/{below}"
 
 
 def direct_frf(
@@ -203,8 +236,8 @@ def _omega(frequency_hz: ArrayLike) -> Floats:
 
 
 def _check_kind(response: Probe | ForceRow | str, kind: str) -> None:
-    if kind not in UNITS:
-        raise InputError("frf kind", got=f"'{kind}'", expected=" or ".join(UNITS))
+    if kind not in KINDS:
+        raise InputError("frf kind", got=f"'{kind}'", expected=" or ".join(KINDS))
     if not isinstance(response, Probe) and kind != "transmissibility":
         raise InputError(
             "frf kind", got=f"'{kind}' of a force", expected="transmissibility", do="forces are over the driving force"

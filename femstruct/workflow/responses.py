@@ -13,7 +13,7 @@ from femstruct.errors import InputError
 from femstruct.language import read_model_file
 from femstruct.modal.basis import ForceRow, ModalBasis
 from femstruct.modal.damping import Damping, with_damping
-from femstruct.modal.frf import UNITS, direct_frf, frf
+from femstruct.modal.frf import direct_frf, frf, frf_unit, moves
 from femstruct.model.probe import Probe
 from femstruct.study.result import Frf
 from femstruct.study.study import Extent, FrfKind, FrfRequest, Spot, Study
@@ -34,8 +34,15 @@ def frequency_response(request: FrfRequest, places: Places, basis: ModalBasis) -
     frequency = start + request.step * lines
     drive = places.point(request.drive.name, _asked(request, "drive")).probe(request.drive.what)
     response = response_row(request.response, places, basis, _asked(request, "response"))
+    for end, spot, probe in (("drive", request.drive, drive), ("response", request.response, response)):
+        if isinstance(probe, Probe) and not moves(basis, probe):
+            raise InputError(
+                _asked(request, end),
+                got=f"'{spot}', no mode moves along {spot.what}",
+                expected="a direction in which the structure can move",
+            )
     values = frf(basis, drive, response, frequency, request.kind)
-    return Frf(request, frequency, values, UNITS[request.kind])
+    return Frf(request, frequency, values, frf_unit(request.kind, request.drive.what, request.response.what))
 
 
 def response_row(spot: Spot, places: Places, basis: ModalBasis, asked_by: str) -> Probe | ForceRow:
