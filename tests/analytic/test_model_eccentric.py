@@ -82,3 +82,21 @@ def test_an_arm_at_one_end_leaves_the_knee_where_it_is():
     assert bars.start[0] == pytest.approx([0.05, 0.0, 0.1])
     assert bars.end[0] == pytest.approx(knee[1])
     assert bars.end[1] == pytest.approx(knee[2])
+
+
+@pytest.mark.parametrize(("mass", "per"), [(3.0, "length"), (3.0 * 1.3, "total")])
+def test_mass_along_a_frame_is_density(mass, per):
+    """3 kg/m on an Euler beam without rotary inertia: the frequencies of a beam so much heavier."""
+    line = ((0.0, 0.0, 0.0), (1.3, 0.0, 0.0))
+    bar = Frame("bar", STEEL, rectangle("s", 0.02, 0.03), (line,), 0.1, element="euler")
+    laden = mesh_structure(Structure("laden", (bar, Mass("paint", mass, on="bar", per=per))))
+    assembly = assemble(laden)
+    per_length = STEEL.rho * 6e-4
+    assert assembly.total_mass == pytest.approx((per_length + 3.0) * 1.3, rel=1e-12)
+    bare, heavy = (
+        modal_basis(assemble(mesh_structure(Structure("bare", (bar,)))), count=9),
+        modal_basis(assembly, count=9),
+    )
+    # Torsion has no part in the mass; the first three elastic modes bend: lighter by the root of the masses.
+    ratio = np.sqrt(per_length / (per_length + 3.0))
+    assert heavy.frequency_hz[6:] == pytest.approx(ratio * bare.frequency_hz[6:], rel=1e-8)

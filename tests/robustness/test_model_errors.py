@@ -54,6 +54,22 @@ FAULTS = {
         replace(BASE, parts=(FLOOR, Foundation("foam", "floor", Region("rim", (0.5, 0.2)), 1e5))),
         r"parts.foam.region: got a region that reaches 0.05 m beyond floor",
     ),
+    "mesh too fine": (
+        replace(BASE, parts=(replace(FLOOR, mesh=1e-5),)),
+        r"parts.floor.mesh: got 1e-05 m, 4e\+04 divisions of a side of 0.4 m, expected at most 2000 divisions",
+    ),
+    "too many divisions": (
+        replace(BASE, parts=(replace(FLOOR, mesh=(4, 2001)),)),
+        r"parts.floor.mesh: got 2001 divisions, expected 1 to 2000",
+    ),
+    "too many bars": (
+        replace(BASE, parts=(FLOOR, replace(POST, mesh=1e-6))),
+        r"parts.post.mesh: got 1e-06 m, 3.8e\+05 bars, expected at most 100000 bars; use 3.8e-06 m or more",
+    ),
+    "region of a frame": (
+        replace(BASE, parts=(FLOOR, POST, Mass("m", 1.0, on="post", region=Region("rectangle", (0.1, 0.1))))),
+        r"parts.m.region: got a rectangle of a frame, expected all of the frame",
+    ),
     "oblique line": (
         replace(BASE, supports=(Support("s", "simple", "floor", line=((0.1, 0.1), (0.2, 0.2))),)),
         r"supports.s.line: got a line over 0.1 m x 0.1 m, expected a line along x or y",
