@@ -20,7 +20,8 @@ def replacing(path: str | Path) -> Iterator[Path]:
     The file under `path` is at every instant the complete old one or the complete new one, whenever the process is
     killed or the disk is full. What dead processes of this machine left behind is swept first.
 
-    Raises FemstructError when the system refuses the write; the old file is then untouched.
+    Raises InputError when the folder is not there (it may be a slip of the pen), FemstructError when the system refuses
+    the write; the old file is then untouched.
 
     >>> import tempfile
     >>> with tempfile.TemporaryDirectory() as folder:
@@ -30,9 +31,9 @@ def replacing(path: str | Path) -> Iterator[Path]:
     ('complete', 1)
     """
     path = Path(path)
+    refuse_missing_folder(path)
     temporary = path.with_name(f".{path.stem}{_MARK}{socket.gethostname()}-{os.getpid()}{path.suffix}")
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
         _sweep(path)
         yield temporary
         _sync(temporary)
@@ -48,6 +49,17 @@ def replacing(path: str | Path) -> Iterator[Path]:
     finally:
         with suppress(OSError):  # there is nothing to remove, or the error on its way says more
             temporary.unlink()
+
+
+def refuse_missing_folder(path: Path) -> None:
+    """Raise InputError when the folder of a file to be written is not there."""
+    if not path.parent.is_dir():
+        raise InputError(
+            str(path),
+            got=f"no folder '{path.parent}'",
+            expected="a folder that is there",
+            do="make it, or correct the name",
+        )
 
 
 def refuse_unwritable(folder: Path) -> None:

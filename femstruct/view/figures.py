@@ -40,14 +40,22 @@ def new_figure(width: float, height: float, title: str) -> Figure:
 
 
 def panels(
-    figure: Figure, rows: int, columns: int, *, between: float, top: float = 0.62, right: float = 0.15, **options: Any
+    figure: Figure,
+    rows: int,
+    columns: int,
+    *,
+    between: float,
+    top: float = 0.62,
+    left: float = 0.78,
+    right: float = 0.15,
+    **options: Any,
 ) -> NDArray[np.object_]:
-    """Axes [rows, columns] with margins in inches: `between` the rows, `top` above the first, `right` of the last.
+    """Axes [rows, columns] with margins in inches: `between` the rows, `top` above the first, `left`, `right`.
 
     A layout engine would measure every text twice; that doubles the time of a picture.
     """
     width, height = figure.get_size_inches()
-    left, bottom, beside = 0.78, 0.5, 0.75
+    bottom, beside = 0.5, 0.75
     inner = (
         ((height - top - bottom) - (rows - 1) * between) / rows,
         (width - left - right - (columns - 1) * beside) / columns,
@@ -127,10 +135,10 @@ def legend_above(axes: Axes, *, up: float = 0.0) -> None:
 def readable(unit: str) -> str:
     """A unit as people write it.
 
-    >>> readable("m/s^2/N")
-    '(m/s²)/N'
+    >>> readable("m/(N s^2)")
+    'm/(N s²)'
     """
-    return {"m/s/N": "(m/s)/N", "m/s^2/N": "(m/s²)/N"}.get(unit, unit.replace("^2", "²"))
+    return unit.replace("^2", "²")
 
 
 def mode_lines(axes: Axes, frequency_hz: Mapping[int, float], low: float, high: float, *, numbers: bool = True) -> None:

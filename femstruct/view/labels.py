@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
@@ -14,8 +15,17 @@ from femstruct.model.model import Model
 from femstruct.model.probe import Surface
 from femstruct.study.study import RoomPlan
 
-POINT, SUPPORT, SPRING, SURFACE, ROOM = "#d62728", "#2ca02c", "#ff7f0e", "#1f77b4", "#9467bd"
+POINT, SUPPORT, SPRING, MASS, SURFACE, ROOM = "#d62728", "#2ca02c", "#ff7f0e", "#000000", "#1f77b4", "#9467bd"
 SIZE: Final = 13  # of marks, in pixels
+
+
+@dataclass(frozen=True)
+class Label:
+    """A name at a place [m, 3] and the colour of what it names."""
+
+    name: str
+    place: Floats
+    colour: str
 
 
 def add_labels(plotter: Any, model: Model, rooms: Sequence[RoomPlan]) -> None:
@@ -23,17 +33,43 @@ def add_labels(plotter: Any, model: Model, rooms: Sequence[RoomPlan]) -> None:
     grounded = [(tie.name, tie.rows) for tie in model.ties if tie.grounded]
     springs = [(item.name, item.rows) for item in model.elastics]
     masses = [(item.name, item.rows) for item in model.inerts]
-    _marks(plotter, [(name, _where(model, rows)) for name, rows in grounded], SUPPORT, "supports")
-    _marks(plotter, [(name, _where(model, rows)) for name, rows in springs], SPRING, "springs, foundations")
-    _marks(plotter, [(name, _where(model, rows)) for name, rows in masses], "black", "masses")
-    _marks(plotter, [(name, point.position[None]) for name, point in model.points.items()], POINT, "points")
+    points = [(name, point.position[None]) for name, point in model.points.items()]
+    labels = [
+        *_marks(plotter, points, POINT, "points"),
+        *_marks(plotter, [(name, _where(model, rows)) for name, rows in grounded], SUPPORT, "supports"),
+        *_marks(plotter, [(name, _where(model, rows)) for name, rows in springs], SPRING, "springs, foundations"),
+        *_marks(plotter, [(name, _where(model, rows)) for name, rows in masses], MASS, "masses"),
+    ]
     for surface in model.surfaces.values():
         corners = _corners(surface)
         plotter.add_lines(np.concatenate([corners, corners[:1]]), color=SURFACE, width=3, connected=True)
-        _name(plotter, [surface.name], corners[:1], SURFACE)
+        labels.append(Label(surface.name, corners[0], SURFACE))
     for plan in rooms:
         if plan.under in model.surfaces:
-            _room(plotter, plan, model.surfaces[plan.under])
+            labels += _room(plotter, plan, model.surfaces[plan.under])
+    for label in merged(labels, 1e-6 * float(np.linalg.norm(np.ptp(model.mesh.points, axis=0)))):
+        plotter.add_point_labels(
+            label.place[None], [label.name], text_color=label.colour, font_size=15, shape="rounded_rect",
+            shape_color="white", shape_opacity=0.75, margin=2, show_points=False, always_visible=True, bold=False,
+        )  # fmt: skip
+
+
+def merged(labels: Sequence[Label], near: float) -> list[Label]:
+    """One label a place: the names found within `near` [m] of each other together, in the colour of the first.
+
+    >>> at = np.zeros(3)
+    >>> [label.name for label in merged([Label("left", at, POINT), Label("foot", at, SUPPORT)], near=1e-6)]
+    ['left, foot']
+    """
+    groups: list[list[Label]] = []
+    for label in labels:
+        same = next((group for group in groups if np.linalg.norm(group[0].place - label.place) <= near), None)
+        if same is None:
+            groups.append([label])
+        else:
+            same.append(label)
+    names = (", ".join(dict.fromkeys(label.name for label in group)) for group in groups)
+    return [Label(name, group[0].place, group[0].colour) for name, group in zip(names, groups, strict=True)]
 
 
 def _where(model: Model, rows: csr_array) -> Floats:
@@ -42,22 +78,14 @@ def _where(model: Model, rows: csr_array) -> Floats:
     return places
 
 
-def _marks(plotter: Any, places: Sequence[tuple[str, Floats]], colour: str, label: str) -> None:
-    """Dots at all places of each name, and the name once, at the place farthest out in view."""
+def _marks(plotter: Any, places: Sequence[tuple[str, Floats]], colour: str, label: str) -> list[Label]:
+    """Dots at all places of each name; returns the name once, at the place farthest out in view."""
     places = [(name, where) for name, where in places if len(where)]
     if not places:
-        return
+        return []
     dots = np.concatenate([where for _, where in places])
     plotter.add_points(dots, color=colour, point_size=SIZE, render_points_as_spheres=True, label=label)
-    seen = np.array([where[(where @ np.array([1.0, 1.0, 1.0])).argmax()] for _, where in places])
-    _name(plotter, [name for name, _ in places], seen, colour)
-
-
-def _name(plotter: Any, names: Sequence[str], where: Floats, colour: str) -> None:
-    plotter.add_point_labels(
-        where, list(names), text_color=colour, font_size=15, shape="rounded_rect", shape_color="white",
-        shape_opacity=0.75, margin=2, show_points=False, always_visible=True, bold=False,
-    )  # fmt: skip
+    return [Label(name, where[(where @ np.array([1.0, 1.0, 1.0])).argmax()], colour) for name, where in places]
 
 
 def _corners(surface: Surface) -> Floats:
@@ -66,8 +94,8 @@ def _corners(surface: Surface) -> Floats:
     return corners
 
 
-def _room(plotter: Any, plan: RoomPlan, surface: Surface) -> None:
-    """The outline of a room below its surface, and its receivers."""
+def _room(plotter: Any, plan: RoomPlan, surface: Surface) -> list[Label]:
+    """The outline of a room below its surface, and its receivers; returns their names."""
     lx, ly, lz = plan.room.size
     middle = surface.corner + surface.size @ surface.along / 2.0 - np.asarray(plan.offset) @ surface.along
     lower = middle + surface.normal * lz - np.array([lx, ly]) / 2.0 @ surface.along
@@ -75,6 +103,6 @@ def _room(plotter: Any, plan: RoomPlan, surface: Surface) -> None:
     corner = np.array([[x, y, z] for z in (0, lz) for x, y in ((0, 0), (lx, 0), (lx, ly), (0, ly))]) @ frame + lower
     pairs = [(0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7)]
     plotter.add_lines(corner[np.array(pairs).ravel()], color=ROOM, width=2)
-    _name(plotter, [plan.name], corner[[corner[:4].sum(axis=1).argmax()]], ROOM)
     receivers = [(f"{plan.name}.{item.name}", (item.position @ frame + lower)[None]) for item in plan.receivers]
-    _marks(plotter, receivers, ROOM, "receivers")
+    outermost = corner[corner[:4].sum(axis=1).argmax()]
+    return [Label(plan.name, outermost, ROOM), *_marks(plotter, receivers, ROOM, "receivers")]

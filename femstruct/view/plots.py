@@ -38,7 +38,7 @@ def figures(result: StudyResult) -> dict[str, Figure]:
 
 
 def plot_all(result: StudyResult, folder: str | Path) -> list[Path]:
-    """Draw all figures of a study as PNG files in a folder; returns their paths.
+    """Draw all figures of a study as PNG files in a folder that is there; returns their paths.
 
     Each file is replaced in one step. Figures of an earlier run that this one does not make are left alone.
     """

@@ -10,7 +10,7 @@ import numpy as np
 
 from femstruct.arrays import Floats
 from femstruct.errors import InputError
-from femstruct.files.atomic import replacing
+from femstruct.files.atomic import refuse_missing_folder, replacing
 from femstruct.modal.basis import ModalBasis
 from femstruct.model.model import Model
 from femstruct.model.refine import Refined, refined
@@ -23,7 +23,10 @@ from femstruct.view.opengl import NoOpenGL, require_opengl
 MOST_MODES: Final = 12
 PANE: Final = (340, 300)  # pixels of one mode
 DIVISIONS: Final = 3
-DEFORMATION: Final = 0.12  # largest displacement in a picture, of the diagonal of the structure
+MOST_TICKS: Final = 5
+THIN: Final = 0.08  # of the largest extent: no room for ticks
+TITLE: Final = 34  # pixels above the panes
+DEFORMATION: Final = 0.06  # largest displacement in a picture, of the diagonal of the structure
 PART_COLOURS: Final = ("#9ecae1", "#fdae6b", "#636363", "#a1d99b", "#bcbddc", "#e7cb94", "#d6616b", "#8ca252")
 
 
@@ -69,22 +72,24 @@ def picture_modes(model: Model, basis: ModalBasis, path: str | Path, title: str 
     moved = fine.displacement(basis.shapes[:, :, modes])
     columns = min(4, len(modes))
     rows = -(-len(modes) // columns)
-    height = PANE[1] * rows
+    top: Any = [(0, slice(None))]
     plotter: Any = pyvista.Plotter(
-        off_screen=True, shape=(rows, columns), window_size=[PANE[0] * columns, height], border=False
-    )
+        off_screen=True, shape=(rows + 1, columns), row_weights=[TITLE, *[PANE[1]] * rows], groups=top,
+        window_size=[PANE[0] * columns, TITLE + PANE[1] * rows], border=False,
+    )  # fmt: skip
+    plotter.subplot(0, 0)
+    meaning = "colour: displacement along the axis named, red 1, blue -1 of the mode's largest; no unit"
+    plotter.add_text(f"{title}    {meaning}".strip(), position=(10, 8), font_size=8, color="black")
     rest = _mesh(fine, fine.points)
     edges = rest.extract_feature_edges(
         boundary_edges=True, feature_edges=False, non_manifold_edges=False, manifold_edges=False
     )
     for place, mode in enumerate(modes):
-        plotter.subplot(*divmod(place, columns))
+        plotter.subplot(place // columns + 1, place % columns)
         direction = _draw_mode(plotter, fine, edges, moved[:, :, place])
         ratio = 100.0 * basis.damping_ratio[mode]
         words = f"{mode + 1}:  {basis.frequency_hz[mode]:.2f} Hz,  damping {ratio:.2g} %,  {direction}"
         plotter.add_text(words, position=(10, 8), font_size=8, color="black")
-        if place == 0 and title:
-            plotter.add_text(title, position=(10, PANE[1] - 22), font_size=8, color="black")
     plotter.set_background("white")
     _save(plotter, path)
 
@@ -92,12 +97,14 @@ def picture_modes(model: Model, basis: ModalBasis, path: str | Path, title: str 
 def picture_model(model: Model | None, rooms: Sequence[RoomPlan], path: str | Path) -> None:
     """Draw a model with its names: parts, supports, springs and foundations, points, surfaces, rooms, axes in metres.
 
-    Raises InputError for a structure in closed form or a name that is no picture's, NoOpenGL where VTK cannot draw.
+    Raises InputError for a structure in closed form, a name that is no picture's or a folder that is not there,
+    NoOpenGL where VTK cannot draw.
     """
     if model is None:
         raise InputError("--picture", got="a structure in closed form", expected="a model with parts")
     if (suffix := Path(path).suffix.lower()) not in (".png", ".jpg", ".jpeg", ".tif"):
         raise InputError("--picture", got=f"'{suffix}'", expected="a name that ends in .png, .jpg or .tif")
+    refuse_missing_folder(Path(path))
     require_opengl()
     import pyvista
 
@@ -114,19 +121,25 @@ def picture_model(model: Model | None, rooms: Sequence[RoomPlan], path: str | Pa
     plotter.add_legend(bcolor=None, border=False, size=(0.22, 0.035 * max(len(fine.parts), 3)), loc="upper left")
     plotter.add_axes()
     plotter.view_isometric()
-    plotter.show_bounds(
-        grid=False,
-        location="outer",
-        xtitle="x in m",
-        ytitle="y in m",
-        ztitle="z in m",
-        font_size=11,
-        color="#444444",
-        fmt="%.2f",
-    )
+    _add_scales(plotter)
     plotter.set_background("white")
     plotter.enable_parallel_projection()
     _save(plotter, path)
+
+
+def _add_scales(plotter: Any) -> None:
+    """Scales in metres along the box of all that is drawn, with ticks where there is room for them."""
+    low, high = np.reshape(plotter.bounds, (3, 2)).T
+    largest = float((high - low).max()) or 1.0
+    share = (high - low) / largest
+    decimals = max(0, 2 - int(np.floor(np.log10(3.0 * largest))))
+    scales: dict[str, Any] = {}
+    for axis, start, end, part in zip("xyz", low, high, share, strict=True):
+        thin = part < THIN
+        scales[f"{axis}title"] = f"{axis} {start:.{decimals}f} to {end:.{decimals}f} m" if thin else f"{axis} in m"
+        scales[f"show_{axis}labels"] = not thin
+        scales[f"n_{axis}labels"] = int(min(1 + np.ceil(6.0 * part), MOST_TICKS))
+    plotter.show_bounds(grid=False, location="outer", font_size=11, color="#444444", fmt=f"%.{decimals}f", **scales)
 
 
 def _draw_mode(plotter: Any, fine: Refined, edges: Any, moved: Floats) -> str:

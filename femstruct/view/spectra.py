@@ -30,20 +30,23 @@ def frequency_response(result: StudyResult, name: str) -> Figure:
     request = frf.request
     figure = new_figure(9.0, 5.8, f"{name}: {request.kind}, {request.drive} to {request.response}")
     top = 0.55 + 0.155 * len(lines)
-    (above,), (below,) = panels(figure, 2, 1, between=0.15, top=top, sharex=True, height_ratios=(2, 1))
+    (above,), (below,) = panels(
+        figure, 2, 1, between=0.15, top=top, left=1.15, right=0.3, sharex=True, height_ratios=(2, 1)
+    )
     for label, line in lines.items():
         case = label.split(", ")[0]
         colour = colours.get(case, colours[result.plan.baseline])
         above.loglog(line.frequency_hz, np.abs(line.values), color=colour, linewidth=1.1, label=label)
         below.semilogx(line.frequency_hz, np.degrees(np.angle(line.values)), color=colour, linewidth=1.0)
-    low, high = float(frf.frequency_hz[0]), float(frf.frequency_hz[-1])
-    above.set_xlim(max(low, 1e-3), high)
+    low, high = request.band
+    low = low or min(request.step, 0.1 * high)  # 0 Hz has no place on a logarithmic axis
+    above.set_xlim(low, high)
     below.set_ylim(-190, 190)
     below.set_yticks([-180, -90, 0, 90, 180])
     modes = _numbered(result.cases[result.plan.baseline].basis)
-    mode_lines(above, modes, max(low, 1e-3), high)
-    mode_lines(below, modes, max(low, 1e-3), high, numbers=False)
-    finish(above, "", f"|{request.kind}| in {readable(frf.unit)}")
+    mode_lines(above, modes, low, high)
+    mode_lines(below, modes, low, high, numbers=False)
+    finish(above, "", f"|{request.kind}|" + ("" if frf.unit == "1" else f" in {readable(frf.unit)}"))
     legend_above(above, up=12)
     finish(below, "frequency in Hz   (numbers: modes of the baseline)", "phase in degrees")
     _plain_ticks(below)

@@ -213,7 +213,7 @@ def study_by_hand(duration=0.25, sampling=4800.0, save_modal=True, tag=1.0):
             "abc123",
             basis,
             response,
-            {"centre": Frf(request, f, frf, "m/s^2/N")},
+            {"centre": Frf(request, f, frf, "m/(N s^2)")},
             {n: Channel(n, v, u, abs(v[:96]).max(), abs(v).max()) for n, (v, u) in channels.items()},
             {"box": heard},
             {"box.mic": sound_levels(pressure, 1 / sampling)},

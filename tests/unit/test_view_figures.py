@@ -29,6 +29,7 @@ def result():
 
 
 def test_all_figures_are_drawn_to_files(result, tmp_path):
+    (tmp_path / "pictures").mkdir()
     paths = plot_all(result, tmp_path / "pictures")
     names = {path.name for path in paths}
     assert {"frf_centre.png", "history_box.mic_pressure.png", "bodies.png"} <= names
@@ -41,7 +42,7 @@ def test_all_figures_are_drawn_to_files(result, tmp_path):
 
 
 def test_every_axis_has_a_label_with_its_unit(result):
-    unit = re.compile(r" in (Hz|s|ms|degrees|dB|[µmk]?(m|m/s|m/s²|N|Pa|J)|\(m/s²\)/N)( |$)|dB re 20 µPa$")
+    unit = re.compile(r" in (Hz|s|ms|degrees|dB|[µmk]?(m|m/s|m/s²|N|Pa|J)|m/\(N s²\))( |$)|dB re 20 µPa$")
     for name, figure in figures(result).items():
         lowest = min(axes.get_position().y0 for axes in figure.axes)
         for axes in figure.axes:
@@ -97,6 +98,33 @@ def test_equal_responses_share_a_line_and_others_do_not(result):
     lines = [line for line in frequency_response(changed, "centre").axes[0].get_lines() if len(line.get_xdata()) > 2]
     assert len(lines) == 2
     np.testing.assert_allclose(lines[1].get_ydata(), 2 * lines[0].get_ydata())
+
+
+def test_a_band_from_zero_starts_at_its_step_and_a_ratio_has_no_unit(result):
+    case = result.cases["without damper"]
+    frf = case.frf["centre"]
+    f = np.arange(0.0, 500.5, 0.5)
+    request = replace(frf.request, band=(0.0, 500.0), kind="transmissibility")
+    ratio = replace(frf, request=request, frequency_hz=f, values=np.ones(len(f), dtype=complex), unit="1")
+    alone = replace(result, cases={"without damper": replace(case, frf={"centre": ratio})})
+    axes = frequency_response(alone, "centre").axes[0]
+    assert axes.get_xlim() == (0.5, 500.0)
+    assert axes.get_ylabel() == "|transmissibility|"
+
+
+def test_all_of_a_frequency_response_is_inside_its_figure(result):
+    case = result.cases["without damper"]
+    frf = case.frf["centre"]
+    wide = replace(
+        frf,
+        request=replace(frf.request, band=(1.0, 1000.0)),
+        values=1e-9 * (1 + 0.1 * frf.values / abs(frf.values).max()),
+    )
+    alone = replace(result, cases={"without damper": replace(case, frf={"centre": wide})})
+    figure = frequency_response(alone, "centre")
+    for axes in figure.axes:
+        box = axes.get_tightbbox(figure.canvas.get_renderer())
+        assert box.x0 >= 0.0 and box.x1 <= figure.bbox.width
 
 
 def test_spectrum_peaks_stand_on_the_mode_lines(result):

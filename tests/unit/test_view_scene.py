@@ -12,6 +12,7 @@ import pytest
 
 from femstruct.errors import InputError
 from femstruct.view import opengl
+from femstruct.view.labels import MASS, POINT, SUPPORT, Label, merged
 from femstruct.view.opengl import LEFT_OUT, NoOpenGL
 from femstruct.view.scene import picture_model, shapes_all
 
@@ -60,6 +61,19 @@ def test_a_name_that_is_no_picture_is_refused(tmp_path):
         picture_model(BY_HAND["model_by_hand"](), (), tmp_path / "model.pnf")
 
 
+def test_a_picture_makes_no_folder(tmp_path):
+    with pytest.raises(InputError, match="no folder"):
+        picture_model(BY_HAND["model_by_hand"](), (), tmp_path / "new" / "model.png")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_names_of_one_place_are_one_label():
+    at, near, far = np.array([0.1, 0.2, 0.0]), np.array([0.1, 0.2, 1e-9]), np.array([0.3, 0.2, 0.0])
+    given = [Label("foot", at, POINT), Label("tip", far, POINT), Label("clamp", near, SUPPORT), Label("foot", at, MASS)]
+    made = merged(given, near=1e-6)
+    assert [(label.name, label.colour) for label in made] == [("foot, clamp", POINT), ("tip", POINT)]
+
+
 def test_shapes_and_model_are_drawn(tmp_path):
     try:
         opengl.require_opengl()
@@ -67,8 +81,9 @@ def test_shapes_and_model_are_drawn(tmp_path):
         pytest.skip(str(reason))
     subprocess.run([sys.executable, "-c", DRAW, str(DATA), str(tmp_path)], check=True, capture_output=True)
     sheet = matplotlib.image.imread(tmp_path / "mode_shapes.png")[..., :3]
-    assert sheet.shape == (600, 1360, 3)  # five elastic modes on two rows of four
-    first, second = sheet[:250, :340], sheet[:250, 340:680]
+    assert sheet.shape == (634, 1360, 3)  # a title above five elastic modes on two rows of four
+    assert sheet[:34].min() < 0.3  # the title is there
+    first, second = sheet[34:284, :340], sheet[34:284, 340:680]
     red = lambda pane: int((pane[..., 0] - pane[..., 2] > 0.4).sum())  # noqa: E731
     blue = lambda pane: int((pane[..., 2] - pane[..., 0] > 0.4).sum())  # noqa: E731
     assert red(first) > 1000 and blue(first) == 0  # mode (1,1) goes one way
