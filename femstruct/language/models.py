@@ -1,0 +1,150 @@
+"""Model files: one file, one structure and its damping; and what study files share with them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from femstruct.errors import FemstructError, InputErrors
+from femstruct.language.build_model import damping_of, structure_of
+from femstruct.language.patch import MODEL_KEYS, STUDY_KEYS, Patch
+from femstruct.language.reader import Mistakes, Position, Tree, dotted, parse_value, read_yaml
+from femstruct.language.references import check_names
+from femstruct.language.references_model import check_model
+from femstruct.language.schema_model import ModelSpec
+from femstruct.language.validation import validate
+from femstruct.modal.damping import Damping
+from femstruct.model.mesher import mesh_structure
+from femstruct.model.model import Model
+from femstruct.model.parts import Structure
+from femstruct.study.study import Plan, StructureModel
+
+
+@dataclass(frozen=True)
+class ModelFile:
+    """A model file, read. sources : the YAML verbatim by file name. positions : (file, line, column) by path."""
+
+    title: str
+    structure: StructureModel
+    damping: Damping
+    sources: Mapping[str, str]
+    positions: Mapping[str, tuple[str, int, int]] = field(default_factory=dict)
+
+
+def read_model_file(path: str | Path, overrides: Sequence[str] = ()) -> ModelFile:
+    """A model file as a structure in SI units and its damping.
+
+    overrides : texts ``PATH=VALUE`` that change the file before anything is read.
+
+    Raises InputErrors: every mistake of the file, each on one line ``file:line:column: path: got, expected; do``.
+
+    >>> import tempfile
+    >>> text = "structure: {type: oscillator, mass: 1 kg, stiffness: 100 N/m}\\npoints: {m: {}}"
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     _ = Path(folder, "oscillator.yaml").write_text(text, encoding="utf-8")
+    ...     model = read_model_file(Path(folder, "oscillator.yaml"), overrides=["structure.mass=500 g"])
+    >>> model.title, model.structure.mass
+    ('oscillator', 0.5)
+    """
+    tree = read_yaml(path)
+    refuse_kind(tree, "model", MODEL_KEYS, STUDY_KEYS)
+    mistakes = Mistakes()
+    patch = Patch(None, tree, mistakes)
+    override(patch, overrides)
+    tree = patch.model.tree() if patch.model else tree
+    check_names(tree, None, mistakes)
+    spec = validate(ModelSpec, tree.value, tree, mistakes)
+    if spec is not None:
+        check_model(spec, tree, mistakes)
+    mistakes.stop_if_any()
+    structure, damping = built_model(spec, tree, mistakes) if spec is not None else (None, None)
+    mistakes.stop_if_any()
+    if structure is None or damping is None:
+        raise InputErrors((f"{path}: cannot be read",))
+    return ModelFile(title_of(tree), structure, damping, {tree.file: tree.text}, positions_of(tree))
+
+
+def read_model(path: str | Path, overrides: Sequence[str] = ()) -> Model:
+    """A model file as a meshed structure, ready for `assemble`; its damping is in `read_model_file`.
+
+    overrides : texts ``PATH=VALUE`` that change the file before anything is read.
+
+    Raises InputErrors: as `read_model_file`, and for a structure in closed form, which has no mesh.
+
+    >>> import tempfile
+    >>> text = "materials: {steel: {E: 210 GPa, nu: 0.3, rho: 7850}}\\nparts: {sheet: {type: plate, material: steel, "
+    >>> text += "thickness: 1 mm, origin: [0, 0, 0], size: [1, 1], mesh: [2, 2]}}"
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     _ = Path(folder, "sheet.yaml").write_text(text, encoding="utf-8")
+    ...     read_model(Path(folder, "sheet.yaml")).mesh.n_nodes
+    9
+    """
+    file = read_model_file(path, overrides)
+    if not isinstance(file.structure, Structure):
+        raise InputErrors((f"{path}: structure: got a structure in closed form, expected parts to mesh",))
+    try:
+        return mesh_structure(file.structure)
+    except FemstructError as error:
+        raise InputErrors((with_position(file, error),)) from error
+
+
+def with_position(source: ModelFile | Plan, error: FemstructError) -> str:
+    """The error as ``file:line:column: path: got, expected; do`` where its path, or the start of it, is in a file."""
+    where = error.where
+    ends = [len(where)] + [i for i in range(len(where) - 1, 0, -1) if where[i] in ". [="]
+    for end in ends:
+        if where[:end] in source.positions:
+            file, line, column = source.positions[where[:end]]
+            return f"{Position(file, line, column)}: {error}"
+    return str(error)
+
+
+def built_model(spec: ModelSpec, tree: Tree, mistakes: Mistakes) -> tuple[StructureModel | None, Damping | None]:
+    """Structure and damping of a checked model; None where a mistake was noted."""
+    return structure_of(spec, title_of(tree), tree, mistakes), damping_of(spec, tree, mistakes)
+
+
+def override(patch: Patch, overrides: Sequence[str]) -> None:
+    """Apply texts ``PATH=VALUE`` of the command line; mistakes are noted under ``--set``."""
+    for text in overrides:
+        path, equals, value_text = text.partition("=")
+        where = f"--set {text}"
+        if not equals or not path.strip():
+            patch.mistakes.add(Position(where), "", got="no PATH=VALUE", expected="--set bodies.ball.mass='60 g'")
+            continue
+        tree = parse_value(value_text, where, patch.mistakes)
+        patch.assign(path.strip(), tree.value["value"], tree, ("value",))
+        _warn_if_set_again(patch, path.strip(), where)
+
+
+def _warn_if_set_again(patch: Patch, path: str, where: str) -> None:
+    """An override that every case undoes would do nothing: refuse it."""
+    cases = patch.study.value.get("cases") if patch.study else None
+    if isinstance(cases, dict) and cases and all(isinstance(one, dict) and path in one for one in cases.values()):
+        name = next(iter(cases))
+        do = f"set 'cases.{name}.{path}' instead"
+        patch.mistakes.add(
+            Position(where), path, got="a path that every case sets itself", expected="another path", do=do
+        )
+
+
+def refuse_kind(tree: Tree, wanted: str, own: frozenset[str], other: frozenset[str]) -> None:
+    """One sentence for the other kind of file, instead of one for each of its keys."""
+    keys = tree.value.keys()
+    if keys & other and not keys & own:
+        found = "study" if wanted == "model" else "model"
+        first = next(key for key in tree.value if key in other)
+        at = tree.position((first,), of_key=True)
+        raise InputErrors((f"{at}: {first}: got a {found} file, expected a {wanted} file",))
+
+
+def title_of(tree: Tree) -> str:
+    """The title of a file, its name where it gives none."""
+    title = tree.value.get("title")
+    return title if isinstance(title, str) else Path(tree.file).name.partition(".")[0]
+
+
+def positions_of(tree: Tree) -> dict[str, tuple[str, int, int]]:
+    """File, line and column of every key of a file, by its path."""
+    return {dotted(steps): (at.file, at.line, at.column) for steps, at in tree.keys.items()}
