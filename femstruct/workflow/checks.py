@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import numpy as np
 
 from acoustics.errors import Advice
@@ -81,6 +83,25 @@ def content_above(force: Floats, sampling: float, frequency_hz: float) -> float:
     return float(energy[above].sum()) / total if total > 0.0 else 0.0
 
 
-def from_advice(advice: Advice) -> Finding:
-    """A finding of the acoustic wing, in the words of this one."""
-    return Finding(advice.code, advice.message, advice.values)
+def room_findings(told: Iterable[tuple[str, Advice | Finding]]) -> list[Finding]:
+    """What was told of rooms ("box") and receivers ("box.mic"), each once and with the names of all it holds for.
+
+    >>> advice = Advice("ringing", "it rings")
+    >>> [found.message for found in room_findings([("box", advice), ("hall", advice)])]
+    ['box, hall: it rings']
+    """
+    names: dict[tuple[str, str], list[str]] = {}
+    first: dict[tuple[str, str], Advice | Finding] = {}
+    for name, found in told:
+        key = (found.code, found.message)
+        names.setdefault(key, []).append(name)
+        first.setdefault(key, found)
+    return [
+        Finding(
+            found.code,
+            f"{', '.join(names[key])}: {found.message}",
+            found.values,
+            severe=isinstance(found, Finding) and found.severe,
+        )
+        for key, found in first.items()
+    ]

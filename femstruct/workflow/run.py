@@ -11,6 +11,7 @@ from dataclasses import replace
 from datetime import UTC, datetime
 from importlib.metadata import version
 
+from acoustics.errors import Advice
 from acoustics.levels import Levels, response_levels
 from acoustics.pressure import RoomResponse, pressure
 from femstruct.errors import Finding, InputError
@@ -25,7 +26,7 @@ from femstruct.study.result import CaseResult, StudyResult
 from femstruct.study.study import Case, Plan, RoomPlan, Study
 from femstruct.workflow.bases import Solved, damped, solve_all
 from femstruct.workflow.channels import record
-from femstruct.workflow.checks import from_advice, impact_findings, mesh_findings
+from femstruct.workflow.checks import impact_findings, mesh_findings, room_findings
 from femstruct.workflow.compare import compare
 from femstruct.workflow.responses import frequency_response
 from femstruct.workflow.staging import Places, scene
@@ -138,10 +139,12 @@ def run_case(case: Case, solved: Mapping[str, Solved], baseline: Case, clock: St
                 for receiver, found in response_levels(pressures).items()
             }
             channels = record(study, own.places, response, rooms)
+        told: list[tuple[str, Advice | Finding]] = []
         for plan in study.rooms:
-            findings += coupling_findings(basis, ceiling(plan, own.places), plan.room)
-            findings += [from_advice(advice) for advice in rooms[plan.name].findings]
-        findings += [from_advice(advice) for levels_of in heard.values() for advice in levels_of.findings]
+            told += [(plan.name, found) for found in coupling_findings(basis, ceiling(plan, own.places), plan.room)]
+            told += [(plan.name, advice) for advice in rooms[plan.name].findings]
+        told += [(name, advice) for name, levels_of in heard.items() for advice in levels_of.findings]
+        findings += room_findings(told)
     return CaseResult(case, own.key, basis, response, responses, channels, rooms, heard, distinct(findings))
 
 

@@ -66,6 +66,8 @@ def test_reads_back_what_was_written(result, path):
     stored = read_results(path)
     assert stored.title == "By hand" and stored.baseline == "without damper"
     assert dict(stored.sources) == dict(result.plan.sources)
+    codes = [found.code for found in result.cases["without damper"].findings]
+    assert [(found["code"], found["cases"]) for found in stored.findings] == [(c, list(result.cases)) for c in codes]
     assert dict(stored.provenance) == dict(result.provenance)
     assert list(stored.cases) == list(result.cases)
     for name, case in result.cases.items():

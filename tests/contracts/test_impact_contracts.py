@@ -208,3 +208,12 @@ def test_histories_are_for_pictures(floor: Response) -> None:
     total = bodies + book.structure + book.stored + book.dissipated - book.work
     assert np.abs(total - total[0]).max() <= 1e-8 * total[0]
     assert len(book.t) > 500
+
+
+def test_the_ledger_follows_a_load() -> None:
+    """A half-sine of 10 ms on a slow mass: a row a sample while it acts, later still enough for a curve."""
+    basis, points = oscillator(2.0, stiffness=2.0 * (20 * np.pi) ** 2)
+    scene = Scene(loads=(Load("hit", points["m"].probe("z"), HalfSine(100.0, 50.0)),))
+    book = simulate(basis, scene, Clock(1.0, 4000.0)).ledger
+    assert (np.diff(book.t[book.t <= 0.01]) <= 1.001 / 4000.0).all()
+    assert np.diff(book.t).max() <= 1.0 / 500.0

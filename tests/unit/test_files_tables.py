@@ -7,7 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from femstruct.files.tables import summary
+from femstruct.errors import Finding
+from femstruct.files.tables import findings_by_case, summary
 
 BY_HAND = runpy.run_path(str(Path(__file__).parents[1] / "data" / "study_by_hand.py"))
 
@@ -58,3 +59,13 @@ def test_energy_put_in_is_the_start_and_the_work(result):
     table = summary(replace(result, cases={**result.cases, "without damper": changed}))
     # 0.12 J of the ball, made by hand, and the work just put in; 1e-15: one addition
     assert table["cases"]["without damper"]["energy"]["input_j"] == pytest.approx(0.15, rel=1e-15)
+
+
+def test_findings_name_the_cases_they_hold_for(result):
+    first, second = result.cases
+    case = result.cases[second]
+    own = Finding("own", "Of one case alone.")
+    changed = {**result.cases, second: replace(case, findings=(*case.findings, own))}
+    whole = Finding("whole", "Of the run.")
+    told = findings_by_case(replace(result, cases=changed, findings=(whole,)))
+    assert told == ((whole, ()), (case.findings[0], (first, second)), (own, (second,)))

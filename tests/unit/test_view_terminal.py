@@ -1,0 +1,60 @@
+"""What is printed: whole cells at every width, findings with their cases, modes without a mass."""
+
+import runpy
+from dataclasses import replace
+from io import StringIO
+from pathlib import Path
+
+import pytest
+from rich.console import Console
+
+from femstruct.errors import Finding
+from femstruct.view import terminal
+from femstruct.view.grid import Grid
+
+BY_HAND = runpy.run_path(str(Path(__file__).parents[1] / "data" / "study_by_hand.py"))
+MODES = {
+    "title": "given",
+    "frequency_hz": [10.0],
+    "damping_ratio": [0.02],
+    "kind": ["elastic"],
+    "modal_mass_kg": {"x": [0.0], "y": [0.0], "z": [0.0]},
+    "mass_kg": 0.0,
+    "complete_below_hz": None,
+    "findings": [],
+}
+
+
+@pytest.mark.parametrize("width", [36, 50, 200])  # the narrowest holds the name of a row and one cell
+def test_no_cell_is_broken(width):
+    grid = Grid("peaks", ("", *(f"case {i}" for i in range(5))))
+    grid.add("O_f.z velocity", *(f"0.{i}2345 / 0.{i}6789\n+10{i}.0 % / +20{i}.0 %" for i in range(5)))
+    console = Console(width=width, file=StringIO())
+    grid.show(console)
+    text = console.file.getvalue()
+    assert all(f"0.{i}2345 / 0.{i}6789" in text for i in range(5))
+    assert all(f"+10{i}.0 % / +20{i}.0 %" in text for i in range(5))
+    assert max(map(len, text.splitlines())) <= width
+
+
+def test_findings_of_some_cases_name_them(capsys):
+    result = BY_HAND["study_by_hand"]()
+    second = list(result.cases)[1]
+    case = result.cases[second]
+    changed = replace(case, findings=(*case.findings, Finding("own", "Of one alone.")))
+    terminal.show_study(replace(result, cases={**result.cases, second: changed}), {})
+    printed = capsys.readouterr().out
+    (common,) = case.findings[:1]
+    assert f"{common.code}: {common.message}\n" in printed  # of all cases, so none is named
+    assert f"own: Of one alone. (case {second})\n" in printed
+
+
+@pytest.mark.parametrize(
+    ("below_hz", "told"), [(None, "all modes of the structure"), (0.0, ""), (99.0, "no mode is missing below 99 Hz")]
+)
+def test_modes_without_a_mass(capsys, below_hz, told):
+    terminal.show_modes({**MODES, "complete_below_hz": below_hz})
+    printed = capsys.readouterr().out
+    assert printed.splitlines()[2].split()[-3:] == ["-", "-", "-"]
+    assert "mass 0" not in printed and "inf" not in printed
+    assert told in printed and ("missing" in printed) == ("missing" in told)
