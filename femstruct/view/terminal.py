@@ -15,6 +15,7 @@ from femstruct.study.result import CaseComparison, CaseResult, StudyResult
 from femstruct.view.grid import Grid
 
 Row = Mapping[str, Any]
+SPOKEN_HZ = 500.0  # modes above it are in summary.json; a terminal shows those that floors and presses are judged by
 
 
 @contextmanager
@@ -224,13 +225,14 @@ def _modes_db(result: StudyResult) -> Grid:
         keys=3,
     )
     reference = result.cases[result.comparison.baseline]
-    shown = [
-        name for name in reference.channels if name.endswith(("pressure", "velocity")) or name.startswith("net force")
-    ]
-    for channel in shown:
-        for mode in sorted({mode for beside in others.values() for mode in beside.modes_db.get(channel, {})}):
+    heard = [name for name in reference.channels if name.endswith(("pressure", "velocity"))]
+    forces = [name for name in reference.channels if name.startswith("net force")]
+    modes = {name: {mode for beside in others.values() for mode in beside.modes_db.get(name, {})} for name in heard}
+    spoken = set().union(*modes.values())
+    for channel in (*heard, *forces):
+        for mode in sorted(modes.get(channel, spoken)):
             frequency = reference.basis.frequency_hz[mode - 1]
-            if frequency <= 500.0:
+            if frequency <= SPOKEN_HZ:
                 grid.add(channel, str(mode), f"{frequency:.1f}", *(_mode_db(c, channel, mode) for c in others.values()))
     return grid
 
