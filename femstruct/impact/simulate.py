@@ -6,7 +6,7 @@ import numpy as np
 
 from femstruct.arrays import Floats, Integers
 from femstruct.errors import Finding, NotConverged
-from femstruct.impact.bodies import Clock, Scene
+from femstruct.impact.bodies import Body, Clock, Scene
 from femstruct.impact.energy import TIME, ledger
 from femstruct.impact.forces import State
 from femstruct.impact.march import CLOSES, DONE, NO_FORCES, TOO_MANY_EVENTS, TOO_MANY_STEPS, levels_for, march
@@ -16,6 +16,7 @@ from femstruct.impact.rule import collocation_rule
 from femstruct.impact.sampling import Record, room_for
 from femstruct.impact.system import Compiled, compile_scene
 from femstruct.impact.tables import empty_tables
+from femstruct.modal.analytic import given_modes
 from femstruct.modal.basis import ModalBasis
 
 MAX_STEPS = 20_000_000
@@ -124,6 +125,15 @@ def simulate(basis: ModalBasis, scene: Scene, clock: Clock) -> Response:
         outcome=outcome,
         findings=_findings(book, outcome, contacts, compiled, record, clock),
     )
+
+
+def load_kernels() -> None:
+    """Load the compiled kernels, or compile them where no run before has: that takes about a minute, once.
+
+    Without it the first simulation does the same, and its time is not its own.
+    """
+    basis, _ = given_modes((), (), {})
+    simulate(basis, Scene((Body("body", 1.0),)), Clock(duration=1e-3, sampling=1e3))
 
 
 def _separation(events: Integers, rows: Floats, clock: Clock) -> Floats | None:

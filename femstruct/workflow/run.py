@@ -17,7 +17,7 @@ from acoustics.pressure import RoomResponse, pressure
 from femstruct.errors import Finding, InputError
 from femstruct.impact.bodies import Clock
 from femstruct.impact.response import Response
-from femstruct.impact.simulate import simulate
+from femstruct.impact.simulate import load_kernels, simulate
 from femstruct.modal.basis import ModalBasis
 from femstruct.model.facts import model_findings
 from femstruct.model.probe import Surface
@@ -73,6 +73,9 @@ def run_study(plan: Plan, progress: Progress = lambda line: None, command: str =
     clock = Stopwatch(progress)
     with clock("modes"):
         solved = solve_all(plan.cases)
+    if any(case.study.time is not None for case in plan.cases):
+        with clock("kernels"):
+            load_kernels()
     baseline = next(case for case in plan.cases if case.name == plan.baseline)
     order = sorted(plan.cases, key=lambda case: case.name != plan.baseline)
     results: dict[str, CaseResult] = {}
