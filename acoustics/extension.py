@@ -35,7 +35,7 @@ def extended(velocity: Floats, length: int) -> Floats:
     return whole
 
 
-def returned(velocity: Floats, length: int, dt: float) -> Floats:
+def returned(velocity: Floats, length: int) -> Floats:
     """`extended`, with a smooth pulse in the padding that brings the displacement back to where it started."""
     whole = extended(velocity, length)
     nt = velocity.shape[1]

@@ -160,7 +160,7 @@ def _synthesise(surface: SurfaceVelocity, room: Room, orders: Integers, places: 
     for start in range(0, len(orders), batch):
         chosen = orders[start : start + batch]
         velocity = coefficients[start : start + batch] @ surface.rates
-        future = extended(velocity, length) if weighted else returned(velocity, length, dt)
+        future = extended(velocity, length) if weighted else returned(velocity, length)
         spectra = np.fft.rfft(future * weight, axis=1).astype(np.complex128, copy=False)
         parts = _through(room, chosen, s, heights, spectra, None if weighted else future * dt)
         at_places = cosines(room, chosen, places)

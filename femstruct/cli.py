@@ -54,7 +54,7 @@ def _command(function: Callable[..., int]) -> Callable[..., None]:
         try:
             code = function(*args, **options)
         except KeyboardInterrupt:
-            print("interrupted: nothing was written", file=sys.stderr)
+            print("interrupted: there is no file that is not complete", file=sys.stderr)
             code = INTERRUPTED
         raise typer.Exit(code)
 
