@@ -161,42 +161,59 @@ def _synthesise(surface: SurfaceVelocity, room: Room, orders: Integers, places: 
         chosen = orders[start : start + batch]
         velocity = coefficients[start : start + batch] @ surface.rates
         future = extended(velocity, length) if weighted else returned(velocity, length)
-        spectra = np.fft.rfft(future * weight, axis=1).astype(np.complex128, copy=False)
-        parts = _through(room, chosen, s, heights, spectra, None if weighted else future * dt)
+        if weighted:
+            future *= weight
+            uniform = None
+        else:
+            steps = future * dt
+            uniform = (np.cumsum(steps, axis=1) - 0.5 * steps).sum(axis=1)
+        spectra = np.fft.rfft(future, axis=1).astype(np.complex128, copy=False)
         at_places = cosines(room, chosen, places)
-        for height, part in enumerate(parts):
-            rows = np.flatnonzero(plane == height)
-            here = at_places[rows]
-            if len(rows) < len(chosen):  # few listeners: sum the cosines first, transform the sums
-                p[rows] += np.fft.irfft((here @ part.view(np.float64)).view(np.complex128), length, axis=1)[:, :nt]
-            else:
-                p[rows] += here @ np.ascontiguousarray(np.fft.irfft(part, length, axis=1)[:, :nt])
+        mixes = [at_places[plane == height] for height in range(len(heights))]
+        for height, part in enumerate(_through(room, chosen, s, heights, spectra, mixes, uniform)):
+            heard = np.fft.irfft(part, length, axis=1)[:, :nt]
+            p[plane == height] += heard if _few(mixes[height]) else mixes[height] @ np.ascontiguousarray(heard)
     if weighted:
         p /= weight[:nt]
     return p
 
 
-def _through(
-    room: Room, orders: Integers, s: Complexes, heights: Floats, spectra: Complexes, steps: Floats | None
-) -> list[Complexes]:
-    """Pressure spectra [n, nf] at each height, up to the last frequency that carries anything.
+def _few(mix: Floats) -> bool:
+    """Whether there are fewer listeners [n_here, n] than cosines: then the cosines are summed before they are
+    transformed."""
+    return mix.shape[0] < mix.shape[1]
 
-    steps : velocity times dt [n, length] when s lies on the frequency axis, where the transfer of the uniform
-        cosine is infinite at 0 and the displacement takes the velocity's place.
+
+def _through(
+    room: Room,
+    orders: Integers,
+    s: Complexes,
+    heights: Floats,
+    spectra: Complexes,
+    mixes: list[Floats],
+    uniform: Floats | None,
+) -> list[Complexes]:
+    """Pressure spectra at each height, up to the last frequency that carries anything: [n_here, nf] of the listeners
+    there where they are few, [n, nf] of the cosines elsewhere.
+
+    mixes : share [n_here, n] of each cosine at the listeners of each height.
+    uniform : sum of the displacements over the samples [n] when s lies on the frequency axis, where the transfer of
+        the uniform cosine is infinite at 0 and the displacement takes the velocity's place.
     """
-    parts = [np.zeros_like(spectra) for _ in heights]
+    parts = [np.zeros((min(mix.shape), spectra.shape[1]), dtype=np.complex128) for mix in mixes]
     k_lm = horizontal_wavenumber(room, orders)
     size = np.abs(spectra).max(axis=0)
     above = np.cumsum(size[::-1])[::-1]
     last = int(np.count_nonzero(above > NEGLIGIBLE * above[0]))
     width = max(1, _BLOCK // max(1, len(orders)))
-    for start in range(0 if steps is None else 1, last, width):
+    for start in range(0 if uniform is None else 1, last, width):
         band = slice(start, min(start + width, last))
-        for part, response in zip(parts, transfer(room, s[band], k_lm, heights), strict=True):
-            np.multiply(response, spectra[:, band], out=part[:, band])
-    if steps is not None:
-        displacement = (np.cumsum(steps, axis=1) - 0.5 * steps).sum(axis=1)
+        for part, mix, response in zip(parts, mixes, transfer(room, s[band], k_lm, heights), strict=True):
+            response *= spectra[:, band]
+            part[:, band] = (mix @ response.view(np.float64)).view(np.complex128) if _few(mix) else response
+    if uniform is not None:
         compression = room.air.bulk_modulus / room.size[2] * ((1 - 1j * room.losses.beta) ** -2).real
-        for part in parts:
-            part[:, 0] = np.where(k_lm == 0, compression * displacement, 0)
+        for part, mix in zip(parts, mixes, strict=True):
+            still = np.where(k_lm == 0, compression * uniform, 0)
+            part[:, 0] = mix @ still if _few(mix) else still
     return parts
