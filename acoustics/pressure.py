@@ -181,7 +181,7 @@ def _synthesise(surface: SurfaceVelocity, room: Room, orders: Integers, places: 
 def _few(mix: Floats) -> bool:
     """Whether there are fewer listeners [n_here, n] than cosines: then the cosines are summed before they are
     transformed."""
-    return mix.shape[0] < mix.shape[1]
+    return len(mix) < int(mix.shape[1])
 
 
 def _through(
