@@ -5,10 +5,12 @@ The way through this wing, each step a pure function or a frozen noun::
     Air, Losses -> Room, Receiver      what the room is                          air, room
     SurfaceVelocity                    how its ceiling moves: the one door in    source
     pressure(...) -> RoomResponse      what is heard, in time and frequency      pressure (transfer functions: cavity)
-    sound_levels(...) -> Levels        peak, L_AFmax, third octaves              levels
+    sound_levels(...) -> Levels        peaks, maxima, exposures, bands           levels (bands, weighting)
+    heavy_impact_level(...), ...       single numbers of the standards           ratings
 
-Layers, lowest first: ``errors arrays | air room source | cavity extension | orders judgement pressure maps | levels``;
-a module imports from lower ones only. Nothing here knows of finite elements, opens a file or prints.
+Layers, lowest first: ``errors arrays air room source | extension cavity | orders judgement pressure maps | bands
+weighting levels ratings``; a module imports from lower ones only. Nothing here knows of finite elements, opens a file
+or prints.
 
 Harmonic quantities are the real part of X exp(+j omega t). The surface's velocity is positive into the room, where it
 raises the pressure. Coordinates are the room's own: from its lower corner, z up, the ceiling at z = Lz.
@@ -37,15 +39,43 @@ from acoustics.room import (
 from acoustics.source import SurfaceVelocity
 
 if TYPE_CHECKING:
-    from acoustics.levels import Levels, level_spectrum, response_levels, sound_levels, third_octave_bands
+    from acoustics.bands import octave_bands, third_octave_bands
+    from acoustics.levels import Levels, level_spectrum, response_levels, sound_levels
+    from acoustics.ratings import (
+        HeavyImpactRating,
+        ImpactRating,
+        energy_average,
+        heavy_impact_level,
+        normalised_impact_level,
+        standardised_impact_level,
+        standardised_maximum_level,
+        weighted_impact_level,
+    )
+    from acoustics.weighting import frequency_weighting, time_weighted, weighted
 
 # The filters need scipy.signal, slow to import: they are fetched when first asked for (PEP 562).
-_FETCHED = ("Levels", "level_spectrum", "response_levels", "sound_levels", "third_octave_bands")
+_FETCHED = {
+    "acoustics.bands": ("octave_bands", "third_octave_bands"),
+    "acoustics.levels": ("Levels", "level_spectrum", "response_levels", "sound_levels"),
+    "acoustics.ratings": (
+        "HeavyImpactRating",
+        "ImpactRating",
+        "energy_average",
+        "heavy_impact_level",
+        "normalised_impact_level",
+        "standardised_impact_level",
+        "standardised_maximum_level",
+        "weighted_impact_level",
+    ),
+    "acoustics.weighting": ("frequency_weighting", "time_weighted", "weighted"),
+}
 
 __all__ = [
     "AcousticsError",
     "Advice",
     "Air",
+    "HeavyImpactRating",
+    "ImpactRating",
     "Levels",
     "Losses",
     "PressureMap",
@@ -54,21 +84,32 @@ __all__ = [
     "RoomResponse",
     "SurfaceVelocity",
     "air_stiffness_ratio",
+    "energy_average",
+    "frequency_weighting",
+    "heavy_impact_level",
     "level_spectrum",
     "losses_from_beta",
     "losses_from_loss_factor",
     "losses_from_t60",
     "modal_damping_ratio",
+    "normalised_impact_level",
+    "octave_bands",
     "pressure",
     "pressure_map",
     "response_levels",
     "room_modes",
     "sound_levels",
+    "standardised_impact_level",
+    "standardised_maximum_level",
     "third_octave_bands",
+    "time_weighted",
+    "weighted",
+    "weighted_impact_level",
 ]
 
 
 def __getattr__(name: str) -> Any:
-    if name in _FETCHED:
-        return getattr(import_module("acoustics.levels"), name)
+    for home, names in _FETCHED.items():
+        if name in names:
+            return getattr(import_module(home), name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

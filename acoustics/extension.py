@@ -44,6 +44,11 @@ def returned(velocity: Floats, length: int) -> Floats:
     return whole
 
 
+def faded(p: Floats, samples: int) -> Floats:
+    """`p` [nt] and after it its last value, fading to zero as half a cosine over `samples`."""
+    return np.concatenate([p, p[-1] * 0.5 * (1 + np.cos(np.pi * np.arange(1, samples + 1) / (samples + 1)))])
+
+
 def source_bandwidth(velocity: Floats, dt: float) -> float:
     """Frequency [Hz] below which all but 1e-6 of the energy of the velocities [n, nt] lies."""
     length = fast_length(2 * velocity.shape[1])

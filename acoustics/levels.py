@@ -1,60 +1,67 @@
-"""Levels of what is heard: peak, A-weighted Fast maximum, third octaves.
+"""Levels of what is heard: peaks, maxima by time weighting, exposures, octaves and third octaves.
 
-Levels are 20 lg(p / p0), p0 = 20 uPa. Third octaves follow IEC 61260-1:2014 (base ten, order-4 Butterworth band
-pass, class 1 from 25 Hz to 10 kHz at 48 kHz sampling); A and Fast follow IEC 61672-1:2013.
+Levels are 20 lg(p / p0), p0 = 20 uPa.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from math import ceil, floor, log, log10, pi, sin
+from math import ceil, log10
 from types import MappingProxyType
 from typing import Final
 
 import numpy as np
-from scipy.signal import butter, lfilter, sosfilt
+from scipy.signal import sosfilt
 
-from acoustics.arrays import Complexes, Floats, freeze, frozen, positive
+from acoustics.arrays import Floats, freeze, frozen, positive
+from acoustics.bands import Fraction, band_filter, octave_bands, ringing_time, third_octave_bands
 from acoustics.errors import Advice
-from acoustics.extension import fast_length
+from acoustics.extension import faded
 from acoustics.pressure import RoomResponse
+from acoustics.weighting import time_weighted, weighted
 
 REFERENCE_PA: Final = 20e-6
-FAST_S: Final = 0.125
-LOWEST_HZ: Final = 25.0
-_NOMINAL: Final = (1.0, 1.25, 1.6, 2.0, 2.5, 3.15, 4.0, 5.0, 6.3, 8.0)  # IEC 61260-1 annex E, one decade
-_POLES_HZ: Final = (20.598997, 107.65265, 737.86223, 12194.217)  # IEC 61672-1 annex E
-SIN_PI_8: Final = sin(pi / 8)
 _SILENCE: Final = 1e-30  # Pa^2, -205 dB: the level of nothing is a number
 
 
 @dataclass(frozen=True, eq=False)
 class Levels:
-    """Single numbers and third octaves of one pressure history.
+    """Single numbers, octaves and third octaves of one pressure history, levels in dB re 20 uPa.
 
-    peak_pa : largest |p| [Pa], unweighted; l_peak_db : its level.
-    l_afmax_db : largest A-weighted Fast level.
-    bands_db : {nominal centre [Hz]: largest Fast level in the third octave, L_Fmax [dB]}, what the impact-sound
-        standards of heavy blows use.
-    exposure_db : {nominal centre [Hz]: sound exposure level, 10 lg(integral of p^2 dt / (p0^2 1 s)) [dB]}.
+    peak_pa : largest |p| [Pa], unweighted; l_peak_db : its level. l_cpeak_db : the same, C-weighted.
+    l_afmax_db, l_asmax_db, l_aimax_db : largest A-weighted Fast, Slow and Impulse level.
+    l_aeq_db : A-weighted level of the mean square over the record. l_ae_db : A-weighted sound exposure level,
+        10 lg(integral of p_A^2 dt / (p0^2 1 s)).
+    bands_db : {nominal centre [Hz]: largest Fast level in the third octave, L_Fmax}, what the impact-sound standards
+        of heavy blows use. octaves_db : the same of octaves.
+    exposure_db : {nominal centre [Hz]: unweighted sound exposure level in the third octave}.
     findings : advice; reference_pa : p0 [Pa].
     """
 
     peak_pa: float
     l_peak_db: float
+    l_cpeak_db: float
     l_afmax_db: float
+    l_asmax_db: float
+    l_aimax_db: float
+    l_aeq_db: float
+    l_ae_db: float
     bands_db: Mapping[float, float]
+    octaves_db: Mapping[float, float]
     exposure_db: Mapping[float, float]
     findings: tuple[Advice, ...] = ()
     reference_pa: float = REFERENCE_PA
 
     def __post_init__(self) -> None:
-        freeze(
-            self,
-            bands_db=MappingProxyType(dict(self.bands_db)),
-            exposure_db=MappingProxyType(dict(self.exposure_db)),
-        )
+        for name in ("bands_db", "octaves_db", "exposure_db"):
+            freeze(self, **{name: MappingProxyType(dict(getattr(self, name)))})
+
+    @property
+    def single_numbers(self) -> dict[str, float]:
+        """The levels that are one number each, by name [dB]."""
+        names = ("l_peak_db", "l_cpeak_db", "l_afmax_db", "l_asmax_db", "l_aimax_db", "l_aeq_db", "l_ae_db")
+        return {name: getattr(self, name) for name in names}
 
 
 def response_levels(response: RoomResponse) -> dict[str, Levels]:
@@ -64,7 +71,7 @@ def response_levels(response: RoomResponse) -> dict[str, Levels]:
 
 
 def sound_levels(p: Floats, dt: float) -> Levels:
-    """Peak, L_AFmax and third-octave levels of a pressure history `p` [nt] [Pa] sampled every `dt` [s].
+    """Peaks, maxima, exposures and band levels of a pressure history `p` [nt] [Pa] sampled every `dt` [s].
 
     Raises AcousticsError: a shape other than [nt], numbers that are not finite, dt not positive.
 
@@ -77,39 +84,56 @@ def sound_levels(p: Floats, dt: float) -> Levels:
     >>> import numpy as np
     >>> t = np.arange(96000) / 48e3
     >>> tone = sound_levels(np.sqrt(2) * np.sin(2 * np.pi * 1000 * t), 1 / 48e3)
-    >>> round(tone.l_afmax_db, 2), round(tone.bands_db[1000.0], 2), round(tone.l_peak_db, 2)
-    (93.98, 93.98, 96.99)
+    >>> round(tone.l_afmax_db, 2), round(tone.bands_db[1000.0], 2), round(tone.l_peak_db, 2), round(tone.l_ae_db, 2)
+    (93.98, 93.98, 96.99, 96.99)
     """
     p = frozen("p", p, (None,))
     sampling_hz = 1 / positive("dt", dt, "s")
-    centres = third_octave_bands(sampling_hz)
-    record_s = len(p) * dt
-    bands, exposures, unsettled = {}, {}, []
-    for nominal, centre in centres.items():
-        ringing_s = ringing_time(centre)
-        heard = sosfilt(third_octave_filter(centre, sampling_hz), _with_tail(p, ceil(ringing_s * sampling_hz)))
-        bands[nominal] = _decibel(float(fast(heard**2, dt).max()))
-        exposures[nominal] = _decibel(float(heard @ heard) * dt)
-        if ringing_s > record_s:
-            unsettled.append(nominal)
-    findings = []
-    if unsettled:
-        findings.append(
-            Advice(
-                "band-not-settled",
-                f"the record of {record_s:.3g} s is shorter than the ringing of the third octaves up to "
-                f"{max(unsettled):g} Hz; believe them only if the sound begins and ends within it",
-                {"record_s": record_s, "highest_hz": max(unsettled), "needed_s": ringing_time(centres[min(unsettled)])},
-            )
-        )
-    peak = float(np.abs(p).max())
+    thirds, octaves = third_octave_bands(sampling_hz), octave_bands(sampling_hz)
+    bands, exposures = _band_levels(p, dt, thirds, 3)
+    square = weighted(p, dt, "A") ** 2
+    peak, total = float(np.abs(p).max()), float(square.sum()) * dt
     return Levels(
         peak_pa=peak,
         l_peak_db=_decibel(peak**2),
-        l_afmax_db=_decibel(float(fast(a_weighted(p, dt) ** 2, dt).max())),
+        l_cpeak_db=_decibel(float(np.abs(weighted(p, dt, "C")).max()) ** 2),
+        l_afmax_db=_decibel(float(time_weighted(square, dt, "F").max())),
+        l_asmax_db=_decibel(float(time_weighted(square, dt, "S").max())),
+        l_aimax_db=_decibel(float(time_weighted(square, dt, "I").max())),
+        l_aeq_db=_decibel(total / (len(p) * dt)),
+        l_ae_db=_decibel(total),
         bands_db=bands,
+        octaves_db=_band_levels(p, dt, octaves, 1)[0],
         exposure_db=exposures,
-        findings=tuple(findings),
+        findings=_unsettled(len(p) * dt, thirds),
+    )
+
+
+def _band_levels(
+    p: Floats, dt: float, centres: Mapping[float, float], fraction: Fraction
+) -> tuple[dict[float, float], dict[float, float]]:
+    """({nominal: largest Fast level}, {nominal: exposure level}) of the bands {nominal: exact centre} [Hz]."""
+    largest, exposures = {}, {}
+    for nominal, centre in centres.items():
+        tail = ceil(ringing_time(centre, fraction) / dt)
+        heard = sosfilt(band_filter(centre, 1 / dt, fraction), faded(p, tail))
+        largest[nominal] = _decibel(float(time_weighted(heard**2, dt, "F").max()))
+        exposures[nominal] = _decibel(float(heard @ heard) * dt)
+    return largest, exposures
+
+
+def _unsettled(record_s: float, centres: Mapping[float, float]) -> tuple[Advice, ...]:
+    """Advice that names the third octaves {nominal: exact} [Hz] whose filter rings longer than the record lasts."""
+    unsettled = [nominal for nominal, centre in centres.items() if ringing_time(centre) > record_s]
+    if not unsettled:
+        return ()
+    return (
+        Advice(
+            "band-not-settled",
+            f"the record of {record_s:.3g} s is shorter than the ringing of the third octaves up to "
+            f"{max(unsettled):g} Hz; believe them only if the sound begins and ends within it",
+            {"record_s": record_s, "highest_hz": max(unsettled), "needed_s": ringing_time(centres[min(unsettled)])},
+        ),
     )
 
 
@@ -126,70 +150,6 @@ def level_spectrum(p: Floats, dt: float) -> tuple[Floats, Floats]:
     square[1 : (len(p) + 1) // 2] *= 2
     frequency_hz = np.asarray(np.fft.rfftfreq(len(p), dt), dtype=np.float64)
     return frequency_hz, 10 * np.log10(np.maximum(square, _SILENCE) / REFERENCE_PA**2)
-
-
-def third_octave_bands(sampling_hz: float) -> dict[float, float]:
-    """{nominal: exact} centre frequencies [Hz] from 25 Hz up to the last whose upper edge is below 0.47 sampling_hz.
-
-    IEC 61260-1, 5.2 to 5.5: exact centres 1000 x 10^(n/10) Hz.
-
-    >>> list(third_octave_bands(48000))[:4], list(third_octave_bands(48000))[-1]
-    ([25.0, 31.5, 40.0, 50.0], 20000.0)
-    """
-    first = round(10 * log10(LOWEST_HZ / 1000))
-    last = floor(10 * log10(0.47 * sampling_hz / 1000) - 0.5)
-    return {
-        float(f"{_NOMINAL[n % 10] * 10.0 ** (3 + n // 10):.6g}"): 1000 * 10 ** (n / 10) for n in range(first, last + 1)
-    }
-
-
-def third_octave_filter(centre_hz: float, sampling_hz: float) -> Floats:
-    """Second-order sections [4, 6] of the order-4 Butterworth band pass with edges centre x 10^(+-0.05).
-
-    As sections: as one polynomial the 20 Hz filter has a gain of .003 at 48 kHz.
-    """
-    edges = [centre_hz * 10**-0.05, centre_hz * 10**0.05]
-    sections: Floats = butter(4, edges, "bandpass", fs=sampling_hz, output="sos")
-    return sections
-
-
-def ringing_time(centre_hz: float) -> float:
-    """Time [s] in which a third octave's slowest pole decays by 60 dB.
-
-    The poles of the order-4 prototype nearest the axis have the real part sin(pi/8) of half the bandwidth.
-    """
-    return 3 * log(10) / (SIN_PI_8 * pi * centre_hz * (10**0.05 - 10**-0.05))
-
-
-def a_weighting(frequency_hz: Floats) -> Complexes:
-    """Complex response [-] of the A-weighting at `frequency_hz` [nf] [Hz], 1 at 1 kHz (IEC 61672-1, annex E)."""
-    return _a_response(np.asarray(frequency_hz)) / np.abs(_a_response(np.array(1000.0)))
-
-
-def a_weighted(p: Floats, dt: float) -> Floats:
-    """A-weighted history [nt] of `p` [nt], by the exact response in the frequency domain, padded."""
-    length = fast_length(2 * len(p))
-    padded = _with_tail(p, length - len(p))
-    weights = a_weighting(np.asarray(np.fft.rfftfreq(length, dt), dtype=np.float64))
-    return np.fft.irfft(np.fft.rfft(padded) * weights, length)[: len(p)]
-
-
-def fast(square: Floats, dt: float) -> Floats:
-    """Fast-weighted mean square of `square` [nt]: an exponential average with 125 ms (IEC 61672-1, 3.9)."""
-    keep = np.exp(-dt / FAST_S)
-    average: Floats = lfilter([1 - keep], [1, -keep], square)
-    return average
-
-
-def _a_response(frequency_hz: Floats) -> Complexes:
-    jf = 1j * frequency_hz
-    low, second, third, high = _POLES_HZ
-    response: Complexes = jf**4 / ((jf + low) ** 2 * (jf + second) * (jf + third) * (jf + high) ** 2)
-    return response
-
-
-def _with_tail(p: Floats, samples: int) -> Floats:
-    return np.concatenate([p, p[-1] * 0.5 * (1 + np.cos(pi * np.arange(1, samples + 1) / (samples + 1)))])
 
 
 def _decibel(square: float) -> float:

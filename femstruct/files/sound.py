@@ -29,11 +29,12 @@ def write_levels(target: h5py.Group, levels: Levels) -> None:
     reference = f"dB re {levels.reference_pa:g} Pa"
     target.attrs.update(
         peak_pa=levels.peak_pa,
-        l_peak_db=levels.l_peak_db,
-        l_afmax_db=levels.l_afmax_db,
+        **levels.single_numbers,
         reference_pa=levels.reference_pa,
         findings=json.dumps([[advice.code, advice.message] for advice in levels.findings]),
     )
     band = axis(target, "band_hz", list(levels.bands_db), "Hz", "Nominal centre of the third octave")
     put(target, "l_fmax", list(levels.bands_db.values()), reference, "Largest Fast level in the band", (band,))
+    octave = axis(target, "octave_hz", list(levels.octaves_db), "Hz", "Nominal centre of the octave")
+    put(target, "octave_l_fmax", list(levels.octaves_db.values()), reference, "Largest Fast level in it", (octave,))
     put(target, "sel", list(levels.exposure_db.values()), reference, "Sound exposure level of the band", (band,))

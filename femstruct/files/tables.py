@@ -162,7 +162,7 @@ def _by_frequency(values: Mapping[float, float]) -> Table:
 def _levels(levels: Levels) -> Table:
     return {
         "peak_pa": number(levels.peak_pa),
-        "l_peak_db": number(levels.l_peak_db),
-        "l_afmax_db": number(levels.l_afmax_db),
+        **{name: number(value) for name, value in levels.single_numbers.items()},
         "bands_db": _by_frequency(levels.bands_db),
+        "octaves_db": _by_frequency(levels.octaves_db),
     }

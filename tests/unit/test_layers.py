@@ -28,7 +28,7 @@ ACOUSTICS = [
     ["acoustics.errors", "acoustics.arrays", "acoustics.air", "acoustics.room", "acoustics.source"],
     ["acoustics.extension", "acoustics.cavity"],
     ["acoustics.orders", "acoustics.judgement", "acoustics.pressure", "acoustics.maps"],
-    ["acoustics.levels"],
+    ["acoustics.bands", "acoustics.weighting", "acoustics.levels", "acoustics.ratings"],
 ]
 HEARS_ACOUSTICS = {"radiation", "study", "language", "files", "view", "workflow", "cli"}
 OPENS_FILES = {"h5py", "pyvista", "matplotlib", "pydantic", "ruamel", "meshio", "rich", "typer"}
