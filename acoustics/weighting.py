@@ -74,7 +74,7 @@ def _held(average: Floats, dt: float) -> Floats:
 
 
 def _response(frequency_hz: Floats, kind: Literal["A", "C"]) -> Complexes:
-    jf: Complexes = 1j * frequency_hz
+    jf = np.asarray(1j * frequency_hz, dtype=np.complex128)
     low, second, third, high = _POLES_HZ
     both_ends: Complexes = jf**2 / ((jf + low) ** 2 * (jf + high) ** 2)
     middle: Complexes = jf**2 / ((jf + second) * (jf + third))
