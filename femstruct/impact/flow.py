@@ -50,36 +50,3 @@ def advance(level: int, system: System, tables: Tables, forces: Floats, modal: F
     z[:] = work[basis]
     v[:] = work[basis + 1]
     return taken
-
-
-@kernel
-def drift(level: int, system: System, tables: Tables, forces: Floats, modal: Floats, z: Floats, v: Floats,
-          work: Floats) -> None:  # fmt: skip
-    """As `advance`, without the loss: the samples inside a step.
-
-    work [4 or more, n] : room.
-    """
-    n = len(z)
-    flow, push = tables.flow[level], tables.push[level]
-    for i in range(n):
-        work[0, i] = flow[0, i] * z[i] + flow[1, i] * v[i]
-        work[1, i] = flow[2, i] * z[i] + flow[3, i] * v[i]
-    for a in range(len(system.rows)):
-        if not forces[a].any():
-            continue
-        for i in range(n):
-            work[2, i], work[3, i] = 0.0, 0.0
-        for j in range(STAGES):
-            force = system.sign[a] * forces[a, j]
-            for i in range(n):
-                work[2, i] += push[0, j, i] * force
-                work[3, i] += push[1, j, i] * force
-        for i in range(n):
-            work[0, i] += system.rows[a, i] * work[2, i]
-            work[1, i] += system.rows[a, i] * work[3, i]
-    for j in range(STAGES):
-        for i in range(modal.shape[1]):
-            work[0, i] += push[0, j, i] * modal[j, i]
-            work[1, i] += push[1, j, i] * modal[j, i]
-    for i in range(n):
-        z[i], v[i] = work[0, i], work[1, i]

@@ -16,7 +16,7 @@ from femstruct.impact.flow import advance
 from femstruct.impact.forces import CLAMPED, CLOSED, OPEN, State, law, load_at, net_force, rows_now
 from femstruct.impact.propagate import Trial, try_step
 from femstruct.impact.rule import LONGEST_DOUBLINGS, PLACES, STAGES, Rule
-from femstruct.impact.sampling import Record, inner_samples, peaks, peaks_at_start, sample
+from femstruct.impact.sampling import Record, keep, peaks, peaks_at_start
 from femstruct.impact.system import CONSTANT, LINK, System
 from femstruct.impact.tables import Tables, tabulate
 
@@ -29,7 +29,7 @@ def march(system: System, state: State, rule: Rule, tables: Tables, trial: Trial
           top_level: int, tolerance: float, max_steps: int) -> tuple[int, float, int, int]:  # fmt: skip
     """Run to the end; returns how it ended, when, and the numbers of ledger rows and events in the record."""
     history, events, event_rows = record.history, record.events, record.event_rows
-    m, n, nt = len(system.interfaces), len(system.omega), len(record.z)
+    m, n, nt = len(system.interfaces), len(system.omega), len(record.at)
     per_sample = 1 << halvings
     end = nt * per_sample
     lost = np.zeros(m + 2)
@@ -41,7 +41,6 @@ def march(system: System, state: State, rule: Rule, tables: Tables, trial: Trial
     _start(system, state, place, rate, loaded)
     initial = take_stock(0.0, system, state, place, lost, history[0])
     n_history = 1
-    sample(0, 0.0, system, state, state.z, state.v, record)
     peaks_at_start(system, state, place, rate, record)
     for a in range(m):
         record.totals[4 + a] = loaded[a]
@@ -91,7 +90,8 @@ def march(system: System, state: State, rule: Rule, tables: Tables, trial: Trial
             hint = t + int(part * ticks)
             level -= 1
             continue
-        inner_samples(t, level, halvings, system, state, rule, tables, trial, record, work)
+        if t % per_sample == 0:
+            keep(t // per_sample, max(level - halvings, 0), state, trial, record)
         peaks(now, h, system, state, rule, trial, record)
         integrate_losses(h, system, state, rule, trial, lost)
         lost[m] += advance(level, system, tables, trial.forces, trial.modal, state.z, state.v, work)
@@ -122,8 +122,6 @@ def march(system: System, state: State, rule: Rule, tables: Tables, trial: Trial
             ):
                 state.status[a], state.rest[a] = CLOSED, place[a]
             state.force[a] = net_force(system, state, a, place[a], rate[a]) if state.status[a] == CLOSED else 0.0
-        if t % per_sample == 0 and t < end:
-            sample(t // per_sample, now, system, state, state.z, state.v, record)
         total = take_stock(now, system, state, place, lost, history[n_history])
         if not np.isfinite(total):
             return NO_FORCES, now, n_history, n_events

@@ -9,6 +9,7 @@ from enum import Enum
 from femstruct.arrays import Floats
 from femstruct.errors import Finding
 from femstruct.impact.bodies import Clock, Scene
+from femstruct.impact.motion import DISPLACEMENT, VELOCITY, Motion, along, coordinates
 from femstruct.modal.basis import ModalBasis
 
 
@@ -112,7 +113,7 @@ class EnergyLedger:
 class Response:
     """Motion and forces of a simulated impact; it remembers its problem.
 
-    t [nt] [s]; q, qd [k, nt] : modal coordinates and velocities [kg^.5 m], [kg^.5 m/s].
+    t [nt] [s]; motion : of the modes, then the bodies, kept at the starts of steps: its samples follow when asked for.
     pushed [p, k], pushes [p, nt] : rows of all that pushes the modes, and their forces [N]: what accelerations need.
     bodies, contacts by name; links : force by name [nt] [N], positive in compression (pushing its ends apart).
     """
@@ -121,8 +122,7 @@ class Response:
     scene: Scene
     clock: Clock
     t: Floats
-    q: Floats
-    qd: Floats
+    motion: Motion
     pushed: Floats
     pushes: Floats
     bodies: Mapping[str, BodyHistory]
@@ -133,17 +133,34 @@ class Response:
     outcome: Outcome
     findings: tuple[Finding, ...]
 
-    def acceleration(self, row: Floats) -> Floats:
-        """Weighted sum of the modal accelerations [nt], row [k]: q'' = pushes - damping q' - omega^2 q.
+    def displacement(self, row: Floats) -> Floats:
+        """Weighted sum of the modal coordinates [nt], row [k]: exact at every sample."""
+        total: Floats = along(self.motion, DISPLACEMENT, row[None])[0]
+        return total
 
-        Not stored: it follows from what is, and all modes at all samples would take as much memory as q.
-        """
+    def velocity(self, row: Floats) -> Floats:
+        """Weighted sum of the modal velocities [nt], row [k]: exact at every sample."""
+        total: Floats = along(self.motion, VELOCITY, row[None])[0]
+        return total
+
+    def acceleration(self, row: Floats) -> Floats:
+        """Weighted sum of the modal accelerations [nt], row [k]: q'' = pushes - damping q' - omega^2 q."""
         basis = self.basis
-        inner: Floats = (row * basis.omega**2) @ self.q + (row @ basis.time_damping) @ self.qd
+        inner: Floats = self.displacement(row * basis.omega**2) + self.velocity(row @ basis.time_damping)
         return (self.pushed @ row) @ self.pushes - inner
 
     @property
+    def q(self) -> Floats:
+        """Modal coordinates [k, nt] [kg^.5 m]: large, and evaluated at each use; `displacement` needs no such room."""
+        return coordinates(self.motion, DISPLACEMENT, 0, len(self.basis.omega))
+
+    @property
+    def qd(self) -> Floats:
+        """Modal velocities [k, nt] [kg^.5 m/s]: large, and evaluated at each use; `velocity` needs no such room."""
+        return coordinates(self.motion, VELOCITY, 0, len(self.basis.omega))
+
+    @property
     def qdd(self) -> Floats:
-        """Modal accelerations [k, nt]."""
+        """Modal accelerations [k, nt] [kg^.5 m/s^2], evaluated at each use."""
         basis = self.basis
         return self.pushed.T @ self.pushes - (basis.omega**2)[:, None] * self.q - basis.time_damping @ self.qd

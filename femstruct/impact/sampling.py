@@ -1,4 +1,4 @@
-"""What is kept of a run: samples at their own times whatever the steps, peak forces, ledger rows, events."""
+"""What is kept of a run: states that its samples follow from, peak forces, ledger rows, events."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ import numpy as np
 from femstruct.arrays import Floats, Integers
 from femstruct.impact.compiled import kernel
 from femstruct.impact.energy import ledger_width
-from femstruct.impact.flow import drift
-from femstruct.impact.forces import CLOSED, State, dot, law, load_at, net_force
+from femstruct.impact.forces import CLOSED, State, law, load_at, net_force
+from femstruct.impact.motion import Motion, inner_tables
 from femstruct.impact.propagate import Trial
 from femstruct.impact.rule import STAGES, Rule
 from femstruct.impact.system import LINK, System
-from femstruct.impact.tables import Tables, tabulate
+from femstruct.impact.tables import Tables
 
 MOST_EVENTS = 500_000
 
@@ -22,18 +22,24 @@ MOST_EVENTS = 500_000
 class Record(NamedTuple):
     """What is kept of a run.
 
-    z, v [nt, n] at the samples; push [nt, r] : forces of all rows as they act on the coordinates; force, place [nt, m]
-    of the interfaces. peak [m, 2] : force and its time; shortest [m] : least time from closing to opening [s].
+    at, doublings [s], z, v [s, n], status [s, m] : the states of the coordinates and interfaces at samples that are
+    starts of steps, and the steps' lengths: see `femstruct.impact.motion`. forces, modal, pushed [l] : what acts over
+    the steps of more than one sample. kept : numbers of these states and steps. A record of no samples keeps none.
+    peak [m, 2] : force and its time; shortest [m] : least time from closing to opening [s].
     totals : [0] steps, [1] trials, [2] largest |total - start|, [3] largest |work|, then whether each contact counts
     as closed. history : ledger rows; events : interface, what, whether all are open then; event_rows : their ledger
     rows.
     """
 
+    at: Integers
+    doublings: Integers
     z: Floats
     v: Floats
-    push: Floats
-    force: Floats
-    place: Floats
+    status: Integers
+    forces: Floats
+    modal: Floats
+    pushed: Integers
+    kept: Integers
     peak: Floats
     shortest: Floats
     totals: Floats
@@ -48,12 +54,17 @@ def room_for(system: System, n_samples: int) -> Record:
     The history takes at most a row a sample while a contact is closed or a load acts, and 2048 more.
     """
     n, m, width = len(system.omega), len(system.interfaces), ledger_width(system)
+    longs, coupled = n_samples // 2 + 1, len(system.coupling)
     return Record(
+        at=np.empty(n_samples, dtype=np.int64),
+        doublings=np.empty(n_samples, dtype=np.int64),
         z=np.empty((n_samples, n)),
         v=np.empty((n_samples, n)),
-        push=np.empty((n_samples, len(system.rows))),
-        force=np.empty((n_samples, m)),
-        place=np.empty((n_samples, m)),
+        status=np.empty((n_samples, m), dtype=np.int64),
+        forces=np.empty((longs, len(system.rows), STAGES)),
+        modal=np.empty((longs, STAGES, coupled)),
+        pushed=np.empty(longs, dtype=np.int64),
+        kept=np.zeros(2, dtype=np.int64),
         peak=np.zeros((m, 2)),
         shortest=np.full(m, np.inf),
         totals=np.zeros(4 + m),
@@ -64,52 +75,60 @@ def room_for(system: System, n_samples: int) -> Record:
 
 
 @kernel
-def inner_samples(t: int, level: int, halvings: int, system: System, state: State, rule: Rule, tables: Tables,
-                   trial: Trial, record: Record, work: Floats) -> None:  # fmt: skip
-    """Samples strictly inside a long step: the modes go through it in pieces, under the same polynomial forces."""
-    if level <= halvings:
-        return
-    pieces = 1 << (level - halvings)
-    if not tables.ready[halvings]:
-        tabulate(halvings, system.tick * 2.0**halvings, system, rule, tables)
-    z, v = state.z.copy(), state.v.copy()
-    forces, modal = np.zeros_like(trial.forces), np.zeros_like(trial.modal)
-    first = t >> halvings
-    for j in range(pieces - 1):
-        piece = rule.pieces[pieces - 1 + j]
-        for a in range(len(forces)):
-            for p in range(STAGES):
-                total = 0.0
-                for s in range(STAGES):
-                    total += piece[p, s] * trial.forces[a, s]
-                forces[a, p] = total
-        for i in range(modal.shape[1]):
-            for p in range(STAGES):
-                total = 0.0
-                for s in range(STAGES):
-                    total += piece[p, s] * trial.modal[s, i]
-                modal[p, i] = total
-        drift(halvings, system, tables, forces, modal, z, v, work)
-        sample(first + j + 1, (t + ((j + 1) << halvings)) * system.tick, system, state, z, v, record)
+def keep(index: int, doublings: int, state: State, trial: Trial, record: Record) -> None:
+    """Keep the state at a sample, the start of a step of 2^doublings samples, or of less than two for 0."""
+    s, long = record.kept[0], record.kept[1]
+    record.at[s], record.doublings[s] = index, doublings
+    record.z[s], record.v[s], record.status[s] = state.z, state.v, state.status
+    record.kept[0] += 1
+    if doublings > 0:
+        record.forces[long], record.modal[long] = trial.forces, trial.modal
+        record.pushed[long] = 1 if trial.forces.any() or trial.modal.any() else 0
+        record.kept[1] += 1
+
+
+def motion_of(record: Record, system: System, halvings: int, rule: Rule, tables: Tables) -> Motion:
+    """The motion that a record holds."""
+    states, longs = int(record.kept[0]), int(record.kept[1])
+    doublings, pushed = record.doublings[:states].copy(), record.pushed[:longs].copy()
+    free, forced = inner_tables(system, halvings, rule, tables, doublings[doublings > 0], pushed)
+    return Motion(
+        at=record.at[:states].copy(),
+        doublings=doublings,
+        z=record.z[:states].copy(),
+        v=record.v[:states].copy(),
+        acts=system.sign[:, None] * system.rows,
+        forces=record.forces[:longs].copy(),
+        modal=record.modal[:longs].copy(),
+        pushed=pushed,
+        free=free,
+        forced=forced,
+        n_samples=len(record.at),
+    )
 
 
 @kernel
-def sample(index: int, now: float, system: System, state: State, z: Floats, v: Floats, record: Record) -> None:
-    """Write one sample: coordinates, rates, what pushes them, and the interfaces' forces as they are felt."""
-    m = len(system.interfaces)
-    for a in range(len(system.rows)):
-        if a < m:
-            x, u = dot(system.rows[a], z), dot(system.rows[a], v)
-            net = net_force(system, state, a, x, u)
-            record.place[index, a] = x
-            record.force[index, a] = (
-                net if system.interfaces[a]["kind"] == LINK else net + system.interfaces[a]["preload"]
-            )
-        else:
-            net = load_at(system, a - m, now)
-        record.push[index, a] = system.sign[a] * net
-    for i in range(len(z)):
-        record.z[index, i], record.v[index, i] = z[i], v[i]
+def felt(system: System, state: State, halvings: int, record: Record, place: Floats, rate: Floats, force: Floats,
+         push: Floats) -> None:  # fmt: skip
+    """Forces at the samples: of the interfaces as they are felt [m, nt], of all rows as they push the rest [r, nt].
+
+    place, rate [m, nt] of the interfaces; state : at the end.
+    """
+    m, nt = place.shape
+    for s in range(record.kept[0]):
+        status = record.status[s]
+        then = State(state.z, state.v, status, state.rest, state.pace, state.force)
+        for a in range(m):
+            link, acts = system.interfaces[a]["kind"] == LINK, status[a] == CLOSED
+            net = net_force(system, then, a, 0.0, 0.0)  # while nothing acts, wherever the ends are
+            for j in range(record.at[s], record.at[s] + (1 << record.doublings[s])):
+                if acts:
+                    net = net_force(system, then, a, place[a, j], rate[a, j])
+                force[a, j] = net if link else net + system.interfaces[a]["preload"]
+                push[a, j] = system.sign[a] * net
+    for i in range(len(system.loads)):
+        for j in range(nt):
+            push[m + i, j] = system.sign[m + i] * load_at(system, i, (j << halvings) * system.tick)
 
 
 @kernel

@@ -10,10 +10,11 @@ from femstruct.impact.bodies import Body, Clock, Scene
 from femstruct.impact.energy import TIME, ledger
 from femstruct.impact.forces import State
 from femstruct.impact.march import CLOSES, DONE, NO_FORCES, TOO_MANY_EVENTS, TOO_MANY_STEPS, levels_for, march
+from femstruct.impact.motion import DISPLACEMENT, VELOCITY, along, coordinates
 from femstruct.impact.propagate import trial_room
 from femstruct.impact.response import BodyHistory, ContactHistory, EnergyLedger, Event, Outcome, Response
 from femstruct.impact.rule import collocation_rule
-from femstruct.impact.sampling import Record, room_for
+from femstruct.impact.sampling import Record, felt, motion_of, room_for
 from femstruct.impact.system import Compiled, compile_scene
 from femstruct.impact.tables import empty_tables
 from femstruct.modal.analytic import given_modes
@@ -69,12 +70,12 @@ def simulate(basis: ModalBasis, scene: Scene, clock: Clock) -> Response:
         pace=np.zeros(r),
         force=np.zeros(m),
     )
-    record = room_for(system, nt)
+    record, rule, tables = room_for(system, nt), collocation_rule(), empty_tables(system, levels)
     status, when, n_history, n_events = march(
         system,
         state,
-        collocation_rule(),
-        empty_tables(system, levels),
+        rule,
+        tables,
         trial_room(system),
         record,
         compiled.halvings,
@@ -102,24 +103,28 @@ def simulate(basis: ModalBasis, scene: Scene, clock: Clock) -> Response:
     )
     separation = _separation(events, event_rows, clock)
     book = ledger(history, separation, float(record.totals[3]), float(record.totals[2]), scene, compiled)
-    contacts = {name: _contact(name, rows, compiled, record, log) for name, rows in compiled.contacts.items()}
+    motion, k = motion_of(record, system, compiled.halvings, rule, tables), system.n_modes
+    place, speed = (along(motion, what, system.rows[:m]) for what in (DISPLACEMENT, VELOCITY))
+    forces, push = np.empty((m, nt)), np.empty((r, nt))
+    felt(system, state, compiled.halvings, record, place, speed, forces, push)
+    contacts = {
+        name: _contact(name, rows, compiled, record, place, forces, log) for name, rows in compiled.contacts.items()
+    }
     outcome = _outcome(contacts, events)
-    k = system.n_modes
-    for samples in (record.z, record.v, record.push, record.force):
-        samples.flags.writeable = False
-    displacement, velocity = record.z[:, k:] / compiled.scale[k:], record.v[:, k:] / compiled.scale[k:]
+    displacement, velocity = (
+        coordinates(motion, what, k, len(system.omega)) / compiled.scale[k:, None] for what in (DISPLACEMENT, VELOCITY)
+    )
     return Response(
         basis=basis,
         scene=scene,
         clock=clock,
         t=np.arange(nt) / clock.sampling,
-        q=record.z[:, :k].T,
-        qd=record.v[:, :k].T,
+        motion=motion,
         pushed=system.rows[:, :k],
-        pushes=record.push.T,
-        bodies={b.name: BodyHistory(displacement[:, i], velocity[:, i]) for i, b in enumerate(scene.bodies)},
+        pushes=push,
+        bodies={b.name: BodyHistory(displacement[i], velocity[i]) for i, b in enumerate(scene.bodies)},
         contacts=contacts,
-        links={name: record.force[:, a] for name, a in compiled.links.items()},
+        links={name: forces[a] for name, a in compiled.links.items()},
         events=log,
         ledger=book,
         outcome=outcome,
@@ -151,15 +156,21 @@ def _separation(events: Integers, rows: Floats, clock: Clock) -> Floats | None:
 
 
 def _contact(
-    name: str, rows: tuple[int, ...], compiled: Compiled, record: Record, log: tuple[Event, ...]
+    name: str,
+    rows: tuple[int, ...],
+    compiled: Compiled,
+    record: Record,
+    place: Floats,
+    force: Floats,
+    log: tuple[Event, ...],
 ) -> ContactHistory:
     offset = compiled.system.interfaces["offset"]
     mine = [event for event in log if event.contact == name]
     opened = [event.t for event in mine if event.what == "opens"]
     peak = max(rows, key=lambda a: float(record.peak[a, 0]))
-    sides = [record.place[:, a] + offset[a] for a in rows]
+    sides = [place[a] + offset[a] for a in rows]
     return ContactHistory(
-        force=record.force[:, rows[0]] - (record.force[:, rows[1]] if len(rows) > 1 else 0.0),
+        force=force[rows[0]] - (force[rows[1]] if len(rows) > 1 else 0.0),
         indentation=np.maximum.reduce(sides),
         peak_force=float(record.peak[peak, 0]),
         peak_time=float(record.peak[peak, 1]),

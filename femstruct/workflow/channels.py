@@ -103,7 +103,7 @@ def _recorded(wanted: Record, study: Study, places: Places, response: Response) 
         row = probe.of(response.basis.shapes)
         if what == "acceleration":
             return {str(wanted): (response.acceleration(row), unit)}
-        return {str(wanted): (row @ (response.q if what == "displacement" else response.qd), unit)}
+        return {str(wanted): (response.displacement(row) if what == "displacement" else response.velocity(row), unit)}
     raise InputError(
         f"record.{target}",
         got=f"'{what}' of '{target}'",
@@ -115,7 +115,7 @@ def _recorded(wanted: Record, study: Study, places: Places, response: Response) 
 def _forces(target: str, rows: Mapping[str, ForceRow], response: Response) -> dict[str, tuple[Floats, str]]:
     """The vertical force under the plain name, and the horizontal ones that are not zero."""
     found = {
-        axis: row.stiffness @ response.q + row.damping @ response.qd + response.acceleration(row.inertia)
+        axis: response.displacement(row.stiffness) + response.velocity(row.damping) + response.acceleration(row.inertia)
         for axis, row in rows.items()
     }
     largest = max((np.abs(force).max() for force in found.values()), default=0.0)
@@ -130,8 +130,7 @@ def motion_of(name: str, study: Study, places: Places, response: Response) -> Fl
     """Displacement [nt] of a body or a point along the axis of the bodies [m]."""
     if name in response.bodies:
         return response.bodies[name].displacement
-    displacement: Floats = places.point(name, "bodies").probe(axis_of(study)).of(response.basis.shapes) @ response.q
-    return displacement
+    return response.displacement(places.point(name, "bodies").probe(axis_of(study)).of(response.basis.shapes))
 
 
 def _net_forces(study: Study, places: Places, response: Response) -> dict[str, Floats]:

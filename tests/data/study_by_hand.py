@@ -12,6 +12,7 @@ from femstruct.conventions import N_COMPONENTS, RX, RY, TWIST, UZ
 from femstruct.errors import Finding
 from femstruct.impact.bodies import Body, Clock, Contact, Link, Scene
 from femstruct.impact.laws import Hertz
+from femstruct.impact.motion import sampled_motion
 from femstruct.impact.response import (
     BodyHistory,
     ContactHistory,
@@ -161,8 +162,7 @@ def _response(basis, study, factor):
         scene,
         Clock(duration, fs),
         t,
-        q,
-        qd,
+        sampled_motion(q, qd),
         np.zeros((0, len(q))),
         np.zeros((0, len(t))),
         {"ball": ball},
