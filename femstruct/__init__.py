@@ -35,6 +35,10 @@ if TYPE_CHECKING:
     from femstruct.impact.bodies import Link as Link
     from femstruct.impact.bodies import Load as Load
     from femstruct.impact.bodies import Scene as Scene
+    from femstruct.impact.factored import Cubic as Cubic
+    from femstruct.impact.factored import HuntCrossley as HuntCrossley
+    from femstruct.impact.factored import LankaraniNikravesh as LankaraniNikravesh
+    from femstruct.impact.factored import Tabulated as Tabulated
     from femstruct.impact.laws import Hertz as Hertz
     from femstruct.impact.laws import Linear as Linear
     from femstruct.impact.laws import Stop as Stop
@@ -63,6 +67,7 @@ _NAMES = {
     "files.results": ("write_results",),
     "files.stored": ("read_results",),
     "impact.bodies": ("GROUND", "Body", "Clock", "Contact", "Link", "Load", "Scene"),
+    "impact.factored": ("Cubic", "HuntCrossley", "LankaraniNikravesh", "Tabulated"),
     "impact.laws": ("Hertz", "Linear", "Stop"),
     "impact.response": ("Response",),
     "impact.simulate": ("simulate",),

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from femstruct.arrays import Floats
 from femstruct.impact.bodies import Scene
 from femstruct.impact.compiled import kernel
-from femstruct.impact.forces import CLAMPED, CLOSED, State
+from femstruct.impact.forces import CLAMPED, CLOSED, State, law, spring
 from femstruct.impact.propagate import Trial
 from femstruct.impact.response import EnergyBalance, EnergyLedger
 from femstruct.impact.rule import STAGES, Rule
-from femstruct.impact.system import HERTZ, LINK, Compiled, System
+from femstruct.impact.system import LINK, Compiled, System
 
 TIME, STRUCTURE, BODIES = 0, 1, 2  # columns of a ledger row; then stored [i], lost in modes, lost [i], work
 
@@ -23,12 +21,8 @@ def ledger_width(system: System) -> int:
 
 @kernel
 def potential(system: System, a: int, delta: float) -> float:
-    """Energy of the spring of a contact at an indentation."""
-    if delta <= 0.0:
-        return 0.0
-    if system.interfaces[a]["kind"] == HERTZ:
-        return float(0.4 * system.interfaces[a]["stiffness"] * delta * delta * np.sqrt(delta))
-    return float(0.5 * system.interfaces[a]["stiffness"] * delta * delta)
+    """Energy of the spring of a contact at an indentation, none when it is open."""
+    return spring(system, a, delta)[2] if delta > 0.0 else 0.0
 
 
 @kernel
@@ -79,19 +73,12 @@ def integrate_losses(h: float, system: System, state: State, rule: Rule, trial: 
         if status == CLOSED:
             for p in range(STAGES):
                 speed = trial.rate[a, p + 1]
-                damping = system.interfaces[a]["closing"]
-                if system.interfaces[a]["kind"] == LINK and speed < 0.0:
-                    damping = system.interfaces[a]["opening"]
-                elif system.interfaces[a]["kind"] == HERTZ:
-                    damping *= np.sqrt(max(trial.place[a, p + 1] + system.interfaces[a]["offset"], 0.0))
+                damping = law(system, a, trial.place[a, p + 1] + system.interfaces[a]["offset"], speed)[2]
                 lost[a] += h * rule.weights[p] * damping * speed * speed
         elif status == CLAMPED:  # the spring drives its own dashpot, without force to the outside
             for p in range(STAGES):
                 delta = max(trial.place[a, p + 1] + system.interfaces[a]["offset"], 0.0)
-                force = system.interfaces[a]["stiffness"] * (
-                    delta * np.sqrt(delta) if system.interfaces[a]["kind"] == HERTZ else delta
-                )
-                lost[a] -= h * rule.weights[p] * force * trial.rate[a, p + 1]
+                lost[a] -= h * rule.weights[p] * spring(system, a, delta)[0] * trial.rate[a, p + 1]
     for a in range(m, len(system.rows)):
         for p in range(STAGES):
             lost[m + 1] += h * rule.weights[p] * trial.forces[a, p] * trial.rate[a, p + 1]

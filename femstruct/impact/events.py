@@ -12,7 +12,7 @@ import numpy as np
 
 from femstruct.arrays import Floats
 from femstruct.impact.compiled import kernel
-from femstruct.impact.forces import CLAMPED, CLOSED, OPEN, State
+from femstruct.impact.forces import CLAMPED, CLOSED, OPEN, State, sense
 from femstruct.impact.propagate import Trial
 from femstruct.impact.rule import PLACES, STAGES, Rule
 from femstruct.impact.system import LINK, System
@@ -118,22 +118,22 @@ def watch(h: float, system: System, state: State, rule: Rule, trial: Trial, boun
         if system.interfaces[a]["kind"] == LINK:
             continue
         clamps = system.interfaces[a]["tensile"] == 0 and system.interfaces[a]["closing"] > 0.0
-        stiffness, damping, status = system.interfaces[a]["stiffness"], system.interfaces[a]["closing"], state.status[a]
-        stray, margin = bounds[a, 0], bounds[a, 2]
-        if status != CLOSED or not clamps:  # indentation: must stay negative when open, positive when closed
+        constant, by_depth, by_speed = sense(system, a)
+        stray, margin, status = bounds[a, 0], bounds[a, 2], state.status[a]
+        # indentation must stay negative when open, positive when closed; a dashpot beside the spring pulls before that
+        if status != CLOSED or not clamps or by_depth == 0.0:
             side = 1.0 if status == OPEN else -1.0
             for p in range(PLACES):
                 values[p] = side * (trial.place[a, p] + system.interfaces[a]["offset"])
             code, where = excursion(values, margin, stray, rule)
             answer, part = _first(answer, part, code, where)
-        if clamps and status != OPEN:  # k delta + c delta' has the sign of the force
+        if clamps and status != OPEN:
             side = -1.0 if status == CLOSED else 1.0
             for p in range(PLACES):
-                values[p] = side * (
-                    stiffness * (trial.place[a, p] + system.interfaces[a]["offset"]) + damping * trial.rate[a, p]
-                )
-            margin = stiffness * bounds[a, 2] + damping * bounds[a, 3]
-            code, where = excursion(values, margin, stiffness * bounds[a, 0] + damping * bounds[a, 1], rule)
+                depth = trial.place[a, p] + system.interfaces[a]["offset"]
+                values[p] = side * (constant + by_depth * depth + by_speed * trial.rate[a, p])
+            margin = by_depth * bounds[a, 2] + by_speed * bounds[a, 3]
+            code, where = excursion(values, margin, by_depth * bounds[a, 0] + by_speed * bounds[a, 1], rule)
             answer, part = _first(answer, part, code, where)
         if system.interfaces[a]["preload"] > 0.0 and status == CLOSED:
             side = -1.0 if loaded[a] > 0.0 else 1.0
@@ -170,17 +170,18 @@ def switch(system: System, state: State, trial: Trial, bounds: Floats, a: int) -
     p = PLACES - 1
     delta, speed = trial.place[a, p] + system.interfaces[a]["offset"], trial.rate[a, p]
     margin = bounds[a, 2]
-    psi = system.interfaces[a]["stiffness"] * delta + system.interfaces[a]["closing"] * speed
+    constant, by_depth, by_speed = sense(system, a)
+    psi = constant + by_depth * delta + by_speed * speed
     clamps = system.interfaces[a]["tensile"] == 0 and system.interfaces[a]["closing"] > 0.0
-    psi_margin = system.interfaces[a]["stiffness"] * margin + system.interfaces[a]["closing"] * bounds[a, 3]
+    psi_margin = by_depth * margin + by_speed * bounds[a, 3]
     if state.status[a] == OPEN:
         if delta > margin:
             return CLOSED if psi > 0.0 or not clamps else CLAMPED
         return OPEN
     if state.status[a] == CLOSED:
-        if clamps:
-            if psi < -psi_margin:
-                return CLAMPED if delta > margin else OPEN
+        if clamps and psi < -psi_margin:
+            return CLAMPED if delta > margin else OPEN
+        if clamps and by_depth > 0.0:
             return CLOSED
         return OPEN if delta < -margin else CLOSED
     if delta < -margin:

@@ -12,7 +12,7 @@ from femstruct.impact.energy import ledger_width
 from femstruct.impact.forces import CLOSED, State, law, load_at, net_force
 from femstruct.impact.motion import Motion, inner_tables
 from femstruct.impact.propagate import Trial
-from femstruct.impact.rule import STAGES, Rule
+from femstruct.impact.rule import PLACES, STAGES, Rule
 from femstruct.impact.system import LINK, System
 from femstruct.impact.tables import Tables
 
@@ -25,7 +25,8 @@ class Record(NamedTuple):
     at, doublings [s], z, v [s, n], status [s, m] : the states of the coordinates and interfaces at samples that are
     starts of steps, and the steps' lengths: see `femstruct.impact.motion`. forces, modal, pushed [l] : what acts over
     the steps of more than one sample. kept : numbers of these states and steps. A record of no samples keeps none.
-    peak [m, 2] : force and its time; shortest [m] : least time from closing to opening [s].
+    peak [m, 2] : force and its time; deepest [m] : indentation; shortest [m] : least time from closing to
+    opening [s].
     totals : [0] steps, [1] trials, [2] largest |total - start|, [3] largest |work|, then whether each contact counts
     as closed. history : ledger rows; events : interface, what, whether all are open then; event_rows : their ledger
     rows.
@@ -41,6 +42,7 @@ class Record(NamedTuple):
     pushed: Integers
     kept: Integers
     peak: Floats
+    deepest: Floats
     shortest: Floats
     totals: Floats
     history: Floats
@@ -66,6 +68,7 @@ def room_for(system: System, n_samples: int) -> Record:
         pushed=np.empty(longs, dtype=np.int64),
         kept=np.zeros(2, dtype=np.int64),
         peak=np.zeros((m, 2)),
+        deepest=np.zeros(m),
         shortest=np.full(m, np.inf),
         totals=np.zeros(4 + m),
         history=np.empty((n_samples + 2100, width)),
@@ -144,6 +147,8 @@ def peaks(t: float, h: float, system: System, state: State, rule: Rule, trial: T
     for a in range(len(system.interfaces)):
         if system.interfaces[a]["kind"] == LINK or state.status[a] != CLOSED:
             continue
+        for p in range(PLACES):
+            record.deepest[a] = max(record.deepest[a], trial.place[a, p] + system.interfaces[a]["offset"])
         largest, at = -np.inf, 0
         for p in range(STAGES):
             if trial.forces[a, p] > largest:

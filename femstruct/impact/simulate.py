@@ -9,6 +9,7 @@ from femstruct.errors import Finding, NotConverged
 from femstruct.impact.bodies import Body, Clock, Scene
 from femstruct.impact.energy import TIME, ledger
 from femstruct.impact.forces import State
+from femstruct.impact.judgement import law_findings
 from femstruct.impact.march import CLOSES, DONE, NO_FORCES, TOO_MANY_EVENTS, TOO_MANY_STEPS, levels_for, march
 from femstruct.impact.motion import DISPLACEMENT, VELOCITY, along, coordinates
 from femstruct.impact.propagate import trial_room
@@ -128,7 +129,7 @@ def simulate(basis: ModalBasis, scene: Scene, clock: Clock) -> Response:
         events=log,
         ledger=book,
         outcome=outcome,
-        findings=_findings(book, outcome, contacts, compiled, record, clock),
+        findings=_findings(book, outcome, contacts, compiled, scene, record, clock),
     )
 
 
@@ -192,6 +193,7 @@ def _findings(
     outcome: Outcome,
     contacts: dict[str, ContactHistory],
     compiled: Compiled,
+    scene: Scene,
     record: Record,
     clock: Clock,
 ) -> tuple[Finding, ...]:
@@ -235,4 +237,5 @@ def _findings(
                     {"contact_s": shortest, "samples": samples, "peak_force_n": contacts[name].peak_force},
                 )
             )
-    return tuple(found)
+    deepest = {name: float(max(record.deepest[a] for a in rows)) for name, rows in compiled.contacts.items()}
+    return (*found, *law_findings(scene.contacts, deepest))

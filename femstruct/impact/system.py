@@ -12,12 +12,13 @@ from numpy.typing import NDArray
 from femstruct.arrays import Floats, Integers
 from femstruct.errors import FemstructError
 from femstruct.impact.bodies import Clock, End, Ground, HalfSine, Scene, Table
-from femstruct.impact.laws import Hertz, Linear, Stop
+from femstruct.impact.factored import Cubic, Tabulated
+from femstruct.impact.laws import Hertz, Law, Linear, Stop
 from femstruct.impact.rule import FINEST_HALVINGS
 from femstruct.modal.basis import ModalBasis
 from femstruct.model.probe import Probe
 
-HERTZ, LINEAR, LINK = 0, 1, 2
+HERTZ, LINEAR, LINK, POWER, CUBIC, CURVE = range(6)
 CONSTANT, HALF_SINE, TABLE = 0, 1, 2
 
 
@@ -32,6 +33,9 @@ INTERFACE = np.dtype(
         ("preload", np.float64),
         ("tensile", np.int64),
         ("release", np.int64),
+        ("shape", np.float64),
+        ("first", np.int64),
+        ("length", np.int64),
     ]
 )
 LOAD = np.dtype(
@@ -51,7 +55,9 @@ class System(NamedTuple):
     omega, damping [n]; coupling [k, k] : damping off the diagonal, empty without.
     rows [r, n] : contacts, links, then loads; displacement of a row is lower end less upper end (approach), its force
     acts as sign * row. mobility [r] : row . row, the inverse mass behind it at high frequency.
-    interfaces : laws of contacts and links (INTERFACE); indentation = displacement + offset; release in ticks.
+    interfaces : laws of contacts and links (INTERFACE); indentation = displacement + offset; release in ticks;
+    closing is chi where the dashpot is a factor; shape : exponent of a power, cubic stiffness; first, length point
+    into curves [p, 6], the pieces of tabulated laws.
     loads : histories (LOAD); first, length point into table [t, force].
     kinks : ticks at which a load or a link changes its formula; tick [s].
     """
@@ -64,6 +70,7 @@ class System(NamedTuple):
     sign: Floats
     mobility: Floats
     interfaces: Records
+    curves: Floats
     loads: Records
     table: Floats
     kinks: Integers
@@ -121,14 +128,10 @@ def compile_scene(basis: ModalBasis, scene: Scene, clock: Clock) -> Compiled:
         law = contact.law
         if isinstance(law, Stop) and contact.preload:
             raise FemstructError(where, got="a preload on a stop", expected="none", do="preload one side by a contact")
-        rest = 0.0
-        if contact.preload:
-            rest = (contact.preload / law.stiffness) ** (2.0 / 3.0 if isinstance(law, Hertz) else 1.0)
+        rest = law.indentation(contact.preload) if contact.preload else 0.0
         first = len(interfaces.rows)
         for side in (1.0, -1.0) if isinstance(law, Stop) else (1.0,):
-            interfaces.add(
-                side * approach, HERTZ if isinstance(law, Hertz) else LINEAR, law, rest - contact.gap, contact.preload
-            )
+            interfaces.add(side * approach, law, rest - contact.gap, contact.preload)
         contact_rows[contact.name] = tuple(range(first, len(interfaces.rows)))
     link_rows: dict[str, int] = {}
     kinks: set[int] = set()
@@ -138,7 +141,9 @@ def compile_scene(basis: ModalBasis, scene: Scene, clock: Clock) -> Compiled:
         release = round(link.release_at / tick)
         kinks.add(release)
         interfaces.rows.append(row(link.lower, where) - row(link.upper, where))
-        interfaces.laws.append((LINK, link.stiffness, link.closing, link.opening, 0.0, link.preload, 0, release))
+        interfaces.laws.append(
+            (LINK, link.stiffness, link.closing, link.opening, 0.0, link.preload, 0, release, 0.0, 0, 0)
+        )
 
     loads = _Loads()
     for load in scene.loads:
@@ -167,6 +172,7 @@ def compile_scene(basis: ModalBasis, scene: Scene, clock: Clock) -> Compiled:
         sign=np.concatenate((-np.ones(len(interfaces.rows)), np.ones(len(loads.rows)))),
         mobility=(matrix**2).sum(axis=1),
         interfaces=np.array(interfaces.laws, dtype=INTERFACE),
+        curves=np.concatenate((np.zeros((0, 6)), *interfaces.curves)),
         loads=np.array(loads.laws, dtype=LOAD),
         table=np.array([loads.times, loads.values], dtype=np.float64).T.copy(),
         kinks=np.array(sorted(kink for kink in kinks if kink > 0), dtype=np.int64),
@@ -181,10 +187,25 @@ class _Interfaces:
     def __init__(self) -> None:
         self.rows: list[Floats] = []
         self.laws: list[tuple[float, ...]] = []
+        self.curves: list[Floats] = []
 
-    def add(self, row: Floats, kind: int, law: Hertz | Linear | Stop, offset: float, preload: float) -> None:
+    def add(self, row: Floats, law: Law, offset: float, preload: float) -> None:
         self.rows.append(row)
-        self.laws.append((kind, law.stiffness, law.damping, law.damping, offset, preload, int(law.tensile), 0))
+        stiffness, shape, first, length = 0.0, 0.0, 0, 0
+        if isinstance(law, Hertz | Linear | Stop):
+            kind, stiffness, damping = (HERTZ if isinstance(law, Hertz) else LINEAR), law.stiffness, law.damping
+        else:
+            damping = law.dissipation
+            if isinstance(law, Tabulated):
+                kind, first, length = CURVE, sum(map(len, self.curves)), len(law.indentations)
+                self.curves.append(law.pieces)
+            elif isinstance(law, Cubic):
+                kind, stiffness, shape = CUBIC, law.stiffness, law.cubic
+            else:
+                kind, stiffness, shape = POWER, law.stiffness, law.exponent
+        self.laws.append(
+            (kind, stiffness, damping, damping, offset, preload, int(law.tensile), 0, shape, first, length)
+        )
 
 
 class _Loads:
