@@ -77,6 +77,7 @@ DIMENSIONS: Final = {
     "mass": _Dimension("a mass", "kg", "54 g", _powers(kg=1)),
     "mass/length": _Dimension("a mass per length", "kg/m", "1.2 kg/m", _powers(kg=1, m=-1)),
     "mass/area": _Dimension("a mass per area", "kg/m^2", "5 kg/m^2", _powers(kg=1, m=-2)),
+    "inertia": _Dimension("a moment of inertia", "kg*m^2", "60 kg*m^2", _powers(kg=1, m=2)),
     "density": _Dimension("a density", "kg/m^3", "7850 kg/m^3", _powers(kg=1, m=-3)),
     "time": _Dimension("a time", "s", "20 ms", _powers(s=1)),
     "rate": _Dimension("a rate", "1/s", "12 1/s", _powers(s=-1)),

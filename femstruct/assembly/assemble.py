@@ -10,7 +10,7 @@ from scipy.sparse import csc_array, csr_array, vstack
 from femstruct.assembly.dofs import DofLabels, RawDofs, number_dofs, rigid_translations
 from femstruct.assembly.forces import force_rows
 from femstruct.assembly.matrices import Assembly, DofMap
-from femstruct.assembly.scatter import elastic_matrices, frame_matrices, inert_matrix, plate_matrices
+from femstruct.assembly.scatter import block_matrix, elastic_matrices, frame_matrices, inert_matrix, plate_matrices
 from femstruct.assembly.ties import Elimination, eliminate
 from femstruct.errors import SingularSystem
 from femstruct.model.facts import part_masses
@@ -56,6 +56,7 @@ def assemble(model: Model) -> Assembly:
         stiffness[elastic.name], dashpot = elastic_matrices(elastic, dofs)
         dashpots.append(dashpot)
         loss_factors[elastic.name] = elastic.loss_factor
+    masses += [block_matrix(block, dofs) for block in model.blocks.values()]
     masses += [inert_matrix(inert, dofs) for inert in model.inerts]
     total, damping, mass = (_sum(terms, dofs.count) for terms in (list(stiffness.values()), dashpots, masses))
     equations, owners = _equations(model, dofs)
@@ -64,7 +65,7 @@ def assemble(model: Model) -> Assembly:
     part_stiffness = {
         name: _without_rounding(_on_free(matrix, solved), matrix, solved) for name, matrix in stiffness.items()
     }
-    K = _total(part_stiffness)
+    K = _total(part_stiffness, len(solved.free))
     M = _on_free(mass, solved)
     _check_singular(K, M, labels)
     translations = rigid_translations(model, dofs)
@@ -103,10 +104,10 @@ def _on_free(matrix: csr_array, solved: Elimination) -> csc_array:
     return _symmetric(csr_array(matrix[solved.free][:, solved.free]))
 
 
-def _total(part_stiffness: Mapping[str, csc_array]) -> csc_array:
-    """Sum of the stiffnesses of the parts; the one itself where there is one."""
+def _total(part_stiffness: Mapping[str, csc_array], count: int) -> csc_array:
+    """Sum of the stiffnesses of the parts [count, count]; the one itself where there is one."""
     parts = list(part_stiffness.values())
-    return parts[0] if len(parts) == 1 else _symmetric(_sum([csr_array(part) for part in parts], parts[0].shape[0]))
+    return parts[0] if len(parts) == 1 else _symmetric(_sum([csr_array(part) for part in parts], count))
 
 
 def _without_rounding(reduced: csc_array, matrix: csr_array, solved: Elimination) -> csc_array:

@@ -2,7 +2,7 @@
 
 A node of a plate has w, the two rotations about the plate's own axes and, for bfs16, the twist. In its own plane a
 plate is rigid: u, v and the rotation about the normal of its centroid belong to the whole plate. A node of a frame has
-its six global components.
+its six global components, and so has the one of a block.
 """
 
 from __future__ import annotations
@@ -57,7 +57,7 @@ def number_dofs(model: Model) -> RawDofs:
         dofs = count + np.arange(len(nodes) * per_node).reshape(-1, per_node)
         of_nodes[name] = dofs
         count += dofs.size
-        if name in model.frames:
+        if name not in model.plates:
             add(base[:, None] + np.arange(6), dofs, 1.0)
             continue
         plate = model.plates[name]
@@ -127,7 +127,7 @@ class DofLabels(Sequence[str]):
                 local, component = divmod(raw - first, numbers.shape[1])
                 node = int(self._model.mesh.nodes[name][local])
                 place = ", ".join(f"{value:.6g}" for value in self._model.mesh.points[node])
-                words = COMPONENTS if name in self._model.frames else _OUT_OF_PLANE
+                words = _OUT_OF_PLANE if name in self._model.plates else COMPONENTS
                 return f"{name} node {node} ({place}) {words[component]}"
         raise IndexError(raw)
 

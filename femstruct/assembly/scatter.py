@@ -8,7 +8,7 @@ from scipy.sparse import coo_array, csr_array, diags_array
 from femstruct.arrays import Floats, Integers
 from femstruct.assembly.dofs import RawDofs
 from femstruct.elements import frame, placement, plate
-from femstruct.model.model import Elastic, FrameMesh, Inert, PlateMesh
+from femstruct.model.model import BlockMesh, Elastic, FrameMesh, Inert, PlateMesh
 
 
 def plate_matrices(mesh: PlateMesh, dofs: RawDofs) -> tuple[csr_array, csr_array]:
@@ -45,6 +45,13 @@ def frame_matrices(mesh: FrameMesh, dofs: RawDofs, first_node: int) -> tuple[csr
         for matrix in local
     ]
     return scattered(at_nodes[0], at_nodes[1], of_bars, dofs.count)
+
+
+def block_matrix(mesh: BlockMesh, dofs: RawDofs) -> csr_array:
+    """Mass matrix of a rigid block [n_raw, n_raw], diagonal at its centre of mass."""
+    numbers = dofs.of_nodes[mesh.part.name][0]
+    values = np.array([mesh.part.mass] * 3 + list(mesh.part.moments))
+    return csr_array((values, (numbers, numbers)), shape=(dofs.count, dofs.count))
 
 
 def elastic_matrices(elastic: Elastic, dofs: RawDofs) -> tuple[csr_array, csr_array]:

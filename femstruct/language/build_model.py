@@ -10,6 +10,7 @@ from femstruct.language.build import Builder
 from femstruct.language.reader import Mistakes, Tree
 from femstruct.language.schema_model import BeamSpec, GivenModesSpec, ModelSpec, OscillatorSpec, PointSpec, RodSpec
 from femstruct.language.schema_parts import (
+    BlockSpec,
     BoxSpec,
     CircleSpec,
     ConstantsSpec,
@@ -26,6 +27,7 @@ from femstruct.language.schema_parts import (
 from femstruct.modal.damping import Damping, FromMaterials, LossFactor, ModeDamping, Ratio, Rayleigh
 from femstruct.model.material import Material
 from femstruct.model.parts import (
+    Block,
     Foundation,
     Frame,
     Joint,
@@ -149,11 +151,12 @@ def _part(name: str, spec: Any, materials: Mapping[str, Material], sections: Map
             spec.offsets.start,
             spec.offsets.end,
         )
+    if isinstance(spec, BlockSpec):
+        return Block(name, spec.mass, spec.origin, spec.size, spec.center, spec.inertia)
     if isinstance(spec, FoundationSpec):
-        stiffness = spec.stiffness
-        return Foundation(
-            name, spec.on, _region(spec.region), stiffness.normal.value, stiffness.shear.value, spec.loss_factor
-        )
+        normal, shear = spec.stiffness.normal.value, spec.stiffness.shear.value
+        on, to = spec.between or (spec.on or "", None)
+        return Foundation(name, on, _region(spec.region), normal, shear, spec.loss_factor, to)
     if isinstance(spec, SpringSpec):
         first, second = spec.between
         k, c = spec.stiffness, spec.damping
@@ -177,7 +180,11 @@ def _place(name: str, spec: PointSpec, model: ModelSpec) -> PlaceOn:
     part = model.parts[on]
     if isinstance(spec.at, tuple):
         return PlaceOn(name, on, spec.at, spec.side)
-    assert isinstance(part, PlateSpec)  # `references` lets "center" through for plates only
+    if isinstance(part, BlockSpec):
+        a, b, c = part.size
+        height = {"bottom": 0.0, "top": c}.get(spec.at or "", c / 2)
+        return PlaceOn(name, on, ((a / 2, b / 2, height),), spec.side)
+    assert isinstance(part, PlateSpec)  # `references` lets words through for plates and blocks only
     return PlaceOn(name, on, ((part.size[0] / 2, part.size[1] / 2),), spec.side)
 
 

@@ -7,8 +7,17 @@ import re
 from femstruct.language.reader import Mistakes, Steps, Tree
 from femstruct.language.references import Checker, Names
 from femstruct.language.schema_model import ModelSpec, PointSpec
-from femstruct.language.schema_parts import FoundationSpec, FrameSpec, ISpec, MassSpec, PlateSpec, SpringSpec
+from femstruct.language.schema_parts import (
+    BlockSpec,
+    FoundationSpec,
+    FrameSpec,
+    ISpec,
+    MassSpec,
+    PlateSpec,
+    SpringSpec,
+)
 
+_AXES_OF = {"plate": "", "frame": "global axes", "block": "from its lower corner"}
 ROUNDING = 1e-9  # of a side: what a coordinate written in decimals may be off the edge
 
 
@@ -17,7 +26,8 @@ def check_model(model: ModelSpec, tree: Tree, mistakes: Mistakes) -> None:
     check = Checker(tree, mistakes)
     names = Names.of(model)
     plates = [name for name, part in model.parts.items() if isinstance(part, PlateSpec)]
-    lined = [name for name, part in model.parts.items() if isinstance(part, PlateSpec | FrameSpec)]
+    solid = [name for name, part in model.parts.items() if isinstance(part, PlateSpec | BlockSpec)]
+    bodily = [name for name, part in model.parts.items() if isinstance(part, PlateSpec | FrameSpec | BlockSpec)]
     if model.structure is not None:
         for group in ("parts", "joints", "supports", "surfaces", "materials", "sections"):
             if getattr(model, group):
@@ -32,7 +42,7 @@ def check_model(model: ModelSpec, tree: Tree, mistakes: Mistakes) -> None:
             check.known((*steps, "material"), part.material, "material", model.materials)
         if isinstance(part, FrameSpec):
             check.known((*steps, "section"), part.section, "section", model.sections)
-        if isinstance(part, FoundationSpec) and check.known((*steps, "on"), part.on, "plate", plates):
+        if isinstance(part, FoundationSpec) and _check_ends(check, steps, part, solid):
             _check_spread(check, steps, part)
         if isinstance(part, SpringSpec):
             _check_spring(check, steps, part, names)
@@ -40,11 +50,11 @@ def check_model(model: ModelSpec, tree: Tree, mistakes: Mistakes) -> None:
             _check_mass(check, steps, part, names, model)
     for name, joint in model.joints.items():
         for number, part_name in enumerate(joint.connect):
-            check.known(("joints", name, "connect", number), part_name, "part", lined)
+            check.known(("joints", name, "connect", number), part_name, "part", bodily)
         if joint.connect[0] == joint.connect[1]:
             check.wrong(("joints", name, "connect"), f"'{joint.connect[0]}' twice", "two different parts")
     for name, point in model.points.items():
-        _check_point(check, ("points", name), point, model, lined)
+        _check_point(check, ("points", name), point, model, bodily)
     for name, surface in model.surfaces.items():
         check.known(("surfaces", name, "on"), surface.on, "plate", plates)
         if surface.region.rim is not None or surface.region.line is not None:
@@ -56,7 +66,8 @@ def check_model(model: ModelSpec, tree: Tree, mistakes: Mistakes) -> None:
             if support.edge is not None or support.line is not None:
                 check.wrong(here, "an edge or line of a point", "a point alone, or 'on: PART' with an edge")
         elif support.on is not None:
-            check.known((*here, "on"), support.on, "plate" if support.edge or support.line else "part", lined)
+            at_line = support.edge is not None or support.line is not None
+            check.known((*here, "on"), support.on, "plate" if at_line else "part", plates if at_line else bodily)
             if support.edge is None and support.line is None and isinstance(support.fix, str):
                 do = "add edge: all, or list the directions as in [x, y]"
                 check.wrong((*here, "fix"), f"'{support.fix}' for a whole part", "an edge, a line or directions", do)
@@ -73,6 +84,17 @@ def _check_section(check: Checker, steps: Steps, section: object) -> None:
         smallest = min(getattr(section, key) for key in ("outer", "width", "height") if hasattr(section, key))
         if not 2 * thickness < smallest:
             check.wrong((*steps, "thickness"), f"{thickness:g} m", f"less than half of {smallest:g} m")
+
+
+def _check_ends(check: Checker, steps: Steps, part: FoundationSpec, solid: list[str]) -> bool:
+    """Whether a foundation is on plates and blocks that are there."""
+    if part.between is None:
+        return check.known((*steps, "on"), part.on or "", "plate or block", solid)
+    good = [check.known((*steps, "between", i), name, "plate or block", solid) for i, name in enumerate(part.between)]
+    if all(good) and part.between[0] == part.between[1]:
+        check.wrong((*steps, "between"), f"'{part.between[0]}' twice", "two different parts")
+        return False
+    return all(good)
 
 
 def _check_spread(check: Checker, steps: Steps, part: FoundationSpec) -> None:
@@ -134,27 +156,32 @@ def _check_mass(check: Checker, steps: Steps, part: MassSpec, names: Names, mode
             check.wrong((*steps, "region"), "a region of a frame", "all of the frame", "remove 'region'", of_key=True)
 
 
-def _check_inside(check: Checker, steps: Steps, places: tuple[tuple[float, ...], ...], plate: PlateSpec) -> None:
+def _check_inside(
+    check: Checker, steps: Steps, places: tuple[tuple[float, ...], ...], part: PlateSpec | BlockSpec
+) -> None:
     for place in places:
-        if not all(-ROUNDING * side <= x <= side * (1 + ROUNDING) for x, side in zip(place, plate.size, strict=True)):
-            expected = f"a place on the plate, {plate.size[0]:g} m x {plate.size[1]:g} m"
-            check.wrong(steps, f"{list(place)} m", expected, "measure from the plate's own corner, along its own axes")
+        if not all(-ROUNDING * side <= x <= side * (1 + ROUNDING) for x, side in zip(place, part.size, strict=True)):
+            expected = f"a place on the {part.type}, {' x '.join(f'{side:g} m' for side in part.size)}"
+            do = f"measure from the {part.type}'s own corner, along its own axes"
+            check.wrong(steps, f"{list(place)} m", expected, do)
 
 
-def _check_point(check: Checker, steps: Steps, point: PointSpec, model: ModelSpec, lined: list[str]) -> None:
+def _check_point(check: Checker, steps: Steps, point: PointSpec, model: ModelSpec, bodily: list[str]) -> None:
     if model.structure is None:
         for key in ("on", "at"):
             if getattr(point, key) is None:
                 check.wrong(steps, "nothing", f"'{key}'", f"add '{key}: ...'", of_key=True)
-        if point.on is not None and check.known((*steps, "on"), point.on, "part", lined):
+        if point.on is not None and check.known((*steps, "on"), point.on, "part", bodily):
             part = model.parts[point.on]
             wanted = 2 if isinstance(part, PlateSpec) else 3
-            if point.at == "center" and wanted == 3:
-                check.wrong((*steps, "at"), "center of a frame", "global coordinates", "write [x, y, z]")
+            if isinstance(part, FrameSpec) and isinstance(point.at, str):
+                check.wrong((*steps, "at"), f"{point.at} of a frame", "global coordinates", "write [x, y, z]")
+            elif isinstance(part, PlateSpec) and point.at in ("top", "bottom"):
+                check.wrong((*steps, "at"), f"{point.at} of a plate", "center or [x, y]", "write center")
             if isinstance(point.at, tuple) and any(len(one) != wanted for one in point.at):
                 got = f"{len(point.at[0])} coordinates"
-                check.wrong((*steps, "at"), got, f"{wanted} on a {part.type}", "global axes" if wanted == 3 else "")
-            elif isinstance(point.at, tuple) and isinstance(part, PlateSpec):
+                check.wrong((*steps, "at"), got, f"{wanted} on a {part.type}", _AXES_OF[part.type])
+            elif isinstance(point.at, tuple) and isinstance(part, PlateSpec | BlockSpec):
                 _check_inside(check, (*steps, "at"), point.at, part)
         return
     kind = model.structure.type
@@ -170,6 +197,8 @@ def _check_point(check: Checker, steps: Steps, point: PointSpec, model: ModelSpe
             if len(one) != 1 or not 0 <= one[0] <= length:
                 got = f"{one[0]:g} m" if len(one) == 1 else f"{len(one)} coordinates"
                 check.wrong((*steps, "at"), got, f"a position from 0 to {length:g} m along it")
+        if point.at in ("top", "bottom"):
+            check.wrong((*steps, "at"), f"{point.at} of a {kind}", f"a position from 0 to {length:g} m", "write center")
         if point.at is None:
             check.wrong(steps, "nothing", "'at'", "add 'at: 0'", of_key=True)
         if point.on is not None:

@@ -52,10 +52,13 @@ def coordinates(value: object) -> tuple[float, ...]:
     return tuple(Quantity(("length",)).read(one) for one in value)
 
 
+_AT_WORDS = ("center", "top", "bottom")
+
+
 def _places(value: object) -> object:
-    """One place or several: "center", a position along a bar, [x, y], or a list of positions."""
-    if value == "center":
-        return "center"
+    """One place or several: a word, a position along a bar, [x, y], [x, y, z], or a list of positions."""
+    if value in _AT_WORDS:
+        return value
     if isinstance(value, list):
         if value and all(isinstance(one, list) for one in value):
             return tuple(coordinates(one) for one in value)
@@ -63,12 +66,13 @@ def _places(value: object) -> object:
     try:
         return ((quantity(value, "length"),),)
     except QuantityError as error:
-        raise refuse(error.got, "center, [x, y] or [[x, y], [x, y]]", nearest(str(value), ["center"])) from None
+        raise refuse(error.got, "center, [x, y] or [[x, y], [x, y]]", nearest(str(value), _AT_WORDS)) from None
 
 
-_WrittenAt = Literal["center"] | Coordinate | list[Coordinate] | list[list[Coordinate]]
+AtWord = Literal["center", "top", "bottom"]
+_WrittenAt = AtWord | Coordinate | list[Coordinate] | list[list[Coordinate]]
 At = Annotated[
-    Literal["center"] | tuple[tuple[float, ...], ...],
+    AtWord | tuple[tuple[float, ...], ...],
     read_by(_places, _WrittenAt),
 ]
 Side = Annotated[Literal["above", "below"], BeforeValidator(only(("above", "below")))]
@@ -107,7 +111,7 @@ _Directions = list[Literal["x", "y", "z", "rx", "ry", "rz"]]
 
 
 class SupportSpec(Spec):
-    """Held directions of an edge or line of a plate, of a point, or of a whole part."""
+    """Held directions of an edge or line of a plate (a line: a wall under it), of a point, or of a whole part."""
 
     one_of = (("on", "at"),)
     at_most_one_of = (("edge", "line"),)

@@ -13,6 +13,7 @@ from femstruct.language.spec import (
     Factor,
     Length,
     LossFactor,
+    MassKg,
     Measured,
     Position2,
     Position3,
@@ -35,6 +36,7 @@ AnyMass = Annotated[Measured, Quantity(("mass", "mass/length", "mass/area"), abo
 Stiffness = Annotated[float, Quantity(("stiffness",), least=0.0)]
 RotationalStiffness = Annotated[float, Quantity(("rotational stiffness",), least=0.0)]
 Dashpot = Annotated[float, Quantity(("damping",), least=0.0)]
+Inertia = Annotated[float, Quantity(("inertia",), above=0.0)]
 RotationalDashpot = Annotated[float, Quantity(("rotational damping",), least=0.0)]
 
 
@@ -192,11 +194,25 @@ class SpreadSpec(Spec):
     shear: Spread = Measured(0.0, None)
 
 
+class BlockSpec(Spec):
+    """A rigid body: a box along the global axes from its lower corner; center and inertia where it is not uniform."""
+
+    type: Literal["block"]
+    mass: MassKg
+    origin: Position3
+    size: tuple[Length, Length, Length]
+    center: Position3 | None = None
+    inertia: tuple[Inertia, Inertia, Inertia] | None = None
+
+
 class FoundationSpec(Spec):
-    """A Winkler foundation to the ground."""
+    """A Winkler foundation: of a plate or block to the ground, or between the facing sides of two of them."""
+
+    one_of = (("on", "between"),)
 
     type: Literal["foundation"]
-    on: Text
+    on: Text | None = None
+    between: tuple[Text, Text] | None = None
     region: Region = RegionSpec()
     stiffness: SpreadSpec
     loss_factor: LossFactor = 0.0
@@ -243,4 +259,6 @@ class MassSpec(Spec):
     region: Region | None = None
 
 
-PartSpec = Annotated[PlateSpec | FrameSpec | FoundationSpec | SpringSpec | MassSpec, Field(discriminator="type")]
+PartSpec = Annotated[
+    PlateSpec | FrameSpec | BlockSpec | FoundationSpec | SpringSpec | MassSpec, Field(discriminator="type")
+]

@@ -37,7 +37,7 @@ def _note(error: Any, schema: type[BaseModel], tree: Tree, mistakes: Mistakes) -
     loc: Steps = error["loc"]
     kind: str = error["type"]
     context: dict[str, Any] = error.get("ctx", {})
-    steps = _steps(loc, tree.value)
+    steps = _steps(loc, tree.value, absent=kind != "refused")
     got, expected, do, of_key = shown_as(error["input"]), str(error["msg"]), "", False
     if kind == "refused":
         got, expected, do = context["got"], context["expected"], context["do"]
@@ -73,7 +73,7 @@ def _note(error: Any, schema: type[BaseModel], tree: Tree, mistakes: Mistakes) -
         known = [tag.strip(" '") for tag in context["expected_tags"].split(",")]
         word = context["tag"]
         steps = _steps((*loc, "shape" if "rectangle" in known else "type"), tree.value)
-        later = word in ("block", "shell", "solid")
+        later = word in ("shell", "solid")
         got = f"'{word}'" + (f", which is {LATER}" if later else "")
         expected, do = f"one of {', '.join(known)}", "" if later else nearest(word, known)
     elif kind == "literal_error":
@@ -83,7 +83,7 @@ def _note(error: Any, schema: type[BaseModel], tree: Tree, mistakes: Mistakes) -
 
 _LATER_KEYS: Final = (
     ("parts", "*", "layers"), ("parts", "*", "file"), ("parts", "*", "set"), ("parts", "*", "scale"),
-    ("parts", "*", "between"), ("bodies", "*", "blows"), ("bodies", "*", "source"), ("limits",),
+    ("bodies", "*", "blows"), ("bodies", "*", "source"), ("limits",),
     ("rooms", "*", "levels"),
 )  # fmt: skip
 
@@ -93,14 +93,15 @@ def _is_later(loc: Steps) -> bool:
     return short in _LATER_KEYS and len(loc) <= 4
 
 
-def _steps(loc: Steps, value: Any) -> Steps:
-    """A pydantic location without the tags of its unions: only what is in the tree, and a last missing key."""
+def _steps(loc: Steps, value: Any, absent: bool = True) -> Steps:
+    """A pydantic location without the tags of its unions: only what is in the tree, and a last missing key (`absent`;
+    what refuses a whole mapping misses none, and its last step may be a tag)."""
     steps: list[str | int] = []
     for number, step in enumerate(loc):
         in_list = isinstance(value, list) and isinstance(step, int) and step < len(value)
         if in_list or (isinstance(value, dict) and step in value):
             value = value[step]
-        elif number < len(loc) - 1:
+        elif number < len(loc) - 1 or not absent:
             continue
         steps.append(step)
     return tuple(steps)

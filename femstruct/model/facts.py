@@ -23,6 +23,8 @@ def part_masses(model: Model) -> dict[str, float]:
         masses[name] = plate.part.material.rho * plate.part.thickness * width * height
     for name, frame in model.frames.items():
         masses[name] = frame.part.material.rho * frame.part.section.A * float(frame.lengths.sum())
+    for name, block in model.blocks.items():
+        masses[name] = block.part.mass
     for inert in model.inerts:
         masses[inert.name] = float(inert.mass[::3].sum())
     return {name: mass for name, mass in masses.items() if mass > 0}
@@ -32,8 +34,8 @@ def part_masses(model: Model) -> dict[str, float]:
 class ModelFacts:
     """What `check` reports of a model.
 
-    masses : by part [kg]; total_mass [kg]; low, high [3] : corners of the box around the nodes [m].
-    counts : nodes, plate cells, bars.
+    masses : by part [kg]; total_mass [kg]; low, high [3] : corners of the box around nodes and blocks [m].
+    counts : nodes, plate cells, bars, blocks where there are any.
     """
 
     masses: dict[str, float]
@@ -50,13 +52,11 @@ def model_facts(model: Model) -> ModelFacts:
     """Masses by part, the box around the structure, and the numbers of nodes and cells."""
     masses = part_masses(model)
     mesh = model.mesh
-    return ModelFacts(
-        masses,
-        sum(masses.values()),
-        mesh.points.min(axis=0),
-        mesh.points.max(axis=0),
-        {"nodes": mesh.n_nodes, "plate cells": len(mesh.quads), "bars": len(mesh.bars)},
-    )
+    corners = np.concatenate([mesh.points, *(block.corners for block in model.blocks.values())])
+    counts = {"nodes": mesh.n_nodes, "plate cells": len(mesh.quads), "bars": len(mesh.bars)}
+    if model.blocks:
+        counts["blocks"] = len(model.blocks)
+    return ModelFacts(masses, sum(masses.values()), corners.min(axis=0), corners.max(axis=0), counts)
 
 
 def model_findings(model: Model) -> tuple[Finding, ...]:

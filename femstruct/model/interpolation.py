@@ -9,7 +9,7 @@ from scipy.sparse import csr_array
 from femstruct.arrays import Floats, Integers
 from femstruct.conventions import N_COMPONENTS, TWIST
 from femstruct.elements import frame, placement, plate
-from femstruct.model.model import FrameMesh, PlateMesh
+from femstruct.model.model import BlockMesh, FrameMesh, PlateMesh
 
 
 def plate_rows(mesh: PlateMesh, places: Floats) -> tuple[Integers, Floats]:
@@ -76,6 +76,24 @@ def frame_rows(mesh: FrameMesh, bars: Integers, places: Floats) -> tuple[Integer
     padded = np.zeros((len(bars), 6, 2, N_COMPONENTS))
     padded[..., :6] = rows.reshape(len(bars), 6, 2, 6)
     return mesh.bars[bars], padded
+
+
+def block_rows(mesh: BlockMesh, places: Floats) -> tuple[Integers, Floats]:
+    """Motion of places that move with a block: nodes [p, 1] and rows [p, 6, 1, 7]; places [p, 3] are global [m]."""
+    rows = np.zeros((len(places), 6, 1, N_COMPONENTS))
+    rows[:, :, 0, :6] = np.eye(6)
+    return np.full((len(places), 1), mesh.node), carried(rows, places - mesh.center)
+
+
+def carried(rows: Floats, arms: Floats) -> Floats:
+    """Motion at the tips of rigid arms [p, 3] or [3] from that at their feet, rows [p, 6, ...]: u + r x arm."""
+    x, y, z = np.moveaxis(np.broadcast_to(arms, (len(rows), 3)), 1, 0).reshape(3, -1, *(1,) * (rows.ndim - 2))
+    rx, ry, rz = rows[:, 3], rows[:, 4], rows[:, 5]
+    tips = rows.copy()
+    tips[:, 0] += ry * z - rz * y
+    tips[:, 1] += rz * x - rx * z
+    tips[:, 2] += rx * y - ry * x
+    return tips
 
 
 def sparse_rows(nodes: Integers, rows: Floats, n_nodes: int) -> csr_array:

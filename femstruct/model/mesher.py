@@ -12,12 +12,13 @@ from scipy.spatial import KDTree
 from femstruct.arrays import Floats, Integers
 from femstruct.elements.placement import directions
 from femstruct.errors import InputError
-from femstruct.model.attachments import foundation, joint, lumped_mass, spread_mass, springs, support
+from femstruct.model.attachments import foundation, lumped_mass, spread_mass, springs
 from femstruct.model.geometry import from_plate
 from femstruct.model.gridlines import Key
+from femstruct.model.holding import joint, support
 from femstruct.model.mesh import Mesh
-from femstruct.model.model import Elastic, FrameMesh, Inert, Model, PlateMesh, Tie
-from femstruct.model.parts import Foundation, Frame, Mass, Plate, Spring, Structure
+from femstruct.model.model import BlockMesh, Elastic, FrameMesh, Inert, Model, PlateMesh, Tie
+from femstruct.model.parts import Block, Foundation, Frame, Mass, Plate, Spring, Structure
 from femstruct.model.places import locate_points, locate_surface
 from femstruct.model.planning import Plan
 from femstruct.model.segments import Segment
@@ -26,11 +27,11 @@ from femstruct.model.segments import Segment
 def mesh_structure(structure: Structure) -> Model:
     """The meshed model of a structure.
 
-    Plates have rectangular grids, bars run along their lines. Nodes are put where joints, regions and their edges,
-    supports, and points that carry a spring, a mass or a support need them; sizes and divisions of the parts are the
-    least density between. A point that is only pushed or listened to is interpolated and moves no node. A frame line
-    lying in a plate it is joined to takes the plate's nodes, whatever its own size. Every part has nodes of its own;
-    parts are connected by joints alone, which are equations.
+    Plates have rectangular grids, bars run along their lines, a block has one node. Nodes are put where joints, regions
+    and their edges, supports, and points that carry a spring, a mass or a support need them; sizes and divisions of the
+    parts are the least density between. A point that is only pushed or listened to is interpolated and moves no node.
+    A frame line lying in a plate it is joined to takes the plate's nodes, whatever its own size. Every part has nodes
+    of its own; parts are connected by joints, which are equations, and by springs and foundations.
 
     Raises InputError, naming the part or joint, where joined parts do not touch, a region, point or line leaves its
     part, or a name does not exist.
@@ -47,6 +48,7 @@ def mesh_structure(structure: Structure) -> Model:
     points: list[Floats] = []
     plates: dict[str, PlateMesh] = {}
     frames: dict[str, FrameMesh] = {}
+    blocks: dict[str, BlockMesh] = {}
     nodes: dict[str, Integers] = {}
     cells: dict[str, Integers] = {}
     n_nodes = n_quads = n_bars = 0
@@ -59,6 +61,9 @@ def mesh_structure(structure: Structure) -> Model:
             frames[part.name], places = _mesh_frame(part, plan.segments[part.name], grids, n_nodes, plan.tolerance)
             cells[part.name] = np.arange(n_bars, n_bars + len(frames[part.name].bars))
             n_bars += len(cells[part.name])
+        elif isinstance(part, Block):
+            center = np.add(part.origin, part.middle if part.center is None else part.center)
+            blocks[part.name], places = BlockMesh(part, n_nodes, center), center[None]
         else:
             continue
         nodes[part.name] = np.arange(n_nodes, n_nodes + len(places))
@@ -71,11 +76,11 @@ def mesh_structure(structure: Structure) -> Model:
         nodes=nodes,
         cells=cells,
     )
-    located = locate_points(structure.points, mesh, plates, frames, plan.tolerance)
-    bare = Model(structure, mesh, plates, frames, (), (), (), located, {})
+    located = locate_points(structure.points, mesh, plates, frames, blocks, plan.tolerance)
+    bare = Model(structure, mesh, plates, frames, (), (), (), located, {}, blocks)
     elastics, inerts, ties = _attachments(structure, bare, plan.tolerance)
     surfaces = {item.name: locate_surface(item, mesh, plates, plan.tolerance) for item in structure.surfaces}
-    return Model(structure, mesh, plates, frames, elastics, inerts, ties, located, surfaces)
+    return Model(structure, mesh, plates, frames, elastics, inerts, ties, located, surfaces, blocks)
 
 
 def _attachments(

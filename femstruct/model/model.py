@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from scipy.sparse import csr_array
@@ -12,7 +12,7 @@ from femstruct.arrays import Floats, Integers, freeze, frozen, frozen_integers
 from femstruct.conventions import N_COMPONENTS
 from femstruct.errors import FemstructError
 from femstruct.model.mesh import Mesh
-from femstruct.model.parts import Frame, Plate, Structure
+from femstruct.model.parts import Block, Frame, Plate, Structure
 from femstruct.model.probe import Point, Surface
 
 
@@ -95,6 +95,24 @@ class FrameMesh:
 
 
 @dataclass(frozen=True, eq=False)
+class BlockMesh:
+    """A rigid block: one node at its centre of mass, center [3] : where that is, global [m]."""
+
+    part: Block
+    node: int
+    center: Floats
+
+    def __post_init__(self) -> None:
+        freeze(self, center=frozen(f"parts.{self.part.name} center", self.center, (3,)))
+
+    @property
+    def corners(self) -> Floats:
+        """Lower and upper corner [2, 3] [m]."""
+        low = np.asarray(self.part.origin, dtype=np.float64)
+        return np.stack([low, low + np.asarray(self.part.size)])
+
+
+@dataclass(frozen=True, eq=False)
 class Elastic:
     """Springs and dashpots that act on generalised displacements: lumped, spread over a region, or in a joint.
 
@@ -156,7 +174,7 @@ class Tie:
 class Model:
     """A structure ready to be assembled.
 
-    points, surfaces : by name; several places of a point are NAME.1, NAME.2. plates, frames : by part.
+    points, surfaces : by name; several places of a point are NAME.1, NAME.2. plates, frames, blocks : by part.
     elastics : springs, foundations and joints with stiffness. inerts : masses. ties : supports and joints.
 
     Raises FemstructError: rows that do not fit the mesh.
@@ -171,6 +189,7 @@ class Model:
     ties: tuple[Tie, ...]
     points: Mapping[str, Point]
     surfaces: Mapping[str, Surface]
+    blocks: Mapping[str, BlockMesh] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         fastened: tuple[Elastic | Inert | Tie, ...] = (*self.elastics, *self.inerts, *self.ties)

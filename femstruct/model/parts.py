@@ -77,9 +77,44 @@ class Frame:
 
 
 @dataclass(frozen=True)
-class Foundation:
-    """A Winkler foundation to the ground under a region of a plate.
+class Block:
+    """A rigid body: a box along the global axes; `origin` is its lower corner (least x, y and z).
 
+    mass [kg]; size : along x, y, z [m]. center : the centre of mass from the lower corner [m], None for the middle.
+    inertia : moments about the centre of mass along x, y, z, which are its principal axes [kg m^2]; None for those of
+    a uniform box of this mass and size.
+    """
+
+    name: str
+    mass: float
+    origin: Vector
+    size: Vector
+    center: Vector | None = None
+    inertia: Vector | None = None
+
+    @property
+    def middle(self) -> Vector:
+        """Middle of the box from its lower corner [m]."""
+        a, b, c = self.size
+        return a / 2.0, b / 2.0, c / 2.0
+
+    @property
+    def moments(self) -> Vector:
+        """Moments of inertia about the centre of mass along x, y, z [kg m^2]; m (b^2 + c^2) / 12 for the box."""
+        if self.inertia is not None:
+            return self.inertia
+        x, y, z = (self.mass * side**2 / 12.0 for side in self.size)
+        return y + z, z + x, x + y
+
+
+@dataclass(frozen=True)
+class Foundation:
+    """A Winkler foundation under a region of a plate or a block, to the ground or to another plate or block.
+
+    to : the other part, None for the ground. Between two parts it fills the gap between their facing sides, which are
+    parallel; its shear acts in the middle of the gap, through arms of the thickness of both, so that a rigid motion of
+    both strains nothing. To the ground it acts on the mid-surface of a plate, on the lower face of a block.
+    region : of `on`; the whole is all that faces the other part.
     normal, shear : stiffness per area [N/m^3] of a whole or rectangle region, per length [N/m^2] of a rim or line.
     """
 
@@ -89,6 +124,7 @@ class Foundation:
     normal: float
     shear: float = 0.0
     loss_factor: float = 0.0
+    to: str | None = None
 
 
 @dataclass(frozen=True)
@@ -142,7 +178,8 @@ class Joint:
 class PlaceOn:
     """A named point of a part; several positions are NAME.1, NAME.2 (and NAME means all of them).
 
-    at : positions from the part's origin corner along its own axes [m] for a plate; along global axes for a frame.
+    at : positions from the part's origin corner along its own axes [m] for a plate, from the lower corner of a block;
+    global ones for a frame.
     """
 
     name: str
@@ -178,15 +215,16 @@ class Support:
     at: str | None = None
 
 
-Part = Plate | Frame | Foundation | Spring | Mass
+Part = Plate | Frame | Block | Foundation | Spring | Mass
 
 
 @dataclass(frozen=True)
 class Structure:
     """Everything a model file says about the structure, in SI units.
 
-    parts : plates, frames, foundations, springs and masses. joints : where they move together. points, surfaces :
-    named places. supports : what is held. Names are unique over all of it; the mesher checks that they exist.
+    parts : plates, frames, blocks, foundations, springs and masses. joints : where they move together. points,
+    surfaces : named places. supports : what is held. Names are unique over all of it; the mesher checks that they
+    exist.
 
     >>> steel = Material("steel", E=210e9, nu=0.3, rho=7850.0)
     >>> plate = Plate("plate", steel, 0.003, origin=(0.0, 0.0, 0.0), size=(0.5, 0.4), mesh=0.05)

@@ -10,9 +10,9 @@ from femstruct.arrays import Floats
 from femstruct.conventions import N_COMPONENTS
 from femstruct.errors import InputError
 from femstruct.model.geometry import distance_to_rectangle, distance_to_segments, from_plate
-from femstruct.model.interpolation import frame_rows, plate_rows, sparse_rows
+from femstruct.model.interpolation import block_rows, frame_rows, plate_rows, sparse_rows
 from femstruct.model.mesh import Mesh
-from femstruct.model.model import FrameMesh, PlateMesh
+from femstruct.model.model import BlockMesh, FrameMesh, PlateMesh
 from femstruct.model.parts import PlaceOn, Side, SurfaceOn
 from femstruct.model.probe import Point, Surface
 from femstruct.model.regions import area_points, region_box
@@ -28,6 +28,7 @@ def locate_points(
     mesh: Mesh,
     plates: Mapping[str, PlateMesh],
     frames: Mapping[str, FrameMesh],
+    blocks: Mapping[str, BlockMesh],
     tolerance: float,
 ) -> dict[str, Point]:
     """Every named point by name; several places of one name are NAME.1, NAME.2.
@@ -43,9 +44,13 @@ def locate_points(
                 points[name] = _point_of_plate(name, place, position, plates[place.on], tolerance)
             elif place.on in frames:
                 points[name] = _point_of_frame(name, place, position, frames[place.on], mesh, tolerance)
+            elif place.on in blocks:
+                points[name] = _point_of_block(name, place, position, blocks[place.on], tolerance)
             else:
-                expected = ", ".join([*plates, *frames])
-                raise InputError(f"points.{name}.on", got=f"'{place.on}'", expected=f"a plate or frame: {expected}")
+                expected = ", ".join([*plates, *frames, *blocks])
+                raise InputError(
+                    f"points.{name}.on", got=f"'{place.on}'", expected=f"a plate, frame or block: {expected}"
+                )
     return points
 
 
@@ -66,7 +71,7 @@ def locate_surface(surface: SurfaceOn, mesh: Mesh, plates: Mapping[str, PlateMes
             f"{where}.side", got=f"'{surface.side}' of a plate at {angle:.0f} degrees", expected="at most 45 degrees"
         )
     normal = side_normal(plate, surface.side)
-    box = region_box(f"{where}.region", plate.part, surface.region, tolerance)
+    box = region_box(f"{where}.region", surface.on, plate.part.size, surface.region, tolerance)
     local, weights = area_points(plate.x, plate.y, box, tolerance, SURFACE_ORDER)
     nodes, rows = plate_rows(plate, local)
     along_normal = np.einsum("j,pjkc->pkc", normal, rows[:, :3])[:, None]
@@ -126,6 +131,23 @@ def _point_of_frame(name: str, place: PlaceOn, at: Floats, frame: FrameMesh, mes
     nodes, rows = frame_rows(frame, np.array([bar]), shares[[bar]])
     position = frame.start[bar] + shares[bar] * (frame.end[bar] - frame.start[bar])
     return Point(name, position, *_flat(nodes[0], rows[0]), normal=up)
+
+
+def _point_of_block(name: str, place: PlaceOn, at: Floats, block: BlockMesh, tolerance: float) -> Point:
+    if len(at) != 3:
+        raise InputError(f"points.{name}.at", got=f"{len(at)} numbers", expected="[x, y, z] from the lower corner")
+    size = np.asarray(block.part.size)
+    off = float(np.linalg.norm(at - np.clip(at, 0.0, size)))
+    if off > tolerance:
+        raise InputError(
+            f"points.{name}.at",
+            got=f"({at[0]:g}, {at[1]:g}, {at[2]:g}) m, {off:.4g} m off {block.part.name}",
+            expected=f"a place within {size[0]:g} m x {size[1]:g} m x {size[2]:g} m",
+        )
+    position = np.asarray(block.part.origin) + np.clip(at, 0.0, size)
+    nodes, rows = block_rows(block, position[None])
+    up = 1.0 if place.side == "above" else -1.0
+    return Point(name, position, *_flat(nodes[0], rows[0]), normal=np.array([0.0, 0.0, up]))
 
 
 def _flat(nodes: np.ndarray, rows: Floats) -> tuple[np.ndarray, np.ndarray, Floats]:

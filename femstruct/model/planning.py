@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from itertools import product
 from math import inf
 
 import numpy as np
 
 from femstruct.arrays import Floats
 from femstruct.errors import InputError
+from femstruct.model.extent import extent
 from femstruct.model.geometry import (
     clip,
     distance_to_rectangle,
@@ -18,9 +18,11 @@ from femstruct.model.geometry import (
     to_plate,
 )
 from femstruct.model.gridlines import Axis, Key, SharedLine, Track, settle
-from femstruct.model.parts import Foundation, Frame, Joint, Mass, PlaceOn, Plate, Region, Spring, Structure
+from femstruct.model.layers import layer_of
+from femstruct.model.parts import Block, Foundation, Frame, Joint, Mass, PlaceOn, Plate, Region, Spring, Structure
 from femstruct.model.regions import region_box
 from femstruct.model.segments import Segment, frame_segments
+from femstruct.model.touching import lines_under, stretch_inside
 
 RELATIVE_TOLERANCE = 1e-6
 """Places closer than this share of the structure's extent are one place."""
@@ -37,6 +39,7 @@ class Plan:
         self.structure = structure
         self.plates = {part.name: part for part in structure.parts if isinstance(part, Plate)}
         self.frames = {part.name: part for part in structure.parts if isinstance(part, Frame)}
+        self.blocks = {part.name: part for part in structure.parts if isinstance(part, Block)}
         self.axes_of = {name: plate_axes(plate) for name, plate in self.plates.items()}
         self.tolerance = RELATIVE_TOLERANCE * extent(structure)
         self.segments = {name: frame_segments(frame, self.tolerance) for name, frame in self.frames.items()}
@@ -90,7 +93,7 @@ class Plan:
     def _regions(self) -> None:
         for part in self.structure.parts:
             if isinstance(part, Foundation):
-                self._region(f"parts.{part.name}.region", part.on, part.region)
+                self._layer(part)
             elif isinstance(part, Mass) and part.on is not None and part.on not in self.frames:
                 self._region(f"parts.{part.name}.region", part.on, part.region or Region("whole"))
         for surface in self.structure.surfaces:
@@ -103,9 +106,16 @@ class Plan:
     def _region(self, where: str, name: str, region: Region) -> None:
         if name not in self.plates:
             raise InputError(where, got=f"'{name}'", expected=f"a plate: {', '.join(self.plates) or 'there is none'}")
-        x0, x1, y0, y1 = region_box(where, self.plates[name], region, self.tolerance)
+        x0, x1, y0, y1 = region_box(where, name, self.plates[name].size, region, self.tolerance)
         self.grids[name, 0].require(x0, x1)
         self.grids[name, 1].require(y0, y1)
+
+    def _layer(self, part: Foundation) -> None:
+        layer = layer_of(part, {**self.plates, **self.blocks}, self.tolerance)
+        for name in (part.on, part.to):
+            if name in self.plates:
+                for corner in to_plate(self.plates[name], self.axes_of[name], layer.corners):
+                    self.require_on_plate(name, np.clip(corner[:2], 0.0, self.plates[name].size))
 
     def _carrying_points(self) -> None:
         """Springs, masses and supports hold a node; a point that is only hit or heard does not."""
@@ -126,11 +136,14 @@ class Plan:
 
     def _joint(self, joint: Joint) -> None:
         for end in (joint.a, joint.b):
-            if end not in self.plates and end not in self.frames:
-                raise InputError(f"joints.{joint.name}", got=f"'{end}'", expected="the name of a plate or a frame")
+            if end not in self.plates and end not in self.frames and end not in self.blocks:
+                expected = "the name of a plate, a frame or a block"
+                raise InputError(f"joints.{joint.name}", got=f"'{end}'", expected=expected)
         if joint.a == joint.b:
             raise InputError(f"joints.{joint.name}", got=f"'{joint.a}' twice", expected="two parts")
-        if joint.a in self.plates and joint.b in self.plates:
+        if joint.a in self.blocks or joint.b in self.blocks:
+            self._on_block(*((joint.b, joint.a) if joint.a in self.blocks else (joint.a, joint.b)))
+        elif joint.a in self.plates and joint.b in self.plates:
             self._plate_on_plate(joint.a, joint.b)
         elif joint.a in self.frames and joint.b in self.frames:
             self._frame_on_frame(joint)
@@ -212,6 +225,20 @@ class Plan:
                 self.grids[own.key].given.append((own.start, own.end))
                 self.shared += [SharedLine(track, own), SharedLine(own, track)]
 
+    def _on_block(self, name: str, block: str) -> None:
+        """Nodes of a plate or frame where it enters and leaves a block."""
+        solid = self.blocks[block]
+        if name in self.plates:
+            for place in lines_under(solid, self.plates[name], self.axes_of[name]):
+                self.require_on_plate(name, place)
+        low = np.asarray(solid.origin)
+        for segment in self.segments.get(name, ()):
+            middle, half = segment.feet.mean(axis=0), np.diff(segment.feet, axis=0)[0] / 2.0
+            first, last = stretch_inside(middle[None], half, low - self.tolerance, low + solid.size + self.tolerance)
+            if first[0] <= last[0]:
+                length = self.grids[segment.key].length
+                self.grids[segment.key].require(*((1.0 + share) / 2.0 * length for share in (first[0], last[0])))
+
     def _refuse_apart(self, joint: Joint, distance: float) -> None:
         if distance > self.tolerance:
             raise InputError(
@@ -220,30 +247,6 @@ class Plan:
                 expected="parts that touch: an end or a line of a frame on the mid-surface of a plate or on a frame",
                 do="move one of them",
             )
-
-
-def extent(structure: Structure) -> float:
-    """Largest side of the box around a structure [m]."""
-    corners: list[Floats] = []
-    for part in structure.parts:
-        if isinstance(part, Plate):
-            _check_plate(part)
-            axes = plate_axes(part)
-            corners += [
-                np.asarray(part.origin) + i * part.size[0] * axes[0] + j * part.size[1] * axes[1]
-                for i, j in product((0.0, 1.0), repeat=2)
-            ]
-        elif isinstance(part, Frame):
-            corners += [np.asarray(point, dtype=np.float64) for line in part.lines for point in line]
-    if not corners:
-        raise InputError("parts", got="no plate and no frame", expected="at least one")
-    return float(np.ptp(np.stack(corners), axis=0).max())
-
-
-def _check_plate(plate: Plate) -> None:
-    for name, value in (("thickness", plate.thickness), ("size", min(plate.size))):
-        if not value > 0:
-            raise InputError(f"parts.{plate.name}.{name}", got=f"{value:g} m", expected="a positive length")
 
 
 def _plate_size(plate: Plate, direction: int) -> float:

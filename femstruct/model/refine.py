@@ -10,15 +10,16 @@ from scipy.sparse import csr_array, vstack
 from femstruct.arrays import Floats, Integers, freeze, frozen, frozen_integers
 from femstruct.errors import InputError
 from femstruct.model.geometry import from_plate
-from femstruct.model.interpolation import frame_rows, plate_rows, sparse_rows
-from femstruct.model.model import FrameMesh, Model, PlateMesh
+from femstruct.model.interpolation import block_rows, frame_rows, plate_rows, sparse_rows
+from femstruct.model.model import BlockMesh, FrameMesh, Model, PlateMesh
 
 
 @dataclass(frozen=True, eq=False)
 class Refined:
     """A subdivided model.
 
-    points [p, 3] : [m]. quads [q, 4] : corners of plate pieces, in turn. lines [l, 2] : ends of pieces of bars.
+    points [p, 3] : [m]. quads [q, 4] : corners of pieces of plates and faces of blocks, in turn.
+    lines [l, 2] : ends of pieces of bars.
     rows [3 p, n_nodes * 7] : x, y, z displacements of the points from the nodal components. parts : names of the parts;
     part_of_point [p] : the part of each point, as a place in `parts`.
     """
@@ -47,7 +48,7 @@ class Refined:
 
 
 def refined(model: Model, divisions: int = 4) -> Refined:
-    """The model with every cell side and every bar divided into equal pieces.
+    """The model with every cell side and every bar divided into equal pieces; blocks are boxes.
 
     divisions : pieces a side. Raises InputError when there is not at least one.
     """
@@ -63,6 +64,9 @@ def refined(model: Model, divisions: int = 4) -> Refined:
     for number, name in enumerate(parts):
         if name in model.plates:
             places, motion, cells = _of_plate(model.plates[name], divisions, model.mesh.n_nodes)
+            quads.append(first + cells)
+        elif name in model.blocks:
+            places, motion, cells = _of_block(model.blocks[name], model.mesh.n_nodes)
             quads.append(first + cells)
         else:
             places, motion, cells = _of_frame(model.frames[name], divisions, model.mesh.n_nodes)
@@ -98,6 +102,16 @@ def _of_frame(frame: FrameMesh, divisions: int, n_nodes: int) -> tuple[Floats, c
     n = np.arange(len(bars)).reshape(len(frame.bars), divisions + 1)
     pieces = np.stack([n[:, :-1], n[:, 1:]], axis=-1).reshape(-1, 2)
     return places, sparse_rows(nodes, rows[:, :3], n_nodes), pieces
+
+
+def _of_block(block: BlockMesh, n_nodes: int) -> tuple[Floats, csr_array, Integers]:
+    """The six faces, each with corners of its own, so that every face has edges."""
+    square = np.array([[0, 0], [1, 0], [1, 1], [0, 1]])
+    faces = [np.insert(square, axis, side, axis=1) for axis in range(3) for side in (0, 1)]
+    low, high = block.corners
+    places = low + np.concatenate(faces) * (high - low)
+    nodes, rows = block_rows(block, places)
+    return places, sparse_rows(nodes, rows[:, :3], n_nodes), np.arange(len(places)).reshape(-1, 4)
 
 
 def _divided(grid: Floats, divisions: int) -> Floats:

@@ -7,19 +7,21 @@ import numpy as np
 from femstruct.arrays import Floats
 from femstruct.elements.quadrature import gauss_interval
 from femstruct.errors import InputError
-from femstruct.model.parts import Pair, Plate, Region
+from femstruct.model.parts import Pair, Region
 
 Box = tuple[float, float, float, float]
 
 
-def region_box(where: str, plate: Plate, region: Region, tolerance: float) -> Box:
-    """Bounds x0, x1, y0, y1 of a region in the plate's coordinates [m], snapped to the plate's edges.
+def region_box(where: str, name: str, size: Pair, region: Region, tolerance: float) -> Box:
+    """Bounds x0, x1, y0, y1 of a region in its part's coordinates [m], snapped to the part's edges.
 
-    Raises InputError for a region that reaches beyond the plate, saying by how much, and for a line that does not run
-    along the plate's own axes.
+    name, size : of a plate, or of a block and the face the region is on.
+
+    Raises InputError for a region that reaches beyond the part, saying by how much, and for a line that does not run
+    along the part's own axes.
     """
     if region.kind == "whole":
-        bounds = np.array([[0.0, plate.size[0]], [0.0, plate.size[1]]])
+        bounds = np.array([[0.0, size[0]], [0.0, size[1]]])
     elif region.kind == "line":
         if region.line is None:
             raise InputError(where, got="a line without ends", expected="two ends")
@@ -33,19 +35,17 @@ def region_box(where: str, plate: Plate, region: Region, tolerance: float) -> Bo
         half = np.asarray(region.size) / 2.0
         if not (half > 0).all():
             raise InputError(where, got=f"sides {region.size}", expected="two positive sides")
-        center = np.asarray(region.at if region.at is not None else plate.size) / (
-            1.0 if region.at is not None else 2.0
-        )
+        center = np.asarray(region.at if region.at is not None else size) / (1.0 if region.at is not None else 2.0)
         bounds = np.stack([center - half, center + half], axis=1)
-    beyond = max(-bounds.min(), float((bounds[:, 1] - plate.size).max()))
+    beyond = max(-bounds.min(), float((bounds[:, 1] - size).max()))
     if beyond > tolerance:
         raise InputError(
             where,
-            got=f"a region that reaches {beyond:.4g} m beyond {plate.name}",
-            expected=f"a region inside {plate.size[0]:g} m x {plate.size[1]:g} m",
+            got=f"a region that reaches {beyond:.4g} m beyond {name}",
+            expected=f"a region inside {size[0]:g} m x {size[1]:g} m",
         )
     bounds = np.where(np.abs(bounds) <= tolerance, 0.0, bounds)
-    side = np.asarray(plate.size)[:, None]
+    side = np.asarray(size)[:, None]
     bounds = np.where(np.abs(bounds - side) <= tolerance, side, bounds)
     return float(bounds[0, 0]), float(bounds[0, 1]), float(bounds[1, 0]), float(bounds[1, 1])
 

@@ -36,7 +36,7 @@ class Spot:
 
 @dataclass(frozen=True)
 class Extent:
-    """How many modes: all up to a frequency [Hz], or the lowest `count`."""
+    """How many modes: all up to a frequency [Hz], or the lowest `count`, all there are where those are fewer."""
 
     up_to_hz: float | None = None
     count: int | None = None

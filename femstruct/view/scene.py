@@ -114,8 +114,8 @@ def picture_model(model: Model | None, rooms: Sequence[RoomPlan], path: str | Pa
         own = fine.part_of_point == number
         mesh = _mesh(fine, fine.points, own)
         colour = PART_COLOURS[number % len(PART_COLOURS)]
-        plate = name in model.plates
-        look = {"opacity": 0.75, "show_edges": True, "edge_color": "#8a8a8a"} if plate else {"line_width": 5}
+        solid = name in model.plates or name in model.blocks
+        look = {"opacity": 0.75, "show_edges": True, "edge_color": "#8a8a8a"} if solid else {"line_width": 5}
         plotter.add_mesh(mesh, color=colour, label=name, **look)
     add_labels(plotter, model, rooms)
     plotter.add_legend(bcolor=None, border=False, size=(0.22, 0.035 * max(len(fine.parts), 3)), loc="upper left")

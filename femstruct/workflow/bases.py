@@ -67,8 +67,11 @@ def solve(structure: StructureModel, extent: Extent, studies: Sequence[Study] = 
         probes: dict[str, Probe] = {}
         for study in studies:
             probes |= force_probes(study, places)
+        assembly = assemble(model)
+        # A structure of a few rigid blocks has fewer modes than anyone asks for: then all there are.
+        count = None if extent.count is None else min(extent.count, assembly.K.shape[0])
         basis = modal_basis(
-            assemble(model), up_to=extent.up_to_hz, count=extent.count, probes=[probes[name] for name in sorted(probes)]
+            assembly, up_to=extent.up_to_hz, count=count, probes=[probes[name] for name in sorted(probes)]
         )
         return Solved(key, model, places, basis)
     basis, points = _closed_form(structure, _axis(studies))

@@ -43,6 +43,7 @@ MASS = {  # from the dimensions in the files [kg]
     },
     "small_plate": {"plate": 0.5 * 0.4 * 3e-3 * 7850},
     "portal": {"portal": 6.0 * TUBE * 7850},
+    "forging_hammer": {"block": 45e3, "anvil": 25e3},
 }
 
 
