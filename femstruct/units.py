@@ -9,7 +9,7 @@ from __future__ import annotations
 import difflib
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Collection, Mapping, Sequence
 from decimal import Decimal, DecimalException
 from fractions import Fraction
 from typing import Final, NamedTuple
@@ -96,6 +96,7 @@ DIMENSIONS: Final = {
     "rotational damping": _Dimension("a rotational damping", "N*m*s/rad", "2 N*m*s/rad", _powers(1, 2, -1, -1)),
     "hertz stiffness": _Dimension("a Hertz stiffness", "N/m^1.5", "3.7e5 N/m^1.5", _powers(1, -0.5, -2)),
     "hertz damping": _Dimension("a Hertz damping", "N*s/m^1.5", "150 N*s/m^1.5", _powers(1, -0.5, -1)),
+    "dissipation": _Dimension("a dissipation factor", "s/m", "0.3 s/m", _powers(m=-1, s=1)),
     "bending stiffness": _Dimension("a bending stiffness", "N*m^2", "25 N*m^2", _powers(kg=1, m=3, s=-2)),
 }  # fmt: skip
 _WITHOUT_RAD: Final = ("rotational stiffness", "rotational damping")  # N*m is as good as N*m/rad
@@ -125,6 +126,19 @@ def quantity(value: object, dimension: str) -> float:
     return quantity_of(value, (dimension,))[0]
 
 
+def power_stiffness(value: object, exponent: float) -> float:
+    """Stiffness k of a force k d^n in SI units [N/m^n], n from 1 to 9.
+
+    Raises QuantityError: as `quantity`.
+
+    >>> power_stiffness("2 N/mm^1.2", 1.2) == 2 * 1000**1.2
+    True
+    """
+    unit = f"N/m^{exponent:g}" if exponent != 1.0 else "N/m"
+    powers = (Fraction(1), 1 - Fraction(str(float(exponent))), Fraction(-2), Fraction(0), Fraction(0))
+    return _read(value, {"stiffness of a power": _Dimension("a stiffness", unit, f"1e6 {unit}", powers)})[0]
+
+
 def quantity_of(value: object, dimensions: Sequence[str]) -> tuple[float, str | None]:
     """Value in SI units and which of several dimensions it has; None for a plain number, which does not tell.
 
@@ -133,8 +147,13 @@ def quantity_of(value: object, dimensions: Sequence[str]) -> tuple[float, str | 
     >>> quantity_of("2 kg/m", ("mass", "mass/length", "mass/area"))
     (2.0, 'mass/length')
     """
-    expected = " or ".join(f"{DIMENSIONS[name].words} [{DIMENSIONS[name].unit}]" for name in dimensions)
-    example = f"write it like {DIMENSIONS[dimensions[0]].example}"
+    return _read(value, {name: DIMENSIONS[name] for name in dimensions})
+
+
+def _read(value: object, dimensions: Mapping[str, _Dimension]) -> tuple[float, str | None]:
+    expected = " or ".join(f"{one.words} [{one.unit}]" for one in dimensions.values())
+    sample = next(iter(dimensions.values())).example
+    example = f"write it like {sample}"
     shown = shown_as(value)
     if isinstance(value, int | float) and not isinstance(value, bool):
         return _finite(value, shown, expected), None
@@ -150,13 +169,13 @@ def quantity_of(value: object, dimensions: Sequence[str]) -> tuple[float, str | 
     number, unit_text = match.groups()
     if not unit_text:
         return _finite(float(number), shown, expected), None
-    unit = _unit(unit_text, shown, expected, DIMENSIONS[dimensions[0]].example)
+    unit = _unit(unit_text, shown, expected, sample)
     try:
         scaled = _finite(float(Decimal(number) * unit.factor), shown, expected)
     except DecimalException:
         raise QuantityError("quantity", got=shown, expected=expected, do="give a number within reach") from None
-    for name in dimensions:
-        if unit.exponents in _accepted(name):
+    for name, dimension in dimensions.items():
+        if unit.exponents in _accepted(name, dimension.exponents):
             return scaled, name
     raise QuantityError(
         "quantity",
@@ -225,8 +244,7 @@ def _symbol(symbol: str, shown: str, expected: str) -> tuple[_Unit, ...]:
     )
 
 
-def _accepted(name: str) -> tuple[Exponents, ...]:
-    exponents = DIMENSIONS[name].exponents
+def _accepted(name: str, exponents: Exponents) -> tuple[Exponents, ...]:
     if name in _WITHOUT_RAD:
         return exponents, (*exponents[:3], Fraction(0), exponents[4])
     return (exponents,)
@@ -242,7 +260,7 @@ def _words(exponents: Exponents) -> str:
     return f"in {' '.join(parts)}".replace("^1 ", " ").removesuffix("^1")
 
 
-def _hint(scaled: float, exponents: Exponents, dimensions: Sequence[str]) -> str:
+def _hint(scaled: float, exponents: Exponents, dimensions: Collection[str]) -> str:
     if "frequency" in dimensions and exponents == DIMENSIONS["angular speed"].exponents:
         return f"in Hz it is {scaled / (2 * math.pi):.6g} Hz"
     if "frequency" in dimensions and exponents == DIMENSIONS["rate"].exponents:

@@ -223,5 +223,5 @@ def refuse_negative(where: str, value: float) -> None:
 
 
 def _refuse_exponent(kind: str, exponent: float) -> None:
-    if not 1.0 <= exponent <= 10.0:
-        raise FemstructError(f"{kind} law exponent", got=f"{exponent:g}", expected="an exponent from 1 to 10")
+    if not 1.0 <= exponent <= 9.0:
+        raise FemstructError(f"{kind} law exponent", got=f"{exponent:g}", expected="an exponent from 1 to 9")

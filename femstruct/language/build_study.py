@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-from math import sqrt
 from pathlib import Path
-from typing import Any
 
 from acoustics.air import Air
 from acoustics.room import Losses, Receiver, Room, losses_from_beta, losses_from_loss_factor, losses_from_t60
-from femstruct.conventions import GRAVITY
 from femstruct.impact.bodies import HalfSine, Table
-from femstruct.impact.laws import Hertz, Law, Linear, Stop
 from femstruct.language.build import Builder
+from femstruct.language.build_laws import ends_of, law_of, start_speed
 from femstruct.language.reader import Mistakes, Steps, Tree, dotted
 from femstruct.language.schema_rooms import RoomSpec
-from femstruct.language.schema_study import SIDES, BodySpec, HertzSpec, LinearSpec, LoadSpec, StudySpec
+from femstruct.language.schema_study import SIDES, BodySpec, ContactSpec, LoadSpec, StudySpec
 from femstruct.language.tables import read_history
 from femstruct.modal.damping import Damping
 from femstruct.study.study import (
@@ -50,10 +47,8 @@ def study_of(
     sources : is given the texts of the files that the study file names, by their names.
     """
     builder = Builder(tree, mistakes)
-    bodies = builder.each("bodies", study.bodies, lambda n, s: _body(n, s, study))
-    contacts = builder.each(
-        "contacts", study.contacts, lambda n, s: PlannedContact(n, s.between, law_of(s.law), s.gap, s.preload)
-    )
+    bodies = builder.each("bodies", study.bodies, lambda n, s: _body(n, s, study, builder, sources))
+    contacts = builder.each("contacts", study.contacts, lambda n, s: _contact(n, s, study, builder, sources))
     links = builder.each(
         "links",
         study.links,
@@ -101,23 +96,27 @@ def spot_of(text: str) -> Spot:
     return Spot(name, what)
 
 
-def law_of(spec: Any) -> Law:
-    """The contact law of a spec."""
-    if isinstance(spec, HertzSpec):
-        return Hertz(spec.stiffness, spec.damping, spec.tensile)
-    if isinstance(spec, LinearSpec):
-        return Linear(spec.stiffness, spec.damping, spec.tensile)
-    return Stop(spec.stiffness, spec.damping, spec.tensile)
-
-
-def _body(name: str, spec: BodySpec, study: StudySpec) -> PlacedBody:
+def _body(name: str, spec: BodySpec, study: StudySpec, builder: Builder, sources: dict[str, str]) -> PlacedBody:
     side = next(side for side in SIDES if getattr(spec, side) is not None)
-    target = getattr(spec, side)
-    named = any({name, target} == set(contact.between) for contact in study.contacts.values())
-    law = law_of(spec.contact) if spec.contact is not None and not named else None
+    named = any({name, spec.target} == set(contact.between) for contact in study.contacts.values())
+    law = None
+    if spec.contact is not None and not named:
+        ends = ends_of(study, name, spec.target)
+        law = law_of(spec.contact, ends, builder, ("bodies", name, "contact"), sources)
     dropped = spec.drop_height is not None
-    speed = sqrt(2 * GRAVITY * spec.drop_height) if spec.drop_height is not None else spec.speed or 0.0
-    return PlacedBody(name, spec.mass, side, target, speed, dropped, law)  # type: ignore[arg-type]
+    return PlacedBody(name, spec.mass, side, spec.target, start_speed(spec), dropped, law)  # type: ignore[arg-type]
+
+
+def _contact(
+    name: str, spec: ContactSpec, study: StudySpec, builder: Builder, sources: dict[str, str]
+) -> PlannedContact | None:
+    ends = ends_of(study, *spec.between)
+    law = law_of(spec.law, ends, builder, ("contacts", name, "law"), sources)
+    if law is None:
+        return None
+    if spec.preload:
+        law.indentation(spec.preload)  # a table may end below it
+    return PlannedContact(name, spec.between, law, spec.gap, spec.preload)
 
 
 def _load(name: str, spec: LoadSpec, builder: Builder, sources: dict[str, str]) -> PlannedLoad | None:

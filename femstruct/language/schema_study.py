@@ -6,6 +6,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field
 
+from femstruct.language.schema_laws import LawSpec
 from femstruct.language.schema_parts import Dashpot, Stiffness
 from femstruct.language.schema_rooms import RoomSpec
 from femstruct.language.spec import (
@@ -59,34 +60,6 @@ class FrfSpec(Spec):
     step: Frequency
 
 
-class HertzSpec(Spec):
-    """f = k d^1.5 + c d^0.5 d'."""
-
-    type: Literal["hertz"]
-    stiffness: Annotated[float, Quantity(("hertz stiffness",), above=0.0)]
-    damping: Annotated[float, Quantity(("hertz damping",), least=0.0)] = 0.0
-    tensile: Flag = False
-
-
-class LinearSpec(Spec):
-    """f = k d + c d'."""
-
-    type: Literal["linear"]
-    stiffness: Annotated[float, Quantity(("stiffness",), above=0.0)]
-    damping: Dashpot = 0.0
-    tensile: Flag = False
-
-
-class StopSpec(Spec):
-    """A bumper on both sides."""
-
-    type: Literal["stop"]
-    stiffness: Annotated[float, Quantity(("stiffness",), above=0.0)]
-    damping: Dashpot = 0.0
-    tensile: Flag = False
-
-
-LawSpec = Annotated[HertzSpec | LinearSpec | StopSpec, Field(discriminator="type")]
 SIDES = ("above", "below", "before", "after")
 
 
@@ -104,6 +77,11 @@ class BodySpec(Spec):
     drop_height: Gap | None = None
     speed: DropSpeed | None = None
     contact: LawSpec | None = None
+
+    @property
+    def target(self) -> str:
+        """What it is placed beside."""
+        return self.above or self.below or self.before or self.after or ""
 
 
 class ContactSpec(Spec):

@@ -29,11 +29,13 @@ class Spec(BaseModel):
     """A mapping of the language: unknown keys are refused, and keys that exclude each other.
 
     one_of : groups of keys of which a file gives exactly one. at_most_one_of : groups of which it may give one.
+    needs : keys that mean nothing without others.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=False, arbitrary_types_allowed=True)
     one_of: ClassVar[tuple[tuple[str, ...], ...]] = ()
     at_most_one_of: ClassVar[tuple[tuple[str, ...], ...]] = ()
+    needs: ClassVar[tuple[tuple[str, tuple[str, ...]], ...]] = ()
 
     @model_validator(mode="before")
     @classmethod
@@ -43,6 +45,11 @@ class Spec(BaseModel):
                 exactly_one(value, names)
             for names in cls.at_most_one_of:
                 exactly_one(value, names, or_none=True)
+            for key, others in cls.needs:
+                missing = [other for other in others if key in value and other not in value]
+                if missing:
+                    do = f"add '{missing[0]}: ...', or remove '{key}'"
+                    raise refuse(f"{key} without {missing[0]}", f"'{missing[0]}' beside '{key}'", do)
         return value
 
 
@@ -66,6 +73,7 @@ class Quantity:
     above: float | None = None
     least: float | None = None
     below: float | None = None
+    most: float | None = None
     which: bool = False
 
     def read(self, value: object) -> Any:
@@ -83,6 +91,8 @@ class Quantity:
             raise refuse(
                 shown_as(value), f"{named.words} below {self.below:g}", f"2 % is 0.02: did you mean {number:g} %?"
             )
+        if self.most is not None and not number <= self.most:
+            raise refuse(shown_as(value), f"{named.words} of at most {self.most:g}")
         return Measured(number, dimension) if self.which else number
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:

@@ -1,4 +1,4 @@
-"""Force histories from CSV files."""
+"""Force histories and contact laws from CSV files of two columns."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from typing import Final
 
 from femstruct.errors import FemstructError
 from femstruct.impact.bodies import Table
+from femstruct.impact.factored import Tabulated
 from femstruct.language.reader import Mistakes, Position
 from femstruct.units import QuantityError, quantity
 
@@ -20,13 +21,54 @@ def read_history(
 ) -> Table | None:
     """A force [N] or pressure [Pa] over time [s] from two columns, time and value; None with mistakes noted.
 
-    what : "force" or "pressure". A first line of words is a header; a unit in brackets or parentheses after a word,
-    as in ``time [ms], force [kN]``, scales its column. Lines that are empty or begin with # are skipped.
+    what : "force" or "pressure". sources : is given the text of the file under its name.
+    """
+    columns = _read_columns(path, ("time", what), asked_at, asked_path, mistakes, sources)
+    if columns is None:
+        return None
+    try:
+        return Table(*columns)  # type: ignore[arg-type]
+    except FemstructError as error:
+        mistakes.add(Position(str(path), 1, 1), "", got=error.got, expected=error.expected)
+        return None
+
+
+def read_curve(
+    path: Path, asked_at: Position, asked_path: str, mistakes: Mistakes, sources: dict[str, str]
+) -> Tabulated | None:
+    """A contact law from two columns, indentation [m] and force [N]; None with mistakes noted.
+
     sources : is given the text of the file under its name.
+    """
+    columns = _read_columns(path, ("length", "force"), asked_at, asked_path, mistakes, sources)
+    if columns is None:
+        return None
+    try:
+        return Tabulated(*columns)  # type: ignore[arg-type]
+    except FemstructError as error:
+        mistakes.add(Position(str(path), 1, 1), "", got=error.got, expected=error.expected)
+        return None
+
+
+_WORDS: Final = {"time": "time, value", "length": "indentation, force"}
+
+
+def _read_columns(
+    path: Path,
+    dimensions: tuple[str, str],
+    asked_at: Position,
+    asked_path: str,
+    mistakes: Mistakes,
+    sources: dict[str, str],
+) -> tuple[list[float], list[float]] | None:
+    """Two columns in SI units; None with mistakes noted.
+
+    A first line of words is a header; a unit in brackets or parentheses after a word, as in ``time [ms], force [kN]``,
+    scales its column. Lines that are empty or begin with # are skipped.
     """
     try:
         if path.stat().st_size > LARGEST:
-            mistakes.add(asked_at, asked_path, got="a file of more than 50 MB", expected="a shorter history")
+            mistakes.add(asked_at, asked_path, got="a file of more than 50 MB", expected="a shorter table")
             return None
         text = path.read_text(encoding="utf-8-sig")
     except FileNotFoundError:
@@ -37,8 +79,8 @@ def read_history(
         return None
     sources[str(path)] = text
     scales = [1.0, 1.0]
-    times: list[float] = []
-    values: list[float] = []
+    firsts: list[float] = []
+    seconds: list[float] = []
     header = True
     for number, row in enumerate(csv.reader(io.StringIO(text)), start=1):
         cells = [cell.strip() for cell in row]
@@ -47,7 +89,11 @@ def read_history(
         at = Position(str(path), number, 1)
         if len(cells) != 2:
             mistakes.add(
-                at, "", got=f"{len(cells)} columns", expected="two: time, value", do="separate them by a comma"
+                at,
+                "",
+                got=f"{len(cells)} columns",
+                expected=f"two: {_WORDS[dimensions[0]]}",
+                do="separate them by a comma",
             )
             return None
         try:
@@ -59,24 +105,20 @@ def read_history(
             if not header:
                 mistakes.add(at, "", got=f"'{', '.join(cells)}'", expected="two numbers")
                 return None
-            found = _scales(cells, what, at, mistakes)
+            found = _scales(cells, dimensions, at, mistakes)
             if found is None:
                 return None
             scales, header = found, False
             continue
         header = False
-        times.append(pair[0] * scales[0])
-        values.append(pair[1] * scales[1])
-    try:
-        return Table(times, values)  # type: ignore[arg-type]
-    except FemstructError as error:
-        mistakes.add(Position(str(path), 1, 1), "", got=error.got, expected=error.expected)
-        return None
+        firsts.append(pair[0] * scales[0])
+        seconds.append(pair[1] * scales[1])
+    return firsts, seconds
 
 
-def _scales(cells: list[str], what: str, at: Position, mistakes: Mistakes) -> list[float] | None:
+def _scales(cells: list[str], dimensions: tuple[str, str], at: Position, mistakes: Mistakes) -> list[float] | None:
     scales = []
-    for cell, dimension in zip(cells, ("time", what), strict=True):
+    for cell, dimension in zip(cells, dimensions, strict=True):
         unit = cell.replace("(", "[").replace(")", "]").partition("[")[2].rstrip("] ")
         try:
             scales.append(quantity(f"1 {unit}", dimension) if unit else 1.0)

@@ -97,10 +97,14 @@ def _steps(loc: Steps, value: Any, absent: bool = True) -> Steps:
     """A pydantic location without the tags of its unions: only what is in the tree, and a last missing key (`absent`;
     what refuses a whole mapping misses none, and its last step may be a tag)."""
     steps: list[str | int] = []
+    tagged = False
     for number, step in enumerate(loc):
+        if not tagged and isinstance(value, dict) and step in (value.get("type"), value.get("shape")):
+            tagged = True  # a tag, though a key of that mapping may have the same name
+            continue
         in_list = isinstance(value, list) and isinstance(step, int) and step < len(value)
         if in_list or (isinstance(value, dict) and step in value):
-            value = value[step]
+            value, tagged = value[step], False
         elif number < len(loc) - 1 or not absent:
             continue
         steps.append(step)

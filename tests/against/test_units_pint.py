@@ -21,6 +21,7 @@ CASES = [
     ("damping", ["N*s/m", "kN*s/m", "kg/s", "N*ms/mm"]),
     ("hertz stiffness", ["N/m^1.5", "kN/mm^1.5"]),
     ("hertz damping", ["N*s/m^1.5"]),
+    ("dissipation", ["s/m", "ms/mm", "s/mm"]),
     ("time", ["s", "ms", "us", "min"]),
     ("angle", ["deg", "rad", "mrad"]),
     ("angular speed", ["rad/s", "deg/s", "rpm"]),

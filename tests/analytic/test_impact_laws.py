@@ -259,7 +259,7 @@ def test_hertz_of_two_spheres() -> None:
     ("make", "match"),
     [
         (lambda: HuntCrossley(0.0), "hunt-crossley law stiffness: got 0, expected a positive stiffness"),
-        (lambda: HuntCrossley(1.0, 0.5), "expected an exponent from 1 to 10"),
+        (lambda: HuntCrossley(1.0, 0.5), "expected an exponent from 1 to 9"),
         (lambda: HuntCrossley(1.0, 1.5, -1.0), "dissipation: got -1, expected a dissipation >= 0"),
         (lambda: HuntCrossley.returning(0.0, 1.0, 1.0), "restitution: got 0, expected a value above 0 and at most 1"),
         (lambda: HuntCrossley.returning(0.5, 0.0, 1.0), "meeting speed: got 0 m/s"),
