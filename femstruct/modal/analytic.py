@@ -50,10 +50,10 @@ def oscillator(
     shapes = np.zeros((len(points), N_COMPONENTS, 1))
     shapes[:, component] = 1.0 / np.sqrt(mass)
     places = np.zeros((len(points), 3))
-    modal_mass = np.zeros((3, 1))
-    modal_mass[component] = mass
+    momentum = np.zeros((3, 1))
+    momentum[component] = np.sqrt(mass)
     outputs = {f"ground.{axis}": _row(np.array([k / np.sqrt(mass)]))} if k > 0 else {}
-    basis = _basis(omega, shapes, places, modal_mass, mass, np.inf, outputs)
+    basis = _basis(omega, shapes, places, momentum, mass, np.inf, outputs)
     return basis, _points(tuple(points), places)
 
 
@@ -82,10 +82,10 @@ def rod(
     shapes = np.zeros((len(places), N_COMPONENTS, modes))
     scale = np.sqrt(np.where(number == 0, 1.0, 2.0) / total)
     shapes[:, UX] = scale * np.cos(np.outer(places[:, 0], number) * np.pi / length)
-    modal_mass = np.zeros((3, modes))
-    modal_mass[0, 0] = total
+    momentum = np.zeros((3, modes))
+    momentum[0, 0] = np.sqrt(total)
     above = modes * np.sqrt(E / rho) / (2.0 * length)
-    basis = _basis(omega, shapes, places, modal_mass, total, above, {})
+    basis = _basis(omega, shapes, places, momentum, total, above, {})
     return basis, _points(tuple(points or {}), places)
 
 
@@ -146,9 +146,9 @@ def beam(
         momentum[index] = total * weights @ inside / size
     held = any(end != "free" for end in ends)
     outputs = {"ground.z": _row(omega**2 * momentum)} if held else {}
-    modal_mass = np.stack([np.zeros(modes), np.zeros(modes), momentum**2])
+    along = np.stack([np.zeros(modes), np.zeros(modes), momentum])
     above = float(wave_numbers[modes - n_rigid] ** 2 * rate / (2.0 * np.pi))
-    return _basis(omega, shapes, places, modal_mass, total, above, outputs), _points(tuple(points or {}), places)
+    return _basis(omega, shapes, places, along, total, above, outputs), _points(tuple(points or {}), places)
 
 
 def given_modes(
@@ -216,7 +216,7 @@ def _basis(
     omega: Floats,
     shapes: Floats,
     places: Floats,
-    modal_mass: Floats,
+    momentum: Floats,
     total_mass: float,
     complete_below_hz: float,
     outputs: Mapping[str, ForceRow],
@@ -236,7 +236,7 @@ def _basis(
         loss_factors={},
         residual_norm=np.zeros(k),
         complete_below_hz=complete_below_hz,
-        modal_mass=modal_mass,
+        momentum=momentum,
         total_mass=total_mass,
     )
 

@@ -60,7 +60,7 @@ class ModalBasis:
     loss_factors : eta of the parts [1].
     residual_norm [k] : ||K phi - omega^2 M phi|| / ||K phi||-like measure of convergence [1].
     complete_below_hz : no mode is missing below it (inertia count, or known in closed form).
-    modal_mass [3, k] : effective modal masses along x, y, z [kg].
+    momentum [3, k] : of the structure when each mode moves with unit rate, along x, y, z [sqrt(kg)].
     total_mass : of the structure [kg].
     findings : what to know before believing it.
 
@@ -83,7 +83,7 @@ class ModalBasis:
     loss_factors: Mapping[str, float]
     residual_norm: Floats
     complete_below_hz: float
-    modal_mass: Floats
+    momentum: Floats
     total_mass: float
     findings: tuple[Finding, ...] = field(default=())
 
@@ -104,7 +104,7 @@ class ModalBasis:
             hysteretic=frozen("ModalBasis hysteretic", self.hysteretic, (k, k)),
             part_stiffness={n: frozen(f"part_stiffness.{n}", m, (k, k)) for n, m in self.part_stiffness.items()},
             residual_norm=frozen("ModalBasis residual_norm", self.residual_norm, (k,)),
-            modal_mass=frozen("ModalBasis modal_mass", self.modal_mass, (3, k)),
+            momentum=frozen("ModalBasis momentum", self.momentum, (3, k)),
         )
 
     @property
@@ -116,6 +116,11 @@ class ModalBasis:
     def modes(self) -> slice:
         """The true modes, without the residual pseudo-modes."""
         return slice(0, sum(kind != "residual" for kind in self.kind))
+
+    @property
+    def modal_mass(self) -> Floats:
+        """Effective modal masses along x, y, z [3, k] [kg]."""
+        return self.momentum**2
 
     @property
     def n_rigid(self) -> int:

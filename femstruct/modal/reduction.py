@@ -67,7 +67,7 @@ def modal_basis(
     rigid: tuple[Kind, ...] = ("rigid",)
     elastic: tuple[Kind, ...] = ("elastic",)
     extra: tuple[Kind, ...] = ("residual",)
-    modal_mass = (assembly.momentum @ shapes) ** 2
+    momentum: Floats = assembly.momentum @ shapes
     return ModalBasis(
         omega=np.sqrt(values),
         kind=rigid * found.n_rigid + elastic * (n_modes - found.n_rigid) + extra * n_extra,
@@ -80,9 +80,9 @@ def modal_basis(
         loss_factors=dict(assembly.loss_factors),
         residual_norm=convergence(assembly.K, assembly.M, values, shapes),
         complete_below_hz=float(np.sqrt(found.complete_below)) / (2.0 * np.pi),
-        modal_mass=modal_mass,
+        momentum=momentum,
         total_mass=assembly.total_mass,
-        findings=_truncation(assembly, modal_mass[:, :n_modes], found.eigenvalues),
+        findings=_truncation(assembly, momentum[:, :n_modes] ** 2, found.eigenvalues),
     )
 
 

@@ -123,7 +123,7 @@ def basis_by_hand(model):
         loss_factors={},
         residual_norm=np.full(k, 1e-12),
         complete_below_hz=500.0,
-        modal_mass=np.ones((3, k)),
+        momentum=np.ones((3, k)),
         total_mass=2.0,
         findings=(Finding("hand", "Made by hand.", {"number": float("nan")}),),
     )
