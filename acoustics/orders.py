@@ -37,11 +37,11 @@ def order_blocks(room: Room, orders: int | None, highest_hz: float) -> list[Inte
         if orders < 1:
             raise AcousticsError("orders", got=str(orders), expected="at least 1")
         return [square(n, n) for n in sorted({max(1, orders - 2), orders})]
-    most = max(_band_orders(room, highest_hz)) + MOST
+    most = max(band_orders(room, highest_hz)) + MOST
     return [square(n, n) for n in range(FIRST_ORDERS, max(most, FIRST_ORDERS + 2) + 1, 2)]
 
 
-def _band_orders(room: Room, highest_hz: float) -> tuple[int, int]:
+def band_orders(room: Room, highest_hz: float) -> tuple[int, int]:
     """Cosines that propagate below a frequency, in both directions, and three more."""
     n_l, n_m = (int(np.ceil(2 * length * highest_hz / room.air.c)) + 3 for length in room.size[:2].tolist())
     return n_l, n_m
@@ -53,7 +53,7 @@ def undriven(surface: SurfaceVelocity, room: Room, done: Integers, highest_hz: f
     Blocks that add nothing end the search; a surface that moves in a pattern finer than the last block would end it
     too early.
     """
-    left = not_in(square(*_band_orders(room, highest_hz)), done)
+    left = not_in(square(*band_orders(room, highest_hz)), done)
     speeds = [np.abs(project(surface, room, some)) @ surface.sizes for some in (left, done)]
     return bool(speeds[0].max(initial=0.0) <= FINER * speeds[1].max())
 

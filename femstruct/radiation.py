@@ -2,27 +2,34 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
-from acoustics.room import Room, air_stiffness_ratio
+from acoustics.arrays import Complexes
+from acoustics.errors import Advice
+from acoustics.harmonic import harmonic_pressure
+from acoustics.room import Receiver, Room, air_stiffness_ratio
 from acoustics.source import SurfaceVelocity
 from femstruct.arrays import Floats
 from femstruct.errors import Finding, InputError
 from femstruct.impact.response import Response
 from femstruct.modal.basis import ModalBasis
-from femstruct.model.probe import Surface
+from femstruct.modal.frf import modal_amplitudes
+from femstruct.model.probe import Probe, Surface
 
 STIFF_AIR = 0.1  # air stiffness over structural stiffness above which frequencies move by more than 5 %
 
 
 def surface_velocity(
-    response: Response, surface: Surface, room: Room, offset: tuple[float, float] = (0.0, 0.0), asked_by: str = ""
+    response: Response, surface: Surface, room: Room, offset: tuple[float, float] = (0.0, 0.0), name: str = ""
 ) -> SurfaceVelocity:
     """Velocity of a surface as the moving ceiling of a room, factored into shapes and modal rates.
 
     response : its basis must be the one of the meshed structure the surface belongs to.
     surface : its normal points into the room.
     offset : of its centre from the ceiling's centre, room axes [m].
+    name : of the room; a basis that is coupled to it may have a leak of that name.
 
     Returns a SurfaceVelocity with shapes [p, k] in 1/sqrt(kg), positive into the room, and rates [k, nt].
 
@@ -53,26 +60,57 @@ def surface_velocity(
     (1.0, [[0.25, 0.25, 1.0]])
     """
     return SurfaceVelocity(
-        points=room_coordinates(surface, room, offset, asked_by),
+        points=room_coordinates(surface, room, offset, name),
         weights=surface.weights,
-        shapes=surface.shapes(response.basis.shapes),
+        shapes=ceiling_shapes(response.basis, surface, name),
         rates=response.qd,
         dt=1.0 / response.clock.sampling,
     )
 
 
-def room_coordinates(
-    surface: Surface, room: Room, offset: tuple[float, float] = (0.0, 0.0), asked_by: str = ""
-) -> Floats:
+def ceiling_shapes(basis: ModalBasis, surface: Surface, name: str = "") -> Floats:
+    """Motion of a surface into the room in every mode [p, k], with the flow through a leak of that room spread over it.
+
+    name : of the room.
+    """
+    shapes = surface.shapes(basis.shapes)
+    return shapes + basis.volumes[name] / surface.weights.sum() if name in basis.volumes else shapes
+
+
+def pressure_per_force(
+    basis: ModalBasis,
+    drive: Probe,
+    surface: Surface,
+    room: Room,
+    receivers: Sequence[Receiver],
+    frequency_hz: Floats,
+    offset: tuple[float, float] = (0.0, 0.0),
+    name: str = "",
+) -> tuple[Complexes, tuple[Advice, ...]]:
+    """Pressure at receivers of a room per unit of harmonic force on the structure [n_receivers, nf] [Pa/N], and advice.
+
+    basis : in vacuo for one-way coupling; coupled to the room by `with_cavity` the air pushes back.
+    frequency_hz [nf] : above 0 [Hz].
+
+    Raises InputError as `surface_velocity` does; AcousticsError for a receiver outside the room, or a resonance of a
+    room without losses.
+    """
+    velocity = 2j * np.pi * frequency_hz * modal_amplitudes(basis, drive, frequency_hz)
+    points = room_coordinates(surface, room, offset, name)
+    shapes = ceiling_shapes(basis, surface, name)
+    return harmonic_pressure(room, points, surface.weights, shapes, velocity, frequency_hz, receivers)
+
+
+def room_coordinates(surface: Surface, room: Room, offset: tuple[float, float] = (0.0, 0.0), name: str = "") -> Floats:
     """Quadrature points [p, 3] of a surface in the coordinates of the room below it [m].
 
-    asked_by : what an error begins with, the surface's own path if left out.
+    name : of the room, with which an error begins; the surface's own path if left out.
 
     Raises InputError as `surface_velocity` does.
     """
     if surface.normal[2] > -0.99:
         raise InputError(
-            asked_by or f"surfaces.{surface.name}",
+            f"rooms.{name}" if name else f"surfaces.{surface.name}",
             got=f"a surface that faces ({surface.normal[0]:.2g}, {surface.normal[1]:.2g}, {surface.normal[2]:.2g})",
             expected="one that faces down, the ceiling of its room",
             do="use `side: below` on a horizontal plate",
@@ -82,7 +120,7 @@ def room_coordinates(
     beyond = np.abs(offset) + surface.size / 2.0 - np.asarray(room.size[:2]) / 2.0
     if beyond.max() > 1e-9:
         raise InputError(
-            asked_by or f"surfaces.{surface.name}",
+            f"rooms.{name}" if name else f"surfaces.{surface.name}",
             got=f"a surface of {surface.size[0]:g} x {surface.size[1]:g} m over a room of "
             f"{room.size[0]:g} x {room.size[1]:g} m, {beyond.max():.3g} m beyond its walls",
             expected="a surface within the ceiling",

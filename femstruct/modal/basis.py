@@ -63,6 +63,7 @@ class ModalBasis:
     momentum [3, k] : of the structure when each mode moves with unit rate, along x, y, z [sqrt(kg)].
     total_mass : of the structure [kg].
     findings : what to know before believing it.
+    volumes : volume that the air plug of a room's leak displaces into it [k] [m^3/sqrt(kg)], by room.
 
     Raises FemstructError: arrays that do not fit each other, a negative frequency.
 
@@ -86,6 +87,7 @@ class ModalBasis:
     momentum: Floats
     total_mass: float
     findings: tuple[Finding, ...] = field(default=())
+    volumes: Mapping[str, Floats] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         omega = frozen("ModalBasis omega", self.omega, (None,))
@@ -105,6 +107,7 @@ class ModalBasis:
             part_stiffness={n: frozen(f"part_stiffness.{n}", m, (k, k)) for n, m in self.part_stiffness.items()},
             residual_norm=frozen("ModalBasis residual_norm", self.residual_norm, (k,)),
             momentum=frozen("ModalBasis momentum", self.momentum, (3, k)),
+            volumes={n: frozen(f"volumes.{n}", row, (k,)) for n, row in self.volumes.items()},
         )
 
     @property

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Final, Literal
 
 import numpy as np
@@ -82,6 +83,25 @@ def frf(
     return answer * _rate(kind, omega)
 
 
+def modal_amplitudes(basis: ModalBasis, drive: Probe, frequency_hz: ArrayLike) -> Complex:
+    """Modal coordinates [k, nf] of the response to a harmonic unit force at `drive` [sqrt(kg) m/N].
+
+    frequency_hz [nf] : > 0 where there are rigid modes [Hz].
+
+    >>> from femstruct.modal.analytic import oscillator
+    >>> basis, points = oscillator(4.0, stiffness=100.0)
+    >>> modal_amplitudes(basis, points["m"].probe("x"), [0.0]).real
+    array([[0.02]])
+    """
+    omega = _omega(frequency_hz)
+    if basis.n_rigid and (omega == 0).any():
+        raise InputError("frf frequency", got="0 Hz", expected="a frequency > 0: the structure is free")
+    answer: Complex = np.empty((len(basis.omega), len(omega)), dtype=np.complex128)
+    for lines, q in _amplitudes(basis, drive.of(basis.shapes), omega):
+        answer[:, lines] = q.T
+    return answer
+
+
 def moves(basis: ModalBasis, probe: Probe) -> bool:
     """Whether any mode of the basis moves a probe: a rod known along its axis does not move across it.
 
@@ -150,22 +170,28 @@ def direct_frf(
 
 def _modal(basis: ModalBasis, pushed: Floats, rows: tuple[Complex, Complex, Complex], omega: Floats) -> Complex:
     """sum over modes of (rows[0] + omega rows[1] + omega^2 rows[2]) q at each omega [nf]."""
+    answer: Complex = np.empty(len(omega), dtype=np.complex128)
+    for lines, q in _amplitudes(basis, pushed, omega):
+        w = omega[lines, None]
+        answer[lines] = ((rows[0] + w * rows[1] + w**2 * rows[2]) * q).sum(axis=1)
+    return answer
+
+
+def _amplitudes(basis: ModalBasis, pushed: Floats, omega: Floats) -> Iterator[tuple[slice, Complex]]:
+    """Modal coordinates [lines, k] under harmonic modal forces, as many lines at once as memory allows."""
     squared = basis.omega**2
     k = len(squared)
-    answer: Complex = np.empty(len(omega), dtype=np.complex128)
     diagonal = not any(np.any(A - np.diag(np.diag(A))) for A in (basis.viscous, basis.hysteretic))
-    step = max(1, _CHUNK // (k if diagonal else k * k))
+    step = max(1, _CHUNK // max(1, k if diagonal else k * k))
     for start in range(0, len(omega), step):
         w = omega[start : start + step, None]
-        row = rows[0] + w * rows[1] + w**2 * rows[2]
         if diagonal:
             losses = w * np.diag(basis.viscous) + np.diag(basis.hysteretic)
             q = _complex(pushed / (squared - w**2 + 1j * losses))
         else:
             full = 1j * (w[:, :, None] * basis.viscous + basis.hysteretic) - np.eye(k) * w[:, :, None] ** 2
             q = _complex(np.linalg.solve(full + np.diag(squared), pushed[:, None])[:, :, 0])
-        answer[start : start + step] = (row * q).sum(axis=1)
-    return answer
+        yield slice(start, start + len(w)), q
 
 
 def _solve_line(A: csc_array, load: Floats, omega: float) -> Complex:

@@ -35,7 +35,7 @@ def pressure_maps(result: StudyResult, room: str) -> Figure | None:
     frequencies = heard_peaks(result, room)
     if not frequencies:
         return None
-    ceiling = surface_velocity(case.response, model.surfaces[plan.under], plan.room, plan.offset)
+    ceiling = surface_velocity(case.response, model.surfaces[plan.under], plan.room, plan.offset, plan.name)
     height = float(plan.receivers[0].position[2])
     drawn = pressure_map(ceiling, plan.room, list(frequencies.values()), at=height)
     return draw_map(

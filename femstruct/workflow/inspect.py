@@ -161,7 +161,7 @@ def _try(study: Study, solved: Solved, basis: ModalBasis) -> None:
     for request in study.frf:
         response_row(request.response, solved.places, basis, f"frf.{request.name}.response")
     for plan in study.rooms:
-        room_coordinates(ceiling(plan, solved.places), plan.room, plan.offset, f"rooms.{plan.name}")
+        room_coordinates(ceiling(plan, solved.places), plan.room, plan.offset, plan.name)
 
 
 def _damped_as_far_as_solved(basis: ModalBasis, damping: Damping) -> ModalBasis:

@@ -208,6 +208,6 @@ def ceiling(plan: RoomPlan, places: Places) -> Surface:
 def _rooms(study: Study, places: Places, response: Response) -> dict[str, RoomResponse]:
     rooms = {}
     for plan in study.rooms:
-        moving = surface_velocity(response, ceiling(plan, places), plan.room, plan.offset, f"rooms.{plan.name}")
+        moving = surface_velocity(response, ceiling(plan, places), plan.room, plan.offset, plan.name)
         rooms[plan.name] = pressure(moving, plan.room, plan.receivers)
     return rooms

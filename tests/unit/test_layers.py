@@ -18,7 +18,7 @@ LAYERS = [
     ["femstruct.assembly"],
     ["femstruct.modal"],
     ["femstruct.impact"],
-    ["femstruct.radiation"],
+    ["femstruct.radiation", "femstruct.coupling"],
     ["femstruct.study"],
     ["femstruct.language", "femstruct.files", "femstruct.view"],
     ["femstruct.workflow"],
@@ -27,10 +27,17 @@ LAYERS = [
 ACOUSTICS = [
     ["acoustics.errors", "acoustics.arrays", "acoustics.air", "acoustics.room", "acoustics.source"],
     ["acoustics.extension", "acoustics.cavity"],
-    ["acoustics.orders", "acoustics.judgement", "acoustics.pressure", "acoustics.maps"],
+    [
+        "acoustics.orders",
+        "acoustics.judgement",
+        "acoustics.pressure",
+        "acoustics.maps",
+        "acoustics.harmonic",
+        "acoustics.coupled",
+    ],
     ["acoustics.bands", "acoustics.weighting", "acoustics.levels", "acoustics.ratings"],
 ]
-HEARS_ACOUSTICS = {"radiation", "study", "language", "files", "view", "workflow", "cli"}
+HEARS_ACOUSTICS = {"radiation", "coupling", "study", "language", "files", "view", "workflow", "cli"}
 OPENS_FILES = {"h5py", "pyvista", "matplotlib", "pydantic", "ruamel", "meshio", "rich", "typer"}
 
 

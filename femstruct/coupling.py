@@ -1,0 +1,227 @@
+"""Two-way coupling: a basis of the structure together with the air of a closed room below it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import block_diag, eigh
+
+from acoustics.coupled import CoupledAir, Leak, coupled_air
+from acoustics.room import Room
+from femstruct.arrays import Floats
+from femstruct.errors import Finding, InputError
+from femstruct.modal.basis import ForceRow, Kind, ModalBasis
+from femstruct.modal.solve import signed
+from femstruct.model.probe import Surface
+from femstruct.radiation import ceiling_shapes, room_coordinates
+
+Bools = NDArray[np.bool_]
+FEEBLE: Final = 1e-3  # of the structure's motion: damping between modes that makes less is left out
+_LOADS: Final = 8
+_LIGHT: Final = 1e-6
+_NONE: Final = 1e-9  # share of a surface's motion below which it displaces no volume: rounding
+
+
+def with_cavity(
+    basis: ModalBasis,
+    surface: Surface,
+    room: Room,
+    offset: tuple[float, float] = (0.0, 0.0),
+    *,
+    leak: Leak | None = None,
+    up_to_hz: float | None = None,
+    name: str = "room",
+) -> ModalBasis:
+    """The basis of a structure and the air of the closed room under one of its surfaces: real, mass-normalised modes.
+
+    basis : in vacuo, with the damping that belongs to the structure alone: a damping ratio measured with the air in
+        place would be another.
+    offset : of the surface's centre from the ceiling's centre, room axes [m].
+    leak : an opening of the room to still air outside.
+    up_to_hz : cavity modes up to it are coordinates of their own, the others added mass; left out: as far as the
+        structure's modes are complete, and at most the 300 lowest.
+    name : of the room, for findings, and under which the leak's volume is kept in `volumes`.
+
+    Returns a ModalBasis of k + n modes, k of the structure with its residual vectors and n of the room, with one more
+    for a leak. Its shapes are the motion of the structure in each; modes of the air move it little. It may be coupled
+    to another room in turn.
+
+    Raises InputError as `room_coordinates` does, and when a basis without end (closed form) is given no `up_to_hz`.
+
+    Notes
+    -----
+    K = diag(Omega^2, 0) + b_0^T b_0 + B^T B and M = 1 + the air's: see `acoustics.coupled`. The air's losses are those
+    of the room, the same that its pressure has. Frequencies are Rayleigh quotients of the energies, summed without
+    cancellation. A room without a leak takes away one rigid mode, if any of them displaces volume.
+
+    Damping couples the new modes. Where that makes less than 1e-3 of the structure's motion only the diagonal is kept,
+    which costs less than a tenth in `simulate`; the finding ``two-way-coupling`` says which, and gives frequencies in
+    vacuo and coupled.
+    The shapes are not orthonormal with the mass of the structure alone, but with that of structure and air.
+
+    A rigid square of 1 kg over half a cubic metre of air, its only spring, 1.21 343^2 0.25^2 / 0.5 N/m, a third of
+    which moves with it:
+
+    >>> from scipy.sparse import csr_array
+    >>> from femstruct.modal.analytic import oscillator
+    >>> square, points = oscillator(1.0, frequency_hz=0.0, axis="z")
+    >>> below = Surface("below", [[0, 0, 0]], [0.25], [0, 0, -1], [-0.25, -0.25, 0], [[1, 0, 0], [0, 1, 0]],
+    ...                 [0.5, 0.5], csr_array([[0, 0, -1.0, 0, 0, 0, 0]]))
+    >>> floating = with_cavity(square, below, Room([0.5, 0.5, 2.0]), up_to_hz=30.0)
+    >>> floating.n_rigid, floating.frequency_hz.round(1)
+    (0, array([19.4]))
+    """
+    if up_to_hz is None and not 0 < basis.complete_below_hz < np.inf:
+        raise InputError(
+            f"rooms.{name}",
+            got="a basis in closed form",
+            expected="a frequency up to which the room's modes are kept",
+            do="give up_to_hz",
+        )
+    points = room_coordinates(surface, room, offset, name)
+    shapes = ceiling_shapes(basis, surface)
+    omega, viscous = basis.omega, basis.viscous
+    if leak is not None:
+        outflow = np.full((len(shapes), 1), -1.0 / (np.sqrt(leak.inertance) * float(surface.weights.sum())))
+        shapes = np.concatenate([shapes, outflow], axis=1)
+        omega, viscous = np.append(omega, 0.0), block_diag(viscous, np.array([[leak.resistance / leak.inertance]]))
+    air = coupled_air(room, points, surface.weights, shapes, up_to_hz or basis.complete_below_hz)
+    free = np.append(np.array([kind == "rigid" for kind in basis.kind], dtype=bool), [True] * (leak is not None))
+    n_rigid = int(free.sum()) - _resisted(air.compression[0, : len(omega)] * free, shapes, surface.weights, room)
+    coupled, turn = _coupled_modes(omega, air, n_rigid)
+    k, own = len(basis.omega), turn[: len(basis.omega)]
+    residual = np.zeros(len(coupled), dtype=bool)
+    n_residual = k - basis.modes.stop
+    share = (own[basis.modes.stop :] ** 2).sum(axis=0)
+    residual[np.argsort(-share, kind="stable")[:n_residual]] = True
+    residual[:n_rigid] = False
+    order = np.argsort(residual, kind="stable")
+    coupled, turn, own, residual = coupled[order], turn[:, order], own[:, order], residual[order]
+    viscous = turn.T @ (_padded(viscous, len(turn)) + air.viscous) @ turn
+    hysteretic = turn.T @ (_padded(basis.hysteretic, len(turn)) + air.hysteretic) @ turn
+    rigid = np.arange(len(coupled)) < n_rigid
+    hysteretic[rigid, :] = hysteretic[:, rigid] = 0.0
+    scale = np.sqrt(np.outer(coupled, coupled))
+    in_time = viscous + np.divide(hysteretic, scale, out=np.zeros_like(scale), where=scale > 0)
+    stray = _stray(in_time, coupled, own[basis.modes], ~residual)
+    if stray < FEEBLE:
+        viscous, hysteretic = np.diag(np.diag(viscous)), np.diag(np.diag(hysteretic))
+    kinds: tuple[Kind, ...] = tuple(
+        "rigid" if still else "residual" if pseudo else "elastic" for still, pseudo in zip(rigid, residual, strict=True)
+    )
+    heavier = float(np.linalg.eigvalsh(air.mass[:k, :k]).max(initial=0.0))  # lowers modes that the basis lacks
+    joined = replace(
+        basis,
+        omega=coupled,
+        kind=kinds,
+        shapes=basis.shapes @ own,
+        viscous=0.5 * (viscous + viscous.T),
+        hysteretic=0.5 * (hysteretic + hysteretic.T),
+        outputs={key: _turned(row, basis.omega, coupled, own) for key, row in basis.outputs.items()},
+        part_stiffness={key: own.T @ part @ own for key, part in basis.part_stiffness.items()},
+        residual_norm=_left_over(omega, air, coupled, turn),
+        complete_below_hz=min(basis.complete_below_hz / np.sqrt(1.0 + heavier), air.complete_below_hz),
+        momentum=basis.momentum @ own,
+        volumes={key: row @ own for key, row in basis.volumes.items()}
+        | ({} if leak is None else {name: -turn[k] / np.sqrt(leak.inertance)}),
+    )
+    return replace(joined, findings=(*basis.findings, _told(basis, joined, own, air, stray, name)))
+
+
+def _resisted(volume: Floats, shapes: Floats, weights: Floats, room: Room) -> int:
+    """1 if a free motion compresses the air, 0 if none does."""
+    root = np.sqrt(room.air.bulk_modulus / room.volume)
+    largest = root * (weights @ np.abs(shapes))
+    return int((np.abs(volume) > _NONE * largest).any())
+
+
+def _coupled_modes(omega: Floats, air: CoupledAir, n_rigid: int) -> tuple[Floats, Floats]:
+    """Circular frequencies and mass-normalised modes over [structure; leak; cavity]."""
+    k, whole = len(omega), air.compression.shape[1]
+    structure = np.concatenate([omega, np.zeros(whole - k)])
+    mass = air.mass + np.diag(np.concatenate([np.ones(k), np.zeros(whole - k)]))
+    stiffness = np.diag(structure**2) + air.compression.T @ air.compression
+    _, turn = eigh(stiffness, mass)
+    turn = signed(turn, np.ones(whole))
+    squared = ((structure[:, None] * turn) ** 2).sum(axis=0) + ((air.compression @ turn) ** 2).sum(axis=0)
+    squared[:n_rigid] = 0.0
+    return np.sqrt(squared), turn
+
+
+def _stray(damping: Floats, omega: Floats, structure: Floats, true: Bools) -> float:
+    """Share of the structure's motion that damping between modes makes: rms over the resonances, under broad loads.
+
+    damping [k, k] [rad/s]; omega [k]; structure [m, k] : motion of the structure in every mode; true [k] : has a
+    resonance that means something.
+
+    To first order: off the diagonal it drives a mode with what the others do.
+    """
+    between = damping - np.diag(np.diag(damping))
+    if not between.any():
+        return 0.0
+    loads = structure.T @ np.random.default_rng(1).standard_normal((len(structure), _LOADS))
+    at = omega[true & (omega > 0.0)][:, None]
+    own = np.maximum(np.diag(damping), _LIGHT * omega)  # a mode without damping: its peak stays finite
+    answer = 1.0 / (omega**2 - at**2 + 1j * at * own)
+    motion = answer[:, :, None] * loads
+    change = answer[:, :, None] * (at[:, :, None] * (between @ motion))
+    sizes = [float(np.linalg.norm(np.tensordot(structure, part, axes=(1, 1)))) for part in (change, motion)]
+    return sizes[0] / sizes[1] if sizes[1] > 0.0 else 0.0
+
+
+def _padded(matrix: Floats, size: int) -> Floats:
+    padded = np.zeros((size, size))
+    padded[: len(matrix), : len(matrix)] = matrix
+    return padded
+
+
+def _turned(row: ForceRow, before: Floats, after: Floats, own: Floats) -> ForceRow:
+    """A force in the new modes; its structural damping acts in time as at their frequencies."""
+    hysteretic = row.hysteretic @ own
+    at_own = np.divide(row.hysteretic, before, out=np.zeros_like(before), where=before > 0)
+    at_new = np.divide(hysteretic, after, out=np.zeros_like(after), where=after > 0)
+    return ForceRow(row.stiffness @ own, (row.damping - at_own) @ own + at_new, row.inertia @ own, hysteretic)
+
+
+def _left_over(omega: Floats, air: CoupledAir, coupled: Floats, turn: Floats) -> Floats:
+    """|K x - omega^2 M x| over the terms it is summed from, for every mode [k]."""
+    k, whole = len(omega), len(turn)
+    structure = np.concatenate([omega, np.zeros(whole - k)])[:, None] ** 2 * turn
+    pressed = air.compression.T @ (air.compression @ turn)
+    inertia = (air.mass @ turn + np.concatenate([turn[:k], np.zeros((whole - k, whole))])) * coupled**2
+    sizes = [np.linalg.norm(part, axis=0) for part in (structure, pressed, inertia)]
+    left: Floats = np.linalg.norm(structure + pressed - inertia, axis=0)
+    terms: Floats = np.sum(sizes, axis=0)
+    share: Floats = np.divide(left, terms, out=np.zeros_like(left), where=terms > 0)
+    return share
+
+
+def _told(basis: ModalBasis, joined: ModalBasis, own: Floats, air: CoupledAir, stray: float, name: str) -> Finding:
+    """What the coupling did: the mode that the air stiffens most, before and after."""
+    added = air.compression[0, : len(basis.omega)][basis.modes] ** 2
+    share = np.divide(added, added + basis.omega[basis.modes] ** 2, out=np.zeros_like(added), where=added > 0)
+    stiffened = int(share.argmax())
+    partner = int((own[stiffened] ** 2)[joined.modes].argmax())
+    before, after = float(basis.frequency_hz[stiffened]), float(joined.frequency_hz[partner])
+    n = len(air.frequency_hz)
+    leaky = "with a leak" if name in joined.volumes else "sealed"
+    fate = "left out" if stray < FEEBLE else "kept"
+    return Finding(
+        "two-way-coupling",
+        f"The air of the room ({leaky}) pushes back, with {n} modes of its own below {air.complete_below_hz:.4g} Hz, "
+        f"the others as added mass: mode {stiffened + 1}, {before:.2f} Hz in vacuo, is mode {partner + 1} at "
+        f"{after:.2f} Hz. Mode numbers, frequencies and the energy of the structure are those with the air. Damping "
+        f"between its modes makes {stray:.1e} of the structure's motion and is {fate}",
+        {
+            "in_vacuo_hz": before,
+            "coupled_hz": after,
+            "in_vacuo_mode": stiffened + 1.0,
+            "coupled_mode": partner + 1.0,
+            "cavity_modes": float(n),
+            "cavity_modes_up_to_hz": air.complete_below_hz,
+            "damping_between_modes": stray,
+        },
+    )
