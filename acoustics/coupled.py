@@ -25,7 +25,7 @@ import numpy as np
 from acoustics.arrays import Floats, Integers, freeze, frozen, positive
 from acoustics.cavity import cosines, horizontal_wavenumber
 from acoustics.errors import AcousticsError
-from acoustics.orders import not_in, square
+from acoustics.orders import not_in, resolved_orders, square
 from acoustics.room import Room, inside, room_modes
 
 MOST: Final = 300  # cavity modes kept: coordinates cost as much as modes of the structure
@@ -120,7 +120,7 @@ def coupled_air(room: Room, points: Floats, weights: Floats, shapes: Floats, up_
     27.253
     """
     inside(room, "surface.points", points)
-    finest = _resolved(room, points)
+    finest = resolved_orders(room, points).clip(0, FINEST)
     frequency_hz, indices, complete = _kept(room, positive("up_to_hz", up_to_hz, "Hz"), finest)
     weighted = weights[:, None] * shapes
     n, k = len(frequency_hz), shapes.shape[1]
@@ -145,14 +145,6 @@ def coupled_air(room: Room, points: Floats, weights: Floats, shapes: Floats, up_
         hysteretic=modulus.imag / modulus.real * stiffness,
         complete_below_hz=complete,
     )
-
-
-def _resolved(room: Room, points: Floats) -> Integers:
-    """Highest orders l, m [2] that the points resolve, four of them to a wave."""
-    many = [len(np.unique(points[:, axis].round(9))) / max(float(np.ptp(points[:, axis])), 1e-9) for axis in (0, 1)]
-    lone = np.ptp(points[:, :2], axis=0) == 0
-    orders = np.where(lone, 0, 0.5 * np.array(many) * room.size[:2])
-    return orders.clip(0, FINEST).astype(np.int64)
 
 
 def _kept(room: Room, up_to_hz: float, finest: Integers) -> tuple[Floats, Integers, float]:

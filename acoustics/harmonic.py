@@ -11,11 +11,12 @@ from acoustics.arrays import Complexes, Floats, Integers
 from acoustics.cavity import cosines, horizontal_wavenumber, transfer
 from acoustics.errors import AcousticsError, Advice
 from acoustics.judgement import truncation
-from acoustics.orders import band_orders, not_in, square
+from acoustics.orders import band_orders, not_in, resolved_orders, square
 from acoustics.room import Receiver, Room, inside
 
-BLOCK: Final = 4  # orders of a block beyond those of the band
-MOST: Final = 40
+FIRST: Final = 4  # orders to begin with
+BLOCK: Final = 4  # orders more in the next block
+MOST: Final = 40  # orders beyond those of the band
 ENOUGH: Final = 1e-5  # share (rms over the lines, worst receiver) of the last block at which no more are added
 _AT_ONCE: Final = 1 << 20  # complex numbers
 
@@ -41,7 +42,8 @@ def harmonic_pressure(
     Notes
     -----
     Exact for a given motion, the same transfer functions as `pressure`; cosines are added until the last ones make
-    less than 1e-5 of the pressure, or 40 beyond those of the band are in.
+    less than 1e-5 of the pressure, or 40 beyond those of
+    the band are in, or the points resolve no more.
 
     A piston of 1 m/s at 20 Hz over a box compresses it by 1/omega metres of 100 mm:
 
@@ -64,16 +66,16 @@ def harmonic_pressure(
     places = np.stack([receiver.position for receiver in receivers])
     weighted = weights[:, None] * shapes
     p = np.zeros((len(places), len(frequency_hz)), dtype=np.complex128)
-    n_l, n_m = band_orders(room, float(frequency_hz.max()))
-    done, share = square(n_l, n_m), 1.0
-    p += _heard(room, done, weighted, points, rates, frequency_hz, places)
-    for more in range(BLOCK, MOST + 1, BLOCK):
-        new = not_in(square(n_l + more, n_m + more), done)
+    first = max(band_orders(room, float(frequency_hz.max())))
+    most = np.minimum(np.array(band_orders(room, float(frequency_hz.max()))) + MOST, resolved_orders(room, points) + 1)
+    done, share = np.zeros((0, 2), dtype=np.int64), 0.0
+    for size in range(FIRST, int(most.max()) + BLOCK, BLOCK):
+        new = not_in(square(*np.minimum(size, most).tolist()), done)
         part = _heard(room, new, weighted, points, rates, frequency_hz, places)
         p += part
         done = np.concatenate([done, new])
         share = _share(part, p)
-        if share < ENOUGH:
+        if len(done) > len(new) and share < ENOUGH and size >= min(first, int(most.max())):
             break
     return p, truncation(share, done)
 

@@ -47,6 +47,17 @@ def band_orders(room: Room, highest_hz: float) -> tuple[int, int]:
     return n_l, n_m
 
 
+def resolved_orders(room: Room, points: Floats) -> Integers:
+    """Highest orders l, m [2] that points of the ceiling [p, 3] integrate, four of them to a wave; 0 for a lone point.
+
+    Beyond them sums over the points see other waves than are there.
+    """
+    extent = np.ptp(points[:, :2], axis=0)
+    many = [len(np.unique(points[:, axis].round(9))) for axis in (0, 1)]
+    per_length = np.divide(many, extent, out=np.zeros(2), where=extent > 0)
+    return np.asarray(0.5 * per_length * room.size[:2], dtype=np.int64)
+
+
 def undriven(surface: SurfaceVelocity, room: Room, done: Integers, highest_hz: float) -> bool:
     """Whether no cosine of the source's band that is left out is driven nearly as much as those that are in.
 
