@@ -6,16 +6,20 @@ import numpy as np
 import pytest
 
 from femstruct.impact.bodies import GROUND, Body, Clock, Contact, Link, Scene
-from femstruct.impact.laws import Hertz, Law, Linear, Stop
+from femstruct.impact.laws import Cubic, Hertz, HuntCrossley, Law, Linear, Stop, Tabulated
 from femstruct.impact.response import Response
 from femstruct.impact.simulate import simulate
 from femstruct.modal.analytic import given_modes
 
 SYSTEMS = 200
+FACTORED = 30
 
 
-def draw(seed: int) -> Response:
-    """Up to six modes, three bodies, gaps, grazing speeds, stiffness ratios to 1e8 and mass ratios to 1e4."""
+def draw(seed: int, factored: bool = False) -> Response:
+    """Up to six modes, three bodies, gaps, grazing speeds, stiffness ratios to 1e8 and mass ratios to 1e4.
+
+    factored : laws whose dashpot is a factor, the others without.
+    """
     rng = np.random.default_rng(seed)
     n, n_bodies = rng.integers(0, 7), rng.integers(1, 4)
     f = np.sort(10 ** rng.uniform(0, 3.5, n))
@@ -41,8 +45,20 @@ def draw(seed: int) -> Response:
             Linear(10 ** rng.uniform(1, 9), damping * 10 ** rng.uniform(0, 2), bool(rng.random() < 0.3)),
             Stop(10 ** rng.uniform(1, 7)),
         ][rng.integers(0, 3)]
+        if factored:
+            loss, pulls = damping * 10 ** rng.uniform(-2, 1.5), bool(rng.random() < 0.3)
+            rises = np.cumsum(10 ** rng.uniform(-6, -3, 20))
+            law = [
+                HuntCrossley(10 ** rng.uniform(3, 9), rng.uniform(1, 3), loss, pulls),
+                Cubic(rng.choice([0.0, 1.0]) * 10 ** rng.uniform(1, 7), 10 ** rng.uniform(6, 13), loss, pulls),
+                Tabulated(np.append(0.0, rises), np.append(0.0, np.cumsum(10 ** rng.uniform(-1, 2, 20))), loss, pulls),
+            ][rng.integers(0, 3)]
         gap = rng.choice([0.0, 10 ** rng.uniform(-7, -2)])
-        preload = 10 ** rng.uniform(-1, 2) if gap == 0 and not isinstance(law, Stop) and rng.random() < 0.3 else 0.0
+        preload = (
+            10 ** rng.uniform(-1, 1 if factored else 2)
+            if gap == 0 and not isinstance(law, Stop) and rng.random() < 0.3
+            else 0.0
+        )
         contacts.append(Contact(f"c{i}", places[a], places[b], law, gap, preload))
     for i in range(rng.integers(0, 3)):
         a, b = rng.choice(len(places), 2, replace=False)
@@ -75,6 +91,32 @@ def test_no_indentation_without_force(block: int) -> None:
             assert history.peak_force >= pushed.max() * (1 - 1e-6), seed
             if not contact.preload and touching.any():
                 assert history.closings > 0, seed
+
+
+@pytest.mark.parametrize("block", range(3))
+def test_no_indentation_without_force_of_a_factored_law(block: int) -> None:
+    for seed in range(1000 + block * FACTORED // 3, 1000 + (block + 1) * FACTORED // 3):
+        response = draw(seed, factored=True)
+        assert np.isfinite(response.qdd).all()
+        assert response.ledger.residual < 1e-7, seed
+        for contact in response.scene.contacts:
+            history, law = response.contacts[contact.name], contact.law
+            depth = history.indentation
+            touching = depth > 1e-13 + 1e-9 * np.abs(depth).max()
+            assert (history.force[depth < -1e-15 * np.abs(depth).max()] == 0).all(), seed
+            assert history.peak_force >= history.force.max() * (1 - 1e-6), seed
+            assert law.tensile or history.force.min() >= -1e-9 * history.peak_force, seed
+            if not law.dissipation:
+                assert (history.force[touching] > 0).all(), seed
+                back = np.array([law.indentation(f) for f in history.force[touching][::20] if f < _last(law)])
+                found = depth[touching][::20][history.force[touching][::20] < _last(law)]
+                assert np.abs(back - found).max(initial=0.0) <= 1e-7 * depth.max(initial=0.0), seed
+            if not contact.preload and touching.any():
+                assert history.closings > 0, seed
+
+
+def _last(law: Law) -> float:
+    return law.forces[-1] if isinstance(law, Tabulated) else np.inf
 
 
 def test_bounces_settle() -> None:

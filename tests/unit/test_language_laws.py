@@ -13,6 +13,7 @@ from femstruct.impact.laws import Cubic, Hertz, HuntCrossley, LankaraniNikravesh
 from femstruct.language import json_schema, read_study
 from femstruct.workflow.run import run_study
 
+SHIPPED = Path(__file__).parents[2] / "models" / "contact_laws.study.yaml"
 MODEL = "structure: {type: oscillator, mass: 1 kg, stiffness: 100 N/m}\npoints: {m: {}}\n"
 STUDY = """model: model.yaml
 modes: {{count: 1}}
@@ -201,3 +202,20 @@ def test_a_study_runs_and_its_schema_knows_the_laws(tmp_path: Path) -> None:
     assert [told[name] & doubts for name in cases] == [set(), {"beyond-table"}, {"restitution-missed"}]
     assert [any(found.severe for found in result.cases[name].findings) for name in cases] == [False, True, False]
     assert '"lankarani-nikravesh"' in str(json_schema("study")).replace("'", '"')
+
+
+def test_the_shipped_study_does_what_it_says() -> None:
+    result = run_study(read_study(SHIPPED))
+    expected = {"published": 0.756148680659, "elastic": 1.0, "acrylic on steel": 1.0}
+    for name, case in result.cases.items():
+        assert case.response is not None
+        # the table's curvature jumps at its points
+        assert case.response.bodies["ball"].velocity[-1] / 2.0 == pytest.approx(expected.get(name, 0.6), rel=1e-9), name
+        told = {found.code for found in case.findings}
+        assert ("restitution-missed" in told) == (name == "published")
+        hit = case.response.contacts["hit"]
+        if name.startswith("linear"):
+            assert hit.first_open == pytest.approx(3e-3, rel=1e-9)
+            assert hit.force[0] == pytest.approx(2 * 0.1 * -np.log(0.6) / 3e-3 * 2.0, rel=1e-12)  # c v
+        else:
+            assert hit.force[0] == 0.0
