@@ -27,6 +27,7 @@ import numpy as np
 from femstruct.conventions import COMPONENTS
 from femstruct.errors import Finding
 from femstruct.files.atomic import replacing
+from femstruct.files.blows import write_blows
 from femstruct.files.hdf5 import axis, group, put, put_text
 from femstruct.files.sound import write_levels, write_room
 from femstruct.files.tables import finding_table, findings_by_case, summary
@@ -222,6 +223,8 @@ def _write_response(target: h5py.Group, case: CaseResult, response: Response) ->
         put(events, "time", [event.t for event in response.events], "s", "When", (number,))
         put(events, "contact", [event.contact for event in response.events], "1", "Which contact", (number,))
         put(events, "what", [event.what for event in response.events], "1", "closes or opens", (number,))
+    if response.blows:
+        write_blows(group(target, "blows", "Blows of bodies that strike several times"), response.blows)
     _write_energy(target, response)
     if case.case.study.save_modal:
         modal = group(target, "modal", "Motion of the modes (save: modal)")
@@ -243,7 +246,7 @@ def _write_energy(target: h5py.Group, response: Response) -> None:
     ledger = response.ledger
     energy = group(target, "energy", "The energy ledger, every term by itself", residual=ledger.residual)
     time = axis(energy, "time", ledger.t, "s", "Time since the start")
-    for name in ("structure", "stored", "dissipated", "work"):
+    for name in ("structure", "stored", "dissipated", "work", "blows"):
         put(energy, name, getattr(ledger, name), "J", _TERMS[name], (time,))
     if ledger.bodies:
         body = axis(energy, "body", list(ledger.bodies), "1", "Name")
@@ -256,6 +259,7 @@ _TERMS: Final = {
     "stored": "Elastic energy of contacts and links",
     "dissipated": "Lost in modes, contacts and links until now",
     "work": "Done by loads and gravity until now",
+    "blows": "Brought by repeated blows less what was lifted off, until now",
 }
 
 

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from math import isfinite
 from typing import Any
 
 from acoustics.levels import Levels
 from femstruct.errors import Finding
-from femstruct.impact.response import EnergyBalance, Response
+from femstruct.impact.response import Blow, EnergyBalance, Response
 from femstruct.study.result import CaseComparison, CaseResult, StudyResult
 
 Table = dict[str, Any]
@@ -74,6 +74,7 @@ def _case(case: CaseResult) -> Table:
         },
         "contacts": {} if response is None else _contacts(response),
         "bodies": {} if response is None else _bodies(response),
+        "blows": {} if response is None else _blows(response),
         "energy": None if response is None else _energy(response),
         "levels": {name: _levels(levels) for name, levels in case.levels.items()},
         "findings": [finding_table(finding) for finding in case.findings],
@@ -101,13 +102,41 @@ def _bodies(response: Response) -> Table:
     }
 
 
+def _blows(response: Response) -> Table:
+    """Blow by blow, by body; energy_growth is what the last blow leaves the structure at most over what the first."""
+    names = dict.fromkeys(blow.body for blow in response.blows)
+    return {name: _blows_of([blow for blow in response.blows if blow.body == name]) for name in names}
+
+
+def _blows_of(blows: Sequence[Blow]) -> Table:
+    return {
+        "t_s": [number(blow.t) for blow in blows],
+        "interval_s": [number(blow.interval) for blow in blows],
+        "input_j": [number(blow.energy) for blow in blows],
+        "impulse_ns": [number(blow.impulse) for blow in blows],
+        "peak_force_n": [number(blow.peak_force) for blow in blows],
+        "peak_time_s": [number(blow.peak_time) for blow in blows],
+        "closings": [blow.closings for blow in blows],
+        "held_force_n": [number(blow.held_force) for blow in blows],
+        "structure_largest_j": [number(blow.largest_energy) for blow in blows],
+        "structure_left_j": [number(blow.left_energy) for blow in blows],
+        "rest_after_s": [number(blow.rest_after) for blow in blows],
+        "energy_growth": number(growth(blows)),
+    }
+
+
+def growth(blows: Sequence[Blow]) -> float | None:
+    """Largest energy of the structure after the last blow over that after the first; None when that is zero."""
+    return blows[-1].largest_energy / blows[0].largest_energy if blows[0].largest_energy > 0.0 else None
+
+
 def _energy(response: Response) -> Table:
     ledger = response.ledger
     separation = ledger.at_separation
     start = ledger.start
     stored = sum(start.bodies.values()) + start.structure + sum(start.contacts.values()) + sum(start.links.values())
     return {
-        "input_j": number(stored + ledger.end.work),
+        "input_j": number(stored + ledger.end.work + ledger.end.blows),
         "at_separation": None if separation is None else _balance(separation),
         "end": _balance(ledger.end),
         "ledger_residual": number(ledger.residual),
@@ -122,6 +151,7 @@ def _balance(balance: EnergyBalance) -> Table:
         "stored": number(sum(balance.contacts.values()) + sum(balance.links.values())),
         "dissipated": number(balance.dissipated),
         "work": number(balance.work),
+        "blows": number(balance.blows),
     }
 
 

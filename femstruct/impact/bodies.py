@@ -121,11 +121,41 @@ class Table:
 
 @dataclass(frozen=True, eq=False)
 class Load:
-    """A force history on a probe (a point's direction, a surface's pressure) or on a body."""
+    """A force history on a probe (a point's direction, a surface's pressure) or on a body.
+
+    first [s] : when its own time begins; it comes `count` times in all, every `every` [s]. Where one is not over when
+    the next begins, they add.
+    """
 
     name: str
     on: Probe | str
     history: HalfSine | Table
+    first: float = 0.0
+    every: float = 0.0
+    count: int = 1
+
+    def __post_init__(self) -> None:
+        _refuse_timing(f"loads.{self.name}", self.first, self.every, self.count)
+
+
+@dataclass(frozen=True, eq=False)
+class Blows:
+    """A body that strikes `count` times: at first, first + every, first + 2 every, ... [s].
+
+    At every blow it is lifted off and given its starting state again: its displacement is that of `over`, what it is
+    above (below, before, after), so that its gap to that is the one it started with, and its velocity is the one it
+    started with, in space, not relative to what it meets. In between it is free: it rebounds, flies on, falls back
+    under gravity. Until `first` it is held still, without contact and without weight.
+    """
+
+    body: str
+    over: End
+    every: float
+    count: int
+    first: float = 0.0
+
+    def __post_init__(self) -> None:
+        _refuse_timing(f"bodies.{self.body}.blows", self.first, self.every, self.count)
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,6 +163,7 @@ class Scene:
     """All that meets, and the state it starts from.
 
     velocity [k] : modal velocities at t = 0, None for a structure at rest. gravity [m/s^2], 0 for none.
+    blows : bodies that strike more than once, in the order in which they are placed when they strike together.
     """
 
     bodies: tuple[Body, ...] = ()
@@ -141,6 +172,7 @@ class Scene:
     loads: tuple[Load, ...] = ()
     velocity: Floats | None = None
     gravity: float = 0.0
+    blows: tuple[Blows, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -160,3 +192,10 @@ class Clock:
         for word in ("duration", "sampling", "tolerance"):
             if not getattr(self, word) > 0:
                 raise FemstructError(f"time.{word}", got=f"{getattr(self, word):g}", expected="a positive value")
+
+
+def _refuse_timing(where: str, first: float, every: float, count: int) -> None:
+    if not first >= 0:
+        raise FemstructError(f"{where}.first", got=f"{first:g} s", expected="a time >= 0")
+    if count < 1 or (count > 1 and not every > 0):
+        raise FemstructError(where, got=f"{count} times, every {every:g} s", expected="a count and a time between")

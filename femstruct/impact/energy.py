@@ -5,18 +5,18 @@ from __future__ import annotations
 from femstruct.arrays import Floats
 from femstruct.impact.bodies import Scene
 from femstruct.impact.compiled import kernel
-from femstruct.impact.forces import CLAMPED, CLOSED, State, law, spring
+from femstruct.impact.forces import AWAY, CLAMPED, CLOSED, OPEN, State, law, spring
 from femstruct.impact.propagate import Trial
 from femstruct.impact.response import EnergyBalance, EnergyLedger
 from femstruct.impact.rule import STAGES, Rule
 from femstruct.impact.system import LINK, Compiled, System
 
-TIME, STRUCTURE, BODIES = 0, 1, 2  # columns of a ledger row; then stored [i], lost in modes, lost [i], work
+TIME, STRUCTURE, BODIES = 0, 1, 2  # columns of a ledger row; then stored [i], lost in modes, lost [i], work, blows
 
 
 def ledger_width(system: System) -> int:
     """Columns of a ledger row."""
-    return BODIES + len(system.omega) - system.n_modes + 2 * len(system.interfaces) + 2
+    return BODIES + len(system.omega) - system.n_modes + 2 * len(system.interfaces) + 3
 
 
 @kernel
@@ -35,7 +35,8 @@ def stored(system: System, state: State, a: int, displacement: float) -> float:
             return float(held)
         moved = displacement - state.rest[a]
         return float(held + 0.5 * stiffness * moved * moved + preload * moved)
-    energy = potential(system, a, displacement + system.interfaces[a]["offset"]) if state.status[a] else 0.0
+    touching = state.status[a] != OPEN and state.status[a] != AWAY
+    energy = potential(system, a, displacement + system.interfaces[a]["offset"]) if touching else 0.0
     if preload > 0.0:
         energy -= potential(system, a, system.interfaces[a]["offset"]) + preload * displacement
     return energy
@@ -43,8 +44,8 @@ def stored(system: System, state: State, a: int, displacement: float) -> float:
 
 @kernel
 def take_stock(t: float, system: System, state: State, place: Floats, lost: Floats, row: Floats) -> float:
-    """Fill a ledger row; lost [m + 2] holds what was integrated: by interface, then modes and work. Returns the total:
-    stored and dissipated less the work."""
+    """Fill a ledger row; lost [m + 3] holds what was integrated: by interface, then modes, work and what blows brought.
+    Returns the total: stored and dissipated less the work and the blows."""
     k, n, m = system.n_modes, len(system.omega), len(system.interfaces)
     structure = 0.0
     for i in range(k):
@@ -60,8 +61,8 @@ def take_stock(t: float, system: System, state: State, place: Floats, lost: Floa
         row[at + m + 1 + a] = lost[a]
         total += row[at + a] + lost[a]
     row[at + m] = lost[m]
-    row[at + 2 * m + 1] = lost[m + 1]
-    return float(total + lost[m] - lost[m + 1])
+    row[at + 2 * m + 1], row[at + 2 * m + 2] = lost[m + 1], lost[m + 2]
+    return float(total + lost[m] - lost[m + 1] - lost[m + 2])
 
 
 @kernel
@@ -102,6 +103,7 @@ def balance(row: Floats, scene: Scene, compiled: Compiled) -> EnergyBalance:
         lost_contacts={name: float(sum(lost[a] for a in rows)) for name, rows in compiled.contacts.items()},
         lost_links={name: float(lost[a]) for name, a in compiled.links.items()},
         work=float(row[at + 2 * m + 1]),
+        blows=float(row[at + 2 * m + 2]),
     )
 
 
@@ -110,7 +112,7 @@ def ledger(
 ) -> EnergyLedger:
     """The ledger of a run from its rows: first and last are its start and end.
 
-    residual [J] : largest change of the total; largest_work [J] : largest |work|.
+    residual [J] : largest change of the total; largest_work [J] : largest |work| + |energy brought by blows|.
     """
     m, at = len(compiled.system.interfaces), BODIES + len(scene.bodies)
     start, end = balance(history[0], scene, compiled), balance(history[-1], scene, compiled)
@@ -125,5 +127,6 @@ def ledger(
         stored=history[:, at : at + m].sum(axis=1),
         dissipated=history[:, at + m : at + 2 * m + 1].sum(axis=1),
         work=history[:, at + 2 * m + 1].copy(),
+        blows=history[:, at + 2 * m + 2].copy(),
         residual=residual / scale if scale > 0.0 else 0.0,
     )

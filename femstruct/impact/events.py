@@ -12,7 +12,7 @@ import numpy as np
 
 from femstruct.arrays import Floats
 from femstruct.impact.compiled import kernel
-from femstruct.impact.forces import CLAMPED, CLOSED, OPEN, State, sense
+from femstruct.impact.forces import AWAY, CLAMPED, CLOSED, OPEN, State, sense
 from femstruct.impact.propagate import Trial
 from femstruct.impact.rule import PLACES, STAGES, Rule
 from femstruct.impact.system import LINK, System
@@ -115,7 +115,7 @@ def watch(h: float, system: System, state: State, rule: Rule, trial: Trial, boun
     values = np.empty(PLACES)
     answer, part = SAFE, 1.0
     for a in range(len(system.interfaces)):
-        if system.interfaces[a]["kind"] == LINK:
+        if system.interfaces[a]["kind"] == LINK or state.status[a] == AWAY:
             continue
         clamps = system.interfaces[a]["tensile"] == 0 and system.interfaces[a]["closing"] > 0.0
         constant, by_depth, by_speed = sense(system, a)
@@ -167,6 +167,8 @@ def _first(answer: int, part: float, code: int, where: float) -> tuple[int, floa
 @kernel
 def switch(system: System, state: State, trial: Trial, bounds: Floats, a: int) -> int:
     """Status of contact a at the end of a step of one tick."""
+    if state.status[a] == AWAY:
+        return AWAY
     p = PLACES - 1
     delta, speed = trial.place[a, p] + system.interfaces[a]["offset"], trial.rate[a, p]
     margin = bounds[a, 2]

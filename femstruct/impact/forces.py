@@ -11,6 +11,7 @@ from femstruct.impact.compiled import kernel, summing
 from femstruct.impact.system import CONSTANT, CUBIC, HALF_SINE, HERTZ, LINEAR, LINK, POWER, System
 
 OPEN, CLOSED, CLAMPED = 0, 1, 2  # a contact without force; with force; indented, its dashpot out of force
+AWAY = 3  # one that waits for the first blow of its body: never closed by motion
 
 
 class State(NamedTuple):
@@ -120,9 +121,25 @@ def net_force(system: System, state: State, a: int, displacement: float, speed: 
 
 @kernel
 def load_at(system: System, i: int, t: float) -> float:
-    """Value of load i at time t, by the formula of the piece it is in."""
+    """Value of load i at time t: a weight from its start on, or all occurrences of a history that are not over."""
+    since = t - system.loads[i]["start"]
     if system.loads[i]["kind"] == CONSTANT:
-        return float(system.loads[i]["value"])
+        return float(system.loads[i]["value"]) if since >= 0.0 else 0.0
+    first, last, every = 0, 0, system.loads[i]["every"]
+    if system.loads[i]["count"] > 1:
+        last = min(int(np.floor(since / every)), system.loads[i]["count"] - 1)
+        first = max(int(np.floor((since - system.loads[i]["span"]) / every)), 0)
+    total = 0.0
+    for n in range(first, last + 1):
+        total += _history_at(system, i, since - n * every)
+    return total
+
+
+@kernel
+def _history_at(system: System, i: int, t: float) -> float:
+    """Value of the history of load i at its own time, by the formula of the piece it is in."""
+    if t < 0.0:
+        return 0.0
     if system.loads[i]["kind"] == HALF_SINE:
         amplitude, frequency = system.loads[i]["value"], system.loads[i]["frequency"]
         return float(amplitude * np.sin(2.0 * np.pi * frequency * t)) if t * frequency < 0.5 else 0.0

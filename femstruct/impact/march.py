@@ -13,10 +13,11 @@ from femstruct.impact.compiled import kernel
 from femstruct.impact.energy import integrate_losses, take_stock
 from femstruct.impact.events import CHANGES, UNCERTAIN, strays, switch, watch
 from femstruct.impact.flow import advance
-from femstruct.impact.forces import CLAMPED, CLOSED, OPEN, State, law, load_at, net_force, rows_now
+from femstruct.impact.forces import AWAY, CLOSED, OPEN, State, load_at, net_force, rows_now
 from femstruct.impact.propagate import Trial, try_step
 from femstruct.impact.rule import LONGEST_DOUBLINGS, PLACES, STAGES, Rule
 from femstruct.impact.sampling import Record, keep, peaks, peaks_at_start
+from femstruct.impact.strikes import first_strike, strike, touch
 from femstruct.impact.system import CONSTANT, LINK, System
 from femstruct.impact.tables import Tables, tabulate
 
@@ -32,7 +33,7 @@ def march(system: System, state: State, rule: Rule, tables: Tables, trial: Trial
     m, n, nt = len(system.interfaces), len(system.omega), len(record.at)
     per_sample = 1 << halvings
     end = nt * per_sample
-    lost = np.zeros(m + 2)
+    lost = np.zeros(m + 3)
     bounds, work = np.zeros((m, 4)), np.zeros((STAGES + 4, n))
     loaded, closed_at = np.zeros(m), np.zeros(m)
     n_events = 0
@@ -50,7 +51,10 @@ def march(system: System, state: State, rule: Rule, tables: Tables, trial: Trial
     stride = max(end // 2048, 1)
     while top_level > 0 and (1 << top_level) > 4 * stride:  # a row of the ledger is the end of a step
         top_level -= 1
-    t, level, hint, kink = 0, top_level, -1, 0
+    t, level, hint, kink, blow = 0, top_level, -1, 0, 0
+    while blow < len(system.strikes) and system.strikes[blow]["tick"] == 0:
+        first_strike(system, blow, state, record)
+        blow += 1
     last = 0
     while t < end:
         if record.totals[1] >= max_steps:
@@ -114,6 +118,26 @@ def march(system: System, state: State, rule: Rule, tables: Tables, trial: Trial
                     closed_at[a] = now if loaded[a] > before else closed_at[a]
                     if loaded[a] < before:
                         record.shortest[a] = min(record.shortest[a], now - closed_at[a])
+        struck = blow < len(system.strikes) and system.strikes[blow]["tick"] <= t
+        if struck:
+            take_stock(now, system, state, place, lost, history[n_history])
+            n_history += 1
+            while blow < len(system.strikes) and system.strikes[blow]["tick"] <= t:
+                strike(now, t, blow, system, state, place, rate, loaded, closed_at, lost, record)
+                blow += 1
+            for a in range(m):
+                if (
+                    record.totals[4 + a] > 0.0
+                    and record.latest[a] >= 0
+                    and system.strikes[record.latest[a]]["tick"] == t
+                ):
+                    if n_events == len(events):
+                        return TOO_MANY_EVENTS, now, n_history, n_events
+                    all_open = 1 if _total(loaded) == 0.0 else 0
+                    _log(events, event_rows, n_events, a, OPENS, all_open, history[n_history - 1])
+                    n_events += 1
+                    record.totals[4 + a] = 0.0
+            changed = True
         for a in range(m):
             if (
                 system.interfaces[a]["kind"] == LINK
@@ -126,7 +150,7 @@ def march(system: System, state: State, rule: Rule, tables: Tables, trial: Trial
         if not np.isfinite(total):
             return NO_FORCES, now, n_history, n_events
         record.totals[2] = max(record.totals[2], abs(total - initial))
-        record.totals[3] = max(record.totals[3], abs(lost[m + 1]))
+        record.totals[3] = max(record.totals[3], abs(lost[m + 1]) + abs(lost[m + 2]))
         if changed:
             for a in range(m):
                 if system.interfaces[a]["kind"] != LINK and loaded[a] != record.totals[4 + a]:
@@ -139,7 +163,7 @@ def march(system: System, state: State, rule: Rule, tables: Tables, trial: Trial
         for a in range(m):
             record.totals[4 + a] = loaded[a]
         busy = (acting or _total(loaded) > 0.0) and t - last >= per_sample
-        if busy or t - last >= stride or t == end:
+        if busy or struck or t - last >= stride or t == end:
             n_history += 1
             last = t
         record.totals[0] += 1.0
@@ -184,14 +208,11 @@ def _start(system: System, state: State, place: Floats, rate: Floats, loaded: Fl
         if system.interfaces[a]["kind"] == LINK:
             if system.interfaces[a]["release"] <= 0:
                 state.status[a] = CLOSED
-        elif system.interfaces[a]["preload"] > 0.0 or (system.interfaces[a]["offset"] == 0.0 and rate[a] > 0.0):
-            state.status[a] = CLOSED
-            loaded[a] = 1.0 if system.interfaces[a]["preload"] == 0.0 else 0.0
-            if (
-                system.interfaces[a]["tensile"] == 0
-                and law(system, a, place[a] + system.interfaces[a]["offset"], rate[a])[0] < 0.0
-            ):
-                state.status[a] = CLAMPED
+        elif system.interfaces[a]["release"] > 0:
+            state.status[a] = AWAY
+        else:
+            touch(system, state, a, place[a], rate[a], 0.0)
+            loaded[a] = 1.0 if state.status[a] == CLOSED and system.interfaces[a]["preload"] == 0.0 else 0.0
         if state.status[a] == CLOSED:
             state.force[a] = net_force(system, state, a, place[a], rate[a])
     for a in range(len(rate)):

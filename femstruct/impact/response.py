@@ -56,13 +56,45 @@ class BodyHistory:
 
 
 @dataclass(frozen=True)
+class Blow:
+    """One blow of a body that strikes several times; interval [s] : to the next blow of any body, after the last one
+    as long as the body waits between two, at most to the end of the window (`seen` is False where that cuts it).
+
+    t [s] : when it is given its starting state. energy [J], impulse [N s] : what it brings then less what it takes
+    along when it is lifted off (the first blow at t = 0 brings what the run starts with). peak_force [N] at peak_time
+    [s] of its contacts, and how often they close, until its own next blow.
+    largest_energy, left_energy [J] : of the structure in the interval and at its end. rest_after [s] : when the
+    structure's energy is below 1 % of the largest for good, None when not in the interval.
+    held_force [N] : contact force at the lift that ends this blow, and since when the contact is closed: 0 and None
+    when it is open, as it should be.
+    """
+
+    body: str
+    number: int
+    t: float
+    energy: float
+    impulse: float
+    peak_force: float
+    peak_time: float
+    closings: int
+    largest_energy: float
+    left_energy: float
+    rest_after: float | None
+    interval: float
+    seen: bool
+    held_force: float
+    held_since: float | None
+
+
+@dataclass(frozen=True)
 class EnergyBalance:
     """Energy at one instant t [s], in J: every term integrated or evaluated by itself, none a remainder.
 
     bodies : kinetic energy by name (gravity is in the work). structure : kinetic and elastic energy of the modes.
     contacts, links : stored energy by name, from zero at rest; a link's preload counts from the start.
     lost_modes, lost_contacts, lost_links : dissipated until t.
-    work : done by loads and gravity until t.
+    work : done by loads and gravity until t. blows : what repeated blows brought until t, less what bodies took along
+    when they were lifted off; lifting works against no weight, gravity works on bodies only while they move.
     """
 
     t: float
@@ -74,6 +106,7 @@ class EnergyBalance:
     lost_contacts: Mapping[str, float]
     lost_links: Mapping[str, float]
     work: float
+    blows: float
 
     @property
     def dissipated(self) -> float:
@@ -82,9 +115,9 @@ class EnergyBalance:
 
     @property
     def total(self) -> float:
-        """Stored and dissipated energy less the work done since the start [J]: constant when the ledger closes."""
+        """Stored and dissipated energy less work and blows since the start [J]: constant when the ledger closes."""
         stored = sum(self.bodies.values()) + sum(self.contacts.values()) + sum(self.links.values()) + self.structure
-        return stored + self.dissipated - self.work
+        return stored + self.dissipated - self.work - self.blows
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,8 +126,10 @@ class EnergyLedger:
 
     start, end : balances at t = 0 and at the end. at_separation : at the end of the collision (the first instant after
     the first closing at which all contacts are open and none closes again within `quiet`), None if never.
-    t [m] and the histories [m] are for pictures: bodies, structure, stored (contacts and links), dissipated, work.
-    residual : largest |total(t) - total(0)| over the larger of the starting energy and the work done [1].
+    t [m] and the histories [m] are for pictures: bodies, structure, stored (contacts and links), dissipated, work,
+    blows. At a blow there are two rows, before and after.
+    residual : largest |total(t) - total(0)| over the larger of the starting energy and what work and blows
+    brought [1].
     """
 
     start: EnergyBalance
@@ -106,6 +141,7 @@ class EnergyLedger:
     stored: Floats
     dissipated: Floats
     work: Floats
+    blows: Floats
     residual: float
 
 
@@ -116,6 +152,7 @@ class Response:
     t [nt] [s]; motion : of the modes, then the bodies, kept at the starts of steps: its samples follow when asked for.
     pushed [p, k], pushes [p, nt] : rows of all that pushes the modes, and their forces [N]: what accelerations need.
     bodies, contacts by name; links : force by name [nt] [N], positive in compression (pushing its ends apart).
+    blows : of all bodies that strike several times, in the order of time.
     """
 
     basis: ModalBasis
@@ -129,6 +166,7 @@ class Response:
     contacts: Mapping[str, ContactHistory]
     links: Mapping[str, Floats]
     events: tuple[Event, ...]
+    blows: tuple[Blow, ...]
     ledger: EnergyLedger
     outcome: Outcome
     findings: tuple[Finding, ...]

@@ -29,7 +29,8 @@ class Record(NamedTuple):
     opening [s].
     totals : [0] steps, [1] trials, [2] largest |total - start|, [3] largest |work|, then whether each contact counts
     as closed. history : ledger rows; events : interface, what, whether all are open then; event_rows : their ledger
-    rows.
+    rows. strikes [s, 4] : of every blow (see `femstruct.impact.strikes`); latest [m] : number of the last blow of a
+    body at an interface, -1 before any; strike_peak [s + 1, m, 2] : peaks after every blow, in the last row before any.
     """
 
     at: Integers
@@ -48,13 +49,17 @@ class Record(NamedTuple):
     history: Floats
     events: Integers
     event_rows: Floats
+    strikes: Floats
+    latest: Integers
+    strike_peak: Floats
 
 
 def room_for(system: System, n_samples: int) -> Record:
     """Empty records of a run; memory is touched only where something is written.
 
-    The history takes at most a row a sample while a contact is closed or a load acts, and 2048 more.
+    The history takes at most a row a sample while a contact is closed or a load acts, 2048 more, and two a blow.
     """
+    blows = len(system.strikes)
     n, m, width = len(system.omega), len(system.interfaces), ledger_width(system)
     longs, coupled = n_samples // 2 + 1, len(system.coupling)
     return Record(
@@ -71,9 +76,12 @@ def room_for(system: System, n_samples: int) -> Record:
         deepest=np.zeros(m),
         shortest=np.full(m, np.inf),
         totals=np.zeros(4 + m),
-        history=np.empty((n_samples + 2100, width)),
+        history=np.empty((n_samples + 2100 + 2 * blows, width)),
         events=np.empty((MOST_EVENTS, 3), dtype=np.int64),
         event_rows=np.empty((MOST_EVENTS, width)),
+        strikes=np.zeros((blows, 4)),
+        latest=np.full(m, -1, dtype=np.int64),
+        strike_peak=np.zeros((blows + 1, m, 2)),
     )
 
 

@@ -6,6 +6,7 @@ import numpy as np
 
 from femstruct.arrays import Floats, Integers
 from femstruct.errors import Finding, NotConverged
+from femstruct.impact.blows import blow_findings, blow_table
 from femstruct.impact.bodies import Body, Clock, Scene
 from femstruct.impact.energy import TIME, ledger
 from femstruct.impact.forces import State
@@ -102,6 +103,9 @@ def simulate(basis: ModalBasis, scene: Scene, clock: Clock) -> Response:
         Event(float(row[TIME]), names[int(a)], "closes" if what == CLOSES else "opens")
         for (a, what, _), row in zip(events, event_rows, strict=True)
     )
+    for a, number in enumerate(record.latest):  # peaks since the last blow join those of the blows before
+        record.strike_peak[number, a] = record.peak[a]
+        record.peak[a] = record.strike_peak[record.strike_peak[:, a, 0].argmax(), a]
     separation = _separation(events, event_rows, clock)
     book = ledger(history, separation, float(record.totals[3]), float(record.totals[2]), scene, compiled)
     motion, k = motion_of(record, system, compiled.halvings, rule, tables), system.n_modes
@@ -111,6 +115,7 @@ def simulate(basis: ModalBasis, scene: Scene, clock: Clock) -> Response:
     contacts = {
         name: _contact(name, rows, compiled, record, place, forces, log) for name, rows in compiled.contacts.items()
     }
+    blows = blow_table(record, motion, compiled, scene, clock, log)
     outcome = _outcome(contacts, events)
     displacement, velocity = (
         coordinates(motion, what, k, len(system.omega)) / compiled.scale[k:, None] for what in (DISPLACEMENT, VELOCITY)
@@ -127,9 +132,13 @@ def simulate(basis: ModalBasis, scene: Scene, clock: Clock) -> Response:
         contacts=contacts,
         links={name: forces[a] for name, a in compiled.links.items()},
         events=log,
+        blows=blows,
         ledger=book,
         outcome=outcome,
-        findings=_findings(book, outcome, contacts, compiled, scene, record, clock),
+        findings=(
+            *_findings(book, outcome, contacts, compiled, scene, record, clock),
+            *blow_findings(blows, scene, clock),
+        ),
     )
 
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from femstruct.arrays import Floats, Integers
 from femstruct.errors import FemstructError
-from femstruct.impact.bodies import Clock, End, Ground, HalfSine, Scene, Table
+from femstruct.impact.bodies import Clock, End, Ground, HalfSine, Load, Scene
 from femstruct.impact.factored import Cubic, Tabulated
 from femstruct.impact.laws import Hertz, Law, Linear, Stop
 from femstruct.impact.rule import FINEST_HALVINGS
@@ -45,8 +45,13 @@ LOAD = np.dtype(
         ("frequency", np.float64),
         ("first", np.int64),
         ("length", np.int64),
+        ("start", np.float64),
+        ("every", np.float64),
+        ("count", np.int64),
+        ("span", np.float64),
     ]
 )
+STRIKE = np.dtype([("tick", np.int64), ("over", np.int64), ("coordinate", np.int64), ("velocity", np.float64)])
 
 
 class System(NamedTuple):
@@ -55,11 +60,15 @@ class System(NamedTuple):
     omega, damping [n]; coupling [k, k] : damping off the diagonal, empty without.
     rows [r, n] : contacts, links, then loads; displacement of a row is lower end less upper end (approach), its force
     acts as sign * row. mobility [r] : row . row, the inverse mass behind it at high frequency.
-    interfaces : laws of contacts and links (INTERFACE); indentation = displacement + offset; release in ticks;
+    interfaces : laws of contacts and links (INTERFACE); indentation = displacement + offset; release in ticks, of a
+    contact: of the first blow of a body it waits for;
     closing is chi where the dashpot is a factor; shape : exponent of a power, cubic stiffness; first, length point
     into curves [p, 6], the pieces of tabulated laws.
-    loads : histories (LOAD); first, length point into table [t, force].
-    kinks : ticks at which a load or a link changes its formula; tick [s].
+    loads : histories (LOAD); first, length point into table [t, force]; each comes count times from start on, every
+    `every`, and lasts for span [s].
+    strikes : blows of bodies in the order of time (STRIKE): when, which of the rows `over` [b, n] the coordinate is
+    placed on (row . z is what it becomes), and its velocity. Those at tick 0 are the start itself.
+    kinks : ticks at which a load or a link changes its formula or a body strikes; tick [s].
     """
 
     omega: Floats
@@ -73,6 +82,8 @@ class System(NamedTuple):
     curves: Floats
     loads: Records
     table: Floats
+    strikes: Records
+    over: Floats
     kinks: Integers
     tick: float
 
@@ -107,6 +118,7 @@ def compile_scene(basis: ModalBasis, scene: Scene, clock: Clock) -> Compiled:
         raise FemstructError("scene", got="no mode and no body", expected="something that moves")
     scale = np.concatenate((np.ones(k), np.sqrt([body.mass for body in scene.bodies])))
     n_samples, halvings, tick = _ticks(clock)
+    first_blow = {blows.body: round(blows.first / tick) for blows in scene.blows}
 
     def row(end: End, where: str) -> Floats:
         values = np.zeros(k + len(bodies))
@@ -129,9 +141,10 @@ def compile_scene(basis: ModalBasis, scene: Scene, clock: Clock) -> Compiled:
         if isinstance(law, Stop) and contact.preload:
             raise FemstructError(where, got="a preload on a stop", expected="none", do="preload one side by a contact")
         rest = law.indentation(contact.preload) if contact.preload else 0.0
+        release = max(first_blow.get(e, 0) if isinstance(e, str) else 0 for e in (contact.upper, contact.lower))
         first = len(interfaces.rows)
         for side in (1.0, -1.0) if isinstance(law, Stop) else (1.0,):
-            interfaces.add(side * approach, law, rest - contact.gap, contact.preload)
+            interfaces.add(side * approach, law, rest - contact.gap, contact.preload, release)
         contact_rows[contact.name] = tuple(range(first, len(interfaces.rows)))
     link_rows: dict[str, int] = {}
     kinks: set[int] = set()
@@ -147,12 +160,16 @@ def compile_scene(basis: ModalBasis, scene: Scene, clock: Clock) -> Compiled:
 
     loads = _Loads()
     for load in scene.loads:
-        rows = row(load.on, f"loads.{load.name}")
-        kinks |= loads.add(rows, load.history, tick)
-    if scene.gravity and any(body.falls for body in scene.bodies):
-        weight = np.concatenate((np.zeros(k), [float(body.falls) for body in scene.bodies])) * scale
-        loads.rows.append(weight)
-        loads.laws.append((CONSTANT, -scene.gravity, 0.0, 0, 0))
+        kinks |= loads.add(row(load.on, f"loads.{load.name}"), load, tick, clock.duration)
+    falling = {first_blow.get(body.name, 0) for body in scene.bodies if body.falls} if scene.gravity else set()
+    for since in sorted(falling):
+        falls = [float(body.falls and first_blow.get(body.name, 0) == since) for body in scene.bodies]
+        loads.rows.append(np.concatenate((np.zeros(k), falls)) * scale)
+        loads.laws.append((CONSTANT, -scene.gravity, 0.0, 0, 0, since * tick, 0.0, 1, 0.0))
+    _refuse_held(scene, bodies)
+    strikes = _strikes(scene, bodies, k, scale, tick, n_samples << halvings)
+    over = [row(blows.over, f"bodies.{blows.body}.blows") * scale[k + bodies[blows.body]] for blows in scene.blows]
+    kinks |= {int(strike["tick"]) for strike in strikes}
 
     n = k + len(bodies)
     matrix = np.array(interfaces.rows + loads.rows).reshape(-1, n)
@@ -162,7 +179,8 @@ def compile_scene(basis: ModalBasis, scene: Scene, clock: Clock) -> Compiled:
     if velocity.shape != (k,):
         raise FemstructError("scene velocity", got=f"shape {velocity.shape}", expected=f"({k},)")
     start = np.zeros((2, n))
-    start[1] = np.concatenate((velocity, [body.velocity for body in scene.bodies])) * scale
+    moving = [body.velocity if first_blow.get(body.name, 0) == 0 else 0.0 for body in scene.bodies]
+    start[1] = np.concatenate((velocity, moving)) * scale
     system = System(
         omega=np.concatenate((basis.omega, np.zeros(len(bodies)))),
         damping=np.concatenate((np.diag(time_damping), np.zeros(len(bodies)))),
@@ -175,6 +193,8 @@ def compile_scene(basis: ModalBasis, scene: Scene, clock: Clock) -> Compiled:
         curves=np.concatenate((np.zeros((0, 6)), *interfaces.curves)),
         loads=np.array(loads.laws, dtype=LOAD),
         table=np.array([loads.times, loads.values], dtype=np.float64).T.copy(),
+        strikes=strikes,
+        over=np.array(over, dtype=np.float64).reshape(-1, n),
         kinks=np.array(sorted(kink for kink in kinks if kink > 0), dtype=np.int64),
         tick=tick,
     )
@@ -189,7 +209,7 @@ class _Interfaces:
         self.laws: list[tuple[float, ...]] = []
         self.curves: list[Floats] = []
 
-    def add(self, row: Floats, law: Law, offset: float, preload: float) -> None:
+    def add(self, row: Floats, law: Law, offset: float, preload: float, release: int) -> None:
         self.rows.append(row)
         stiffness, shape, first, length = 0.0, 0.0, 0, 0
         if isinstance(law, Hertz | Linear | Stop):
@@ -204,7 +224,7 @@ class _Interfaces:
             else:
                 kind, stiffness, shape = POWER, law.stiffness, law.exponent
         self.laws.append(
-            (kind, stiffness, damping, damping, offset, preload, int(law.tensile), 0, shape, first, length)
+            (kind, stiffness, damping, damping, offset, preload, int(law.tensile), release, shape, first, length)
         )
 
 
@@ -217,16 +237,50 @@ class _Loads:
         self.times: list[float] = []
         self.values: list[float] = []
 
-    def add(self, row: Floats, history: HalfSine | Table, tick: float) -> set[int]:
+    def add(self, row: Floats, load: Load, tick: float, duration: float) -> set[int]:
         """Keep the load; returns the ticks at which its formula changes."""
         self.rows.append(row)
+        history, times = load.history, (load.first, load.every, load.count)
         if isinstance(history, HalfSine):
-            self.laws.append((HALF_SINE, history.amplitude, history.frequency, 0, 0))
-            return {round(0.5 / history.frequency / tick)}
-        self.laws.append((TABLE, 0.0, 0.0, len(self.times), len(history.times)))
-        self.times.extend(history.times)
-        self.values.extend(history.values)
-        return {round(t / tick) for t in history.times}
+            bends = np.array([0.0, 0.5 / history.frequency])
+            self.laws.append((HALF_SINE, history.amplitude, history.frequency, 0, 0, *times, bends[-1]))
+        else:
+            bends = np.asarray(history.times)
+            self.laws.append((TABLE, 0.0, 0.0, len(self.times), len(bends), *times, bends[-1]))
+            self.times.extend(history.times)
+            self.values.extend(history.values)
+        starts = load.first + load.every * np.arange(load.count)
+        changes = np.add.outer(starts[starts < duration], bends).ravel()
+        return set(np.rint(changes / tick).astype(np.int64).tolist())
+
+
+def _strikes(scene: Scene, bodies: Mapping[str, int], k: int, scale: Floats, tick: float, end: int) -> Records:
+    """All blows before the end, in the order of time; those of one instant in the order of the scene."""
+    found = []
+    for number, blows in enumerate(scene.blows):
+        i = bodies[blows.body]
+        velocity = scene.bodies[i].velocity * scale[k + i]
+        times = np.rint((blows.first + blows.every * np.arange(blows.count)) / tick).astype(np.int64)
+        found += [(int(at), number, k + i, velocity) for at in times[times < end]]
+    return np.array(sorted(found, key=lambda strike: strike[0]), dtype=STRIKE)
+
+
+def _refuse_held(scene: Scene, bodies: Mapping[str, int]) -> None:
+    """A body that is lifted again and again is held by nothing but its contacts."""
+    _refuse_duplicates("blows", [blows.body for blows in scene.blows])
+    for blows in scene.blows:
+        where = f"bodies.{blows.body}.blows"
+        if blows.body not in bodies:
+            raise FemstructError(where, got=f"'{blows.body}'", expected=f"a body: {', '.join(bodies)}")
+        held = [link.name for link in scene.links if blows.body in (link.upper, link.lower)]
+        held += [c.name for c in scene.contacts if c.preload and blows.body in (c.upper, c.lower)]
+        if held:
+            raise FemstructError(
+                where,
+                got=f"a body that '{held[0]}' holds",
+                expected="one that nothing holds: it is lifted off at every blow",
+                do="remove its link or preload, or its blows",
+            )
 
 
 def _ticks(clock: Clock) -> tuple[int, int, float]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Literal
 
 from acoustics.air import Air
 from acoustics.room import Losses, Receiver, Room, losses_from_beta, losses_from_loss_factor, losses_from_t60
@@ -24,6 +25,7 @@ from femstruct.study.study import (
     PlannedLink,
     PlannedLoad,
     Record,
+    Repeat,
     RigidMotion,
     RoomPlan,
     Spot,
@@ -104,7 +106,9 @@ def _body(name: str, spec: BodySpec, study: StudySpec, builder: Builder, sources
         ends = ends_of(study, name, spec.target)
         law = law_of(spec.contact, ends, builder, ("bodies", name, "contact"), sources)
     dropped = spec.drop_height is not None
-    return PlacedBody(name, spec.mass, side, spec.target, start_speed(spec), dropped, law)  # type: ignore[arg-type]
+    blows = Repeat(spec.blows.count, spec.blows.every, spec.blows.first) if spec.blows is not None else None
+    speed = start_speed(spec)
+    return PlacedBody(name, spec.mass, side, spec.target, speed, dropped, law, blows)  # type: ignore[arg-type]
 
 
 def _contact(
@@ -131,9 +135,11 @@ def _load(name: str, spec: LoadSpec, builder: Builder, sources: dict[str, str]) 
         history = read_history(path, what, at, dotted(steps), builder.mistakes, sources)
         if history is None:
             return None
+    repeat = Repeat(spec.count or 1, spec.every or 0.0, spec.first)
     if spec.at is not None:
-        return PlannedLoad(name, spot_of(spec.at), "point", history)
-    return PlannedLoad(name, spec.body or spec.on or "", "body" if spec.body is not None else "surface", history)
+        return PlannedLoad(name, spot_of(spec.at), "point", history, repeat)
+    kind: Literal["body", "surface"] = "body" if spec.body is not None else "surface"
+    return PlannedLoad(name, spec.body or spec.on or "", kind, history, repeat)
 
 
 def _initial(study: StudySpec) -> InitialMotion:

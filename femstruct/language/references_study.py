@@ -44,6 +44,7 @@ def check_study(study: StudySpec, tree: Tree, model: ModelSpec, mistakes: Mistak
         if not (link.stiffness or link.damping.closing or link.damping.opening or link.preload):
             check.wrong(("links", name), "no stiffness and no damping", "one of them", of_key=True)
     _check_contacts(check, study)
+    _check_blows(check, study)
     _check_loads(check, study, names, model)
     for address in study.initial.velocity or {}:
         check.spot(("initial", "velocity", address), address, names, of_key=True)
@@ -107,6 +108,25 @@ def _check_contacts(check: Checker, study: StudySpec) -> None:
             check.wrong(steps, "the name of a body's own contact", "another name", "rename it", of_key=True)
 
 
+def _check_blows(check: Checker, study: StudySpec) -> None:
+    """A body that strikes again and again has a speed to strike with, and nothing holds it."""
+    struck = [name for name, body in study.bodies.items() if body.blows is not None]
+    for name in struck:
+        body = study.bodies[name]
+        if not (body.speed or body.drop_height):
+            check.wrong(("bodies", name, "blows"), "no speed", "a body that strikes", "add 'speed:' or 'drop_height:'")
+    for name, link in study.links.items():
+        for number, end in enumerate(link.between):
+            if end in struck:
+                got = f"'{end}', which is lifted off at every blow"
+                check.wrong(("links", name, "between", number), got, "a body without blows", "remove one of them")
+    for name, contact in study.contacts.items():
+        held = [end for end in contact.between if end in struck]
+        if contact.preload and held:
+            got = f"a preload on '{held[0]}', which is lifted off at every blow"
+            check.wrong(("contacts", name, "preload"), got, "none", "remove it, or the blows")
+
+
 def _check_loads(check: Checker, study: StudySpec, names: Names, model: ModelSpec) -> None:
     for name, load in study.loads.items():
         here: Steps = ("loads", name)
@@ -116,6 +136,9 @@ def _check_loads(check: Checker, study: StudySpec, names: Names, model: ModelSpe
             check.known((*here, "body"), load.body, "body", study.bodies)
         elif load.on is not None:
             check.known((*here, "on"), load.on, "surface", model.surfaces)
+        if (load.count is None) != (load.every is None):
+            given, missing = ("count", "every") if load.every is None else ("every", "count")
+            check.wrong((*here, given), f"'{given}' without '{missing}'", "both or none", f"add '{missing}: ...'")
         if load.half_sine is not None:
             right = "pressure" if load.on is not None else "force"
             if load.half_sine.amplitude.dimension not in (None, right):

@@ -63,6 +63,14 @@ class FrfSpec(Spec):
 SIDES = ("above", "below", "before", "after")
 
 
+class BlowsSpec(Spec):
+    """A body that strikes several times: at first, first + every, ... it is given its starting state again."""
+
+    count: Count
+    every: Duration
+    first: Instant = 0.0
+
+
 class BodySpec(Spec):
     """A point mass beside a place or another body, at rest, dropped or thrown."""
 
@@ -77,6 +85,7 @@ class BodySpec(Spec):
     drop_height: Gap | None = None
     speed: DropSpeed | None = None
     contact: LawSpec | None = None
+    blows: BlowsSpec | None = None
 
     @property
     def target(self) -> str:
@@ -125,7 +134,7 @@ class HalfSineSpec(Spec):
 
 
 class LoadSpec(Spec):
-    """A force history on a point's direction or a body, or a pressure history on a surface."""
+    """A force history on a point's direction or a body, or a pressure history on a surface; maybe several times."""
 
     one_of = (("at", "body", "on"), ("half_sine", "file"))
 
@@ -134,6 +143,9 @@ class LoadSpec(Spec):
     on: Text | None = None
     half_sine: HalfSineSpec | None = None
     file: Text | None = None
+    first: Instant = 0.0
+    every: Duration | None = None
+    count: Count | None = None
 
 
 Spin = Annotated[float, Quantity(("angular speed",))]

@@ -55,11 +55,21 @@ class FrfRequest:
 
 
 @dataclass(frozen=True)
+class Repeat:
+    """When something comes: `count` times, at first, first + every, first + 2 every, ... [s]."""
+
+    count: int = 1
+    every: float = 0.0
+    first: float = 0.0
+
+
+@dataclass(frozen=True)
 class PlacedBody:
     """A body where the study puts it: mass [kg], on which side of what, moving towards it with `speed` [m/s].
 
     speed is sqrt(2 g h) of a drop height h; `dropped` says that it falls (its weight acts when there is gravity).
     law : of its own contact, None where a named contact or nothing joins them.
+    blows : when it is given this start again; None for a body that strikes once. See `femstruct.impact.bodies.Blows`.
     """
 
     name: str
@@ -69,6 +79,7 @@ class PlacedBody:
     speed: float = 0.0
     dropped: bool = False
     law: Law | None = None
+    blows: Repeat | None = None
 
 
 @dataclass(frozen=True)
@@ -103,6 +114,7 @@ class PlannedLoad:
     on: Spot | str
     kind: Literal["point", "body", "surface"]
     history: HalfSine | Table
+    repeat: Repeat = Repeat()
 
 
 @dataclass(frozen=True)

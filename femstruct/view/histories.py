@@ -120,8 +120,8 @@ def _stack(axes: Axes, ledger: EnergyLedger, factor: float, end: float) -> None:
 
 
 def _input(ledger: EnergyLedger) -> Floats:
-    """Energy at the start and the work done since [nt] [J]."""
-    put_in: Floats = ledger.start.total + ledger.work
+    """Energy at the start and what work and blows brought since [nt] [J]."""
+    put_in: Floats = ledger.start.total + ledger.work + ledger.blows
     return put_in
 
 

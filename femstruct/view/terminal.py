@@ -12,6 +12,7 @@ from rich.console import Console
 from femstruct.errors import Finding
 from femstruct.files.tables import findings_by_case
 from femstruct.study.result import CaseComparison, CaseResult, StudyResult
+from femstruct.view.blows import blows
 from femstruct.view.grid import Grid
 
 Row = Mapping[str, Any]
@@ -36,7 +37,14 @@ def show_study(result: StudyResult, written: Mapping[str, float], folder: str = 
     for name, case in result.cases.items():
         if case.response is not None:
             console.print(f"  {name}: {case.response.outcome.value}")
-    for table in (_peaks(result), _contacts(result), _energies(result), _levels(result), _modes_db(result)):
+    for table in (
+        _peaks(result),
+        _contacts(result),
+        blows(result),
+        _energies(result),
+        _levels(result),
+        _modes_db(result),
+    ):
         table.show(console)
     _show_findings(
         console,

@@ -10,7 +10,7 @@ import numpy as np
 from femstruct.arrays import Floats
 from femstruct.conventions import GRAVITY
 from femstruct.errors import InputError
-from femstruct.impact.bodies import GROUND, Body, Contact, End, Link, Load, Scene
+from femstruct.impact.bodies import GROUND, Blows, Body, Contact, End, Link, Load, Scene
 from femstruct.modal.basis import ModalBasis
 from femstruct.model.probe import Point, Probe, Surface
 from femstruct.study.study import InitialMotion, PlacedBody, PlannedContact, PlannedLink, Study
@@ -66,7 +66,7 @@ def scene(study: Study, places: Places, basis: ModalBasis | None = None) -> Scen
         _refuse_immovable(basis, contacts, links, stage.axis)
     velocity = _modal_velocity(study.initial, places, basis) if basis is not None else None
     gravity = GRAVITY if weighs(study) else 0.0
-    return Scene(bodies, contacts, links, stage.loads(), velocity, gravity)
+    return Scene(bodies, contacts, links, stage.loads(), velocity, gravity, stage.blows())
 
 
 def ordered(study: Study, places: Places, planned: PlannedContact) -> tuple[str, str]:
@@ -189,8 +189,18 @@ class _Stage:
                 on = self.places.surfaces[str(load.on)].pressure()
             else:
                 on = str(load.on)
-            loads.append(Load(load.name, on, load.history))
+            again = load.repeat
+            loads.append(Load(load.name, on, load.history, again.first, again.every, again.count))
         return tuple(loads)
+
+    def blows(self) -> tuple[Blows, ...]:
+        """Bodies that strike several times; what lies below another body is placed before it."""
+        planned = [(body, body.blows) for body in self.study.bodies if body.blows is not None]
+        planned.sort(key=lambda pair: abs(self.height(pair[0].name, f"bodies.{pair[0].name}")[1]))
+        return tuple(
+            Blows(body.name, self.end(body.target, f"bodies.{body.name}"), again.every, again.count, again.first)
+            for body, again in planned
+        )
 
 
 def _refuse_immovable(basis: ModalBasis, contacts: Sequence[Contact], links: Sequence[Link], axis: str) -> None:

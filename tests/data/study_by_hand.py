@@ -138,7 +138,9 @@ def _response(basis, study, factor):
     force = factor * 200 * np.sin(np.pi * t / 5e-3) * (t < 5e-3)
     ball = BodyHistory(np.where(t < 5e-3, -2.1 * t, -0.0105 + 1.2 * (t - 5e-3)), np.where(t < 5e-3, -2.1, 1.2))
     energy = np.full_like(t, 0.05)
-    balance = EnergyBalance(0.0, {"ball": 0.12}, 0.0, {"ball on floor": 0.0}, {}, 0.0, {"ball on floor": 0.0}, {}, 0.0)
+    balance = EnergyBalance(
+        0.0, {"ball": 0.12}, 0.0, {"ball on floor": 0.0}, {}, 0.0, {"ball on floor": 0.0}, {}, 0.0, 0.0
+    )
     ledger = EnergyLedger(
         balance,
         balance,
@@ -148,6 +150,7 @@ def _response(basis, study, factor):
         0.04 * np.exp(-2 * t),
         0 * t,
         0.07 - 0.04 * np.exp(-2 * t),
+        0 * t,
         0 * t,
         1e-11,
     )
@@ -169,6 +172,7 @@ def _response(basis, study, factor):
         {"ball on floor": ContactHistory(force, -ball.displacement, factor * 200.0, 2.5e-3, 1, 5e-3)},
         {"tether": 10 * ball.displacement},
         (Event(0.0, "ball on floor", "closes"), Event(5e-3, "ball on floor", "opens")),
+        (),
         ledger,
         Outcome.SEPARATED,
         (),
