@@ -179,13 +179,13 @@ def _place(name: str, spec: PointSpec, model: ModelSpec) -> PlaceOn:
     on = spec.on or ""
     part = model.parts[on]
     if isinstance(spec.at, tuple):
-        return PlaceOn(name, on, spec.at, spec.side)
+        return PlaceOn(name, on, spec.at, spec.side, spec.patch)
     if isinstance(part, BlockSpec):
         a, b, c = part.size
         height = {"bottom": 0.0, "top": c}.get(spec.at or "", c / 2)
         return PlaceOn(name, on, ((a / 2, b / 2, height),), spec.side)
     assert isinstance(part, PlateSpec)  # `references` lets words through for plates and blocks only
-    return PlaceOn(name, on, ((part.size[0] / 2, part.size[1] / 2),), spec.side)
+    return PlaceOn(name, on, ((part.size[0] / 2, part.size[1] / 2),), spec.side, spec.patch)
 
 
 def _closed_form(model: ModelSpec) -> StructureModel:

@@ -78,12 +78,23 @@ At = Annotated[
 Side = Annotated[Literal["above", "below"], BeforeValidator(only(("above", "below")))]
 
 
+def _patch(value: object) -> object:
+    """The radius of a disc, or the two sides of a rectangle."""
+    size = Quantity(("length",), above=0.0)
+    if isinstance(value, list):
+        if len(value) != 2:
+            raise refuse(shown_as(value), "a radius, or two sides", "write it like 5 mm or [20 mm, 30 mm]")
+        return tuple(size.read(one) for one in value)
+    return size.read(value)
+
+
 class PointSpec(Spec):
-    """A named place; of a rod or beam a position along it, of an oscillator nothing."""
+    """A named place; of a rod or beam a position along it, of an oscillator nothing. On a plate it may be a patch."""
 
     on: Text | None = None
     at: At | None = None
     side: Side = "above"
+    patch: Annotated[float | tuple[float, float] | None, read_by(_patch, Length | list[Length])] = None
 
 
 class SurfaceSpec(Spec):

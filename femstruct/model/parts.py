@@ -180,12 +180,15 @@ class PlaceOn:
 
     at : positions from the part's origin corner along its own axes [m] for a plate, from the lower corner of a block;
     global ones for a frame.
+    patch : on a plate, a point that is the mean of a disc of this radius or a rectangle of these sides [m] around it;
+    what pushes it is spread evenly over the patch.
     """
 
     name: str
     on: str
     at: tuple[tuple[float, ...], ...]
     side: Side = "above"
+    patch: float | Pair | None = None
 
 
 @dataclass(frozen=True)

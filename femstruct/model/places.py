@@ -14,6 +14,7 @@ from femstruct.model.interpolation import block_rows, frame_rows, plate_rows, sp
 from femstruct.model.mesh import Mesh
 from femstruct.model.model import BlockMesh, FrameMesh, PlateMesh
 from femstruct.model.parts import PlaceOn, Side, SurfaceOn
+from femstruct.model.patches import patch_rows
 from femstruct.model.probe import Point, Surface
 from femstruct.model.regions import area_points, region_box
 
@@ -106,14 +107,19 @@ def _point_of_plate(name: str, place: PlaceOn, at: Floats, plate: PlateMesh, tol
             expected=f"a place within {plate.part.size[0]:g} m x {plate.part.size[1]:g} m",
         )
     local = np.clip(at, 0.0, plate.part.size)
-    nodes, rows = plate_rows(plate, local[None])
     position = from_plate(plate.part, plate.axes, local)
+    if place.patch is not None:
+        rows_of = patch_rows(f"points.{name}", plate, local, place.patch, tolerance)
+        return Point(name, position, *rows_of, normal=side_normal(plate, place.side))
+    nodes, rows = plate_rows(plate, local[None])
     return Point(name, position, *_flat(nodes[0], rows[0]), normal=side_normal(plate, place.side))
 
 
 def _point_of_frame(name: str, place: PlaceOn, at: Floats, frame: FrameMesh, mesh: Mesh, tolerance: float) -> Point:
     if len(at) != 3:
         raise InputError(f"points.{name}.at", got=f"{len(at)} numbers", expected="[x, y, z], global")
+    if place.patch is not None:
+        raise InputError(f"points.{name}.patch", got=f"a patch on the frame '{place.on}'", expected="one on a plate")
     up = np.array([0.0, 0.0, 1.0])
     own = mesh.nodes[frame.part.name]
     apart = np.linalg.norm(mesh.points[own] - at, axis=1)
