@@ -183,8 +183,12 @@ def _check_point(check: Checker, steps: Steps, point: PointSpec, model: ModelSpe
                 check.wrong((*steps, "at"), got, f"{wanted} on a {part.type}", _AXES_OF[part.type])
             elif isinstance(point.at, tuple) and isinstance(part, PlateSpec | BlockSpec):
                 _check_inside(check, (*steps, "at"), point.at, part)
+            if point.patch is not None and wanted == 3:
+                check.wrong((*steps, "patch"), f"a patch on a {part.type}", "a patch on a plate", "remove it")
         return
     kind = model.structure.type
+    if point.patch is not None:
+        check.wrong((*steps, "patch"), f"a patch of structure '{kind}'", "a patch on a plate", "remove it")
     if kind in ("none", "modes"):
         where = "the structure's own 'points'" if kind == "modes" else "no points: there is no structure"
         check.wrong(steps, f"a point of structure '{kind}'", where, "move or remove it", of_key=True)
