@@ -8,6 +8,7 @@ from typing import Any
 
 from acoustics.levels import Levels
 from femstruct.errors import Finding
+from femstruct.files.arrays import array_tables
 from femstruct.impact.response import Blow, EnergyBalance, Response
 from femstruct.study.result import CaseComparison, CaseResult, StudyResult
 
@@ -75,6 +76,7 @@ def _case(case: CaseResult) -> Table:
         "contacts": {} if response is None else _contacts(response),
         "bodies": {} if response is None else _bodies(response),
         "blows": {} if response is None else _blows(response),
+        "arrays": {} if response is None else array_tables(response),
         "energy": None if response is None else _energy(response),
         "levels": {name: _levels(levels) for name, levels in case.levels.items()},
         "findings": [finding_table(finding) for finding in case.findings],

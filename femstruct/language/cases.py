@@ -10,6 +10,7 @@ from typing import Any, Literal
 from pydantic import BaseModel
 
 from femstruct.errors import InputErrors
+from femstruct.language.arrays import spread
 from femstruct.language.build_study import study_of
 from femstruct.language.models import (
     ModelFile,
@@ -22,7 +23,7 @@ from femstruct.language.models import (
 )
 from femstruct.language.patch import MODEL_KEYS, STUDY_KEYS, Patch
 from femstruct.language.reader import Mistakes, Position, Tree, dotted, nearest, read_yaml
-from femstruct.language.references import check_names
+from femstruct.language.references import Names, check_names
 from femstruct.language.references_model import check_model
 from femstruct.language.references_study import check_study
 from femstruct.language.schema_model import ModelSpec
@@ -165,7 +166,8 @@ def _case(
     structure, damping = built_model(one.model_spec, one.model, mistakes)
     if structure is None or damping is None:
         return None
-    study = study_of(one.study_spec, title_of(one.study), structure, damping, one.study, mistakes, sources)
+    spec = spread(one.study_spec, Names.of(one.model_spec))
+    study = study_of(spec, title_of(one.study), structure, damping, one.study, mistakes, sources)
     return Case(name, study, {**overrides, **one.changes}) if study is not None else None
 
 

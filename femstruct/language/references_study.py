@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from femstruct.language.arrays import array_sizes, joined, members, spread, target_of
 from femstruct.language.reader import Mistakes, Steps, Tree, nearest
 from femstruct.language.references import Checker, Names
 from femstruct.language.schema_model import ModelSpec
-from femstruct.language.schema_study import SIDES, StudySpec, TimeSpec
+from femstruct.language.schema_study import StudySpec, TimeSpec
 
 MOST_SAMPLES = 20_000_000
 
@@ -14,7 +15,9 @@ def check_study(study: StudySpec, tree: Tree, model: ModelSpec, mistakes: Mistak
     """Every name a study uses is there, of the right kind, and its keys agree with each other."""
     check = Checker(tree, mistakes)
     names = Names.of(model)
-    ends = [*study.bodies, "ground"]
+    sizes = array_sizes(study, names)
+    each = members(sizes)
+    ends = [*study.bodies, *each, "ground"]
     if study.modes is None and model.structure is None:
         check.wrong((), "no modes", "how many modes to use", "add 'modes: {up_to: 3 kHz}'")
     for name, request in study.frf.items():
@@ -26,14 +29,19 @@ def check_study(study: StudySpec, tree: Tree, model: ModelSpec, mistakes: Mistak
         elif (request.band[1] - request.band[0]) / request.step > 1e6:
             check.wrong((*here, "step"), f"{request.step:g} Hz", "at most a million lines", "take a wider step")
     for name, body in study.bodies.items():
-        key = next(side for side in SIDES if getattr(body, side) is not None)
-        check.place(
-            ("bodies", name, key), getattr(body, key), names, [*(n for n in study.bodies if n != name), "ground"]
-        )
+        side, target = target_of(body)
+        if names.points.get(target, 1) == 1:
+            own = [name, *members({name: sizes.get(name, 0)})]
+            check.place(("bodies", name, side), target, names, [end for end in ends if end not in own])
     for group, items in (("contacts", study.contacts), ("links", study.links)):
         for name, item in items.items():
+            counts = joined(item.between, sizes, names)
+            if len({count for count in counts if count > 1}) > 1:
+                told = " and ".join(f"{n} {end}" for n, end in zip(counts, item.between, strict=True))
+                check.wrong((group, name, "between"), told, "as many of both, or one", "name one of them, as NAME.1")
             for number, end in enumerate(item.between):
-                check.place((group, name, "between", number), end, names, ends)
+                if not counts or counts[number] == 1:
+                    check.place((group, name, "between", number), end, names, ends)
             if item.between[0] == item.between[1]:
                 check.wrong((group, name, "between"), f"'{item.between[0]}' twice", "two different ends")
     for name, contact in study.contacts.items():
@@ -45,7 +53,7 @@ def check_study(study: StudySpec, tree: Tree, model: ModelSpec, mistakes: Mistak
             check.wrong(("links", name), "no stiffness and no damping", "one of them", of_key=True)
     _check_contacts(check, study)
     _check_blows(check, study)
-    _check_loads(check, study, names, model)
+    _check_loads(check, study, names, model, each)
     for address in study.initial.velocity or {}:
         check.spot(("initial", "velocity", address), address, names, of_key=True)
         rotation = address.rpartition(".")[2] in ("rx", "ry", "rz")
@@ -127,13 +135,13 @@ def _check_blows(check: Checker, study: StudySpec) -> None:
             check.wrong(("contacts", name, "preload"), got, "none", "remove it, or the blows")
 
 
-def _check_loads(check: Checker, study: StudySpec, names: Names, model: ModelSpec) -> None:
+def _check_loads(check: Checker, study: StudySpec, names: Names, model: ModelSpec, each: list[str]) -> None:
     for name, load in study.loads.items():
         here: Steps = ("loads", name)
         if load.at is not None:
             check.spot((*here, "at"), load.at, names)
         elif load.body is not None:
-            check.known((*here, "body"), load.body, "body", study.bodies)
+            check.known((*here, "body"), load.body, "body", [*study.bodies, *each])
         elif load.on is not None:
             check.known((*here, "on"), load.on, "surface", model.surfaces)
         if (load.count is None) != (load.every is None):
@@ -149,16 +157,19 @@ def _check_loads(check: Checker, study: StudySpec, names: Names, model: ModelSpe
 
 
 def _check_records(check: Checker, study: StudySpec, names: Names) -> None:
+    parted = spread(study, names)
+    bodies = dict.fromkeys((*study.bodies, *parted.bodies))
     own = [
-        f"{name} on {body.above or body.below or body.before or body.after}"
-        for name, body in study.bodies.items()
+        f"{name} on {target_of(body)[1]}"
+        for spec in (study, parted)
+        for name, body in spec.bodies.items()
         if body.contact is not None
     ]
-    forced = [*names.forces, *study.contacts, *study.links, *own]
+    forced = list(dict.fromkeys((*names.forces, *study.contacts, *parted.contacts, *study.links, *parted.links, *own)))
     for target, wanted in study.record.items():
         steps: Steps = ("record", target)
         for what in wanted:
-            if target in study.bodies:
+            if target in bodies:
                 if what not in ("displacement", "velocity", "travel"):
                     check.wrong(steps, f"'{what}' of a body", "displacement, velocity or travel")
             elif target in forced:
@@ -166,11 +177,11 @@ def _check_records(check: Checker, study: StudySpec, names: Names) -> None:
                     check.wrong(steps, f"'{what}' of '{target}'", "force")
             elif what in ("force", "travel"):
                 words = "a body" if what == "travel" else "a contact, link, part, joint, support or ground"
-                known = list(study.bodies) if what == "travel" else forced
+                known = list(bodies) if what == "travel" else forced
                 check.wrong(steps, f"'{target}'", f"the name of {words}", nearest(target, known), of_key=True)
             elif "." in target:
                 check.spot(steps, target, names, of_key=True)
             else:
-                known = [*study.bodies, *(f"{place}.z" for place in names.places)]
+                known = [*bodies, *(f"{place}.z" for place in names.places)]
                 do = nearest(target, known)
                 check.wrong(steps, f"'{target}'", "a direction of a point, or a body", do, of_key=True)

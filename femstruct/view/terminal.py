@@ -12,6 +12,7 @@ from rich.console import Console
 from femstruct.errors import Finding
 from femstruct.files.tables import findings_by_case
 from femstruct.study.result import CaseComparison, CaseResult, StudyResult
+from femstruct.view.arrays import arrays
 from femstruct.view.blows import blows
 from femstruct.view.grid import Grid
 
@@ -42,6 +43,7 @@ def show_study(result: StudyResult, written: Mapping[str, float], folder: str = 
         _contacts(result),
         blows(result),
         _energies(result),
+        arrays(result),
         _levels(result),
         _modes_db(result),
     ):
@@ -196,7 +198,11 @@ def _energies(result: StudyResult) -> Grid:
             if balance is None:
                 grid.add(name, label, "never", "", "", "", "", "")
                 continue
-            bodies = ", ".join(f"{body} {1e3 * energy:.4g}" for body, energy in balance.bodies.items())
+            energies: dict[str, float] = {}
+            for body, energy in balance.bodies.items():  # an array of bodies is told as one
+                array = body.rpartition(".")[0] or body
+                energies[array] = energies.get(array, 0.0) + energy
+            bodies = ", ".join(f"{body} {1e3 * energy:.4g}" for body, energy in energies.items())
             stored = sum(balance.contacts.values()) + sum(balance.links.values())
             grid.add(
                 name,

@@ -21,7 +21,18 @@ def result():
 def test_layout_is_the_documented_one(result):
     table = summary(result)
     case = table["cases"]["without damper"]
-    assert set(case) == {"outcome", "basis", "peaks", "contacts", "bodies", "blows", "energy", "levels", "findings"}
+    assert set(case) == {
+        "outcome",
+        "basis",
+        "peaks",
+        "contacts",
+        "bodies",
+        "blows",
+        "arrays",
+        "energy",
+        "levels",
+        "findings",
+    }
     assert set(case["peaks"]["O_f.z velocity"]) == {"first_impact", "whole", "unit"}
     assert set(case["contacts"]["ball on floor"]) == {"peak_force_n", "closings", "first_open_s"}
     assert set(case["bodies"]["ball"]) == {"end_velocity", "travel"}

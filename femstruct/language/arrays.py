@@ -1,0 +1,96 @@
+"""Arrays of bodies: a body at a point of several places is one body each, with its contacts and links."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TypeVar
+
+from femstruct.language.references import Names
+from femstruct.language.schema_study import SIDES, BodySpec, ContactSpec, LinkSpec, LoadSpec, StudySpec
+
+Ends = tuple[str, str]
+Joining = TypeVar("Joining", ContactSpec, LinkSpec)
+
+
+def target_of(body: BodySpec) -> tuple[str, str]:
+    """On which side of what a body is."""
+    return next((side, target) for side in SIDES if (target := getattr(body, side)) is not None)
+
+
+def array_sizes(study: StudySpec, names: Names) -> dict[str, int]:
+    """How many each body of an array is: at a point of several places, or on another array."""
+    sizes: dict[str, int] = {}
+    for _ in study.bodies:  # each round finds what lies on what the last one found
+        for name, body in study.bodies.items():
+            target = target_of(body)[1]
+            count = sizes.get(target, names.points.get(target, 1))
+            if count > 1:
+                sizes[name] = count
+    return sizes
+
+
+def joined(ends: Ends, sizes: Mapping[str, int], names: Names) -> list[int]:
+    """How many places each end stands for: [] unless an array of bodies is one of them."""
+    if not any(end in sizes for end in ends):
+        return []
+    return [sizes.get(end, names.points.get(end, 1)) for end in ends]
+
+
+def members(sizes: Mapping[str, int]) -> list[str]:
+    """The names of all bodies of arrays.
+
+    >>> members({"damper": 2})
+    ['damper.1', 'damper.2']
+    """
+    return [f"{name}.{i}" for name, size in sizes.items() for i in range(1, size + 1)]
+
+
+def spread(study: StudySpec, names: Names) -> StudySpec:
+    """The study with NAME.1, NAME.2, ... in place of every array NAME: its bodies, what joins and pushes them, and what
+    is recorded of them. Both ends of a contact or link go along in step; one that is single stays."""
+    sizes = array_sizes(study, names)
+    if not sizes:
+        return study
+    several = {**{name: count for name, count in names.points.items() if count > 1}, **sizes}
+
+    def nth(end: str, i: int) -> str:
+        return f"{end}.{i}" if end in several else end
+
+    def apart(specs: Mapping[str, Joining]) -> dict[str, Joining]:
+        found: dict[str, Joining] = {}
+        for name, spec in specs.items():
+            counts = joined(spec.between, sizes, names)
+            if not counts:
+                found[name] = spec
+            for i in range(1, max(counts, default=0) + 1):
+                first, second = spec.between
+                found[f"{name}.{i}"] = spec.model_copy(update={"between": (nth(first, i), nth(second, i))})
+        return found
+
+    bodies: dict[str, BodySpec] = {}
+    for name, body in study.bodies.items():
+        side, target = target_of(body)
+        for i in range(1, sizes.get(name, 1) + 1):
+            bodies[nth(name, i)] = body.model_copy(update={side: nth(target, i)}) if name in sizes else body
+    loads: dict[str, LoadSpec] = {}
+    for name, load in study.loads.items():
+        for i in range(1, sizes.get(load.body or "", 1) + 1):
+            alone = load.body not in sizes
+            loads[name if alone else f"{name}.{i}"] = (
+                load if alone else load.model_copy(update={"body": f"{load.body}.{i}"})
+            )
+    contacts, links = apart(study.contacts), apart(study.links)
+    record: dict[str, tuple[str, ...]] = {}
+    for target, wanted in study.record.items():
+        if target in sizes:
+            record |= dict.fromkeys((f"{target}.{i}" for i in range(1, sizes[target] + 1)), wanted)
+        elif (target in study.contacts and target not in contacts) or (target in study.links and target not in links):
+            record |= dict.fromkeys((name for name in (*contacts, *links) if name.rpartition(".")[0] == target), wanted)
+        elif target in (own := {f"{name} on {target_of(study.bodies[name])[1]}": name for name in sizes}):
+            name, on = own[target], target_of(study.bodies[own[target]])[1]
+            record |= dict.fromkeys((f"{name}.{i} on {on}.{i}" for i in range(1, sizes[name] + 1)), wanted)
+        else:
+            record[target] = wanted
+    return study.model_copy(
+        update={"bodies": bodies, "contacts": contacts, "links": links, "loads": loads, "record": record}
+    )

@@ -1,0 +1,179 @@
+"""Bodies that strike several times and loads that come again, from YAML to tables, files and the terminal."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+
+from femstruct.errors import InputErrors
+from femstruct.files.tables import summary
+from femstruct.language import read_study
+from femstruct.study.result import StudyResult
+from femstruct.view.histories import energy
+from femstruct.view.terminal import show_study
+from femstruct.workflow.output import write_all
+from femstruct.workflow.run import run_study
+
+MODELS = Path(__file__).parents[2] / "models"
+MODEL = """structure:
+  type: modes
+  frequency: [18, 45, 140]
+  ratio: [4 %, 4 %, 4 %]
+  points: {p1: [0.1, 0.2, 0.1], p2: [0.2, 0.1, -0.1], p3: [0.3, -0.1, 0.1]}
+"""
+STUDY = """model: model.yaml
+modes: {count: 3}
+bodies:
+  one:   {mass: 0.5 kg, above: p1, drop_height: 4 cm, contact: {type: hertz, stiffness: 2e7},
+          blows: {count: 2, every: 0.3 s}}
+  two:   {mass: 0.5 kg, above: p2, drop_height: 4 cm, contact: {type: hertz, stiffness: 2e7},
+          blows: {count: 2, every: 0.3 s, first: 0.1 s}}
+  three: {mass: 0.5 kg, above: p3, drop_height: 4 cm, contact: {type: hertz, stiffness: 2e7},
+          blows: {count: 2, every: 0.3 s, first: 0.2 s}}
+loads:
+  step: {at: p3.z, half_sine: {amplitude: -30 N, frequency: 10 Hz}, first: 0.05 s, every: 0.2 s, count: 3}
+record: {p1.z: velocity, one: travel}
+time: {duration: 0.62 s, sampling: 20 kHz, gravity: true}
+"""
+
+
+def write(folder: Path, study: str = STUDY) -> Path:
+    (folder / "model.yaml").write_text(MODEL, encoding="utf-8")
+    (folder / "taps.study.yaml").write_text(study, encoding="utf-8")
+    return folder / "taps.study.yaml"
+
+
+@pytest.fixture(scope="module")
+def taps(tmp_path_factory: pytest.TempPathFactory) -> StudyResult:
+    return run_study(read_study(write(tmp_path_factory.mktemp("taps"))))
+
+
+@pytest.fixture(scope="module")
+def strokes() -> StudyResult:
+    return run_study(read_study(MODELS / "press_strokes.study.yaml"))
+
+
+def test_hammers_take_turns(taps: StudyResult) -> None:
+    response = taps.cases["as given"].response
+    assert response is not None
+    assert [blow.body for blow in response.blows] == ["one", "two", "three"] * 2
+    assert [blow.t for blow in response.blows] == pytest.approx(0.1 * np.arange(6), abs=1e-14)
+    assert response.ledger.residual < 1e-8
+    speed = np.sqrt(2 * 9.80665 * 0.04)
+    assert response.bodies["two"].velocity[[0, 2000]] == pytest.approx([0.0, -speed], rel=1e-12)
+
+
+def test_a_travel_begins_anew_at_every_blow(taps: StudyResult) -> None:
+    travel = taps.cases["as given"].channels["one travel"].values
+    assert travel[[0, 6000]] == pytest.approx([0.0, 0.0], abs=1e-15)
+    assert abs(travel[5999]) > 1e-4
+
+
+def test_loads_come_three_times(taps: StudyResult) -> None:
+    response = taps.cases["as given"].response
+    assert response is not None
+    push = response.pushes[np.abs(response.pushes).max(axis=1).argsort()]
+    force = next(row for row in push if row.min() == pytest.approx(-30.0, rel=1e-6))
+    assert np.flatnonzero(np.diff((force < 0).astype(int)) == 1) == pytest.approx([1000, 5000, 9000], abs=1)
+
+
+def test_blows_in_json_file_and_figures(taps: StudyResult, tmp_path: Path) -> None:
+    case = taps.cases["as given"]
+    assert case.response is not None
+    table = summary(taps)["cases"]["as given"]
+    assert list(table["blows"]) == ["one", "two", "three"]
+    assert set(table["blows"]["one"]) == {
+        "t_s", "interval_s", "input_j", "impulse_ns", "peak_force_n", "peak_time_s", "closings", "held_force_n",
+        "structure_largest_j", "structure_left_j", "rest_after_s", "energy_growth",
+    }  # fmt: skip
+    assert table["blows"]["three"]["t_s"] == pytest.approx([0.2, 0.5])
+    assert max(table["blows"]["two"]["peak_force_n"]) == table["contacts"]["two on p2"]["peak_force_n"]
+    brought = sum(sum(blows["input_j"]) for blows in table["blows"].values())
+    # the first blow of "one" is the start; what the loads did is the rest
+    assert table["energy"]["input_j"] == pytest.approx(brought + table["energy"]["end"]["work"], rel=1e-12)
+    first, last = (table["blows"]["one"]["structure_largest_j"][i] for i in (0, -1))
+    assert table["blows"]["one"]["energy_growth"] == last / first
+    write_all(taps, tmp_path)
+    with h5py.File(tmp_path / "results.h5") as file:
+        blows = file["cases/as given/blows"]
+        assert list(blows["body"].asstr()) == [blow.body for blow in case.response.blows]
+        np.testing.assert_array_equal(blows["peak_force"], [blow.peak_force for blow in case.response.blows])
+        assert blows["rest_after"].attrs["units"] == "s" and blows["impulse"].attrs["units"] == "N s"
+        np.testing.assert_array_equal(file["cases/as given/energy/blows"], case.response.ledger.blows)
+
+
+def test_the_energy_figure_counts_blows_as_put_in(taps: StudyResult) -> None:
+    case = taps.cases["as given"]
+    assert case.response is not None
+    figure = energy(taps)
+    assert figure is not None
+    put_in = next(line for line in figure.axes[1].get_lines() if line.get_label() == "put in")
+    ledger = case.response.ledger
+    share = put_in.get_ydata()[-1] / put_in.get_ydata()[0]
+    assert share == pytest.approx((ledger.start.total + ledger.end.work + ledger.end.blows) / ledger.start.total)
+
+
+def test_blows_in_the_terminal(strokes: StudyResult, capsys: pytest.CaptureFixture[str]) -> None:
+    show_study(strokes, {})
+    told = capsys.readouterr().out
+    rows = [line for line in told.splitlines() if "slider" in line and " of 5" in line]
+    assert len(rows) == 10
+    assert rows[0].split()[:8] == ["slider", "every", "0.8", "s", "1", "of", "5", "0.000"]
+    assert "not in 800" in rows[0] and "%)" in rows[1]
+    assert "not-at-rest: After 4 of 5 blows" in told or "not-at-rest: After 5 of 5 blows" in told
+
+
+def test_the_shipped_strokes(strokes: StudyResult) -> None:
+    """What models/press_strokes.study.yaml says to expect."""
+    soon, late = (strokes.cases[name] for name in ("every 0.8 s", "every 1.6 s"))
+    assert soon.response is not None and late.response is not None
+    left = [blow.left_energy / blow.largest_energy for case in (soon, late) for blow in case.response.blows]  # type: ignore[union-attr]
+    # the second mode is gone; half of the first blow's energy was in it
+    assert 0.01 < left[0] < np.exp(-2 * 0.05 * 40 * 0.8) and left[5] < 0.01
+    codes = [{finding.code for finding in case.findings} for case in (soon, late)]
+    assert "not-at-rest" in codes[0] and "not-at-rest" not in codes[1]
+    for case, spread in ((soon.response, 1e-3), (late.response, 1e-2)):
+        assert [blow.held_since for blow in case.blows] == [None] * 5
+        assert case.ledger.residual < 1e-10
+        peaks = np.array([blow.peak_force for blow in case.blows])
+        assert (np.ptp(peaks) / peaks[0] > spread) == (case is soon.response)
+
+
+MISTAKES = {
+    "no speed": ("one:   {mass: 0.5 kg, above: p1, drop_height: 4 cm,", "one:   {mass: 0.5 kg, above: p1,", "{count: 2",
+        r"bodies\.one\.blows: got no speed, expected a body that strikes; add 'speed:' or 'drop_height:'"),
+    "no rhythm": ("blows: {count: 2, every: 0.3 s}}", "blows: {count: 2}}", "blows: {count: 2}}",
+        r"bodies\.one\.blows\.every: got nothing, expected 'every'"),
+    "count": ("{count: 2, every: 0.3 s}}", "{count: 2.5, every: 0.3 s}}", "2.5",
+        r"bodies\.one\.blows\.count: got 2\.5, expected a whole number"),
+    "every": ("{count: 2, every: 0.3 s}}", "{count: 2, every: 0 s}}", "0 s}}",
+        r"bodies\.one\.blows\.every: got '0 s', expected a positive value"),
+    "unknown key": ("first: 0.1 s}}", "frist: 0.1 s}}", "frist",
+        r"bodies\.two\.blows\.frist: got the unknown key 'frist'.*did you mean 'first'\?"),
+    "a link": ("loads:\n", "links:\n  rope: {between: [one, ground], stiffness: 10 N/m}\nloads:\n", "one, ground",
+        r"links\.rope\.between\[0\]: got 'one', which is lifted off at every blow, expected a body without blows"),
+    "a preload": ("loads:\n", "contacts:\n  c: {between: [one, p2], law: {type: linear, stiffness: 1}, preload: 1 N}\n"
+        "loads:\n", "1 N}", r"contacts\.c\.preload: got a preload on 'one', which is lifted off at every blow"),
+    "count of loads": (", every: 0.2 s, count: 3", ", count: 47", "47",
+        r"loads\.step\.count: got 'count' without 'every', expected both or none; add 'every: \.\.\.'"),
+    "every of loads": (", every: 0.2 s, count: 3", ", every: 0.47 s", "0.47 s",
+        r"loads\.step\.every: got 'every' without 'count'"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", MISTAKES)
+def test_mistakes_say_where(name: str, tmp_path: Path) -> None:
+    old, new, marked, said = MISTAKES[name]
+    assert old in STUDY
+    path = write(tmp_path, STUDY.replace(old, new, 1))
+    with pytest.raises(InputErrors) as told:
+        read_study(path)
+    (line,) = str(told.value).splitlines()
+    number, column = next(
+        (i, text.index(marked) + 1) for i, text in enumerate(path.read_text().splitlines(), 1) if marked in text
+    )
+    assert re.match(rf"{re.escape(str(path))}:{number}:{column}: {said}", line), line
