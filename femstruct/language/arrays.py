@@ -12,17 +12,12 @@ Ends = tuple[str, str]
 Joining = TypeVar("Joining", ContactSpec, LinkSpec)
 
 
-def target_of(body: BodySpec) -> tuple[str, str]:
-    """On which side of what a body is."""
-    return next((side, target) for side in SIDES if (target := getattr(body, side)) is not None)
-
-
 def array_sizes(study: StudySpec, names: Names) -> dict[str, int]:
     """How many each body of an array is: at a point of several places, or on another array."""
     sizes: dict[str, int] = {}
     for _ in study.bodies:  # each round finds what lies on what the last one found
         for name, body in study.bodies.items():
-            target = target_of(body)[1]
+            target = body.target
             count = sizes.get(target, names.points.get(target, 1))
             if count > 1:
                 sizes[name] = count
@@ -69,7 +64,7 @@ def spread(study: StudySpec, names: Names) -> StudySpec:
 
     bodies: dict[str, BodySpec] = {}
     for name, body in study.bodies.items():
-        side, target = target_of(body)
+        side, target = next(side for side in SIDES if getattr(body, side) is not None), body.target
         for i in range(1, sizes.get(name, 1) + 1):
             bodies[nth(name, i)] = body.model_copy(update={side: nth(target, i)}) if name in sizes else body
     loads: dict[str, LoadSpec] = {}
@@ -86,8 +81,8 @@ def spread(study: StudySpec, names: Names) -> StudySpec:
             record |= dict.fromkeys((f"{target}.{i}" for i in range(1, sizes[target] + 1)), wanted)
         elif (target in study.contacts and target not in contacts) or (target in study.links and target not in links):
             record |= dict.fromkeys((name for name in (*contacts, *links) if name.rpartition(".")[0] == target), wanted)
-        elif target in (own := {f"{name} on {target_of(study.bodies[name])[1]}": name for name in sizes}):
-            name, on = own[target], target_of(study.bodies[own[target]])[1]
+        elif target in (own := {f"{name} on {study.bodies[name].target}": name for name in sizes}):
+            name, on = own[target], study.bodies[own[target]].target
             record |= dict.fromkeys((f"{name}.{i} on {on}.{i}" for i in range(1, sizes[name] + 1)), wanted)
         else:
             record[target] = wanted

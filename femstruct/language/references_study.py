@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from femstruct.language.arrays import array_sizes, joined, members, spread, target_of
+from femstruct.language.arrays import array_sizes, joined, members, spread
 from femstruct.language.reader import Mistakes, Steps, Tree, nearest
 from femstruct.language.references import Checker, Names
 from femstruct.language.schema_model import ModelSpec
-from femstruct.language.schema_study import StudySpec, TimeSpec
+from femstruct.language.schema_study import SIDES, StudySpec, TimeSpec
 
 MOST_SAMPLES = 20_000_000
 
@@ -29,7 +29,7 @@ def check_study(study: StudySpec, tree: Tree, model: ModelSpec, mistakes: Mistak
         elif (request.band[1] - request.band[0]) / request.step > 1e6:
             check.wrong((*here, "step"), f"{request.step:g} Hz", "at most a million lines", "take a wider step")
     for name, body in study.bodies.items():
-        side, target = target_of(body)
+        side, target = next(side for side in SIDES if getattr(body, side) is not None), body.target
         if names.points.get(target, 1) == 1:
             own = [name, *members({name: sizes.get(name, 0)})]
             check.place(("bodies", name, side), target, names, [end for end in ends if end not in own])
@@ -160,7 +160,7 @@ def _check_records(check: Checker, study: StudySpec, names: Names) -> None:
     parted = spread(study, names)
     bodies = dict.fromkeys((*study.bodies, *parted.bodies))
     own = [
-        f"{name} on {target_of(body)[1]}"
+        f"{name} on {body.target}"
         for spec in (study, parted)
         for name, body in spec.bodies.items()
         if body.contact is not None

@@ -41,6 +41,8 @@ def locate_points(
         for number, at in enumerate(place.at):
             name = place.name if len(place.at) == 1 else f"{place.name}.{number + 1}"
             position = np.asarray(at, dtype=np.float64)
+            if place.patch is not None and place.on not in plates:
+                raise InputError(f"points.{name}.patch", got=f"a patch on {place.on}", expected="one on a plate")
             if place.on in plates:
                 points[name] = _point_of_plate(name, place, position, plates[place.on], tolerance)
             elif place.on in frames:
@@ -118,8 +120,6 @@ def _point_of_plate(name: str, place: PlaceOn, at: Floats, plate: PlateMesh, tol
 def _point_of_frame(name: str, place: PlaceOn, at: Floats, frame: FrameMesh, mesh: Mesh, tolerance: float) -> Point:
     if len(at) != 3:
         raise InputError(f"points.{name}.at", got=f"{len(at)} numbers", expected="[x, y, z], global")
-    if place.patch is not None:
-        raise InputError(f"points.{name}.patch", got=f"a patch on the frame '{place.on}'", expected="one on a plate")
     up = np.array([0.0, 0.0, 1.0])
     own = mesh.nodes[frame.part.name]
     apart = np.linalg.norm(mesh.points[own] - at, axis=1)
