@@ -75,17 +75,17 @@ def spread(study: StudySpec, names: Names) -> StudySpec:
                 load if alone else load.model_copy(update={"body": f"{load.body}.{i}"})
             )
     contacts, links = apart(study.contacts), apart(study.links)
+    own = {f"{name} on {study.bodies[name].target}": name for name in sizes}
     record: dict[str, tuple[str, ...]] = {}
     for target, wanted in study.record.items():
+        parted = [name for name in (*contacts, *links) if name.rpartition(".")[0] == target]
         if target in sizes:
-            record |= dict.fromkeys((f"{target}.{i}" for i in range(1, sizes[target] + 1)), wanted)
-        elif (target in study.contacts and target not in contacts) or (target in study.links and target not in links):
-            record |= dict.fromkeys((name for name in (*contacts, *links) if name.rpartition(".")[0] == target), wanted)
-        elif target in (own := {f"{name} on {study.bodies[name].target}": name for name in sizes}):
+            parted = members({target: sizes[target]})
+        elif target in own:
             name, on = own[target], study.bodies[own[target]].target
-            record |= dict.fromkeys((f"{name}.{i} on {on}.{i}" for i in range(1, sizes[name] + 1)), wanted)
-        else:
-            record[target] = wanted
+            parted = [f"{name}.{i} on {nth(on, i)}" for i in range(1, sizes[name] + 1)]
+        for one in parted or [target]:  # a member may be named beside its array
+            record[one] = tuple(dict.fromkeys((*record.get(one, ()), *wanted)))
     return study.model_copy(
         update={"bodies": bodies, "contacts": contacts, "links": links, "loads": loads, "record": record}
     )
