@@ -9,7 +9,7 @@ from scipy.special import gamma
 from systems import rigid, rod
 
 from femstruct import Body, Clock, Contact, Linear, Scene, simulate
-from femstruct.impact.restitution import collide
+from femstruct.impact.collisions import collide
 from femstruct.modal.analytic import rod as rod_basis
 from ledger.row import Row
 
@@ -218,11 +218,11 @@ def rods() -> list[Row]:
         Row("2.3, 'reflected energy' at omega_b = 0.8 omega_1, as a ratio of velocities", 0.42,
             abs(rod.ball_speed(small)), 0.03, assumption="final velocity is meant, as its parenthesis says; 50 modes",
             note="'almost 42 %'; travelling waves: 0.442"),
-        Row("2.3, the same as an energy", 0.42, rod.energies(small)[1], 0.03, implied=0.42**2,
+        Row("2.3, the same as an energy (0.8 omega_1)", 0.42, rod.energies(small)[1], 0.03, implied=0.42**2,
             why="the text reads the ratio off the velocity of the ball; its square is the energy"),
         Row("2.3, 'reflected energy' at omega_b = 2 omega_1, as a ratio of velocities", 0.07,
             abs(rod.ball_speed(large)), 0.01, assumption="as above", note="travelling waves: 0.079"),
-        Row("2.3, the same as an energy", 0.07, rod.energies(large)[1], 0.005, implied=0.07**2,
+        Row("2.3, the same as an energy (2 omega_1)", 0.07, rod.energies(large)[1], 0.005, implied=0.07**2,
             why="as above: nearly all goes to the rod, 99.5 % and not 93 %"),
         Row("2.3, more than the rigid rod's 0.31 goes to the damper at omega_b = omega_d = 0.8 omega_1", 0.31,
             rod.energies(case)[0], 0.0, relation=">"),

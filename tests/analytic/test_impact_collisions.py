@@ -9,9 +9,10 @@ import pytest
 
 from femstruct.errors import InputError, NotConverged
 from femstruct.impact.bodies import Body, Clock, Contact, Scene
+from femstruct.impact.collisions import collide, collide_as_one
 from femstruct.impact.laws import Linear
 from femstruct.impact.response import Response
-from femstruct.impact.collisions import collide, collide_as_one
+from femstruct.impact.restitution import damping_ratio_for
 from femstruct.impact.simulate import simulate
 from femstruct.modal.analytic import given_modes
 
@@ -21,9 +22,9 @@ NONE = given_modes([], [], {})[0]
 def contact_springs(rd: float, ratio: float, e: float = 1.0) -> Response:
     """A ball of 0.5 kg, a free body of 1 kg and a damper of rd kg in touch; ratio = omega_d / omega_b.
 
-    Each contact has the dashpot whose restitution between its two bodies alone is e (clamped at zero force).
+    Each contact has the dashpot whose restitution between its two bodies alone is e.
     """
-    zeta = _zeta(e)
+    zeta = damping_ratio_for(e)
 
     def law(stiffness: float, m: float, n: float) -> Linear:
         return Linear(stiffness, 2.0 * zeta * np.sqrt(stiffness * m * n / (m + n)))
@@ -35,16 +36,6 @@ def contact_springs(rd: float, ratio: float, e: float = 1.0) -> Response:
     )
     # the soft contact opens after pi / omega of two unit masses at most, the stiff one sooner
     return simulate(NONE, Scene(bodies, contacts), Clock(8.0 * max(1.0, 1.0 / ratio), 10.0))
-
-
-def _zeta(e: float) -> float:
-    """e = exp(-2 zeta / sqrt(1 - zeta^2) atan(sqrt(1 - zeta^2) / zeta)), by bisection (Schwager and Poeschel 2007)."""
-    low, high = 1e-15, 1.0 - 1e-12
-    for _ in range(200):
-        zeta = 0.5 * (low + high)
-        root = np.sqrt(1 - zeta**2)
-        low, high = (zeta, high) if np.exp(-2 * zeta / root * np.arctan(root / zeta)) > e else (low, zeta)
-    return low if e < 1 else 0.0
 
 
 def energies(response: Response) -> list[float]:
