@@ -8,7 +8,7 @@ import numpy as np
 from scipy.sparse import csc_array, csr_array, vstack
 
 from femstruct.assembly.dofs import DofLabels, RawDofs, number_dofs, rigid_translations
-from femstruct.assembly.forces import force_rows
+from femstruct.assembly.forces import force_rows, grounded
 from femstruct.assembly.matrices import Assembly, DofMap
 from femstruct.assembly.scatter import block_matrix, elastic_matrices, frame_matrices, inert_matrix, plate_matrices
 from femstruct.assembly.ties import Elimination, eliminate
@@ -80,6 +80,7 @@ def assemble(model: Model) -> Assembly:
         forces=force_rows(model, dofs, solved, equations, owners, (total, damping, mass)),
         momentum=np.asarray((mass @ translations).T @ solved.E),
         total_mass=sum(part_masses(model).values()),
+        grounded=grounded(model),
     )
 
 

@@ -33,9 +33,8 @@ def force_rows(
     Notes
     -----
     The force of a tie is found by virtual work: the nodes of its side are moved by a unit translation, all other
-    equations kept, and the work of K u + C u' + M u'' is the force. A load that acts on held nodes themselves, or the
-    share that reaches them through the shape functions of a cell next to a support, goes straight to the ground and is
-    not in it.
+    equations kept, and the work of the loads less that of K u + C u' + M u'' is the force. The work of loads is the
+    direct share: they reach held nodes through the shape functions of a cell next to a support.
     """
     n_free = solved.E.shape[1]
     forces: dict[str, ForceRows] = {}
@@ -44,18 +43,22 @@ def force_rows(
     if model.ties:
         # Products with E once for all ties: rows of the pivots are all that virtual work needs.
         onto = [csr_array(matrix[solved.pivots] @ solved.E) for matrix in matrices]
+        output = csr_array(dofs.output[:, solved.pivots].T)
         factor = splu(csc_array(equations[solved.kept][:, solved.pivots])) if len(solved.kept) else None
         for tie in model.ties:
-            _add(forces, tie.name, _tie_rows(tie, owners[tie.name], solved, factor, onto))
+            _add(forces, tie.name, _tie_rows(tie, owners[tie.name], solved, factor, onto, output))
     nothing = csr_array((3, n_free))
-    ground = ForceRows(nothing, nothing, nothing)
-    grounded = [item.name for item in model.elastics if item.grounded] + [
-        tie.name for tie in model.ties if tie.grounded
-    ]
-    for name in grounded:
+    ground = ForceRows(nothing, nothing, nothing, csr_array((3, dofs.output.shape[0])))
+    for name in grounded(model):
         ground = _sum(ground, forces[name])
     forces[GROUND] = ground
     return forces
+
+
+def grounded(model: Model) -> tuple[str, ...]:
+    """Names of the springs, foundations and supports that stand on the ground."""
+    elastics = (item.name for item in model.elastics if item.grounded)
+    return (*elastics, *(tie.name for tie in model.ties if tie.grounded))
 
 
 def _elastic_rows(elastic: Elastic, dofs: RawDofs, E: csr_array) -> ForceRows:
@@ -63,10 +66,12 @@ def _elastic_rows(elastic: Elastic, dofs: RawDofs, E: csr_array) -> ForceRows:
     directions = csr_array(elastic.directions.T)
     stiffness = csr_array(directions @ (diags_array(elastic.stiffness) @ rows))
     damping = csr_array(directions @ (diags_array(elastic.damping) @ rows))
-    return ForceRows(stiffness, damping, csr_array(stiffness.shape))
+    return ForceRows(stiffness, damping, csr_array(stiffness.shape), csr_array((3, elastic.rows.shape[1])))
 
 
-def _tie_rows(tie: Tie, owner: slice, solved: Elimination, factor: SuperLU | None, onto: list[csr_array]) -> ForceRows:
+def _tie_rows(
+    tie: Tie, owner: slice, solved: Elimination, factor: SuperLU | None, onto: list[csr_array], output: csr_array
+) -> ForceRows:
     violations = np.zeros((len(solved.kept), 3))
     mine = (solved.kept >= owner.start) & (solved.kept < owner.stop)
     violations[mine] = tie.directions[solved.kept[mine] - owner.start]
@@ -74,7 +79,7 @@ def _tie_rows(tie: Tie, owner: slice, solved: Elimination, factor: SuperLU | Non
     moved[np.abs(moved) < 1e-14] = 0.0
     virtual = csr_array(-moved.T)
     stiffness, damping, inertia = (csr_array(virtual @ matrix) for matrix in onto)
-    return ForceRows(stiffness, damping, inertia)
+    return ForceRows(stiffness, damping, inertia, csr_array(-virtual @ output))
 
 
 def _add(forces: dict[str, ForceRows], name: str, rows: ForceRows) -> None:
@@ -86,4 +91,5 @@ def _sum(one: ForceRows, other: ForceRows) -> ForceRows:
         csr_array(one.stiffness + other.stiffness),
         csr_array(one.damping + other.damping),
         csr_array(one.inertia + other.inertia),
+        csr_array(one.direct + other.direct),
     )

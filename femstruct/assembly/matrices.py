@@ -29,20 +29,22 @@ class DofMap:
 
 @dataclass(frozen=True, eq=False)
 class ForceRows:
-    """A force of the structure as rows on the free degrees of freedom: S u + B u' + A u''.
+    """A force of the structure as rows on the free degrees of freedom: S u + B u' + A u'', and of loads: + D f.
 
-    Each is [3, n_free], the global x, y, z components [N]. The sign is that of the force on what carries the part
-    away from it: on the ground for springs to ground, foundations and supports (so a weight pressing down is
-    negative along z), on the second end for a spring between two places, on the second part for a joint.
+    Each is [3, n_free], direct [3, n_nodes * 7], the global x, y, z components [N]. The sign is that of the force on
+    what carries the part away from it: on the ground for springs to ground, foundations and supports (so a weight
+    pressing down is negative along z), on the second end for a spring between two places, on the second part for a
+    joint or a foundation between two.
 
-    Rows act on the motion of the free degrees of freedom only. The share of a load that acts on held or joined nodes
-    themselves passes on directly and is not in them: a load in the plane of a plate held in its plane, or in a cell
-    next to a support, where the shape functions give part of it to the held nodes.
+    direct acts on the loads f at the nodal components: what of them acts on held or joined nodes themselves passes on
+    without moving anything. So does a load in the plane of a plate held in its plane, or a part of one in a cell next
+    to a support, whose shape functions give it to the held nodes.
     """
 
     stiffness: csr_array
     damping: csr_array
     inertia: csr_array
+    direct: csr_array
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,6 +57,7 @@ class Assembly:
     loss_factors : eta of every part in part_stiffness [1].
     forces : of every spring, foundation, support and joint by name, and "ground": the sum of what reaches the ground.
     momentum [3, n_free] : r^T M of the rigid translations along x, y, z. total_mass [kg].
+    grounded : names of the forces that add up to "ground".
     """
 
     M: csc_array
@@ -67,6 +70,7 @@ class Assembly:
     forces: Mapping[str, ForceRows]
     momentum: Floats
     total_mass: float
+    grounded: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         n = self.dofs.T.shape[1]

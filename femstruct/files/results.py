@@ -135,7 +135,7 @@ def _write_basis(target: h5py.Group, basis: ModalBasis) -> None:
             "force_rows",
             rows,
             "N, N s, N s^2 per kg^0.5 m",
-            "Forces, of undamped parts",
+            "Forces, of undamped parts; not of loads on held nodes, which pass straight on",
             (output, acts_on, mode),
         )
     if basis.part_stiffness:

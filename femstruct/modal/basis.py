@@ -11,23 +11,27 @@ import numpy as np
 from femstruct.arrays import Floats, freeze, frozen
 from femstruct.conventions import N_COMPONENTS
 from femstruct.errors import FemstructError, Finding
+from femstruct.model.probe import Probe
 
 Kind = Literal["rigid", "elastic", "residual"]
 
 
 @dataclass(frozen=True, eq=False)
 class ForceRow:
-    """One force of the structure in modal coordinates: stiffness . q + damping . q' + inertia . q'' [N].
+    """One force of the structure in modal coordinates: stiffness . q + damping . q' + inertia . q'' [N], and of loads.
 
-    Each is [k]. The damping row is that of the permanent dashpots until `with_damping` adds the structure's own; it
-    is the one for the time domain. hysteretic [k] : the structural part of it, which is + j hysteretic in frequency
-    and hysteretic / omega_r, at each mode's own frequency, in time and in `damping`. Zero if left out.
+    direct : the share of a load that passes on without moving a mode, as where it acts on held nodes: a load at a probe
+    adds `direct.meets(probe)` times itself. The others are [k]. The damping row is that of the permanent dashpots until
+    `with_damping` adds the structure's own; it is the one for the time domain. hysteretic [k] : the structural part of
+    it, which is + j hysteretic in frequency and hysteretic / omega_r, at each mode's own frequency, in time and in
+    `damping`. Zero if left out.
     """
 
     stiffness: Floats
     damping: Floats
     inertia: Floats
     hysteretic: Floats = field(default_factory=lambda: np.zeros(0))
+    direct: Probe = field(default_factory=lambda: Probe([], [], []))  # type: ignore[arg-type]
 
     def __post_init__(self) -> None:
         stiffness = frozen("ForceRow stiffness", self.stiffness, (None,))
@@ -56,6 +60,7 @@ class ModalBasis:
     hysteretic [k, k] : structural damping [rad^2/s^2]: eta omega^2 on the diagonal; acts as + j hysteretic in
         frequency. In time use `time_damping`, its viscous equivalent at each mode's own frequency.
     outputs : forces of springs, foundations, supports, joints and the ground, "NAME.x", "NAME.y", "NAME.z".
+    grounded : names of the outputs that add up to "ground", where it has parts.
     part_stiffness : phi^T K_part phi [k, k] of every part: its share of the strain energy.
     loss_factors : eta of the parts [1].
     residual_norm [k] : ||K phi - omega^2 M phi|| / ||K phi||-like measure of convergence [1].
@@ -88,6 +93,7 @@ class ModalBasis:
     total_mass: float
     findings: tuple[Finding, ...] = field(default=())
     volumes: Mapping[str, Floats] = field(default_factory=dict)
+    grounded: tuple[str, ...] = field(default=())
 
     def __post_init__(self) -> None:
         omega = frozen("ModalBasis omega", self.omega, (None,))

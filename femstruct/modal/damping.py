@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -11,6 +12,7 @@ from femstruct.arrays import Floats, Integers
 from femstruct.errors import Finding, InputError
 from femstruct.modal.basis import ForceRow, ModalBasis
 from femstruct.modal.likeness import mac
+from femstruct.modal.outputs import AXES
 
 _NEAR = 0.05  # how far mode N may be from where its damping was measured
 _ALIKE = 0.5  # the least MAC at which two shapes count as the same mode
@@ -97,7 +99,7 @@ def with_damping(basis: ModalBasis, damping: Damping) -> ModalBasis:
     general law. Rigid modes have no damping ratio; only alpha of Rayleigh's law brakes them. Force rows get the same
     damping, so that reactions are right in motion: for ratios and loss factors a mode's share of every force is its
     elastic force times (1 + 2 zeta j omega / omega_r) or (1 + j eta); by materials a part's own force has its own
-    eta, and forces of several parts together (joints, supports, ground) the mode's mean one.
+    eta, and forces of several parts together (joints, supports) the mode's mean one; the ground has the sum of its own.
 
     Raises InputError when mode N is not within 5 % of where it is said to be, naming the modes that are near, and
     when a rigid mode is given a damping. A mode above a basis cut short is a finding, not an error.
@@ -125,6 +127,7 @@ def with_damping(basis: ModalBasis, damping: Damping) -> ModalBasis:
         name: _with_losses(basis, name, row, damping.base, viscous, hysteretic, named)
         for name, row in basis.outputs.items()
     }
+    outputs |= _of_the_ground(outputs, basis.grounded)
     return replace(
         basis,
         viscous=basis.viscous + viscous,
@@ -207,6 +210,17 @@ def _with_losses(
         damping=row.damping + dashpots + structural / np.sqrt(squared),
         hysteretic=row.hysteretic + structural,
     )
+
+
+def _of_the_ground(outputs: Mapping[str, ForceRow], grounded: Sequence[str]) -> dict[str, ForceRow]:
+    """The force on the ground with the losses of all that stands on it, each by its own."""
+    rows: dict[str, ForceRow] = {}
+    for axis in AXES if grounded else ():
+        parts = [outputs[f"{name}.{axis}"] for name in dict.fromkeys(grounded)]
+        damping = np.sum([part.damping for part in parts], axis=0)
+        hysteretic = np.sum([part.hysteretic for part in parts], axis=0)
+        rows[f"ground.{axis}"] = replace(outputs[f"ground.{axis}"], damping=damping, hysteretic=hysteretic)
+    return rows
 
 
 def _exceptions(

@@ -74,7 +74,7 @@ def frf(
             _complex(1j * (response.damping - structural)),
             _complex(-response.inertia),
         )
-        return _modal(basis, pushed, rows, omega)
+        return _modal(basis, pushed, rows, omega) + response.direct.meets(drive)
     listened = response.of(basis.shapes).astype(np.complex128)
     still = np.zeros_like(listened)
     answer = _modal(basis, pushed, (listened, still, still), omega)
@@ -153,6 +153,7 @@ def direct_frf(
     omega = _omega(frequency_hz)
     stiffness, dashpots, eta, law = _complex_stiffness(assembly, damping)
     load = _dense_row(assembly, drive)
+    through = _passed_on(assembly, response, drive) if isinstance(response, str) else 0.0
     _check_kind(response, kind)
     answers = np.empty(len(omega), dtype=np.complex128)
     for line, w in enumerate(omega):
@@ -162,7 +163,7 @@ def direct_frf(
             else _dense_row(assembly, response).astype(np.complex128)
         )
         shape = _solve_line(csc_array(stiffness + 1j * w * dashpots - w**2 * assembly.M), load, w)
-        answers[line] = row @ shape
+        answers[line] = row @ shape + through
         if kind == "transmissibility" and not isinstance(response, str):
             answers[line] /= load @ shape
     return answers if kind == "transmissibility" else answers * _rate(kind, omega)
@@ -234,10 +235,6 @@ def _force_row(
 ) -> Complex:
     """A force of the structure on the free degrees of freedom at one frequency [n_free]."""
     part, _, axis = name.rpartition(".")
-    if part not in assembly.forces or axis not in AXES:
-        raise InputError(
-            "direct_frf response", got=f"'{name}'", expected=" or ".join(assembly.forces) + " with .x .y .z"
-        )
     force, i = assembly.forces[part], AXES.index(axis)
     stiffness, damping, inertia = (matrix.toarray()[i] for matrix in (force.stiffness, force.damping, force.inertia))
     if isinstance(law, FromMaterials):
@@ -247,6 +244,16 @@ def _force_row(
     if isinstance(law, Rayleigh):
         damping = damping + law.alpha * inertia + law.beta * stiffness
     return _complex((1.0 + 1j * eta) * stiffness + 1j * omega * damping - omega**2 * inertia)
+
+
+def _passed_on(assembly: Assembly, name: str, drive: Probe) -> float:
+    """What a force of the structure gets of a unit load without any motion."""
+    part, _, axis = name.rpartition(".")
+    if part not in assembly.forces or axis not in AXES:
+        expected = " or ".join(assembly.forces) + " with .x .y .z"
+        raise InputError("direct_frf response", got=f"'{name}'", expected=expected)
+    row = drive.row(len(assembly.points))
+    return float((assembly.forces[part].direct @ row.T).toarray()[AXES.index(axis), 0])
 
 
 def _dense_row(assembly: Assembly, probe: Probe) -> Floats:

@@ -11,6 +11,7 @@ from femstruct.arrays import Floats
 from femstruct.assembly.matrices import Assembly, ForceRows
 from femstruct.conventions import N_COMPONENTS
 from femstruct.modal.basis import ForceRow
+from femstruct.model.probe import Probe
 
 AXES = ("x", "y", "z")
 
@@ -26,7 +27,11 @@ def force_rows(forces: Mapping[str, ForceRows], shapes: Floats) -> dict[str, For
     rows: dict[str, ForceRow] = {}
     for name, force in forces.items():
         stiffness, damping, inertia = force.stiffness @ shapes, force.damping @ shapes, force.inertia @ shapes
-        rows |= {f"{name}.{axis}": ForceRow(stiffness[i], damping[i], inertia[i]) for i, axis in enumerate(AXES)}
+        for i, axis in enumerate(AXES):
+            weights = force.direct[[i]].toarray()[0]
+            loaded = np.flatnonzero(weights)
+            direct = Probe(loaded // N_COMPONENTS, loaded % N_COMPONENTS, weights[loaded])
+            rows[f"{name}.{axis}"] = ForceRow(stiffness[i], damping[i], inertia[i], direct=direct)
     return rows
 
 

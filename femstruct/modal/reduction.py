@@ -83,6 +83,7 @@ def modal_basis(
         momentum=momentum,
         total_mass=assembly.total_mass,
         findings=_truncation(assembly, momentum[:, :n_modes] ** 2, found.eigenvalues),
+        grounded=assembly.grounded,
     )
 
 

@@ -44,6 +44,15 @@ class Probe:
         values: Floats = self.weights @ shapes[self.nodes, self.components]
         return values
 
+    def meets(self, other: Probe) -> float:
+        """What this probe reads of a unit force at another one: the sum of their products, node by node.
+
+        >>> Probe([3, 4], [2, 2], [0.5, 0.5]).meets(Probe([4, 4], [2, 0], [3.0, 7.0]))
+        1.5
+        """
+        last = int(max(self.nodes.max(initial=-1), other.nodes.max(initial=-1)))
+        return float((self.row(last + 1) @ other.row(last + 1).T).sum())
+
     def row(self, n_nodes: int) -> csr_array:
         """Sparse row [1, n_nodes * 7] over all nodal components."""
         columns = self.nodes * N_COMPONENTS + self.components

@@ -10,6 +10,7 @@ from scipy.signal import butter, sosfiltfilt
 from acoustics.pressure import RoomResponse
 from femstruct.arrays import Floats
 from femstruct.errors import InputError
+from femstruct.impact.passed import passed_on
 from femstruct.impact.response import Response
 from femstruct.modal.basis import ForceRow
 from femstruct.study.result import Channel
@@ -115,7 +116,10 @@ def _recorded(wanted: Record, study: Study, places: Places, response: Response) 
 def _forces(target: str, rows: Mapping[str, ForceRow], response: Response) -> dict[str, tuple[Floats, str]]:
     """The vertical force under the plain name, and the horizontal ones that are not zero."""
     found = {
-        axis: response.displacement(row.stiffness) + response.velocity(row.damping) + response.acceleration(row.inertia)
+        axis: response.displacement(row.stiffness)
+        + response.velocity(row.damping)
+        + response.acceleration(row.inertia)
+        + passed_on(response, row.direct)
         for axis, row in rows.items()
     }
     largest = max((np.abs(force).max() for force in found.values()), default=0.0)

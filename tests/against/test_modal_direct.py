@@ -39,6 +39,7 @@ def plate_assembly(grid, held, springs=(), dashpot=0.0):
         csr_array(np.stack([zero, zero, (spring * rigid)[free] - (grid.K @ reaction)[free]])),
         csr_array(np.stack([zero, zero, (damper * rigid)[free]])),
         csr_array(np.stack([zero, zero, -(grid.M @ reaction)[free]])),
+        csr_array((3, 7 * len(grid.points))),
     )
     nodes, components = np.divmod(np.arange(n), grid.per_node)
     place = nodes * 7 + np.array(TWIST_TO_SEVEN)[components]

@@ -20,17 +20,17 @@ from femstruct.model.section import rectangle
 STEEL = Material("steel", 206e9, 0.3, 7850.0)
 LOAD = np.array([3.0, -2.0, 7.0])
 TILT = (0.2, -0.3, 1.0)
-ALONG_NORMAL = 5.0 * np.array(TILT)
-"""A plate held in its own plane passes forces in this plane on directly, through no free degree of freedom."""
 FEET = PlaceOn("feet", "p", ((0.1, 0.1), (0.5, 0.1), (0.5, 0.4), (0.1, 0.4)))
 HIT = PlaceOn("hit", "p", ((0.23, 0.28),))
+BY_THE_EDGE = PlaceOn("by the edge", "p", ((0.03, 0.46),))
+CORNER = PlaceOn("corner", "p", ((0.0, 0.5),))
 
 
 def structure(
     parts: tuple[Part, ...] = (), supports: tuple[Support, ...] = (), kind: Literal["hermite12", "bfs16"] = "bfs16"
 ) -> Structure:
     plate = Plate("p", STEEL, 0.01, (0.1, 0.2, 0.3), (0.6, 0.5), (6, 5), kind, normal=TILT)
-    return Structure("held", (plate, *parts), points=(FEET, HIT), supports=supports)
+    return Structure("held", (plate, *parts), points=(FEET, HIT, BY_THE_EDGE, CORNER), supports=supports)
 
 
 HELD: dict[str, tuple[Structure, tuple[str, ...]]] = {
@@ -52,6 +52,15 @@ HELD: dict[str, tuple[Structure, tuple[str, ...]]] = {
 }
 
 
+def passed_on(assembly: Assembly, part: str, point: Point) -> NDArray[np.float64]:
+    """What of LOAD reaches a support or joint without any motion."""
+    nodal = sum(
+        value * point.probe(direction).row(len(assembly.points)) for value, direction in zip(LOAD, "xyz", strict=True)
+    )
+    direct: NDArray[np.float64] = (assembly.forces[part].direct @ nodal.T).toarray().ravel()
+    return direct
+
+
 def load(assembly: Assembly, point: Point, force: NDArray[np.float64]) -> NDArray[np.float64]:
     rows = [point.probe(direction).row(len(assembly.points)) @ assembly.dofs.T for direction in "xyz"]
     return sum(value * row.toarray().ravel() for value, row in zip(force, rows, strict=True))
@@ -62,11 +71,15 @@ def test_what_reaches_the_ground_is_the_load(name: str) -> None:
     held, names = HELD[name]
     model = mesh_structure(held)
     assembly = assemble(model)
-    applied = LOAD if model.elastics and not model.ties else ALONG_NORMAL
-    u = spsolve(assembly.K, load(assembly, model.points["hit"], applied))
-    # Equilibrium; spsolve leaves 1e-11 or so of a well-conditioned plate.
-    assert assembly.forces["ground"].stiffness @ u == pytest.approx(applied, abs=1e-9 * np.linalg.norm(applied))
-    assert sum(assembly.forces[part].stiffness @ u for part in names) == pytest.approx(applied, abs=1e-8)
+    for point in ("hit", "by the edge", "corner"):
+        u = spsolve(assembly.K, load(assembly, model.points[point], LOAD))
+
+        def force(part: str, at: Point = model.points[point], u: NDArray[np.float64] = u) -> NDArray[np.float64]:
+            return assembly.forces[part].stiffness @ u + passed_on(assembly, part, at)
+
+        # Equilibrium; spsolve leaves 1e-11 or so of a well-conditioned plate.
+        assert force("ground") == pytest.approx(LOAD, abs=1e-9 * np.linalg.norm(LOAD))
+        assert sum(force(part) for part in names) == pytest.approx(LOAD, abs=1e-8)
 
 
 @pytest.mark.parametrize("name", HELD)
@@ -74,14 +87,14 @@ def test_in_motion_the_ground_takes_what_inertia_does_not(name: str) -> None:
     held, _ = HELD[name]
     model = mesh_structure(held)
     assembly = assemble(model)
-    applied = LOAD if model.elastics and not model.ties else ALONG_NORMAL
-    force = load(assembly, model.points["hit"], applied)
     squared = (2 * np.pi * 7.3) ** 2
-    u = spsolve((assembly.K - squared * assembly.M).tocsc(), force)
-    ground = assembly.forces["ground"]
-    reached = ground.stiffness @ u - squared * (ground.inertia @ u)
-    balance = applied + squared * (assembly.momentum @ u)
-    assert reached == pytest.approx(balance, abs=1e-9 * np.linalg.norm(applied) + 1e-9 * np.abs(balance).max())
+    for point in ("hit", "by the edge", "corner"):
+        u = spsolve((assembly.K - squared * assembly.M).tocsc(), load(assembly, model.points[point], LOAD))
+        ground = assembly.forces["ground"]
+        reached = ground.stiffness @ u - squared * (ground.inertia @ u)
+        reached += passed_on(assembly, "ground", model.points[point])
+        balance = LOAD + squared * (assembly.momentum @ u)
+        assert reached == pytest.approx(balance, abs=1e-9 * np.linalg.norm(LOAD) + 1e-9 * np.abs(balance).max())
 
 
 def test_dashpots_to_ground_are_in_the_ground_force() -> None:
@@ -125,7 +138,8 @@ def test_a_joint_carries_what_is_beyond_it(kind: Literal["rigid", "pinned"]) -> 
     assembly = assemble(model)
     u = spsolve(assembly.K, load(assembly, model.points["hit"], LOAD))
     for name in ("top", "footing", "ground"):
-        assert assembly.forces[name].stiffness @ u == pytest.approx(LOAD, abs=1e-8)
+        found = assembly.forces[name].stiffness @ u + passed_on(assembly, name, model.points["hit"])
+        assert found == pytest.approx(LOAD, abs=1e-8)
 
 
 def test_a_spring_between_places_pushes_on_the_second() -> None:
@@ -156,6 +170,7 @@ def test_an_elastic_joint_passes_the_load_too() -> None:
     model = mesh_structure(held)
     assembly = assemble(model)
     u = spsolve(assembly.K, load(assembly, model.points["hit"], LOAD))
-    passed = assembly.forces["seat"].stiffness @ u
-    # Along x everything is held in its plane: that force goes straight to the ground.
-    assert passed[1:] == pytest.approx(LOAD[1:], abs=1e-7)
+    # Along x everything is held in its plane: that force goes straight on.
+    for name in ("seat", "ground"):
+        found = assembly.forces[name].stiffness @ u + passed_on(assembly, name, model.points["hit"])
+        assert found == pytest.approx(LOAD, abs=1e-7)
