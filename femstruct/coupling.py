@@ -183,7 +183,8 @@ def _turned(row: ForceRow, before: Floats, after: Floats, own: Floats) -> ForceR
     hysteretic = row.hysteretic @ own
     at_own = np.divide(row.hysteretic, before, out=np.zeros_like(before), where=before > 0)
     at_new = np.divide(hysteretic, after, out=np.zeros_like(after), where=after > 0)
-    return ForceRow(row.stiffness @ own, (row.damping - at_own) @ own + at_new, row.inertia @ own, hysteretic, row.direct)
+    damping = (row.damping - at_own) @ own + at_new
+    return ForceRow(row.stiffness @ own, damping, row.inertia @ own, hysteretic, row.direct)
 
 
 def _left_over(omega: Floats, air: CoupledAir, coupled: Floats, turn: Floats) -> Floats:
