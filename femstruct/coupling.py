@@ -57,9 +57,9 @@ def with_cavity(
     of the room, the same that its pressure has. Frequencies are Rayleigh quotients of the energies, summed without
     cancellation. A room without a leak takes away one rigid mode, if any of them displaces volume.
 
-    Damping couples the new modes. Where that makes less than 1e-3 of the structure's motion only the diagonal is kept,
-    which costs less than a tenth in `simulate`; the finding ``two-way-coupling`` says which, and gives frequencies in
-    vacuo and coupled.
+    Damping couples the new modes. Where that makes less than 1e-3 of the structure's motion, and there is no leak, only
+    the diagonal is kept, which costs less than a tenth in `simulate`; the finding ``two-way-coupling`` says which, and
+    gives frequencies in vacuo and coupled.
     The shapes are not orthonormal with the mass of the structure alone, but with that of structure and air.
 
     A rigid square of 1 kg over half a cubic metre of air, its only spring, 1.21 343^2 0.25^2 / 0.5 N/m, a third of
@@ -107,7 +107,9 @@ def with_cavity(
     scale = np.sqrt(np.outer(coupled, coupled))
     in_time = viscous + np.divide(hysteretic, scale, out=np.zeros_like(scale), where=scale > 0)
     stray = _stray(in_time, coupled, own[basis.modes], ~residual)
-    if stray < FEEBLE:
+    # The resistance of a leak is a dashpot, never a modal ratio.
+    kept = stray >= FEEBLE or leak is not None or bool(basis.volumes)
+    if not kept:
         viscous, hysteretic = np.diag(np.diag(viscous)), np.diag(np.diag(hysteretic))
     kinds: tuple[Kind, ...] = tuple(
         "rigid" if still else "residual" if pseudo else "elastic" for still, pseudo in zip(rigid, residual, strict=True)
@@ -128,7 +130,8 @@ def with_cavity(
         volumes={key: row @ own for key, row in basis.volumes.items()}
         | ({} if leak is None else {name: -turn[k] / np.sqrt(leak.inertance)}),
     )
-    return replace(joined, findings=(*basis.findings, _told(basis, joined, own, air, stray, name)))
+    told = (_told(basis, joined, own, air, (stray, kept), name), *_cut(air, up_to_hz or basis.complete_below_hz))
+    return replace(joined, findings=(*basis.findings, *told))
 
 
 def _resisted(volume: Floats, shapes: Floats, weights: Floats, room: Room) -> int:
@@ -200,22 +203,43 @@ def _left_over(omega: Floats, air: CoupledAir, coupled: Floats, turn: Floats) ->
     return share
 
 
-def _told(basis: ModalBasis, joined: ModalBasis, own: Floats, air: CoupledAir, stray: float, name: str) -> Finding:
-    """What the coupling did: the mode that the air stiffens most, before and after."""
+def _cut(air: CoupledAir, asked_hz: float) -> tuple[Finding, ...]:
+    """A finding when cavity modes are added mass already below the frequency asked for."""
+    kept = air.complete_below_hz
+    if kept >= asked_hz:
+        return ()
+    return (
+        Finding(
+            "cavity-modes-cut",
+            f"The room's own {len(air.frequency_hz)} modes below {kept:.4g} Hz push back; from there to {asked_hz:.4g} "
+            "Hz, where the structure's modes go, its air is a mass only: resonances of the room there act on what is "
+            "heard, not on the structure",
+            {"cavity_modes_up_to_hz": kept, "asked_hz": asked_hz},
+        ),
+    )
+
+
+def _told(
+    basis: ModalBasis, joined: ModalBasis, own: Floats, air: CoupledAir, between: tuple[float, bool], name: str
+) -> Finding:
+    """What the coupling did: the mode that the air stiffens most, before and after.
+
+    between : what damping between modes makes of the motion, and whether it is kept.
+    """
+    stray, kept = between
     added = air.compression[0, : len(basis.omega)][basis.modes] ** 2
     share = np.divide(added, added + basis.omega[basis.modes] ** 2, out=np.zeros_like(added), where=added > 0)
     stiffened = int(share.argmax())
     partner = int((own[stiffened] ** 2)[joined.modes].argmax())
     before, after = float(basis.frequency_hz[stiffened]), float(joined.frequency_hz[partner])
     n = len(air.frequency_hz)
-    leaky = "with a leak" if name in joined.volumes else "sealed"
-    fate = "left out" if stray < FEEBLE else "kept"
+    closed = "with a leak" if name in joined.volumes else "sealed"
     return Finding(
         "two-way-coupling",
-        f"The air of the room ({leaky}) pushes back, with {n} modes of its own below {air.complete_below_hz:.4g} Hz, "
+        f"The air of the room ({closed}) pushes back, with {n} modes of its own below {air.complete_below_hz:.4g} Hz, "
         f"the others as added mass: mode {stiffened + 1}, {before:.2f} Hz in vacuo, is mode {partner + 1} at "
         f"{after:.2f} Hz. Mode numbers, frequencies and the energy of the structure are those with the air. Damping "
-        f"between its modes makes {stray:.1e} of the structure's motion and is {fate}",
+        f"between its modes makes {stray:.1e} of the structure's motion and is {'kept' if kept else 'left out'}",
         {
             "in_vacuo_hz": before,
             "coupled_hz": after,

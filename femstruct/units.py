@@ -97,6 +97,8 @@ DIMENSIONS: Final = {
     "hertz stiffness": _Dimension("a Hertz stiffness", "N/m^1.5", "3.7e5 N/m^1.5", _powers(1, -0.5, -2)),
     "hertz damping": _Dimension("a Hertz damping", "N*s/m^1.5", "150 N*s/m^1.5", _powers(1, -0.5, -1)),
     "dissipation": _Dimension("a dissipation factor", "s/m", "0.3 s/m", _powers(m=-1, s=1)),
+    "inertance": _Dimension("an inertance", "kg/m^4", "22 kg/m^4", _powers(kg=1, m=-4)),
+    "flow resistance": _Dimension("a flow resistance", "Pa*s/m^3", "500 Pa*s/m^3", _powers(kg=1, m=-4, s=-1)),
     "bending stiffness": _Dimension("a bending stiffness", "N*m^2", "25 N*m^2", _powers(kg=1, m=3, s=-2)),
 }  # fmt: skip
 _WITHOUT_RAD: Final = ("rotational stiffness", "rotational damping")  # N*m is as good as N*m/rad

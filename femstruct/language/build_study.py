@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Literal
 
 from acoustics.air import Air
+from acoustics.coupled import Leak
 from acoustics.room import Losses, Receiver, Room, losses_from_beta, losses_from_loss_factor, losses_from_t60
 from femstruct.impact.bodies import HalfSine, Table
 from femstruct.language.build import Builder
@@ -157,7 +158,16 @@ def _room(name: str, spec: RoomSpec) -> RoomPlan:
     room = Room(spec.size, Air(spec.air.c, spec.air.rho), _losses(spec))  # type: ignore[arg-type]
     lx, ly, _ = spec.size
     offset = (spec.at[0] - lx / 2.0, spec.at[1] - ly / 2.0) if spec.at is not None else (0.0, 0.0)
-    return RoomPlan(name, room, spec.under, tuple(receivers), offset)
+    return RoomPlan(name, room, spec.under, tuple(receivers), offset, spec.coupling, _leak(spec))
+
+
+def _leak(spec: RoomSpec) -> Leak | None:
+    leak = spec.leak
+    if leak is None:
+        return None
+    if leak.inertance is not None:
+        return Leak(leak.inertance, leak.resistance)
+    return Leak(spec.air.rho * (leak.length or 0.0) / (leak.area or 1.0), leak.resistance)
 
 
 def _losses(spec: RoomSpec) -> Losses:

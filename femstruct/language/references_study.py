@@ -6,7 +6,8 @@ from femstruct.language.arrays import array_sizes, joined, members, spread
 from femstruct.language.reader import Mistakes, Steps, Tree, nearest
 from femstruct.language.references import Checker, Names
 from femstruct.language.schema_model import ModelSpec
-from femstruct.language.schema_study import SIDES, StudySpec, TimeSpec
+from femstruct.language.schema_rooms import RoomSpec
+from femstruct.language.schema_study import SIDES, FrfSpec, StudySpec, TimeSpec
 
 MOST_SAMPLES = 20_000_000
 
@@ -22,8 +23,11 @@ def check_study(study: StudySpec, tree: Tree, model: ModelSpec, mistakes: Mistak
         check.wrong((), "no modes", "how many modes to use", "add 'modes: {up_to: 3 kHz}'")
     for name, request in study.frf.items():
         here: Steps = ("frf", name)
-        for key in ("drive", "response"):
-            check.spot((*here, key), getattr(request, key), names, names.forces)
+        check.spot((*here, "drive"), request.drive, names, names.forces)
+        if (request.kind == "pressure") or request.response.endswith(".pressure"):
+            _check_pressure(check, study, name, request)
+        else:
+            check.spot((*here, "response"), request.response, names, names.forces)
         if not request.band[0] < request.band[1]:
             check.wrong((*here, "band"), f"{request.band[0]:g} to {request.band[1]:g} Hz", "a rising band [low, high]")
         elif (request.band[1] - request.band[0]) / request.step > 1e6:
@@ -69,6 +73,7 @@ def check_study(study: StudySpec, tree: Tree, model: ModelSpec, mistakes: Mistak
             check.wrong(
                 ("rooms", name, "form"), "the source's form with t60", "beta or loss_factor", "leave out 'form'"
             )
+        _check_coupling(check, study, name, room)
         for receiver, places in room.receivers.items():
             for place in places:
                 if not all(0 <= x <= length for x, length in zip(place, room.size, strict=True)):
@@ -77,11 +82,49 @@ def check_study(study: StudySpec, tree: Tree, model: ModelSpec, mistakes: Mistak
                     check.wrong(steps, f"{list(place)} m", f"a point of the room, {size} m", "from its lower corner")
     if study.time is not None:
         _check_time(check, study, study.time)
-    moving = study.bodies or study.loads or study.initial.velocity or study.initial.rigid or study.record or study.rooms
-    if moving and study.time is None:
+    moving = study.bodies or study.loads or study.initial.velocity or study.initial.rigid or study.record
+    heard = any(request.kind == "pressure" for request in study.frf.values())
+    if (moving or (study.rooms and not heard)) and study.time is None:
         check.wrong((), "no time", "how long to simulate", "add 'time: {duration: 1 s, sampling: 48 kHz}'")
     if study.compare is not None and study.cases:
         check.known(("compare", "baseline"), study.compare.baseline, "case", study.cases)
+
+
+def _check_pressure(check: Checker, study: StudySpec, name: str, request: FrfSpec) -> None:
+    """A pressure is heard at ROOM.RECEIVER, and never at 0 Hz."""
+    here: Steps = ("frf", name)
+    if request.kind != "pressure":
+        check.wrong((*here, "kind"), f"'{request.kind}' of a pressure", "pressure", "write 'kind: pressure'")
+        return
+    known = [
+        f"{room}.{receiver}.pressure" if len(places) == 1 else f"{room}.{receiver}.{number}.pressure"
+        for room, spec in study.rooms.items()
+        for receiver, places in spec.receivers.items()
+        for number in range(1, len(places) + 1)
+    ]
+    if request.response not in known:
+        do = nearest(request.response, known) or "there are no receivers: add 'rooms:'"
+        check.wrong((*here, "response"), f"'{request.response}'", "ROOM.RECEIVER.pressure", do)
+    if request.band[0] == 0.0:
+        check.wrong((*here, "band"), "0 Hz", "a band above 0 Hz")
+
+
+def _check_coupling(check: Checker, study: StudySpec, name: str, room: RoomSpec) -> None:
+    """Air that pushes back is causal, and fills one room under a surface."""
+    if room.coupling == "one-way":
+        if room.leak is not None:
+            check.wrong(
+                ("rooms", name, "leak"), "a leak with one-way coupling", "coupling: two-way", "add it", of_key=True
+            )
+        return
+    if room.form == "source" and study.time is not None:
+        check.wrong(
+            ("rooms", name, "form"), "the source's form with two-way coupling in time", "causal", "leave out 'form'"
+        )
+    others = [other for other, spec in study.rooms.items() if spec.coupling == "two-way" and spec.under == room.under]
+    if others[0] != name:
+        got = f"'{room.under}', which '{others[0]}' with two-way coupling is under already"
+        check.wrong(("rooms", name, "under"), got, "another surface", "one of the two can be one-way")
 
 
 def _check_time(check: Checker, study: StudySpec, time: TimeSpec) -> None:

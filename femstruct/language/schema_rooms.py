@@ -76,10 +76,30 @@ Receivers = Annotated[
 ]
 
 
+class LeakSpec(Spec):
+    """An opening of the room to still air: its area and length, or its inertance; and its resistance to flow."""
+
+    one_of = (("area", "inertance"),)
+
+    area: Annotated[float, Quantity(("area",), above=0.0)] | None = None
+    length: Length | None = None
+    inertance: Annotated[float, Quantity(("inertance",), above=0.0)] | None = None
+    resistance: Annotated[float, Quantity(("flow resistance",), least=0.0)] = 0.0
+
+    @model_validator(mode="before")
+    @classmethod
+    def _plug(cls, value: Any) -> Any:
+        if isinstance(value, dict) and ("area" in value) != ("length" in value):
+            got = "an area without a length" if "area" in value else "a length without an area"
+            raise refuse(got, "both, or an inertance", "write it like {area: 10 cm^2, length: 30 mm}")
+        return value
+
+
 class RoomSpec(Spec):
     """A rectangular room under a surface, and who listens in it.
 
     at: where the surface's centre is in the ceiling, from the room's corner; the middle when left out.
+    coupling: one-way, the air does not push back, or two-way.
     """
 
     size: tuple[Length, Length, Length]
@@ -89,4 +109,5 @@ class RoomSpec(Spec):
     losses: LossesSpec | None = None
     form: Annotated[Literal["causal", "source"], BeforeValidator(only(("causal", "source")))] = "causal"
     receivers: dict[str, Receivers] = Field(default_factory=dict)
-    coupling: Annotated[Literal["one-way"], BeforeValidator(only(("one-way",), later=("two-way",)))] = "one-way"
+    coupling: Annotated[Literal["one-way", "two-way"], BeforeValidator(only(("one-way", "two-way")))] = "one-way"
+    leak: LeakSpec | None = None

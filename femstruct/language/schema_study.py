@@ -45,16 +45,17 @@ class ModesSpec(Spec):
     count: Count | None = None
 
 
-FRF_KINDS = ("receptance", "mobility", "accelerance", "transmissibility")
+FRF_KINDS = ("receptance", "mobility", "accelerance", "transmissibility", "pressure")
 
 
 class FrfSpec(Spec):
-    """A frequency response; addresses are POINT.x or NAME.force."""
+    """A frequency response; addresses are POINT.x, NAME.force or, of kind pressure, ROOM.RECEIVER.pressure."""
 
     drive: Text
     response: Text
     kind: Annotated[
-        Literal["receptance", "mobility", "accelerance", "transmissibility"], BeforeValidator(only(FRF_KINDS))
+        Literal["receptance", "mobility", "accelerance", "transmissibility", "pressure"],
+        BeforeValidator(only(FRF_KINDS)),
     ]
     band: tuple[Annotated[float, Quantity(("frequency",), least=0.0)], Frequency]
     step: Frequency

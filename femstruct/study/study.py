@@ -9,13 +9,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
+from acoustics.coupled import Leak
 from acoustics.room import Receiver, Room
 from femstruct.impact.bodies import HalfSine, Table
 from femstruct.impact.laws import Law
 from femstruct.modal.damping import Damping
 from femstruct.model.parts import Pair, Structure, Vector
 
-FrfKind = Literal["receptance", "mobility", "accelerance", "transmissibility"]
+FrfKind = Literal["receptance", "mobility", "accelerance", "transmissibility", "pressure"]
 BeamEnd = Literal["pinned", "free", "clamped"]
 
 
@@ -24,7 +25,7 @@ class Spot:
     """A quantity with an address: a point's direction ("O_f", "z") or a force of the structure ("ground", "force").
 
     what : x y z rx ry rz n for a point; "force" (along z), "force_x", "force_y" or "force_z" for a spring,
-    foundation, support, joint or "ground".
+    foundation, support, joint or "ground"; "pressure" for a receiver, named ROOM.RECEIVER.
     """
 
     name: str
@@ -166,9 +167,10 @@ class PeakRule:
 
 @dataclass(frozen=True)
 class RoomPlan:
-    """A room under a radiating surface, and who listens in it. coupling is one-way: the air does not push back.
+    """A room under a radiating surface, and who listens in it.
 
     offset : of the surface's centre from the ceiling's centre [m], room axes.
+    coupling : one-way, the air does not push back, or two-way. leak : of a room that pushes back.
     """
 
     name: str
@@ -176,6 +178,8 @@ class RoomPlan:
     under: str
     receivers: tuple[Receiver, ...]
     offset: Pair = (0.0, 0.0)
+    coupling: Literal["one-way", "two-way"] = "one-way"
+    leak: Leak | None = None
 
 
 @dataclass(frozen=True)

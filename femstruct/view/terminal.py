@@ -116,9 +116,8 @@ def show_inspection(table: Row, picture: str = "") -> None:
         console.print(f"{body}: weight {rest['weight_n']:.4g} N sags {1e3 * rest['sag_m']:.3g} mm on its links")
     for name, room in table["rooms"].items():
         ratios = ", ".join(f"{100 * ratio:.3g} % at {f} Hz" for f, ratio in room["damping_ratio"].items())
-        console.print(
-            f"room {name}: first modes {', '.join(f'{f:.1f}' for f in room['first_modes_hz'])} Hz; damping {ratios}"
-        )
+        first = ", ".join(f"{f:.1f}" for f in room["first_modes_hz"])
+        console.print(f"room {name}: {room['coupling']} coupling; first modes {first} Hz; damping {ratios}")
     _show_findings(console, _read(table["findings"]))
     if picture:
         console.print(f"picture: {picture}")

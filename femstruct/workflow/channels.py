@@ -35,7 +35,8 @@ def record(study: Study, places: Places, response: Response, rooms: Mapping[str,
         histories |= _recorded(wanted, study, places, response)
     histories |= {f"{NET_FORCE}{name}": (force, "N") for name, force in _net_forces(study, places, response).items()}
     for plan in study.rooms:
-        histories |= _pressures(plan, rooms[plan.name])
+        if plan.name in rooms:
+            histories |= _pressures(plan, rooms[plan.name])
     window = first_window(study.peaks, response)
     return {
         name: _channel(name, values, unit, study.peaks, response, window) for name, (values, unit) in histories.items()

@@ -18,11 +18,12 @@ from femstruct.model.facts import ModelFacts, model_facts
 from femstruct.model.model import Model
 from femstruct.radiation import room_coordinates
 from femstruct.study.study import Extent, RoomPlan, Study
+from femstruct.workflow.air import ceiling
 from femstruct.workflow.bases import Solved, solve
 from femstruct.workflow.positions import positioned
 from femstruct.workflow.responses import frequency_option, response_row
 from femstruct.workflow.rest import Rest, rest_states
-from femstruct.workflow.run import ceiling, structure_findings
+from femstruct.workflow.run import structure_findings
 from femstruct.workflow.staging import force_probes, scene
 
 DEFAULT_MODES = 30
@@ -159,7 +160,8 @@ def _try(study: Study, solved: Solved, basis: ModalBasis) -> None:
     scene(study, solved.places, basis)
     force_probes(study, solved.places)
     for request in study.frf:
-        response_row(request.response, solved.places, basis, f"frf.{request.name}.response")
+        if request.kind != "pressure":
+            response_row(request.response, solved.places, basis, f"frf.{request.name}.response")
     for plan in study.rooms:
         room_coordinates(ceiling(plan, solved.places), plan.room, plan.offset, plan.name)
 
@@ -174,6 +176,7 @@ def _room_table(plan: RoomPlan) -> Table:
     frequencies = [float(f) for f in room_modes(plan.room, 1000.0)[0][:3]]
     return {
         "size_m": plan.room.size.tolist(),
+        "coupling": plan.coupling,
         "first_modes_hz": frequencies,
         "damping_ratio": {f"{f:g}": modal_damping_ratio(plan.room.losses, f) for f in (20.0, *frequencies) if f > 0},
         "receivers_m": {receiver.name: receiver.position.tolist() for receiver in plan.receivers},

@@ -2,22 +2,27 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, cast, get_args
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from acoustics.errors import Advice
+from femstruct.arrays import Floats
 from femstruct.assembly.assemble import assemble
 from femstruct.errors import InputError
 from femstruct.language import read_model_file
 from femstruct.modal.basis import ForceRow, ModalBasis
 from femstruct.modal.damping import Damping, with_damping
-from femstruct.modal.frf import direct_frf, frf, frf_unit, moves
+from femstruct.modal.frf import KINDS, direct_frf, frf, frf_unit, moves
 from femstruct.model.probe import Probe
+from femstruct.radiation import pressure_per_force
 from femstruct.study.result import Frf
-from femstruct.study.study import Extent, FrfKind, FrfRequest, Spot, Study
+from femstruct.study.study import Extent, FrfRequest, RoomPlan, Spot, Study
 from femstruct.units import quantity
+from femstruct.workflow.air import ceiling
 from femstruct.workflow.bases import Solved, solve
 from femstruct.workflow.positions import positioned
 from femstruct.workflow.staging import Places
@@ -27,12 +32,16 @@ MOST_LINES = 1_000_000
 Table = dict[str, Any]
 
 
-def frequency_response(request: FrfRequest, places: Places, basis: ModalBasis) -> Frf:
-    """One frequency response of a study from the modal basis."""
+def frequency_response(
+    request: FrfRequest, places: Places, basis: ModalBasis, rooms: Sequence[RoomPlan] = ()
+) -> tuple[Frf, tuple[Advice, ...]]:
+    """One frequency response of a study from the modal basis, and advice where it is heard in a room."""
     start, stop = request.band
     lines = np.arange(int(np.floor((stop - start) / request.step + 1e-9)) + 1, dtype=np.float64)
     frequency = start + request.step * lines
     drive = places.point(request.drive.name, _asked(request, "drive")).probe(request.drive.what)
+    if request.kind == "pressure":
+        return _pressure(request, drive, places, basis, rooms, frequency)
     response = response_row(request.response, places, basis, _asked(request, "response"))
     for end, spot, probe in (("drive", request.drive, drive), ("response", request.response, response)):
         if isinstance(probe, Probe) and not moves(basis, probe):
@@ -42,7 +51,23 @@ def frequency_response(request: FrfRequest, places: Places, basis: ModalBasis) -
                 expected="a direction in which the structure can move",
             )
     values = frf(basis, drive, response, frequency, request.kind)
-    return Frf(request, frequency, values, frf_unit(request.kind, request.drive.what, request.response.what))
+    return Frf(request, frequency, values, frf_unit(request.kind, request.drive.what, request.response.what)), ()
+
+
+def _pressure(
+    request: FrfRequest, drive: Probe, places: Places, basis: ModalBasis, rooms: Sequence[RoomPlan], frequency: Floats
+) -> tuple[Frf, tuple[Advice, ...]]:
+    """Pressure at a receiver, ROOM.RECEIVER.pressure, per unit force."""
+    heard = {f"{plan.name}.{receiver.name}": (plan, receiver) for plan in rooms for receiver in plan.receivers}
+    if request.response.name not in heard:
+        raise InputError(
+            _asked(request, "response"), got=f"'{request.response}'", expected=" or ".join(heard) or "a room"
+        )
+    plan, receiver = heard[request.response.name]
+    surface = ceiling(plan, places)
+    values, advice = pressure_per_force(basis, drive, surface, plan.room, [receiver], frequency, plan.offset, plan.name)
+    unit = "Pa/(N m)" if request.drive.what.startswith("r") else "Pa/N"
+    return Frf(request, frequency, values[0], unit), advice
 
 
 def response_row(spot: Spot, places: Places, basis: ModalBasis, asked_by: str) -> Probe | ForceRow:
@@ -99,7 +124,7 @@ def frf_of(
         asking = Study(source.title, source.structure, source.damping, Extent(), frf=(request,))
         solved = solve(source.structure, Extent(up_to_hz=2.5 * request.band[1]), (asking,))
         basis = with_damping(solved.basis, source.damping)
-        answer = frequency_response(request, solved.places, basis)
+        answer, _ = frequency_response(request, solved.places, basis)
         values = _direct(request, solved, source.damping, answer) if method == "direct" else answer.values
     return {
         "title": source.title,
@@ -123,6 +148,7 @@ def _direct(request: FrfRequest, solved: Solved, damping: Damping, answer: Frf) 
     if not request.response.what.startswith("force"):
         response = solved.places.point(request.response.name, "--response").probe(request.response.what)
     drive = solved.places.point(request.drive.name, "--drive").probe(request.drive.what)
+    assert request.kind != "pressure"  # a model has no rooms
     return direct_frf(assemble(solved.model), drive, response, answer.frequency_hz, damping, request.kind)
 
 
@@ -133,13 +159,13 @@ def _request(drive: str, response: str, band: str, step: str, kind: str) -> FrfR
     """
     listened = _spot(response, "--response")
     chosen = kind or ("transmissibility" if listened.what.startswith("force") else "accelerance")
-    if chosen not in get_args(FrfKind):
-        raise InputError("--kind", got=f"'{kind}'", expected=", ".join(get_args(FrfKind)))
+    if chosen not in KINDS:
+        raise InputError("--kind", got=f"'{kind}'", expected=", ".join(KINDS))
     low, high = _band(band)
     width = frequency_option(step, "--step") if step else (high - low) / DEFAULT_LINES
     if not width > 0 or (high - low) / width > MOST_LINES:
         raise InputError("--step", got=f"'{step}'", expected=f"a positive step, for at most {MOST_LINES:,} lines")
-    return FrfRequest("", _spot(drive, "--drive"), listened, cast(FrfKind, chosen), (low, high), width)
+    return FrfRequest("", _spot(drive, "--drive"), listened, chosen, (low, high), width)
 
 
 def frequency_option(text: str, option: str) -> float:

@@ -14,16 +14,16 @@ from importlib.metadata import version
 from acoustics.errors import Advice
 from acoustics.levels import Levels, response_levels
 from acoustics.pressure import RoomResponse, pressure
-from femstruct.errors import Finding, InputError
+from femstruct.errors import Finding
 from femstruct.impact.bodies import Clock
 from femstruct.impact.response import Response
 from femstruct.impact.simulate import load_kernels, simulate
 from femstruct.modal.basis import ModalBasis
 from femstruct.model.facts import model_findings
-from femstruct.model.probe import Surface
 from femstruct.radiation import coupling_findings, surface_velocity
 from femstruct.study.result import CaseResult, StudyResult
-from femstruct.study.study import Case, Plan, RoomPlan, Study
+from femstruct.study.study import Case, Plan, Study
+from femstruct.workflow.air import ceiling, coupled, coupled_key
 from femstruct.workflow.bases import Solved, damped, solve_all
 from femstruct.workflow.channels import record
 from femstruct.workflow.checks import impact_findings, mesh_findings, room_findings
@@ -101,8 +101,8 @@ def run_study(plan: Plan, progress: Progress = lambda line: None, command: str =
         comparison = compare(plan.baseline, finished)
     return StudyResult(
         plan=plan,
-        bases={solved[name].key: solved[name].basis for name in finished},
-        models={solved[name].key: solved[name].model for name in finished},
+        bases=_bases(finished, solved),
+        models={result.basis_key: solved[name].model for name, result in finished.items()},
         cases=finished,
         comparison=comparison,
         findings=interrupted,
@@ -112,9 +112,25 @@ def run_study(plan: Plan, progress: Progress = lambda line: None, command: str =
 
 
 def without_rooms(plan: Plan) -> Plan:
-    """The same plan, impacts only."""
-    cases = (replace(case, study=replace(case.study, rooms=())) for case in plan.cases)
-    return replace(plan, cases=tuple(cases))
+    """The same plan, impacts only: nobody listens, but air that pushes back still does."""
+
+    def deaf(study: Study) -> Study:
+        rooms = tuple(replace(room, receivers=()) for room in study.rooms if room.coupling == "two-way")
+        return replace(study, rooms=rooms, frf=tuple(one for one in study.frf if one.kind != "pressure"))
+
+    return replace(plan, cases=tuple(replace(case, study=deaf(case.study)) for case in plan.cases))
+
+
+def _bases(finished: Mapping[str, CaseResult], solved: Mapping[str, Solved]) -> dict[str, ModalBasis]:
+    """The undamped bases of the cases by key, with the air that pushes back."""
+    bases: dict[str, ModalBasis] = {}
+    for name, result in finished.items():
+        key, own = result.basis_key, solved[name]
+        if key in bases:
+            continue
+        joined, _ = coupled(own.basis, result.case.study.rooms, own.places)
+        bases[key] = replace(joined, findings=own.basis.findings)
+    return bases
 
 
 def run_case(case: Case, solved: Mapping[str, Solved], baseline: Case, clock: Stopwatch) -> CaseResult:
@@ -122,9 +138,18 @@ def run_case(case: Case, solved: Mapping[str, Solved], baseline: Case, clock: St
     study, own = case.study, solved[case.name]
     with clock("damping", case.name):
         basis = damped(case, solved, baseline)
-    with clock("frf", case.name):
-        responses = {request.name: frequency_response(request, own.places, basis) for request in study.frf}
     findings = [*structure_findings(own, basis)]
+    told: list[tuple[str, Advice | Finding]] = []
+    vacuo = basis
+    if any(plan.coupling == "two-way" for plan in study.rooms):
+        with clock("coupling", case.name):
+            basis, found_of_air = coupled(vacuo, study.rooms, own.places)
+            told += found_of_air
+    with clock("frf", case.name):
+        responses = {}
+        for request in study.frf:
+            responses[request.name], advised = frequency_response(request, own.places, basis, study.rooms)
+            told += [(request.response.name, advice) for advice in advised]
     response, channels = None, {}
     rooms: dict[str, RoomResponse] = {}
     heard: dict[str, Levels] = {}
@@ -132,7 +157,7 @@ def run_case(case: Case, solved: Mapping[str, Solved], baseline: Case, clock: St
         with clock("impact", case.name):
             timing = Clock(study.time.duration, study.time.sampling, study.time.quiet)
             response = simulate(basis, scene(study, own.places, basis), timing)
-            findings += [*response.findings, *impact_findings(basis, response)]
+            findings += [*response.findings, *impact_findings(vacuo, response)]
         with clock("room", case.name):
             rooms = _rooms(study, own.places, response)
         with clock("levels", case.name):
@@ -142,13 +167,15 @@ def run_case(case: Case, solved: Mapping[str, Solved], baseline: Case, clock: St
                 for receiver, found in response_levels(pressures).items()
             }
             channels = record(study, own.places, response, rooms)
-        told: list[tuple[str, Advice | Finding]] = []
         for plan in study.rooms:
-            told += [(plan.name, found) for found in coupling_findings(basis, ceiling(plan, own.places), plan.room)]
-            told += [(plan.name, advice) for advice in rooms[plan.name].findings]
+            if plan.coupling == "one-way":
+                told += [(plan.name, found) for found in coupling_findings(vacuo, ceiling(plan, own.places), plan.room)]
+            if plan.name in rooms:
+                told += [(plan.name, advice) for advice in rooms[plan.name].findings]
         told += [(name, advice) for name, levels_of in heard.items() for advice in levels_of.findings]
-        findings += room_findings(told)
-    return CaseResult(case, own.key, basis, response, responses, channels, rooms, heard, distinct(findings))
+    findings += room_findings(told)
+    key = coupled_key(own.key, study.rooms)
+    return CaseResult(case, key, basis, response, responses, channels, rooms, heard, distinct(findings))
 
 
 def distinct(findings: Iterable[Finding]) -> tuple[Finding, ...]:
@@ -193,21 +220,9 @@ class Stopwatch:
             self.seconds[stage] = self.seconds.get(stage, 0.0) + time.process_time() - begin
 
 
-def ceiling(plan: RoomPlan, places: Places) -> Surface:
-    """The surface a room lies under.
-
-    Raises InputError when the structure has no such surface.
-    """
-    if plan.under not in places.surfaces:
-        raise InputError(
-            f"rooms.{plan.name}.under", got=f"'{plan.under}'", expected=", ".join(places.surfaces) or "a surface"
-        )
-    return places.surfaces[plan.under]
-
-
 def _rooms(study: Study, places: Places, response: Response) -> dict[str, RoomResponse]:
     rooms = {}
-    for plan in study.rooms:
+    for plan in (plan for plan in study.rooms if plan.receivers or plan.coupling == "one-way"):
         moving = surface_velocity(response, ceiling(plan, places), plan.room, plan.offset, plan.name)
         rooms[plan.name] = pressure(moving, plan.room, plan.receivers)
     return rooms

@@ -75,7 +75,10 @@ def ordered(study: Study, places: Places, planned: PlannedContact) -> tuple[str,
 
 
 def force_probes(study: Study, places: Places) -> dict[str, Probe]:
-    """All places where forces act on the structure, by address: each gets residual vectors in the basis."""
+    """All places where forces act on the structure, by address: each gets residual vectors in the basis.
+
+    The air of a room that pushes back is one of them.
+    """
     stage = _Stage(study, places)
     pairs = [contact.between for contact in planned_contacts(study)] + [link.between for link in study.links]
     ends = {end for pair in pairs for end in pair}
@@ -88,6 +91,9 @@ def force_probes(study: Study, places: Places) -> dict[str, Probe]:
     for load in stage.loads():
         if isinstance(load.on, Probe):
             found[f"load {load.name}"] = load.on
+    for plan in study.rooms:
+        if plan.coupling == "two-way" and plan.under in places.surfaces:
+            found[f"air of {plan.name}"] = places.surfaces[plan.under].pressure()
     for request in study.frf:
         found[str(request.drive)] = places.point(request.drive.name, f"frf.{request.name}.drive").probe(
             request.drive.what
