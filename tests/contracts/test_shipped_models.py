@@ -32,7 +32,7 @@ materials: {steel: {E: 210 GPa, nu: 0.3, rho: 7800}}
 parts: {plate: {type: plate, material: steel, thickness: 5 mm, origin: [0, 0, 0], size: [1, 1], mesh: [12, 12]}}
 supports: {edges: {on: plate, edge: all, fix: simple}}
 """
-SHORT = {"floor_tennis_ball": "60 ms", "floor_two_way": "60 ms", "floor_acrylic_ball": "60 ms", "steel_ball": "100 ms"}
+SHORT = {"floor_tennis_ball": "60 ms", "floor_two_way": "30 ms", "floor_acrylic_ball": "60 ms", "steel_ball": "100 ms"}
 TUBE = np.pi / 4 * (0.060**2 - 0.054**2)
 MASS = {  # from the dimensions in the files [kg]
     "floor_frame_slab": {

@@ -66,14 +66,13 @@ def test_slit_opens_the_box(floor: StudyResult) -> None:
 
 
 def test_pressure_per_force_is_the_spectrum_of_the_blow(floor: StudyResult) -> None:
-    """With one force, P(f) = H(f) F(f); the slit's heave, broadly damped, has decayed enough in a window."""
+    """With one force P(f) = H(f) F(f), once the record has decayed."""
     case = floor.cases["without damper"]
-    answer = case.frf["microphone"]
-    assert answer.unit == "Pa/N"
-    assert case.response is not None
-    result = run_study(read_study(STUDY, ("time.duration=1.5 s", "modes.up_to=1.5 kHz", *BFS16), only="without damper"))
+    assert case.frf["microphone"].unit == "Pa/N"
+    result = run_study(read_study(STUDY, ("time.duration=1.2 s", "modes.up_to=800 Hz", *BFS16), only="without damper"))
     long = result.cases["without damper"]
     assert long.response is not None
+    answer = long.frf["microphone"]
     force, p = long.response.contacts["ball on floor"].force, long.rooms["box"].p[0]
     t = long.response.t
     kernel = np.exp(-2j * np.pi * np.outer(answer.frequency_hz, t)) / 48e3
@@ -81,7 +80,7 @@ def test_pressure_per_force_is_the_spectrum_of_the_blow(floor: StudyResult) -> N
     strong = np.abs(answer.values) > 0.03 * np.abs(answer.values).max()
     strong &= answer.frequency_hz < 200.0  # where the ball's force has its energy
     # the ball pushes down, a force along -z; 0.1 % of the largest: the end of the record
-    error = np.abs(heard + pushed * long.frf["microphone"].values)[strong].max()
+    error = np.abs(heard + pushed * answer.values)[strong].max()
     assert error < 1e-3 * np.abs(heard).max()
 
 
@@ -89,8 +88,10 @@ def test_impact_alone_keeps_the_air(floor: StudyResult) -> None:
     plan = without_rooms(read_study(STUDY, SHORT, only="without damper"))
     alone = run_study(plan).cases["without damper"]
     assert not alone.rooms
-    for name in ("O_s.z velocity", "ground force"):
-        assert np.array_equal(alone.channels[name].values, floor.cases["without damper"].channels[name].values)
+    peak = alone.channels["ground force"].whole
+    # 1e-3: this case alone needs no residual vectors for the damper's link
+    assert peak == pytest.approx(floor.cases["without damper"].channels["ground force"].whole, rel=1e-3)
+    assert abs(peak / floor.cases["one-way"].channels["ground force"].whole - 1) > 0.05
 
 
 def test_results_keep_the_basis_that_the_motion_is_in(floor: StudyResult, tmp_path: Path) -> None:
