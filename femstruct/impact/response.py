@@ -18,6 +18,7 @@ class Outcome(Enum):
 
     SEPARATED = "All contacts opened and stayed open to the end."
     CLOSED_AT_END = "A contact is closed at the end of the window: the collision is not over."
+    RESTING = "Bodies under gravity came to rest on their contacts."
     NEVER_TOUCHED = "No contact ever closed."
     NO_CONTACTS = "There is no contact: a forced or free vibration."
 

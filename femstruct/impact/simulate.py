@@ -13,6 +13,7 @@ from femstruct.impact.forces import State
 from femstruct.impact.judgement import law_findings
 from femstruct.impact.march import CLOSES, DONE, NO_FORCES, TOO_MANY_EVENTS, TOO_MANY_STEPS, levels_for, march
 from femstruct.impact.motion import DISPLACEMENT, VELOCITY, along, coordinates
+from femstruct.impact.outcome import outcome_of
 from femstruct.impact.propagate import trial_room
 from femstruct.impact.response import BodyHistory, ContactHistory, EnergyLedger, Event, Outcome, Response
 from femstruct.impact.rule import collocation_rule
@@ -116,10 +117,11 @@ def simulate(basis: ModalBasis, scene: Scene, clock: Clock) -> Response:
         name: _contact(name, rows, compiled, record, place, forces, log) for name, rows in compiled.contacts.items()
     }
     blows = blow_table(record, motion, compiled, scene, clock, log)
-    outcome = _outcome(contacts, events)
     displacement, velocity = (
         coordinates(motion, what, k, len(system.omega)) / compiled.scale[k:, None] for what in (DISPLACEMENT, VELOCITY)
     )
+    speeds = dict(zip((body.name for body in scene.bodies), velocity, strict=True))
+    outcome = outcome_of(scene, clock, log, bool(len(events) and events[-1, 2]), speeds)
     return Response(
         basis=basis,
         scene=scene,
@@ -187,14 +189,6 @@ def _contact(
         closings=sum(event.what == "closes" for event in mine),
         first_open=opened[0] if opened else None,
     )
-
-
-def _outcome(contacts: dict[str, ContactHistory], events: Integers) -> Outcome:
-    if not contacts:
-        return Outcome.NO_CONTACTS
-    if not len(events):
-        return Outcome.NEVER_TOUCHED
-    return Outcome.SEPARATED if events[-1, 2] else Outcome.CLOSED_AT_END
 
 
 def _findings(

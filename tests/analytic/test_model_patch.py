@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from scipy.sparse.linalg import spsolve
@@ -12,6 +14,7 @@ from femstruct.errors import InputError
 from femstruct.impact.bodies import Body, Clock, Contact, Scene
 from femstruct.impact.laws import Hertz
 from femstruct.impact.simulate import simulate
+from femstruct.language import read_model
 from femstruct.modal.reduction import modal_basis
 from femstruct.model.material import Material
 from femstruct.model.mesher import mesh_structure
@@ -137,6 +140,19 @@ def test_a_hit_between_nodes_is_that_of_a_finer_mesh() -> None:
     # where the point lies in its cell: (.2, .4) of the coarse one, (.4, .8) of the next
     assert peaks[0] == pytest.approx(peaks[2], rel=5e-3) and peaks[1] == pytest.approx(peaks[2], rel=1e-3)
     assert rebounds[1] == pytest.approx(rebounds[2], abs=2e-3)
+
+
+@pytest.mark.parametrize(("written", "patch"), [("3 cm", 0.03), ("[20 mm, 0.05]", (0.02, 0.05))])
+def test_a_patch_in_a_file(written: str, patch: float | Pair, tmp_path: Path) -> None:
+    text = f"""
+materials: {{steel: {{E: 210 GPa, nu: 0.3, rho: 7850}}}}
+parts: {{plate: {{type: plate, material: steel, thickness: 3 mm, origin: [0, 0, 0], size: [0.5, 0.4], mesh: [10, 8]}}}}
+points: {{P: {{on: plate, at: [0.21, 0.17], patch: {written}}}}}
+supports: {{edges: {{on: plate, edge: all, fix: simple}}}}
+"""
+    (tmp_path / "plate.yaml").write_text(text, encoding="utf-8")
+    found, expected = read_model(tmp_path / "plate.yaml").points["P"], meshed(patch).points["P"]
+    assert np.array_equal(found.nodes, expected.nodes) and np.array_equal(found.weights, expected.weights)
 
 
 @pytest.mark.parametrize("patch", [0.18, (0.1, 0.36)])
