@@ -43,6 +43,7 @@ def foundation(part: Foundation, model: Model, tolerance: float) -> Elastic:
         np.tile(layer.axes[kept], (len(local), 1)),
         grounded=part.to is None,
         loss_factor=part.loss_factor,
+        places=np.zeros((0, 3)) if set(ends) & set(model.plates) else layer.places(local),
     )
 
 
@@ -60,6 +61,7 @@ def springs(part: Spring, model: Model) -> Elastic:
         )
     kept = np.flatnonzero(values.any(axis=0))
     first = places_of(f"{where}.between", part.a, model)
+    positions = np.stack([point.position for point in first])
     if part.b is None:
         matrices = [point_rows(point, np.zeros(3), model)[kept] for point in first]
     else:
@@ -69,6 +71,7 @@ def springs(part: Spring, model: Model) -> Elastic:
                 f"{where}.between", got=f"{len(first)} and {len(second)} places", expected="as many, or one of either"
             )
         count = max(len(first), len(second))
+        positions = (positions + np.stack([point.position for point in second])) / 2.0
         matrices = []
         for one, other in zip(first * (count // len(first)), second * (count // len(second)), strict=True):
             half = (other.position - one.position) / 2.0
@@ -83,6 +86,7 @@ def springs(part: Spring, model: Model) -> Elastic:
         np.tile(values[1, kept], count),
         np.tile(directions[kept], (count, 1)),
         grounded=part.b is None,
+        places=positions,
     )
 
 

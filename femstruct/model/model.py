@@ -118,7 +118,7 @@ class Elastic:
 
     rows [m, n_nodes * 7] : the displacements. stiffness, damping [m] : of each, area and length included [N/m].
     directions [m, 3] : global direction of the force each makes, zero for rotations. grounded : whether the force goes
-    to the ground or to a second part.
+    to the ground or to a second part. places [q, 3] : where they act [m], for pictures; none where nodes show it.
     """
 
     name: str
@@ -128,6 +128,7 @@ class Elastic:
     directions: Floats
     grounded: bool
     loss_factor: float = 0.0
+    places: Floats = field(default_factory=lambda: np.zeros((0, 3)))
 
     def __post_init__(self) -> None:
         m = self.rows.shape[0]
@@ -136,6 +137,7 @@ class Elastic:
             stiffness=frozen(f"{self.name} stiffness", self.stiffness, (m,)),
             damping=frozen(f"{self.name} damping", self.damping, (m,)),
             directions=frozen(f"{self.name} directions", self.directions, (m, 3)),
+            places=frozen(f"{self.name} places", self.places, (None, 3)),
         )
 
 

@@ -31,13 +31,13 @@ class Label:
 def add_labels(plotter: Any, model: Model, rooms: Sequence[RoomPlan]) -> None:
     """Add marks and names of everything but the parts' own faces to a plotter."""
     grounded = [(tie.name, tie.rows) for tie in model.ties if tie.grounded]
-    springs = [(item.name, item.rows) for item in model.elastics]
+    springs = [(item.name, item.places if len(item.places) else _where(model, item.rows)) for item in model.elastics]
     masses = [(item.name, item.rows) for item in model.inerts]
     points = [(name, point.position[None]) for name, point in model.points.items()]
     labels = [
         *_marks(plotter, points, POINT, "points"),
         *_marks(plotter, [(name, _where(model, rows)) for name, rows in grounded], SUPPORT, "supports"),
-        *_marks(plotter, [(name, _where(model, rows)) for name, rows in springs], SPRING, "springs, foundations"),
+        *_marks(plotter, springs, SPRING, "springs, foundations"),
         *_marks(plotter, [(name, _where(model, rows)) for name, rows in masses], MASS, "masses"),
     ]
     for surface in model.surfaces.values():

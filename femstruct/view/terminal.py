@@ -17,6 +17,7 @@ from femstruct.view.blows import blows
 from femstruct.view.grid import Grid
 
 Row = Mapping[str, Any]
+DUST = 1e-6  # rad: a micrometre a metre is rounding, or nobody's concern
 SPOKEN_HZ = 500.0  # modes above it are in summary.json; a terminal shows those that floors and presses are judged by
 
 
@@ -93,7 +94,7 @@ def show_frf(table: Row) -> None:
 
 
 def show_inspection(table: Row, picture: str = "") -> None:
-    """What `check` found: masses, box, degrees of freedom, rigid modes, damping, sags, rooms, findings."""
+    """What `check` found: masses, box, degrees of freedom, rigid modes, damping, sags, blocks, rooms, findings."""
     console = _console()
     console.print(table["title"], style="bold")
     if table["masses_kg"]:
@@ -114,6 +115,14 @@ def show_inspection(table: Row, picture: str = "") -> None:
         console.print(f"point {name} at ({', '.join(f'{x:.4g}' for x in position)}) m")
     for body, rest in table["rest"].items():
         console.print(f"{body}: weight {rest['weight_n']:.4g} N sags {1e3 * rest['sag_m']:.3g} mm on its links")
+    for part, sag in table["sags"].items():
+        seen = sag["tilt_rad"] is not None and sag["tilt_rad"] > DUST
+        leaning = f" and leans by {1e3 * sag['tilt_rad']:.2g} mm a metre" if seen else ""
+        console.print(f"{part} sags {1e3 * sag['sag_m']:.3g} mm under the weight of all{leaning}")
+    for mode in table["block_modes"]:
+        shares = ", ".join(f"{name} {100 * share:.0f} %" for name, share in mode["shares"].items())
+        damped = "" if mode["damping_ratio"] is None else f", damping {100 * mode['damping_ratio']:.3g} %"
+        console.print(f"mode {mode['mode']}, {mode['frequency_hz']:.2f} Hz{damped}: {shares}")
     for name, room in table["rooms"].items():
         ratios = ", ".join(f"{100 * ratio:.3g} % at {f} Hz" for f, ratio in room["damping_ratio"].items())
         first = ", ".join(f"{f:.1f}" for f in room["first_modes_hz"])

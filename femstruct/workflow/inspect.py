@@ -25,6 +25,7 @@ from femstruct.workflow.responses import frequency_option, response_row
 from femstruct.workflow.rest import Rest, rest_states
 from femstruct.workflow.run import structure_findings
 from femstruct.workflow.staging import force_probes, scene
+from femstruct.workflow.weight import BlockMode, Sag, block_modes, sags, weight_findings
 
 DEFAULT_MODES = 30
 Table = dict[str, Any]
@@ -42,6 +43,8 @@ class Inspection:
     positions: Mapping[str, tuple[float, float, float]]
     damping: tuple[str, ...]
     rests: tuple[Rest, ...]
+    sags: tuple[Sag, ...]
+    block_modes: tuple[BlockMode, ...]
     rooms: tuple[RoomPlan, ...]
     findings: tuple[Finding, ...]
 
@@ -60,6 +63,16 @@ class Inspection:
             "points_m": {name: list(position) for name, position in self.positions.items()},
             "damping": list(self.damping),
             "rest": {rest.body: {"weight_n": rest.weight, "sag_m": rest.sag} for rest in self.rests},
+            "sags": {sag.part: {"sag_m": sag.sag, "tilt_rad": sag.tilt} for sag in self.sags},
+            "block_modes": [
+                {
+                    "mode": mode.number,
+                    "frequency_hz": mode.frequency_hz,
+                    "damping_ratio": number(mode.ratio),
+                    "shares": mode.shares,
+                }
+                for mode in self.block_modes
+            ],
             "rooms": {plan.name: _room_table(plan) for plan in self.rooms},
             "findings": [finding_table(finding) for finding in self.findings],
         }
@@ -82,6 +95,7 @@ def inspect_file(path: Path, overrides: tuple[str, ...] = ()) -> Inspection:
         if study is not None:
             _try(study, solved, basis)
     model = solved.model
+    under_weight = () if model is None else sags(model, basis)
     return Inspection(
         title=title,
         model=model,
@@ -91,8 +105,10 @@ def inspect_file(path: Path, overrides: tuple[str, ...] = ()) -> Inspection:
         positions={name: tuple(point.position.tolist()) for name, point in solved.places.points.items()},
         damping=damping_sentences(damping),
         rests=() if study is None else rest_states(study),
+        sags=under_weight,
+        block_modes=() if model is None else block_modes(model, basis),
         rooms=() if study is None else study.rooms,
-        findings=structure_findings(solved, basis),
+        findings=structure_findings(solved, basis) + weight_findings(under_weight),
     )
 
 

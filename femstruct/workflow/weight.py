@@ -1,0 +1,93 @@
+"""A structure at rest under its own weight, and how its blocks move in its modes: what `check` tells of machines."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from femstruct.arrays import Floats
+from femstruct.conventions import DIRECTIONS, GRAVITY
+from femstruct.errors import Finding
+from femstruct.modal.basis import ModalBasis
+from femstruct.model.model import Model
+
+LEVEL = 1e-3  # rad; machines are set up level to 0.1 to 1 mm a metre
+MOVES = 0.9  # of the kinetic energy: from here on a mode is one of the blocks
+NAMED = 0.05  # of the kinetic energy: what is worth a name
+_FALLS = 1e-6  # of the mass: what rigid modes may carry of it upwards and still be rounding
+
+
+@dataclass(frozen=True)
+class Sag:
+    """How far a part has sunk under the weight of all [m]: its lowest node, of a block the centre of mass.
+
+    tilt : angle a block leans by [rad], None for other parts.
+    """
+
+    part: str
+    sag: float
+    tilt: float | None
+
+
+@dataclass(frozen=True)
+class BlockMode:
+    """A mode in which mainly blocks move. number : from 1; shares : of its kinetic energy, by "BLOCK direction"."""
+
+    number: int
+    frequency_hz: float
+    ratio: float
+    shares: dict[str, float]
+
+
+def sags(model: Model, basis: ModalBasis) -> tuple[Sag, ...]:
+    """Static sags of all parts; none for a structure that nothing holds up.
+
+    Notes
+    -----
+    The sum over the modes of the basis, each by what of the weight it carries: exact for blocks on springs where all
+    modes are found, a little too small for plates and frames.
+    """
+    pulled = basis.momentum[2]
+    free = basis.omega == 0.0
+    if (pulled[free] ** 2).sum() > _FALLS * basis.total_mass:
+        return ()
+    moved: Floats = basis.shapes[:, :, ~free] @ (-GRAVITY * pulled[~free] / basis.omega[~free] ** 2)
+    found = []
+    for name, nodes in model.mesh.nodes.items():
+        leaning = float(np.hypot(*moved[nodes[0], 3:5])) if name in model.blocks else None
+        found.append(Sag(name, float(-moved[nodes, 2].min()), leaning))
+    return tuple(found)
+
+
+def block_modes(model: Model, basis: ModalBasis) -> tuple[BlockMode, ...]:
+    """The modes whose kinetic energy is that of blocks, and along what each of them moves."""
+    energy: dict[str, Floats] = {}
+    for name, block in model.blocks.items():
+        inertia = (*(block.part.mass,) * 3, *block.part.moments)
+        for direction, value, shape in zip(DIRECTIONS, inertia, basis.shapes[block.node, :6], strict=True):
+            energy[f"{name} {direction}"] = value * shape**2  # of mass-normalised modes: shares of one
+    found = []
+    for mode in range(basis.modes.stop if energy else 0):
+        shares = {name: float(values[mode]) for name, values in energy.items()}
+        if sum(shares.values()) < MOVES:
+            continue
+        largest = sorted(shares.items(), key=lambda item: -item[1])
+        told = {name: share for name, share in largest if share >= NAMED}
+        ratio = float(basis.damping_ratio[mode])
+        found.append(BlockMode(mode + 1, float(basis.frequency_hz[mode]), ratio, told))
+    return tuple(found)
+
+
+def weight_findings(rest: tuple[Sag, ...]) -> tuple[Finding, ...]:
+    """Blocks that lean at rest: what carries them is not below their centre of mass."""
+    return tuple(
+        Finding(
+            "leaning-block",
+            f"{sag.part} leans by {1e3 * sag.tilt:.2g} mm a metre under its weight, more than the {1e3 * LEVEL:g} mm "
+            "machines are set up to: its centre of mass is beside the middle of what carries it",
+            {"tilt_rad": sag.tilt, "level_rad": LEVEL},
+        )
+        for sag in rest
+        if sag.tilt is not None and sag.tilt > LEVEL
+    )

@@ -1,0 +1,77 @@
+"""Sags, tilts and modes of blocks that `check` tells, against statics by hand."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from femstruct.cli import app
+
+G = 9.80665
+LEANING = """
+parts:
+  machine: {type: block, mass: 2 t, origin: [0, 0, 0.3], size: [2, 1, 1], center: [1.05, 0.5, 0.4]}
+  mounts:
+    type: spring
+    between: [feet, ground]
+    stiffness: {x: 0.5 MN/m, y: 0.5 MN/m, z: 1 MN/m}
+points:
+  feet: {on: machine, at: [[0.2, 0.2, 0], [1.8, 0.2, 0], [1.8, 0.8, 0], [0.2, 0.8, 0]]}
+damping: {ratio: 3 %}
+"""
+
+
+def told(path: Path) -> dict[str, object]:
+    answer = CliRunner().invoke(app, ["check", str(path), "--json"])
+    assert answer.exit_code == 0, answer.output
+    table: dict[str, object] = json.loads(answer.stdout)
+    return table
+
+
+def test_a_block_with_its_weight_beside_the_middle_leans(tmp_path: Path) -> None:
+    """The feet bear the weight and its moment about their middle, 0.05 m of it; they are not pushed sideways."""
+    path = tmp_path / "leaning.yaml"
+    path.write_text(LEANING)
+    table = told(path)
+    tilt = 2000 * G * 0.05 / (4 * 1e6 * 0.8**2)
+    sag = 2000 * G / 4e6 + tilt * 0.05  # of the centre of mass, which is lower by the tilt
+    rest = table["sags"]["machine"]  # type: ignore[index]
+    assert rest["tilt_rad"] == pytest.approx(tilt, rel=1e-9)
+    assert rest["sag_m"] == pytest.approx(sag, rel=1e-9)
+    assert not table["findings"]
+    path.write_text(LEANING.replace("[1.05, 0.5, 0.4]", "[1.3, 0.5, 0.4]"))
+    table = told(path)
+    (finding,) = table["findings"]  # type: ignore[misc]
+    assert finding["code"] == "leaning-block"
+    assert finding["values"]["tilt_rad"] == pytest.approx(2000 * G * 0.3 / (4 * 1e6 * 0.8**2), rel=1e-9)
+    answer = CliRunner().invoke(app, ["check", str(path)])
+    assert "machine sags" in answer.output
+    assert "mm a metre" in answer.output
+
+
+def test_modes_of_a_block_are_named_by_what_moves(tmp_path: Path) -> None:
+    path = tmp_path / "level.yaml"
+    path.write_text(LEANING.replace("center: [1.05, 0.5, 0.4]", "center: [1, 0.5, 0.5]"))
+    modes = told(path)["block_modes"]
+    assert len(modes) == 6  # type: ignore[arg-type]
+    heave = next(mode for mode in modes if "machine z" in mode["shares"])  # type: ignore[attr-defined]
+    assert heave["shares"]["machine z"] == pytest.approx(1.0, rel=1e-9)
+    assert heave["frequency_hz"] == pytest.approx(np.sqrt(4e6 / 2000) / (2 * np.pi), rel=1e-9)
+    assert heave["damping_ratio"] == pytest.approx(0.03)
+    for mode in modes:  # type: ignore[attr-defined]
+        assert sum(mode["shares"].values()) == pytest.approx(1.0, abs=0.1)  # those under 5 % are not told
+
+
+def test_what_nothing_holds_up_has_no_sag(tmp_path: Path) -> None:
+    path = tmp_path / "free.yaml"
+    path.write_text(LEANING.replace(", z: 1 MN/m", ""))
+    table = told(path)
+    assert table["sags"] == {}
+    path.write_text("parts: {stone: {type: block, mass: 1, origin: [0, 0, 0], size: [1, 1, 1]}}")
+    table = told(path)
+    assert table["sags"] == {}
+    assert table["rigid_body_modes"] == 6
