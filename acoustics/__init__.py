@@ -5,6 +5,7 @@ The way through this wing, each step a pure function or a frozen noun::
     Air, Losses -> Room, Receiver      what the room is                          air, room
     SurfaceVelocity                    how its ceiling moves: the one door in    source
     pressure(...) -> RoomResponse      what is heard, in time and frequency      pressure (transfer functions: cavity)
+    cavity_pressure(...)               the same in rooms of any shape            cavity_pressure (fem, walls)
     sound_levels(...) -> Levels        peaks, maxima, exposures, bands           levels (bands, weighting)
     heavy_impact_level(...), ...       single numbers of the standards           ratings
 
@@ -40,6 +41,9 @@ from acoustics.source import SurfaceVelocity
 
 if TYPE_CHECKING:
     from acoustics.bands import octave_bands, third_octave_bands
+    from acoustics.cavity_pressure import cavity_pressure
+    from acoustics.decay import reverberation_time
+    from acoustics.fem import CavityMesh, CavityModes, box_mesh, cavity_modes
     from acoustics.levels import Levels, level_spectrum, response_levels, sound_levels
     from acoustics.ratings import (
         HeavyImpactRating,
@@ -51,10 +55,15 @@ if TYPE_CHECKING:
         standardised_maximum_level,
         weighted_impact_level,
     )
+    from acoustics.walls import Wall, absorbing
     from acoustics.weighting import frequency_weighting, time_weighted, weighted
 
-# The filters need scipy.signal, slow to import: they are fetched when first asked for (PEP 562).
+# What needs scipy.signal, scipy.linalg or scikit-fem is slow to import: it is fetched when first asked for (PEP 562).
 _FETCHED = {
+    "acoustics.cavity_pressure": ("cavity_pressure",),
+    "acoustics.decay": ("reverberation_time",),
+    "acoustics.fem": ("CavityMesh", "CavityModes", "box_mesh", "cavity_modes"),
+    "acoustics.walls": ("Wall", "absorbing"),
     "acoustics.bands": ("octave_bands", "third_octave_bands"),
     "acoustics.levels": ("Levels", "level_spectrum", "response_levels", "sound_levels"),
     "acoustics.ratings": (
@@ -74,6 +83,8 @@ __all__ = [
     "AcousticsError",
     "Advice",
     "Air",
+    "CavityMesh",
+    "CavityModes",
     "HeavyImpactRating",
     "ImpactRating",
     "Levels",
@@ -83,7 +94,12 @@ __all__ = [
     "Room",
     "RoomResponse",
     "SurfaceVelocity",
+    "Wall",
+    "absorbing",
     "air_stiffness_ratio",
+    "box_mesh",
+    "cavity_modes",
+    "cavity_pressure",
     "energy_average",
     "frequency_weighting",
     "heavy_impact_level",
@@ -97,6 +113,7 @@ __all__ = [
     "pressure",
     "pressure_map",
     "response_levels",
+    "reverberation_time",
     "room_modes",
     "sound_levels",
     "standardised_impact_level",

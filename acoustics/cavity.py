@@ -13,15 +13,15 @@ from __future__ import annotations
 
 import numpy as np
 
+from acoustics.air import Air
 from acoustics.arrays import Complexes, Floats, Integers
-from acoustics.room import Room
+from acoustics.room import Losses, Room
 from acoustics.source import SurfaceVelocity
 
 
-def wavenumber_squared(room: Room, s: Complexes) -> Complexes:
-    """k^2 [1/m^2] at the complex frequencies `s` [1/s] under the room's losses, its imaginary part never positive."""
-    losses = room.losses
-    squared = -(s**2 + 2 * losses.decay_rate * s) / (room.air.c**2 * (1 + losses.relaxation_time * s))
+def wavenumber_squared(losses: Losses, air: Air, s: Complexes) -> Complexes:
+    """k^2 [1/m^2] at the complex frequencies `s` [1/s] under these losses, its imaginary part never positive."""
+    squared = -(s**2 + 2 * losses.decay_rate * s) / (air.c**2 * (1 + losses.relaxation_time * s))
     return squared * (1 - 1j * losses.beta) ** 2
 
 
@@ -58,7 +58,7 @@ def vertical_wavenumber(room: Room, s: Complexes, k_lm: Floats) -> Complexes:
 
     In real arithmetic, some three times faster than a complex root.
     """
-    squared = wavenumber_squared(room, s)
+    squared = wavenumber_squared(room.losses, room.air, s)
     real = squared.real - (k_lm**2)[:, None]
     imaginary = squared.imag
     larger = np.sqrt(0.5 * (np.sqrt(real**2 + imaginary**2) + np.abs(real)))

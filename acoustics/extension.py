@@ -2,9 +2,25 @@
 
 from __future__ import annotations
 
+from typing import Final
+
 import numpy as np
 
-from acoustics.arrays import Floats
+from acoustics.arrays import Complexes, Floats
+
+PADDING: Final = 1.5  # length of the transform over that of the record
+WINDOW: Final = 13.5  # a T: wrap-around is exp(-a T PADDING) = 2e-9, rounding is amplified by exp(a T) to 2e-10
+
+
+def transform_axis(nt: int, dt: float, *, damped: bool = True) -> tuple[Complexes, Floats]:
+    """Complex frequencies s [nf] [1/s] and weights [length] of the transform of a record of `nt` samples.
+
+    damped : s = a + j omega, the record weighted with exp(-a t), a T = 13.5; otherwise s = j omega and weights of 1.
+    """
+    length = fast_length(int(np.ceil(PADDING * nt)))
+    decay = WINDOW / (nt * dt) if damped else 0.0
+    s = np.asarray(decay + 2j * np.pi * np.fft.rfftfreq(length, dt), dtype=np.complex128)
+    return s, np.exp(-decay * dt * np.arange(length))
 
 
 def fast_length(n: int) -> int:

@@ -15,14 +15,12 @@ import numpy as np
 from acoustics.arrays import Complexes, Floats, Integers, freeze, frozen
 from acoustics.cavity import cosines, horizontal_wavenumber, project, transfer
 from acoustics.errors import AcousticsError, Advice
-from acoustics.extension import extended, fast_length, returned, source_bandwidth
+from acoustics.extension import extended, returned, source_bandwidth, transform_axis
 from acoustics.judgement import one_way, source_advice, truncation
 from acoustics.orders import ENOUGH, audible, not_in, order_blocks, square, undriven
 from acoustics.room import Receiver, Room, inside
 from acoustics.source import SurfaceVelocity, on_ceiling
 
-PADDING: Final = 1.5  # length of the transform over that of the record
-WINDOW: Final = 13.5  # a T: wrap-around is exp(-a T PADDING) = 2e-9, rounding is amplified by exp(a T) to 2e-10
 SILENT: Final = 1e-9  # share of the velocity below which a cosine is not driven: symmetry, but for rounding
 NEGLIGIBLE: Final = 1e-9  # share of the summed velocity spectrum above the highest frequency that is evaluated
 _BLOCK: Final = 1 << 15  # complex numbers handled at once: they stay in the cache
@@ -149,11 +147,9 @@ def _synthesise(surface: SurfaceVelocity, room: Room, orders: Integers, places: 
     loudest = np.abs(surface.shapes).max(axis=0, initial=0) @ surface.sizes
     driven = speed > SILENT * loudest
     orders, coefficients = orders[driven], coefficients[driven]
-    length = fast_length(int(np.ceil(PADDING * nt)))
     weighted = room.losses.kind != "source"
-    decay = WINDOW / (nt * dt) if weighted else 0.0
-    weight = np.exp(-decay * dt * np.arange(length))
-    s = np.asarray(decay + 2j * np.pi * np.fft.rfftfreq(length, dt), dtype=np.complex128)
+    s, weight = transform_axis(nt, dt, damped=weighted)
+    length = len(weight)
     heights, plane = np.unique(places[:, 2], return_inverse=True)
     p = np.zeros((len(places), nt))
     batch = max(1, _MEMORY // (len(s) * max(1, len(heights))))

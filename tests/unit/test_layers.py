@@ -25,17 +25,18 @@ LAYERS = [
     ["femstruct.cli"],
 ]
 ACOUSTICS = [
-    ["acoustics.errors", "acoustics.arrays", "acoustics.air", "acoustics.room", "acoustics.source"],
-    ["acoustics.extension", "acoustics.cavity"],
+    ["acoustics.errors", "acoustics.arrays", "acoustics.air", "acoustics.room", "acoustics.source", "acoustics.walls"],
+    ["acoustics.extension", "acoustics.cavity", "acoustics.fem"],
     [
         "acoustics.orders",
         "acoustics.judgement",
         "acoustics.pressure",
+        "acoustics.cavity_pressure",
         "acoustics.maps",
         "acoustics.harmonic",
         "acoustics.coupled",
     ],
-    ["acoustics.bands", "acoustics.weighting", "acoustics.levels", "acoustics.ratings"],
+    ["acoustics.bands", "acoustics.weighting", "acoustics.levels", "acoustics.ratings", "acoustics.decay"],
 ]
 HEARS_ACOUSTICS = {"radiation", "coupling", "study", "language", "files", "view", "workflow", "cli"}
 OPENS_FILES = {"h5py", "pyvista", "matplotlib", "pydantic", "ruamel", "meshio", "rich", "typer"}

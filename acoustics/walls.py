@@ -1,0 +1,95 @@
+"""What walls take up: admittances of locally reacting walls, and the absorption coefficients they stand for."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import log
+from types import MappingProxyType
+from typing import Final
+
+import numpy as np
+from scipy.optimize import brentq
+
+from acoustics.arrays import Floats, freeze, positive
+from acoustics.errors import AcousticsError
+
+_RESISTANCE_OF_MOST: Final = 1.567  # specific resistance of the highest random-incidence absorption, 0.951
+
+
+@dataclass(frozen=True, eq=False)
+class Wall:
+    """A locally reacting wall that takes up sound: rho c over its impedance, a real number.
+
+    admittance : {frequency [Hz]: rho c / Z [-]}; between them it is linear in log frequency, beyond them constant.
+
+    Raises AcousticsError: no admittance, a frequency not above 0, a negative admittance.
+
+    Notes
+    -----
+    A real admittance that depends on frequency is no causal wall; it damps each mode with its value there.
+
+    >>> Wall({100.0: 0.0, 400.0: 0.02}).at(np.array([50.0, 200.0])).round(9).tolist()
+    [0.0, 0.01]
+    """
+
+    admittance: Mapping[float, float]
+
+    def __post_init__(self) -> None:
+        if not self.admittance:
+            raise AcousticsError("wall.admittance", got="nothing", expected="at least one value")
+        for frequency, value in self.admittance.items():
+            positive("wall.admittance", frequency, "Hz")
+            if not (np.isfinite(value) and value >= 0):
+                raise AcousticsError("wall.admittance", got=f"{value:g} at {frequency:g} Hz", expected="a number >= 0")
+        freeze(self, admittance=MappingProxyType(dict(sorted(self.admittance.items()))))
+
+    def at(self, frequency_hz: Floats) -> Floats:
+        """Admittance [n] at frequencies [n] [Hz]."""
+        known = np.log(list(self.admittance))
+        wanted = np.log(np.maximum(frequency_hz, float(np.exp(known[0]))))
+        values: Floats = np.interp(wanted, known, list(self.admittance.values()))
+        return values
+
+    @property
+    def constant(self) -> bool:
+        """Whether it is the same at all frequencies, and the wall therefore causal."""
+        return len(set(self.admittance.values())) == 1
+
+
+def absorbing(absorption: float | Mapping[float, float]) -> Wall:
+    """The wall with a random-incidence absorption coefficient, one or {frequency [Hz]: alpha}.
+
+    Raises AcousticsError: a coefficient below 0 or above 0.951, the most that a real admittance reaches.
+
+    Notes
+    -----
+    Paris' formula for a specific resistance r: alpha = (8 / r) (1 + 1 / (1 + r) - (2 / r) ln(1 + r)), on its stiff
+    side; 8 / r for a little. (H. Kuttruff, Room Acoustics, 5th ed., eq. 2.42.)
+
+    >>> round(absorbing(0.1).at(np.array([100.0])).item(), 4)
+    0.014
+    """
+    by_frequency = absorption if isinstance(absorption, Mapping) else {1000.0: absorption}
+    return Wall({frequency: _admittance(alpha) for frequency, alpha in by_frequency.items()})
+
+
+def random_incidence_absorption(admittance: float) -> float:
+    """Absorption coefficient of a real specific admittance for sound from all directions; see `absorbing`."""
+    if admittance == 0:
+        return 0.0
+    r = 1 / admittance
+    return 8 / r * (1 + 1 / (1 + r) - 2 / r * log(1 + r))
+
+
+def _admittance(alpha: float) -> float:
+    most = random_incidence_absorption(1 / _RESISTANCE_OF_MOST)
+    if not 0 <= alpha <= most:
+        raise AcousticsError(
+            "absorption", got=f"{alpha:g}", expected=f"0 to {most:.3f}, the most of a locally reacting resistance"
+        )
+    if alpha == 0:
+        return 0.0
+    return float(
+        brentq(lambda y: random_incidence_absorption(y) - alpha, alpha / 16, 1 / _RESISTANCE_OF_MOST, xtol=1e-15)
+    )
