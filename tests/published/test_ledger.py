@@ -9,7 +9,7 @@ import pytest
 import reproduce
 from ledger.row import Row
 
-OURS = {"chapter_2": 45}  # rows that must not get lost
+OURS = {"chapter_2": 45, "chapter_5": 35}  # rows that must not get lost
 
 
 @pytest.fixture(scope="module")
