@@ -21,7 +21,7 @@ from femstruct.impact.strikes import first_strike, strike, touch
 from femstruct.impact.system import CONSTANT, LINK, System
 from femstruct.impact.tables import Tables, tabulate
 
-DONE, TOO_MANY_STEPS, NO_FORCES, TOO_MANY_EVENTS = 0, 1, 2, 3
+DONE, TOO_MANY_STEPS, NO_FORCES, TOO_MANY_EVENTS, STICKS = 0, 1, 2, 3, 4
 OPENS, CLOSES = 0, 1
 
 

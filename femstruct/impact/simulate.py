@@ -7,12 +7,25 @@ import numpy as np
 from femstruct.arrays import Floats, Integers
 from femstruct.errors import Finding, NotConverged
 from femstruct.impact.blows import blow_findings, blow_table
-from femstruct.impact.bodies import Body, Clock, Scene
+from femstruct.impact.bodies import GROUND, Body, Clock, Contact, Scene
 from femstruct.impact.energy import TIME, ledger
+from femstruct.impact.exact.choice import takes_exact_march
+from femstruct.impact.exact.march import exact_march
+from femstruct.impact.exact.rule import exact_room, exact_rule
 from femstruct.impact.forces import State
 from femstruct.impact.judgement import law_findings
-from femstruct.impact.march import CLOSES, DONE, NO_FORCES, TOO_MANY_EVENTS, TOO_MANY_STEPS, levels_for, march
-from femstruct.impact.motion import DISPLACEMENT, VELOCITY, along, coordinates
+from femstruct.impact.laws import Hertz, Linear
+from femstruct.impact.march import (
+    CLOSES,
+    DONE,
+    NO_FORCES,
+    STICKS,
+    TOO_MANY_EVENTS,
+    TOO_MANY_STEPS,
+    levels_for,
+    march,
+)
+from femstruct.impact.motion import DISPLACEMENT, VELOCITY, Motion, along, coordinates, sampled_motion
 from femstruct.impact.outcome import outcome_of
 from femstruct.impact.propagate import trial_room
 from femstruct.impact.response import BodyHistory, ContactHistory, EnergyLedger, Event, Outcome, Response
@@ -27,22 +40,28 @@ MAX_STEPS = 20_000_000
 ENERGY_DRIFT = 1e-6
 SAMPLES_PER_CONTACT = 10
 NOT_DECAYED = 1e-2
+LEDGER_ROWS = 512  # at least
 ERROR_BUDGET = 0.1  # share of the tolerance that a step may spend
 
 
 def simulate(basis: ModalBasis, scene: Scene, clock: Clock) -> Response:
     """Motion, forces and energies of an impact, sampled at n / sampling for n = 0 .. duration * sampling - 1.
 
-    Modes move exactly under forces that are polynomials over a step; the forces of closed contacts and of links are
-    found by Gauss collocation with 8 points, in steps whose error is held by `clock.tolerance`; steps end where a
-    contact closes or opens. The samples come from the same exact motion and do not depend on the steps.
+    When all laws are linear, and no mode is so fast that it makes the steps too many (`femstruct.impact.exact.choice`
+    says how many), the motion between events is a power series and events are roots of polynomials: exact to rounding,
+    whatever `clock.tolerance`. Otherwise modes move exactly under forces that are polynomials over a step; the forces
+    of closed contacts and of links are found by Gauss collocation with 8 points, in steps whose error is held by
+    `clock.tolerance`; steps end where a contact closes or opens. The samples come from the same motion and do not
+    depend on the steps.
 
-    Raises NotConverged when the steps run out or a contact force cannot be found: never a result cut short.
+    Raises NotConverged when the steps run out, a contact force cannot be found, or contacts switch without end: never
+    a result cut short.
     FemstructError for a scene that contradicts itself.
 
-    Notes: a contact is never missed: see `femstruct.impact.events`. A contact that touches without speed closes when
-    the leading derivative of its indentation is positive. Damping of the modes is `basis.time_damping`; off its
-    diagonal it is iterated within each step, which costs about ten times the diagonal case.
+    Notes: a contact is never missed: see `femstruct.impact.events` and `femstruct.impact.exact.roots`. A contact that
+    touches without speed closes when the leading derivative of its indentation is positive. Damping of the modes is
+    `basis.time_damping`; off its diagonal collocation iterates it within each step, which costs about ten times the
+    diagonal case.
 
     A ball of 1 kg meets a wall through a spring of pi^2 N/m: half a period of contact, 1 s.
 
@@ -58,13 +77,7 @@ def simulate(basis: ModalBasis, scene: Scene, clock: Clock) -> Response:
     """
     compiled = compile_scene(basis, scene, clock)
     system, nt = compiled.system, compiled.n_samples
-    m, r = len(system.interfaces), len(system.rows)
-    levels = levels_for(compiled.halvings)
-    top_level = levels - 1
-    if system.coupling.size:
-        rate = float(np.linalg.norm(system.coupling, 2))
-        while top_level > 0 and rate * system.tick * 2.0**top_level > 1.0:
-            top_level -= 1
+    m, r, k = len(system.interfaces), len(system.rows), system.n_modes
     state = State(
         z=compiled.start[0].copy(),
         v=compiled.start[1].copy(),
@@ -73,24 +86,15 @@ def simulate(basis: ModalBasis, scene: Scene, clock: Clock) -> Response:
         pace=np.zeros(r),
         force=np.zeros(m),
     )
-    record, rule, tables = room_for(system, nt), collocation_rule(), empty_tables(system, levels)
-    status, when, n_history, n_events = march(
-        system,
-        state,
-        rule,
-        tables,
-        trial_room(system),
-        record,
-        compiled.halvings,
-        top_level,
-        clock.tolerance * ERROR_BUDGET,
-        MAX_STEPS,
-    )
+    record = room_for(system, nt)
+    run = _exactly if takes_exact_march(system, nt / clock.sampling) else _by_collocation
+    (status, when, n_history, n_events), motion = run(compiled, clock, state, record)
     if status != DONE:
         trouble = {
             TOO_MANY_STEPS: f"{MAX_STEPS} steps by t = {when:g} s",
             TOO_MANY_EVENTS: f"{n_events} closings and openings by t = {when:g} s: a contact chatters",
             NO_FORCES: f"no contact force at t = {when:g} s",
+            STICKS: f"contacts or one-way dashpots that switch without end at t = {when:g} s",
         }
         raise NotConverged(
             "impact",
@@ -109,7 +113,6 @@ def simulate(basis: ModalBasis, scene: Scene, clock: Clock) -> Response:
         record.peak[a] = record.strike_peak[record.strike_peak[:, a, 0].argmax(), a]
     separation = _separation(events, event_rows, clock)
     book = ledger(history, separation, float(record.totals[3]), float(record.totals[2]), scene, compiled)
-    motion, k = motion_of(record, system, compiled.halvings, rule, tables), system.n_modes
     place, speed = (along(motion, what, system.rows[:m]) for what in (DISPLACEMENT, VELOCITY))
     forces, push = np.empty((m, nt)), np.empty((r, nt))
     felt(system, state, compiled.halvings, record, place, speed, forces, push)
@@ -144,13 +147,62 @@ def simulate(basis: ModalBasis, scene: Scene, clock: Clock) -> Response:
     )
 
 
+Ended = tuple[int, float, int, int]
+
+
+def _exactly(compiled: Compiled, clock: Clock, state: State, record: Record) -> tuple[Ended, Motion]:
+    """The march of piecewise-linear systems; its ledger has no fewer than LEDGER_ROWS."""
+    system, nt = compiled.system, compiled.n_samples
+    end = nt / clock.sampling
+    ended = exact_march(
+        system,
+        state,
+        exact_rule(),
+        exact_room(system),
+        record,
+        end,
+        1.0 / clock.sampling,
+        end / LEDGER_ROWS,
+        np.inf,
+        MAX_STEPS,
+    )
+    return ended, sampled_motion(record.z[: record.kept[0]].T, record.v[: record.kept[0]].T)
+
+
+def _by_collocation(compiled: Compiled, clock: Clock, state: State, record: Record) -> tuple[Ended, Motion]:
+    """The march for laws that are not linear."""
+    system, levels = compiled.system, levels_for(compiled.halvings)
+    top_level = levels - 1
+    if system.coupling.size:
+        rate = float(np.linalg.norm(system.coupling, 2))
+        while top_level > 0 and rate * system.tick * 2.0**top_level > 1.0:
+            top_level -= 1
+    rule, tables = collocation_rule(), empty_tables(system, levels)
+    ended = march(
+        system,
+        state,
+        rule,
+        tables,
+        trial_room(system),
+        record,
+        compiled.halvings,
+        top_level,
+        clock.tolerance * ERROR_BUDGET,
+        MAX_STEPS,
+    )
+    if ended[0] != DONE:
+        return ended, sampled_motion(record.z[:0].T, record.v[:0].T)
+    return ended, motion_of(record, system, compiled.halvings, rule, tables)
+
+
 def load_kernels() -> None:
     """Load the compiled kernels, or compile them where no run before has: that takes about a minute, once.
 
     Without it the first simulation does the same, and its time is not its own.
     """
     basis, _ = given_modes((), (), {})
-    simulate(basis, Scene((Body("body", 1.0),)), Clock(duration=1e-3, sampling=1e3))
+    for law in (Hertz(1.0), Linear(1.0)):
+        simulate(basis, Scene((Body("body", 1.0),), (Contact("c", "body", GROUND, law),)), Clock(1e-3, 1e3))
 
 
 def _separation(events: Integers, rows: Floats, clock: Clock) -> Floats | None:

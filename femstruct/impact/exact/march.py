@@ -1,0 +1,168 @@
+"""The exact march: power series of the present regime, cut at the first event, until the end."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from femstruct.impact.compiled import kernel
+from femstruct.impact.energy import take_stock
+from femstruct.impact.exact.ledger import integrate_step, peaks_of_step
+from femstruct.impact.exact.regime import coupling_bound, evaluate, expand, fastest, load_series, settle
+from femstruct.impact.exact.roots import NEVER
+from femstruct.impact.exact.rule import ORDER, THETA, ExactRoom, ExactRule
+from femstruct.impact.exact.watch import switch, watch
+from femstruct.impact.forces import CLOSED, OPEN, State, load_at
+from femstruct.impact.march import CLOSES, DONE, NO_FORCES, OPENS, STICKS, TOO_MANY_EVENTS, TOO_MANY_STEPS
+from femstruct.impact.sampling import Record
+from femstruct.impact.system import CONSTANT, HALF_SINE, LINK, System
+
+
+@kernel
+def exact_march(system: System, state: State, rule: ExactRule, room: ExactRoom, record: Record, end: float,
+                interval: float, longest: float, quiet: float,
+                max_steps: int) -> tuple[int, float, int, int]:  # fmt: skip
+    """Run to the end; returns how it ended, when, and the numbers of ledger rows and events in the record.
+
+    end [s]; interval [s] : of the samples, and the longest step while a load acts; longest [s] : the longest step, and
+    how far apart ledger rows may be otherwise. quiet [s] : stop when all contacts have been open that long after a
+    closing (infinite: never). A record without samples keeps the first and the last ledger row only.
+    """
+    history, m, samples = record.history, len(system.interfaces), len(record.at)
+    coupling, damped = coupling_bound(system), len(system.coupling) > 0
+    for i in range(system.n_modes):
+        damped = damped or system.damping[i] > 0.0
+    _begin(system, state, room)
+    initial = take_stock(0.0, system, state, room.here[:, 0], room.lost, history[0])
+    kept, n_events, kink, at_once = 1, 0, 0, 0
+    t, last, before, pace, open_since = 0.0, 0.0, 0.0, 0.0, np.inf
+    while t < end:
+        if record.totals[1] >= max_steps:
+            return TOO_MANY_STEPS, t, kept, n_events
+        record.totals[1] += 1.0
+        settle(system, state, room)
+        bound = fastest(system, room, coupling)
+        while kink < len(system.kinks) and system.kinks[kink] * system.tick <= t:
+            kink += 1
+        limit = min(end, open_since + quiet)
+        if kink < len(system.kinks):
+            limit = min(limit, system.kinks[kink] * system.tick)
+        h, acting = limit - t, False
+        for i in range(len(system.loads)):
+            if system.loads[i]["kind"] != CONSTANT and load_at(system, i, t + 0.5 * min(h, interval)) != 0.0:
+                acting = True
+                if system.loads[i]["kind"] == HALF_SINE:
+                    bound = max(bound, 2.0 * np.pi * system.loads[i]["frequency"])
+        room_left, cap = h, min(longest, interval if acting else np.inf)
+        if bound * cap > THETA:
+            cap = THETA / bound
+        if h > cap:
+            h = cap if h > 2.0 * cap else 0.5 * h
+        order = 4
+        while order < ORDER and rule.reach[order] < bound * h:
+            order += 1
+        load_series(system, room, t, h, order)
+        expand(system, state, room, h, order)
+        where, who, what = watch(system, state, order, h, max(before, h), max(pace, bound), rule, room)
+        part = min(where, 1.0)
+        now = t + part * h
+        if where == NEVER and h == room_left:
+            now = limit
+        if now > t or part > 0.0:
+            while record.kept[0] < samples and record.kept[0] * interval < now:
+                s = record.kept[0]
+                evaluate(room, h, order, (s * interval - t) / h)
+                record.at[s], record.doublings[s] = s, 0
+                record.z[s], record.v[s], record.status[s] = room.q, room.v, state.status
+                record.kept[0] += 1
+            integrate_step(system, state, h, order, part, damped, rule, room)
+            peaks_of_step(system, state, t, h, order, part, room, record)
+            evaluate(room, h, order, part)
+            state.z[:] = room.q
+            state.v[:] = room.v
+            room.fresh[:] = 0
+            before, pace = h, bound
+        at_once = at_once + 1 if now == t else 0
+        if at_once > 100 + 10 * m:
+            return STICKS, t, kept, n_events
+        t = now
+        _look(system, state, room)
+        if where < NEVER:
+            switch(system, state, room, who, what, before)
+        _release(system, state, room, t)
+        touching, changed = 0.0, False
+        for a in range(m):
+            touching += room.loaded[a]
+            changed = changed or room.loaded[a] != record.totals[4 + a]
+        if samples or changed or t >= min(end, open_since + quiet):
+            total = take_stock(t, system, state, room.here[:, 0], room.lost, history[kept])
+            if not np.isfinite(total):
+                return NO_FORCES, t, kept, n_events
+            record.totals[2] = max(record.totals[2], abs(total - initial))
+            record.totals[3] = max(record.totals[3], abs(room.lost[m + 1]))
+        record.totals[0] += 1.0
+        for a in range(m):
+            if room.loaded[a] != record.totals[4 + a]:
+                record.totals[4 + a] = room.loaded[a]
+                if n_events == len(record.events):
+                    return TOO_MANY_EVENTS, t, kept, n_events
+                _log(record, n_events, a, room.loaded[a] > 0.0, touching == 0.0, kept)
+                n_events += 1
+                if room.loaded[a] > 0.0:
+                    room.closed_at[a], open_since = t, np.inf
+                else:
+                    record.shortest[a] = min(record.shortest[a], t - room.closed_at[a])
+                    open_since = t if touching == 0.0 else np.inf
+        over = t >= end or t >= open_since + quiet
+        busy = (acting or touching > 0.0) and t - last >= interval * (1.0 - 1e-9)
+        if over or (samples and (busy or t - last >= 0.5 * longest)):
+            kept += 1
+            last = t
+        if over:
+            break
+    return DONE, t, kept, n_events
+
+
+@kernel
+def _begin(system: System, state: State, room: ExactRoom) -> None:
+    """Preloaded contacts and links without a release time act; every other contact is open, touching or not, and
+    closes at once when the leading derivative of its indentation says so."""
+    room.lost[:] = 0.0
+    room.loaded[:] = 0.0
+    room.closed_at[:] = 0.0
+    room.fresh[:] = 0
+    for a in range(len(system.interfaces)):
+        state.status[a] = OPEN
+        if system.interfaces[a]["kind"] != LINK and system.interfaces[a]["preload"] > 0.0:
+            state.status[a] = CLOSED
+    _look(system, state, room)
+    _release(system, state, room, 0.0)
+
+
+@kernel
+def _look(system: System, state: State, room: ExactRoom) -> None:
+    """Displacements and velocities of all rows."""
+    for a in range(len(system.rows)):
+        place, rate = 0.0, 0.0
+        for i in range(len(state.z)):
+            place += system.rows[a, i] * state.z[i]
+            rate += system.rows[a, i] * state.v[i]
+        room.here[a, 0], room.here[a, 1] = place, rate
+
+
+@kernel
+def _release(system: System, state: State, room: ExactRoom, t: float) -> None:
+    """Links whose time has come act, from the elongation they have."""
+    for a in range(len(system.interfaces)):
+        law = system.interfaces[a]
+        if law["kind"] == LINK and state.status[a] == OPEN and law["release"] * system.tick <= t:
+            state.status[a], state.rest[a] = CLOSED, room.here[a, 0]
+            room.way[a] = -1 if room.here[a, 1] < 0.0 else 1
+
+
+@kernel
+def _log(record: Record, count: int, a: int, closes: bool, all_open: bool, row: int) -> None:
+    record.events[count, 0] = a
+    record.events[count, 1] = CLOSES if closes else OPENS
+    record.events[count, 2] = 1 if all_open else 0
+    for i in range(record.history.shape[1]):
+        record.event_rows[count, i] = record.history[row, i]

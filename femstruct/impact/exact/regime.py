@@ -1,0 +1,172 @@
+"""A regime: what each interface does until the next event, how fast it can be, and its flow as a power series."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from femstruct.arrays import Floats
+from femstruct.impact.compiled import kernel, summing
+from femstruct.impact.exact.rule import ExactRoom
+from femstruct.impact.forces import CLOSED, State
+from femstruct.impact.system import CONSTANT, HALF_SINE, LINK, System
+
+
+@kernel
+def coupling_bound(system: System) -> float:
+    """Largest row sum of the damping off the diagonal: no less than its norm, as it is symmetric."""
+    worst = 0.0
+    for i in range(len(system.coupling)):
+        total = 0.0
+        for j in range(len(system.coupling)):
+            total += abs(system.coupling[i, j])
+        worst = max(worst, total)
+    return worst
+
+
+@kernel
+def settle(system: System, state: State, room: ExactRoom) -> None:
+    """Springs, dashpots and constant forces of the interfaces in the present regime."""
+    for a in range(len(system.interfaces)):
+        law = system.interfaces[a]
+        room.spring[a], room.dash[a] = 0.0, 0.0
+        if state.status[a] != CLOSED:
+            room.held[a] = 0.0 if law["kind"] == LINK else -law["preload"]
+            continue
+        room.spring[a] = law["stiffness"]
+        if law["kind"] == LINK:
+            room.dash[a] = law["opening"] if room.way[a] < 0 else law["closing"]
+            room.held[a] = law["preload"] - law["stiffness"] * state.rest[a]
+        else:
+            room.dash[a] = law["closing"]
+            # a preload is in balance with the indentation at rest
+            room.held[a] = 0.0 if law["preload"] > 0.0 else law["stiffness"] * law["offset"]
+
+
+@kernel
+def fastest(system: System, room: ExactRoom, coupling: float) -> float:
+    """Bound of the rates [1/s] of a regime: the positive root of x^2 = c x + w^2.
+
+    w^2 and c bound the stiffness and the damping over the coordinates of unit mass: the largest of the modes, and k
+    row.row, c row.row of every interface that acts. In the norm max(|z|, |v| / x) the system's matrix is no larger
+    than x, so that term p of its power series is below (x h)^p / p!.
+    """
+    stiffness, damping = 0.0, 0.0
+    for i in range(len(system.omega)):
+        stiffness = max(stiffness, system.omega[i] * system.omega[i])
+        damping = max(damping, system.damping[i])
+    damping += coupling
+    for a in range(len(system.interfaces)):
+        stiffness += room.spring[a] * system.mobility[a]
+        damping += room.dash[a] * system.mobility[a]
+    return float(0.5 * (damping + np.sqrt(damping * damping + 4.0 * stiffness)))
+
+
+@kernel
+def load_series(system: System, room: ExactRoom, t: float, h: float, order: int) -> None:
+    """Power series of the loads over a step that no change of their formulas cuts."""
+    m = len(system.interfaces)
+    for i in range(len(system.loads)):
+        load, out = system.loads[i], room.force[m + i]
+        for k in range(order + 1):
+            out[k] = 0.0
+        middle = t + 0.5 * h
+        if load["kind"] == CONSTANT:
+            out[0] = load["value"]
+        elif load["kind"] == HALF_SINE:
+            if middle * load["frequency"] < 0.5:
+                omega = 2.0 * np.pi * load["frequency"]
+                out[0] = load["value"] * np.sin(omega * t)
+                out[1] = load["value"] * np.cos(omega * t) * omega * h
+                for k in range(order - 1):
+                    out[k + 2] = -out[k] * (omega * h) ** 2 / ((k + 1) * (k + 2))
+        else:
+            first, last = load["first"], load["first"] + load["length"] - 1
+            if system.table[first, 0] < middle < system.table[last, 0]:
+                left, right = first, last
+                while right - left > 1:
+                    between = (left + right) // 2
+                    if system.table[between, 0] <= middle:
+                        left = between
+                    else:
+                        right = between
+                slope = (system.table[right, 1] - system.table[left, 1]) / (
+                    system.table[right, 0] - system.table[left, 0]
+                )
+                out[0] = system.table[left, 1] + slope * (t - system.table[left, 0])
+                out[1] = slope * h
+
+
+@summing
+def expand(system: System, state: State, room: ExactRoom, h: float, order: int) -> None:
+    """Power series of coordinates, rows and forces over a step of length h from the state, by the equations of motion.
+
+    z_(k+2) = h^2 / ((k+1)(k+2)) (forces_k - omega^2 z_k - damping (k+1) / h z_(k+1)), forces_k from the rows' series.
+    """
+    n, m, r, k_modes = len(system.omega), len(system.interfaces), len(system.rows), len(system.coupling)
+    z, place, force, rows = room.z, room.place, room.force, system.rows
+    for i in range(n):
+        z[0, i], z[1, i] = state.z[i], state.v[i] * h
+    for a in range(r):
+        for k in range(2):
+            total = 0.0
+            for i in range(n):
+                total += rows[a, i] * z[k, i]
+            place[a, k] = total
+    for k in range(order - 1):
+        lean = (k + 1) / h
+        for i in range(n):
+            z[k + 2, i] = -system.omega[i] * system.omega[i] * z[k, i] - system.damping[i] * lean * z[k + 1, i]
+        for i in range(k_modes):
+            total = 0.0
+            for j in range(k_modes):
+                total += system.coupling[i, j] * z[k + 1, j]
+            z[k + 2, i] -= lean * total
+        for a in range(r):
+            if a < m:
+                force[a, k] = room.spring[a] * place[a, k] + room.dash[a] * lean * place[a, k + 1]
+                if k == 0:
+                    force[a, k] += room.held[a]
+            push = system.sign[a] * force[a, k]
+            if push != 0.0:
+                for i in range(n):
+                    z[k + 2, i] += rows[a, i] * push
+        scale = h * h / ((k + 1) * (k + 2))
+        for i in range(n):
+            z[k + 2, i] *= scale
+        for a in range(r):
+            total = 0.0
+            for i in range(n):
+                total += rows[a, i] * z[k + 2, i]
+            place[a, k + 2] = total
+    for a in range(m):
+        for k in range(order - 1, order + 1):
+            force[a, k] = room.spring[a] * place[a, k]
+            if k < order:
+                force[a, k] += room.dash[a] * (k + 1) / h * place[a, k + 1]
+    for a in range(r):
+        for k in range(order):
+            room.rate[a, k] = (k + 1) / h * place[a, k + 1]
+        room.rate[a, order] = 0.0
+
+
+@summing
+def evaluate(room: ExactRoom, h: float, order: int, theta: float) -> None:
+    """Coordinates and rates at a part of the step, into room.q and room.v."""
+    z, q, v = room.z, room.q, room.v
+    for i in range(len(q)):
+        q[i], v[i] = z[order, i], 0.0
+    for k in range(order - 1, -1, -1):
+        for i in range(len(q)):
+            v[i] = v[i] * theta + q[i]
+            q[i] = q[i] * theta + z[k, i]
+    for i in range(len(v)):
+        v[i] /= h
+
+
+@summing
+def inner_product(values: Floats, row: Floats) -> float:
+    """Sum of magnitudes of the products: what rounding is relative to."""
+    total = 0.0
+    for i in range(len(row)):
+        total += abs(values[i] * row[i])
+    return float(total)

@@ -1,0 +1,135 @@
+"""What ends a regime: the first instant at which a contact or a one-way dashpot must change what it does.
+
+Every condition is a polynomial that must not become negative: minus the indentation of an open contact, the
+indentation or the force of a closed one, the speed of a link in the sense it has. A condition that is zero at the
+start of a step, by an event or by rounding, is decided by its first coefficient that is not.
+"""
+
+from __future__ import annotations
+
+from femstruct.arrays import Floats
+from femstruct.impact.compiled import kernel
+from femstruct.impact.exact.regime import inner_product
+from femstruct.impact.exact.roots import NEVER, first_descent, stays_positive
+from femstruct.impact.exact.rule import ExactRoom, ExactRule
+from femstruct.impact.forces import CLAMPED, CLOSED, OPEN, State
+from femstruct.impact.system import LINK, System
+
+INDENTATION, FORCE, SPEED, EXCESS = 0, 1, 2, 3  # what crossed zero; the first three are columns of fresh
+ROUNDING = 4e-15  # of a row's displacement, relative to the terms it is summed from
+PRELOAD = 1e-9  # of the preload: what a force must exceed it by, or fall short of it
+
+
+@kernel
+def judge(c: Floats, order: int, noise: float, small: float, fresh: int, rule: ExactRule, boxes: Floats,
+          spans: Floats) -> tuple[float, int]:  # fmt: skip
+    """Where the polynomial becomes negative (NEVER: not in this step), and its leading order when that is at once.
+
+    noise : rounding of its value; small : of its other coefficients; fresh : whether it is zero by an event.
+    """
+    lead = 0
+    if fresh or abs(c[0]) <= noise:
+        lead = 1
+        while lead <= order and abs(c[lead]) <= small:
+            lead += 1
+        if lead > order:
+            return NEVER, 0
+    if c[lead] < 0.0:
+        return 0.0, lead
+    rest = 0.0
+    for k in range(lead + 1, order + 1):
+        rest += abs(c[k])
+    if c[lead] > rest or stays_positive(c, lead, order, rule.coarse):
+        return NEVER, 0
+    return first_descent(c, lead, order, rule.bernstein, boxes, spans), order + 1
+
+
+@kernel
+def watch(system: System, state: State, order: int, h: float, before: float, pace: float, rule: ExactRule,
+          room: ExactRoom) -> tuple[float, int, int]:  # fmt: skip
+    """The first change in the step: where (NEVER: none), of which interface, and what crossed zero.
+
+    before [s] : length of the last step, whose end is known to the rounding of its own series only; pace [1/s] : bound
+    of the rates of both. Of several changes at one place the one with the lowest leading order comes first: the others
+    depend on it.
+    """
+    where, rank, who, what = NEVER, order + 2, -1, -1
+    c, boxes, spans = room.watched, room.boxes, room.spans
+    for a in range(len(system.interfaces)):
+        law, status, place, rate = system.interfaces[a], state.status[a], room.place[a], room.rate[a]
+        link = law["kind"] == LINK
+        if link and (status != CLOSED or law["closing"] == law["opening"]):
+            continue
+        clamps = not link and law["tensile"] == 0 and law["closing"] > 0.0
+        still, moving = inner_product(state.z, system.rows[a]), inner_product(state.v, system.rows[a])
+        noise = ROUNDING * (still + max(h, before) * moving + abs(law["offset"]))
+        noise_rate = ROUNDING * (moving + 2.0 * pace * still)
+        small = ROUNDING * (4.0 * still + h * moving)
+        for kind in range(4):
+            if kind == SPEED:
+                if not link:
+                    continue
+                side = -1.0 if room.way[a] < 0 else 1.0
+                for k in range(order + 1):
+                    c[k] = side * h * rate[k]
+                at, order_here = judge(c, order, h * noise_rate, small, room.fresh[a, SPEED], rule, boxes, spans)
+            elif link:
+                continue
+            elif kind == INDENTATION:
+                if status == CLOSED and clamps:
+                    continue
+                side = -1.0 if status == OPEN else 1.0
+                for k in range(order + 1):
+                    c[k] = side * place[k]
+                c[0] += side * law["offset"]
+                at, order_here = judge(c, order, noise, small, room.fresh[a, INDENTATION], rule, boxes, spans)
+            elif kind == FORCE:
+                if status == OPEN or not clamps:
+                    continue
+                side = 1.0 if status == CLOSED else -1.0
+                for k in range(order + 1):
+                    c[k] = side * (law["stiffness"] * place[k] + law["closing"] * rate[k])
+                c[0] += side * law["stiffness"] * law["offset"]
+                rounding = law["stiffness"] * noise + law["closing"] * noise_rate
+                smaller = (law["stiffness"] + law["closing"] / h) * small
+                at, order_here = judge(c, order, rounding, smaller, room.fresh[a, FORCE], rule, boxes, spans)
+            else:
+                if status != CLOSED or law["preload"] == 0.0:
+                    continue
+                side = 1.0 if room.loaded[a] > 0.0 else -1.0
+                for k in range(order + 1):
+                    c[k] = side * (law["stiffness"] * place[k] + law["closing"] * rate[k])
+                c[0] += PRELOAD * law["preload"]
+                at, order_here = judge(c, order, 0.0, 0.0, 0, rule, boxes, spans)
+            if at < where or (at == where and at < NEVER and order_here < rank):
+                where, rank, who, what = at, order_here, a, kind
+    return where, who, what
+
+
+@kernel
+def switch(system: System, state: State, room: ExactRoom, a: int, what: int, before: float) -> None:
+    """Let interface a do what follows from a condition at zero; its row is in room.here."""
+    law = system.interfaces[a]
+    if what == SPEED:
+        room.way[a] = 1 if room.way[a] < 0 else -1
+        room.fresh[a, SPEED] = 1
+    elif what == EXCESS:
+        room.loaded[a] = 1.0 - room.loaded[a]
+    elif what == INDENTATION:
+        state.status[a] = CLOSED if state.status[a] == OPEN else OPEN
+        room.fresh[a, INDENTATION] = 1
+    elif state.status[a] == CLOSED:
+        depth = room.here[a, 0] + law["offset"]
+        margin = ROUNDING * (
+            inner_product(state.z, system.rows[a]) + before * inner_product(state.v, system.rows[a]) + law["offset"]
+        )
+        state.status[a] = CLAMPED if depth > margin else OPEN
+        room.fresh[a, FORCE] = 1
+    else:
+        state.status[a] = CLOSED
+        room.fresh[a, FORCE] = 1
+    if law["kind"] != LINK:
+        if state.status[a] != CLOSED:
+            room.loaded[a] = 0.0
+        elif law["preload"] == 0.0:
+            room.loaded[a] = 1.0
