@@ -10,7 +10,7 @@ from acoustics.levels import Levels
 from femstruct.errors import Finding
 from femstruct.files.arrays import array_tables
 from femstruct.impact.response import Blow, EnergyBalance, Response
-from femstruct.study.result import CaseComparison, CaseResult, StudyResult
+from femstruct.study.result import AccuracyCheck, CaseComparison, CaseResult, StudyResult
 
 Table = dict[str, Any]
 
@@ -79,6 +79,7 @@ def _case(case: CaseResult) -> Table:
         "arrays": {} if response is None else array_tables(response),
         "energy": None if response is None else _energy(response),
         "levels": {name: _levels(levels) for name, levels in case.levels.items()},
+        "accuracy": None if case.accuracy is None else _accuracy(case.accuracy),
         "findings": [finding_table(finding) for finding in case.findings],
     }
 
@@ -154,6 +155,24 @@ def _balance(balance: EnergyBalance) -> Table:
         "dissipated": number(balance.dissipated),
         "work": number(balance.work),
         "blows": number(balance.blows),
+    }
+
+
+def _accuracy(check: AccuracyCheck) -> Table:
+    return {
+        "asked": check.within,
+        "reached": number(check.share),
+        "holds": check.holds,
+        "band_hz": list(check.band),
+        "window_s": number(check.window),
+        "smaller_hz": number(check.smaller_hz),
+        "larger_hz": number(check.larger_hz),
+        "used_hz": number(check.used_hz),
+        "used_modes": check.used_modes,
+        "largest": {
+            name: {word: getattr(found, word) for word in ("smaller", "larger", "difference", "share", "unit")}
+            for name, found in check.deviations.items()
+        },
     }
 
 

@@ -17,6 +17,7 @@ from femstruct.language.schema_study import SIDES, BodySpec, ContactSpec, LoadSp
 from femstruct.language.tables import read_history
 from femstruct.modal.damping import Damping
 from femstruct.study.study import (
+    AccuracyRule,
     Extent,
     FrfRequest,
     InitialMotion,
@@ -69,7 +70,7 @@ def study_of(
     )
     records = tuple(Record(target, what) for target, wanted in study.record.items() for what in wanted)  # type: ignore[arg-type]
     extent = Extent(study.modes.up_to, study.modes.count) if study.modes is not None else Extent()
-    time = study.time
+    time, asked = study.time, study.accuracy
     return Study(
         title=title,
         structure=structure,
@@ -86,6 +87,7 @@ def study_of(
         peaks=PeakRule(study.peaks.first_impact, study.peaks.lowpass),
         rooms=tuple(rooms.values()),
         save_modal=study.save == "modal",
+        accuracy=AccuracyRule(asked.within, asked.band, asked.up_to) if asked is not None else None,
     )
 
 

@@ -82,6 +82,7 @@ def check_study(study: StudySpec, tree: Tree, model: ModelSpec, mistakes: Mistak
                     check.wrong(steps, f"{list(place)} m", f"a point of the room, {size} m", "from its lower corner")
     if study.time is not None:
         _check_time(check, study, study.time)
+    _check_accuracy(check, study, model)
     moving = study.bodies or study.loads or study.initial.velocity or study.initial.rigid or study.record
     heard = any(request.kind == "pressure" for request in study.frf.values())
     if (moving or (study.rooms and not heard)) and study.time is None:
@@ -136,6 +137,31 @@ def _check_time(check: Checker, study: StudySpec, time: TimeSpec) -> None:
         check.wrong(
             ("peaks", "lowpass"), got, f"less than half the sampling, {time.sampling / 2:g} Hz", "sample faster"
         )
+
+
+def _check_accuracy(check: Checker, study: StudySpec, model: ModelSpec) -> None:
+    """An accuracy needs a simulation that records something, a band below half the sampling, and modes to add."""
+    asked = study.accuracy
+    if asked is None:
+        return
+    here: Steps = ("accuracy",)
+    low, high = asked.band
+    if not low < high:
+        check.wrong((*here, "band"), f"{low:g} to {high:g} Hz", "a rising band [low, high]")
+    if study.time is None:
+        check.wrong(here, "no time", "an impact to be accurate about", "add 'time: {duration: 1 s, sampling: 48 kHz}'")
+    elif not high < study.time.sampling / 2:
+        limit = f"less than half the sampling, {study.time.sampling / 2:g} Hz"
+        check.wrong((*here, "band"), f"{high:g} Hz", limit, "sample faster")
+    if not (study.record or study.contacts or any(body.contact is not None for body in study.bodies.values())):
+        check.wrong(here, "no record and no contact", "something to compare", "add 'record: {POINT.z: acceleration}'")
+    kind = model.structure if isinstance(model.structure, str) else getattr(model.structure, "type", "")
+    if kind in ("none", "modes"):
+        got = "a structure of given modes" if kind == "modes" else "no structure"
+        check.wrong(here, got, "a structure that has more modes to add", "remove 'accuracy'")
+    first = study.modes.up_to if study.modes is not None else None
+    if asked.up_to is not None and first is not None and asked.up_to < first and model.structure is None:
+        check.wrong((*here, "up_to"), f"{asked.up_to:g} Hz", f"at least modes.up_to, {first:g} Hz")
 
 
 def _check_contacts(check: Checker, study: StudySpec) -> None:

@@ -199,6 +199,14 @@ class PeaksSpec(Spec):
     lowpass: Annotated[float | None, read_by(_lowpass, Literal["none"] | Frequency)] = None
 
 
+class AccuracySpec(Spec):
+    """Add modes until what is recorded in a band changes by no more than a share in the first impact."""
+
+    within: Annotated[float, Quantity(("ratio",), above=0.0, below=1.0)]
+    band: tuple[Annotated[float, Quantity(("frequency",), least=0.0)], Frequency]
+    up_to: Frequency | None = None
+
+
 def _changes(value: object) -> object:
     """A case is checked where it is applied; here only its form."""
     if value is None:
@@ -220,6 +228,7 @@ class StudySpec(Spec):
     title: Text | None = None
     model: Text
     modes: ModesSpec | None = None
+    accuracy: AccuracySpec | None = None
     frf: dict[str, FrfSpec] = Field(default_factory=dict)
     bodies: dict[str, BodySpec] = Field(default_factory=dict)
     contacts: dict[str, ContactSpec] = Field(default_factory=dict)

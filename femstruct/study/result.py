@@ -39,12 +39,57 @@ class Frf:
     unit: str
 
 
+@dataclass(frozen=True)
+class Deviation:
+    """A channel in the band, or a contact's peak force, with a smaller and a larger basis: largest |values|, largest
+    difference at any time, all in `unit`, and the difference as a share of the larger basis's value [1]."""
+
+    unit: str
+    smaller: float
+    larger: float
+    difference: float
+    share: float
+
+
+@dataclass(frozen=True)
+class AccuracyCheck:
+    """What more modes change in the first impact of a case, against what was asked.
+
+    within : the share asked for [1]. band [Hz]. window : end of what was compared [s]. smaller_hz, larger_hz : what the
+    two bases compared are complete to. used_hz, used_modes : the basis all cases of the structure use in the end.
+    deviations : by channel ("O_f.z acceleration") and contact ("ball on floor peak force"); empty where a basis holds
+    every mode there is. stopped : why no modes were added although it does not hold.
+    """
+
+    within: float
+    band: tuple[float, float]
+    window: float
+    smaller_hz: float
+    larger_hz: float
+    used_hz: float
+    used_modes: int
+    deviations: Mapping[str, Deviation]
+    holds: bool
+    stopped: str
+
+    @property
+    def worst(self) -> tuple[str, Deviation] | None:
+        """What differs most."""
+        return max(self.deviations.items(), key=lambda item: item[1].share, default=None)
+
+    @property
+    def share(self) -> float:
+        """The largest share [1]."""
+        return self.worst[1].share if self.worst else 0.0
+
+
 @dataclass(frozen=True, eq=False)
 class CaseResult:
     """One case, every stage. `basis_key` names its basis in StudyResult.bases.
 
     response is None when nothing was simulated. channels by name ("O_s.z velocity", "box.mic pressure").
     rooms and levels by "ROOM" and "ROOM.RECEIVER".
+    accuracy : None where the study asks for none.
     """
 
     case: Case
@@ -56,6 +101,7 @@ class CaseResult:
     rooms: Mapping[str, RoomResponse]
     levels: Mapping[str, Levels]
     findings: tuple[Finding, ...]
+    accuracy: AccuracyCheck | None = None
 
 
 @dataclass(frozen=True)

@@ -166,6 +166,18 @@ class PeakRule:
 
 
 @dataclass(frozen=True)
+class AccuracyRule:
+    """How far more modes may still change what is recorded: a share [1], in a band [Hz], over the first impact.
+
+    up_to_hz : modes are added up to this frequency at most, None for what the mesh can carry.
+    """
+
+    within: float
+    band: Pair
+    up_to_hz: float | None = None
+
+
+@dataclass(frozen=True)
 class RoomPlan:
     """A room under a radiating surface, and who listens in it.
 
@@ -240,7 +252,7 @@ class Study:
     structure, damping : the model. extent : how many modes its basis has. frf : frequency responses asked for.
     bodies, contacts, links, loads, initial : what meets, and how it starts. records : histories to keep.
     time : the window, None when nothing is simulated. peaks : which peaks are reported. rooms : who listens.
-    save_modal : whether the modal coordinates go into the results file.
+    save_modal : whether the modal coordinates go into the results file. accuracy : None to use the modes asked for.
     """
 
     title: str
@@ -258,6 +270,7 @@ class Study:
     peaks: PeakRule = PeakRule()
     rooms: tuple[RoomPlan, ...] = ()
     save_modal: bool = False
+    accuracy: AccuracyRule | None = None
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from rich.console import Console
 
 from femstruct.errors import Finding
 from femstruct.files.tables import findings_by_case
-from femstruct.study.result import CaseComparison, CaseResult, StudyResult
+from femstruct.study.result import AccuracyCheck, CaseComparison, CaseResult, StudyResult
 from femstruct.view.arrays import arrays
 from femstruct.view.blows import blows
 from femstruct.view.grid import Grid
@@ -39,6 +39,9 @@ def show_study(result: StudyResult, written: Mapping[str, float], folder: str = 
     for name, case in result.cases.items():
         if case.response is not None:
             console.print(f"  {name}: {case.response.outcome.value}")
+    for name, case in result.cases.items():
+        if case.accuracy is not None:
+            console.print(f"  {name}: {_accuracy(case.accuracy)}", soft_wrap=True)
     for table in (
         _peaks(result),
         _contacts(result),
@@ -154,6 +157,19 @@ def _completeness(below_hz: float | None) -> str:
 
 def _percentage(part: float, whole: float) -> str:
     return f"{100 * part / whole:.1f}" if whole else "-"
+
+
+def _accuracy(check: AccuracyCheck) -> str:
+    """What more modes still change, and which are used."""
+    if check.worst is None:
+        return "accuracy: the basis holds every mode there is"
+    name, worst = check.worst
+    return (
+        f"accuracy: {name} {worst.smaller:.4g} / {worst.larger:.4g} {worst.unit} with the modes up to "
+        f"{check.smaller_hz:.5g} / {check.larger_hz:.5g} Hz, at most {100 * worst.share:.2g} % apart in "
+        f"{check.band[0]:g} to {check.band[1]:g} Hz until {1e3 * check.window:.4g} ms; {100 * check.within:g} % asked; "
+        f"used: {check.used_modes} modes up to {check.used_hz:.5g} Hz"
+    )
 
 
 def _peaks(result: StudyResult) -> Grid:

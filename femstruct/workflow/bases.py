@@ -36,6 +36,7 @@ class Solved:
     """A structure with its undamped basis; model is None for closed-form structures."""
 
     key: str
+    structure: StructureModel
     model: Model | None
     places: Places
     basis: ModalBasis
@@ -51,7 +52,7 @@ def solve_all(cases: Sequence[Case]) -> dict[str, Solved]:
     """
     groups: dict[str, list[Case]] = {}
     for case in cases:
-        groups.setdefault(_key(case.study), []).append(case)
+        groups.setdefault(key_of(case.study), []).append(case)
     solved: dict[str, Solved] = {}
     for key, members in groups.items():
         shared = solve(members[0].study.structure, members[0].study.extent, [case.study for case in members], key)
@@ -73,9 +74,9 @@ def solve(structure: StructureModel, extent: Extent, studies: Sequence[Study] = 
         basis = modal_basis(
             assembly, up_to=extent.up_to_hz, count=count, probes=[probes[name] for name in sorted(probes)]
         )
-        return Solved(key, model, places, basis)
+        return Solved(key, structure, model, places, basis)
     basis, points = _closed_form(structure, _axis(studies))
-    return Solved(key, None, Places(points, {}), basis)
+    return Solved(key, structure, None, Places(points, {}), basis)
 
 
 def damped(case: Case, solved: Mapping[str, Solved], baseline: Case) -> ModalBasis:
@@ -114,6 +115,6 @@ def _axis(studies: Sequence[Study]) -> Literal["x", "z"]:
     return axis_of(studies[0]) if studies else "z"
 
 
-def _key(study: Study) -> str:
+def key_of(study: Study) -> str:
     """A short stable name for all that an undamped basis depends on."""
     return hashlib.sha256(repr((study.structure, study.extent, axis_of(study))).encode()).hexdigest()[:12]

@@ -11,7 +11,7 @@ from acoustics.pressure import RoomResponse
 from femstruct.arrays import Floats
 from femstruct.errors import InputError
 from femstruct.impact.passed import passed_on
-from femstruct.impact.response import Response
+from femstruct.impact.response import Event, Response
 from femstruct.modal.basis import ForceRow
 from femstruct.study.result import Channel
 from femstruct.study.study import PeakRule, Record, RoomPlan, Study
@@ -21,6 +21,7 @@ from femstruct.workflow.staging import Places, ordered
 UNITS = {"displacement": "m", "velocity": "m/s", "acceleration": "m/s^2", "force": "N", "travel": "m", "pressure": "Pa"}
 AXES = "xyz"
 FILTER_ORDER = 4
+SETTLED = 10.0  # periods of a band's lowest edge after which a filter of order 4 has forgotten
 DUST = 1e-9  # share of the largest value below which a peak is rounding, or a filter's tail
 NET_FORCE = "net force on "  # begins the names of channels that no study asks for
 
@@ -55,24 +56,43 @@ def first_window(rule: PeakRule, response: Response) -> float:
 
     A preloaded contact is a clamp that may rattle: it neither begins nor ends an impact.
     """
-    clamps = {contact.name for contact in response.scene.contacts if contact.preload > 0.0}
-    closings = [event for event in response.events if event.what == "closes" and event.contact not in clamps]
-    start = min((event.t for event in closings), default=0.0)
+    closed = closings(response)
+    start = min((event.t for event in closed), default=0.0)
     if rule.first_impact is not None:
         return start + rule.first_impact
     seen: set[str] = set()
-    for event in closings:
+    for event in closed:
         if event.contact in seen:
             return event.t
         seen.add(event.contact)
     return float(response.t[-1])
 
 
+def closings(response: Response) -> list[Event]:
+    """The closings that begin and end impacts: those of contacts without a preload."""
+    clamps = {contact.name for contact in response.scene.contacts if contact.preload > 0.0}
+    return [event for event in response.events if event.what == "closes" and event.contact not in clamps]
+
+
+def in_band(values: Floats, sampling: float, band: tuple[float, float]) -> Floats:
+    """A history [nt] between two frequencies: Butterworth, order 4, forwards and backwards; low-pass where one is 0.
+
+    It goes on as it was before the start and after the end: a structure at rest has been at rest.
+    """
+    low, high = band
+    if low > 0.0:
+        sos = butter(FILTER_ORDER, (low, high), "bandpass", fs=sampling, output="sos")
+    else:
+        sos = butter(FILTER_ORDER, high, "lowpass", fs=sampling, output="sos")
+    padding = min(int(SETTLED * sampling / (low or high)), len(values) - 1)
+    filtered: Floats = sosfiltfilt(sos, values, padtype="constant", padlen=padding)
+    return filtered
+
+
 def _channel(name: str, values: Floats, unit: str, rule: PeakRule, response: Response, window: float) -> Channel:
     filtered = values
     if rule.lowpass_hz is not None:
-        sos = butter(FILTER_ORDER, rule.lowpass_hz, fs=response.clock.sampling, output="sos")
-        filtered = sosfiltfilt(sos, values)
+        filtered = in_band(values, response.clock.sampling, (0.0, rule.lowpass_hz))
     size = np.abs(filtered)
     largest = float(size.max())
     first = float(size[response.t <= window].max(initial=0.0))

@@ -47,6 +47,15 @@ def mesh_findings(model: Model, up_to_hz: float) -> tuple[Finding, ...]:
     return tuple(found)
 
 
+def carried_hz(model: Model) -> float:
+    """The highest frequency that all plates have cells enough for [Hz]; infinite without plates."""
+    carried = [np.inf]
+    for plate in model.plates.values():
+        cell = float(max(np.diff(plate.x).max(), np.diff(plate.y).max()))
+        carried.append((bending_wavelength(plate, 1.0) / (CELLS_PER_WAVE * cell)) ** 2)
+    return min(carried)
+
+
 def bending_wavelength(plate: PlateMesh, frequency_hz: float) -> float:
     """Length of a free bending wave of a thin plate [m]: 2 pi (D / rho h omega^2)^(1/4)."""
     part = plate.part

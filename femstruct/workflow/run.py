@@ -21,8 +21,9 @@ from femstruct.impact.simulate import load_kernels, simulate
 from femstruct.modal.basis import ModalBasis
 from femstruct.model.facts import model_findings
 from femstruct.radiation import coupling_findings, surface_velocity
-from femstruct.study.result import CaseResult, StudyResult
+from femstruct.study.result import AccuracyCheck, CaseResult, StudyResult
 from femstruct.study.study import Case, Plan, Study
+from femstruct.workflow.accuracy import accuracy_findings, hold_accuracy
 from femstruct.workflow.air import ceiling, coupled, coupled_key
 from femstruct.workflow.bases import Solved, damped, solve_all
 from femstruct.workflow.channels import record
@@ -77,12 +78,16 @@ def run_study(plan: Plan, progress: Progress = lambda line: None, command: str =
         with clock("kernels"):
             load_kernels()
     baseline = next(case for case in plan.cases if case.name == plan.baseline)
+    checks: dict[str, AccuracyCheck] = {}
+    if any(case.study.accuracy is not None for case in plan.cases):
+        with clock("accuracy"):
+            solved, checks = hold_accuracy(plan.cases, baseline, solved)
     order = sorted(plan.cases, key=lambda case: case.name != plan.baseline)
     results: dict[str, CaseResult] = {}
     interrupted: tuple[Finding, ...] = ()
     for case in order:
         try:
-            results[case.name] = run_case(case, solved, baseline, clock)
+            results[case.name] = run_case(case, solved, baseline, clock, checks.get(case.name))
         except KeyboardInterrupt:
             if plan.baseline not in results:
                 raise
@@ -133,12 +138,18 @@ def _bases(finished: Mapping[str, CaseResult], solved: Mapping[str, Solved]) -> 
     return bases
 
 
-def run_case(case: Case, solved: Mapping[str, Solved], baseline: Case, clock: Stopwatch) -> CaseResult:
-    """One case through every stage that its study asks for."""
+def run_case(
+    case: Case,
+    solved: Mapping[str, Solved],
+    baseline: Case,
+    clock: Stopwatch,
+    accuracy: AccuracyCheck | None = None,
+) -> CaseResult:
+    """One case through every stage that its study asks for; accuracy : what came of asking for one."""
     study, own = case.study, solved[case.name]
     with clock("damping", case.name):
         basis = damped(case, solved, baseline)
-    findings = [*structure_findings(own, basis)]
+    findings = [*structure_findings(own, basis), *(accuracy_findings(accuracy) if accuracy is not None else ())]
     told: list[tuple[str, Advice | Finding]] = []
     vacuo = basis
     if any(plan.coupling == "two-way" for plan in study.rooms):
@@ -175,7 +186,7 @@ def run_case(case: Case, solved: Mapping[str, Solved], baseline: Case, clock: St
         told += [(name, advice) for name, levels_of in heard.items() for advice in levels_of.findings]
     findings += room_findings(told)
     key = coupled_key(own.key, study.rooms)
-    return CaseResult(case, key, basis, response, responses, channels, rooms, heard, distinct(findings))
+    return CaseResult(case, key, basis, response, responses, channels, rooms, heard, distinct(findings), accuracy)
 
 
 def distinct(findings: Iterable[Finding]) -> tuple[Finding, ...]:
