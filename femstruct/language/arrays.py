@@ -5,8 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TypeVar
 
+from femstruct.impact.sources import TAPPING_MACHINE
 from femstruct.language.references import Names
 from femstruct.language.schema_study import SIDES, BodySpec, ContactSpec, LinkSpec, LoadSpec, StudySpec
+from femstruct.language.sources import turn
 
 Ends = tuple[str, str]
 Joining = TypeVar("Joining", ContactSpec, LinkSpec)
@@ -66,7 +68,10 @@ def spread(study: StudySpec, names: Names) -> StudySpec:
     for name, body in study.bodies.items():
         side, target = next(side for side in SIDES if getattr(body, side) is not None), body.target
         for i in range(1, sizes.get(name, 1) + 1):
-            bodies[nth(name, i)] = body.model_copy(update={side: nth(target, i)}) if name in sizes else body
+            changes: dict[str, object] = {side: nth(target, i)} if name in sizes else {}
+            if body.source == TAPPING_MACHINE and body.blows is not None:
+                changes["blows"] = body.blows.model_copy(update={"first": turn(i)})
+            bodies[nth(name, i)] = body.model_copy(update=changes)
     loads: dict[str, LoadSpec] = {}
     for name, load in study.loads.items():
         for i in range(1, sizes.get(load.body or "", 1) + 1):

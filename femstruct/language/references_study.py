@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from femstruct.impact.sources import HAMMERS, TAPPING_MACHINE
 from femstruct.language.arrays import array_sizes, joined, members, spread
 from femstruct.language.reader import Mistakes, Steps, Tree, nearest
 from femstruct.language.references import Checker, Names
@@ -34,6 +35,9 @@ def check_study(study: StudySpec, tree: Tree, model: ModelSpec, mistakes: Mistak
             check.wrong((*here, "step"), f"{request.step:g} Hz", "at most a million lines", "take a wider step")
     for name, body in study.bodies.items():
         side, target = next(side for side in SIDES if getattr(body, side) is not None), body.target
+        if body.source == TAPPING_MACHINE and sizes.get(name, 1) != HAMMERS:
+            got = f"{sizes.get(name, 1)} places for the {HAMMERS} hammers of a tapping machine"
+            check.wrong(("bodies", name, side), got, f"a point of {HAMMERS} places", "100 mm apart, in a line")
         if names.points.get(target, 1) == 1:
             own = [name, *members({name: sizes.get(name, 0)})]
             check.place(("bodies", name, side), target, names, [end for end in ends if end not in own])

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Field
+from pydantic import BeforeValidator, ConfigDict, Field, model_validator
 
 from femstruct.language.schema_laws import LawSpec
 from femstruct.language.schema_parts import Dashpot, Stiffness
 from femstruct.language.schema_rooms import RoomSpec
+from femstruct.language.sources import SOURCES, from_source
 from femstruct.language.spec import (
     Count,
     Duration,
@@ -64,6 +65,13 @@ class FrfSpec(Spec):
 SIDES = ("above", "below", "before", "after")
 
 
+_Source = Literal["rubber ball", "bang machine", "tapping machine"]
+
+
+def _mass_or_source(schema: dict[str, Any]) -> None:
+    schema["required"] = [name for name in schema["required"] if name != "mass"]
+
+
 class BlowsSpec(Spec):
     """A body that strikes several times: at first, first + every, ... it is given its starting state again."""
 
@@ -73,11 +81,17 @@ class BlowsSpec(Spec):
 
 
 class BodySpec(Spec):
-    """A point mass beside a place or another body, at rest, dropped or thrown."""
+    """A point mass beside a place or another body, at rest, dropped or thrown; or a standard source above a place.
+
+    A source brings its mass, drop height and contact law, the hammers of a tapping machine their turns in place of a
+    law: they are filled in before the keys are read.
+    """
 
     one_of = (SIDES,)
     at_most_one_of = (("drop_height", "speed"),)
+    model_config = ConfigDict(json_schema_extra=_mass_or_source)
 
+    source: Annotated[_Source | None, BeforeValidator(only(SOURCES))] = None
     mass: MassKg
     above: Text | None = None
     below: Text | None = None
@@ -87,6 +101,11 @@ class BodySpec(Spec):
     speed: DropSpeed | None = None
     contact: LawSpec | None = None
     blows: BlowsSpec | None = None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _from_source(cls, value: Any) -> Any:
+        return from_source(value) if isinstance(value, dict) and value.get("source") in SOURCES else value
 
     @property
     def target(self) -> str:

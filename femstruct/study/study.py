@@ -71,6 +71,7 @@ class PlacedBody:
     speed is sqrt(2 g h) of a drop height h; `dropped` says that it falls (its weight acts when there is gravity).
     law : of its own contact, None where a named contact or nothing joins them.
     blows : when it is given this start again; None for a body that strikes once. See `femstruct.impact.bodies.Blows`.
+    source : the standard source it is, None for any other body.
     """
 
     name: str
@@ -81,6 +82,7 @@ class PlacedBody:
     dropped: bool = False
     law: Law | None = None
     blows: Repeat | None = None
+    source: str | None = None
 
 
 @dataclass(frozen=True)

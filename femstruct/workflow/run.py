@@ -30,6 +30,7 @@ from femstruct.workflow.channels import record
 from femstruct.workflow.checks import impact_findings, mesh_findings, room_findings
 from femstruct.workflow.compare import compare
 from femstruct.workflow.responses import frequency_response
+from femstruct.workflow.sources import source_findings
 from femstruct.workflow.staging import Places, scene
 
 Progress = Callable[[str], None]
@@ -168,7 +169,7 @@ def run_case(
         with clock("impact", case.name):
             timing = Clock(study.time.duration, study.time.sampling, study.time.quiet)
             response = simulate(basis, scene(study, own.places, basis), timing)
-            findings += [*response.findings, *impact_findings(vacuo, response)]
+            findings += [*response.findings, *impact_findings(vacuo, response), *source_findings(study, response)]
         with clock("room", case.name):
             rooms = _rooms(study, own.places, response)
         with clock("levels", case.name):

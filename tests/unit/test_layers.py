@@ -36,7 +36,14 @@ ACOUSTICS = [
         "acoustics.harmonic",
         "acoustics.coupled",
     ],
-    ["acoustics.bands", "acoustics.weighting", "acoustics.levels", "acoustics.ratings", "acoustics.decay"],
+    [
+        "acoustics.bands",
+        "acoustics.weighting",
+        "acoustics.levels",
+        "acoustics.ratings",
+        "acoustics.decay",
+        "acoustics.exposure",
+    ],
 ]
 HEARS_ACOUSTICS = {"radiation", "coupling", "study", "language", "files", "view", "workflow", "cli"}
 OPENS_FILES = {"h5py", "pyvista", "matplotlib", "pydantic", "ruamel", "meshio", "rich", "typer"}

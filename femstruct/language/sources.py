@@ -1,0 +1,75 @@
+"""Standard sources in a study file: `source: rubber ball` is a body of the standard's mass, drop height and law."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, Final
+
+from femstruct.impact.factored import Tabulated
+from femstruct.impact.sources import (
+    BETWEEN_BLOWS,
+    DROPPED,
+    HAMMER_DROP,
+    HAMMER_MASS,
+    HAMMERS,
+    TAPPING_MACHINE,
+    StandardSource,
+)
+from femstruct.language.spec import refuse
+
+SOURCES: Final = (*DROPPED, TAPPING_MACHINE)
+
+
+def from_source(body: Mapping[str, Any]) -> dict[str, Any]:
+    """The keys of a body whose `source` is given, with those that the source brings.
+
+    Raises what `refuse` makes for keys that the source brings itself, and for a tapping machine without a law or
+    whose hammers are told when to strike.
+    """
+    name = str(body["source"])
+    tapping = name == TAPPING_MACHINE
+    brought = ["mass", "drop_height", "speed", "below", "before", "after"] + ([] if tapping else ["contact"])
+    given = [key for key in brought if key in body]
+    if given:
+        told = "is above a place" if given[0] in ("below", "before", "after") else f"brings its own {_WORDS[given[0]]}"
+        raise refuse(f"'{given[0]}' with a {name}", f"a source alone: it {told}", f"remove '{given[0]}', or 'source'")
+    if not tapping:
+        return {**body, **_dropped(DROPPED[name])}
+    if "contact" not in body:
+        raise refuse(
+            "a tapping machine without a contact",
+            "the law between its hammers and this floor",
+            "add 'contact: {type: hertz, radius: 0.5 m, E: [210 GPa, ...], nu: [0.3, ...]}'",
+        )
+    blows = body.get("blows", {"count": 1})
+    if isinstance(blows, Mapping) and ("every" in blows or "first" in blows):
+        given = [key for key in ("every", "first") if key in blows]
+        raise refuse(
+            f"'blows.{given[0]}' of a tapping machine",
+            f"a count alone: every hammer strikes every {HAMMERS * BETWEEN_BLOWS:g} s, in turn",
+            f"remove '{given[0]}'",
+        )
+    turns = {**blows, "every": HAMMERS * BETWEEN_BLOWS} if isinstance(blows, Mapping) else blows
+    return {**body, "mass": HAMMER_MASS, "drop_height": HAMMER_DROP, "blows": turns}
+
+
+def turn(number: int) -> float:
+    """When hammer `number`, from 1, strikes first [s].
+
+    >>> turn(1), turn(3)
+    (0.0, 0.2)
+    """
+    return (number - 1) * BETWEEN_BLOWS
+
+
+_WORDS: Final = {"mass": "mass", "drop_height": "drop height", "speed": "speed", "contact": "contact law"}
+
+
+def _dropped(source: StandardSource) -> dict[str, Any]:
+    law = source.law
+    if isinstance(law, Tabulated):
+        curve = [list(pair) for pair in zip(law.indentations.tolist(), law.forces.tolist(), strict=True)]
+        contact = {"type": "table", "curve": curve, "dissipation": law.dissipation}
+    else:
+        contact = {"type": "hertz", "stiffness": law.stiffness, "damping": law.damping}
+    return {"mass": source.mass, "drop_height": source.drop_height, "contact": contact}

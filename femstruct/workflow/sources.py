@@ -1,0 +1,60 @@
+"""Whether a standard source did, on this floor and at this sampling, what its standard wants of it on a rigid one."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from acoustics.exposure import LEAST_SAMPLING_HZ, force_exposure_levels
+from femstruct.errors import Finding
+from femstruct.impact.response import Response
+from femstruct.impact.sources import CONTACT_S, DROPPED, EXPOSURE_ALLOWED_DB, RESTITUTION
+from femstruct.study.study import PlacedBody, Study
+
+
+def source_findings(study: Study, response: Response) -> tuple[Finding, ...]:
+    """Sources whose force exposure, restitution or contact time leaves the table of their standard."""
+    found = []
+    for body in study.bodies:
+        contact = response.contacts.get(f"{body.name} on {body.target}")
+        if body.source in DROPPED and contact is not None and contact.first_open is not None:
+            found += _beyond(body, response, contact.first_open)
+    return tuple(found)
+
+
+def _beyond(body: PlacedBody, response: Response, opens: float) -> list[Finding]:
+    """What the first contact of a dropped source, from t = 0 until it opens [s], has beyond what is allowed."""
+    source, sampling = DROPPED[str(body.source)], response.clock.sampling
+    if sampling < LEAST_SAMPLING_HZ:
+        return [
+            Finding(
+                "source-unresolved",
+                f"{body.name}: at {sampling:g} Hz the force of a {body.source} cannot be compared with its standard, "
+                f"whose octaves need {LEAST_SAMPLING_HZ:g} Hz",
+                {"sampling_hz": sampling, "needed_hz": LEAST_SAMPLING_HZ},
+            )
+        ]
+    end = int(np.ceil(opens * sampling))
+    force = response.contacts[f"{body.name} on {body.target}"].force[:end]
+    levels = force_exposure_levels(force, 1.0 / sampling)
+    after = response.bodies[body.name].velocity[min(end, len(response.t) - 1)]
+    measured = [
+        (f"{band:g} Hz", levels[band], wanted, EXPOSURE_ALLOWED_DB[band], "dB")
+        for band, wanted in source.exposure_db.items()
+    ]
+    measured += [("restitution", after / source.speed, *RESTITUTION, "")]
+    measured += [("contact", 1e3 * opens, 1e3 * CONTACT_S[0], 1e3 * CONTACT_S[1], "ms")]
+    missed = [one for one in measured if abs(one[1] - one[2]) > one[3]]
+    if not missed:
+        return []
+    told = "; ".join(
+        f"{what} {value:.3g} {unit} where {wanted:g} +- {allowed:g} {unit} is wanted".replace("  ", " ")
+        for what, value, wanted, allowed, unit in missed
+    )
+    values = {what: value for what, value, _, _, _ in missed} | {f"{one[0]} wanted": one[2] for one in missed}
+    return [
+        Finding(
+            "source-off-standard",
+            f"{body.name}: on this floor the {body.source} does not do what its standard wants on a rigid one: {told}",
+            values,
+        )
+    ]
