@@ -34,8 +34,10 @@ from acoustics.room import (
     losses_from_beta,
     losses_from_loss_factor,
     losses_from_t60,
+    losses_from_t60_bands,
     modal_damping_ratio,
     room_modes,
+    t60_of,
 )
 from acoustics.source import SurfaceVelocity
 
@@ -43,8 +45,10 @@ if TYPE_CHECKING:
     from acoustics.bands import octave_bands, third_octave_bands
     from acoustics.cavity_pressure import cavity_pressure
     from acoustics.decay import reverberation_time
+    from acoustics.exposure import force_exposure_levels
     from acoustics.fem import CavityMesh, CavityModes, box_mesh, cavity_modes
     from acoustics.levels import Levels, level_spectrum, response_levels, sound_levels
+    from acoustics.rated import RatedRoom, rate_room
     from acoustics.ratings import (
         HeavyImpactRating,
         ImpactRating,
@@ -62,10 +66,12 @@ if TYPE_CHECKING:
 _FETCHED = {
     "acoustics.cavity_pressure": ("cavity_pressure",),
     "acoustics.decay": ("reverberation_time",),
+    "acoustics.exposure": ("force_exposure_levels",),
     "acoustics.fem": ("CavityMesh", "CavityModes", "box_mesh", "cavity_modes"),
     "acoustics.walls": ("Wall", "absorbing"),
     "acoustics.bands": ("octave_bands", "third_octave_bands"),
     "acoustics.levels": ("Levels", "level_spectrum", "response_levels", "sound_levels"),
+    "acoustics.rated": ("RatedRoom", "rate_room"),
     "acoustics.ratings": (
         "HeavyImpactRating",
         "ImpactRating",
@@ -90,6 +96,7 @@ __all__ = [
     "Levels",
     "Losses",
     "PressureMap",
+    "RatedRoom",
     "Receiver",
     "Room",
     "RoomResponse",
@@ -101,23 +108,27 @@ __all__ = [
     "cavity_modes",
     "cavity_pressure",
     "energy_average",
+    "force_exposure_levels",
     "frequency_weighting",
     "heavy_impact_level",
     "level_spectrum",
     "losses_from_beta",
     "losses_from_loss_factor",
     "losses_from_t60",
+    "losses_from_t60_bands",
     "modal_damping_ratio",
     "normalised_impact_level",
     "octave_bands",
     "pressure",
     "pressure_map",
+    "rate_room",
     "response_levels",
     "reverberation_time",
     "room_modes",
     "sound_levels",
     "standardised_impact_level",
     "standardised_maximum_level",
+    "t60_of",
     "third_octave_bands",
     "time_weighted",
     "weighted",

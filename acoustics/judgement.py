@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Final
 
 import numpy as np
@@ -9,13 +10,14 @@ import numpy as np
 from acoustics.arrays import Integers
 from acoustics.cavity import cosines, project
 from acoustics.errors import Advice
-from acoustics.room import Room
+from acoustics.room import Losses, Room, t60_of
 from acoustics.source import SurfaceVelocity
 
 SAMPLES_PER_PERIOD: Final = 30.0  # of the source's highest frequency: gives 1e-6
 TRUNCATED: Final = 1e-3
 DECAYED: Final = 1e-3
 COARSE: Final = 0.05
+T60_MISSED: Final = 0.10  # of a reverberation time; .4 dB of the standardised level
 
 
 def source_advice(surface: SurfaceVelocity, room: Room, orders: Integers, highest_hz: float) -> tuple[Advice, ...]:
@@ -93,6 +95,25 @@ def one_way(room: Room) -> tuple[Advice, ...]:
             f"{200 * room.losses.beta:.2g} % of the pressure comes before its cause, and low frequencies are shifted "
             "in phase; a causal form of the losses has neither",
             {"beta": room.losses.beta, "phase_rad": 2 * room.losses.beta},
+        ),
+    )
+
+
+def t60_missed(losses: Losses, asked: Mapping[float, float]) -> tuple[Advice, ...]:
+    """Advice ``t60-missed`` when a reverberation time {frequency [Hz]: [s]} was asked for that the losses miss by more
+    than 10 %."""
+    modelled = {f: t60_of(losses, f) for f in asked}
+    missed = [f for f, wanted in asked.items() if abs(modelled[f] / wanted - 1) > T60_MISSED]
+    if not missed:
+        return ()
+    told = ", ".join(f"{f:g} Hz {wanted:.3g} s / {modelled[f]:.3g} s" for f, wanted in asked.items())
+    values = {f"asked_{f:g}_hz_s": asked[f] for f in missed} | {f"modelled_{f:g}_hz_s": modelled[f] for f in missed}
+    return (
+        Advice(
+            "t60-missed",
+            f"a decay rate and a relaxation time cannot follow the reverberation times asked for; asked / modelled: "
+            f"{told}",
+            values,
         ),
     )
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
-from math import ceil, log, pi
+from math import ceil, inf, log, pi
 from typing import Final, Literal
 
 import numpy as np
@@ -14,13 +15,19 @@ from acoustics.errors import AcousticsError
 
 DECAY_OF_T60: Final = 3 * log(10)  # gamma T60: exp(-gamma T60) is -60 dB, which is 10^-3, hence ln(10^6) / 2 = 6.9078
 
-LossKind = Literal["none", "kelvin_voigt", "constant_decay", "source"]
-_PARAMETER: Final = {"none": "", "kelvin_voigt": "relaxation_time", "constant_decay": "decay_rate", "source": "beta"}
+LossKind = Literal["none", "kelvin_voigt", "constant_decay", "decay_and_relaxation", "source"]
+_PARAMETERS: Final = {
+    "none": (),
+    "kelvin_voigt": ("relaxation_time",),
+    "constant_decay": ("decay_rate",),
+    "decay_and_relaxation": ("decay_rate", "relaxation_time"),
+    "source": ("beta",),
+}
 
 
 @dataclass(frozen=True, eq=False)
 class Losses:
-    """How sound dies away in the room; the one parameter its kind needs, and no other.
+    """How sound dies away in the room; the parameters its kind needs, and no other.
 
     kind : with s = j omega,
         ``none``;
@@ -28,13 +35,15 @@ class Losses:
         frequency, omega tau / 2;
         ``constant_decay``, k^2 = -(s^2 + 2 gamma s) / c^2, `decay_rate` gamma [1/s]: one reverberation time for all
         modes, uniform compression without loss;
+        ``decay_and_relaxation``, k^2 = -(s^2 + 2 gamma s) / (c^2 (1 + s tau)): both, so that a mode decays with
+        gamma + omega^2 tau / 2;
         ``source``, k = omega (1 - j beta) / c, `beta` [-]: one damping ratio for all modes.
 
     Raises AcousticsError: a parameter missing, of another kind, or negative.
 
     Notes
     -----
-    The first three are causal. The last is not, whatever the sign of beta (its phase 2 beta is the same at all
+    All but the last are causal. That is not, whatever the sign of beta (its phase 2 beta is the same at all
     frequencies); with the sign of the dissertation it comes from, k = omega (1 + j beta) / c, the response would
     even come before its cause, so that the sign is corrected here.
     """
@@ -45,11 +54,11 @@ class Losses:
     beta: float = 0.0
 
     def __post_init__(self) -> None:
-        if self.kind not in _PARAMETER:
-            raise AcousticsError("losses.kind", got=repr(self.kind), expected=f"one of {', '.join(_PARAMETER)}")
+        if self.kind not in _PARAMETERS:
+            raise AcousticsError("losses.kind", got=repr(self.kind), expected=f"one of {', '.join(_PARAMETERS)}")
         for name in ("relaxation_time", "decay_rate", "beta"):
             value = float(getattr(self, name))
-            if name == _PARAMETER[self.kind]:
+            if name in _PARAMETERS[self.kind]:
                 positive(f"losses.{name}", value, "")
             elif value != 0:
                 raise AcousticsError(
@@ -98,6 +107,50 @@ def losses_from_t60(t60: float) -> Losses:
     return Losses("constant_decay", decay_rate=DECAY_OF_T60 / positive("losses.t60", t60, "s"))
 
 
+def losses_from_t60_bands(t60_s: Mapping[float, float]) -> Losses:
+    """Losses nearest to reverberation times {frequency [Hz]: T60 [s]}: a decay rate and a relaxation time.
+
+    Raises AcousticsError: no band, a frequency or time that is not positive.
+
+    Notes
+    -----
+    A mode decays with gamma + omega^2 tau / 2. Two parameters cannot follow any curve: they are the ones >= 0 with
+    the least sum of squares of the relative errors of the decay rates 3 ln(10) / T60. A T60 that rises with frequency
+    is out of their reach; `t60_of` tells what became of it.
+
+    >>> losses = losses_from_t60_bands({63.0: 0.9, 125.0: 0.8, 500.0: 0.5})
+    >>> [round(t60_of(losses, f), 2) for f in (63.0, 125.0, 500.0)]
+    [0.87, 0.84, 0.5]
+    """
+    if not t60_s:
+        raise AcousticsError("losses.t60", got="no band", expected="a reverberation time at one frequency or more")
+    omega = 2 * pi * np.array([positive("losses.t60 frequency", f, "Hz") for f in t60_s])
+    wanted = DECAY_OF_T60 / np.array([positive(f"losses.t60 at {f:g} Hz", t, "s") for f, t in t60_s.items()])
+    columns = np.stack((np.ones(len(omega)), omega**2 / 2), axis=1) / wanted[:, None]
+    found = [np.array([one @ np.ones(len(omega)) / (one @ one), 0.0]) for one in columns.T]
+    found[1] = found[1][::-1]
+    if len(np.unique(omega)) > 1:
+        found.append(np.linalg.lstsq(columns / np.abs(columns).max(axis=0), np.ones(len(omega)))[0])
+        found[-1] /= np.abs(columns).max(axis=0)
+    allowed = [pair for pair in found if (pair >= 0).all()]
+    gamma, tau = min(allowed, key=lambda pair: float(((columns @ pair - 1) ** 2).sum()))
+    if not tau > 0:
+        return Losses("constant_decay", decay_rate=gamma)
+    if not gamma > 0:
+        return Losses("kelvin_voigt", relaxation_time=tau)
+    return Losses("decay_and_relaxation", relaxation_time=tau, decay_rate=gamma)
+
+
+def t60_of(losses: Losses, frequency_hz: float) -> float:
+    """Reverberation time [s] of a room mode at `frequency_hz` [Hz] under these losses; infinite without any.
+
+    >>> round(t60_of(losses_from_t60(0.5), 100.0), 6)
+    0.5
+    """
+    decay = 2 * pi * frequency_hz * modal_damping_ratio(losses, frequency_hz)
+    return DECAY_OF_T60 / decay if decay > 0 else inf
+
+
 def modal_damping_ratio(losses: Losses, frequency_hz: float) -> float:
     """Damping ratio [-] of a room mode at `frequency_hz` [Hz] under these losses.
 
@@ -107,12 +160,7 @@ def modal_damping_ratio(losses: Losses, frequency_hz: float) -> float:
     0.0116
     """
     omega = 2 * pi * positive("frequency", frequency_hz, "Hz")
-    return {
-        "none": 0.0,
-        "kelvin_voigt": omega * losses.relaxation_time / 2,
-        "constant_decay": losses.decay_rate / omega,
-        "source": losses.beta,
-    }[losses.kind]
+    return omega * losses.relaxation_time / 2 + losses.decay_rate / omega + losses.beta  # those of other kinds are 0
 
 
 @dataclass(frozen=True, eq=False)

@@ -66,7 +66,7 @@ def test_exposure_levels_of_a_blow_are_its_spectrum_in_the_octave():
     duration, centre = 20e-3, 1000 * 10**-1.2
     t = np.arange(round(0.1 * SAMPLING)) / SAMPLING
     force = np.where(t < duration, 1000 * np.sin(np.pi * t / duration), 0.0)
-    f = np.arange(1.0, 2000.0, 0.5)
+    f = np.arange(1.1, 2000.0, 0.5)  # not at 25 Hz, where the formula is 0 / 0
     spectrum = 1000 * 2 * duration / np.pi * np.cos(np.pi * f * duration) / (1 - (2 * f * duration) ** 2)
     width = 10**0.15 - 10**-0.15
     gain = 1 / (1 + ((f / centre - centre / f) / width) ** 8)

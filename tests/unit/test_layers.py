@@ -43,6 +43,7 @@ ACOUSTICS = [
         "acoustics.ratings",
         "acoustics.decay",
         "acoustics.exposure",
+        "acoustics.rated",
     ],
 ]
 HEARS_ACOUSTICS = {"radiation", "coupling", "study", "language", "files", "view", "workflow", "cli"}
