@@ -33,6 +33,7 @@ parts: {plate: {type: plate, material: steel, thickness: 5 mm, origin: [0, 0, 0]
 supports: {edges: {on: plate, edge: all, fix: simple}}
 """
 SHORT = {"floor_tennis_ball": "60 ms", "floor_two_way": "30 ms", "floor_acrylic_ball": "60 ms", "steel_ball": "100 ms"}
+COLUMNS = 4 * 0.2 * np.pi / 4 * 0.0123**2 * 7850
 TUBE = np.pi / 4 * (0.060**2 - 0.054**2)
 MASS = {  # from the dimensions in the files [kg]
     "floor_frame_slab": {
@@ -44,6 +45,12 @@ MASS = {  # from the dimensions in the files [kg]
     "small_plate": {"plate": 0.5 * 0.4 * 3e-3 * 7850},
     "portal": {"portal": 6.0 * TUBE * 7850},
     "forging_hammer": {"block": 45e3, "anvil": 25e3},
+    "press": {
+        "bed": 0.3273 * 0.2946 * 0.0132 * 7850,
+        "base": 0.3447 * 0.3447 * 0.0431 * 7850,
+        "columns": COLUMNS,
+    },
+    "press_clamped": {"bed": 0.3273 * 0.2946 * 0.0132 * 7850, "columns": COLUMNS},
 }
 
 

@@ -1,0 +1,100 @@
+"""The forging press of chapter 4: a slider strikes the bed, a damper below it takes energy and hands it to the base."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from femstruct import (
+    GROUND,
+    Body,
+    Clock,
+    Contact,
+    Linear,
+    Link,
+    ModalBasis,
+    Response,
+    Scene,
+    assemble,
+    modal_basis,
+    read_model,
+    simulate,
+)
+from femstruct.impact.bodies import Ground
+from femstruct.modal.analytic import given_modes
+from femstruct.model.probe import Probe
+
+MODELS = Path(__file__).parents[2] / "models"
+SLIDER, SPEED, BED, BASE = 1.2, 1.2, 10.0, 41.0  # [kg], [m/s], [kg], [kg], Table 4.1
+SPRING, DASHPOT = 1.8e3, 7e2  # of the damper [N/m], [N s/m]
+UNIT = 40.0  # omega_6 of the source's simulation, to which its figures refer all frequencies [rad/s]
+START = 0.5 * SLIDER * SPEED**2  # E_s- [J]
+
+
+@dataclass(frozen=True, eq=False)
+class Machine:
+    """An undamped press: its modes, where it is struck (bed) and where the damper stands (base)."""
+
+    basis: ModalBasis
+    bed: Probe
+    base: Probe | Ground
+
+
+@dataclass(frozen=True)
+class Share:
+    """Energies over the slider's at the start, at the first instant t [s] with slider and damper off the bed."""
+
+    t: float
+    machine: float
+    damper: float
+    slider: float
+
+
+def two_modes(bed: float = 0.392, base: float = -0.07, heave: float = 0.14) -> Machine:
+    """The source's two modes; bed, base : shape of the elastic one there; heave : of the other [1/sqrt(kg)]."""
+    frequencies = [UNIT / (2.0 * np.pi), 1777.0 / (2.0 * np.pi)]
+    basis, points = given_modes(frequencies, [0.0, 0.0], {"O_b": [heave, bed], "O_f": [heave, base]})
+    return Machine(basis, points["O_b"].probe("z"), points["O_f"].probe("z"))
+
+
+def fitted(up_to: float, *changes: str, model: str = "press") -> Machine:
+    """The fitted press of models/ with all its modes up to a frequency [Hz], without residual vectors."""
+    meshed = read_model(MODELS / f"{model}.yaml", changes)
+    base = meshed.points["O_f"].probe("z") if "O_f" in meshed.points else GROUND
+    return Machine(modal_basis(assemble(meshed), up_to=up_to), meshed.points["O_b"].probe("z"), base)
+
+
+def setting(machine: Machine, ws: float, wd: float, damper: float) -> Scene:
+    """ws, wd : contact frequencies [rad/s]; damper : its mass [kg], 0 for none. All touch at t = 0; z is up."""
+    bodies = [Body("slider", SLIDER, -SPEED)]
+    contacts = [Contact("slider", "slider", machine.bed, Linear(SLIDER * ws**2))]
+    links: list[Link] = []
+    if damper:
+        bodies.append(Body("damper", damper))
+        contacts.append(Contact("damper", machine.bed, "damper", Linear(damper * wd**2)))
+        links.append(Link("mount", "damper", machine.base, stiffness=SPRING, opening=DASHPOT))
+    return Scene(tuple(bodies), tuple(contacts), tuple(links))
+
+
+def window(ws: float, wd: float) -> float:
+    """Long enough for the first separation: two half periods of the slower contact, 20 ms at least [s]."""
+    return max(20e-3, 2.0 * np.pi / min(ws, wd))
+
+
+def blow(
+    machine: Machine, ws: float, wd: float, damper: float, duration: float | None = None, samples: int = 10
+) -> Response:
+    """One blow; arguments as for `setting`."""
+    length = duration or window(ws, wd)
+    return simulate(machine.basis, setting(machine, ws, wd, damper), Clock(length, samples / length))
+
+
+def share(machine: Machine, ws: float, wd: float, damper: float) -> Share:
+    """Who has the energy after the collision; the damper's is that of its mass and its spring."""
+    found = blow(machine, ws, wd, damper).ledger.at_separation
+    if found is None:
+        raise ValueError(f"slider and damper do not leave the bed at {ws:g} and {wd:g} rad/s")
+    taken = found.bodies["damper"] + found.links["mount"] if damper else 0.0
+    return Share(found.t, found.structure / START, taken / START, found.bodies["slider"] / START)
