@@ -6,6 +6,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from scipy.linalg import eigh
+from scipy.optimize import minimize_scalar
 
 from femstruct import (
     GROUND,
@@ -98,3 +100,43 @@ def share(machine: Machine, ws: float, wd: float, damper: float) -> Share:
         raise ValueError(f"slider and damper do not leave the bed at {ws:g} and {wd:g} rad/s")
     taken = found.bodies["damper"] + found.links["mount"] if damper else 0.0
     return Share(found.t, found.structure / START, taken / START, found.bodies["slider"] / START)
+
+
+def ballasted(mass: float) -> Machine:
+    """The two modes with a mass [kg] fixed to the middle of the bed: still two modes, of I + m phi phi^T."""
+    machine = two_modes()
+    bed = machine.bed.of(machine.basis.shapes)
+    assert isinstance(machine.base, Probe)
+    base = machine.base.of(machine.basis.shapes)
+    values, vectors = eigh(np.diag(machine.basis.omega**2), np.eye(2) + mass * np.outer(bed, bed))
+    points = {"O_b": bed @ vectors, "O_f": base @ vectors}
+    basis, named = given_modes(np.sqrt(values) / (2.0 * np.pi), [0.0, 0.0], points)
+    return Machine(basis, named["O_b"].probe("z"), named["O_f"].probe("z"))
+
+
+def best_damper(machine: Machine, ws: float, damper: float) -> tuple[float, float]:
+    """omega_d / omega_s that leaves the machine least energy, and that energy over the slider's."""
+    grid = np.geomspace(0.4, 2.5, 15)
+    values = [share(machine, ws, ratio * ws, damper).machine for ratio in grid]
+    i = int(np.clip(np.argmin(values), 1, len(grid) - 2))
+    found = minimize_scalar(
+        lambda ratio: share(machine, ws, ratio * ws, damper).machine,
+        bounds=(grid[i - 1], grid[i + 1]),
+        method="bounded",
+        options={"xatol": 1e-3},
+    )
+    return float(found.x), float(found.fun)
+
+
+def worst_slider(machine: Machine, damper: float, low: float, high: float) -> float:
+    """omega_s = omega_d between low and high [rad/s] that leaves the machine most energy."""
+    grid = np.geomspace(low, high, 15)
+    values = [share(machine, ws, ws, damper).machine for ws in grid]
+    i = int(np.clip(np.argmax(values), 1, len(grid) - 2))
+    found = minimize_scalar(
+        lambda ws: -share(machine, ws, ws, damper).machine,
+        bounds=(grid[i - 1], grid[i + 1]),
+        method="bounded",
+        options={"xatol": 1.0},
+    )
+    return float(found.x)
