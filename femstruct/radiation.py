@@ -18,6 +18,7 @@ from femstruct.modal.basis import ModalBasis
 from femstruct.modal.frf import modal_amplitudes
 from femstruct.model.probe import Probe, Surface
 
+STILL = 1e-9  # share of the speed of the mode that moves a surface most, below which a mode does not move it
 STIFF_AIR = 0.1  # air stiffness over structural stiffness above which frequencies move by more than 5 %
 
 
@@ -31,7 +32,8 @@ def surface_velocity(
     offset : of its centre from the ceiling's centre, room axes [m].
     name : of the room; a basis that is coupled to it may have a leak of that name.
 
-    Returns a SurfaceVelocity with shapes [p, k] in 1/sqrt(kg), positive into the room, and rates [k, nt].
+    Returns a SurfaceVelocity with shapes [p, k] in 1/sqrt(kg), positive into the room, and rates [k, nt], of the modes
+    that move it: those below 1e-9 of the one that moves it most, by symmetry but for rounding, are left out.
 
     Raises InputError when the surface is not the underside of something horizontal, or is larger than the ceiling.
 
@@ -59,11 +61,14 @@ def surface_velocity(
     >>> round(float(moving.shapes[0] @ moving.rates[:, -1]), 9), moving.points.tolist()
     (1.0, [[0.25, 0.25, 1.0]])
     """
+    shapes = ceiling_shapes(response.basis, surface, name)
+    speeds = np.abs(shapes).max(axis=0) * response.amplitudes()
+    moving = np.flatnonzero(speeds >= STILL * speeds.max(initial=0.0))
     return SurfaceVelocity(
         points=room_coordinates(surface, room, offset, name),
         weights=surface.weights,
-        shapes=ceiling_shapes(response.basis, surface, name),
-        rates=response.qd,
+        shapes=shapes[:, moving],
+        rates=response.velocities(moving),
         dt=1.0 / response.clock.sampling,
     )
 

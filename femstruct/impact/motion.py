@@ -64,6 +64,19 @@ def sampled_motion(z: Floats, v: Floats) -> Motion:
     )
 
 
+def only(motion: Motion, which: Integers) -> Motion:
+    """The motion of some coordinates, in the order given; with coupled damping, modes before bodies."""
+    modal = which[which < motion.modal.shape[2]]
+    return motion._replace(
+        z=np.ascontiguousarray(motion.z[:, which]),
+        v=np.ascontiguousarray(motion.v[:, which]),
+        acts=np.ascontiguousarray(motion.acts[:, which]),
+        modal=np.ascontiguousarray(motion.modal[:, :, modal]),
+        free=np.ascontiguousarray(motion.free[:, :, which]),
+        forced=np.ascontiguousarray(motion.forced[:, :, :, which]),
+    )
+
+
 def coordinates(motion: Motion, what: int, first: int, last: int) -> Floats:
     """Displacement or velocity of the coordinates first .. last - 1 at all samples [last - first, nt]."""
     out = np.empty((last - first, motion.n_samples))

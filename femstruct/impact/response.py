@@ -6,10 +6,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import Enum
 
-from femstruct.arrays import Floats
+import numpy as np
+
+from femstruct.arrays import Floats, Integers
 from femstruct.errors import Finding
 from femstruct.impact.bodies import Clock, Scene
-from femstruct.impact.motion import DISPLACEMENT, VELOCITY, Motion, along, coordinates
+from femstruct.impact.motion import DISPLACEMENT, VELOCITY, Motion, along, coordinates, only
 from femstruct.modal.basis import ModalBasis
 
 
@@ -197,6 +199,16 @@ class Response:
     def qd(self) -> Floats:
         """Modal velocities [k, nt] [kg^.5 m/s]: large, and evaluated at each use; `velocity` needs no such room."""
         return coordinates(self.motion, VELOCITY, 0, len(self.basis.omega))
+
+    def velocities(self, modes: Integers) -> Floats:
+        """Velocities of some modes at all samples [len(modes), nt] [kg^.5 m/s]."""
+        return coordinates(only(self.motion, modes), VELOCITY, 0, len(modes))
+
+    def amplitudes(self) -> Floats:
+        """Largest velocity that each mode's energy allows [k] [kg^.5 m/s], over the starts of all steps."""
+        k = len(self.basis.omega)
+        speeds: Floats = np.hypot(self.motion.v[:, :k], self.basis.omega * self.motion.z[:, :k]).max(axis=0)
+        return speeds
 
     @property
     def qdd(self) -> Floats:
