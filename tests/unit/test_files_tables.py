@@ -23,6 +23,7 @@ def test_layout_is_the_documented_one(result):
     case = table["cases"]["without damper"]
     assert set(case) == {
         "outcome",
+        "accuracy",
         "basis",
         "peaks",
         "contacts",
