@@ -13,7 +13,8 @@ from femstruct.study.result import CaseComparison, CaseResult, Channel, Comparis
 from femstruct.workflow.channels import NET_FORCE, filter_sentence
 
 NEAR = 0.02  # a spectral peak belongs to a mode within 2 % of its frequency
-FINENESS = 0.2  # Hz between spectral lines at most, so that 2 % of the lowest modes holds some
+FINENESS = 0.2  # Hz between spectral lines at most, so that 2 % of the lowest modes holds some, ...
+PADDING = 100  # ... but no more lines than that many times the record's own: two in 2 % of the lowest mode it shows
 
 
 def compare(baseline: str, results: Mapping[str, CaseResult]) -> Comparison:
@@ -64,22 +65,24 @@ def _mode_attenuation(reference: CaseResult, before: Floats, result: CaseResult,
     """Attenuation [dB] of a channel's spectrum at the baseline's own peaks, by the number of the mode they belong to.
 
     A mode is listed when the baseline's spectrum has a local maximum within 2 % of its frequency; a net force, which
-    has no peaks at modes, is compared at the frequency of every mode. The spectrum is that of the whole record, not
-    windowed.
+    has no peaks at modes, is compared at the frequency of every mode. A record shorter than one period of a mode does
+    not show it. The spectrum is that of the whole record, not windowed.
     """
     if reference.response is None or result.response is None:
         return {}
     after = _spectrum(result.channels[channel].values, result.response.clock.sampling)
     if len(before) != len(after):
         return {}
-    step = reference.response.clock.sampling / (2.0 * (len(before) - 1))
+    sampling = reference.response.clock.sampling
+    step = sampling / (2.0 * (len(before) - 1))
+    slowest = sampling / len(reference.channels[channel].values)  # one period in the record
     top = np.flatnonzero((before[1:-1] > before[:-2]) & (before[1:-1] >= before[2:])) + 1
     table = {}
     for number, (kind, frequency) in enumerate(zip(reference.basis.kind, reference.basis.frequency_hz, strict=True), 1):
         near = top[np.abs(top * step - frequency) <= NEAR * frequency]
         if channel.startswith(NET_FORCE):
             near = np.array([round(frequency / step)])
-        if kind == "elastic" and near.size and near[-1] < len(before):
+        if kind == "elastic" and frequency >= slowest and near.size and near[-1] < len(before):
             peak = near[before[near].argmax()]
             if before[peak] > 0.0 and after[peak] > 0.0:
                 table[number] = float(20.0 * np.log10(before[peak] / after[peak]))
@@ -99,5 +102,6 @@ def mode_table(reference: ModalBasis, basis: ModalBasis) -> dict[int, tuple[int,
 
 
 def _spectrum(values: Floats, sampling: float) -> Floats:
-    length = 2 ** int(np.ceil(np.log2(max(2 * len(values), sampling / FINENESS))))
+    wanted = min(sampling / FINENESS, PADDING * len(values))
+    length = 2 ** int(np.ceil(np.log2(max(2 * len(values), wanted))))
     return np.abs(np.fft.rfft(values, length))
