@@ -47,6 +47,18 @@ def test_beam_at_the_first_separation() -> None:
     assert 1e3 * end.t == pytest.approx(0.6604, abs=1e-4)
 
 
+def test_beam_study_is_the_beam_of_the_functions() -> None:
+    result = run_study(read_study(MODELS / "pinned_beam_wave.study.yaml"))
+    parameters = {"no damper": (0.0, 0.0), "five": (0.3, 5.0), "point P": (0.3, 17.9), "forty": (0.3, 40.0)}
+    for case, (mu, damper) in parameters.items():
+        response = result.cases[case].response
+        assert response is not None
+        found, expected = pinned.separation(response), pinned.separation(pinned.fall(9.0, mu, damper))
+        # 1e-6: the stiffnesses in the file have seven digits
+        assert found.t == pytest.approx(expected.t, rel=1e-6)
+        assert found.modes == pytest.approx(expected.modes, abs=1e-6)
+
+
 def test_energies_are_all_there() -> None:
     end = pinned.separation(pinned.fall(9.0, 0.3, 5.0))
     assert float(np.sum(end.modes)) + end.wave + end.spring + end.damper == pytest.approx(1.0, abs=1e-9)
