@@ -8,6 +8,7 @@ from femstruct.arrays import Floats, Integers
 from femstruct.errors import Finding, NotConverged
 from femstruct.impact.blows import blow_findings, blow_table
 from femstruct.impact.bodies import GROUND, Body, Clock, Contact, Scene
+from femstruct.impact.collocate import MAX_STEPS, Ended, collocate, state_at_start
 from femstruct.impact.energy import TIME, ledger
 from femstruct.impact.exact.choice import takes_exact_march
 from femstruct.impact.exact.march import exact_march
@@ -23,11 +24,9 @@ from femstruct.impact.march import (
     TOO_MANY_EVENTS,
     TOO_MANY_STEPS,
     levels_for,
-    march,
 )
 from femstruct.impact.motion import DISPLACEMENT, VELOCITY, Motion, along, coordinates, sampled_motion
 from femstruct.impact.outcome import outcome_of
-from femstruct.impact.propagate import trial_room
 from femstruct.impact.response import BodyHistory, ContactHistory, EnergyLedger, Event, Outcome, Response
 from femstruct.impact.rule import collocation_rule
 from femstruct.impact.sampling import Record, felt, motion_of, room_for
@@ -36,12 +35,10 @@ from femstruct.impact.tables import empty_tables
 from femstruct.modal.analytic import given_modes
 from femstruct.modal.basis import ModalBasis
 
-MAX_STEPS = 20_000_000
 ENERGY_DRIFT = 1e-6
 SAMPLES_PER_CONTACT = 10
 NOT_DECAYED = 1e-2
 LEDGER_ROWS = 512  # at least
-ERROR_BUDGET = 0.1  # share of the tolerance that a step may spend
 
 
 def simulate(basis: ModalBasis, scene: Scene, clock: Clock) -> Response:
@@ -78,14 +75,7 @@ def simulate(basis: ModalBasis, scene: Scene, clock: Clock) -> Response:
     compiled = compile_scene(basis, scene, clock)
     system, nt = compiled.system, compiled.n_samples
     m, r, k = len(system.interfaces), len(system.rows), system.n_modes
-    state = State(
-        z=compiled.start[0].copy(),
-        v=compiled.start[1].copy(),
-        status=np.zeros(m, dtype=np.int64),
-        rest=np.zeros(m),
-        pace=np.zeros(r),
-        force=np.zeros(m),
-    )
+    state = state_at_start(compiled)
     record = room_for(system, nt)
     run = _exactly if takes_exact_march(system, nt / clock.sampling) else _by_collocation
     (status, when, n_history, n_events), motion = run(compiled, clock, state, record)
@@ -147,9 +137,6 @@ def simulate(basis: ModalBasis, scene: Scene, clock: Clock) -> Response:
     )
 
 
-Ended = tuple[int, float, int, int]
-
-
 def _exactly(compiled: Compiled, clock: Clock, state: State, record: Record) -> tuple[Ended, Motion]:
     """The march of piecewise-linear systems; its ledger has no fewer than LEDGER_ROWS."""
     system, nt = compiled.system, compiled.n_samples
@@ -171,28 +158,12 @@ def _exactly(compiled: Compiled, clock: Clock, state: State, record: Record) -> 
 
 def _by_collocation(compiled: Compiled, clock: Clock, state: State, record: Record) -> tuple[Ended, Motion]:
     """The march for laws that are not linear."""
-    system, levels = compiled.system, levels_for(compiled.halvings)
-    top_level = levels - 1
-    if system.coupling.size:
-        rate = float(np.linalg.norm(system.coupling, 2))
-        while top_level > 0 and rate * system.tick * 2.0**top_level > 1.0:
-            top_level -= 1
-    rule, tables = collocation_rule(), empty_tables(system, levels)
-    ended = march(
-        system,
-        state,
-        rule,
-        tables,
-        trial_room(system),
-        record,
-        compiled.halvings,
-        top_level,
-        clock.tolerance * ERROR_BUDGET,
-        MAX_STEPS,
-    )
+    system = compiled.system
+    tables = empty_tables(system, levels_for(compiled.halvings))
+    ended = collocate(compiled, clock.tolerance, tables, state, record)
     if ended[0] != DONE:
         return ended, sampled_motion(record.z[:0].T, record.v[:0].T)
-    return ended, motion_of(record, system, compiled.halvings, rule, tables)
+    return ended, motion_of(record, system, compiled.halvings, collocation_rule(), tables)
 
 
 def load_kernels() -> None:

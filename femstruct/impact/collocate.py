@@ -1,0 +1,64 @@
+"""One run of the march for laws that are not linear, at a tolerance."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from femstruct.impact.forces import State
+from femstruct.impact.march import levels_for, march
+from femstruct.impact.propagate import trial_room
+from femstruct.impact.rule import collocation_rule
+from femstruct.impact.sampling import Record
+from femstruct.impact.system import Compiled
+from femstruct.impact.tables import Tables
+
+MAX_STEPS = 20_000_000
+LEDGER_ROWS = 2048  # at most, while nothing acts
+ERROR_BUDGET = 0.1  # share of the tolerance that a step may spend
+
+Ended = tuple[int, float, int, int]  # how, when [s], ledger rows, events
+
+
+def state_at_start(compiled: Compiled) -> State:
+    """The state that a scene starts from, before contacts close."""
+    m, r = len(compiled.system.interfaces), len(compiled.system.rows)
+    return State(
+        z=compiled.start[0].copy(),
+        v=compiled.start[1].copy(),
+        status=np.zeros(m, dtype=np.int64),
+        rest=np.zeros(m),
+        pace=np.zeros(r),
+        force=np.zeros(m),
+    )
+
+
+def collocate(
+    compiled: Compiled, tolerance: float, tables: Tables, state: State, record: Record, finer: int = 0
+) -> Ended:
+    """March to the end of the record; state, record and tables are filled on the way.
+
+    tables : as `empty_tables` makes them for all levels, or those of another run of the same scene and clock.
+    finer : how often the longest step is halved, which a loose tolerance takes wherever it can.
+    """
+    system = compiled.system
+    top_level = levels_for(compiled.halvings) - 1
+    if system.coupling.size:
+        rate = float(np.linalg.norm(system.coupling, 2))
+        while top_level > 0 and rate * system.tick * 2.0**top_level > 1.0:
+            top_level -= 1
+    if finer:
+        end = compiled.n_samples << compiled.halvings
+        longest = 4 * max(end // LEDGER_ROWS, 1)  # as the march has it, for its ledger
+        top_level = max(min(top_level, longest.bit_length() - 1) - finer, 0)
+    return march(
+        system,
+        state,
+        collocation_rule(),
+        tables,
+        trial_room(system),
+        record,
+        compiled.halvings,
+        top_level,
+        tolerance * ERROR_BUDGET,
+        MAX_STEPS,
+    )
