@@ -105,5 +105,39 @@ def test_scripts_keep_their_numbers(script: str, tmp_path: Path, monkeypatch: py
     assert {path.name for path in (tmp_path / "results").iterdir() if path.stat().st_size > 10_000} == PICTURES[script]
 
 
+def test_press_energy_keeps_its_numbers(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """P, Q, R, mass ratio 1: as in tests/published/test_chapter_4.py; best ratios: 1.03 and 1.05 in a prototype."""
+    monkeypatch.chdir(tmp_path)  # where the pictures go
+    found = runpy.run_path(str(SCRIPTS / "06_press_energy.py"))["main"](6)
+    assert found == pytest.approx(
+        {
+            "P": 0.49143,
+            "Q": 0.12386,
+            "R": 0.14948,
+            "mass ratio 1": 0.02210,
+            "best omega_d / omega_s, 0.35": 1.029,
+            "best omega_d / omega_s, 1": 1.054,
+        },
+        abs=2e-3,  # the search stops at 1e-3
+    )
+    pictures = {path.name for path in (tmp_path / "results").iterdir()}
+    assert pictures == {"06_press_maps.png", "06_press_curves.png", "06_press_histories.png"}
+
+
+def test_press_response_keeps_its_numbers(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Prototypes of ours: 2.5 and 5.3, 2.6 and 4.6, 2.3 and 2.3 dB. The dissertation: 3.2 and 3.3 (measured), 3, 2.3
+    and 2.4 dB."""
+    monkeypatch.chdir(tmp_path)
+    found = runpy.run_path(str(SCRIPTS / "07_press_response.py"))["main"]()
+    kept = (88.32, 2.605, 5.237, 3590, 2.734, 4.517, 3768, 2.321, 2.321)
+    assert list(found.values()) == pytest.approx(kept, rel=1e-3)
+    assert len(list((tmp_path / "results").iterdir())) == 3
+
+
 def test_every_numbered_script_is_here() -> None:
-    assert {path.name for path in SCRIPTS.glob("[0-9]*.py")} == {"01_floor_damper.py", *KEPT}
+    assert {path.name for path in SCRIPTS.glob("[0-9]*.py")} == {
+        "01_floor_damper.py",
+        "06_press_energy.py",
+        "07_press_response.py",
+        *KEPT,
+    }
