@@ -45,7 +45,7 @@ def _maps(two: Machine, side: int) -> None:
         energy = np.array(
             [[press.share(machine, ws * unit, wd * unit, ratio * BED).machine for ws in grid] for wd in grid]
         )
-        filled = axis.contourf(grid, grid, 100.0 * energy, levels=np.arange(0.0, 85.0, 5.0), cmap="viridis")
+        filled = axis.contourf(grid, grid, 100.0 * energy, levels=np.arange(0.0, 62.5, 2.5), extend="max")
         figure.colorbar(filled, ax=axis, label="energy of the machine over the slider's [%]")
         axis.plot(grid, grid, "w--", linewidth=0.9, label="ω_d = ω_s")
         axis.plot(grid, grid[np.argmin(energy, axis=0)], "r.", markersize=4, label="best ω_d at this ω_s")
@@ -68,7 +68,7 @@ def _curves(two: Machine, side: int) -> None:
     w4 = float(clamped.basis.omega[3])
     for ratio in (0.2, 0.35, 0.5, 0.7, 1.0):
         m, label = ratio * BED, f"{ratio:g}"
-        mass.semilogx(ratios, [100 * press.share(two, 6000.0, r * 6000.0, m).machine for r in ratios], label=label)
+        mass.plot(ratios, [100 * press.share(two, 6000.0, r * 6000.0, m).machine for r in ratios], label=label)
         resonance.plot(sliders, [100 * press.share(two, w * UNIT, w * UNIT, m).machine for w in sliders], label=label)
         across = np.linspace(0.2, 5.2, 2 * side)
         ground.plot(across, [100 * press.share(clamped, w * w4, w * w4, m).machine for w in across], label=label)
@@ -114,7 +114,7 @@ def _histories(two: Machine) -> None:
         axis.set(title=f"{name}: ω_s/ω_6 = 150, ω_d/ω_6 = {wd:g}", xlabel="time [ms]")
         axis.grid(alpha=0.3)
     figure.axes[0].set_ylabel("energy over the slider's before [1]")
-    figure.axes[2].legend(fontsize=8, loc="center right")
+    figure.axes[0].legend(fontsize=8, loc="center right", bbox_to_anchor=(1.0, 0.74))
     figure.suptitle("Figs. 4.6 to 4.8, m_d/m_b = 0.35; the slider leaves the bed at -- and the damper at -·")
     save(figure, "06_press_histories")
 
