@@ -37,7 +37,10 @@ OnlyCase = Annotated[str, typer.Option("--case", metavar="CASE", help="run this 
 
 
 def main() -> None:
-    """Entry point: exit 0 good, 1 our bug, 2 bad input, 3 a result not to be trusted, 130 interrupted."""
+    """Entry point: exit 0 good, 1 our bug, 2 bad input, 3 a result not to be trusted, 130 interrupted.
+
+    A limit of the study that is exceeded is a result: it leaves with 0.
+    """
     for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
         os.environ.setdefault(name, "1")  # two threads are slower on the small blocks of an eigensolution
     try:

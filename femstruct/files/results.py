@@ -5,7 +5,8 @@
     /provenance         versions, platform, date, command line (attributes)
     /summary            the numbers of all cases and their comparison (JSON)
     /bases/KEY          modes, damping, shapes, force rows
-    /cases/NAME         @basis; damping, channels, contacts, bodies, links, events, energy, frf, rooms, levels, modal
+    /cases/NAME         @basis; damping, channels, contacts, bodies, links, events, energy, limits, frf, rooms,
+                        levels, modal
     /comparison/CASE    modes by MAC, beside the baseline's
     /VTKHDF             mode shapes of the baseline, opened by ParaView as they are
 
@@ -16,7 +17,7 @@ Every dataset has a unit, a description and a checksum; histories, spectra and m
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from io import BytesIO
 from pathlib import Path
 from typing import Final
@@ -29,11 +30,13 @@ from femstruct.errors import Finding
 from femstruct.files.atomic import replacing
 from femstruct.files.blows import write_blows
 from femstruct.files.hdf5 import axis, group, put, put_text
+from femstruct.files.machine import write_verdicts
 from femstruct.files.sound import write_levels, write_room
 from femstruct.files.tables import finding_table, findings_by_case, summary
 from femstruct.files.vtkhdf import write_vtkhdf
 from femstruct.impact.response import Response
 from femstruct.modal.basis import ModalBasis
+from femstruct.study.machine import Verdict
 from femstruct.study.result import AccuracyCheck, CaseComparison, CaseResult, StudyResult
 
 FORMAT: Final = "femstruct results"
@@ -99,7 +102,7 @@ def _write(file: h5py.File, result: StudyResult) -> None:
         _write_basis(group(bases, name, "A modal basis", total_mass_kg=basis.total_mass), basis)
     cases = group(file, "cases", "Cases by name")
     for name, case in result.cases.items():
-        _write_case(cases, name, case)
+        _write_case(cases, name, case, result.verdicts.get(name, ()))
     comparison = group(
         file, "comparison", "Against the baseline", baseline=result.comparison.baseline, filter=result.comparison.filter
     )
@@ -153,7 +156,7 @@ def _write_damping(target: h5py.Group, basis: ModalBasis) -> None:
     put(target, "hysteretic", basis.hysteretic, "rad^2/s^2", "Structural damping, eta omega^2 on the diagonal", pair)
 
 
-def _write_case(cases: h5py.Group, name: str, case: CaseResult) -> None:
+def _write_case(cases: h5py.Group, name: str, case: CaseResult, verdicts: Sequence[Verdict]) -> None:
     target = group(
         cases,
         name,
@@ -166,6 +169,8 @@ def _write_case(cases: h5py.Group, name: str, case: CaseResult) -> None:
     _write_damping(group(target, "damping", "Damping of the basis in this case"), case.basis)
     if case.accuracy is not None:
         _write_accuracy(target, case.accuracy)
+    if verdicts:
+        write_verdicts(group(target, "limits", "Verdicts on the limits of the study"), verdicts)
     if case.frf:
         responses = group(target, "frf", "Frequency responses")
         for label, frf in case.frf.items():

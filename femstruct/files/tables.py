@@ -9,6 +9,7 @@ from typing import Any
 from acoustics.levels import Levels
 from femstruct.errors import Finding
 from femstruct.files.arrays import array_tables
+from femstruct.files.machine import machine_table, verdict_tables
 from femstruct.impact.response import Blow, EnergyBalance, Response
 from femstruct.study.result import AccuracyCheck, CaseComparison, CaseResult, StudyResult
 
@@ -23,7 +24,15 @@ def summary(result: StudyResult) -> Table:
     the case is quieter than the baseline.
     """
     comparison = {name: _comparison(result.cases[name], beside) for name, beside in result.comparison.cases.items()}
-    return {"cases": {name: _case(case) for name, case in result.cases.items()}, "comparison": comparison}
+    cases = {
+        name: _case(case)
+        | {
+            "limits": verdict_tables(result.verdicts.get(name, ())),
+            "machine": machine_table(result.machine[name]) if name in result.machine else None,
+        }
+        for name, case in result.cases.items()
+    }
+    return {"cases": cases, "comparison": comparison}
 
 
 def finding_table(finding: Finding) -> Table:

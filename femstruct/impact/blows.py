@@ -8,7 +8,7 @@ import numpy as np
 
 from femstruct.arrays import Floats
 from femstruct.errors import Finding
-from femstruct.impact.bodies import Clock, Scene
+from femstruct.impact.bodies import Blows, Clock, Scene
 from femstruct.impact.motion import DISPLACEMENT, VELOCITY, Motion, coordinates
 from femstruct.impact.response import Blow, Event
 from femstruct.impact.sampling import Record
@@ -17,6 +17,7 @@ from femstruct.impact.system import Compiled
 
 CHUNK = 32  # modes whose samples are in memory at a time
 AT_REST = 1e-2  # share of the largest energy after a blow that counts as rest
+STILL = 0.1  # of its weight: what the contact force under a body that lies still may miss
 
 
 def blow_table(
@@ -93,7 +94,7 @@ def blow_findings(blows: Sequence[Blow], scene: Scene, clock: Clock) -> tuple[Fi
     found = []
     for plan in scene.blows:
         mine = [blow for blow in blows if blow.body == plan.body]
-        held = [blow for blow in mine if blow.held_since is not None]
+        held = [blow for blow in mine if blow.held_since is not None and not _lies(blow, plan, scene)]
         if held:
             first = held[0]
             since = first.t + plan.every - (first.held_since or 0.0)
@@ -128,6 +129,12 @@ def blow_findings(blows: Sequence[Blow], scene: Scene, clock: Clock) -> tuple[Fi
             )
         )
     return tuple(found)
+
+
+def _lies(blow: Blow, plan: Blows, scene: Scene) -> bool:
+    """Whether a body under gravity lay still when it was lifted off: its contact carried its weight."""
+    weight = scene.gravity * sum(body.mass for body in scene.bodies if body.name == plan.body)
+    return abs(blow.held_force - weight) <= STILL * weight
 
 
 def _some(count: int, word: str) -> str:

@@ -9,6 +9,7 @@ from femstruct.impact.sources import TAPPING_MACHINE
 from femstruct.language.references import Names
 from femstruct.language.schema_study import SIDES, BodySpec, ContactSpec, LinkSpec, LoadSpec, StudySpec
 from femstruct.language.sources import turn
+from femstruct.language.spec import Measured
 
 Ends = tuple[str, str]
 Joining = TypeVar("Joining", ContactSpec, LinkSpec)
@@ -81,16 +82,32 @@ def spread(study: StudySpec, names: Names) -> StudySpec:
             )
     contacts, links = apart(study.contacts), apart(study.links)
     own = {f"{name} on {study.bodies[name].target}": name for name in sizes}
+
+    def each(target: str) -> list[str]:
+        """What a record of an array stands for: one of every member, else itself."""
+        if target in sizes:
+            return members({target: sizes[target]})
+        if target in own:
+            name, on = own[target], study.bodies[own[target]].target
+            return [f"{name}.{i} on {nth(on, i)}" for i in range(1, sizes[name] + 1)]
+        return [name for name in (*contacts, *links) if name.rpartition(".")[0] == target] or [target]
+
     record: dict[str, tuple[str, ...]] = {}
     for target, wanted in study.record.items():
-        parted = [name for name in (*contacts, *links) if name.rpartition(".")[0] == target]
-        if target in sizes:
-            parted = members({target: sizes[target]})
-        elif target in own:
-            name, on = own[target], study.bodies[own[target]].target
-            parted = [f"{name}.{i} on {nth(on, i)}" for i in range(1, sizes[name] + 1)]
-        for one in parted or [target]:  # a member may be named beside its array
+        for one in each(target):  # a member may be named beside its array
             record[one] = tuple(dict.fromkeys((*record.get(one, ()), *wanted)))
+    limits: dict[str, Measured] = {}
+    for name, limit in study.limits.items():
+        target, space, what = name.rpartition(" ")
+        for one in each(target) if target else [""]:
+            limits.setdefault(f"{one}{space}{what}", limit)
     return study.model_copy(
-        update={"bodies": bodies, "contacts": contacts, "links": links, "loads": loads, "record": record}
+        update={
+            "bodies": bodies,
+            "contacts": contacts,
+            "links": links,
+            "loads": loads,
+            "record": record,
+            "limits": limits,
+        }
     )

@@ -21,6 +21,7 @@ from femstruct.study.study import (
     Extent,
     FrfRequest,
     InitialMotion,
+    Limit,
     PeakRule,
     PlacedBody,
     PlannedContact,
@@ -86,6 +87,7 @@ def study_of(
         time=TimePlan(time.duration, time.sampling, time.gravity, study.quiet) if time is not None else None,
         peaks=PeakRule(study.peaks.first_impact, study.peaks.lowpass),
         rooms=tuple(rooms.values()),
+        limits=tuple(Limit(name, one.value) for name, one in study.limits.items()),
         save_modal=study.save == "modal",
         accuracy=AccuracyRule(asked.within, asked.band, asked.up_to) if asked is not None else None,
     )

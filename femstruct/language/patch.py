@@ -166,7 +166,8 @@ class Patch:
                 self._drop_dependents(str(steps[0]), str(steps[1]))
 
     def _drop_dependents(self, kind: str, name: str) -> None:
-        """What cannot be without the thing removed: a body's contacts, links, loads; anything's records and FRFs."""
+        """What cannot be without the thing removed: a body's contacts, links, loads; anything's records,
+        their limits, and FRFs."""
         gone = {name}
         study = self.study
         if study is not None and kind == "bodies":
@@ -187,10 +188,15 @@ class Patch:
                     gone.add(other)
         if study is None or kind in ("materials", "sections", "frf", "cases"):
             return
+        dropped = {name} if kind == "record" else set()
         for target in list(_mapping(study.value, "record")):
             owner = target.rpartition(".")[0] or target
             if owner in gone or target in gone or (kind == "bodies" and target.startswith(f"{name} on ")):
                 study.drop(("record", target))
+                dropped.add(target)
+        for limit in list(_mapping(study.value, "limits")):
+            if limit.rpartition(" ")[0] in dropped:
+                study.drop(("limits", limit))
         for request, spec in list(_mapping(study.value, "frf").items()):
             if isinstance(spec, dict) and any(
                 str(spec.get(side, "")).rpartition(".")[0] in gone for side in ("drive", "response")

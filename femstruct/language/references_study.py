@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from femstruct.impact.sources import HAMMERS, TAPPING_MACHINE
 from femstruct.language.arrays import array_sizes, joined, members, spread
+from femstruct.language.limits import check_limits
 from femstruct.language.reader import Mistakes, Steps, Tree, nearest
 from femstruct.language.references import Checker, Names
 from femstruct.language.schema_model import ModelSpec
@@ -71,6 +72,7 @@ def check_study(study: StudySpec, tree: Tree, model: ModelSpec, mistakes: Mistak
     if study.initial.rigid is not None:
         check.place(("initial", "rigid", "about"), study.initial.rigid.about, names)
     _check_records(check, study, names)
+    check_limits(check, study)
     for name, room in study.rooms.items():
         check.known(("rooms", name, "under"), room.under, "surface", model.surfaces)
         if room.losses is not None and room.losses.t60 is not None and room.form == "source":
@@ -87,7 +89,9 @@ def check_study(study: StudySpec, tree: Tree, model: ModelSpec, mistakes: Mistak
     if study.time is not None:
         _check_time(check, study, study.time)
     _check_accuracy(check, study, model)
-    moving = study.bodies or study.loads or study.initial.velocity or study.initial.rigid or study.record
+    moving = (
+        study.bodies or study.loads or study.initial.velocity or study.initial.rigid or study.record or study.limits
+    )
     heard = any(request.kind == "pressure" for request in study.frf.values())
     if (moving or (study.rooms and not heard)) and study.time is None:
         check.wrong((), "no time", "how long to simulate", "add 'time: {duration: 1 s, sampling: 48 kHz}'")

@@ -235,6 +235,10 @@ def _changes(value: object) -> object:
     return value
 
 
+LIMITED = ("length", "speed", "acceleration", "force", "time", "angle", "angular speed")
+LimitValue = Annotated[Measured, Quantity(LIMITED, above=0.0, which=True)]
+
+
 class CompareSpec(Spec):
     """Which case the others are compared with."""
 
@@ -259,6 +263,7 @@ class StudySpec(Spec):
     )
     time: TimeSpec | None = None
     peaks: PeaksSpec = PeaksSpec()
+    limits: dict[str, LimitValue] = Field(default_factory=dict)
     quiet: Instant = 0.0
     rooms: dict[str, RoomSpec] = Field(default_factory=dict)
     cases: dict[str, Annotated[dict[str, Any], read_by(_changes, dict[str, Any] | None)]] = Field(default_factory=dict)

@@ -83,7 +83,7 @@ def _note(error: Any, schema: type[BaseModel], tree: Tree, mistakes: Mistakes) -
 
 _LATER_KEYS: Final = (
     ("parts", "*", "layers"), ("parts", "*", "file"), ("parts", "*", "set"), ("parts", "*", "scale"),
-    ("limits",), ("rooms", "*", "levels"),
+    ("rooms", "*", "levels"),
 )  # fmt: skip
 
 

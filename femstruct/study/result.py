@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from numpy import complex128
 from numpy.typing import NDArray
@@ -15,6 +15,7 @@ from femstruct.errors import Finding
 from femstruct.impact.response import Response
 from femstruct.modal.basis import ModalBasis
 from femstruct.model.model import Model
+from femstruct.study.machine import Machine, Verdict
 from femstruct.study.study import Case, FrfRequest, Plan
 
 
@@ -141,7 +142,8 @@ class StudyResult:
     """A study, run: bases and meshed models by key, results by case, the comparison, and where they come from.
 
     models holds None for closed-form structures. findings : of the run as a whole. timings : CPU seconds by stage.
-    provenance : versions, platform, date, command line.
+    provenance : versions, platform, date, command line. verdicts : by case, on the limits of the study. machine : by
+    case, where the study is about one (see `femstruct.workflow.machine`), else empty.
     """
 
     plan: Plan
@@ -152,3 +154,5 @@ class StudyResult:
     findings: tuple[Finding, ...]
     timings: Mapping[str, float]
     provenance: Mapping[str, str]
+    verdicts: Mapping[str, tuple[Verdict, ...]] = field(default_factory=dict)
+    machine: Mapping[str, Machine] = field(default_factory=dict)

@@ -180,6 +180,15 @@ class AccuracyRule:
 
 
 @dataclass(frozen=True)
+class Limit:
+    """What should not be exceeded: by the largest |value| of a recorded channel ("die.z displacement"), in its unit,
+    or by the time to rest ("settled") [s]."""
+
+    name: str
+    value: float
+
+
+@dataclass(frozen=True)
 class RoomPlan:
     """A room under a radiating surface, and who listens in it.
 
@@ -254,7 +263,8 @@ class Study:
     structure, damping : the model. extent : how many modes its basis has. frf : frequency responses asked for.
     bodies, contacts, links, loads, initial : what meets, and how it starts. records : histories to keep.
     time : the window, None when nothing is simulated. peaks : which peaks are reported. rooms : who listens.
-    save_modal : whether the modal coordinates go into the results file. accuracy : None to use the modes asked for.
+    limits : what the verdicts of a case are about. save_modal : whether the modal coordinates go into the results
+    file. accuracy : None to use the modes asked for.
     """
 
     title: str
@@ -271,6 +281,7 @@ class Study:
     time: TimePlan | None = None
     peaks: PeakRule = PeakRule()
     rooms: tuple[RoomPlan, ...] = ()
+    limits: tuple[Limit, ...] = ()
     save_modal: bool = False
     accuracy: AccuracyRule | None = None
 

@@ -15,6 +15,7 @@ from femstruct.study.result import AccuracyCheck, CaseComparison, CaseResult, St
 from femstruct.view.arrays import arrays
 from femstruct.view.blows import blows
 from femstruct.view.grid import Grid
+from femstruct.view.machine import limits, machine
 
 Row = Mapping[str, Any]
 DUST = 1e-6  # rad: a micrometre a metre is rounding, or nobody's concern
@@ -33,7 +34,7 @@ def progress() -> Iterator[Callable[[str], None]]:
 
 
 def show_study(result: StudyResult, written: Mapping[str, float], folder: str = "") -> None:
-    """Cases side by side: outcome, peaks, contacts, energy, levels, changes against the baseline, findings, timings."""
+    """Cases side by side: outcome, machine, limits, peaks, contacts, energy, levels, changes, findings, timings."""
     console = _console()
     console.print(result.plan.title, style="bold")
     for name, case in result.cases.items():
@@ -43,6 +44,8 @@ def show_study(result: StudyResult, written: Mapping[str, float], folder: str = 
         if case.accuracy is not None:
             console.print(f"  {name}: {_accuracy(case.accuracy)}", soft_wrap=True)
     for table in (
+        machine(result),
+        limits(result),
         _peaks(result),
         _contacts(result),
         blows(result),

@@ -17,6 +17,7 @@ from femstruct.modal.damping import Damping, FromMaterials, LossFactor, Ratio, R
 from femstruct.model.facts import ModelFacts, model_facts
 from femstruct.model.model import Model
 from femstruct.radiation import room_coordinates
+from femstruct.study.machine import BlockMode, Sag
 from femstruct.study.study import Extent, RoomPlan, Study
 from femstruct.workflow.air import ceiling
 from femstruct.workflow.bases import Solved, solve
@@ -25,7 +26,7 @@ from femstruct.workflow.responses import frequency_option, response_row
 from femstruct.workflow.rest import Rest, rest_states
 from femstruct.workflow.run import structure_findings
 from femstruct.workflow.staging import force_probes, scene
-from femstruct.workflow.weight import BlockMode, Sag, block_modes, sags, weight_findings
+from femstruct.workflow.weight import block_modes, sags, weight_findings
 
 DEFAULT_MODES = 30
 Table = dict[str, Any]

@@ -29,6 +29,8 @@ from femstruct.workflow.bases import Solved, damped, solve_all
 from femstruct.workflow.channels import record
 from femstruct.workflow.checks import impact_findings, mesh_findings, room_findings
 from femstruct.workflow.compare import compare
+from femstruct.workflow.limits import verdicts
+from femstruct.workflow.machine import machines
 from femstruct.workflow.responses import frequency_response
 from femstruct.workflow.sources import source_findings
 from femstruct.workflow.staging import Places, scene
@@ -105,6 +107,8 @@ def run_study(plan: Plan, progress: Progress = lambda line: None, command: str =
     with clock("comparison"):
         finished = {case.name: results[case.name] for case in plan.cases if case.name in results}
         comparison = compare(plan.baseline, finished)
+        judged = {name: verdicts(result) for name, result in finished.items()}
+        machine = machines(plan.baseline, finished, solved)
     return StudyResult(
         plan=plan,
         bases=_bases(finished, solved),
@@ -114,6 +118,8 @@ def run_study(plan: Plan, progress: Progress = lambda line: None, command: str =
         findings=interrupted,
         timings=clock.seconds,
         provenance=provenance(command),
+        verdicts=judged,
+        machine=machine,
     )
 
 

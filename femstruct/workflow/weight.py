@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from femstruct.arrays import Floats
@@ -11,33 +9,12 @@ from femstruct.conventions import DIRECTIONS, GRAVITY
 from femstruct.errors import Finding
 from femstruct.modal.basis import ModalBasis
 from femstruct.model.model import Model
+from femstruct.study.machine import BlockMode, Sag
 
 LEVEL = 1e-3  # rad; machines are set up level to 0.1 to 1 mm a metre
 MOVES = 0.9  # of the kinetic energy: from here on a mode is one of the blocks
 NAMED = 0.05  # of the kinetic energy: what is worth a name
 _FALLS = 1e-6  # of the mass: what rigid modes may carry of it upwards and still be rounding
-
-
-@dataclass(frozen=True)
-class Sag:
-    """How far a part has sunk under the weight of all [m]: its lowest node, of a block the centre of mass.
-
-    tilt : angle a block leans by [rad], None for other parts.
-    """
-
-    part: str
-    sag: float
-    tilt: float | None
-
-
-@dataclass(frozen=True)
-class BlockMode:
-    """A mode in which mainly blocks move. number : from 1; shares : of its kinetic energy, by "BLOCK direction"."""
-
-    number: int
-    frequency_hz: float
-    ratio: float
-    shares: dict[str, float]
 
 
 def sags(model: Model, basis: ModalBasis) -> tuple[Sag, ...]:

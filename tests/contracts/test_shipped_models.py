@@ -51,6 +51,7 @@ MASS = {  # from the dimensions in the files [kg]
         "columns": COLUMNS,
     },
     "press_clamped": {"bed": 0.3273 * 0.2946 * 0.0132 * 7850, "columns": COLUMNS},
+    "dwelling_floor": {"floor": 5.0 * 4.0 * 0.18 * 2400},
 }
 
 

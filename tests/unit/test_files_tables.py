@@ -32,6 +32,9 @@ def test_layout_is_the_documented_one(result):
         "arrays",
         "energy",
         "levels",
+        "accuracy",
+        "limits",
+        "machine",
         "findings",
     }
     assert set(case["peaks"]["O_f.z velocity"]) == {"first_impact", "whole", "unit"}

@@ -1,0 +1,53 @@
+"""The limits of a study: of recorded channels, each in its own dimension, and of the time to rest."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from femstruct.language.reader import Steps, nearest
+from femstruct.language.references import Checker
+from femstruct.language.schema_study import QUANTITIES, StudySpec
+from femstruct.units import DIMENSIONS
+
+SETTLED: Final = "settled"
+_LINEAR: Final = {
+    "displacement": "length", "travel": "length", "velocity": "speed", "acceleration": "acceleration", "force": "force",
+}  # fmt: skip
+_TURNING: Final = {"displacement": "angle", "velocity": "angular speed"}
+
+
+def check_limits(check: Checker, study: StudySpec) -> None:
+    """Every limit is of something that is recorded, or of the time to rest, and in its dimension."""
+    recorded = [f"{target} {what}" for target, wanted in study.record.items() for what in wanted]
+    for name, limit in study.limits.items():
+        here: Steps = ("limits", name)
+        if name != SETTLED and name not in recorded:
+            expected = f"a recorded channel, TARGET QUANTITY, or {SETTLED}"
+            check.wrong(here, f"'{name}'", expected, _what_to_do(name, recorded), of_key=True)
+            continue
+        wanted = "time" if name == SETTLED else _dimension(name)
+        if limit.dimension is not None and limit.dimension != wanted:
+            got = DIMENSIONS[limit.dimension].words
+            named = DIMENSIONS.get(wanted)
+            if named is None:
+                check.wrong(here, got, "a plain number, in rad/s^2")
+            else:
+                check.wrong(here, got, f"{named.words} [{named.unit}]", f"write it like {named.example}")
+
+
+def _dimension(name: str) -> str:
+    """The dimension of a channel.
+
+    >>> _dimension("die.z displacement"), _dimension("die.rx velocity"), _dimension("ground force")
+    ('length', 'angular speed', 'force')
+    """
+    target, _, what = name.rpartition(" ")
+    turning = target.rpartition(".")[2] in ("rx", "ry", "rz")
+    return _TURNING.get(what, "angular acceleration") if turning else _LINEAR[what]
+
+
+def _what_to_do(name: str, recorded: list[str]) -> str:
+    target, _, what = name.rpartition(" ")
+    add = f"add '{target}: {what}' under 'record:'" if target and what in QUANTITIES else ""
+    near = nearest(name, [*recorded, SETTLED])
+    return f"{near} or {add}" if add and near.startswith("did") else add or near

@@ -1,0 +1,123 @@
+"""What is asked of a machine on its foundation, by case: forces, travels, rest, energies, and verdicts on limits."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """A limit and what came of it, both in `unit`.
+
+    value : None where there is none: a structure that is not at rest in time; `seen` is then for how long it was looked
+    at [s]. met : None where that is too short to tell.
+    """
+
+    name: str
+    value: float | None
+    limit: float
+    unit: str
+    met: bool | None
+    seen: float | None = None
+
+    @property
+    def margin(self) -> float | None:
+        """What is left up to the limit, negative beyond it."""
+        return None if self.value is None else self.limit - self.value
+
+
+@dataclass(frozen=True)
+class Sag:
+    """How far a part has sunk under the weight of all [m]: its lowest node, of a block the centre of mass.
+
+    tilt : angle a block leans by [rad], None for other parts.
+    """
+
+    part: str
+    sag: float
+    tilt: float | None
+
+
+@dataclass(frozen=True)
+class BlockMode:
+    """A mode in which mainly blocks move. number : from 1; shares : of its kinetic energy, by "BLOCK direction"."""
+
+    number: int
+    frequency_hz: float
+    ratio: float
+    shares: dict[str, float]
+
+
+@dataclass(frozen=True)
+class GroundForce:
+    """Vertical force on the ground [N]: the largest the motion adds, the largest with the weight of all that stands
+    there (None without gravity), and the first beside the baseline's, in percent and as an attenuation [dB] (None for
+    the baseline itself)."""
+
+    dynamic: float
+    with_weight: float | None
+    percent: float | None
+    attenuation_db: float | None
+
+
+@dataclass(frozen=True)
+class Rest:
+    """Time from a blow to rest: the longest of all blows [s], None where one is not at rest before the next; and the
+    shortest interval it was looked for in [s]."""
+
+    after: float | None
+    interval: float
+
+
+@dataclass(frozen=True)
+class Companion:
+    """A body that does not strike: an impact damper, a tuned mass.
+
+    travel : largest distance from where it was beside what it was placed at [m]. closings : of its contacts, in all.
+    seated : whether one of them carries a force at the end; None without contacts.
+    """
+
+    travel: float
+    closings: int
+    seated: bool | None
+
+
+@dataclass(frozen=True)
+class EnergyShare:
+    """Where the energy put in until t [s] is [J]; the five add up to `put_in` within the ledger's residual.
+
+    forged : lost in the contacts of what strikes, and when they have just ended what their springs still hold.
+    strikers : what those bodies keep, the springs of closed contacts included.
+    structure : kinetic and elastic. companions : kinetic, stored and lost in the bodies that do not strike and what
+    joins them. dissipated : lost in the structure's modes and dashpots.
+    """
+
+    t: float
+    put_in: float
+    forged: float
+    strikers: float
+    structure: float
+    companions: float
+    dissipated: float
+
+
+@dataclass(frozen=True)
+class Machine:
+    """One case of a machine on its foundation.
+
+    ground : None where the force on the ground is not recorded. travels : largest |displacement| of every recorded
+    point [m]. sags, modes : at rest, and of its blocks; as `check` tells them. rest : None without blows.
+    companions : by name. at_separation, at_end : where the energy is when the first contact has ended (None if it does
+    not) and at the end. growth : by striking body, the structure's largest energy after its last blow over the first's.
+    """
+
+    ground: GroundForce | None
+    travels: Mapping[str, float]
+    sags: tuple[Sag, ...]
+    modes: tuple[BlockMode, ...]
+    rest: Rest | None
+    companions: Mapping[str, Companion]
+    at_separation: EnergyShare | None
+    at_end: EnergyShare
+    growth: Mapping[str, float | None]

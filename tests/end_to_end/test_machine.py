@@ -1,0 +1,260 @@
+"""Limits and the table of a machine: numbers by hand from channels and modal coordinates, and closed forms."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+
+from femstruct.cli import app
+from femstruct.errors import InputErrors
+from femstruct.files.results import write_results
+from femstruct.files.tables import summary
+from femstruct.language import read_study
+from femstruct.study.result import StudyResult
+from femstruct.view.terminal import show_study
+from femstruct.workflow.run import run_study
+
+MODELS = Path(__file__).parents[2] / "models"
+G = 9.80665
+RAM, ANVIL, BLOCK, DAMPER, SPEED = 1.6e3, 25e3, 45e3, 3e3, 7.0
+
+
+@pytest.fixture(scope="module")
+def hammer() -> StudyResult:
+    return run_study(read_study(MODELS / "forging_hammer.study.yaml"))
+
+
+def test_hammer_has_nothing_to_say_against_itself(hammer: StudyResult) -> None:
+    """No finding at all: the modes are complete, ram and damper come to rest, blows are far enough apart."""
+    assert [finding.code for case in hammer.cases.values() for finding in case.findings] == []
+    for case in hammer.cases.values():
+        assert case.response is not None
+        assert case.response.ledger.residual < 1e-12
+
+
+def test_ground_force_and_travels(hammer: StudyResult) -> None:
+    peaks = {name: np.abs(case.channels["ground force"].values).max() for name, case in hammer.cases.items()}
+    for name, case in hammer.cases.items():
+        row, force = hammer.machine[name], case.channels["ground force"].values
+        weight = (ANVIL + BLOCK + (DAMPER if name == "impact damper" else 0.0)) * G
+        assert row.ground is not None
+        assert row.ground.dynamic == pytest.approx(peaks[name], rel=1e-12)
+        assert row.ground.with_weight == pytest.approx(np.abs(force - weight).max(), rel=1e-12)
+        assert force[:800].min() < -0.5 * peaks[name]  # struck downwards: the ground is pressed along -z first
+        if name == "as built":
+            assert row.ground.percent is None and row.ground.attenuation_db is None
+        else:
+            ratio = peaks[name] / peaks["as built"]
+            assert row.ground.percent == pytest.approx(100 * (ratio - 1), rel=1e-9)
+            assert row.ground.attenuation_db == pytest.approx(-20 * np.log10(ratio), rel=1e-9)
+        assert row.travels == {
+            f"{at} displacement": np.abs(case.channels[f"{at} displacement"].values).max()
+            for at in ("die.z", "corner.z")
+        }
+    assert hammer.machine["stiffer springs"].ground.percent > 80  # type: ignore[union-attr]
+    assert hammer.machine["impact damper"].ground.attenuation_db > 0  # type: ignore[union-attr]
+
+
+def test_sags_and_heave(hammer: StudyResult) -> None:
+    """Two masses on two springs, in closed form."""
+    springs, pad = 44e6, 1.6e9 * 1.8 * 1.4
+    K = np.array([[springs + pad, -pad], [-pad, pad]])
+    root = np.diag([BLOCK**-0.5, ANVIL**-0.5])
+    heave, on_pad = np.sqrt(np.linalg.eigvalsh(root @ K @ root)) / (2 * np.pi)
+    row = hammer.machine["as built"]
+    sag = {one.part: one.sag for one in row.sags}
+    assert sag["block"] == pytest.approx((ANVIL + BLOCK) * G / springs, rel=1e-9)
+    assert sag["anvil"] == pytest.approx(sag["block"] + ANVIL * G / pad, rel=1e-9)
+    assert all(one.tilt is not None and one.tilt < 1e-9 for one in row.sags)
+    along_z = [mode for mode in row.modes if max(mode.shares, key=mode.shares.__getitem__).endswith(" z")]
+    assert [mode.frequency_hz for mode in along_z] == pytest.approx([heave, on_pad], rel=1e-9)
+    # dashpots of 4 x 132 kN s/m on 70 t; the pad gives and loses a little in this mode: 0.2 % of its ratio
+    assert along_z[0].ratio == pytest.approx(4 * 132e3 / (2 * np.sqrt(springs * (ANVIL + BLOCK))), rel=5e-3)
+
+
+def test_rest_and_growth_from_modal_coordinates(hammer: StudyResult) -> None:
+    for name in ("as built", "more damping"):
+        response, row = hammer.cases[name].response, hammer.machine[name]
+        assert response is not None and row.rest is not None and row.rest.after is not None
+        energy = 0.5 * (response.qd**2 + (response.basis.omega[:, None] * response.q) ** 2).sum(axis=0)
+        windows = [energy[8000 * i : 8000 * (i + 1)] for i in range(5)]
+        loud = [np.flatnonzero(one > 0.01 * one.max())[-1] + 1 for one in windows]
+        assert row.rest.after == pytest.approx(max(loud) / 8000, abs=1e-9)
+        assert row.rest.interval == pytest.approx(1.0, rel=1e-12)
+        assert row.growth == {"ram": pytest.approx(windows[4].max() / windows[0].max(), rel=1e-12)}
+
+
+def test_damper_from_its_channels(hammer: StudyResult) -> None:
+    case = hammer.cases["impact damper"]
+    assert case.response is not None
+    row = hammer.machine["impact damper"].companions["damper"]
+    assert row.travel == pytest.approx(np.abs(case.channels["damper travel"].values).max(), rel=1e-12)
+    hits = [event for event in case.response.events if event.contact == "block on damper" and event.what == "closes"]
+    assert row.closings == len(hits) >= 5
+    assert row.seated is False  # hung 0.5 mm below
+    assert hammer.machine["as built"].companions == {}
+
+
+def test_energy_shares(hammer: StudyResult) -> None:
+    """All that is put in is somewhere; at the first separation, what the forging took is that of two free masses."""
+    for name, row in hammer.machine.items():
+        response = hammer.cases[name].response
+        assert response is not None and row.at_separation is not None
+        for share in (row.at_separation, row.at_end):
+            told = share.forged + share.strikers + share.structure + share.companions + share.dissipated
+            assert told == pytest.approx(share.put_in, rel=1e-10)  # the ledger's own residual
+        assert row.at_separation.put_in == pytest.approx(0.5 * RAM * SPEED**2, rel=2e-3)  # and 2 ms of its weight
+        lost = response.ledger.end.lost_contacts["blow"]
+        assert row.at_end.forged == lost
+    # Restitution of the same spring and dashpot between ram and anvil: its ratio grows with sqrt(ram / reduced mass)
+    ratio = brentq(lambda z: 2 * z * np.arccos(z) / np.sqrt(1 - z * z) + np.log(0.25), 0.01, 0.99)
+    reduced = RAM * ANVIL / (RAM + ANVIL)
+    z = ratio * np.sqrt(RAM / reduced)
+    e = np.exp(-2 * z * np.arccos(z) / np.sqrt(1 - z * z))
+    built = hammer.machine["as built"].at_separation
+    assert built is not None
+    # 1 %: the pad pushes the anvil back within the 2 ms
+    assert built.forged == pytest.approx(0.5 * reduced * SPEED**2 * (1 - e * e), rel=1e-2)
+    assert built.structure < 0.1 * built.put_in
+
+
+def test_verdicts(hammer: StudyResult) -> None:
+    at_most = {"die.z displacement": 8e-3, "ground force": 600e3, "settled": 1.0}
+    told = {}
+    for name, case in hammer.cases.items():
+        assert [verdict.name for verdict in hammer.verdicts[name]] == list(at_most)
+        for verdict in hammer.verdicts[name]:
+            assert verdict.limit == at_most[verdict.name]
+            rest = hammer.machine[name].rest
+            assert rest is not None
+            value = rest.after if verdict.name == "settled" else np.abs(case.channels[verdict.name].values).max()
+            assert verdict.value == value
+            assert verdict.margin == verdict.limit - value
+            assert verdict.met == (value <= verdict.limit)
+            told[name, verdict.name] = verdict.met
+    assert [key for key, met in told.items() if not met] == [
+        ("softer springs", "die.z displacement"),
+        ("stiffer springs", "ground force"),
+    ]
+
+
+def test_tables_files_and_terminal(hammer: StudyResult, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    table = json.loads(json.dumps(summary(hammer), allow_nan=False))["cases"]["softer springs"]
+    assert table["limits"]["die.z displacement"]["verdict"] == "exceeded"
+    assert table["limits"]["die.z displacement"]["margin"] < 0
+    assert table["limits"]["ground force"] == {
+        "value": table["peaks"]["ground force"]["whole"],
+        "limit": 600e3,
+        "margin": 600e3 - table["peaks"]["ground force"]["whole"],
+        "unit": "N",
+        "verdict": "met",
+    }
+    assert set(table["machine"]) == {
+        "ground_force", "travel_m", "sags", "block_modes", "rest", "companions", "energy", "energy_growth",
+    }  # fmt: skip
+    write_results(tmp_path / "results.h5", hammer)
+    with h5py.File(tmp_path / "results.h5") as file:
+        limits = file["cases/softer springs/limits"]
+        assert list(limits["verdict"].asstr()) == ["exceeded", "met", "met"]
+        assert list(limits["limit_unit"].asstr()) == ["m", "N", "s"]
+        np.testing.assert_allclose(limits["margin"][()], limits["most"][()] - limits["value"][()], rtol=1e-15)
+    show_study(hammer, {})
+    text = capsys.readouterr().out
+    assert "exceeded by 0.24" in text and "as baseline" in text and "not seated" in text
+
+
+QUIET = """structure: {type: oscillator, mass: 1 kg, stiffness: 100 N/m}
+points: {m: {}}
+damping: {ratio: %s}
+"""
+HIT = """model: model.yaml
+bodies: {ball: {mass: 0.5 kg, above: m, speed: 1 m/s, contact: {type: linear, stiffness: 1 MN/m}}}
+record: {m.z: displacement, ball: travel}
+limits: {m.z displacement: 60 mm, settled: %s}
+time: {duration: 10 s, sampling: 1 kHz}
+"""
+
+
+@pytest.mark.parametrize(
+    ("ratio", "limit", "verdict"),
+    [("0 %", "5 s", "exceeded"), ("0 %", "20 s", "not seen"), ("10 %", "2 s", "exceeded"), ("10 %", "3 s", "met")],
+)
+def test_settled_without_blows(tmp_path: Path, ratio: str, limit: str, verdict: str) -> None:
+    """Energy falls with exp(-2 zeta omega t), give or take zeta: to 1 % in ln(100) / 2 = 2.3 s at 10 % and 10 rad/s."""
+    (tmp_path / "model.yaml").write_text(QUIET % ratio)
+    (tmp_path / "hit.study.yaml").write_text(HIT % limit)
+    result = run_study(read_study(tmp_path / "hit.study.yaml"))
+    assert result.machine == {}  # neither blows nor the force on the ground
+    told = summary(result)["cases"]["as given"]["limits"]
+    assert told["settled"]["verdict"] == verdict
+    if ratio != "0 %":
+        assert told["settled"]["value"] == pytest.approx(np.log(100) / 2, rel=0.11)
+        assert told["m.z displacement"]["verdict"] == "met"
+    else:
+        assert told["settled"]["value"] is told["settled"]["margin"] is None
+        assert told["m.z displacement"]["verdict"] == "exceeded"  # 2/3 m/s over 10 rad/s
+
+
+def test_a_limit_exceeded_is_no_failure(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "model.yaml").write_text(QUIET % "0 %")
+    (tmp_path / "hit.study.yaml").write_text(HIT % "5 s")
+    with pytest.raises(SystemExit) as left:
+        app(["impact", str(tmp_path / "hit.study.yaml"), "--json"])
+    assert left.value.code == 0
+    assert json.loads(capsys.readouterr().out)["cases"]["as given"]["limits"]["settled"]["verdict"] == "exceeded"
+
+
+def test_limits_go_with_what_they_are_of(tmp_path: Path) -> None:
+    """A case may change a limit; one that takes a body away takes its limits, and one of another record is refused."""
+    (tmp_path / "model.yaml").write_text(QUIET % "1 %")
+    study = HIT % "5 s, ball travel: 1 m"
+    cases = "cases: {all: {limits.settled: 6 s}, less: {remove: [record.ball]}, none: {remove: [bodies.ball]}}\n"
+    (tmp_path / "hit.study.yaml").write_text(study + cases)
+    limits = [
+        {one.name: one.value for one in case.study.limits} for case in read_study(tmp_path / "hit.study.yaml").cases
+    ]
+    kept = {"m.z displacement": 0.06, "settled": 5.0}
+    assert limits == [kept | {"settled": 6.0, "ball travel": 1.0}, kept, kept]
+    (tmp_path / "hit.study.yaml").write_text(study + "cases: {other: {record.m.z: velocity}}\n")
+    with pytest.raises(InputErrors, match=r"limits\.m\.z displacement: got 'm\.z displacement', expected a recorded"):
+        read_study(tmp_path / "hit.study.yaml")
+
+
+CLAMPED = """model: block.yaml
+modes: {count: 6}
+bodies:
+  ram:    {mass: 1 kg, above: top, speed: 1 m/s, contact: {type: linear, stiffness: 1 MN/m}}
+  damper: {mass: 20 kg, below: under}
+contacts: {clamp: {between: [damper, under], law: {type: linear, stiffness: 10 MN/m}, preload: 300 N}}
+links: {spring: {between: [damper, %s], stiffness: 10 kN/m}}
+record: {ground: force, damper: travel}
+time: {duration: 50 ms, sampling: 8 kHz, gravity: true}
+"""
+BLOCK_MODEL = """parts:
+  block: {type: block, mass: 100 kg, origin: [0, 0, 0], size: [1, 1, 1]}
+  feet:  {type: spring, between: [corners, ground], stiffness: {x: 1 MN/m, y: 1 MN/m, z: 1 MN/m}}
+points:
+  top:     {on: block, at: [0.5, 0.5, 1]}
+  under:   {on: block, at: [0.5, 0.5, 0]}
+  corners: {on: block, at: [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]}
+damping: {ratio: 1 %}
+"""
+
+
+@pytest.mark.parametrize(("hung_on", "carried"), [("ground", -300.0), ("under", 20.0 * G)])
+def test_weight_on_the_ground_with_a_clamped_damper(tmp_path: Path, hung_on: str, carried: float) -> None:
+    """On a spring from the ground pressing up with 300 N the block is lifted; on the block it is carried."""
+    (tmp_path / "block.yaml").write_text(BLOCK_MODEL)
+    (tmp_path / "clamped.study.yaml").write_text(CLAMPED % hung_on)
+    result = run_study(read_study(tmp_path / "clamped.study.yaml"))
+    row = result.machine["as given"]
+    force = result.cases["as given"].channels["ground force"].values
+    assert row.ground is not None
+    assert row.ground.with_weight == pytest.approx(np.abs(force - 100.0 * G - carried).max(), rel=1e-12)
+    assert row.companions["damper"].seated is not None
+    assert row.rest is None and row.growth == {}
