@@ -32,7 +32,6 @@ def test_layout_is_the_documented_one(result):
         "arrays",
         "energy",
         "levels",
-        "accuracy",
         "limits",
         "machine",
         "findings",
