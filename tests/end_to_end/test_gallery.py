@@ -139,5 +139,6 @@ def test_every_numbered_script_is_here() -> None:
         "01_floor_damper.py",
         "06_press_energy.py",
         "07_press_response.py",
+        "08_forging_hammer.py",
         *KEPT,
     }
