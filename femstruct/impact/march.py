@@ -21,8 +21,9 @@ from femstruct.impact.strikes import first_strike, strike, touch
 from femstruct.impact.system import CONSTANT, LINK, System
 from femstruct.impact.tables import Tables, tabulate
 
-DONE, TOO_MANY_STEPS, NO_FORCES, TOO_MANY_EVENTS, STICKS = 0, 1, 2, 3, 4
+DONE, TOO_MANY_STEPS, NO_FORCES, TOO_MANY_EVENTS, STICKS, STALLS = 0, 1, 2, 3, 4, 5
 OPENS, CLOSES = 0, 1
+PACED = 50_000  # steps tried between two looks at the progress: a second or two
 
 
 @kernel
@@ -55,11 +56,16 @@ def march(system: System, state: State, rule: Rule, tables: Tables, trial: Trial
     while blow < len(system.strikes) and system.strikes[blow]["tick"] == 0:
         first_strike(system, blow, state, record)
         blow += 1
-    last = 0
+    last, tried, seen = 0, 0, 0
     while t < end:
         if record.totals[1] >= max_steps:
             return TOO_MANY_STEPS, t * system.tick, n_history, n_events
         record.totals[1] += 1.0
+        tried += 1
+        if tried == PACED:
+            if t - seen < PACED * (per_sample / max_steps):  # at this pace all steps were gone before the next sample
+                return STALLS, t * system.tick, n_history, n_events
+            tried, seen = 0, t
         limit = end
         while kink < len(system.kinks) and system.kinks[kink] <= t:
             kink += 1
