@@ -35,6 +35,7 @@ from femstruct.files.sound import write_levels, write_room
 from femstruct.files.tables import finding_table, findings_by_case, summary
 from femstruct.files.vtkhdf import write_vtkhdf
 from femstruct.impact.response import Response
+from femstruct.impact.shares import ModeEnergies
 from femstruct.modal.basis import ModalBasis
 from femstruct.study.machine import Verdict
 from femstruct.study.result import AccuracyCheck, CaseComparison, CaseResult, StudyResult
@@ -232,7 +233,7 @@ def _write_response(target: h5py.Group, case: CaseResult, response: Response) ->
         put(events, "what", [event.what for event in response.events], "1", "closes or opens", (number,))
     if response.blows:
         write_blows(group(target, "blows", "Blows of bodies that strike several times"), response.blows)
-    _write_energy(target, response)
+    _write_energy(target, response, case.shares)
     if case.case.study.save_modal:
         modal = group(target, "modal", "Motion of the modes (save: modal)")
         modal["time"] = channels["time"]
@@ -274,7 +275,7 @@ def _table(target: h5py.Group, name: str, description: str, rows: Mapping[str, o
     return made
 
 
-def _write_energy(target: h5py.Group, response: Response) -> None:
+def _write_energy(target: h5py.Group, response: Response, shares: ModeEnergies | None) -> None:
     ledger = response.ledger
     energy = group(target, "energy", "The energy ledger, every term by itself", residual=ledger.residual)
     time = axis(energy, "time", ledger.t, "s", "Time since the start")
@@ -284,6 +285,15 @@ def _write_energy(target: h5py.Group, response: Response) -> None:
         body = axis(energy, "body", list(ledger.bodies), "1", "Name")
         rows = np.array(list(ledger.bodies.values()))
         put(energy, "bodies", rows, "J", "Kinetic and potential energy of the bodies", (body, time))
+    if shares is not None and shares.end:
+        modes = group(energy, "modes", "The structure's energy by modes: groups that add up to it")
+        one = axis(modes, "group", [part.name for part in shares.end], "1", "Mode, modes of an octave, or rigid modes")
+        put(modes, "from_hz", [part.from_hz for part in shares.end], "Hz", "Lowest natural frequency", (one,))
+        put(modes, "to_hz", [part.to_hz for part in shares.end], "Hz", "Highest natural frequency", (one,))
+        put(modes, "end", [part.energy for part in shares.end], "J", "At the end of the window", (one,))
+        if shares.at_separation is not None:
+            parted = [part.energy for part in shares.at_separation]
+            put(modes, "at_separation", parted, "J", "When the collision was over", (one,))
 
 
 _TERMS: Final = {

@@ -11,6 +11,7 @@ from femstruct.errors import Finding
 from femstruct.files.arrays import array_tables
 from femstruct.files.machine import machine_table, verdict_tables
 from femstruct.impact.response import Blow, EnergyBalance, Response
+from femstruct.impact.shares import EnergyGroup, ModeEnergies
 from femstruct.study.result import AccuracyCheck, CaseComparison, CaseResult, StudyResult
 
 Table = dict[str, Any]
@@ -86,7 +87,7 @@ def _case(case: CaseResult) -> Table:
         "bodies": {} if response is None else _bodies(response),
         "blows": {} if response is None else _blows(response),
         "arrays": {} if response is None else array_tables(response),
-        "energy": None if response is None else _energy(response),
+        "energy": None if response is None else _energy(response, case.shares),
         "levels": {name: _levels(levels) for name, levels in case.levels.items()},
         "accuracy": None if case.accuracy is None else _accuracy(case.accuracy),
         "findings": [finding_table(finding) for finding in case.findings],
@@ -142,24 +143,30 @@ def growth(blows: Sequence[Blow]) -> float | None:
     return blows[-1].largest_energy / blows[0].largest_energy if blows[0].largest_energy > 0.0 else None
 
 
-def _energy(response: Response) -> Table:
+def _energy(response: Response, shares: ModeEnergies | None) -> Table:
+    """The ledger; `modes` are the groups that "structure" is the sum of."""
     ledger = response.ledger
     separation = ledger.at_separation
+    parted, end = (None, None) if shares is None else (shares.at_separation, shares.end)
     start = ledger.start
     stored = sum(start.bodies.values()) + start.structure + sum(start.contacts.values()) + sum(start.links.values())
     return {
         "input_j": number(stored + ledger.end.work + ledger.end.blows),
-        "at_separation": None if separation is None else _balance(separation),
-        "end": _balance(ledger.end),
+        "at_separation": None if separation is None else _balance(separation, parted),
+        "end": _balance(ledger.end, end),
         "ledger_residual": number(ledger.residual),
     }
 
 
-def _balance(balance: EnergyBalance) -> Table:
+def _balance(balance: EnergyBalance, groups: Sequence[EnergyGroup] | None) -> Table:
     return {
         "t_s": number(balance.t),
         **{name: number(value) for name, value in balance.bodies.items()},
         "structure": number(balance.structure),
+        "modes": [
+            {"name": g.name, "from_hz": number(g.from_hz), "to_hz": number(g.to_hz), "energy_j": number(g.energy)}
+            for g in groups or ()
+        ],
         "stored": number(sum(balance.contacts.values()) + sum(balance.links.values())),
         "dissipated": number(balance.dissipated),
         "work": number(balance.work),

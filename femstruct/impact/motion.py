@@ -132,6 +132,23 @@ def inner_tables(
     return free, forced
 
 
+def state_at(motion: Motion, what: int, sample: int) -> Floats:
+    """Displacement or velocity of all n coordinates at one sample [n]."""
+    s = int(np.searchsorted(motion.at, sample, side="right")) - 1
+    doublings, inside = int(motion.doublings[s]), sample - int(motion.at[s])
+    if not inside:
+        start: Floats = (motion.z if what == DISPLACEMENT else motion.v)[s].copy()
+        return start
+    by_z, by_v = motion.free[what, 0, :, inside], motion.free[what, 1, :, inside]
+    out: Floats = by_z * motion.z[s] + by_v * motion.v[s]
+    long = int(np.count_nonzero(motion.doublings[:s]))
+    if motion.pushed[long]:
+        forces = motion.forces[long].T @ motion.acts
+        forces[:, : motion.modal.shape[2]] += motion.modal[long]
+        out += (motion.forced[doublings, what, :, :, inside] * forces).sum(axis=0)
+    return out
+
+
 @kernel
 def _through(motion: Motion, what: int, state: int, long: int, first: int, last: int, out: Floats) -> None:
     """Samples of the coordinates first .. last - 1 over a long step, its start first: out [coordinate - first, j]."""

@@ -13,6 +13,7 @@ from acoustics.pressure import RoomResponse
 from femstruct.arrays import Floats
 from femstruct.errors import Finding
 from femstruct.impact.response import Response
+from femstruct.impact.shares import ModeEnergies
 from femstruct.modal.basis import ModalBasis
 from femstruct.model.model import Model
 from femstruct.study.machine import Machine, Verdict
@@ -91,6 +92,7 @@ class CaseResult:
     response is None when nothing was simulated. channels by name ("O_s.z velocity", "box.mic pressure").
     rooms and levels by "ROOM" and "ROOM.RECEIVER".
     accuracy : None where the study asks for none.
+    shares : the structure's energy by modes; None when nothing was simulated.
     """
 
     case: Case
@@ -103,6 +105,7 @@ class CaseResult:
     levels: Mapping[str, Levels]
     findings: tuple[Finding, ...]
     accuracy: AccuracyCheck | None = None
+    shares: ModeEnergies | None = None
 
 
 @dataclass(frozen=True)

@@ -11,6 +11,7 @@ from rich.console import Console
 
 from femstruct.errors import Finding
 from femstruct.files.tables import findings_by_case
+from femstruct.impact.shares import energy_shares
 from femstruct.study.result import AccuracyCheck, CaseComparison, CaseResult, StudyResult
 from femstruct.view.arrays import arrays
 from femstruct.view.blows import blows
@@ -19,6 +20,7 @@ from femstruct.view.machine import limits, machine
 
 Row = Mapping[str, Any]
 DUST = 1e-6  # rad: a micrometre a metre is rounding, or nobody's concern
+TOLD = 0.01  # share of the energy from which on a terminal names what has it
 SPOKEN_HZ = 500.0  # modes above it are in summary.json; a terminal shows those that floors and presses are judged by
 
 
@@ -50,6 +52,7 @@ def show_study(result: StudyResult, written: Mapping[str, float], folder: str = 
         _contacts(result),
         blows(result),
         _energies(result),
+        _whither(result),
         arrays(result),
         _levels(result),
         _modes_db(result),
@@ -241,6 +244,24 @@ def _energies(result: StudyResult) -> Grid:
                 f"{1e3 * balance.dissipated:.4g}",
                 f"{ledger.residual:.1e}" if label == "end" else "",
             )
+    return grid
+
+
+def _whither(result: StudyResult) -> Grid:
+    """What holds the energy of a case and what took it: bodies, modes, contacts and links, losses."""
+    moments: dict[str, list[dict[str, float]]] = {}
+    for name, case in result.cases.items():
+        if case.response is not None and case.shares is not None:
+            ledger, shares = case.response.ledger, case.shares
+            pairs = ((ledger.at_separation, shares.at_separation), (ledger.end, shares.end))
+            moments[name] = [
+                {} if balance is None or groups is None else energy_shares(balance, groups) for balance, groups in pairs
+            ]
+    grid = Grid("where the energy went [% at the separation / at the end]", ("", *moments))
+    told = [share for both in moments.values() for shares_then in both for share in shares_then.items()]
+    for holder in dict.fromkeys(what for what, share in told if share >= TOLD):
+        texts = [[f"{100 * then[holder]:.3g}" if holder in then else "-" for then in both] for both in moments.values()]
+        grid.add(holder, *(" / ".join(both) for both in texts))
     return grid
 
 

@@ -12,7 +12,7 @@ from femstruct.arrays import Floats
 from femstruct.errors import InputError
 from femstruct.impact.passed import passed_on
 from femstruct.impact.response import Event, Response
-from femstruct.modal.basis import ForceRow
+from femstruct.modal.basis import ForceRow, ModalBasis
 from femstruct.study.result import Channel
 from femstruct.study.study import PeakRule, Record, RoomPlan, Study
 from femstruct.workflow.rest import axis_of, planned_contacts
@@ -132,6 +132,17 @@ def _recorded(wanted: Record, study: Study, places: Places, response: Response) 
         expected="motion of POINT.x, displacement, velocity or travel of a body, or force of a contact, link, spring, "
         "foundation, support, joint or ground",
     )
+
+
+def acceleration_rows(study: Study, places: Places, basis: ModalBasis) -> dict[str, Floats]:
+    """Modal rows [k] of the accelerations that a study records, by channel."""
+    rows = {}
+    for wanted in study.records:
+        name, _, direction = wanted.target.rpartition(".")
+        if wanted.what == "acceleration" and name:
+            probe = places.point(name, f"record.{wanted.target}").probe(direction)
+            rows[str(wanted)] = probe.of(basis.shapes)
+    return rows
 
 
 def _forces(target: str, rows: Mapping[str, ForceRow], response: Response) -> dict[str, tuple[Floats, str]]:

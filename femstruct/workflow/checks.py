@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 
 import numpy as np
 
@@ -17,6 +17,7 @@ from femstruct.model.probe import Probe
 
 CELLS_PER_WAVE = 6.0  # bending wavelengths of bfs16 and acm12 are right to about 1 % with six cells
 SLENDER = 10.0  # bending wavelength over thickness below which shear takes more than about 3 % off a frequency
+ALIASED = 0.05  # share of an acceleration's rms that modes above half the sampling may have
 CONTENT = 0.01  # share of a contact force's spectrum beyond the last mode that a basis may miss
 
 
@@ -71,14 +72,44 @@ def impact_findings(basis: ModalBasis, response: Response) -> tuple[Finding, ...
     for name, contact in response.contacts.items():
         if not contact.closings or name not in on_structure:
             continue
-        share = content_above(contact.force, response.clock.sampling, basis.complete_below_hz)
-        if share > CONTENT:
+        given = not basis.complete_below_hz  # a list of modes is complete to no frequency
+        top = float(basis.frequency_hz[basis.modes].max(initial=0.0)) if given else basis.complete_below_hz
+        share = content_above(contact.force, response.clock.sampling, top)
+        if share > CONTENT and top > 0.0:
+            left_out = (
+                "the highest mode that is given; what the structure does there is not known"
+                if given
+                else "where modes are left out (their static share is kept); accelerations there are too small"
+            )
             found.append(
                 Finding(
                     "basis-truncated",
-                    f"{name}: {100 * share:.1f} % of the force's spectrum lies beyond {basis.complete_below_hz:.0f} "
-                    "Hz, where modes are left out (their static share is kept); accelerations there are too small",
-                    {"share": share, "complete_below_hz": basis.complete_below_hz},
+                    f"{name}: {100 * share:.1f} % of the force's spectrum lies beyond {top:.5g} Hz, {left_out}",
+                    {"share": share, "complete_below_hz": basis.complete_below_hz, "highest_hz": top},
+                )
+            )
+    return tuple(found)
+
+
+def aliased_findings(response: Response, accelerations: Mapping[str, Floats]) -> tuple[Finding, ...]:
+    """Recorded accelerations to which modes or residual vectors above half the sampling add more than a little.
+
+    accelerations : the rows [k] of what is recorded, by channel. Displacements and velocities of such modes are small;
+    their accelerations are not, and samples show them at frequencies where nothing is.
+    """
+    half, found = response.clock.sampling / 2.0, []
+    fast = response.basis.frequency_hz > half
+    for name, row in accelerations.items() if fast.any() else ():
+        whole, part = (float(np.sqrt(np.mean(response.acceleration(r) ** 2))) for r in (row, row * fast))
+        if part > ALIASED * whole:
+            found.append(
+                Finding(
+                    "acceleration-aliased",
+                    f"{name}: modes and residual vectors above half the sampling, {half:.5g} Hz, have an rms of "
+                    f"{part:.4g} m/s^2 in it, all together {whole:.4g} m/s^2; samples show them at wrong frequencies. "
+                    f"Sample at {2.0 * response.basis.frequency_hz.max():.4g} Hz or more, or use a low-pass on a "
+                    "velocity",
+                    {"above_half_m_s2": part, "rms_m_s2": whole, "allowed": ALIASED, "half_sampling_hz": half},
                 )
             )
     return tuple(found)

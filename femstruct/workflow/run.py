@@ -17,6 +17,7 @@ from acoustics.pressure import RoomResponse, pressure
 from femstruct.errors import Finding
 from femstruct.impact.bodies import Clock
 from femstruct.impact.response import Response
+from femstruct.impact.shares import mode_energies
 from femstruct.impact.simulate import load_kernels, simulate
 from femstruct.modal.basis import ModalBasis
 from femstruct.model.facts import model_findings
@@ -26,8 +27,8 @@ from femstruct.study.study import Case, Plan, Study
 from femstruct.workflow.accuracy import accuracy_findings, hold_accuracy
 from femstruct.workflow.air import ceiling, coupled, coupled_key
 from femstruct.workflow.bases import Solved, damped, solve_all
-from femstruct.workflow.channels import record
-from femstruct.workflow.checks import impact_findings, mesh_findings, room_findings
+from femstruct.workflow.channels import acceleration_rows, record
+from femstruct.workflow.checks import aliased_findings, impact_findings, mesh_findings, room_findings
 from femstruct.workflow.compare import compare
 from femstruct.workflow.limits import verdicts
 from femstruct.workflow.machine import machines
@@ -168,7 +169,7 @@ def run_case(
         for request in study.frf:
             responses[request.name], advised = frequency_response(request, own.places, basis, study.rooms)
             told += [(request.response.name, advice) for advice in advised]
-    response, channels = None, {}
+    response, channels, shares = None, {}, None
     rooms: dict[str, RoomResponse] = {}
     heard: dict[str, Levels] = {}
     if study.time is not None:
@@ -176,6 +177,7 @@ def run_case(
             timing = Clock(study.time.duration, study.time.sampling, study.time.quiet)
             response = simulate(basis, scene(study, own.places, basis), timing)
             findings += [*response.findings, *impact_findings(vacuo, response), *source_findings(study, response)]
+            shares = mode_energies(response)
         with clock("room", case.name):
             rooms = _rooms(study, own.places, response)
         with clock("levels", case.name):
@@ -185,6 +187,7 @@ def run_case(
                 for receiver, found in response_levels(pressures).items()
             }
             channels = record(study, own.places, response, rooms)
+            findings += aliased_findings(response, acceleration_rows(study, own.places, basis))
         for plan in study.rooms:
             if plan.coupling == "one-way":
                 told += [(plan.name, found) for found in coupling_findings(vacuo, ceiling(plan, own.places), plan.room)]
@@ -193,7 +196,9 @@ def run_case(
         told += [(name, advice) for name, levels_of in heard.items() for advice in levels_of.findings]
     findings += room_findings(told)
     key = coupled_key(own.key, study.rooms)
-    return CaseResult(case, key, basis, response, responses, channels, rooms, heard, distinct(findings), accuracy)
+    return CaseResult(
+        case, key, basis, response, responses, channels, rooms, heard, distinct(findings), accuracy, shares
+    )
 
 
 def distinct(findings: Iterable[Finding]) -> tuple[Finding, ...]:

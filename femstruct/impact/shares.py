@@ -1,0 +1,196 @@
+"""Where the structure's energy is: by mode, in groups, at any instant of a run."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.integrate import solve_ivp
+
+from femstruct.arrays import Floats
+from femstruct.impact.compiled import kernel
+from femstruct.impact.forces import law, load_at
+from femstruct.impact.motion import DISPLACEMENT, VELOCITY, state_at
+from femstruct.impact.response import EnergyBalance, Response
+from femstruct.impact.system import LINK, Compiled, System, compile_scene
+from femstruct.modal.basis import ModalBasis
+
+ALONE = 10  # elastic modes that are told one by one
+EXACT = 3e-14  # relative tolerance from a sample to the instant: the least that the integrator takes
+
+
+@dataclass(frozen=True)
+class EnergyGroup:
+    """Energy [J] of some modes of the structure: "rigid", "mode 4" (rigid ones counted), "modes 14 to 29" of an octave,
+    "residual vectors"; their natural frequencies reach from from_hz to to_hz."""
+
+    name: str
+    from_hz: float
+    to_hz: float
+    energy: float
+
+
+@dataclass(frozen=True)
+class ModeEnergies:
+    """The structure's term of the ledger by groups of modes, at the separation (None without one) and at the end."""
+
+    at_separation: tuple[EnergyGroup, ...] | None
+    end: tuple[EnergyGroup, ...]
+
+
+def mode_energies(response: Response) -> ModeEnergies:
+    """How the structure's energy is shared among rigid modes, the first ten elastic ones and octaves of the others.
+
+    Notes: modes are normalised to the mass and share no energy, however they are damped: the groups add up to
+    `EnergyBalance.structure`. From the last sample before the instant the motion is integrated to it, to 3e-14.
+    """
+    separation, end = response.ledger.at_separation, response.ledger.end
+    compiled = compile_scene(response.basis, response.scene, response.clock)
+    return ModeEnergies(
+        None if separation is None else grouped(response.basis, energy_by_mode(response, compiled, separation.t)),
+        grouped(response.basis, energy_by_mode(response, compiled, end.t)),
+    )
+
+
+def grouped(basis: ModalBasis, energy: Floats) -> tuple[EnergyGroup, ...]:
+    """Energies of modes [k] [J] in groups, in the order of their frequencies; none is empty."""
+    kinds, hz = np.array(basis.kind, dtype=object), basis.frequency_hz
+    elastic = np.flatnonzero(kinds == "elastic")
+    groups: dict[str, list[int]] = {"rigid": np.flatnonzero(kinds == "rigid").tolist()}
+    groups |= {f"mode {i + 1}": [int(i)] for i in elastic[:ALONE]}
+    left = elastic[ALONE:]
+    while left.size:
+        octave = left[hz[left] <= 2.0 * hz[left[0]]]
+        groups[f"modes {octave[0] + 1} to {octave[-1] + 1}" if octave.size > 1 else f"mode {octave[0] + 1}"] = (
+            octave.tolist()
+        )
+        left = left[len(octave) :]
+    groups["residual vectors"] = np.flatnonzero(kinds == "residual").tolist()
+    return tuple(
+        EnergyGroup(name, float(hz[own].min()), float(hz[own].max()), float(energy[own].sum()))
+        for name, own in groups.items()
+        if own
+    )
+
+
+def energy_by_mode(response: Response, compiled: Compiled, t: float) -> Floats:
+    """Kinetic and elastic energy of every mode [k] at a time of the run [J]."""
+    system, sampling = compiled.system, response.clock.sampling
+    sample = min(int(t * sampling), compiled.n_samples - 1)
+    if sample / sampling > t:
+        sample -= 1
+    z, v = (state_at(response.motion, what, sample) for what in (DISPLACEMENT, VELOCITY))
+    now = sample / sampling
+    rest = _rests(response, compiled, sample, z, v)
+    while now < t:
+        then = min((when for when in _breaks(system) if now < when < t), default=t)
+        z, v = _carry(system, rest, now, then, z, v)
+        now = then
+        if now < t:
+            _renew(system, rest, now, z, v)
+    energy: Floats = 0.5 * (v**2 + (system.omega * z) ** 2)[: system.n_modes]
+    return energy
+
+
+def _rests(response: Response, compiled: Compiled, sample: int, z: Floats, v: Floats) -> Floats:
+    """Elongations of links at their release, from the forces they have at a sample."""
+    system, rest = compiled.system, np.zeros(len(compiled.system.interfaces))
+    released = sample << compiled.halvings
+    for name, a in compiled.links.items():
+        link = system.interfaces[a]
+        if 0 < link["release"] <= released and link["stiffness"] > 0.0:
+            place, rate = float(system.rows[a] @ z), float(system.rows[a] @ v)
+            damping = link["opening"] if rate < 0.0 else link["closing"]
+            force = response.links[name][sample] - damping * rate - link["preload"]
+            rest[a] = place - force / link["stiffness"]
+    return rest
+
+
+def _breaks(system: System) -> list[float]:
+    """Times at which a link is released or a body strikes [s]."""
+    links = system.interfaces["kind"] == LINK
+    ticks = {*system.interfaces["release"][links].tolist(), *system.strikes["tick"].tolist()}
+    return [tick * system.tick for tick in sorted(ticks)]
+
+
+def _renew(system: System, rest: Floats, now: float, z: Floats, v: Floats) -> None:
+    """Release the links and place the bodies whose time is now."""
+    for a in np.flatnonzero((system.interfaces["kind"] == LINK) & (system.interfaces["release"] * system.tick == now)):
+        rest[a] = system.rows[a] @ z
+    for blow in system.strikes[system.strikes["tick"] * system.tick == now]:
+        z[blow["coordinate"]] = system.over[blow["over"]] @ z
+        v[blow["coordinate"]] = blow["velocity"]
+
+
+def _carry(system: System, rest: Floats, begin: float, end: float, z: Floats, v: Floats) -> tuple[Floats, Floats]:
+    """The state some fraction of a sample later, by scipy's DOP853."""
+    n = len(z)
+    pace = float(np.sqrt(np.sum(v**2 + (system.omega * z) ** 2))) or 1.0
+    atol = EXACT * pace * np.concatenate((np.full(n, end - begin), np.ones(n)))
+    run = solve_ivp(_rates, (begin, end), np.concatenate((z, v)), "DOP853", rtol=EXACT, atol=atol, args=(system, rest))
+    return run.y[:n, -1], run.y[n:, -1]
+
+
+@kernel
+def _rates(t: float, y: Floats, system: System, rest: Floats) -> Floats:
+    """Velocities and accelerations of all coordinates, from their values alone."""
+    n, m = len(system.omega), len(system.interfaces)
+    out = np.empty(2 * n)
+    for i in range(n):
+        out[i] = y[n + i]
+        out[n + i] = -(system.omega[i] ** 2) * y[i] - system.damping[i] * y[n + i]
+    for i in range(len(system.coupling)):
+        for j in range(len(system.coupling)):
+            out[n + i] -= system.coupling[i, j] * y[n + j]
+    for a in range(len(system.rows)):
+        if a >= m:
+            force = load_at(system, a - m, t)
+        else:
+            place, rate = 0.0, 0.0
+            for i in range(n):
+                place += system.rows[a, i] * y[i]
+                rate += system.rows[a, i] * y[n + i]
+            force = _force(t, system, rest, a, place, rate)
+        if force != 0.0:
+            force *= system.sign[a]
+            for i in range(n):
+                out[n + i] += system.rows[a, i] * force
+    return out
+
+
+@kernel
+def _force(t: float, system: System, rest: Floats, a: int, place: float, rate: float) -> float:
+    """Force of an interface: a contact acts while it is indented, and pulls only if it is tensile."""
+    kind, begun = system.interfaces[a]["kind"], t >= system.interfaces[a]["release"] * system.tick
+    if kind == LINK:
+        return law(system, a, place - rest[a], rate)[0] if begun else 0.0
+    delta, force = place + system.interfaces[a]["offset"], 0.0
+    if begun and delta > 0.0:
+        force = law(system, a, delta, rate)[0]
+        if system.interfaces[a]["tensile"] == 0:
+            force = max(force, 0.0)
+    return float(force - system.interfaces[a]["preload"])
+
+
+def energy_shares(balance: EnergyBalance, groups: Sequence[EnergyGroup]) -> dict[str, float]:
+    """What holds energy and what took it, by name, as shares of all that is stored and lost at that instant [1].
+
+    An array of bodies, "NAME.1" and on, counts as one.
+    """
+    held: dict[str, float] = {}
+    for body, energy in balance.bodies.items():
+        array = body.rpartition(".")[0] or body
+        held[array] = held.get(array, 0.0) + energy
+    for group in groups:
+        hz = f" ({group.from_hz:.4g} Hz)" if group.from_hz == group.to_hz > 0.0 else ""
+        held[group.name + hz] = group.energy
+    held |= {
+        "held by contacts": sum(balance.contacts.values()),
+        "held by links": sum(balance.links.values()),
+        "lost in modes": balance.lost_modes,
+        "lost in contacts": sum(balance.lost_contacts.values()),
+        "lost in links": sum(balance.lost_links.values()),
+    }
+    whole = sum(abs(energy) for energy in held.values())
+    return {name: energy / whole for name, energy in held.items()} if whole else {}
