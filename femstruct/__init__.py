@@ -28,6 +28,8 @@ if TYPE_CHECKING:
     from femstruct.errors import InputError as InputError
     from femstruct.files.results import write_results as write_results
     from femstruct.files.stored import read_results as read_results
+    from femstruct.impact.batch import Batch as Batch
+    from femstruct.impact.batch import simulate_batch as simulate_batch
     from femstruct.impact.bodies import GROUND as GROUND
     from femstruct.impact.bodies import Body as Body
     from femstruct.impact.bodies import Clock as Clock
@@ -66,6 +68,7 @@ _NAMES = {
     "errors": ("FemstructError", "Finding", "InputError"),
     "files.results": ("write_results",),
     "files.stored": ("read_results",),
+    "impact.batch": ("Batch", "simulate_batch"),
     "impact.bodies": ("GROUND", "Body", "Clock", "Contact", "Link", "Load", "Scene"),
     "impact.factored": ("Cubic", "HuntCrossley", "LankaraniNikravesh", "Tabulated"),
     "impact.laws": ("Hertz", "Linear", "Stop"),

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from femstruct.impact.forces import State
-from femstruct.impact.march import levels_for, march
+from femstruct.impact.march import ERROR_BUDGET, levels_for, longest_coupled, march
 from femstruct.impact.propagate import trial_room
 from femstruct.impact.rule import collocation_rule
 from femstruct.impact.sampling import Record
@@ -14,7 +14,6 @@ from femstruct.impact.tables import Tables
 
 MAX_STEPS = 20_000_000
 LEDGER_ROWS = 2048  # at most, while nothing acts
-ERROR_BUDGET = 0.1  # share of the tolerance that a step may spend
 
 Ended = tuple[int, float, int, int]  # how, when [s], ledger rows, events
 
@@ -41,11 +40,7 @@ def collocate(
     finer : how often the longest step is halved, which a loose tolerance takes wherever it can.
     """
     system = compiled.system
-    top_level = levels_for(compiled.halvings) - 1
-    if system.coupling.size:
-        rate = float(np.linalg.norm(system.coupling, 2))
-        while top_level > 0 and rate * system.tick * 2.0**top_level > 1.0:
-            top_level -= 1
+    top_level = longest_coupled(system, levels_for(compiled.halvings) - 1)
     if finer:
         end = compiled.n_samples << compiled.halvings
         longest = 4 * max(end // LEDGER_ROWS, 1)  # as the march has it, for its ledger

@@ -15,6 +15,11 @@ def kernel(function: F) -> F:
     return cast(F, njit(cache=True, error_model="numpy")(function))
 
 
+def released(function: F) -> F:
+    """As `kernel`, and other threads run meanwhile."""
+    return cast(F, njit(cache=True, error_model="numpy", nogil=True)(function))
+
+
 def summing(function: F) -> F:
     """As `kernel`, for plain sums: the order of the terms is the compiler's, so that it can use vectors."""
     return cast(F, njit(cache=True, error_model="numpy", fastmath={"reassoc", "contract", "nsz"})(function))

@@ -10,13 +10,13 @@ import numpy as np
 
 from femstruct.arrays import Floats, Integers
 from femstruct.impact.compiled import kernel
-from femstruct.impact.energy import integrate_losses, take_stock
+from femstruct.impact.energy import TIME, integrate_losses, take_stock
 from femstruct.impact.events import CHANGES, UNCERTAIN, strays, switch, watch
 from femstruct.impact.flow import advance
 from femstruct.impact.forces import AWAY, CLOSED, OPEN, State, load_at, net_force, rows_now
 from femstruct.impact.propagate import Trial, try_step
 from femstruct.impact.rule import LONGEST_DOUBLINGS, PLACES, STAGES, Rule
-from femstruct.impact.sampling import Record, keep, peaks, peaks_at_start
+from femstruct.impact.sampling import Record, keep, peaks, peaks_at_start, travels
 from femstruct.impact.strikes import first_strike, strike, touch
 from femstruct.impact.system import CONSTANT, LINK, System
 from femstruct.impact.tables import Tables, tabulate
@@ -24,16 +24,25 @@ from femstruct.impact.tables import Tables, tabulate
 DONE, TOO_MANY_STEPS, NO_FORCES, TOO_MANY_EVENTS, STICKS, STALLS = 0, 1, 2, 3, 4, 5
 OPENS, CLOSES = 0, 1
 PACED = 50_000  # steps tried between two looks at the progress: a second or two
+ERROR_BUDGET = 0.1  # share of the tolerance that a step may spend
+TROUBLE = {
+    TOO_MANY_STEPS: "too many steps",
+    TOO_MANY_EVENTS: "a contact chatters",
+    NO_FORCES: "no contact force was found",
+}
 
 
 @kernel
 def march(system: System, state: State, rule: Rule, tables: Tables, trial: Trial, record: Record, halvings: int,
           top_level: int, tolerance: float, max_steps: int) -> tuple[int, float, int, int]:  # fmt: skip
-    """Run to the end; returns how it ended, when, and the numbers of ledger rows and events in the record."""
+    """Run to the end; returns how it ended, when, and the numbers of ledger rows and events in the record.
+
+    A record without samples is of one interval of 2^halvings ticks, and keeps the first and the last ledger row only.
+    """
     history, events, event_rows = record.history, record.events, record.event_rows
-    m, n, nt = len(system.interfaces), len(system.omega), len(record.at)
+    m, n, samples = len(system.interfaces), len(system.omega), len(record.at)
     per_sample = 1 << halvings
-    end = nt * per_sample
+    end = max(samples, 1) * per_sample
     lost = np.zeros(m + 3)
     bounds, work = np.zeros((m, 4)), np.zeros((STAGES + 4, n))
     loaded, closed_at = np.zeros(m), np.zeros(m)
@@ -50,7 +59,7 @@ def march(system: System, state: State, rule: Rule, tables: Tables, trial: Trial
             _log(events, event_rows, n_events, a, CLOSES, 0, history[0])
             n_events += 1
     stride = max(end // 2048, 1)
-    while top_level > 0 and (1 << top_level) > 4 * stride:  # a row of the ledger is the end of a step
+    while samples > 0 and top_level > 0 and (1 << top_level) > 4 * stride:  # a ledger row is the end of a step
         top_level -= 1
     t, level, hint, kink, blow = 0, top_level, -1, 0, 0
     while blow < len(system.strikes) and system.strikes[blow]["tick"] == 0:
@@ -100,13 +109,15 @@ def march(system: System, state: State, rule: Rule, tables: Tables, trial: Trial
             hint = t + int(part * ticks)
             level -= 1
             continue
-        if t % per_sample == 0:
+        if samples > 0 and t % per_sample == 0:
             keep(t // per_sample, max(level - halvings, 0), state, trial, record)
         peaks(now, h, system, state, rule, trial, record)
+        travels(h, system, state, rule, trial, record)
         integrate_losses(h, system, state, rule, trial, lost)
         lost[m] += advance(level, system, tables, trial.forces, trial.modal, state.z, state.v, work)
         t += ticks
         now = t * system.tick
+        moment = now - (1.0 - part) * h if answer == CHANGES else now
         rows_now(system, state.z, state.v, place, rate)
         for a in range(len(system.rows)):
             for p in range(PLACES):
@@ -121,9 +132,9 @@ def march(system: System, state: State, rule: Rule, tables: Tables, trial: Trial
                     state.status[a] = switch(system, state, trial, bounds, a)
                     loaded[a] = _is_loaded(system, state, a, place[a], rate[a], before)
                     changed = changed or loaded[a] != before
-                    closed_at[a] = now if loaded[a] > before else closed_at[a]
+                    closed_at[a] = moment if loaded[a] > before else closed_at[a]
                     if loaded[a] < before:
-                        record.shortest[a] = min(record.shortest[a], now - closed_at[a])
+                        record.shortest[a] = min(record.shortest[a], moment - closed_at[a])
         struck = blow < len(system.strikes) and system.strikes[blow]["tick"] <= t
         if struck:
             take_stock(now, system, state, place, lost, history[n_history])
@@ -143,7 +154,7 @@ def march(system: System, state: State, rule: Rule, tables: Tables, trial: Trial
                     _log(events, event_rows, n_events, a, OPENS, all_open, history[n_history - 1])
                     n_events += 1
                     record.totals[4 + a] = 0.0
-            changed = True
+            changed, moment = True, now
         for a in range(m):
             if (
                 system.interfaces[a]["kind"] == LINK
@@ -165,11 +176,12 @@ def march(system: System, state: State, rule: Rule, tables: Tables, trial: Trial
                     if n_events == len(events):
                         return TOO_MANY_EVENTS, now, n_history, n_events
                     _log(events, event_rows, n_events, a, what, all_open, history[n_history])
+                    event_rows[n_events, TIME] = moment
                     n_events += 1
         for a in range(m):
             record.totals[4 + a] = loaded[a]
         busy = (acting or _total(loaded) > 0.0) and t - last >= per_sample
-        if busy or struck or t - last >= stride or t == end:
+        if samples > 0 and (busy or struck or t - last >= stride or t == end):
             n_history += 1
             last = t
         record.totals[0] += 1.0
@@ -248,3 +260,12 @@ def _log(events: Integers, rows: Floats, count: int, a: int, what: int, all_open
 def levels_for(halvings: int) -> int:
     """Number of step lengths: from a tick to the longest step."""
     return halvings + LONGEST_DOUBLINGS + 1
+
+
+def longest_coupled(system: System, top_level: int) -> int:
+    """Level of the longest step over which damping that couples the modes can be iterated, at most top_level."""
+    if system.coupling.size:
+        rate = float(np.linalg.norm(system.coupling, 2))
+        while top_level > 0 and rate * system.tick * 2.0**top_level > 1.0:
+            top_level -= 1
+    return top_level

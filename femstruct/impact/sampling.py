@@ -12,7 +12,7 @@ from femstruct.impact.energy import ledger_width
 from femstruct.impact.forces import CLOSED, State, law, load_at, net_force
 from femstruct.impact.motion import Motion, inner_tables
 from femstruct.impact.propagate import Trial
-from femstruct.impact.rule import PLACES, STAGES, Rule
+from femstruct.impact.rule import PLACES, POINTS, STAGES, Rule
 from femstruct.impact.system import LINK, System
 from femstruct.impact.tables import Tables
 
@@ -45,6 +45,7 @@ class Record(NamedTuple):
     peak: Floats
     deepest: Floats
     shortest: Floats
+    travel: Floats
     totals: Floats
     history: Floats
     events: Integers
@@ -75,6 +76,7 @@ def room_for(system: System, n_samples: int) -> Record:
         peak=np.zeros((m, 2)),
         deepest=np.zeros(m),
         shortest=np.full(m, np.inf),
+        travel=np.zeros(n - system.n_modes),
         totals=np.zeros(4 + m),
         history=np.empty((n_samples + 2100 + 2 * blows, width)),
         events=np.empty((MOST_EVENTS, 3), dtype=np.int64),
@@ -168,6 +170,14 @@ def peaks(t: float, h: float, system: System, state: State, rule: Rule, trial: T
         largest = max(largest, start, end) + system.interfaces[a]["preload"]
         if largest < 0.9 * record.peak[a, 0]:
             continue
+        rising, falling = 0.0, 0.0  # slopes at the end and at the start
+        for p in range(STAGES):
+            rising -= rule.slopes[1, STAGES - 1 - p] * trial.forces[a, p]
+            falling += rule.slopes[1, p] * trial.forces[a, p]
+        if (at == STAGES - 1 and rising >= 0.0) or (at == 0 and falling <= 0.0):
+            if largest > record.peak[a, 0]:
+                record.peak[a, 0], record.peak[a, 1] = largest, t + h if at else t
+            continue
         low, high = rule.places[at], rule.places[at + 2]
         golden = 0.6180339887498949
         for _ in range(45):
@@ -185,6 +195,31 @@ def peaks(t: float, h: float, system: System, state: State, rule: Rule, trial: T
         ):
             if value > record.peak[a, 0]:
                 record.peak[a, 0], record.peak[a, 1] = value, t + where * h
+
+
+@kernel
+def travels(h: float, system: System, state: State, rule: Rule, trial: Trial, record: Record) -> None:
+    """Largest displacement of each body in the step: at its nodes and end, and at the vertex of the cubic between."""
+    for b in range(len(record.travel)):
+        i = system.n_modes + b
+        x, v, before, most = state.z[i], state.v[i], 0.0, record.travel[b]
+        for p in range(POINTS):
+            theta = rule.ends[p]
+            place, rate = state.z[i] + theta * h * state.v[i], state.v[i]
+            for a in range(len(system.rows)):
+                weight = system.sign[a] * system.rows[a, i]
+                if weight != 0.0:
+                    for s in range(STAGES):
+                        place += h * h * rule.moments[1, p, s] * weight * trial.forces[a, s]
+                        rate += h * rule.moments[0, p, s] * weight * trial.forces[a, s]
+            most = max(most, abs(place))
+            if v * rate < 0.0:
+                span = (theta - before) * h
+                part = v / (v - rate)  # where the speed changes sign, were it straight
+                least = x + span * part * (v + 0.5 * part * (rate - v))
+                most = max(most, abs(least))
+            x, v, before = place, rate, theta
+        record.travel[b] = most
 
 
 @kernel

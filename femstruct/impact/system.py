@@ -105,8 +105,8 @@ class Compiled:
     halvings: int
 
 
-def compile_scene(basis: ModalBasis, scene: Scene, clock: Clock) -> Compiled:
-    """The scene as rows over [modes; bodies].
+def compile_scene(basis: ModalBasis, scene: Scene, clock: Clock, finest: int = FINEST_HALVINGS) -> Compiled:
+    """The scene as rows over [modes; bodies]. finest : halvings of the sampling interval to a tick, at most.
 
     Raises FemstructError for a name used twice, an end that is no body, a preloaded stop, a modal velocity of the
     wrong length, or nothing that could move.
@@ -117,7 +117,7 @@ def compile_scene(basis: ModalBasis, scene: Scene, clock: Clock) -> Compiled:
     if k + len(bodies) == 0:
         raise FemstructError("scene", got="no mode and no body", expected="something that moves")
     scale = np.concatenate((np.ones(k), np.sqrt([body.mass for body in scene.bodies])))
-    n_samples, halvings, tick = _ticks(clock)
+    n_samples, halvings, tick = _ticks(clock, finest)
     first_blow = {blows.body: round(blows.first / tick) for blows in scene.blows}
 
     def row(end: End, where: str) -> Floats:
@@ -283,10 +283,10 @@ def _refuse_held(scene: Scene, bodies: Mapping[str, int]) -> None:
             )
 
 
-def _ticks(clock: Clock) -> tuple[int, int, float]:
+def _ticks(clock: Clock, finest: int) -> tuple[int, int, float]:
     """Number of samples, halvings of the sampling interval to a tick, tick [s]."""
     n_samples = max(round(clock.duration * clock.sampling), 1)
-    halvings = min(FINEST_HALVINGS, 61 - n_samples.bit_length())
+    halvings = min(finest, 61 - n_samples.bit_length())
     return n_samples, halvings, 1.0 / clock.sampling / 2.0**halvings
 
 

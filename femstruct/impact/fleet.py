@@ -1,0 +1,203 @@
+"""A batch made ready for its kernel: shared tables, the tick, and the numbers of some of its runs."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from femstruct.arrays import Floats
+from femstruct.errors import InputError
+from femstruct.impact.bodies import Clock
+from femstruct.impact.energy import ledger_width
+from femstruct.impact.forces import State
+from femstruct.impact.many import Columns, Runs, Shared, columns, run_many
+from femstruct.impact.march import ERROR_BUDGET, longest_coupled
+from femstruct.impact.propagate import trial_room
+from femstruct.impact.rule import FINEST_HALVINGS, collocation_rule
+from femstruct.impact.sampling import room_for
+from femstruct.impact.system import HERTZ, LINEAR, LINK, POWER, Compiled, Records, System, compile_scene
+from femstruct.impact.tables import Tables, empty_tables, tabulate
+from femstruct.impact.vary import Variation
+from femstruct.modal.basis import ModalBasis
+
+MAX_STEPS = 2_000_000  # of a run
+SURVEYED = 4096  # runs looked at together for the tick
+LEAST_HALVINGS = 12
+FIELDS = {"damping": "closing", "dissipation": "closing", "exponent": "shape", "cubic": "shape"}
+
+
+@dataclass(frozen=True, eq=False)
+class Fleet:
+    """What all runs share, and where their numbers come from.
+
+    compiled : the scene as given; top_level : of the steps; columns : of a row of metrics.
+    """
+
+    varied: Variation
+    clock: Clock
+    compiled: Compiled
+    shared: Shared
+    tables: Tables
+    top_level: int
+    columns: Columns
+
+    @staticmethod
+    def of(basis: ModalBasis, varied: Variation, window: Clock) -> Fleet:
+        """A fleet on a basis. window : of one sample, so that its end is a power of two ticks away."""
+        compiled = compile_scene(basis, varied.scene, window)
+        halvings = _halvings(varied, compiled, window)
+        compiled = compile_scene(basis, varied.scene, window, halvings)
+        system, k = compiled.system, compiled.system.n_modes
+        top_level = longest_coupled(system, halvings)
+        weight = len(system.rows) - 1 if varied.scene.gravity and any(b.falls for b in varied.scene.bodies) else -1
+        entries = system.rows[:, k:] * compiled.scale[k:]
+        if weight >= 0:
+            entries[weight] = system.rows[weight, k:] / compiled.scale[k:]
+        of_modes = system.rows.copy()
+        of_modes[:, k:] = 0.0
+        modes = _tabulated(system._replace(rows=of_modes), top_level + 1)
+        unit = system._replace(
+            omega=np.zeros(1),
+            damping=np.zeros(1),
+            coupling=np.zeros((0, 0)),
+            n_modes=0,
+            rows=np.ones((1, 1)),
+            sign=np.ones(1),
+            mobility=np.ones(1),
+        )
+        shared = Shared(
+            start=compiled.start[:, :k].copy(),
+            entries=entries,
+            weight=weight,
+            mobility=(of_modes**2).sum(axis=1),
+            modes=modes,
+            mass=_tabulated(unit, top_level + 1),
+        )
+        width = ledger_width(system)
+        at = columns(len(system.interfaces), len(varied.scene.bodies), width)
+        return Fleet(varied, window, compiled, shared, modes, top_level, at)
+
+
+def run_some(fleet: Fleet, first: int, out: Floats) -> None:
+    """Fill the rows of the runs from `first` on; all it changes is its own."""
+    system, tables = fleet.compiled.system, fleet.tables
+    r, m, n = len(system.rows), len(system.interfaces), len(system.omega)
+    run_many(
+        system._replace(rows=system.rows.copy(), mobility=system.mobility.copy()),
+        fleet.shared,
+        tables._replace(
+            ready=tables.ready.copy(),
+            free=tables.free.copy(),
+            forced=tables.forced.copy(),
+            stray_push=tables.stray_push.copy(),
+        ),
+        numbers(fleet.varied, fleet.compiled, first, first + len(out)),
+        collocation_rule(),
+        trial_room(system),
+        room_for(system, 0),
+        State(
+            z=np.zeros(n),
+            v=np.zeros(n),
+            status=np.zeros(m, dtype=np.int64),
+            rest=np.zeros(m),
+            pace=np.zeros(r),
+            force=np.zeros(m),
+        ),
+        fleet.compiled.halvings,
+        fleet.top_level,
+        fleet.clock.tolerance * ERROR_BUDGET,
+        fleet.clock.quiet,
+        MAX_STEPS,
+        fleet.columns,
+        out,
+    )
+
+
+def numbers(varied: Variation, compiled: Compiled, first: int, last: int) -> Runs:
+    """Masses, speeds, laws and loads of the runs first .. last - 1."""
+    scene, system, count = varied.scene, compiled.system, last - first
+
+    def values(name: str, otherwise: float) -> Floats:
+        return np.broadcast_to(varied.columns[name][first:last] if name in varied.columns else otherwise, (count,))
+
+    interfaces = np.repeat(system.interfaces[None], count, axis=0)
+    for name, rows in compiled.contacts.items():
+        for a in rows:
+            for word in ("stiffness", *FIELDS):
+                if f"{name}.{word}" in varied.columns:
+                    interfaces[FIELDS.get(word, word)][:, a] = values(f"{name}.{word}", 0.0)
+            interfaces["opening"][:, a] = interfaces["closing"][:, a]
+            interfaces["preload"][:, a] = values(f"{name}.preload", float(system.interfaces[a]["preload"]))
+            gap = next(contact.gap for contact in scene.contacts if contact.name == name)
+            interfaces["offset"][:, a] = _rest(name, varied, interfaces[:, a]) - values(f"{name}.gap", gap)
+    for name, a in compiled.links.items():
+        for word in ("stiffness", "closing", "opening", "preload"):
+            interfaces[word][:, a] = values(f"{name}.{word}", float(system.interfaces[a][word]))
+    loads = np.repeat(system.loads[None], count, axis=0)
+    for i, load in enumerate(scene.loads):
+        loads["value"][:, i] = values(f"{load.name}.amplitude", float(system.loads[i]["value"]))
+    masses = [values(f"{body.name}.mass", body.mass) for body in scene.bodies]
+    speeds = [values(f"{body.name}.velocity", body.velocity) for body in scene.bodies]
+    shape = (len(scene.bodies), count)
+    mass, velocity = (np.array(columns).reshape(shape).T.copy() for columns in (masses, speeds))
+    return Runs(mass, velocity, interfaces, loads)
+
+
+def _rest(name: str, varied: Variation, interfaces: Records) -> Floats:
+    """Indentation under the preload of one contact in all runs [runs]."""
+    preload, kind = interfaces["preload"], int(interfaces["kind"][0])
+    if not preload.any():
+        return np.zeros(len(preload))
+    if kind in (HERTZ, LINEAR, POWER):
+        exponent = interfaces["shape"] if kind == POWER else {HERTZ: 1.5, LINEAR: 1.0}[kind]
+        rest: Floats = (preload / interfaces["stiffness"]) ** (1.0 / exponent)
+        return rest
+    if {f"{name}.{word}" for word in ("stiffness", "cubic", "preload")} & varied.columns.keys():
+        raise InputError(f"vary.{name}", got="a spring or a preload that varies", expected="those of the scene", do=
+                         "a preloaded cubic or tabulated contact has one rest position in a batch")  # fmt: skip
+    contact = next(contact for contact in varied.scene.contacts if contact.name == name)
+    return np.full(len(preload), contact.law.indentation(contact.preload))
+
+
+def _tabulated(system: System, levels: int) -> Tables:
+    tables = empty_tables(system, levels)
+    for level in range(levels):
+        tabulate(level, system.tick * 2.0**level, system, collocation_rule(), tables)
+    return tables
+
+
+def _halvings(varied: Variation, compiled: Compiled, window: Clock) -> int:
+    """Halvings of the window to a tick in which no contact that closes or opens does anything.
+
+    The step of a change is a tick long, and the force in it may be missed: what counts, as in all steps, is the speed
+    it would give the mass behind the contact, against the tolerance. Energy bounds the speeds, where nothing is held
+    or pushed at the start; else, and for laws with another spring, the tick is as short as numbers allow.
+    """
+    scene, system, k = varied.scene, compiled.system, compiled.system.n_modes
+    simple = not (scene.loads or scene.gravity or any(link.release_at for link in scene.links))
+    allowed, shortest = window.tolerance * ERROR_BUDGET, window.duration
+    for first in range(0, varied.runs, SURVEYED):
+        runs = numbers(varied, compiled, first, min(first + SURVEYED, varied.runs))
+        if not simple or runs.interfaces["preload"].any() or (runs.interfaces["kind"] > LINK).any():
+            return FINEST_HALVINGS
+        energy = 0.5 * ((runs.mass * runs.velocity**2).sum(axis=1) + (compiled.start[1, :k] ** 2).sum())
+        for a in np.flatnonzero(system.interfaces["kind"] != LINK):
+            law = runs.interfaces[:, a]
+            mobility = (system.rows[a, :k] ** 2).sum() + (
+                (system.rows[a, k:] * compiled.scale[k:]) ** 2 / runs.mass
+            ).sum(axis=1)
+            speed = np.sqrt(2.0 * energy * mobility)
+            spring, dashpot = mobility * law["stiffness"] / allowed, mobility * law["closing"] / allowed
+            if law["kind"][0] == HERTZ:
+                rates = _larger((spring * np.sqrt(speed)) ** 0.4, (dashpot * np.sqrt(speed)) ** (2.0 / 3.0))
+            else:
+                rates = _larger(np.sqrt(spring), dashpot)
+            shortest = min(shortest, 1.0 / max(float(rates.max()), 1e-300))
+    return int(np.clip(np.ceil(np.log2(window.duration / shortest)), LEAST_HALVINGS, FINEST_HALVINGS))
+
+
+def _larger(left: Floats, right: Floats) -> Floats:
+    larger: NDArray[np.float64] = np.maximum(left, right)
+    return larger
