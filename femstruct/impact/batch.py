@@ -97,8 +97,8 @@ def simulate_batch(
     threads : all cores if None. The results do not depend on it, to the last bit.
     progress : told how many runs are done, of how many.
 
-    Raises InputError for unknown names, columns of unequal length or none, and a scene with blows; FemstructError for values that a body,
-    contact or link refuses. A run that fails has its row, and raises nothing.
+    Raises InputError for unknown names, columns of unequal length or none, and a scene with blows; FemstructError for
+    values that a body, contact or link refuses. A run that fails has its row, and raises nothing.
 
     Notes: the same march as `simulate`, in longer steps, since nothing is sampled; an event ends a step so short that
     the force in it is below the tolerance. The tables of the modes are made once for all runs.

@@ -189,12 +189,13 @@ def _halvings(varied: Variation, compiled: Compiled, window: Clock) -> int:
                 (system.rows[a, k:] * compiled.scale[k:]) ** 2 / runs.mass
             ).sum(axis=1)
             speed = np.sqrt(2.0 * energy * mobility)
-            spring, dashpot = mobility * law["stiffness"] / allowed, mobility * law["closing"] / allowed
+            with np.errstate(over="ignore"):  # a contact that stiff gets the shortest tick
+                spring, dashpot = mobility * law["stiffness"] / allowed, mobility * law["closing"] / allowed
             if law["kind"][0] == HERTZ:
-                rates = _larger((spring * np.sqrt(speed)) ** 0.4, (dashpot * np.sqrt(speed)) ** (2.0 / 3.0))
+                rates = _larger(spring**0.4 * speed**0.2, (dashpot * np.sqrt(speed)) ** (2.0 / 3.0))
             else:
                 rates = _larger(np.sqrt(spring), dashpot)
-            shortest = min(shortest, 1.0 / max(float(rates.max()), 1e-300))
+            shortest = min(shortest, 1.0 / np.clip(float(rates.max()), 1e-300, 1e300))
     return int(np.clip(np.ceil(np.log2(window.duration / shortest)), LEAST_HALVINGS, FINEST_HALVINGS))
 
 

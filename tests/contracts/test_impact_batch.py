@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 
-from femstruct.errors import FemstructError
+from femstruct.errors import FemstructError, InputError
 from femstruct.impact.batch import Batch, Energies, simulate_batch
-from femstruct.impact.bodies import GROUND, Body, Clock, Contact, HalfSine, Link, Load, Scene
+from femstruct.impact.bodies import GROUND, Blows, Body, Clock, Contact, HalfSine, Link, Load, Scene
 from femstruct.impact.laws import Hertz, HuntCrossley, Linear, Stop
 from femstruct.impact.response import EnergyBalance, Outcome
 from femstruct.impact.simulate import simulate
@@ -194,6 +195,14 @@ def test_refusals(vary: dict[str, list[float]], message: str) -> None:
     scene = Scene((Body("ball", 1.0, -1.0),), (Contact("wall", "ball", GROUND, Hertz(1e6)),))
     with pytest.raises(FemstructError, match=message):
         simulate_batch(NONE, scene, Clock(0.1, 1e3), vary)
+
+
+def test_a_scene_with_blows_is_refused() -> None:
+    scene = Scene((Body("ball", 1.0, -1.0),), (Contact("wall", "ball", GROUND, Hertz(1e6)),))
+    with pytest.raises(InputError, match="scene: got blows"):
+        simulate_batch(
+            NONE, replace(scene, blows=(Blows("ball", GROUND, 0.1, 2),)), Clock(1.0, 1e3), {"ball.mass": [1.0]}
+        )
 
 
 def test_interruption_leaves_between_chunks() -> None:
