@@ -46,7 +46,8 @@ class Batch:
     """Metrics of many runs of one scene, each [runs]; a run that failed has nan, and says why in `trouble`.
 
     basis, clock; varied : the scene as given and the columns of numbers that took its place.
-    status : 0 for a run that reached its end. outcome : None for one that did not. steps : of the march.
+    status : 0 for a run that reached its end. outcome : None for one that did not; CLOSED_AT_END also where bodies come
+    to rest, which only their histories tell. steps : of the march.
     peak_force [N], peak_time [s], deepest indentation [m], closings, first_open [s] (nan if never) by contact.
     separated : whether the collision ended; at_separation, end : energies.
     end_velocity [m/s], travel [m] : of the bodies; travel is the largest displacement either way.
