@@ -101,8 +101,9 @@ def simulate_batch(
     Raises InputError for unknown names, columns of unequal length or none, and a scene with blows; FemstructError for
     values that a body, contact or link refuses. A run that fails has its row, and raises nothing.
 
-    Notes: the same march as `simulate`, in longer steps, since nothing is sampled; an event ends a step so short that
-    the force in it is below the tolerance. The tables of the modes are made once for all runs.
+    Notes: the marches of `simulate`. All runs take the exact one when the stiffest laws and the lightest bodies of any
+    run allow it. Otherwise steps are longer, since nothing is sampled; an event ends a step so short that the force in
+    it is below the tolerance. The tables of the modes are made once for all runs.
 
     A ball hits a wall through a spring at three speeds; the force is v sqrt(k m), the contact half a period:
 

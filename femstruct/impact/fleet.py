@@ -11,8 +11,10 @@ from femstruct.arrays import Floats
 from femstruct.errors import InputError
 from femstruct.impact.bodies import Clock
 from femstruct.impact.energy import ledger_width
+from femstruct.impact.exact.choice import takes_exact_march
+from femstruct.impact.exact.rule import exact_room, exact_rule
 from femstruct.impact.forces import State
-from femstruct.impact.many import Columns, Runs, Shared, columns, run_many
+from femstruct.impact.many import Columns, Marches, Runs, Shared, columns, run_many
 from femstruct.impact.march import ERROR_BUDGET, longest_coupled
 from femstruct.impact.propagate import trial_room
 from femstruct.impact.rule import FINEST_HALVINGS, collocation_rule
@@ -32,7 +34,8 @@ FIELDS = {"damping": "closing", "dissipation": "closing", "exponent": "shape", "
 class Fleet:
     """What all runs share, and where their numbers come from.
 
-    compiled : the scene as given; top_level : of the steps; columns : of a row of metrics.
+    compiled : the scene as given; exact : whether all runs take the exact march; top_level : of the steps of the
+    other one; columns : of a row of metrics.
     """
 
     varied: Variation
@@ -40,6 +43,7 @@ class Fleet:
     compiled: Compiled
     shared: Shared
     tables: Tables
+    exact: bool
     top_level: int
     columns: Columns
 
@@ -47,17 +51,19 @@ class Fleet:
     def of(basis: ModalBasis, varied: Variation, window: Clock) -> Fleet:
         """A fleet on a basis. window : of one sample, so that its end is a power of two ticks away."""
         compiled = compile_scene(basis, varied.scene, window)
-        halvings = _halvings(varied, compiled, window)
+        exact = takes_exact_march(_hardest(varied, compiled), window.duration)
+        halvings = FINEST_HALVINGS if exact else _halvings(varied, compiled, window)
         compiled = compile_scene(basis, varied.scene, window, halvings)
         system, k = compiled.system, compiled.system.n_modes
         top_level = longest_coupled(system, halvings)
+        levels = 0 if exact else top_level + 1
         weight = len(system.rows) - 1 if varied.scene.gravity and any(b.falls for b in varied.scene.bodies) else -1
         entries = system.rows[:, k:] * compiled.scale[k:]
         if weight >= 0:
             entries[weight] = system.rows[weight, k:] / compiled.scale[k:]
         of_modes = system.rows.copy()
         of_modes[:, k:] = 0.0
-        modes = _tabulated(system._replace(rows=of_modes), top_level + 1)
+        modes = _tabulated(system._replace(rows=of_modes), levels)
         unit = system._replace(
             omega=np.zeros(1),
             damping=np.zeros(1),
@@ -73,11 +79,11 @@ class Fleet:
             weight=weight,
             mobility=(of_modes**2).sum(axis=1),
             modes=modes,
-            mass=_tabulated(unit, top_level + 1),
+            mass=_tabulated(unit, levels),
         )
         width = ledger_width(system)
         at = columns(len(system.interfaces), len(varied.scene.bodies), width)
-        return Fleet(varied, window, compiled, shared, modes, top_level, at)
+        return Fleet(varied, window, compiled, shared, modes, exact, top_level, at)
 
 
 def run_some(fleet: Fleet, first: int, out: Floats) -> None:
@@ -94,8 +100,19 @@ def run_some(fleet: Fleet, first: int, out: Floats) -> None:
             stray_push=tables.stray_push.copy(),
         ),
         numbers(fleet.varied, fleet.compiled, first, first + len(out)),
-        collocation_rule(),
-        trial_room(system),
+        Marches(
+            exact=fleet.exact,
+            duration=fleet.clock.duration,
+            quiet=fleet.clock.quiet,
+            max_steps=MAX_STEPS,
+            halvings=fleet.compiled.halvings,
+            top_level=fleet.top_level,
+            tolerance=fleet.clock.tolerance * ERROR_BUDGET,
+            rule=collocation_rule(),
+            trial=trial_room(system),
+            exact_rule=exact_rule(),
+            exact_room=exact_room(system),
+        ),
         room_for(system, 0),
         State(
             z=np.zeros(n),
@@ -105,11 +122,6 @@ def run_some(fleet: Fleet, first: int, out: Floats) -> None:
             pace=np.zeros(r),
             force=np.zeros(m),
         ),
-        fleet.compiled.halvings,
-        fleet.top_level,
-        fleet.clock.tolerance * ERROR_BUDGET,
-        fleet.clock.quiet,
-        MAX_STEPS,
         fleet.columns,
         out,
     )
@@ -166,6 +178,23 @@ def _tabulated(system: System, levels: int) -> Tables:
     for level in range(levels):
         tabulate(level, system.tick * 2.0**level, system, collocation_rule(), tables)
     return tables
+
+
+def _hardest(varied: Variation, compiled: Compiled) -> System:
+    """The system with the stiffest laws and the lightest bodies of all runs: none is faster."""
+    system, k = compiled.system, compiled.system.n_modes
+    interfaces, lightest = system.interfaces.copy(), np.full(len(varied.scene.bodies), np.inf)
+    words = ("stiffness", "closing", "opening")
+    for word in words:
+        interfaces[word] = 0.0
+    for first in range(0, varied.runs, SURVEYED):
+        runs = numbers(varied, compiled, first, min(first + SURVEYED, varied.runs))
+        lightest = np.minimum(lightest, runs.mass.min(axis=0))
+        for word in words:
+            interfaces[word] = np.maximum(interfaces[word], runs.interfaces[word].max(axis=0))
+    entries = system.rows[:, k:] * compiled.scale[k:]
+    mobility = (system.rows[:, :k] ** 2).sum(axis=1) + (entries**2 / lightest).sum(axis=1)
+    return system._replace(interfaces=interfaces, mobility=mobility)
 
 
 def _halvings(varied: Variation, compiled: Compiled, window: Clock) -> int:

@@ -13,6 +13,8 @@ import numpy as np
 from femstruct.arrays import Floats
 from femstruct.impact.compiled import released
 from femstruct.impact.energy import TIME
+from femstruct.impact.exact.march import exact_march
+from femstruct.impact.exact.rule import ExactRoom, ExactRule
 from femstruct.impact.forces import State
 from femstruct.impact.march import CLOSES, DONE, march
 from femstruct.impact.propagate import Trial
@@ -68,10 +70,26 @@ class Runs(NamedTuple):
     loads: Records
 
 
+class Marches(NamedTuple):
+    """What both marches need. exact : whether it is the exact one, which needs no tables; duration [s] and quiet [s];
+    halvings, top_level, tolerance : of the march by collocation."""
+
+    exact: bool
+    duration: float
+    quiet: float
+    max_steps: int
+    halvings: int
+    top_level: int
+    tolerance: float
+    rule: Rule
+    trial: Trial
+    exact_rule: ExactRule
+    exact_room: ExactRoom
+
+
 @released
-def run_many(frame: System, shared: Shared, tables: Tables, runs: Runs, rule: Rule, trial: Trial, record: Record,
-             state: State, halvings: int, top_level: int, tolerance: float, quiet: float, max_steps: int,
-             at: Columns, out: Floats) -> None:  # fmt: skip
+def run_many(frame: System, shared: Shared, tables: Tables, runs: Runs, marches: Marches, record: Record,
+             state: State, at: Columns, out: Floats) -> None:  # fmt: skip
     """Fill a row of metrics [c, width] for each run. tables : their parts that depend on masses are this call's own."""
     k, bodies = frame.n_modes, runs.mass.shape[1]
     for i in range(len(out)):
@@ -89,10 +107,17 @@ def run_many(frame: System, shared: Shared, tables: Tables, runs: Runs, rule: Ru
         state.status[:], state.rest[:], state.pace[:], state.force[:] = 0, 0.0, 0.0, 0.0
         record.kept[:], record.peak[:], record.shortest[:] = 0, 0.0, np.inf
         record.totals[:], record.travel[:], record.deepest[:] = 0.0, 0.0, 0.0
-        status, _, _, events = march(
-            system, state, rule, tables, trial, record, halvings, top_level, tolerance, max_steps
-        )
-        _measure(system, state, record, status, events, runs.mass[i], quiet, at, out[i])
+        if marches.exact:
+            status, _, _, events = exact_march(
+                system, state, marches.exact_rule, marches.exact_room, record, marches.duration, np.inf, np.inf,
+                np.inf, marches.max_steps,
+            )  # fmt: skip
+        else:
+            status, _, _, events = march(
+                system, state, marches.rule, tables, marches.trial, record, marches.halvings, marches.top_level,
+                marches.tolerance, marches.max_steps,
+            )  # fmt: skip
+        _measure(system, state, record, status, events, runs.mass[i], marches.quiet, at, out[i])
 
 
 @released

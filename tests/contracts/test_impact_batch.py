@@ -116,6 +116,49 @@ def test_a_row_is_its_own_simulation(batch: Batch, i: int) -> None:
             assert value == pytest.approx(expected[name], abs=1e-6 * largest), name
 
 
+def test_a_linear_row_is_its_own_exact_simulation() -> None:
+    """Piecewise-linear scenes take the exact march alone and in batches: what differs is rounding, in steps that
+    samples do not cut."""
+    basis, points = plate()
+    f, s = points["f"].probe("z"), points["s"].probe("z")
+    scene = Scene(
+        (Body("ball", 0.3, -1.5, falls=True), Body("foot", 0.8)),
+        (Contact("ball", "ball", f, Linear(2e4, 3.0)), Contact("bumper", "foot", f, Stop(1e5, 3.0), gap=2e-4)),
+        (Link("link", "foot", s, 900.0, 0.0, 40.0),),
+        (Load("push", s, HalfSine(5.0, 80.0)),),
+        gravity=9.81,
+    )
+    vary = {
+        "ball.mass": [0.3, 0.1, 1.0],
+        "ball.velocity": [-1.5, -0.5, -2.0],
+        "ball.stiffness": [2e4, 4e4, 1e4],
+        "foot.mass": [0.8, 0.8, 0.5],
+        "link.opening": [40.0, 0.0, 10.0],
+        "push.amplitude": [5.0, -5.0, 0.0],
+    }
+    fine = Clock(0.12, 200e3)
+    batch = simulate_batch(basis, scene, fine, vary)
+    for i in range(3):
+        alone = simulate(basis, batch.scene(i), fine)
+        assert batch.closings["ball"][i] > 0
+        assert batch.residual[i] < 1e-12
+        for name, contact in alone.contacts.items():
+            assert batch.closings[name][i] == contact.closings
+            assert batch.peak_force[name][i] == pytest.approx(contact.peak_force, rel=1e-9)
+            assert batch.peak_time[name][i] == pytest.approx(contact.peak_time, abs=1e-9)
+            if contact.first_open is not None:
+                assert batch.first_open[name][i] == pytest.approx(contact.first_open, rel=1e-9)
+        for name, body in alone.bodies.items():
+            # between two samples a body is further out by no more than what its speed changes there, times the interval
+            reach = np.abs(np.diff(body.velocity)).max() / fine.sampling
+            inside, last = np.abs(body.displacement).max(), abs(body.displacement[-1] + body.velocity[-1] / 200e3)
+            assert batch.travel[name][i] == pytest.approx(max(inside, last), abs=reach), name
+        expected = terms(alone.ledger.end, None)
+        largest = max(abs(value) for name, value in expected.items() if not name.startswith("t "))
+        for name, value in terms(batch.end, i).items():
+            assert value == pytest.approx(expected[name], abs=1e-9 * largest), name
+
+
 def test_rows_do_not_depend_on_threads_or_neighbours(batch: Batch) -> None:
     basis, points = plate()
     long = {name: np.tile(column, 24) for name, column in VARY.items()}  # more than two chunks

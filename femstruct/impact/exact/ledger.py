@@ -67,6 +67,17 @@ def peaks_of_step(system: System, state: State, t: float, h: float, order: int, 
 
 
 @kernel
+def travels_of_step(system: System, order: int, part: float, room: ExactRoom, record: Record) -> None:
+    """Raise the largest displacement of each body, either way, to that in a part of the step."""
+    path = room.boxes[0]
+    for b in range(len(record.travel)):
+        for side in (1.0, -1.0):
+            for k in range(order + 1):
+                path[k] = side * room.z[k, system.n_modes + b]
+            record.travel[b] = largest(path, record.travel[b], order, part, room.watched)[0]
+
+
+@kernel
 def largest(c: Floats, known: float, order: int, part: float, slope: Floats) -> tuple[float, float]:
     """Largest value of a polynomial on (0, part) and where it is; -1 there when it is not above what is known.
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from femstruct.impact.compiled import kernel
 from femstruct.impact.energy import take_stock
-from femstruct.impact.exact.ledger import integrate_step, peaks_of_step
+from femstruct.impact.exact.ledger import integrate_step, peaks_of_step, travels_of_step
 from femstruct.impact.exact.regime import coupling_bound, evaluate, expand, fastest, load_series, settle
 from femstruct.impact.exact.roots import NEVER
 from femstruct.impact.exact.rule import ORDER, THETA, ExactRoom, ExactRule
@@ -76,6 +76,7 @@ def exact_march(system: System, state: State, rule: ExactRule, room: ExactRoom, 
                 record.kept[0] += 1
             integrate_step(system, state, h, order, part, damped, rule, room)
             peaks_of_step(system, state, t, h, order, part, room, record)
+            travels_of_step(system, order, part, room, record)
             evaluate(room, h, order, part)
             state.z[:] = room.q
             state.v[:] = room.v
