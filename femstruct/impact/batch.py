@@ -21,7 +21,8 @@ from femstruct.impact.response import Outcome
 from femstruct.impact.vary import Variation, variation
 from femstruct.modal.basis import ModalBasis
 
-CHUNK = 64  # runs between two looks at the keyboard
+CHUNK, EXACT_CHUNK = 64, 512  # runs between two looks at the keyboard; those of the exact march are short
+CHUNKS = 4  # of every thread, at least
 OUTCOMES = (Outcome.NO_CONTACTS, Outcome.NEVER_TOUCHED, Outcome.SEPARATED, Outcome.CLOSED_AT_END)
 Progress = Callable[[int, int], None]
 
@@ -124,14 +125,15 @@ def simulate_batch(
     window = replace(window, sampling=1.0 / window.duration)
     fleet = Fleet.of(basis, varied, window)
     table = np.empty((varied.runs, fleet.columns.width))
-    starts = range(0, varied.runs, CHUNK)
-    done = 0
-    with ThreadPoolExecutor(threads or os.cpu_count() or 1) as pool:
-        jobs = {pool.submit(run_some, fleet, start, table[start : start + CHUNK]): start for start in starts}
+    workers, done = threads or os.cpu_count() or 1, 0
+    chunk = min(EXACT_CHUNK if fleet.exact else CHUNK, -(-varied.runs // (CHUNKS * workers)))
+    starts = range(0, varied.runs, chunk)
+    with ThreadPoolExecutor(workers) as pool:
+        jobs = {pool.submit(run_some, fleet, start, table[start : start + chunk]): start for start in starts}
         try:
             for job in as_completed(jobs):
                 job.result()
-                done += len(table[jobs[job] : jobs[job] + CHUNK])
+                done += len(table[jobs[job] : jobs[job] + chunk])
                 progress(done, varied.runs)
         except BaseException:
             pool.shutdown(cancel_futures=True)
