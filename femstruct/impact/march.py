@@ -30,6 +30,7 @@ TROUBLE = {
     TOO_MANY_EVENTS: "a contact chatters",
     NO_FORCES: "no contact force was found",
     STICKS: "contacts or one-way dashpots switch without end",
+    STALLS: "no progress",
 }
 
 
