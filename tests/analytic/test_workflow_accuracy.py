@@ -69,7 +69,9 @@ def test_a_rod_is_as_accurate_as_asked(tmp_path: Path, within: float, band: tupl
     asked = f"accuracy: {{within: {within}, band: [{band[0]}, {band[1]}]}}\n"
     case = run(tmp_path, ROD.replace("MODES", "20"), HIT + asked).cases["as given"]
     check = case.accuracy
-    assert check is not None and check.holds and not case.findings
+    assert check is not None and check.holds
+    # what is recorded at 100 kHz may be aliased, and is then said to be; the check goes by displacements
+    assert {finding.code for finding in case.findings} <= {"acceleration-aliased"}
     modes = case.basis.modes.stop
     assert modes == check.used_modes > 20
     fine = HIT.replace("100 kHz", "2 MHz")  # beyond all modes: at 100 kHz they would be heard at wrong frequencies
