@@ -3,21 +3,35 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.io import wavfile
 
+from femstruct.arrays import Floats
 from femstruct.errors import InputError
 from femstruct.files.atomic import replacing
 
+PAUSE: Final = 0.5  # s of silence between two sounds of a sequence
 
-def write_wav(path: str | Path, values: ArrayLike, sampling: float, *, full_scale: float, unit: str = "Pa") -> None:
+
+def write_wav(
+    path: str | Path,
+    values: ArrayLike,
+    sampling: float,
+    *,
+    full_scale: float,
+    unit: str = "Pa",
+    starts: Mapping[str, float] | None = None,
+) -> None:
     """A history as 32-bit float WAV, with a side-car PATH.json that says what full scale means.
 
     values [nt] in `unit`; sampling [Hz], rounded to whole hertz by the format and refused when that changes it.
     full_scale : the value that becomes 1.0. Use one for all files that are to be compared by ear.
+    starts : when each of several sounds begins [s], by name, kept beside the scale.
 
     Raises InputError when a value exceeds full scale (players would clip it), or is not finite, or the sampling is
     not a whole number of hertz. The side-car is written first: a sound is never there without its scale.
@@ -45,8 +59,36 @@ def write_wav(path: str | Path, values: ArrayLike, sampling: float, *, full_scal
     rate = round(sampling)
     if not rate > 0 or abs(rate - sampling) > 1e-9 * sampling:
         raise InputError(f"{path} sampling", got=f"{sampling:g} Hz", expected="a whole number of hertz, as WAV stores")
-    scale = {"unit": unit, "full_scale": full_scale, "peak": peak, "sampling_hz": rate}
+    scale: dict[str, Any] = {"unit": unit, "full_scale": full_scale, "peak": peak, "sampling_hz": rate}
+    if starts is not None:
+        scale["starts_s"] = dict(starts)
     with replacing(path.with_name(path.name + ".json")) as temporary:
         temporary.write_text(json.dumps(scale, indent=2) + "\n", encoding="utf-8")
     with replacing(path) as temporary:
         wavfile.write(temporary, rate, (samples / full_scale).astype(np.float32))
+
+
+def write_sequence(
+    path: str | Path, sounds: Mapping[str, Floats], sampling: float, *, full_scale: float, unit: str = "Pa"
+) -> None:
+    """Sounds one after the other at one scale, silence of half a second between, to be compared by ear: A, B, ...
+
+    sounds : histories [nt] in `unit` by name; when each begins is in the side-car. Otherwise as `write_wav`.
+
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     both = {"light": np.ones(800), "heavy": np.ones(800)}
+    ...     write_sequence(Path(folder, "ab.wav"), both, 8000.0, full_scale=2.0)
+    ...     json.loads(Path(folder, "ab.wav.json").read_text(encoding="utf-8"))["starts_s"]
+    {'light': 0.0, 'heavy': 0.6}
+    """
+    silence = np.zeros(round(PAUSE * sampling))
+    pieces, starts, length = [], {}, 0
+    for name, values in sounds.items():
+        if pieces:
+            pieces.append(silence)
+            length += len(silence)
+        starts[name] = length / sampling
+        pieces.append(values)
+        length += len(values)
+    write_wav(path, np.concatenate(pieces), sampling, full_scale=full_scale, unit=unit, starts=starts)

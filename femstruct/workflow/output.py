@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from femstruct.files.atomic import replacing
-from femstruct.files.audio import write_wav
+from femstruct.files.audio import write_sequence, write_wav
 from femstruct.files.results import write_results
 from femstruct.files.tables import summary
 from femstruct.study.result import StudyResult
@@ -20,7 +20,7 @@ from femstruct.workflow.run import Progress, Stopwatch
 def write_all(
     result: StudyResult, folder: Path, progress: Progress = lambda line: None
 ) -> tuple[dict[str, float], str]:
-    """Write results.h5, summary.json, a WAV for every receiver and case, and all pictures into a folder.
+    """Write results.h5, summary.json, a WAV for every receiver and case, one of all cases in turn, and all pictures.
 
     Every file is complete or absent: each is written under a temporary name and then renamed. All sounds of a study
     have one full scale, so that cases can be compared by ear.
@@ -43,14 +43,29 @@ def write_all(
 
 
 def _write_sounds(result: StudyResult, folder: Path) -> None:
+    """A WAV for every receiver and case, and for every receiver one of all cases in turn: all at one scale.
+
+    Cases of another sampling than the baseline's cannot follow it in one file: they are not in the sequence.
+    """
     heard = [
-        (f"{case}.{plan.name}.{receiver.name}", item.rooms[plan.name].p[i], item.case.study.time)
+        (case, f"{plan.name}.{receiver.name}", item.rooms[plan.name].p[i], item.case.study.time)
         for case, item in result.cases.items()
         for plan in item.case.study.rooms
         if plan.name in item.rooms
         for i, receiver in enumerate(plan.receivers)
     ]
-    loudest = max((float(np.abs(p).max()) for _, p, _ in heard), default=0.0)
-    for name, p, time in heard:
-        if time is not None and loudest > 0.0:
-            write_wav(folder / f"{name}.wav", p, time.sampling, full_scale=loudest)
+    loudest = max((float(np.abs(p).max()) for _, _, p, _ in heard), default=0.0)
+    if not loudest > 0.0:
+        return
+    for case, receiver, p, time in heard:
+        if time is not None:
+            write_wav(folder / f"{case}.{receiver}.wav", p, time.sampling, full_scale=loudest)
+    baseline = result.cases[result.plan.baseline].case.study.time
+    for receiver in dict.fromkeys(receiver for _, receiver, _, _ in heard):
+        sounds = {
+            case: p
+            for case, there, p, time in heard
+            if there == receiver and time is not None and baseline is not None and time.sampling == baseline.sampling
+        }
+        if len(sounds) > 1 and baseline is not None:
+            write_sequence(folder / f"all cases.{receiver}.wav", sounds, baseline.sampling, full_scale=loudest)

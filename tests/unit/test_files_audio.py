@@ -7,7 +7,7 @@ import pytest
 from scipy.io import wavfile
 
 from femstruct.errors import InputError
-from femstruct.files.audio import write_wav
+from femstruct.files.audio import write_sequence, write_wav
 
 
 def test_pressure_comes_back_through_the_scale(tmp_path):
@@ -36,3 +36,23 @@ def test_what_would_sound_wrong_is_refused_and_not_written(tmp_path, values, sam
     with pytest.raises(InputError, match=told):
         write_wav(tmp_path / "a.wav", values, sampling, full_scale=full_scale)
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_sequence_holds_every_sound_at_one_scale_where_its_side_car_says(tmp_path):
+    rng = np.random.default_rng(0)
+    sounds = {name: rng.uniform(-1, 1, length) for name, length in (("as is", 4000), ("damper", 8000), ("screed", 400))}
+    write_sequence(tmp_path / "all.wav", sounds, 8000.0, full_scale=2.0)
+    rate, samples = wavfile.read(tmp_path / "all.wav")
+    told = json.loads((tmp_path / "all.wav.json").read_text(encoding="utf-8"))
+    assert told["starts_s"] == {"as is": 0.0, "damper": 1.0, "screed": 2.5}  # half a second between
+    assert len(samples) == 4000 + 4000 + 8000 + 4000 + 400
+    for name, start in told["starts_s"].items():
+        first = round(start * rate)
+        assert samples[first : first + len(sounds[name])] == pytest.approx(sounds[name] / 2.0, rel=1e-6)
+    assert not samples[4000:8000].any()
+
+
+def test_a_sequence_is_not_clipped(tmp_path):
+    with pytest.raises(InputError, match="above full scale"):
+        write_sequence(tmp_path / "all.wav", {"a": np.ones(10), "b": 3 * np.ones(10)}, 8000.0, full_scale=2.0)
+    assert not (tmp_path / "all.wav").exists()
