@@ -6,7 +6,7 @@
     /summary            the numbers of all cases and their comparison (JSON)
     /bases/KEY          modes, damping, shapes, force rows
     /cases/NAME         @basis; damping, channels, contacts, bodies, links, events, energy, limits, frf, rooms,
-                        levels, modal
+                        levels, rated, modal
     /comparison/CASE    modes by MAC, beside the baseline's
     /VTKHDF             mode shapes of the baseline, opened by ParaView as they are
 
@@ -31,7 +31,7 @@ from femstruct.files.atomic import replacing
 from femstruct.files.blows import write_blows
 from femstruct.files.hdf5 import axis, group, put, put_text
 from femstruct.files.machine import write_verdicts
-from femstruct.files.sound import write_levels, write_room
+from femstruct.files.sound import write_levels, write_rated, write_room
 from femstruct.files.tables import finding_table, findings_by_case, summary
 from femstruct.files.vtkhdf import write_vtkhdf
 from femstruct.impact.response import Response
@@ -196,6 +196,10 @@ def _write_case(cases: h5py.Group, name: str, case: CaseResult, verdicts: Sequen
         levels = group(target, "levels", "Levels at the receivers, ROOM.RECEIVER")
         for label, level in case.levels.items():
             write_levels(group(levels, label, "Levels at one receiver"), level)
+    if case.rated:
+        rated = group(target, "rated", "Rooms as the standards state them, over their receivers")
+        for label, room_rated in case.rated.items():
+            write_rated(group(rated, label, "One room"), room_rated)
 
 
 def _write_response(target: h5py.Group, case: CaseResult, response: Response) -> None:

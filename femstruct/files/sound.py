@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import json
+from math import isfinite
 
 import h5py
 import numpy as np
 
-from acoustics.levels import Levels
+from acoustics.levels import REFERENCE_PA, Levels
 from acoustics.pressure import RoomResponse
+from acoustics.rated import RatedRoom
 from femstruct.files.hdf5 import axis, put
 
 
@@ -38,3 +40,26 @@ def write_levels(target: h5py.Group, levels: Levels) -> None:
     octave = axis(target, "octave_hz", list(levels.octaves_db), "Hz", "Nominal centre of the octave")
     put(target, "octave_l_fmax", list(levels.octaves_db.values()), reference, "Largest Fast level in it", (octave,))
     put(target, "sel", list(levels.exposure_db.values()), reference, "Sound exposure level of the band", (band,))
+
+
+def write_rated(target: h5py.Group, rated: RatedRoom) -> None:
+    """A room as the standards state it."""
+    target.attrs.update(
+        standards=", ".join(rated.standards),
+        quantity=rated.quantity,
+        band_quantity=rated.band_quantity,
+        receivers=rated.receivers,
+    )
+    if rated.rating is not None and rated.rating_spread_db is not None:
+        target.attrs.update(
+            rating_db=rated.rating.rating_db,
+            unrounded_db=rated.rating.unrounded_db,
+            deciding_hz=rated.rating.deciding_hz,
+            rating_spread_db=rated.rating_spread_db,
+        )
+    band = axis(target, "band_hz", list(rated.bands_db), "Hz", "Nominal centre of the third octave")
+    averaged = f"{rated.band_quantity}, energy average over the receivers"
+    put(target, "level", list(rated.bands_db.values()), f"dB re {REFERENCE_PA:g} Pa", averaged, (band,))
+    put(target, "spread", list(rated.spread_db.values()), "dB", "Largest less smallest of the receivers", (band,))
+    times = [time if isfinite(time) else np.nan for time in rated.t60_s.values()]
+    put(target, "t60", times, "s", "Reverberation time of the room; nan without losses", (band,))

@@ -7,6 +7,7 @@ from math import isfinite
 from typing import Any
 
 from acoustics.levels import Levels
+from acoustics.rated import RatedRoom
 from femstruct.errors import Finding
 from femstruct.files.arrays import array_tables
 from femstruct.files.machine import machine_table, verdict_tables
@@ -89,6 +90,7 @@ def _case(case: CaseResult) -> Table:
         "arrays": {} if response is None else array_tables(response),
         "energy": None if response is None else _energy(response, case.shares),
         "levels": {name: _levels(levels) for name, levels in case.levels.items()},
+        "rated": {name: _rated(rated) for name, rated in case.rated.items()},
         "accuracy": None if case.accuracy is None else _accuracy(case.accuracy),
         "findings": [finding_table(finding) for finding in case.findings],
     }
@@ -232,4 +234,21 @@ def _levels(levels: Levels) -> Table:
         **{name: number(value) for name, value in levels.single_numbers.items()},
         "bands_db": _by_frequency(levels.bands_db),
         "octaves_db": _by_frequency(levels.octaves_db),
+    }
+
+
+def _rated(rated: RatedRoom) -> Table:
+    """A room as the standards state it: `quantity` is rating_db, `band_quantity` are bands_db."""
+    return {
+        "standards": list(rated.standards),
+        "quantity": rated.quantity,
+        "rating_db": None if rated.rating is None else rated.rating.rating_db,
+        "unrounded_db": None if rated.rating is None else number(rated.rating.unrounded_db),
+        "deciding_hz": None if rated.rating is None else number(rated.rating.deciding_hz),
+        "rating_spread_db": number(rated.rating_spread_db),
+        "receivers": rated.receivers,
+        "band_quantity": rated.band_quantity,
+        "bands_db": _by_frequency(rated.bands_db),
+        "spread_db": _by_frequency(rated.spread_db),
+        "t60_s": _by_frequency(rated.t60_s),
     }

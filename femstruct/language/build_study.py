@@ -7,7 +7,15 @@ from typing import Literal
 
 from acoustics.air import Air
 from acoustics.coupled import Leak
-from acoustics.room import Losses, Receiver, Room, losses_from_beta, losses_from_loss_factor, losses_from_t60
+from acoustics.room import (
+    Losses,
+    Receiver,
+    Room,
+    losses_from_beta,
+    losses_from_loss_factor,
+    losses_from_t60,
+    losses_from_t60_bands,
+)
 from femstruct.impact.bodies import HalfSine, Table
 from femstruct.language.build import Builder
 from femstruct.language.build_laws import ends_of, law_of, start_speed
@@ -162,7 +170,8 @@ def _room(name: str, spec: RoomSpec) -> RoomPlan:
     room = Room(spec.size, Air(spec.air.c, spec.air.rho), _losses(spec))  # type: ignore[arg-type]
     lx, ly, _ = spec.size
     offset = (spec.at[0] - lx / 2.0, spec.at[1] - ly / 2.0) if spec.at is not None else (0.0, 0.0)
-    return RoomPlan(name, room, spec.under, tuple(receivers), offset, spec.coupling, _leak(spec))
+    asked = spec.losses.t60 if spec.losses is not None and isinstance(spec.losses.t60, dict) else {}
+    return RoomPlan(name, room, spec.under, tuple(receivers), offset, spec.coupling, _leak(spec), asked, spec.levels)
 
 
 def _leak(spec: RoomSpec) -> Leak | None:
@@ -178,6 +187,8 @@ def _losses(spec: RoomSpec) -> Losses:
     losses = spec.losses
     if losses is None:
         return Losses()
+    if isinstance(losses.t60, dict):
+        return losses_from_t60_bands(losses.t60)
     if losses.t60 is not None:
         return losses_from_t60(losses.t60)
     at = losses.at or 0.0

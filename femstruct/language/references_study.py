@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from acoustics.exposure import LEAST_SAMPLING_HZ
+from acoustics.rated import FIELD
 from femstruct.impact.sources import HAMMERS, TAPPING_MACHINE
 from femstruct.language.arrays import array_sizes, joined, members, spread
 from femstruct.language.limits import check_limits
@@ -80,6 +82,7 @@ def check_study(study: StudySpec, tree: Tree, model: ModelSpec, mistakes: Mistak
                 ("rooms", name, "form"), "the source's form with t60", "beta or loss_factor", "leave out 'form'"
             )
         _check_coupling(check, study, name, room)
+        _check_levels(check, study, name, room)
         for receiver, places in room.receivers.items():
             for place in places:
                 if not all(0 <= x <= length for x, length in zip(place, room.size, strict=True)):
@@ -134,6 +137,20 @@ def _check_coupling(check: Checker, study: StudySpec, name: str, room: RoomSpec)
     if others[0] != name:
         got = f"'{room.under}', which '{others[0]}' with two-way coupling is under already"
         check.wrong(("rooms", name, "under"), got, "another surface", "one of the two can be one-way")
+
+
+def _check_levels(check: Checker, study: StudySpec, name: str, room: RoomSpec) -> None:
+    """Levels need somebody who listens, a reverberation time to take out, and a sampling that has their bands."""
+    steps: Steps = ("rooms", name, "levels")
+    if not room.levels:
+        return
+    if not room.receivers:
+        check.wrong(steps, "levels without receivers", "somebody who listens", "add 'receivers: {mic: [x, y, z]}'")
+    if FIELD in room.levels and room.losses is None:
+        check.wrong(steps, f"{FIELD} in a room without losses", "its reverberation time", "add 'losses: {t60: 0.5 s}'")
+    if study.time is not None and study.time.sampling < LEAST_SAMPLING_HZ:
+        got = f"a sampling of {study.time.sampling:g} Hz"
+        check.wrong(steps, got, f"{LEAST_SAMPLING_HZ:g} Hz or more for the bands up to 630 Hz", "sample faster")
 
 
 def _check_time(check: Checker, study: StudySpec, time: TimeSpec) -> None:

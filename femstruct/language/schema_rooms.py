@@ -6,9 +6,9 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, model_validator
 
+from acoustics.rated import STANDARDS
 from femstruct.language.schema_model import coordinates
 from femstruct.language.spec import (
-    LATER,
     Duration,
     Frequency,
     Length,
@@ -24,6 +24,8 @@ from femstruct.language.spec import (
     refuse,
 )
 
+_Standard = Literal["ISO 16283-2", "ISO 717-2"]
+
 
 class AirSpec(Spec):
     """Speed of sound and density."""
@@ -32,10 +34,25 @@ class AirSpec(Spec):
     rho: Annotated[float, Quantity(("density",), above=0.0)] = 1.21
 
 
+_Seconds = Quantity(("time",), above=0.0)
+
+
 def _t60(value: object) -> object:
-    if isinstance(value, dict):
-        raise refuse(f"a t60 for each band, which is {LATER}", "one reverberation time", "write it like t60: 0.4 s")
-    return Quantity(("time",), above=0.0).read(value)
+    """One reverberation time, or one for each frequency."""
+    if not isinstance(value, dict):
+        return _Seconds.read(value)
+    if not value:
+        raise refuse(
+            "no band", "a reverberation time for one band or more", "write it like {63 Hz: 0.9 s, 125 Hz: 0.8 s}"
+        )
+    return {Quantity(("frequency",), above=0.0).read(band): _Seconds.read(time) for band, time in value.items()}
+
+
+def _standards(value: object) -> object:
+    wanted = value if isinstance(value, list) and value else [value]
+    for one in wanted:
+        only(STANDARDS)(one)
+    return tuple(wanted)
 
 
 class LossesSpec(Spec):
@@ -43,7 +60,7 @@ class LossesSpec(Spec):
 
     beta: Annotated[float, Quantity(("ratio",), above=0.0, below=1.0)] | None = None
     loss_factor: LossFactor | None = None
-    t60: Annotated[float | None, read_by(_t60, Duration)] = None
+    t60: Annotated[float | dict[float, float] | None, read_by(_t60, Duration | dict[str, Duration])] = None
     at: Frequency | None = None
 
     @model_validator(mode="before")
@@ -100,6 +117,7 @@ class RoomSpec(Spec):
 
     at: where the surface's centre is in the ceiling, from the room's corner; the middle when left out.
     coupling: one-way, the air does not push back, or two-way.
+    levels: standards by which what is heard of heavy blows is stated.
     """
 
     size: tuple[Length, Length, Length]
@@ -111,3 +129,4 @@ class RoomSpec(Spec):
     receivers: dict[str, Receivers] = Field(default_factory=dict)
     coupling: Annotated[Literal["one-way", "two-way"], BeforeValidator(only(("one-way", "two-way")))] = "one-way"
     leak: LeakSpec | None = None
+    levels: Annotated[tuple[str, ...], read_by(_standards, _Standard | list[_Standard])] = ()

@@ -83,7 +83,6 @@ def _note(error: Any, schema: type[BaseModel], tree: Tree, mistakes: Mistakes) -
 
 _LATER_KEYS: Final = (
     ("parts", "*", "layers"), ("parts", "*", "file"), ("parts", "*", "set"), ("parts", "*", "scale"),
-    ("rooms", "*", "levels"),
 )  # fmt: skip
 
 

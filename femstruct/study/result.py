@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from acoustics.levels import Levels
 from acoustics.pressure import RoomResponse
+from acoustics.rated import RatedRoom
 from femstruct.arrays import Floats
 from femstruct.errors import Finding
 from femstruct.impact.response import Response
@@ -90,7 +91,7 @@ class CaseResult:
     """One case, every stage. `basis_key` names its basis in StudyResult.bases.
 
     response is None when nothing was simulated. channels by name ("O_s.z velocity", "box.mic pressure").
-    rooms and levels by "ROOM" and "ROOM.RECEIVER".
+    rooms and levels by "ROOM" and "ROOM.RECEIVER". rated : rooms rated by standards, by "ROOM".
     accuracy : None where the study asks for none.
     shares : the structure's energy by modes; None when nothing was simulated.
     """
@@ -106,6 +107,7 @@ class CaseResult:
     findings: tuple[Finding, ...]
     accuracy: AccuracyCheck | None = None
     shares: ModeEnergies | None = None
+    rated: Mapping[str, RatedRoom] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

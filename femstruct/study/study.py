@@ -194,6 +194,8 @@ class RoomPlan:
 
     offset : of the surface's centre from the ceiling's centre [m], room axes.
     coupling : one-way, the air does not push back, or two-way. leak : of a room that pushes back.
+    t60_asked : reverberation times that its losses were made from {frequency [Hz]: [s]}, empty for other losses.
+    levels : standards by which it is rated, of `acoustics.rated.STANDARDS`.
     """
 
     name: str
@@ -203,6 +205,8 @@ class RoomPlan:
     offset: Pair = (0.0, 0.0)
     coupling: Literal["one-way", "two-way"] = "one-way"
     leak: Leak | None = None
+    t60_asked: Mapping[float, float] = field(default_factory=dict)
+    levels: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)

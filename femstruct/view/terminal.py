@@ -17,6 +17,7 @@ from femstruct.view.arrays import arrays
 from femstruct.view.blows import blows
 from femstruct.view.grid import Grid
 from femstruct.view.machine import limits, machine
+from femstruct.view.rated import rated
 
 Row = Mapping[str, Any]
 DUST = 1e-6  # rad: a micrometre a metre is rounding, or nobody's concern
@@ -55,6 +56,7 @@ def show_study(result: StudyResult, written: Mapping[str, float], folder: str = 
         _whither(result),
         arrays(result),
         _levels(result),
+        rated(result),
         _modes_db(result),
     ):
         table.show(console)

@@ -14,6 +14,7 @@ from importlib.metadata import version
 from acoustics.errors import Advice
 from acoustics.levels import Levels, response_levels
 from acoustics.pressure import RoomResponse, pressure
+from acoustics.rated import RatedRoom
 from femstruct.errors import Finding
 from femstruct.impact.bodies import Clock
 from femstruct.impact.response import Response
@@ -32,6 +33,7 @@ from femstruct.workflow.checks import aliased_findings, impact_findings, mesh_fi
 from femstruct.workflow.compare import compare
 from femstruct.workflow.limits import verdicts
 from femstruct.workflow.machine import machines
+from femstruct.workflow.rated import rate_rooms, rated_findings
 from femstruct.workflow.responses import frequency_response
 from femstruct.workflow.sources import source_findings
 from femstruct.workflow.staging import Places, scene
@@ -172,6 +174,7 @@ def run_case(
     response, channels, shares = None, {}, None
     rooms: dict[str, RoomResponse] = {}
     heard: dict[str, Levels] = {}
+    rated: dict[str, RatedRoom] = {}
     if study.time is not None:
         with clock("impact", case.name):
             timing = Clock(study.time.duration, study.time.sampling, study.time.quiet)
@@ -188,7 +191,9 @@ def run_case(
             }
             channels = record(study, own.places, response, rooms)
             findings += aliased_findings(response, acceleration_rows(study, own.places, basis))
+        rated = rate_rooms(study, heard)
         for plan in study.rooms:
+            told += [(plan.name, found) for found in rated_findings(plan, study, vacuo)]
             if plan.coupling == "one-way":
                 told += [(plan.name, found) for found in coupling_findings(vacuo, ceiling(plan, own.places), plan.room)]
             if plan.name in rooms:
@@ -197,7 +202,18 @@ def run_case(
     findings += room_findings(told)
     key = coupled_key(own.key, study.rooms)
     return CaseResult(
-        case, key, basis, response, responses, channels, rooms, heard, distinct(findings), accuracy, shares
+        case,
+        key,
+        basis,
+        response,
+        responses,
+        channels,
+        rooms,
+        heard,
+        distinct(findings),
+        accuracy,
+        shares,
+        rated,
     )
 
 

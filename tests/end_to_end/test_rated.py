@@ -1,0 +1,100 @@
+"""Rooms rated by standards, from YAML to terminal, tables and the results file."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+
+from acoustics import heavy_impact_level, standardised_maximum_level
+from acoustics.ratings import A_THIRDS
+from femstruct.files.results import write_results
+from femstruct.files.tables import summary
+from femstruct.language import read_study
+from femstruct.study.result import StudyResult
+from femstruct.view.terminal import show_study
+from femstruct.workflow.run import run_study
+
+MODEL = """
+materials: {concrete: {E: 30 GPa, nu: 0.2, rho: 2400}}
+parts: {slab: {type: plate, material: concrete, thickness: 0.15 m, origin: [0, 0, 2.5], size: [3, 2], mesh: [6, 4]}}
+supports: {edges: {on: slab, edge: all, fix: simple}}
+points: {p: {on: slab, at: [1.2, 0.8]}}
+surfaces: {ceiling: {on: slab, side: below}}
+damping: {loss_factor: 5 %}
+"""
+STUDY = """model: model.yaml
+modes: {up_to: UP_TO}
+bodies: {ball: BALL}
+time: {duration: 0.5 s, sampling: 8 kHz}
+rooms:
+  bedroom:
+    size: [3, 2, 2.5]
+    under: ceiling
+    losses: {t60: {63 Hz: 0.4 s, 250 Hz: 0.5 s, 500 Hz: 0.8 s}}
+    receivers: {mic: [[0.8, 0.7, 1.2], [2.1, 1.1, 1.5]]}
+    levels: [ISO 16283-2, ISO 717-2]
+cases: {as is: {}, plain: {rooms.bedroom.levels: ISO 717-2}}
+"""
+BALL = "{source: rubber ball, above: p}"
+OTHER = "{mass: 2.5 kg, above: p, speed: 4 m/s, contact: {type: linear, stiffness: 60 kN/m, damping: 90}}"
+
+
+def run(folder: Path, up_to: str = "800 Hz", ball: str = BALL) -> StudyResult:
+    (folder / "model.yaml").write_text(MODEL, encoding="utf-8")
+    (folder / "one.study.yaml").write_text(STUDY.replace("UP_TO", up_to).replace("BALL", ball), encoding="utf-8")
+    return run_study(read_study(folder / "one.study.yaml"))
+
+
+@pytest.fixture(scope="module")
+def result(tmp_path_factory: pytest.TempPathFactory) -> StudyResult:
+    return run(tmp_path_factory.mktemp("rated"))
+
+
+def test_the_rating_is_made_of_the_receivers_levels_step_by_step(result: StudyResult) -> None:
+    case = result.cases["as is"]
+    rated, t60 = case.rated["bedroom"], case.rated["bedroom"].t60_s
+    power = np.mean([[10 ** (one.bands_db[band] / 10) for band in A_THIRDS] for one in case.levels.values()], axis=0)
+    mean = dict(zip(A_THIRDS, 10 * np.log10(power), strict=True))
+    by_hand = standardised_maximum_level(mean, 3 * 2 * 2.5, t60)
+    assert dict(rated.bands_db) == pytest.approx(by_hand)
+    for found, wanted in ((rated, by_hand), (result.cases["plain"].rated["bedroom"], mean)):
+        assert found.rating is not None
+        assert found.rating.unrounded_db == pytest.approx(heavy_impact_level(wanted).unrounded_db, rel=1e-12)
+
+
+def test_times_that_rise_are_told_and_the_modelled_ones_are_used(result: StudyResult) -> None:
+    case = result.cases["as is"]
+    found = next(one for one in case.findings if one.code == "t60-missed")
+    assert found.message.startswith("bedroom: ")
+    assert case.rated["bedroom"].t60_s[63.0] == pytest.approx(found.values["modelled_63_hz_s"])
+    assert not [one for one in case.findings if one.code in ("rating-beyond-modes", "rating-of-other-blows")]
+
+
+def test_terminal_tables_and_file_say_the_same(
+    result: StudyResult, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    rated = result.cases["as is"].rated["bedroom"]
+    assert rated.rating is not None
+    show_study(result, {})
+    shown = capsys.readouterr().out
+    assert "bedroom L'_iA,Fmax,V,T [dB]" in shown
+    assert f"{rated.rating.rating_db} ({rated.rating_spread_db:.1f})" in shown
+    table = summary(result)["cases"]["as is"]["rated"]["bedroom"]
+    assert table["rating_db"] == rated.rating.rating_db
+    assert table["bands_db"]["63"] == rated.bands_db[63.0]
+    assert table["receivers"] == 2
+    write_results(tmp_path / "results.h5", result)
+    with h5py.File(tmp_path / "results.h5") as file:
+        stored = file["cases/as is/rated/bedroom"]
+        assert stored.attrs["rating_db"] == rated.rating.rating_db
+        assert stored["level"][:].tolist() == list(rated.bands_db.values())
+        assert stored["t60"].attrs["unit"] == "s"
+
+
+def test_few_modes_and_another_blow_are_told(tmp_path: Path) -> None:
+    findings = {one.code: one for one in run(tmp_path, "300 Hz", OTHER).cases["as is"].findings}
+    assert findings["rating-beyond-modes"].values["complete_below_hz"] == pytest.approx(300.0)
+    assert "here strike 0 rubber balls and ball" in findings["rating-of-other-blows"].message
