@@ -83,7 +83,9 @@ def write_sequence(
     {'light': 0.0, 'heavy': 0.6}
     """
     silence = np.zeros(round(PAUSE * sampling))
-    pieces, starts, length = [], {}, 0
+    pieces: list[Floats] = []
+    starts: dict[str, float] = {}
+    length = 0
     for name, values in sounds.items():
         if pieces:
             pieces.append(silence)
