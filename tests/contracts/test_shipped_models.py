@@ -32,7 +32,13 @@ materials: {steel: {E: 210 GPa, nu: 0.3, rho: 7800}}
 parts: {plate: {type: plate, material: steel, thickness: 5 mm, origin: [0, 0, 0], size: [1, 1], mesh: [12, 12]}}
 supports: {edges: {on: plate, edge: all, fix: simple}}
 """
-SHORT = {"floor_tennis_ball": "60 ms", "floor_two_way": "30 ms", "floor_acrylic_ball": "60 ms", "steel_ball": "100 ms"}
+SHORT = {
+    "bedroom": "60 ms",
+    "floor_tennis_ball": "60 ms",
+    "floor_two_way": "30 ms",
+    "floor_acrylic_ball": "60 ms",
+    "steel_ball": "100 ms",
+}
 COLUMNS = 4 * 0.2 * np.pi / 4 * 0.0123**2 * 7850
 TUBE = np.pi / 4 * (0.060**2 - 0.054**2)
 MASS = {  # from the dimensions in the files [kg]
@@ -42,6 +48,7 @@ MASS = {  # from the dimensions in the files [kg]
         "edge": 2 * (0.4 + 0.32) * 7.216e-3 * 6.405e-3 * 7850,
         "posts": 8 * 0.08 * 15.73e-3**2 * 7850,
     },
+    "bedroom": {"slab": 5 * 4 * 0.18 * 2400},
     "small_plate": {"plate": 0.5 * 0.4 * 3e-3 * 7850},
     "portal": {"portal": 6.0 * TUBE * 7850},
     "forging_hammer": {"block": 45e3, "anvil": 25e3},
