@@ -27,7 +27,7 @@ def rate_rooms(study: Study, heard: Mapping[str, Levels]) -> dict[str, RatedRoom
 def rated_findings(plan: RoomPlan, study: Study, basis: ModalBasis) -> tuple[Advice | Finding, ...]:
     """Reverberation times missed, bands without modes, and blows that the standards do not rate."""
     found: list[Advice | Finding] = list(t60_missed(plan.room.losses, plan.t60_asked))
-    if not plan.levels:
+    if not (plan.levels and plan.receivers):
         return tuple(found)
     if basis.complete_below_hz < HIGHEST_HZ:
         found.append(
