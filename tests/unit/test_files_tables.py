@@ -36,7 +36,6 @@ def test_layout_is_the_documented_one(result):
         "limits",
         "machine",
         "findings",
-        "accuracy",
     }
     assert set(case["peaks"]["O_f.z velocity"]) == {"first_impact", "whole", "unit"}
     assert set(case["contacts"]["ball on floor"]) == {"peak_force_n", "closings", "first_open_s"}
