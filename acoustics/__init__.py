@@ -8,10 +8,12 @@ The way through this wing, each step a pure function or a frozen noun::
     cavity_pressure(...)               the same in rooms of any shape            cavity_pressure (fem, walls)
     sound_levels(...) -> Levels        peaks, maxima, exposures, bands           levels (bands, weighting)
     heavy_impact_level(...), ...       single numbers of the standards           ratings
+    rate_room(...) -> RatedRoom        a room as the standards state it          rated
+    force_exposure_levels(...)         how hard a source strikes                 exposure
 
 Layers, lowest first: ``errors arrays air room source | extension cavity | orders judgement pressure maps | bands
-weighting levels ratings``; a module imports from lower ones only. Nothing here knows of finite elements, opens a file
-or prints.
+weighting levels ratings decay exposure rated``; a module imports from lower ones only. Nothing here knows of finite
+elements, opens a file or prints.
 
 Harmonic quantities are the real part of X exp(+j omega t). The surface's velocity is positive into the room, where it
 raises the pressure. Coordinates are the room's own: from its lower corner, z up, the ceiling at z = Lz.
