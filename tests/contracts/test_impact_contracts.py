@@ -9,6 +9,7 @@ import pytest
 
 from femstruct.arrays import Floats
 from femstruct.errors import FemstructError, NotConverged
+from femstruct.impact import collocate
 from femstruct.impact import simulate as engine
 from femstruct.impact.bodies import GROUND, Body, Clock, Contact, HalfSine, Link, Load, Scene
 from femstruct.impact.laws import Hertz, Linear, Stop
@@ -180,7 +181,8 @@ def test_outcomes() -> None:
 
 
 def test_step_cap_raises(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(engine, "MAX_STEPS", 20)
+    for module in (engine, collocate):
+        monkeypatch.setattr(module, "MAX_STEPS", 20)
     scene = Scene((Body("b", 1.0, -1.0),), (Contact("c", "b", GROUND, Hertz(1e4)),))
     with pytest.raises(NotConverged, match="20 steps by t = "):
         simulate(NONE, scene, Clock(1.0, 100.0))
