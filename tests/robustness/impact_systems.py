@@ -26,7 +26,6 @@ OPEN_LEDGER = 1e-8  # a ledger that is open by more must be a finding
 WINDOW, SAMPLES = 5e-3, 200
 RADIANS = 2000.0  # the fastest contact, link or mode turns by this much in the window at most: a run is then short
 G = 9.80665
-PULLS_AT_START = "is preloaded and pulls from the start"
 
 
 @dataclass(frozen=True)
@@ -164,8 +163,7 @@ def _forces(contact: Contact, response: Response) -> list[str]:
         wrong.append(f"{contact.name} pushes while it is open")
     pulls = history.force < -1e-9 * size.max(initial=0.0)
     if not law.tensile and not isinstance(law, Stop) and pulls.any():
-        at_start = contact.preload > 0.0 and bool(pulls[0])
-        wrong.append(f"{contact.name} {PULLS_AT_START if at_start else 'pulls'}")
+        wrong.append(f"{contact.name} pulls")
     if history.peak_force < (size if isinstance(law, Stop) else history.force).max() * (1 - 1e-6):
         wrong.append(f"{contact.name} has a sample above its peak force")
     if touching.any() and not contact.preload and not history.closings:

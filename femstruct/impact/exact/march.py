@@ -11,7 +11,7 @@ from femstruct.impact.exact.regime import coupling_bound, evaluate, expand, fast
 from femstruct.impact.exact.roots import NEVER
 from femstruct.impact.exact.rule import ORDER, THETA, ExactRoom, ExactRule
 from femstruct.impact.exact.watch import switch, watch
-from femstruct.impact.forces import CLOSED, OPEN, State, load_at
+from femstruct.impact.forces import CLAMPED, CLOSED, OPEN, State, load_at
 from femstruct.impact.march import CLOSES, DONE, NO_FORCES, OPENS, STICKS, TOO_MANY_EVENTS, TOO_MANY_STEPS
 from femstruct.impact.sampling import Record
 from femstruct.impact.system import CONSTANT, HALF_SINE, LINK, System
@@ -125,8 +125,9 @@ def exact_march(system: System, state: State, rule: ExactRule, room: ExactRoom, 
 
 @kernel
 def _begin(system: System, state: State, room: ExactRoom) -> None:
-    """Preloaded contacts and links without a release time act; every other contact is open, touching or not, and
-    closes at once when the leading derivative of its indentation says so."""
+    """Preloaded contacts and links without a release time act, but for contacts whose dashpot would pull: their clamp
+    holds; every other contact is open, touching or not, and closes at once when the leading derivative of its
+    indentation says so."""
     room.lost[:] = 0.0
     room.loaded[:] = 0.0
     room.closed_at[:] = 0.0
@@ -136,6 +137,12 @@ def _begin(system: System, state: State, room: ExactRoom) -> None:
         if system.interfaces[a]["kind"] != LINK and system.interfaces[a]["preload"] > 0.0:
             state.status[a] = CLOSED
     _look(system, state, room)
+    for a in range(len(system.interfaces)):
+        law = system.interfaces[a]
+        if state.status[a] == CLOSED and law["tensile"] == 0:
+            force = law["stiffness"] * (room.here[a, 0] + law["offset"]) + law["closing"] * room.here[a, 1]
+            if force < 0.0:
+                state.status[a] = CLAMPED
     _release(system, state, room, 0.0)
 
 
