@@ -148,7 +148,7 @@ def felt(system: System, state: State, halvings: int, record: Record, place: Flo
 def peaks_at_start(system: System, state: State, place: Floats, rate: Floats, record: Record) -> None:
     for a in range(len(system.interfaces)):
         if system.interfaces[a]["kind"] != LINK and state.status[a] == CLOSED:
-            record.peak[a, 0] = law(system, a, place[a] + system.interfaces[a]["offset"], rate[a])[0]
+            record.peak[a, 0] = max(0.0, law(system, a, place[a] + system.interfaces[a]["offset"], rate[a])[0])
 
 
 @kernel
