@@ -73,7 +73,7 @@ def cavity_pressure(
     walls = walls or {}
     coupled = _coupling(modes, _absorbed(modes, walls, air), air)
     constant = all(wall.constant for wall in walls.values())
-    advice = _judgement(surface, modes, air, modes.shapes.T @ loads)
+    advice = _judgement(surface, modes, air)
     together = coupled > COUPLED and constant
     forces = [wall_forces(modes, wall) for wall in walls] if together else []
     modes = with_answers(modes, np.hstack([loads, *forces]))
@@ -168,9 +168,11 @@ def _coupling(modes: CavityModes, absorbed: Floats, air: Air) -> float:
     return float(ratio.max(initial=0.0))
 
 
-def _judgement(surface: SurfaceVelocity, modes: CavityModes, air: Air, driving: Floats) -> list[Advice]:
+def _judgement(surface: SurfaceVelocity, modes: CavityModes, air: Air) -> list[Advice]:
     """Advice on a velocity beyond the modes and on cells too coarse for them."""
-    highest_hz = source_bandwidth(driving[: min(4, len(driving))] @ surface.rates, surface.dt)
+    # of the surface itself: the modes that are there cannot tell what drives those that are not
+    loudest = np.abs(surface.shapes).max(axis=0)
+    highest_hz = source_bandwidth(loudest[:, None] * surface.rates, surface.dt)
     complete_hz = modes.complete_below * air.c / (2 * np.pi)
     found = []
     if highest_hz > complete_hz:

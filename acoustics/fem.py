@@ -90,7 +90,7 @@ class CavityMesh:
 
     @property
     def largest_cell(self) -> float:
-        """Longest edge or diagonal of a cell over the square root of three [m]."""
+        """Largest extent of a cell along an axis [m]."""
         corners = self.points[self.cells]
         return float(np.ptp(corners, axis=1).max())
 

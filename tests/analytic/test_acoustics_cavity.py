@@ -215,6 +215,22 @@ def test_walls_that_couple_modes_but_depend_on_frequency_are_told():
     assert told == {"room-modes-missing"}
 
 
+def test_a_fast_motion_in_a_pattern_of_modes_left_out_is_told():
+    """Slow and uniform, which the kept modes hear, and fast in a pattern that none of them has."""
+    size = (1.0, 0.7, 0.4)
+    modes = cavity_modes(box_mesh(size, (6, 4, 2)), 6.0)  # 327 Hz
+    slow, fast = smooth_push(9600, duration=0.1), smooth_push(9600, duration=0.001)
+    even = ceiling(size, (12, 4), lambda x: np.ones(len(x)), slow)
+    pattern = np.cos(4 * np.pi * even.points[:, 0])
+    receivers = [Receiver("a", [0.1, 0.1, 0.1])]
+    both = SurfaceVelocity(even.points, even.weights, np.column_stack([even.shapes, pattern]), [slow, fast], dt=1 / FS)
+    told = [
+        {advice.code for advice in cavity_pressure(surface, modes, Air(), Losses(), receivers).findings}
+        for surface in (even, both)
+    ]
+    assert ["room-modes-missing" in codes for codes in told] == [False, True]
+
+
 def test_what_is_no_room_is_refused():
     mesh = box_mesh((1, 1, 1), (1, 1, 1))
     with pytest.raises(AcousticsError, match="a volume of 0 "):
