@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from femstruct.impact.forces import State
-from femstruct.impact.march import ERROR_BUDGET, levels_for, longest_coupled, march
-from femstruct.impact.propagate import trial_room
+from femstruct.impact.march import ERROR_BUDGET, levels_for, longest_coupled, march, march_room
 from femstruct.impact.rule import collocation_rule
 from femstruct.impact.sampling import Record
 from femstruct.impact.system import Compiled
@@ -50,7 +49,7 @@ def collocate(
         state,
         collocation_rule(),
         tables,
-        trial_room(system),
+        march_room(system),
         record,
         compiled.halvings,
         top_level,

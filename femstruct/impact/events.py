@@ -29,7 +29,8 @@ def strays(level: int, h: float, system: System, state: State, rule: Rule, table
            out: Floats) -> None:  # fmt: skip
     """Per interface what interpolation can miss of displacement and velocity, and their rounding: out [i, 4]."""
     r = len(system.rows)
-    derivatives = np.zeros((r, STAGES + 1))
+    derivatives = trial.derivatives
+    derivatives[:] = 0.0
     for a in range(r):
         for j in range(STAGES):
             for s in range(STAGES):
@@ -112,7 +113,7 @@ def _interpolant(values: Floats, theta: float, rule: Rule) -> float:
 def watch(h: float, system: System, state: State, rule: Rule, trial: Trial, bounds: Floats,
           loaded: Floats) -> tuple[int, float]:  # fmt: skip
     """First change of status in a trial step: SAFE, CHANGES with the part of the step before it, or UNCERTAIN."""
-    values = np.empty(PLACES)
+    values = trial.watched
     answer, part = SAFE, 1.0
     for a in range(len(system.interfaces)):
         if system.interfaces[a]["kind"] == LINK or state.status[a] == AWAY:

@@ -15,8 +15,7 @@ from femstruct.impact.exact.choice import takes_exact_march
 from femstruct.impact.exact.rule import exact_room, exact_rule
 from femstruct.impact.forces import State
 from femstruct.impact.many import Columns, Marches, Runs, Shared, columns, run_many
-from femstruct.impact.march import ERROR_BUDGET, longest_coupled
-from femstruct.impact.propagate import trial_room
+from femstruct.impact.march import ERROR_BUDGET, longest_coupled, march_room
 from femstruct.impact.rule import FINEST_HALVINGS, collocation_rule
 from femstruct.impact.sampling import room_for
 from femstruct.impact.system import HERTZ, LINEAR, LINK, POWER, Compiled, Records, System, compile_scene
@@ -109,7 +108,7 @@ def run_some(fleet: Fleet, first: int, out: Floats) -> None:
             top_level=fleet.top_level,
             tolerance=fleet.clock.tolerance * ERROR_BUDGET,
             rule=collocation_rule(),
-            trial=trial_room(system),
+            room=march_room(system),
             exact_rule=exact_rule(),
             exact_room=exact_room(system),
         ),

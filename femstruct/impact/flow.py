@@ -47,6 +47,6 @@ def advance(level: int, system: System, tables: Tables, forces: Floats, modal: F
     taken = 0.0
     for i in range(n):
         taken += work[STAGES, i]
-    z[:] = work[basis]
-    v[:] = work[basis + 1]
+    for i in range(n):
+        z[i], v[i] = work[basis, i], work[basis + 1, i]
     return taken

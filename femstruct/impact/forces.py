@@ -168,6 +168,13 @@ def dot(left: Floats, right: Floats) -> float:
 
 
 @kernel
+def copy_to(out: Floats, values: Floats) -> None:
+    """Values into an array that may be longer."""
+    for i in range(len(values)):
+        out[i] = values[i]
+
+
+@kernel
 def rows_now(system: System, z: Floats, v: Floats, place: Floats, rate: Floats) -> None:
     """Displacements and velocities of all rows."""
     for a in range(len(system.rows)):

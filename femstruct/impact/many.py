@@ -15,9 +15,8 @@ from femstruct.impact.compiled import released
 from femstruct.impact.energy import TIME
 from femstruct.impact.exact.march import exact_march
 from femstruct.impact.exact.rule import ExactRoom, ExactRule
-from femstruct.impact.forces import State
-from femstruct.impact.march import CLOSES, DONE, march
-from femstruct.impact.propagate import Trial
+from femstruct.impact.forces import State, copy_to
+from femstruct.impact.march import CLOSES, DONE, Room, march
 from femstruct.impact.rule import POINTS, STAGES, Rule
 from femstruct.impact.sampling import Record
 from femstruct.impact.system import LINK, Records, System
@@ -82,7 +81,7 @@ class Marches(NamedTuple):
     top_level: int
     tolerance: float
     rule: Rule
-    trial: Trial
+    room: Room
     exact_rule: ExactRule
     exact_room: ExactRoom
 
@@ -93,7 +92,10 @@ def run_many(frame: System, shared: Shared, tables: Tables, runs: Runs, marches:
     """Fill a row of metrics [c, width] for each run. tables : their parts that depend on masses are this call's own."""
     k, bodies = frame.n_modes, runs.mass.shape[1]
     for i in range(len(out)):
-        if i == 0 or not (runs.mass[i] == runs.mass[i - 1]).all():
+        new = i == 0
+        for b in range(bodies):
+            new = new or runs.mass[i, b] != runs.mass[i - 1, b]
+        if new:
             _weigh(frame, shared, tables, runs.mass[i])
         system = System(
             frame.omega, frame.damping, frame.coupling, frame.n_modes, frame.rows, frame.sign, frame.mobility,
@@ -101,7 +103,8 @@ def run_many(frame: System, shared: Shared, tables: Tables, runs: Runs, marches:
             frame.tick,
         )  # fmt: skip
         state.z[:], state.v[:] = 0.0, 0.0
-        state.z[:k], state.v[:k] = shared.start[0], shared.start[1]
+        copy_to(state.z, shared.start[0])
+        copy_to(state.v, shared.start[1])
         for b in range(bodies):
             state.v[k + b] = np.sqrt(runs.mass[i, b]) * runs.velocity[i, b]
         state.status[:], state.rest[:], state.pace[:], state.force[:] = 0, 0.0, 0.0, 0.0
@@ -114,7 +117,7 @@ def run_many(frame: System, shared: Shared, tables: Tables, runs: Runs, marches:
             )  # fmt: skip
         else:
             status, _, _, events = march(
-                system, state, marches.rule, tables, marches.trial, record, marches.halvings, marches.top_level,
+                system, state, marches.rule, tables, marches.room, record, marches.halvings, marches.top_level,
                 marches.tolerance, marches.max_steps,
             )  # fmt: skip
         _measure(system, state, record, status, events, runs.mass[i], marches.quiet, at, out[i])
@@ -131,7 +134,8 @@ def _weigh(frame: System, shared: Shared, tables: Tables, mass: Floats) -> None:
             root = np.sqrt(mass[b])
             rows[a, k + b] = shared.entries[a, b] * (root if a == shared.weight else 1.0 / root)
             frame.mobility[a] += rows[a, k + b] ** 2
-    tables.forced[:], tables.stray_push[:] = modes.forced, modes.stray_push
+    copy_to(tables.forced.reshape(-1), modes.forced.reshape(-1))
+    copy_to(tables.stray_push.reshape(-1), modes.stray_push.reshape(-1))
     for level in range(len(tables.ready)):
         for b in range(len(mass)):
             for a in range(r):

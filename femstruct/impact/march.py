@@ -6,6 +6,8 @@ which is the graded mesh that the onset of a contact (indentation^1.5, ^0.5) nee
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from femstruct.arrays import Floats, Integers
@@ -14,7 +16,7 @@ from femstruct.impact.energy import TIME, integrate_losses, take_stock
 from femstruct.impact.events import CHANGES, UNCERTAIN, strays, switch, watch
 from femstruct.impact.flow import advance
 from femstruct.impact.forces import AWAY, CLOSED, OPEN, State, load_at, net_force, rows_now
-from femstruct.impact.propagate import Trial, try_step
+from femstruct.impact.propagate import Trial, trial_room, try_step
 from femstruct.impact.rule import LONGEST_DOUBLINGS, PLACES, STAGES, Rule
 from femstruct.impact.sampling import Record, keep, peaks, peaks_at_start, travels
 from femstruct.impact.strikes import first_strike, strike, touch
@@ -34,22 +36,51 @@ TROUBLE = {
 }
 
 
+class Room(NamedTuple):
+    """Work space of a march. trial : of its steps, with their work space. lost [m + 3] : dissipated by interfaces, by
+    modes; work; brought by blows. bounds [m, 4] : what interpolation can miss of an interface. work [s + 4, n]. loaded,
+    closed_at [m] : whether a contact counts as closed, and since when. place, rate [r] : of the rows."""
+
+    trial: Trial
+    lost: Floats
+    bounds: Floats
+    work: Floats
+    loaded: Floats
+    closed_at: Floats
+    place: Floats
+    rate: Floats
+
+
+def march_room(system: System) -> Room:
+    """Work space for marches of a system of this size."""
+    n, r, m = len(system.omega), len(system.rows), len(system.interfaces)
+    return Room(
+        trial=trial_room(system),
+        lost=np.zeros(m + 3),
+        bounds=np.zeros((m, 4)),
+        work=np.zeros((STAGES + 4, n)),
+        loaded=np.zeros(m),
+        closed_at=np.zeros(m),
+        place=np.zeros(r),
+        rate=np.zeros(r),
+    )
+
+
 @kernel
-def march(system: System, state: State, rule: Rule, tables: Tables, trial: Trial, record: Record, halvings: int,
+def march(system: System, state: State, rule: Rule, tables: Tables, room: Room, record: Record, halvings: int,
           top_level: int, tolerance: float, max_steps: int) -> tuple[int, float, int, int]:  # fmt: skip
     """Run to the end; returns how it ended, when, and the numbers of ledger rows and events in the record.
 
     A record without samples is of one interval of 2^halvings ticks, and keeps the first and the last ledger row only.
     """
     history, events, event_rows = record.history, record.events, record.event_rows
-    m, n, samples = len(system.interfaces), len(system.omega), len(record.at)
+    m, samples = len(system.interfaces), len(record.at)
     per_sample = 1 << halvings
     end = max(samples, 1) * per_sample
-    lost = np.zeros(m + 3)
-    bounds, work = np.zeros((m, 4)), np.zeros((STAGES + 4, n))
-    loaded, closed_at = np.zeros(m), np.zeros(m)
+    trial, lost, bounds, place, rate = room.trial, room.lost, room.bounds, room.place, room.rate
+    loaded, closed_at = room.loaded, room.closed_at
+    lost[:], loaded[:], closed_at[:] = 0.0, 0.0, 0.0
     n_events = 0
-    place, rate = np.zeros(len(system.rows)), np.zeros(len(system.rows))
     rows_now(system, state.z, state.v, place, rate)
     _start(system, state, place, rate, loaded)
     initial = take_stock(0.0, system, state, place, lost, history[0])
@@ -116,7 +147,7 @@ def march(system: System, state: State, rule: Rule, tables: Tables, trial: Trial
         peaks(now, h, system, state, rule, trial, record)
         travels(h, system, state, rule, trial, record)
         integrate_losses(h, system, state, rule, trial, lost)
-        lost[m] += advance(level, system, tables, trial.forces, trial.modal, state.z, state.v, work)
+        lost[m] += advance(level, system, tables, trial.forces, trial.modal, state.z, state.v, room.work)
         t += ticks
         now = t * system.tick
         moment = now - (1.0 - part) * h if answer == CHANGES else now

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from femstruct.arrays import Floats, Integers
-from femstruct.impact.compiled import kernel
+from femstruct.impact.compiled import kernel, making
 from femstruct.impact.forces import dot
 from femstruct.impact.rule import LONGEST_DOUBLINGS, STAGES, Rule
 from femstruct.impact.system import System
@@ -92,7 +92,7 @@ def along(motion: Motion, what: int, rows: Floats) -> Floats:
     return out
 
 
-@kernel
+@making
 def inside(level: int, system: System, rule: Rule, tables: Tables, needed: Integers, free: Floats,
            forced: Floats) -> None:  # fmt: skip
     """Fill free, and forced of the step lengths that are needed. level : of a step of one sample."""
@@ -170,7 +170,7 @@ def _through(motion: Motion, what: int, state: int, long: int, first: int, last:
                     out[i - first, j] += forced[s, i, j] * force
 
 
-@kernel
+@making
 def _trace(motion: Motion, what: int, first: int, out: Floats) -> None:
     states, count = motion.z if what == DISPLACEMENT else motion.v, len(out)
     samples, long = np.empty((count, 1 << LONGEST_DOUBLINGS)), 0
@@ -187,7 +187,7 @@ def _trace(motion: Motion, what: int, first: int, out: Floats) -> None:
         long += 1
 
 
-@kernel
+@making
 def _follow(motion: Motion, what: int, rows: Floats, out: Floats) -> None:
     states, n = motion.z if what == DISPLACEMENT else motion.v, rows.shape[1]
     samples, long = np.empty((n, 1 << LONGEST_DOUBLINGS)), 0

@@ -25,7 +25,9 @@ PICARD_STEPS = 40
 class Trial(NamedTuple):
     """A step that was solved and may be kept. place, rate [r, PLACES] : displacement and velocity of the rows at start,
     nodes, end. forces [r, s] : forces at the nodes as they act, less preloads. modal [s, k], speeds [s, k] : forces
-    and speeds of coupled damping. d, u : free motion."""
+    and speeds of coupled damping. q : free motion. active [m], slope [m, s, 2], jacobian [m s, m s], residual [m s] :
+    of Newton's iteration; derivatives [r, s + 1], watched [PLACES] : of the watch over the contacts. Nothing is
+    allocated in a step."""
 
     place: Floats
     rate: Floats
@@ -33,11 +35,17 @@ class Trial(NamedTuple):
     modal: Floats
     speeds: Floats
     q: Floats
+    active: Integers
+    slope: Floats
+    jacobian: Floats
+    residual: Floats
+    derivatives: Floats
+    watched: Floats
 
 
 def trial_room(system: System) -> Trial:
     """Work space for one trial step."""
-    r, k = len(system.rows), len(system.coupling)
+    r, k, m = len(system.rows), len(system.coupling), len(system.interfaces)
     return Trial(
         place=np.zeros((r, PLACES)),
         rate=np.zeros((r, PLACES)),
@@ -45,13 +53,19 @@ def trial_room(system: System) -> Trial:
         modal=np.zeros((STAGES, k)),
         speeds=np.zeros((STAGES, k)),
         q=np.zeros(r * POINTS * 2),
+        active=np.zeros(m, dtype=np.int64),
+        slope=np.empty((m, STAGES, 2)),
+        jacobian=np.empty((m * STAGES, m * STAGES)),
+        residual=np.empty(m * STAGES),
+        derivatives=np.empty((r, STAGES + 1)),
+        watched=np.empty(PLACES),
     )
 
 
 @kernel
-def solve_dense(matrix: Floats, right: Floats) -> bool:
-    """Gauss elimination with row pivots, in place; the answer is in `right`. False for a singular matrix."""
-    size = len(right)
+def solve_dense(matrix: Floats, right: Floats, size: int) -> bool:
+    """Gauss elimination with row pivots of the first `size` rows and columns, in place; the answer is in `right`.
+    False for a singular matrix."""
     for i in range(size):
         pivot = i
         for m in range(i + 1, size):
@@ -94,8 +108,7 @@ def try_step(t: float, level: int, h: float, system: System, state: State, rule:
         if z != 0.0 or v != 0.0:
             for j in range(len(q)):
                 q[j] += z * free[0, i, j] + v * free[1, i, j]
-    active = np.empty(m, dtype=np.int64)
-    count = 0
+    active, count = trial.active, 0
     for a in range(m):
         if state.status[a] == CLOSED:
             active[count] = a
@@ -109,27 +122,25 @@ def try_step(t: float, level: int, h: float, system: System, state: State, rule:
     if len(system.coupling):
         trial.modal[:] = 0.0
         for round_ in range(PICARD_STEPS):
-            if not _interface_forces(level, system, state, tables, trial, active[:count]):
+            if not _interface_forces(level, system, state, tables, trial, count):
                 return np.inf
             change, size = _couple(level, system, state, tables, trial)
             if change <= 1e-15 * size:
                 break
             if round_ == PICARD_STEPS - 1:
                 return np.inf
-    elif not _interface_forces(level, system, state, tables, trial, active[:count]):
+    elif not _interface_forces(level, system, state, tables, trial, count):
         return np.inf
     return _error(t, h, system, state, rule, trial, tolerance)
 
 
 @kernel
-def _interface_forces(level: int, system: System, state: State, tables: Tables, trial: Trial, active: Integers) -> bool:
-    """Newton for the forces of the active interfaces at the nodes; leaves place and rate of all rows in the trial."""
-    r, count = len(system.rows), len(active)
-    size = count * STAGES
+def _interface_forces(level: int, system: System, state: State, tables: Tables, trial: Trial, count: int) -> bool:
+    """Newton for the forces of the `count` active interfaces at the nodes; leaves place and rate of all rows."""
+    r, size = len(system.rows), count * STAGES
     forced = tables.forced[level]
     place, rate = trial.place, trial.rate
-    jacobian, residual = np.empty((size, size)), np.empty(size)
-    slope = np.empty((count, STAGES, 2))
+    active, slope, jacobian, residual = trial.active, trial.slope, trial.jacobian, trial.residual
     for step in range(NEWTON_STEPS):
         for a in range(r):
             for p in range(POINTS):
@@ -172,7 +183,7 @@ def _interface_forces(level: int, system: System, state: State, tables: Tables, 
                             + slope[i, p, 1] * forced[active[i], p, 1, b, s]
                         )
                 jacobian[i * STAGES + p, i * STAGES + p] += 1.0
-        if not solve_dense(jacobian, residual):
+        if not solve_dense(jacobian, residual, size):
             return False
         for i in range(count):
             for p in range(STAGES):

@@ -9,7 +9,7 @@ import numpy as np
 from femstruct.arrays import Floats, Integers
 from femstruct.impact.compiled import kernel
 from femstruct.impact.energy import ledger_width
-from femstruct.impact.forces import CLOSED, State, law, load_at, net_force
+from femstruct.impact.forces import CLOSED, State, copy_to, law, load_at, net_force
 from femstruct.impact.motion import Motion, inner_tables
 from femstruct.impact.propagate import Trial
 from femstruct.impact.rule import PLACES, POINTS, STAGES, Rule
@@ -92,11 +92,19 @@ def keep(index: int, doublings: int, state: State, trial: Trial, record: Record)
     """Keep the state at a sample, the start of a step of 2^doublings samples, or of less than two for 0."""
     s, long = record.kept[0], record.kept[1]
     record.at[s], record.doublings[s] = index, doublings
-    record.z[s], record.v[s], record.status[s] = state.z, state.v, state.status
+    copy_to(record.z[s], state.z)
+    copy_to(record.v[s], state.v)
+    for a in range(len(state.status)):
+        record.status[s, a] = state.status[a]
     record.kept[0] += 1
     if doublings > 0:
-        record.forces[long], record.modal[long] = trial.forces, trial.modal
-        record.pushed[long] = 1 if trial.forces.any() or trial.modal.any() else 0
+        record.pushed[long] = 0
+        for acting, kept in ((trial.forces, record.forces[long]), (trial.modal, record.modal[long])):
+            for i in range(acting.shape[0]):
+                for j in range(acting.shape[1]):
+                    kept[i, j] = acting[i, j]
+                    if acting[i, j] != 0.0:
+                        record.pushed[long] = 1
         record.kept[1] += 1
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from femstruct.arrays import Floats
-from femstruct.impact.compiled import kernel
+from femstruct.impact.compiled import kernel, making
 from femstruct.impact.forces import law, load_at
 from femstruct.impact.motion import DISPLACEMENT, VELOCITY, state_at
 from femstruct.impact.response import EnergyBalance, Response
@@ -132,7 +132,7 @@ def _carry(system: System, rest: Floats, begin: float, end: float, z: Floats, v:
     return run.y[:n, -1], run.y[n:, -1]
 
 
-@kernel
+@making
 def _rates(t: float, y: Floats, system: System, rest: Floats) -> Floats:
     """Velocities and accelerations of all coordinates, from their values alone."""
     n, m = len(system.omega), len(system.interfaces)

@@ -9,7 +9,7 @@ from femstruct.arrays import Floats
 from femstruct.impact.compiled import kernel
 from femstruct.impact.energy import stored
 from femstruct.impact.events import ROUNDING
-from femstruct.impact.forces import CLAMPED, CLOSED, OPEN, State, dot, law, net_force, rows_now
+from femstruct.impact.forces import CLAMPED, CLOSED, OPEN, State, copy_to, dot, law, net_force, rows_now
 from femstruct.impact.sampling import Record
 from femstruct.impact.system import LINK, System
 
@@ -56,7 +56,7 @@ def strike(now: float, t: int, number: int, system: System, state: State, place:
             if loaded[a] > 0.0:
                 mine[HELD] = max(mine[HELD], net_force(system, state, a, place[a], rate[a]))
                 mine[SINCE] = closed_at[a]
-            record.strike_peak[record.latest[a], a] = record.peak[a]
+            copy_to(record.strike_peak[record.latest[a], a], record.peak[a])
             record.peak[a] = 0.0
             record.latest[a] = number
     mine[MOMENTUM] = -state.v[i]

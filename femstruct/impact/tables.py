@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from femstruct.arrays import Floats, Integers
-from femstruct.impact.compiled import kernel
+from femstruct.impact.compiled import kernel, making
 from femstruct.impact.rule import PLACES, POINTS, STAGES, TERMS, Rule
 from femstruct.impact.system import System
 
@@ -107,7 +107,7 @@ def _respond(omega: float, damping: float, h: float, rule: Rule, x: Floats, v: F
             break
 
 
-@kernel
+@making
 def _double(omega: float, damping: float, h: float, rule: Rule, x: Floats, v: Floats, form: Floats) -> None:
     """Turn the responses and the loss form of a step h into those of 2 h."""
     width = STAGES + 2
@@ -137,7 +137,7 @@ def _double(omega: float, damping: float, h: float, rule: Rule, x: Floats, v: Fl
             v[p, j] = flow[2] * xl + flow[3] * vl + vr
 
 
-@kernel
+@making
 def _congruent(left: Floats, form: Floats) -> Floats:
     """left^T form left, written out: the matrices are too small for a library call."""
     width = len(form)
@@ -155,7 +155,7 @@ def _congruent(left: Floats, form: Floats) -> Floats:
     return out
 
 
-@kernel
+@making
 def tabulate(level: int, h: float, system: System, rule: Rule, tables: Tables) -> None:
     """Fill the tables of steps of length h [s]."""
     n, r = len(system.omega), len(system.rows)

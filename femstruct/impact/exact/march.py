@@ -11,7 +11,7 @@ from femstruct.impact.exact.regime import coupling_bound, evaluate, expand, fast
 from femstruct.impact.exact.roots import NEVER
 from femstruct.impact.exact.rule import ORDER, THETA, ExactRoom, ExactRule
 from femstruct.impact.exact.watch import switch, watch
-from femstruct.impact.forces import CLAMPED, CLOSED, OPEN, State, load_at
+from femstruct.impact.forces import CLAMPED, CLOSED, OPEN, State, copy_to, load_at
 from femstruct.impact.march import CLOSES, DONE, NO_FORCES, OPENS, STICKS, TOO_MANY_EVENTS, TOO_MANY_STEPS
 from femstruct.impact.sampling import Record
 from femstruct.impact.system import CONSTANT, HALF_SINE, LINK, System
@@ -72,14 +72,17 @@ def exact_march(system: System, state: State, rule: ExactRule, room: ExactRoom, 
                 s = record.kept[0]
                 evaluate(room, h, order, (s * interval - t) / h)
                 record.at[s], record.doublings[s] = s, 0
-                record.z[s], record.v[s], record.status[s] = room.q, room.v, state.status
+                copy_to(record.z[s], room.q)
+                copy_to(record.v[s], room.v)
+                for a in range(m):
+                    record.status[s, a] = state.status[a]
                 record.kept[0] += 1
             integrate_step(system, state, h, order, part, damped, rule, room)
             peaks_of_step(system, state, t, h, order, part, room, record)
             travels_of_step(system, order, part, room, record)
             evaluate(room, h, order, part)
-            state.z[:] = room.q
-            state.v[:] = room.v
+            copy_to(state.z, room.q)
+            copy_to(state.v, room.v)
             room.fresh[:] = 0
             before, pace = h, bound
         at_once = at_once + 1 if now == t else 0
