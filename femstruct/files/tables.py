@@ -110,7 +110,7 @@ def _contacts(response: Response) -> Table:
 def _bodies(response: Response) -> Table:
     return {
         name: {
-            "end_velocity": number(body.velocity[-1]),
+            "end_velocity": number(body.end_velocity),
             "travel": number(body.displacement.max() - body.displacement.min()),
         }
         for name, body in response.bodies.items()

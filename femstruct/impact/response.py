@@ -52,10 +52,12 @@ class ContactHistory:
 
 @dataclass(frozen=True, eq=False)
 class BodyHistory:
-    """One body: displacement [nt] [m] and velocity [nt] [m/s] along its axis."""
+    """One body: displacement [nt] [m] and velocity [nt] [m/s] along its axis, at the samples; end_velocity [m/s] at the
+    end of the window, an interval after the last of them."""
 
     displacement: Floats
     velocity: Floats
+    end_velocity: float
 
 
 @dataclass(frozen=True)

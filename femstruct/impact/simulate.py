@@ -119,6 +119,7 @@ def simulate(basis: ModalBasis, scene: Scene, clock: Clock) -> Response:
     )
     speeds = dict(zip((body.name for body in scene.bodies), velocity, strict=True))
     outcome = outcome_of(scene, clock, log, bool(len(events) and events[-1, 2]), speeds)
+    last = state.v[k:] / compiled.scale[k:]
     return Response(
         basis=basis,
         scene=scene,
@@ -127,7 +128,7 @@ def simulate(basis: ModalBasis, scene: Scene, clock: Clock) -> Response:
         motion=motion,
         pushed=system.rows[:, :k],
         pushes=push,
-        bodies={b.name: BodyHistory(displacement[i], velocity[i]) for i, b in enumerate(scene.bodies)},
+        bodies={b.name: BodyHistory(displacement[i], velocity[i], float(last[i])) for i, b in enumerate(scene.bodies)},
         contacts=contacts,
         links={name: forces[a] for name, a in compiled.links.items()},
         events=log,

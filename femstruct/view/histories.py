@@ -62,7 +62,7 @@ def travels(result: StudyResult) -> Figure | None:
         "m",
         {
             case: {
-                name: (body.displacement, f"ends with {body.velocity[-1]:.4g} m/s") for name, body in r.bodies.items()
+                name: (body.displacement, f"ends with {body.end_velocity:.4g} m/s") for name, body in r.bodies.items()
             }
             for case, r in _responses(result).items()
         },

@@ -10,8 +10,10 @@ import numpy as np
 import pytest
 
 from femstruct.errors import NotConverged
+from femstruct.impact import estimate
 from femstruct.impact import simulate as engine
 from femstruct.impact.bodies import GROUND, Body, Clock, Contact, End, HalfSine, Link, Load, Scene, Table
+from femstruct.impact.estimate import error_of
 from femstruct.impact.exact.march import exact_march
 from femstruct.impact.exact.rule import exact_room, exact_rule
 from femstruct.impact.forces import State
@@ -101,6 +103,36 @@ def test_forty_digits(case: dict) -> None:
         same(response.ledger.at_separation, case["separation"], total)
     same(response.ledger.end, case["end"], total)
     assert response.ledger.residual <= 1e-13
+
+
+@pytest.mark.parametrize("case", CASES, ids=lambda case: case["scene"]["name"])
+def test_estimate_of_rounding(case: dict, monkeypatch: pytest.MonkeyPatch) -> None:
+    """End speeds against 40 digits: within three times the estimate, which is small where nothing grazes."""
+    monkeypatch.setattr(estimate, "takes_exact_march", lambda *_: True)
+    basis, scene = built(case["scene"])
+    duration = case["scene"]["duration"]
+    response = simulate(basis, scene, Clock(duration, 100 / duration))
+    found = error_of(response)
+    assert found.exact
+    for body in scene.bodies:
+        speed = found.velocity[body.name]
+        exact = np.sqrt(2 * float(case["end"]["bodies"][body.name]) / body.mass)
+        assert abs(abs(speed.value) - exact) <= 3 * speed.error
+    closed = {name for name, contact in response.contacts.items() if contact.closings}
+    assert set(found.peak) == closed
+    grazes = case["scene"]["name"].startswith("graze")
+    assert max(one.relative for one in (*found.peak.values(), *found.velocity.values())) < (1e-6 if grazes else 1e-12)
+
+
+def test_estimate_of_a_linear_bounce() -> None:
+    """F = v sqrt(k m): within the estimate, which is rounding."""
+    m, k, v = 0.3, 2e4, 1.7
+    scene = Scene((Body("ball", m, -v),), (Contact("wall", "ball", GROUND, Linear(k)),))
+    found = error_of(simulate(NONE, scene, Clock(0.05, 1e4)))
+    assert found.against is None
+    assert abs(found.first_peak["wall"].value - v * np.sqrt(k * m)) <= 3 * found.first_peak["wall"].error
+    assert found.first_peak["wall"].relative < 1e-12
+    assert found.first_until == 0.05
 
 
 def test_the_faintest_touch() -> None:
