@@ -127,7 +127,7 @@ def check(
     if as_json:
         _print_json(inspection.table())
     else:
-        from femstruct.view.terminal import show_inspection
+        from femstruct.view.structure import show_inspection
 
         show_inspection(inspection.table(), str(picture or ""))
     return GOOD
@@ -150,7 +150,7 @@ def modes(
     if as_json:
         _print_json(table)
     else:
-        from femstruct.view.terminal import show_modes
+        from femstruct.view.structure import show_modes
 
         show_modes(table)
     return NOT_TRUSTED if any(finding["severe"] for finding in table["findings"]) else GOOD
@@ -175,7 +175,7 @@ def frf(
     if as_json:
         _print_json(table)
     else:
-        from femstruct.view.terminal import show_frf
+        from femstruct.view.structure import show_frf
 
         show_frf(table)
     return GOOD
@@ -225,7 +225,7 @@ def _verdict(result: StudyResult) -> int:
 
 
 def _progress() -> Any:
-    from femstruct.view.terminal import progress
+    from femstruct.view.console import progress
 
     return progress()
 

@@ -9,7 +9,7 @@ import pytest
 from rich.console import Console
 
 from femstruct.errors import Finding
-from femstruct.view import terminal
+from femstruct.view import structure, terminal
 from femstruct.view.grid import Grid
 
 BY_HAND = runpy.run_path(str(Path(__file__).parents[1] / "data" / "study_by_hand.py"))
@@ -53,7 +53,7 @@ def test_findings_of_some_cases_name_them(capsys):
     ("below_hz", "told"), [(None, "all modes of the structure"), (0.0, ""), (99.0, "no mode is missing below 99 Hz")]
 )
 def test_modes_without_a_mass(capsys, below_hz, told):
-    terminal.show_modes({**MODES, "complete_below_hz": below_hz})
+    structure.show_modes({**MODES, "complete_below_hz": below_hz})
     printed = capsys.readouterr().out
     assert printed.splitlines()[2].split()[-3:] == ["-", "-", "-"]
     assert "mass 0" not in printed and "inf" not in printed

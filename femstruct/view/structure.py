@@ -1,0 +1,109 @@
+"""What a person reads of a structure: its modes, a frequency response, what `check` found."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from femstruct.errors import Finding
+from femstruct.view.console import console, show_findings
+from femstruct.view.grid import Grid
+
+Row = Mapping[str, Any]
+DUST = 1e-6  # rad: a micrometre a metre is rounding, or nobody's concern
+
+
+def show_modes(table: Row) -> None:
+    """Mode numbers, frequencies, damping ratios, kinds and effective masses."""
+    screen = console()
+    grid = Grid(
+        table["title"], ("mode", "frequency [Hz]", "damping ratio", "kind", "x [%]", "y [%]", "z [%] of the mass")
+    )
+    for i, frequency in enumerate(table["frequency_hz"]):
+        ratio = table["damping_ratio"][i]
+        shares = [_percentage(table["modal_mass_kg"][axis][i], table["mass_kg"]) for axis in "xyz"]
+        grid.add(
+            str(i + 1),
+            f"{frequency:.2f}",
+            "" if ratio is None else f"{100 * ratio:.2f} %",
+            table["kind"][i],
+            *shares,
+        )
+    grid.show(screen)
+    if table["mass_kg"]:
+        screen.print(f"mass {table['mass_kg']:.4g} kg")
+    if told := _completeness(table["complete_below_hz"]):
+        screen.print(told)
+    show_findings(screen, _read(table["findings"]))
+
+
+def show_frf(table: Row) -> None:
+    """A frequency response as columns: frequency, magnitude, phase."""
+    print(f"# {table['kind']} {table['response']} / {table['drive']}, {table['method']}, {table['unit']}")
+    print("# frequency_hz real imag")
+    for line in zip(table["frequency_hz"], table["real"], table["imag"], strict=True):
+        print("{:.6g} {:.8e} {:.8e}".format(*line))
+
+
+def show_inspection(table: Row, picture: str = "") -> None:
+    """What `check` found: masses, box, degrees of freedom, rigid modes, damping, sags, blocks, rooms, findings."""
+    screen = console()
+    screen.print(table["title"], style="bold")
+    if table["masses_kg"]:
+        grid = Grid("masses", ("part", "mass [kg]"))
+        for name, mass in table["masses_kg"].items():
+            grid.add(name, f"{mass:.5g}")
+        grid.add("all", f"{table['mass_kg']:.5g}")
+        grid.show(screen)
+        low, high = table["box_m"]
+        screen.print("box " + " x ".join(f"{b - a:.4g}" for a, b in zip(low, high, strict=True)) + " m")
+        screen.print(", ".join(f"{count} {name}" for name, count in table["counts"].items()))
+    if table["degrees_of_freedom"] is not None:
+        screen.print(f"{table['degrees_of_freedom']} degrees of freedom")
+    screen.print(f"{table['rigid_body_modes']} rigid-body modes; first frequencies [Hz]: " + _first(table))
+    for sentence in table["damping"]:
+        screen.print(sentence)
+    for name, position in table["points_m"].items():
+        screen.print(f"point {name} at ({', '.join(f'{x:.4g}' for x in position)}) m")
+    for body, rest in table["rest"].items():
+        screen.print(f"{body}: weight {rest['weight_n']:.4g} N sags {1e3 * rest['sag_m']:.3g} mm on its links")
+    for part, sag in table["sags"].items():
+        seen = sag["tilt_rad"] is not None and sag["tilt_rad"] > DUST
+        leaning = f" and leans by {1e3 * sag['tilt_rad']:.2g} mm a metre" if seen else ""
+        screen.print(f"{part} sags {1e3 * sag['sag_m']:.3g} mm under the weight of all{leaning}")
+    for mode in table["block_modes"]:
+        shares = ", ".join(f"{name} {100 * share:.0f} %" for name, share in mode["shares"].items())
+        damped = "" if mode["damping_ratio"] is None else f", damping {100 * mode['damping_ratio']:.3g} %"
+        screen.print(f"mode {mode['mode']}, {mode['frequency_hz']:.2f} Hz{damped}: {shares}")
+    for name, room in table["rooms"].items():
+        ratios = ", ".join(f"{100 * ratio:.3g} % at {f} Hz" for f, ratio in room["damping_ratio"].items())
+        first = ", ".join(f"{f:.1f}" for f in room["first_modes_hz"])
+        screen.print(f"room {name}: {room['coupling']} coupling; first modes {first} Hz; damping {ratios}")
+    show_findings(screen, _read(table["findings"]))
+    if picture:
+        screen.print(f"picture: {picture}")
+
+
+def _first(table: Row) -> str:
+    elastic = [f"{f:.2f}" for f in table["first_frequencies_hz"][table["rigid_body_modes"] :]]
+    return ", ".join(elastic[:6])
+
+
+def _completeness(below_hz: float | None) -> str:
+    """Which modes are proven to be here: below a frequency, all of them (None), or none (0).
+
+    >>> _completeness(None), _completeness(0.0), _completeness(512.0)
+    ('all modes of the structure are here', '', 'no mode is missing below 512 Hz')
+    """
+    if below_hz is None:
+        return "all modes of the structure are here"
+    return f"no mode is missing below {below_hz:.5g} Hz" if below_hz > 0.0 else ""
+
+
+def _percentage(part: float, whole: float) -> str:
+    return f"{100 * part / whole:.1f}" if whole else "-"
+
+
+def _read(findings: Sequence[Row]) -> list[tuple[Finding, str]]:
+    """Findings of a table of one structure, where there are no cases to name."""
+    return [(Finding(f["code"], f["message"], f["values"], f["severe"]), "") for f in findings]
