@@ -1,4 +1,4 @@
-"""The command line: `femstruct run | check | modes | frf | impact | sound | schema`."""
+"""The command line: `femstruct run | check | modes | frf | impact | sound | identify | schema`."""
 
 from __future__ import annotations
 
@@ -179,6 +179,31 @@ def frf(
 
         show_frf(table)
     return GOOD
+
+
+@_command
+def identify(
+    study: StudyFile,
+    measured: Annotated[Path, typer.Option("--measured", metavar="F.csv", help="columns of time and value")],
+    channel: Annotated[str, typer.Option("--channel", metavar="NAME", help="recorded channel: 'ball on O_f force'")],
+    fit: Annotated[list[str], typer.Option("--fit", metavar="PATH=START", help="a number to find, from a first guess")],
+    delay: Annotated[bool, typer.Option("--delay", help="find when the measured history begins, too")] = False,
+    case: OnlyCase = "",
+    set_: Sets = [],  # noqa: B006
+    as_json: AsJson = False,
+) -> int:
+    """Find numbers of a study, with confidence intervals, from a measured history."""
+    from femstruct.workflow.identify import identify as identified
+
+    with _progress() as tell:
+        table = identified(study, measured, channel, fit, delay, case, tuple(set_), tell).table()
+    if as_json:
+        _print_json(table)
+    else:
+        from femstruct.view.identified import show_identification
+
+        show_identification(table)
+    return NOT_TRUSTED if any(finding["severe"] for finding in table["findings"]) else GOOD
 
 
 @_command

@@ -33,6 +33,18 @@ def read_history(
         return None
 
 
+def read_measured(path: str | Path, what: str) -> Table:
+    """A measured history from a CSV file of two columns, time [s] and value; what : a dimension, such as "force".
+
+    Raises InputErrors: every mistake of the file, a line each.
+    """
+    mistakes = Mistakes()
+    found = read_history(Path(path), what, Position(str(path)), "", mistakes, {})
+    mistakes.stop_if_any()
+    assert found is not None
+    return found
+
+
 def read_curve(
     path: Path, asked_at: Position, asked_path: str, mistakes: Mistakes, sources: dict[str, str]
 ) -> Tabulated | None:

@@ -3,6 +3,7 @@
 import runpy
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 SCRIPTS = Path(__file__).parents[2] / "scripts"
@@ -134,11 +135,32 @@ def test_press_response_keeps_its_numbers(tmp_path: Path, monkeypatch: pytest.Mo
     assert len(list((tmp_path / "results").iterdir())) == 3
 
 
+def test_identification_keeps_its_numbers(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What is found is what the records were made with, within three half widths of its 95 % interval (5.9 standard
+    deviations); one law does not explain three drop heights. The shipped record is the one that the script writes."""
+    monkeypatch.chdir(tmp_path)
+    found = runpy.run_path(str(SCRIPTS / "09_contact_identification.py"))["main"](tmp_path / "drop.csv")
+    halves = {name.removesuffix(" +- %"): value for name, value in found.items() if name.endswith("+- %")}
+    assert len(halves) == 16
+    assert all(100 * abs(found[name] - 1) < 3 * half for name, half in halves.items())
+    assert max(halves.values()) < 5.0
+    assert found["one law for all heights, explained %"] == pytest.approx(97.53, abs=0.01)
+    shipped = (SCRIPTS.parent / "models" / "tennis_ball_drop.csv").read_text(encoding="utf-8")
+    ours, theirs = (np.loadtxt(text.splitlines()[1:], delimiter=",") for text in (read(tmp_path / "drop.csv"), shipped))
+    assert ours == pytest.approx(theirs, abs=2e-3)  # three digits are written
+    assert [path.name for path in (tmp_path / "results").iterdir()] == ["09_contact_identification.png"]
+
+
+def read(path: Path) -> str:
+    return path.read_text(encoding="utf-8")
+
+
 def test_every_numbered_script_is_here() -> None:
     assert {path.name for path in SCRIPTS.glob("[0-9]*.py")} == {
         "01_floor_damper.py",
         "06_press_energy.py",
         "07_press_response.py",
         "08_forging_hammer.py",
+        "09_contact_identification.py",
         *KEPT,
     }

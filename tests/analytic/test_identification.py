@@ -1,0 +1,182 @@
+"""Identification against closed forms: half sines, the normal distribution of the estimates, and laws of rank."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+import pytest
+
+from femstruct import GROUND, Body, Clock, Contact, Hertz, Linear, Scene, simulate
+from femstruct.arrays import Floats
+from femstruct.errors import FemstructError, InputError
+from femstruct.impact.pulse import pulse_of
+from femstruct.modal.analytic import given_modes
+from femstruct.workflow.fit import Fit, fit
+from femstruct.workflow.fit_findings import fit_findings
+
+MASS, SPEED = 0.2, 1.5
+SAMPLES, SAMPLING = 80, 8e3
+T = np.arange(SAMPLES) / SAMPLING
+
+
+def engine(values: Mapping[str, float]) -> Floats:
+    """Force of a mass on a wall by the engine, linear law."""
+    law = Linear(values["k"], values.get("c", 0.0))
+    speed, mass = values.get("v", SPEED), values.get("m", MASS)
+    scene = Scene((Body("m", mass, -speed),), (Contact("hit", "m", GROUND, law),))
+    return simulate(given_modes([], [], {})[0], scene, Clock(SAMPLES / SAMPLING, SAMPLING)).contacts["hit"].force
+
+
+def half_sine(k: float) -> Floats:
+    """v sqrt(k m) sin(sqrt(k / m) t) until pi sqrt(m / k)."""
+    w = np.sqrt(k / MASS)
+    return SPEED * np.sqrt(k * MASS) * np.sin(w * T) * (w * T < np.pi)
+
+
+def lossy(values: Mapping[str, float]) -> Floats:
+    """Linear law with a dashpot that may not pull: the damped sine until its force is zero, then nothing."""
+    k, c = values["k"], values["c"]
+    decay = c / (2 * MASS)
+    w = np.sqrt(k / MASS - decay**2)
+    d = SPEED / w * np.exp(-decay * T) * np.sin(w * T)
+    rate = SPEED * np.exp(-decay * T) * (np.cos(w * T) - decay / w * np.sin(w * T))
+    force = k * d + c * rate
+    return force * np.logical_and.accumulate(force > 0)
+
+
+def noisy(clean: Floats, seed: int, share: float = 0.02) -> Floats:
+    return clean + share * clean.max() * np.random.default_rng(seed).standard_normal(len(clean))
+
+
+def codes(found: Fit) -> set[str]:
+    return {finding.code for finding in fit_findings(found)}
+
+
+def test_engine_on_a_half_sine_and_its_interval() -> None:
+    """The history is the closed form, and so is its derivative by k; the engine knows of neither."""
+    k, step = 4e4, 1.0
+    measured = noisy(half_sine(k), 3)
+    found = fit(engine, measured, {"k": 2e4})
+    slope = (half_sine(k + step) - half_sine(k - step)) / (2 * step)
+    left = measured - half_sine(found.values["k"])
+    expected = np.sqrt(left @ left / (SAMPLES - 1) / (slope @ slope))
+    # the step of a derivative is 1e-3, its error 1e-6; a sample at the end of the contact adds some 1e-4
+    assert found.deviations["k"] == pytest.approx(expected, rel=1e-3)
+    assert abs(found.values["k"] - k) < 3 * expected
+    t95 = 1.9905  # Student's t, 97.5 %, 79 degrees of freedom, from tables
+    assert (found.high["k"] - found.low["k"]) / (2 * found.deviations["k"]) == pytest.approx(t95, abs=1e-4)
+    assert not codes(found)
+
+
+def test_exact_data_give_exact_parameters() -> None:
+    truth = {"k": 4e4, "c": 20.0}
+    found = fit(engine, engine(truth), {"k": 1e4, "c": 80.0})
+    assert found.values == pytest.approx(truth, rel=1e-6)  # differences of 1e-3 turn the last step by 1e-6 of itself
+    assert not codes(found)
+
+
+def test_intervals_cover_the_truth_as_often_as_they_say() -> None:
+    """400 draws of noise on the engine's force, found by the closed form: 95 % +- 1.1 %, binomially."""
+    truth, start, draws = {"k": 4e4, "c": 20.0}, {"k": 3.6e4, "c": 25.0}, 400
+    clean = engine(truth)
+    assert clean == pytest.approx(lossy(truth), abs=1e-9 * clean.max())  # linear laws are exact to rounding
+    hits = {"k": 0, "c": 0}
+    for seed in range(draws):
+        found = fit(lossy, noisy(clean, seed), start)
+        for name, value in truth.items():
+            hits[name] += found.low[name] <= value <= found.high[name]
+    for count in hits.values():
+        assert abs(count / draws - 0.95) < 3 * np.sqrt(0.95 * 0.05 / draws)
+
+
+def test_pulse_of_a_half_sine_gives_its_spring() -> None:
+    """k = m (pi / T)^2: an independent start value."""
+    for k in (3e4, 5e4, 9e4):
+        pulse = pulse_of(T, half_sine(k))
+        # crossings of 80 samples by straight lines: a hundredth of the duration
+        assert pulse.duration == pytest.approx(np.pi * np.sqrt(MASS / k), rel=0.01)
+        assert pulse.impulse == pytest.approx(2 * MASS * SPEED, rel=0.01)
+
+
+def test_pulse_with_loss_gives_start_values() -> None:
+    """Restitution from the impulse is exact but for the sums; the laws are within a third, as a lossy pulse is no half
+    sine."""
+    t = np.arange(2000) / 2e5
+    for law in (Linear(4e4, 20.0), Hertz(1e6, 300.0)):
+        scene = Scene((Body("m", MASS, -SPEED),), (Contact("hit", "m", GROUND, law),))
+        response = simulate(given_modes([], [], {})[0], scene, Clock(0.01, 2e5))
+        pulse = pulse_of(t, response.contacts["hit"].force)
+        rebound = response.bodies["m"].velocity[-1] / SPEED
+        assert pulse.restitution(MASS, SPEED) == pytest.approx(rebound, abs=2e-3)
+        started = pulse.linear(MASS, SPEED) if isinstance(law, Linear) else pulse.hertz(MASS, SPEED)
+        assert started.stiffness == pytest.approx(law.stiffness, rel=0.33)
+        assert started.damping == pytest.approx(law.damping, rel=0.33)
+
+
+def test_pulses_that_cannot_be_are_refused() -> None:
+    with pytest.raises(FemstructError, match="does not come back to zero"):
+        pulse_of(T[:10], half_sine(1e4)[:10])
+    with pytest.raises(FemstructError, match="check the gain of the sensor"):
+        pulse_of(T, 3 * half_sine(4e4)).restitution(MASS, SPEED)
+
+
+def test_what_the_data_cannot_determine_is_named() -> None:
+    """A force is v sqrt(k m) sin(sqrt(k / m) t): two numbers, which do not give three."""
+    measured = half_sine(4e4)
+    with pytest.raises(InputError, match=r"fit k and m and v: .* changes alike .* give one of them") as error:
+        fit(engine, measured, {"k": 3e4, "m": 0.25, "v": 1.2})
+    assert "singular value" in str(error.value)
+    with pytest.raises(InputError, match="fit other: got a history that does not depend on it"):
+        fit(engine, measured, {"k": 3e4, "other": 2.0})
+    with pytest.raises(InputError, match="start of 0"):
+        fit(engine, measured, {"k": 0.0})
+    with pytest.raises(InputError, match="2 samples, expected more than 2"):
+        fit(lambda values: np.array([values["a"], values["b"]]), np.ones(2), {"a": 1.0, "b": 1.0})
+
+
+def test_a_parameter_that_is_not_there_ends_at_zero_and_says_so() -> None:
+    """This noise would like the dashpot to push: its best value is the end of the range."""
+    found = [fit(engine, noisy(half_sine(4e4), seed), {"k": 3e4, "c": 1.0}) for seed in range(4)]
+    ends = [one for one in found if "fitted-zero" in codes(one)]
+    assert ends  # half of all draws
+    assert all(one.values["c"] < 1e-5 < one.high["c"] for one in ends)
+
+
+def test_a_shift_is_found() -> None:
+    """A history that begins 0.3 ms later, between two samples."""
+
+    def shifted(values: Mapping[str, float]) -> Floats:
+        return np.interp(T - values["late"], T, half_sine(values["k"]), left=0.0)
+
+    found = fit(shifted, shifted({"k": 4e4, "late": 3e-4}), {"k": 3e4}, {"late": 1 / SAMPLING})
+    assert found.values["late"] == pytest.approx(3e-4, rel=1e-4)
+    assert found.values["k"] == pytest.approx(4e4, rel=1e-4)
+
+
+def test_a_wrong_law_is_told() -> None:
+    """A linear law on the force of a Hertz contact."""
+    scene = Scene((Body("m", MASS, -SPEED),), (Contact("hit", "m", GROUND, Hertz(1e6)),))
+    measured = simulate(given_modes([], [], {})[0], scene, Clock(SAMPLES / SAMPLING, SAMPLING)).contacts["hit"].force
+    assert "residuals-not-noise" in codes(fit(engine, noisy(measured, 1), {"k": 4e4}))
+    late = np.concatenate((np.zeros(30), half_sine(4e4)[:-30]))  # a record that began before the blow
+    severe = [finding for finding in fit_findings(fit(engine, late, {"k": 4e4})) if finding.severe]
+    assert [finding.code for finding in severe] == ["poor-fit"]
+
+
+def test_coloured_noise_widens_by_its_own_factor() -> None:
+    """Noise of correlation r from sample to sample: the advice is sqrt((1 + r) / (1 - r))."""
+    rng, r, n = np.random.default_rng(5), 0.6, 4000
+    noise = np.zeros(n)
+    for i, one in enumerate(rng.standard_normal(n)[1:], start=1):
+        noise[i] = r * noise[i - 1] + one
+    found = fit(lambda values: values["mean"] * np.ones(n), 100.0 + noise, {"mean": 90.0})
+    told = next(finding for finding in fit_findings(found) if finding.code == "residuals-not-noise")
+    assert told.values["wider"] == pytest.approx(np.sqrt((1 + r) / (1 - r)), rel=0.1)  # r is known to 1 / sqrt(4000)
+    # and the spread of such a mean is indeed that much larger than white noise's
+    assert found.deviations["mean"] * told.values["wider"] == pytest.approx(1 / (1 - r) / np.sqrt(n), rel=0.1)
+
+
+def test_data_that_hardly_tell_are_told() -> None:
+    found = fit(engine, noisy(engine({"k": 4e4, "c": 2.0}), 2, share=0.3), {"k": 3e4, "c": 3.0})
+    assert codes(found) & {"parameter-open", "fitted-zero"}

@@ -1,0 +1,108 @@
+"""`femstruct identify`: a record in a file, numbers with intervals out, and what a user gets wrong on the way."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from femstruct import read_study, run_study
+from femstruct.cli import app
+from femstruct.errors import FemstructError
+from femstruct.workflow.identify import identify
+
+MODELS = Path(__file__).parents[2] / "models"
+STUDY, RECORD, CHANNEL = MODELS / "tennis_ball_drop.study.yaml", MODELS / "tennis_ball_drop.csv", "ball on ground force"
+STIFFNESS, DAMPING = "bodies.ball.contact.stiffness", "bodies.ball.contact.damping"
+FITS = (f"{STIFFNESS}=1e5 N/m^1.5", f"{DAMPING}=50 N*s/m^1.5")
+
+
+def test_the_shipped_record_gives_the_numbers_it_was_made_with() -> None:
+    options = ["--measured", str(RECORD), "--channel", CHANNEL, "--fit", FITS[0], "--fit", FITS[1], "--json"]
+    done = CliRunner().invoke(app, ["identify", str(STUDY), *options])
+    assert done.exit_code == 0, done.output
+    table = json.loads(done.stdout)
+    for path, truth, unit in ((STIFFNESS, 2.1e5, "N/m^1.5"), (DAMPING, 160.0, "N*s/m^1.5")):
+        one = table["parameters"][path]
+        assert one["low"] < truth < one["high"]  # this draw; one in twenty is outside
+        assert one["unit"] == unit
+        assert one["high"] - one["low"] < 0.02 * truth
+    assert table["residual_deviation"] == pytest.approx(0.01 * 42.43, rel=0.1)  # 1 % of the peak; 300 samples
+    assert table["findings"] == []
+
+
+def test_units_delay_and_another_sampling() -> None:
+    """The record in mN and ms, 0.2 ms late, every third sample: the answers come in the units of the starts."""
+    t, force = np.loadtxt(RECORD.read_text(encoding="utf-8").splitlines()[1:], delimiter=",").T
+    rows = (f"{a + 0.2:.5f}, {1e3 * f:.0f}" for a, f in zip(t[::3], force[::3], strict=True))
+    folder = Path.cwd()
+    late = folder / "late.csv"
+    late.write_text("\n".join(("t [ms], f [mN]", *rows)), encoding="utf-8")
+    found = identify(STUDY, late, CHANNEL, (f"{STIFFNESS}=0.1 MN/m^1.5", FITS[1]), delay=True).fit
+    assert found.values[STIFFNESS] == pytest.approx(0.21, rel=0.01)
+    # a third of the samples, and a parameter more that pulls at the same end of the pulse
+    assert found.values[DAMPING] == pytest.approx(160.0, rel=0.05)
+    assert found.values["delay"] == pytest.approx(2e-4, abs=3 * found.deviations["delay"])
+
+
+@pytest.fixture(autouse=True)
+def _elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+
+
+def test_a_property_of_a_structure_from_an_acceleration(tmp_path: Path) -> None:
+    """The bending stiffness of a beam, on a path of the model; the truth is the study's own."""
+    for name in ("pinned_beam.yaml", "pinned_beam_wave.study.yaml"):
+        shutil.copy(MODELS / name, tmp_path)
+    study, channel = tmp_path / "pinned_beam_wave.study.yaml", "free end.z acceleration"
+    case = run_study(read_study(study, only="no damper")).cases["no damper"]
+    assert case.response is not None
+    rows = np.column_stack((case.response.t, case.channels[channel].values))[::5]
+    np.savetxt(tmp_path / "a.csv", rows, delimiter=",")
+    found = identify(study, tmp_path / "a.csv", channel, ("structure.EI=5.5 N*m^2",), case="no damper").fit
+    assert found.values["structure.EI"] == pytest.approx(5.9, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        ({"parameters": ()}, "--fit: got no parameter"),
+        ({"parameters": (STIFFNESS,)}, f"--fit {STIFFNESS}: got no PATH=START"),
+        (
+            {"parameters": ("bodies.bal.contact.stiffness=1e5",)},
+            "--fit bodies.bal.contact.stiffness=1e5: .* did you mean",
+        ),
+        ({"parameters": (f"{STIFFNESS}=1 kg",)}, f"--fit {STIFFNESS}=1 kg: .* expected a Hertz stiffness"),
+        ({"parameters": (*FITS, "bodies.ball.mass=50 g", "bodies.ball.drop_height=0.1")}, "changes alike with each"),
+        ({"parameters": ("time.sampling=10 kHz",)}, "does not depend on it"),
+        ({"channel": "ball force"}, "--channel: got 'ball force', expected a recorded channel; did you mean"),
+        ({"measured": Path("none.csv")}, "none.csv: got no file"),
+        ({"measured": STUDY}, r"tennis_ball_drop.study.yaml:1:\d+: got"),
+        ({"case": "other"}, "--case: got 'other'"),
+    ],
+)
+def test_mistakes_are_told(change: dict[str, object], told: str) -> None:
+    given = {"study": STUDY, "measured": RECORD, "channel": CHANNEL, "parameters": FITS} | change
+    with pytest.raises(FemstructError, match=told):
+        identify(**given)  # type: ignore[arg-type]
+
+
+def test_records_that_cannot_be_compared_are_refused(tmp_path: Path) -> None:
+    early = tmp_path / "early.csv"
+    early.write_text("-2, 0\n-1, 0\n", encoding="utf-8")
+    with pytest.raises(FemstructError, match="expected times after 0"):
+        identify(STUDY, early, CHANNEL, FITS)
+    with pytest.raises(FemstructError, match="--delay: got a velocity"):
+        identify(STUDY, RECORD, "ball velocity", FITS, delay=True, overrides=("record.ball=velocity",))
+
+
+def test_terminal_shows_intervals_and_findings() -> None:
+    options = ["--measured", str(RECORD), "--channel", CHANNEL, "--fit", f"{STIFFNESS}=1e5", "--set", f"{DAMPING}=100"]
+    done = CliRunner().invoke(app, ["identify", str(STUDY), *options])
+    assert done.exit_code == 0
+    assert "95 % interval" in done.stdout
+    assert "residuals-not-noise" in done.stdout or "Neighbouring residuals" in done.stdout
