@@ -49,7 +49,7 @@ if TYPE_CHECKING:
     from acoustics.decay import reverberation_time
     from acoustics.exposure import force_exposure_levels
     from acoustics.fem import CavityMesh, CavityModes, box_mesh, cavity_modes
-    from acoustics.levels import Levels, level_spectrum, response_levels, sound_levels
+    from acoustics.levels import Levels, equivalent_levels, level_history, level_spectrum, response_levels, sound_levels
     from acoustics.rated import RatedRoom, rate_room
     from acoustics.ratings import (
         HeavyImpactRating,
@@ -72,7 +72,14 @@ _FETCHED = {
     "acoustics.fem": ("CavityMesh", "CavityModes", "box_mesh", "cavity_modes"),
     "acoustics.walls": ("Wall", "absorbing"),
     "acoustics.bands": ("octave_bands", "third_octave_bands"),
-    "acoustics.levels": ("Levels", "level_spectrum", "response_levels", "sound_levels"),
+    "acoustics.levels": (
+        "Levels",
+        "equivalent_levels",
+        "level_history",
+        "level_spectrum",
+        "response_levels",
+        "sound_levels",
+    ),
     "acoustics.rated": ("RatedRoom", "rate_room"),
     "acoustics.ratings": (
         "HeavyImpactRating",
@@ -110,9 +117,11 @@ __all__ = [
     "cavity_modes",
     "cavity_pressure",
     "energy_average",
+    "equivalent_levels",
     "force_exposure_levels",
     "frequency_weighting",
     "heavy_impact_level",
+    "level_history",
     "level_spectrum",
     "losses_from_beta",
     "losses_from_loss_factor",

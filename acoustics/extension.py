@@ -9,6 +9,7 @@ import numpy as np
 from acoustics.arrays import Complexes, Floats
 
 PADDING: Final = 1.5  # length of the transform over that of the record
+FADE: Final = 0.8  # share of half the sampling from which a spectrum is faded out
 WINDOW: Final = 13.5  # a T: wrap-around is exp(-a T PADDING) = 2e-9, rounding is amplified by exp(a T) to 2e-10
 
 
@@ -31,6 +32,18 @@ def fast_length(n: int) -> int:
     """
     odd: list[int] = [3**j * 5**k for j in range(20) for k in range(14)]
     return min(part << max(1, (-(-n // part) - 1).bit_length()) for part in odd)
+
+
+def band_end(nf: int) -> Floats:
+    """Weights [nf] of a spectrum from 0 to half the sampling: 1, from 0.8 of it down to 0 as half a cosine.
+
+    Notes
+    -----
+    A spectrum that is cut at half the sampling is heard before its cause, as sin(x)/x; wrapped around to the end of
+    the record that is amplified by exp(a T), to more than the sound itself where the sampling is coarse.
+    """
+    above = np.clip((np.arange(nf) / (nf - 1) - FADE) / (1 - FADE), 0, 1)
+    return np.asarray(0.5 * (1 + np.cos(np.pi * above)))
 
 
 def extended(velocity: Floats, length: int) -> Floats:

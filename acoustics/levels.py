@@ -16,10 +16,10 @@ from scipy.signal import sosfilt
 
 from acoustics.arrays import Floats, freeze, frozen, positive
 from acoustics.bands import Fraction, band_filter, octave_bands, ringing_time, third_octave_bands
-from acoustics.errors import Advice
+from acoustics.errors import AcousticsError, Advice
 from acoustics.extension import faded
 from acoustics.pressure import RoomResponse
-from acoustics.weighting import time_weighted, weighted
+from acoustics.weighting import FrequencyWeighting, TimeWeighting, time_weighted, weighted
 
 REFERENCE_PA: Final = 20e-6
 _SILENCE: Final = 1e-30  # Pa^2, -205 dB: the level of nothing is a number
@@ -135,6 +135,41 @@ def _unsettled(record_s: float, centres: Mapping[float, float]) -> tuple[Advice,
             {"record_s": record_s, "highest_hz": max(unsettled), "needed_s": ringing_time(centres[min(unsettled)])},
         ),
     )
+
+
+def equivalent_levels(p: Floats, dt: float, since_s: float = 0.0) -> dict[float, float]:
+    """Levels of the mean square in third octaves {nominal centre [Hz]: [dB re 20 uPa]} of `p` [nt] [Pa] from a time on.
+
+    since_s : what comes before [s] runs through the filters and is not averaged: they start at rest.
+
+    Raises AcousticsError: a record that ends before.
+
+    A tone of 94 dB, from the second half second on:
+
+    >>> import numpy as np
+    >>> tone = np.sqrt(2) * np.sin(2 * np.pi * 1000 * np.arange(48000) / 48e3)
+    >>> round(equivalent_levels(tone, 1 / 48e3, 0.5)[1000.0], 2)
+    93.98
+    """
+    p = frozen("p", p, (None,))
+    first = ceil(since_s / positive("dt", dt, "s") - 1e-6)
+    if not 0 <= first < len(p):
+        raise AcousticsError("p", got=f"a record of {len(p) * dt:g} s", expected=f"more than {since_s:g} s")
+    centres = third_octave_bands(1 / dt)
+    heard = {nominal: sosfilt(band_filter(centre, 1 / dt), p)[first:] for nominal, centre in centres.items()}
+    return {nominal: _decibel(float(np.mean(one**2))) for nominal, one in heard.items()}
+
+
+def level_history(p: Floats, dt: float, frequency: FrequencyWeighting = "A", time: TimeWeighting = "F") -> Floats:
+    """Level over time [nt] [dB re 20 uPa] of a history `p` [nt] [Pa] as a meter shows it, L_AF(t) if nothing is said.
+
+    >>> import numpy as np
+    >>> tone = np.sqrt(2) * np.sin(2 * np.pi * 1000 * np.arange(96000) / 48e3)
+    >>> level_history(tone, 1 / 48e3)[[5999, 95999]].round(1).tolist()  # after 125 ms: 1 - 1/e of it, 2 dB less
+    [92.0, 94.0]
+    """
+    square = weighted(frozen("p", p, (None,)), positive("dt", dt, "s"), frequency) ** 2
+    return 10 * np.log10(np.maximum(time_weighted(square, dt, time), _SILENCE) / REFERENCE_PA**2)
 
 
 def level_spectrum(p: Floats, dt: float) -> tuple[Floats, Floats]:

@@ -15,7 +15,7 @@ import numpy as np
 from acoustics.arrays import Complexes, Floats, Integers, freeze, frozen
 from acoustics.cavity import cosines, horizontal_wavenumber, project, transfer
 from acoustics.errors import AcousticsError, Advice
-from acoustics.extension import extended, returned, source_bandwidth, transform_axis
+from acoustics.extension import band_end, extended, returned, source_bandwidth, transform_axis
 from acoustics.judgement import one_way, source_advice, truncation
 from acoustics.orders import ENOUGH, audible, not_in, order_blocks, square, undriven
 from acoustics.room import Receiver, Room, inside
@@ -85,9 +85,10 @@ def pressure(
     Notes
     -----
     The velocity is continued smoothly beyond the record's end T to 1.5 T, where it no longer matters (the room is
-    causal), weighted with exp(-a t), a = 13.5 / T, transformed, multiplied with the transfer function at omega - j a,
-    including the bin at zero, transformed back and weighted with exp(a t). Against exact modal equations the error
-    is below 1e-6 of the peak where the sampling rate is 30 times the source's highest frequency.
+    causal), weighted with exp(-a t), a = 13.5 / T, transformed, faded out above 0.8 of half the sampling, multiplied
+    with the transfer function at omega - j a, including the bin at zero, transformed back and weighted with exp(a t).
+    Against exact modal equations the error is below 1e-6 of the peak where the sampling rate is 30 times the source's
+    highest frequency.
     With losses of kind ``source``, which are not analytic off the frequency axis, there is no weighting: the surface
     is returned smoothly to its place during the padding, and the response is not strictly causal.
     One plane of receivers costs a matrix product; each further height z costs the transfer functions again.
@@ -164,6 +165,8 @@ def _synthesise(surface: SurfaceVelocity, room: Room, orders: Integers, places: 
             steps = future * dt
             uniform = (np.cumsum(steps, axis=1) - 0.5 * steps).sum(axis=1)
         spectra = np.fft.rfft(future, axis=1).astype(np.complex128, copy=False)
+        if weighted:
+            spectra *= band_end(spectra.shape[1])
         at_places = cosines(room, chosen, places)
         mixes = [at_places[plane == height] for height in range(len(heights))]
         for height, part in enumerate(_through(room, chosen, s, heights, spectra, mixes, uniform)):

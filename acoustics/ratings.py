@@ -51,12 +51,14 @@ class ImpactRating:
     """Weighted impact sound pressure level of a tapping machine, ISO 717-2.
 
     weighted_db : L_n,w, L'_n,w or L'_nT,w after what was rated: the shifted curve at 500 Hz (octaves: less 5 dB).
-    adaptation_db : C_I. unfavourable_db : sum of the levels' excess over the shifted curve.
+    adaptation_db : C_I. unfavourable_db : sum of the levels' excess over the shifted curve. deciding_hz : the band
+    that exceeds it most, or stays below it least [Hz].
     """
 
     weighted_db: float
     adaptation_db: float
     unfavourable_db: float
+    deciding_hz: float
 
 
 @dataclass(frozen=True)
@@ -100,7 +102,7 @@ def weighted_impact_level(levels_db: Mapping[float, float], *, step_db: float = 
 
     >>> bare = [62.1, 63.2, 63.5, 66.2, 68.5, 70.0, 71.7, 73.1, 73.8, 73.5, 73.8, 73.3, 73.1, 73.0, 72.4, 71.2]
     >>> weighted_impact_level(dict(zip(CURVE_THIRDS, bare)))
-    ImpactRating(weighted_db=79.0, adaptation_db=-11.0, unfavourable_db=28.0)
+    ImpactRating(weighted_db=79.0, adaptation_db=-11.0, unfavourable_db=28.0, deciding_hz=3150.0)
     """
     if step_db not in (1.0, 0.1):
         raise AcousticsError("step", got=f"{step_db:g} dB", expected="1 or 0.1 dB")
@@ -117,7 +119,27 @@ def weighted_impact_level(levels_db: Mapping[float, float], *, step_db: float = 
     weighted = float(shifts[best]) + curve[500.0] + offset
     summed = _energy_sum(measured[:15] if thirds else measured)
     adaptation = _rounded(summed, step_db) - 15 - weighted
-    return ImpactRating(*(round(float(x), 6) for x in (weighted, adaptation, sums[best])))
+    deciding = list(curve)[int(np.argmax(measured - reference))]
+    return ImpactRating(*(round(float(x), 6) for x in (weighted, adaptation, sums[best])), deciding)
+
+
+def shifted_curve(weighted_db: float) -> dict[float, float]:
+    """The reference curve of ISO 717-2 shifted to a weighted level {nominal third octave [Hz]: [dB]}.
+
+    >>> shifted_curve(79.0)[500.0], shifted_curve(79.0)[100.0]
+    (79.0, 81.0)
+    """
+    return {band: level + weighted_db - CURVE_THIRDS[500.0] for band, level in CURVE_THIRDS.items()}
+
+
+def equal_parts(rating_db: float) -> dict[float, float]:
+    """Levels of third octaves {nominal [Hz]: [dB]} that put equal parts into a heavy impact's rating: what exceeds
+    them decides it.
+
+    >>> heavy_impact_level(equal_parts(50.0)).unrounded_db.__round__(9)
+    50.0
+    """
+    return {band: rating_db - weight - 10 * log10(len(A_THIRDS)) for band, weight in A_THIRDS.items()}
 
 
 def heavy_impact_level(levels_db: Mapping[float, float]) -> HeavyImpactRating:

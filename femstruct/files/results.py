@@ -6,7 +6,7 @@
     /summary            the numbers of all cases and their comparison (JSON)
     /bases/KEY          modes, damping, shapes, force rows
     /cases/NAME         @basis; damping, channels, contacts, bodies, links, events, energy, limits, frf, rooms,
-                        levels, rated, modal
+                        levels, rated, drops, modal
     /comparison/CASE    modes by MAC, beside the baseline's
     /VTKHDF             mode shapes of the baseline, opened by ParaView as they are
 
@@ -200,6 +200,14 @@ def _write_case(cases: h5py.Group, name: str, case: CaseResult, verdicts: Sequen
         rated = group(target, "rated", "Rooms as the standards state them, over their receivers")
         for label, room_rated in case.rated.items():
             write_rated(group(rated, label, "One room"), room_rated)
+    if case.drops:
+        drops = group(target, "drops", "Every place that the source struck; all above is of the first")
+        for label, drop in case.drops.items():
+            place = group(
+                drops, label, "One place", outcome=drop.outcome, peak_force_n=json.dumps(dict(drop.peak_force))
+            )
+            for receiver, level in drop.levels.items():
+                write_levels(group(place, receiver, "Levels at one receiver"), level)
 
 
 def _write_response(target: h5py.Group, case: CaseResult, response: Response) -> None:

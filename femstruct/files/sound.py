@@ -10,7 +10,8 @@ import numpy as np
 
 from acoustics.levels import REFERENCE_PA, Levels
 from acoustics.pressure import RoomResponse
-from acoustics.rated import RatedRoom
+from acoustics.rated import RatedRoom, number_of
+from acoustics.ratings import ImpactRating
 from femstruct.files.hdf5 import axis, put
 
 
@@ -43,23 +44,37 @@ def write_levels(target: h5py.Group, levels: Levels) -> None:
 
 
 def write_rated(target: h5py.Group, rated: RatedRoom) -> None:
-    """A room as the standards state it."""
+    """A room as the standards state it, with the levels of every drop at every receiver that it is made of."""
     target.attrs.update(
         standards=", ".join(rated.standards),
+        blows=rated.blows,
         quantity=rated.quantity,
         band_quantity=rated.band_quantity,
+        drops=rated.drops,
         receivers=rated.receivers,
     )
-    if rated.rating is not None and rated.rating_spread_db is not None:
+    if rated.rating is not None and rated.plain_rating is not None:
         target.attrs.update(
-            rating_db=rated.rating.rating_db,
-            unrounded_db=rated.rating.unrounded_db,
+            rating_db=number_of(rated.rating),
+            unrounded_db=number_of(rated.rating, rounded=False),
+            plain_quantity=rated.plain_quantity,
+            plain_rating_db=number_of(rated.plain_rating),
             deciding_hz=rated.rating.deciding_hz,
-            rating_spread_db=rated.rating_spread_db,
+            drops_spread_db=rated.drops_spread_db,
+            receivers_spread_db=rated.receivers_spread_db,
         )
+        if isinstance(rated.rating, ImpactRating):
+            target.attrs.update(adaptation_db=rated.rating.adaptation_db)
+    reference = f"dB re {REFERENCE_PA:g} Pa"
     band = axis(target, "band_hz", list(rated.bands_db), "Hz", "Nominal centre of the third octave")
-    averaged = f"{rated.band_quantity}, energy average over the receivers"
-    put(target, "level", list(rated.bands_db.values()), f"dB re {REFERENCE_PA:g} Pa", averaged, (band,))
-    put(target, "spread", list(rated.spread_db.values()), "dB", "Largest less smallest of the receivers", (band,))
+    drop = axis(target, "drop", np.arange(1, rated.drops + 1), "1", "Place of the source, in the order of the study")
+    receiver = axis(target, "receiver", np.arange(1, rated.receivers + 1), "1", "Receiver, in the order of the room")
+    averaged = f"{rated.band_quantity}, energy average over drops and receivers"
+    put(target, "level", list(rated.bands_db.values()), reference, averaged, (band,))
+    deviation = "Standard deviation over drops and receivers; nan for one"
+    put(target, "spread", list(rated.spread_db.values()), "dB", deviation, (band,))
+    each = "Level in the room, not standardised"
+    put(target, "measured", rated.measured_db, reference, each, (drop, receiver, band))
+    put(target, "correction", rated.correction_db, "dB", "What ISO 16283-2 adds for volume and t60", (band,))
     times = [time if isfinite(time) else np.nan for time in rated.t60_s.values()]
     put(target, "t60", times, "s", "Reverberation time of the room; nan without losses", (band,))

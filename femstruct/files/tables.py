@@ -7,13 +7,14 @@ from math import isfinite
 from typing import Any
 
 from acoustics.levels import Levels
-from acoustics.rated import RatedRoom
+from acoustics.rated import RatedRoom, number_of
+from acoustics.ratings import ImpactRating
 from femstruct.errors import Finding
 from femstruct.files.arrays import array_tables
 from femstruct.files.machine import machine_table, verdict_tables
 from femstruct.impact.response import Blow, EnergyBalance, Response
 from femstruct.impact.shares import EnergyGroup, ModeEnergies
-from femstruct.study.result import AccuracyCheck, CaseComparison, CaseResult, StudyResult
+from femstruct.study.result import AccuracyCheck, CaseComparison, CaseResult, Drop, StudyResult
 
 Table = dict[str, Any]
 
@@ -91,6 +92,7 @@ def _case(case: CaseResult) -> Table:
         "energy": None if response is None else _energy(response, case.shares),
         "levels": {name: _levels(levels) for name, levels in case.levels.items()},
         "rated": {name: _rated(rated) for name, rated in case.rated.items()},
+        "drops": {place: _drop(drop) for place, drop in case.drops.items()},
         "accuracy": None if case.accuracy is None else _accuracy(case.accuracy),
         "findings": [finding_table(finding) for finding in case.findings],
     }
@@ -238,17 +240,34 @@ def _levels(levels: Levels) -> Table:
 
 
 def _rated(rated: RatedRoom) -> Table:
-    """A room as the standards state it: `quantity` is rating_db, `band_quantity` are bands_db."""
+    """A room as the standards state it: `quantity` is rating_db, `band_quantity` are bands_db; `plain_quantity` is
+    plain_rating_db, not standardised; adaptation_db is C_I of a tapping machine."""
+    rating, plain = rated.rating, rated.plain_rating
     return {
         "standards": list(rated.standards),
+        "blows": rated.blows,
         "quantity": rated.quantity,
-        "rating_db": None if rated.rating is None else rated.rating.rating_db,
-        "unrounded_db": None if rated.rating is None else number(rated.rating.unrounded_db),
-        "deciding_hz": None if rated.rating is None else number(rated.rating.deciding_hz),
-        "rating_spread_db": number(rated.rating_spread_db),
+        "rating_db": None if rating is None else number_of(rating),
+        "unrounded_db": None if rating is None else number(number_of(rating, rounded=False)),
+        "adaptation_db": rating.adaptation_db if isinstance(rating, ImpactRating) else None,
+        "deciding_hz": None if rating is None else number(rating.deciding_hz),
+        "plain_quantity": rated.plain_quantity,
+        "plain_rating_db": None if plain is None else number_of(plain),
+        "drops": rated.drops,
         "receivers": rated.receivers,
+        "drops_spread_db": None if rating is None else number(rated.drops_spread_db),
+        "receivers_spread_db": None if rating is None else number(rated.receivers_spread_db),
         "band_quantity": rated.band_quantity,
         "bands_db": _by_frequency(rated.bands_db),
         "spread_db": _by_frequency(rated.spread_db),
         "t60_s": _by_frequency(rated.t60_s),
+    }
+
+
+def _drop(drop: Drop) -> Table:
+    """One place that a source of several struck."""
+    return {
+        "outcome": drop.outcome,
+        "peak_force_n": {name: number(force) for name, force in drop.peak_force.items()},
+        "levels": {name: _levels(levels) for name, levels in drop.levels.items()},
     }

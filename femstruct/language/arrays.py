@@ -1,11 +1,14 @@
-"""Arrays of bodies: a body at a point of several places is one body each, with its contacts and links."""
+"""Arrays of bodies: a body at a point of several places is one body each, with its contacts and links.
+
+A standard source is one body, whose places are struck one after the other: a simulation each.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from typing import TypeVar
 
-from femstruct.impact.sources import TAPPING_MACHINE
+from femstruct.impact.sources import DROPPED, HAMMERS, TAPPING_MACHINE
 from femstruct.language.references import Names
 from femstruct.language.schema_study import SIDES, BodySpec, ContactSpec, LinkSpec, LoadSpec, StudySpec
 from femstruct.language.sources import turn
@@ -16,15 +19,41 @@ Joining = TypeVar("Joining", ContactSpec, LinkSpec)
 
 
 def array_sizes(study: StudySpec, names: Names) -> dict[str, int]:
-    """How many each body of an array is: at a point of several places, or on another array."""
+    """How many each body of an array is: at a point of several places, or on another array; a tapping machine's
+    hammers are five at whatever multiple of five places."""
     sizes: dict[str, int] = {}
     for _ in study.bodies:  # each round finds what lies on what the last one found
         for name, body in study.bodies.items():
             target = body.target
             count = sizes.get(target, names.points.get(target, 1))
-            if count > 1:
+            if body.source == TAPPING_MACHINE and not count % HAMMERS:
+                count = HAMMERS
+            if count > 1 and not (body.source in DROPPED and target in names.points):
                 sizes[name] = count
     return sizes
+
+
+def drop_counts(study: StudySpec, names: Names) -> dict[str, int]:
+    """How many places each standard source of several is to strike: those of a point, five for a tapping machine."""
+    found = {}
+    for name, body in study.bodies.items():
+        places = names.points.get(body.target, 1)
+        count = places if body.source in DROPPED else places // HAMMERS if body.source == TAPPING_MACHINE else 1
+        if count > 1:
+            found[name] = count
+    return found
+
+
+def drops(study: StudySpec, names: Names) -> dict[str, StudySpec]:
+    """The studies of all places that a standard source is to strike, one each, by the place; {} for one place."""
+    found: dict[str, StudySpec] = {}
+    for name, count in drop_counts(study, names).items():
+        body = study.bodies[name]
+        for i in range(count):
+            start, end = i * HAMMERS + 1, (i + 1) * HAMMERS
+            place = f"{body.target}.{i + 1}" if body.source in DROPPED else f"{body.target}.{start}-{end}"
+            found[place] = spread(study, names, i)
+    return found
 
 
 def joined(ends: Ends, sizes: Mapping[str, int], names: Names) -> list[int]:
@@ -43,13 +72,18 @@ def members(sizes: Mapping[str, int]) -> list[str]:
     return [f"{name}.{i}" for name, size in sizes.items() for i in range(1, size + 1)]
 
 
-def spread(study: StudySpec, names: Names) -> StudySpec:
+def spread(study: StudySpec, names: Names, drop: int = 0) -> StudySpec:
     """The study with NAME.1, NAME.2, ... in place of every array NAME: its bodies, what joins and pushes them, and what
-    is recorded of them. Both ends of a contact or link go along in step; one that is single stays."""
+    is recorded of them. Both ends of a contact or link go along in step; one that is single stays.
+
+    drop : which of the places of a standard source is struck, counted from 0.
+    """
+    study = _dropped(study, names, drop)
     sizes = array_sizes(study, names)
     if not sizes:
         return study
     several = {**{name: count for name, count in names.points.items() if count > 1}, **sizes}
+    skipped = dict.fromkeys(drop_counts(study, names), drop * HAMMERS)
 
     def nth(end: str, i: int) -> str:
         return f"{end}.{i}" if end in several else end
@@ -69,7 +103,7 @@ def spread(study: StudySpec, names: Names) -> StudySpec:
     for name, body in study.bodies.items():
         side, target = next(side for side in SIDES if getattr(body, side) is not None), body.target
         for i in range(1, sizes.get(name, 1) + 1):
-            changes: dict[str, object] = {side: nth(target, i)} if name in sizes else {}
+            changes: dict[str, object] = {side: nth(target, i + skipped.get(name, 0))} if name in sizes else {}
             if body.source == TAPPING_MACHINE and body.blows is not None:
                 changes["blows"] = body.blows.model_copy(update={"first": turn(i)})
             bodies[nth(name, i)] = body.model_copy(update=changes)
@@ -89,7 +123,7 @@ def spread(study: StudySpec, names: Names) -> StudySpec:
             return members({target: sizes[target]})
         if target in own:
             name, on = own[target], study.bodies[own[target]].target
-            return [f"{name}.{i} on {nth(on, i)}" for i in range(1, sizes[name] + 1)]
+            return [f"{name}.{i} on {nth(on, i + skipped.get(name, 0))}" for i in range(1, sizes[name] + 1)]
         return [name for name in (*contacts, *links) if name.rpartition(".")[0] == target] or [target]
 
     record: dict[str, tuple[str, ...]] = {}
@@ -111,3 +145,17 @@ def spread(study: StudySpec, names: Names) -> StudySpec:
             "limits": limits,
         }
     )
+
+
+def _dropped(study: StudySpec, names: Names, drop: int) -> StudySpec:
+    """The study with a source that is dropped at one of its places, and records of its contact there."""
+    bodies, record = dict(study.bodies), dict(study.record)
+    for name in drop_counts(study, names):
+        body = study.bodies[name]
+        if body.source not in DROPPED:
+            continue
+        place = f"{body.target}.{drop + 1}"
+        bodies[name] = body.model_copy(update={"above": place})
+        own = f"{name} on {body.target}"
+        record = {f"{name} on {place}" if target == own else target: what for target, what in record.items()}
+    return study.model_copy(update={"bodies": bodies, "record": record})

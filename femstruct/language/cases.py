@@ -10,7 +10,7 @@ from typing import Any, Literal
 from pydantic import BaseModel
 
 from femstruct.errors import InputErrors
-from femstruct.language.arrays import spread
+from femstruct.language.arrays import drops, spread
 from femstruct.language.build_study import study_of
 from femstruct.language.models import (
     ModelFile,
@@ -29,7 +29,7 @@ from femstruct.language.references_study import check_study
 from femstruct.language.schema_model import ModelSpec
 from femstruct.language.schema_study import StudySpec
 from femstruct.language.validation import validate
-from femstruct.study.study import Case, Plan
+from femstruct.study.study import Case, Plan, Study
 from femstruct.units import shown_as
 
 AS_GIVEN = "as given"
@@ -166,9 +166,16 @@ def _case(
     structure, damping = built_model(one.model_spec, one.model, mistakes)
     if structure is None or damping is None:
         return None
-    spec = spread(one.study_spec, Names.of(one.model_spec))
-    study = study_of(spec, title_of(one.study), structure, damping, one.study, mistakes, sources)
-    return Case(name, study, {**overrides, **one.changes}) if study is not None else None
+    names, tree = Names.of(one.model_spec), one.study
+    changes = {**overrides, **one.changes}
+
+    def built(spec: StudySpec) -> Study | None:
+        return study_of(spec, title_of(tree), structure, damping, tree, mistakes, sources)
+
+    places = {place: built(spec) for place, spec in drops(one.study_spec, names).items()}
+    struck = {place: study for place, study in places.items() if study is not None}
+    study = next(iter(struck.values())) if struck else built(spread(one.study_spec, names))
+    return Case(name, study, changes, struck) if study is not None and len(struck) == len(places) else None
 
 
 def _baseline(study: Tree, names: Sequence[str]) -> str:

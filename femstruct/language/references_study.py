@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from acoustics.exposure import LEAST_SAMPLING_HZ
 from acoustics.rated import FIELD
-from femstruct.impact.sources import HAMMERS, TAPPING_MACHINE
-from femstruct.language.arrays import array_sizes, joined, members, spread
+from femstruct.impact.sources import BETWEEN_BLOWS, HAMMERS, TAPPING_MACHINE
+from femstruct.language.arrays import array_sizes, drop_counts, joined, members, spread
 from femstruct.language.limits import check_limits
 from femstruct.language.reader import Mistakes, Steps, Tree, nearest
 from femstruct.language.references import Checker, Names
@@ -14,6 +14,7 @@ from femstruct.language.schema_rooms import RoomSpec
 from femstruct.language.schema_study import SIDES, FrfSpec, StudySpec, TimeSpec
 
 MOST_SAMPLES = 20_000_000
+TAPPING_SAMPLING_HZ = 7600.0  # the third octave at 3150 Hz ends at 3548 Hz, .47 of it
 
 
 def check_study(study: StudySpec, tree: Tree, model: ModelSpec, mistakes: Mistakes) -> None:
@@ -40,7 +41,8 @@ def check_study(study: StudySpec, tree: Tree, model: ModelSpec, mistakes: Mistak
         side, target = next(side for side in SIDES if getattr(body, side) is not None), body.target
         if body.source == TAPPING_MACHINE and sizes.get(name, 1) != HAMMERS:
             got = f"{sizes.get(name, 1)} places for the {HAMMERS} hammers of a tapping machine"
-            check.wrong(("bodies", name, side), got, f"a point of {HAMMERS} places", "100 mm apart, in a line")
+            expected = f"a point of {HAMMERS} places, or of {HAMMERS} for each position"
+            check.wrong(("bodies", name, side), got, expected, "100 mm apart, in a line")
         if names.points.get(target, 1) == 1:
             own = [name, *members({name: sizes.get(name, 0)})]
             check.place(("bodies", name, side), target, names, [end for end in ends if end not in own])
@@ -64,6 +66,7 @@ def check_study(study: StudySpec, tree: Tree, model: ModelSpec, mistakes: Mistak
             check.wrong(("links", name), "no stiffness and no damping", "one of them", of_key=True)
     _check_contacts(check, study)
     _check_blows(check, study)
+    _check_drops(check, study, names)
     _check_loads(check, study, names, model, each)
     for address in study.initial.velocity or {}:
         check.spot(("initial", "velocity", address), address, names, of_key=True)
@@ -148,9 +151,17 @@ def _check_levels(check: Checker, study: StudySpec, name: str, room: RoomSpec) -
         check.wrong(steps, "levels without receivers", "somebody who listens", "add 'receivers: {mic: [x, y, z]}'")
     if FIELD in room.levels and room.losses is None:
         check.wrong(steps, f"{FIELD} in a room without losses", "its reverberation time", "add 'losses: {t60: 0.5 s}'")
-    if study.time is not None and study.time.sampling < LEAST_SAMPLING_HZ:
+    if study.time is None:
+        return
+    tapping = any(body.source == TAPPING_MACHINE for body in study.bodies.values())
+    least, highest = (TAPPING_SAMPLING_HZ, 3150) if tapping else (LEAST_SAMPLING_HZ, 630)
+    if study.time.sampling < least:
         got = f"a sampling of {study.time.sampling:g} Hz"
-        check.wrong(steps, got, f"{LEAST_SAMPLING_HZ:g} Hz or more for the bands up to 630 Hz", "sample faster")
+        check.wrong(steps, got, f"{least:g} Hz or more for the bands up to {highest} Hz", "sample faster")
+    turn = HAMMERS * BETWEEN_BLOWS
+    if tapping and study.time.duration < turn:
+        got = f"a tapping machine for {study.time.duration:g} s"
+        check.wrong(("time", "duration"), got, f"{turn:g} s or more: one turn of its five hammers", "simulate longer")
 
 
 def _check_time(check: Checker, study: StudySpec, time: TimeSpec) -> None:
@@ -227,6 +238,19 @@ def _check_blows(check: Checker, study: StudySpec) -> None:
         if contact.preload and held:
             got = f"a preload on '{held[0]}', which is lifted off at every blow"
             check.wrong(("contacts", name, "preload"), got, "none", "remove it, or the blows")
+
+
+def _check_drops(check: Checker, study: StudySpec, names: Names) -> None:
+    """One source goes from place to place; limits and contacts by name are those of one run."""
+    counts = drop_counts(study, names)
+    for name in list(counts)[1:]:
+        first = next(iter(counts))
+        got = f"a second source of several places (the first is '{first}')"
+        check.wrong(("bodies", name, "above"), got, "one", f"give '{name}' one place")
+    for name in counts:
+        for limited in study.limits:
+            got = f"a limit, while '{name}' is dropped at {counts[name]} places"
+            check.wrong(("limits", limited), got, "a limit of one run", f"drop '{name}' at one place", of_key=True)
 
 
 def _check_loads(check: Checker, study: StudySpec, names: Names, model: ModelSpec, each: list[str]) -> None:

@@ -87,6 +87,16 @@ class AccuracyCheck:
 
 
 @dataclass(frozen=True, eq=False)
+class Drop:
+    """What is kept of one blow of a source that strikes several places: how it ended (a sentence), peak forces of the
+    contacts [N] by name, levels by "ROOM.RECEIVER"."""
+
+    outcome: str
+    peak_force: Mapping[str, float]
+    levels: Mapping[str, Levels]
+
+
+@dataclass(frozen=True, eq=False)
 class CaseResult:
     """One case, every stage. `basis_key` names its basis in StudyResult.bases.
 
@@ -94,6 +104,8 @@ class CaseResult:
     rooms and levels by "ROOM" and "ROOM.RECEIVER". rated : rooms rated by standards, by "ROOM".
     accuracy : None where the study asks for none.
     shares : the structure's energy by modes; None when nothing was simulated.
+    drops : by place ("drops.2"), where a source strikes several: response, channels, rooms and levels are those of the
+    first, rated is of all. Empty for one place.
     """
 
     case: Case
@@ -108,6 +120,7 @@ class CaseResult:
     accuracy: AccuracyCheck | None = None
     shares: ModeEnergies | None = None
     rated: Mapping[str, RatedRoom] = field(default_factory=dict)
+    drops: Mapping[str, Drop] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

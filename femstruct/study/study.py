@@ -292,11 +292,21 @@ class Study:
 
 @dataclass(frozen=True)
 class Case:
-    """One column of the comparison: a study, and what makes it differ from the file (path -> text of the value)."""
+    """One column of the comparison: a study, and what makes it differ from the file (path -> text of the value).
+
+    drops : the same study for every place that its standard source strikes, by the place ("drops.2"); the first is
+    `study`. Empty where there is one place or no source.
+    """
 
     name: str
     study: Study
     changes: Mapping[str, str] = field(default_factory=dict)
+    drops: Mapping[str, Study] = field(default_factory=dict)
+
+    @property
+    def studies(self) -> tuple[Study, ...]:
+        """The studies to simulate, one for every drop."""
+        return tuple(self.drops.values()) or (self.study,)
 
 
 @dataclass(frozen=True)

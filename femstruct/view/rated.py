@@ -1,37 +1,87 @@
-"""Rooms as the standards state them, case beside case."""
+"""Rooms as the standards state them: a row for every case, and their bands side by side."""
 
 from __future__ import annotations
 
+from math import isfinite
+
+from acoustics.rated import RatedRoom, number_of
+from acoustics.ratings import HeavyImpactRating, ImpactRating
 from femstruct.study.result import CaseResult, StudyResult
 from femstruct.view.grid import Grid
 
+ASSUMED = "the floor alone radiates, no flanking; walls and floor of the room are rigid but for its reverberation time"
 
-def rated(result: StudyResult) -> Grid:
-    """Single number, the band that decides it, and third octaves of every rated room; rows only where there are any."""
-    grid = Grid("impact sound by standards, re 20 uPa: energy average over receivers (spread)", ("", *result.cases))
+
+def ratings(result: StudyResult) -> Grid:
+    """A row for every case and rated room: single numbers, difference to the baseline, spreads, deciding band."""
+    rooms = [(name, room, one) for name, case in result.cases.items() for room, one in case.rated.items()]
+    symbols = list(dict.fromkeys(symbol for _, _, one in rooms for symbol in (one.quantity, one.plain_quantity)))
+    baseline = result.comparison.baseline
+    grid = Grid(
+        f"impact sound by the standards ({ASSUMED})",
+        (
+            "case",
+            "room",
+            *(f"{symbol} [dB]" for symbol in symbols),
+            "difference [dB]",
+            "spread: drops",
+            "receivers [dB]",
+            "decided at [Hz]",
+        ),
+        keys=2,
+    )
+    for name, room, one in rooms:
+        if one.rating is None or one.plain_rating is None:
+            continue
+        numbers = {one.plain_quantity: _told(one.plain_rating), one.quantity: _told(one.rating)}
+        change = difference(one, result.cases[baseline].rated.get(room))
+        grid.add(
+            name,
+            room,
+            *(numbers.get(symbol, "-") for symbol in symbols),
+            "" if name == baseline else "-" if change is None else f"{change:+.1f}",
+            f"{_number(one.drops_spread_db)} ({one.drops})",
+            f"{_number(one.receivers_spread_db)} ({one.receivers})",
+            f"{one.rating.deciding_hz:g}",
+        )
+    return grid
+
+
+def bands(result: StudyResult) -> Grid:
+    """Third octaves of every rated room and their spread over drops and receivers; rows only where there are any."""
+    grid = Grid(
+        "impact sound by third octave, re 20 uPa: average over drops and receivers (spread)", ("", *result.cases)
+    )
     cases = result.cases.values()
     for room in dict.fromkeys(room for case in cases for room in case.rated):
         first = next(case.rated[room] for case in cases if room in case.rated)
-        if first.rating is not None:
-            grid.add(f"{room} {first.quantity} [dB]", *(_rating(case, room) for case in cases))
-            grid.add(f"{room} decided at [Hz]", *(_deciding(case, room) for case in cases))
         for band in first.bands_db:
             grid.add(f"{room} {first.band_quantity} {band:g} Hz [dB]", *(_band(case, room, band) for case in cases))
     return grid
 
 
-def _rating(case: CaseResult, room: str) -> str:
-    found = case.rated.get(room)
-    if found is None or found.rating is None:
-        return "-"
-    return f"{found.rating.rating_db} ({found.rating_spread_db:.1f})"
+def difference(rated: RatedRoom, baseline: RatedRoom | None) -> float | None:
+    """What a room's rating is above the baseline's, before rounding [dB]; None where either has none or they are of
+    other quantities."""
+    if baseline is None or rated.quantity != baseline.quantity or rated.rating is None or baseline.rating is None:
+        return None
+    return number_of(rated.rating, rounded=False) - number_of(baseline.rating, rounded=False)
 
 
-def _deciding(case: CaseResult, room: str) -> str:
-    found = case.rated.get(room)
-    return "-" if found is None or found.rating is None else f"{found.rating.deciding_hz:g}"
+def _told(rating: HeavyImpactRating | ImpactRating) -> str:
+    """A single number; of a tapping machine's with C_I in brackets, as ISO 717-2 states it."""
+    if isinstance(rating, ImpactRating):
+        return f"{rating.weighted_db:g} ({rating.adaptation_db:+g})"
+    return f"{rating.rating_db}"
+
+
+def _number(value: float) -> str:
+    return f"{value:.1f}" if isfinite(value) else "-"
 
 
 def _band(case: CaseResult, room: str, band: float) -> str:
     found = case.rated.get(room)
-    return "-" if found is None else f"{found.bands_db[band]:.1f} ({found.spread_db[band]:.1f})"
+    if found is None or band not in found.bands_db:
+        return "-"
+    spread = found.spread_db[band]
+    return f"{found.bands_db[band]:.1f}" + (f" ({spread:.1f})" if isfinite(spread) else "")

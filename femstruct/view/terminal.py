@@ -14,14 +14,14 @@ from femstruct.view.console import console, show_findings
 from femstruct.view.energies import energies, whither
 from femstruct.view.grid import Grid
 from femstruct.view.machine import limits, machine
-from femstruct.view.rated import rated
+from femstruct.view.rated import bands, ratings
 from femstruct.view.trust import accuracy
 
 SPOKEN_HZ = 500.0  # modes above it are in summary.json; a terminal shows those that floors and presses are judged by
 
 
 def show_study(result: StudyResult, written: Mapping[str, float], folder: str = "") -> None:
-    """Cases side by side: outcome, machine, limits, peaks, contacts, energy, levels, changes, findings, timings."""
+    """Cases side by side: ratings, machine, limits, peaks, contacts, energy, levels, changes, findings, timings."""
     screen = console()
     screen.print(result.plan.title, style="bold")
     for name, case in result.cases.items():
@@ -31,6 +31,7 @@ def show_study(result: StudyResult, written: Mapping[str, float], folder: str = 
         if case.accuracy is not None:
             screen.print(f"  {name}: {accuracy(case.accuracy)}", soft_wrap=True)
     for table in (
+        ratings(result),
         machine(result),
         limits(result),
         _peaks(result),
@@ -40,7 +41,7 @@ def show_study(result: StudyResult, written: Mapping[str, float], folder: str = 
         whither(result),
         arrays(result),
         _levels(result),
-        rated(result),
+        bands(result),
         _modes_db(result),
     ):
         table.show(screen)

@@ -186,7 +186,7 @@ class _Ladder:
         else:
             extent = Extent(up_to_hz=factor * _complete_to(solved))
         grown = replace(study, structure=structure, extent=extent)
-        return solve(structure, extent, [case.study for case in self.members], key_of(grown))
+        return solve(structure, extent, [one for case in self.members for one in case.studies], key_of(grown))
 
 
 def _rule(case: Case) -> AccuracyRule:

@@ -55,7 +55,8 @@ def solve_all(cases: Sequence[Case]) -> dict[str, Solved]:
         groups.setdefault(key_of(case.study), []).append(case)
     solved: dict[str, Solved] = {}
     for key, members in groups.items():
-        shared = solve(members[0].study.structure, members[0].study.extent, [case.study for case in members], key)
+        studies = [study for case in members for study in case.studies]
+        shared = solve(members[0].study.structure, members[0].study.extent, studies, key)
         solved |= {case.name: shared for case in members}
     return solved
 

@@ -2,53 +2,124 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from typing import Final
+
+from numpy import log10
 
 from acoustics.errors import Advice
 from acoustics.judgement import t60_missed
-from acoustics.levels import Levels
-from acoustics.rated import HIGHEST_HZ, RatedRoom, rate_room
+from acoustics.levels import Levels, equivalent_levels
+from acoustics.pressure import RoomResponse
+from acoustics.rated import BANDS, FIELD, Blows, RatedRoom, rate_room
 from femstruct.errors import Finding
+from femstruct.impact.sources import BETWEEN_BLOWS, HAMMERS, TAPPING_MACHINE
 from femstruct.modal.basis import ModalBasis
 from femstruct.study.study import RoomPlan, Study
 
-BALL = "rubber ball"
+BALL: Final = "rubber ball"
+TURN_S: Final = HAMMERS * BETWEEN_BLOWS  # all hammers of a tapping machine once
+FEWEST: Final = 4  # places of the source, and of microphones, in ISO 16283-2
+BUILT_UP_DB: Final = 0.2  # what may be missing of a tapping machine's level when averaging begins
 
 
-def rate_rooms(study: Study, heard: Mapping[str, Levels]) -> dict[str, RatedRoom]:
-    """Every room that is to be rated, by name, from the levels of its receivers ("ROOM.RECEIVER")."""
+def blows_of(study: Study) -> Blows:
+    """Which blows a study's rooms are rated for."""
+    return "tapping" if any(body.source == TAPPING_MACHINE for body in study.bodies) else "heavy"
+
+
+def band_levels(study: Study, response: RoomResponse, levels: Sequence[Levels]) -> list[Mapping[float, float]]:
+    """What the standards rate at every receiver of a room {nominal third octave [Hz]: [dB]}: the largest Fast levels,
+    of a tapping machine those of the mean square while it runs."""
+    if blows_of(study) == "heavy":
+        return [one.bands_db for one in levels]
+    since, until = running(study)
+    samples = round(until / response.dt)
+    return [equivalent_levels(p[:samples], response.dt, since) for p in response.p]
+
+
+def running(study: Study) -> tuple[float, float]:
+    """From when to when the sound of a tapping machine is averaged [s]: whole turns of its hammers, the later half."""
+    count = max(body.blows.count if body.blows else 1 for body in study.bodies if body.source == TAPPING_MACHINE)
+    duration = study.time.duration if study.time is not None else 0.0
+    turns = min(count, int(duration / TURN_S + 1e-9))
+    return (turns - max(1, turns // 2)) * TURN_S, turns * TURN_S
+
+
+def rate_rooms(study: Study, drops: Sequence[Mapping[str, Sequence[Mapping[float, float]]]]) -> dict[str, RatedRoom]:
+    """Every room that is to be rated, by name, from the levels of its receivers {room: [receivers]} at every drop."""
     return {
-        plan.name: rate_room([heard[f"{plan.name}.{one.name}"] for one in plan.receivers], plan.room, plan.levels)
+        plan.name: rate_room([drop[plan.name] for drop in drops], plan.room, plan.levels, blows_of(study))
         for plan in study.rooms
         if plan.levels and plan.receivers
     }
 
 
-def rated_findings(plan: RoomPlan, study: Study, basis: ModalBasis) -> tuple[Advice | Finding, ...]:
-    """Reverberation times missed, bands without modes, and blows that the standards do not rate."""
+def rated_findings(plan: RoomPlan, study: Study, basis: ModalBasis, drops: int = 1) -> tuple[Advice | Finding, ...]:
+    """Reverberation times missed, bands without modes, few places, and blows that the standards do not rate.
+
+    drops : at how many places the source strikes.
+    """
     found: list[Advice | Finding] = list(t60_missed(plan.room.losses, plan.t60_asked))
     if not (plan.levels and plan.receivers):
         return tuple(found)
-    if basis.complete_below_hz < HIGHEST_HZ:
+    highest = BANDS[blows_of(study)][-1] * 10**0.05  # where the last third octave ends
+    if basis.complete_below_hz < highest:
         found.append(
             Finding(
                 "rating-beyond-modes",
-                f"the rated bands go up to {HIGHEST_HZ:.0f} Hz, the modes of the floor to "
+                f"the rated bands go up to {highest:.0f} Hz, the modes of the floor to "
                 f"{basis.complete_below_hz:.0f} Hz: levels above are too low",
-                {"highest_hz": HIGHEST_HZ, "complete_below_hz": basis.complete_below_hz},
+                {"highest_hz": highest, "complete_below_hz": basis.complete_below_hz},
             )
         )
-    struck = [body for body in study.bodies if body.speed and body.side == "above"]
-    others = [body.source or body.name for body in struck if body.source != BALL]
-    balls = len(struck) - len(others)
-    if others or balls != 1 or study.loads:
-        told = ", ".join(dict.fromkeys([*others, *(load.name for load in study.loads)]))
+    if FIELD in plan.levels and min(drops, len(plan.receivers)) < FEWEST:
         found.append(
             Finding(
-                "rating-of-other-blows",
-                f"the levels of {' and '.join(plan.levels)} are those of one rubber ball; here strike {balls} rubber "
-                f"balls{' and ' + told if told else ''}",
-                {"rubber_balls": balls, "others": len(others) + len(study.loads)},
+                "rating-of-few-places",
+                f"{FIELD} wants {FEWEST} or more places of the source and of microphones; here are {drops} and "
+                f"{len(plan.receivers)}",
+                {"drops": drops, "receivers": len(plan.receivers), "wanted": FEWEST},
             )
         )
-    return tuple(found)
+    return (*found, *_other_blows(plan, study), *(_building_up(plan, study) if blows_of(study) == "tapping" else ()))
+
+
+def _other_blows(plan: RoomPlan, study: Study) -> tuple[Finding, ...]:
+    """A rating of something else than one rubber ball, or one tapping machine."""
+    tapping = blows_of(study) == "tapping"
+    wanted, count = (TAPPING_MACHINE, HAMMERS) if tapping else (BALL, 1)
+    struck = [body for body in study.bodies if body.speed and body.side == "above"]
+    others = [body.source or body.name for body in struck if body.source != wanted]
+    here = len(struck) - len(others)
+    if not others and here == count and not study.loads:
+        return ()
+    told = ", ".join(dict.fromkeys([*others, *(load.name for load in study.loads)]))
+    one = "one tapping machine, five hammers" if tapping else "one rubber ball"
+    what = "hammers" if tapping else "rubber balls"
+    return (
+        Finding(
+            "rating-of-other-blows",
+            f"the levels of {' and '.join(plan.levels)} are those of {one}; here strike {here} {what}"
+            f"{' and ' + told if told else ''}",
+            {what.replace(" ", "_"): here, "others": len(others) + len(study.loads)},
+        ),
+    )
+
+
+def _building_up(plan: RoomPlan, study: Study) -> tuple[Finding, ...]:
+    """A tapping machine that has not run long enough for the room to fill with sound before levels are averaged."""
+    since, until = running(study)
+    slowest = rate_room([[dict.fromkeys(BANDS["tapping"], 0.0)]], plan.room, plan.levels, "tapping").t60_s
+    t60 = max(slowest.values())
+    missing = -10 * log10(1 - 10 ** (-6 * since / t60)) if since else float("inf")
+    if missing <= BUILT_UP_DB:
+        return ()
+    return (
+        Finding(
+            "tapping-not-steady",
+            f"levels are averaged from {since:g} to {until:g} s; a room with a reverberation time of {t60:.2g} s is "
+            f"then {missing:.2g} dB short of its steady level: give the machine more blows, and the time for them",
+            {"since_s": since, "until_s": until, "t60_s": t60},
+        ),
+    )

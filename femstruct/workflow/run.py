@@ -9,34 +9,29 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
 from datetime import UTC, datetime
+from functools import partial
 from importlib.metadata import version
 
 from acoustics.errors import Advice
-from acoustics.levels import Levels, response_levels
-from acoustics.pressure import RoomResponse, pressure
-from acoustics.rated import RatedRoom
 from femstruct.errors import Finding
-from femstruct.impact.bodies import Clock
-from femstruct.impact.response import Response
 from femstruct.impact.shares import mode_energies
-from femstruct.impact.simulate import load_kernels, simulate
+from femstruct.impact.simulate import load_kernels
 from femstruct.modal.basis import ModalBasis
 from femstruct.model.facts import model_findings
-from femstruct.radiation import coupling_findings, surface_velocity
+from femstruct.radiation import coupling_findings
 from femstruct.study.result import AccuracyCheck, CaseResult, StudyResult
 from femstruct.study.study import Case, Plan, Study
 from femstruct.workflow.accuracy import accuracy_findings, hold_accuracy
 from femstruct.workflow.air import ceiling, coupled, coupled_key
 from femstruct.workflow.bases import Solved, damped, solve_all
 from femstruct.workflow.channels import acceleration_rows, record
-from femstruct.workflow.checks import aliased_findings, impact_findings, mesh_findings, room_findings
+from femstruct.workflow.checks import aliased_findings, mesh_findings, room_findings
 from femstruct.workflow.compare import compare
 from femstruct.workflow.limits import verdicts
 from femstruct.workflow.machine import machines
 from femstruct.workflow.rated import rate_rooms, rated_findings
 from femstruct.workflow.responses import frequency_response
-from femstruct.workflow.sources import source_findings
-from femstruct.workflow.staging import Places, scene
+from femstruct.workflow.struck import Struck, strike, told_once
 
 Progress = Callable[[str], None]
 
@@ -133,7 +128,13 @@ def without_rooms(plan: Plan) -> Plan:
         rooms = tuple(replace(room, receivers=()) for room in study.rooms if room.coupling == "two-way")
         return replace(study, rooms=rooms, frf=tuple(one for one in study.frf if one.kind != "pressure"))
 
-    return replace(plan, cases=tuple(replace(case, study=deaf(case.study)) for case in plan.cases))
+    return replace(
+        plan,
+        cases=tuple(
+            replace(case, study=deaf(case.study), drops={place: deaf(one) for place, one in case.drops.items()})
+            for case in plan.cases
+        ),
+    )
 
 
 def _bases(finished: Mapping[str, CaseResult], solved: Mapping[str, Solved]) -> dict[str, ModalBasis]:
@@ -171,49 +172,45 @@ def run_case(
         for request in study.frf:
             responses[request.name], advised = frequency_response(request, own.places, basis, study.rooms)
             told += [(request.response.name, advice) for advice in advised]
-    response, channels, shares = None, {}, None
-    rooms: dict[str, RoomResponse] = {}
-    heard: dict[str, Levels] = {}
-    rated: dict[str, RatedRoom] = {}
+    whole: Struck | None = None
+    channels, shares, drops, rated = {}, None, {}, {}
     if study.time is not None:
-        with clock("impact", case.name):
-            timing = Clock(study.time.duration, study.time.sampling, study.time.quiet)
-            response = simulate(basis, scene(study, own.places, basis), timing)
-            findings += [*response.findings, *impact_findings(vacuo, response), *source_findings(study, response)]
-            shares = mode_energies(response)
-        with clock("room", case.name):
-            rooms = _rooms(study, own.places, response)
+        told_at: dict[str, tuple[Finding, ...]] = {}
+        heard = []
+        for place, one in (case.drops or {"": study}).items():
+            stage = partial(clock, case=f"{case.name} {place}".strip())
+            done = strike(one, study.time, own.places, basis, vacuo, stage)
+            whole = whole or done  # of the others only numbers are kept
+            told_at[place] = done.findings
+            heard.append(done.bands_db)
+            if case.drops:
+                drops[place] = done.drop()
+        assert whole is not None
         with clock("levels", case.name):
-            heard = {
-                f"{room}.{receiver}": found
-                for room, pressures in rooms.items()
-                for receiver, found in response_levels(pressures).items()
-            }
-            channels = record(study, own.places, response, rooms)
-            findings += aliased_findings(response, acceleration_rows(study, own.places, basis))
+            shares = mode_energies(whole.response)
+            channels = record(study, own.places, whole.response, whole.rooms)
+            findings += aliased_findings(whole.response, acceleration_rows(study, own.places, basis))
+        findings += told_once(told_at)
         rated = rate_rooms(study, heard)
         for plan in study.rooms:
-            told += [(plan.name, found) for found in rated_findings(plan, study, vacuo)]
+            told += [(plan.name, found) for found in rated_findings(plan, study, vacuo, len(heard))]
             if plan.coupling == "one-way":
                 told += [(plan.name, found) for found in coupling_findings(vacuo, ceiling(plan, own.places), plan.room)]
-            if plan.name in rooms:
-                told += [(plan.name, advice) for advice in rooms[plan.name].findings]
-        told += [(name, advice) for name, levels_of in heard.items() for advice in levels_of.findings]
     findings += room_findings(told)
-    key = coupled_key(own.key, study.rooms)
     return CaseResult(
-        case,
-        key,
-        basis,
-        response,
-        responses,
-        channels,
-        rooms,
-        heard,
-        distinct(findings),
-        accuracy,
-        shares,
-        rated,
+        case=case,
+        basis_key=coupled_key(own.key, study.rooms),
+        basis=basis,
+        response=None if whole is None else whole.response,
+        frf=responses,
+        channels=channels,
+        rooms={} if whole is None else whole.rooms,
+        levels={} if whole is None else whole.levels,
+        findings=distinct(findings),
+        accuracy=accuracy,
+        shares=shares,
+        rated=rated,
+        drops=drops,
     )
 
 
@@ -257,11 +254,3 @@ class Stopwatch:
             yield
         finally:
             self.seconds[stage] = self.seconds.get(stage, 0.0) + time.process_time() - begin
-
-
-def _rooms(study: Study, places: Places, response: Response) -> dict[str, RoomResponse]:
-    rooms = {}
-    for plan in (plan for plan in study.rooms if plan.receivers or plan.coupling == "one-way"):
-        moving = surface_velocity(response, ceiling(plan, places), plan.room, plan.offset, plan.name)
-        rooms[plan.name] = pressure(moving, plan.room, plan.receivers)
-    return rooms

@@ -80,8 +80,11 @@ def test_terminal_tables_and_file_say_the_same(
     assert rated.rating is not None
     show_study(result, {})
     shown = capsys.readouterr().out
-    assert "bedroom L'_iA,Fmax,V,T [dB]" in shown
-    assert f"{rated.rating.rating_db} ({rated.rating_spread_db:.1f})" in shown
+    assert "L'_iA,Fmax,V,T [dB]" in shown
+    row = next(line.split() for line in shown.splitlines() if line.startswith("as is") and "bedroom" in line)
+    assert rated.plain_rating is not None
+    assert row[3:5] == [str(rated.rating.rating_db), str(rated.plain_rating.rating_db)]
+    assert row[5:] == ["-", "(1)", f"{rated.receivers_spread_db:.1f}", "(2)", f"{rated.rating.deciding_hz:g}"]
     table = summary(result)["cases"]["as is"]["rated"]["bedroom"]
     assert table["rating_db"] == rated.rating.rating_db
     assert table["bands_db"]["63"] == rated.bands_db[63.0]

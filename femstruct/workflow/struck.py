@@ -1,0 +1,102 @@
+"""What a study does to its structure, from the impact to what is heard: once, or once for every place of a source."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import AbstractContextManager
+from dataclasses import dataclass, replace
+
+from acoustics.errors import Advice
+from acoustics.levels import Levels, response_levels
+from acoustics.pressure import RoomResponse, pressure
+from femstruct.errors import Finding
+from femstruct.impact.bodies import Clock
+from femstruct.impact.response import Response
+from femstruct.impact.simulate import simulate
+from femstruct.modal.basis import ModalBasis
+from femstruct.radiation import surface_velocity
+from femstruct.study.result import Drop
+from femstruct.study.study import Study, TimePlan
+from femstruct.workflow.air import ceiling
+from femstruct.workflow.checks import impact_findings, room_findings
+from femstruct.workflow.rated import band_levels
+from femstruct.workflow.sources import source_findings
+from femstruct.workflow.staging import Places, scene
+
+Stopwatch = Callable[[str], AbstractContextManager[None]]
+
+
+@dataclass(frozen=True, eq=False)
+class Struck:
+    """One simulation: the motion, the pressures, the levels by "ROOM.RECEIVER", the levels of every room that is to
+    be rated {room: [receivers: {band: [dB]}]}, and reasons to believe it less."""
+
+    response: Response
+    rooms: Mapping[str, RoomResponse]
+    levels: Mapping[str, Levels]
+    bands_db: Mapping[str, Sequence[Mapping[float, float]]]
+    findings: tuple[Finding, ...]
+
+    def drop(self) -> Drop:
+        """What is kept of a blow at one of several places: numbers, no histories."""
+        peaks = {name: contact.peak_force for name, contact in self.response.contacts.items()}
+        return Drop(self.response.outcome.value, peaks, self.levels)
+
+
+def strike(
+    study: Study, time: TimePlan, places: Places, basis: ModalBasis, vacuo: ModalBasis, stage: Stopwatch
+) -> Struck:
+    """A study simulated: impact, rooms, levels.
+
+    basis : damped, with the air that pushes back; vacuo : without it. stage : measures a stage by its name.
+
+    Raises what the stages raise.
+    """
+    with stage("impact"):
+        response = simulate(basis, scene(study, places, basis), Clock(time.duration, time.sampling, time.quiet))
+        findings = [*response.findings, *impact_findings(vacuo, response), *source_findings(study, response)]
+    with stage("room"):
+        rooms = _rooms(study, places, response)
+    with stage("levels"):
+        heard = {
+            f"{room}.{receiver}": found
+            for room, pressures in rooms.items()
+            for receiver, found in response_levels(pressures).items()
+        }
+        rated = {plan.name for plan in study.rooms if plan.levels and plan.receivers}
+        bands = {
+            name: band_levels(study, pressures, [heard[f"{name}.{one.name}"] for one in pressures.receivers])
+            for name, pressures in rooms.items()
+            if name in rated
+        }
+    told: list[tuple[str, Advice | Finding]] = [
+        (name, advice) for name, pressures in rooms.items() for advice in pressures.findings
+    ]
+    told += [(name, advice) for name, levels in heard.items() for advice in levels.findings]
+    return Struck(response, rooms, heard, bands, (*findings, *room_findings(told)))
+
+
+def told_once(told: Mapping[str, Sequence[Finding]]) -> list[Finding]:
+    """Findings of all drops {place: ...}: of those with one code the ones of the first drop that has it, and of others
+    what is severe where the first is not; each with its place where there are several.
+
+    >>> told = {"p.1": [Finding("a", "one")], "p.2": [Finding("a", "two"), Finding("b", "three")]}
+    >>> [found.message for found in told_once(told)]
+    ['one (dropped at p.1)', 'three (dropped at p.2)']
+    """
+    found: list[Finding] = []
+    known: dict[str, bool] = {}  # code: whether it was severe
+    for place, findings in told.items():
+        new = [one for one in findings if one.code not in known or (one.severe and not known[one.code])]
+        known |= {one.code: one.severe or known.get(one.code, False) for one in new}
+        after = f" (dropped at {place})" if len(told) > 1 else ""
+        found += [replace(one, message=one.message + after) for one in new]
+    return found
+
+
+def _rooms(study: Study, places: Places, response: Response) -> dict[str, RoomResponse]:
+    rooms = {}
+    for plan in (plan for plan in study.rooms if plan.receivers or plan.coupling == "one-way"):
+        moving = surface_velocity(response, ceiling(plan, places), plan.room, plan.offset, plan.name)
+        rooms[plan.name] = pressure(moving, plan.room, plan.receivers)
+    return rooms

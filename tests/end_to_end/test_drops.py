@@ -1,0 +1,162 @@
+"""A source of several places: a simulation each, rated together; against studies with one place each."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+
+from acoustics import rate_room
+from femstruct.errors import InputErrors
+from femstruct.files.results import write_results
+from femstruct.files.tables import summary
+from femstruct.language import read_study
+from femstruct.study.result import StudyResult
+from femstruct.view.terminal import show_study
+from femstruct.workflow.run import run_study
+
+MODEL = """
+materials: {concrete: {E: 30 GPa, nu: 0.2, rho: 2400}}
+parts: {slab: {type: plate, material: concrete, thickness: 0.15 m, origin: [0, 0, 2.5], size: [3, 2], mesh: [6, 4]}}
+supports: {edges: {on: slab, edge: all, fix: simple}}
+points: {drops: {on: slab, at: [[1.2, 0.8], [0.6, 1.3]]}, other: {on: slab, at: [[2, 1], [2.2, 1]]}}
+surfaces: {ceiling: {on: slab, side: below}}
+damping: {loss_factor: 5 %}
+"""
+STUDY = """model: model.yaml
+modes: {up_to: 800 Hz}
+bodies: {ball: {source: rubber ball, above: drops}}
+record: {ball on drops: force}
+time: {duration: 0.4 s, sampling: 4 kHz}
+rooms:
+  bedroom:
+    size: [3, 2, 2.5]
+    under: ceiling
+    losses: {t60: 0.4 s}
+    receivers: {mic: [[0.8, 0.7, 1.2], [2.1, 1.1, 1.5]]}
+    levels: [ISO 16283-2, ISO 717-2]
+"""
+FEET = "[[1, 1], [1.1, 1], [1.2, 1], [1.3, 1], [1.4, 1], [2, 0.5], [2, 0.6], [2, 0.7], [2, 0.8], [2, 0.9]]"
+HAMMERS = "{source: tapping machine, above: feet, contact: {type: linear, stiffness: 2 MN/m}, blows: {count: 2}}"
+
+
+def read(folder: Path, study: str = STUDY, model: str = MODEL):
+    (folder / "model.yaml").write_text(model, encoding="utf-8")
+    (folder / "one.study.yaml").write_text(study, encoding="utf-8")
+    return read_study(folder / "one.study.yaml")
+
+
+@pytest.fixture(scope="module")
+def result(tmp_path_factory: pytest.TempPathFactory) -> StudyResult:
+    return run_study(read(tmp_path_factory.mktemp("drops")))
+
+
+def test_drops_are_the_runs_of_their_places(result: StudyResult, tmp_path: Path) -> None:
+    """Each place alone gives the same levels; rated together they are one energy average."""
+    case = result.cases["as given"]
+    assert list(case.drops) == ["drops.1", "drops.2"]
+    alone = []
+    for i in (1, 2):
+        one = run_study(
+            read(tmp_path, STUDY.replace("above: drops", f"above: drops.{i}").replace("on drops", f"on drops.{i}"))
+        )
+        found = one.cases["as given"]
+        alone.append([level.bands_db for level in found.levels.values()])
+        for name, level in found.levels.items():
+            # alone, the basis has residual vectors for one place, not two: modes are the same, statics are not
+            together = case.drops[f"drops.{i}"].levels[name].bands_db
+            for band in (63.0, 125.0, 250.0, 500.0):
+                assert together[band] == pytest.approx(level.bands_db[band], abs=0.05)
+        assert found.drops == {}
+    by_hand = rate_room(alone, case.case.study.rooms[0].room)
+    rated = case.rated["bedroom"]
+    assert dict(rated.bands_db) == pytest.approx(dict(by_hand.bands_db), abs=0.05)
+    assert rated.drops_spread_db == pytest.approx(by_hand.drops_spread_db, abs=0.05)
+    levels = [drop.levels["bedroom.mic.1"].bands_db[63.0] for drop in case.drops.values()]
+    assert abs(levels[0] - levels[1]) > 1.0  # or the test could not tell one place from the other
+    assert rated.measured_db[:, 0, 1].tolist() == levels
+
+
+def test_channels_are_those_of_the_first_drop(result: StudyResult) -> None:
+    case = result.cases["as given"]
+    assert case.response is not None
+    assert list(case.response.contacts) == ["ball on drops.1"]
+    assert case.channels["ball on drops.1 force"].whole > 1000.0
+    assert list(case.drops["drops.2"].peak_force) == ["ball on drops.2"]
+    few = next(one for one in case.findings if one.code == "rating-of-few-places")
+    assert (few.values["drops"], few.values["receivers"], few.values["wanted"]) == (2, 2, 4)
+
+
+def test_drops_in_terminal_tables_and_file(
+    result: StudyResult, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    case = result.cases["as given"]
+    rated = case.rated["bedroom"]
+    show_study(result, {})
+    row = next(
+        line for line in capsys.readouterr().out.splitlines() if line.startswith("as given") and "bedroom" in line
+    )
+    assert f"{rated.drops_spread_db:.1f} (2)" in row
+    assert f"{rated.receivers_spread_db:.1f} (2)" in row
+    table = summary(result)["cases"]["as given"]
+    assert table["rated"]["bedroom"]["drops_spread_db"] == pytest.approx(rated.drops_spread_db)
+    assert table["drops"]["drops.2"]["levels"]["bedroom.mic.1"]["bands_db"]["63"] == rated.measured_db[1, 0, 1]
+    write_results(tmp_path / "results.h5", result)
+    with h5py.File(tmp_path / "results.h5") as file:
+        stored = file["cases/as given/rated/bedroom"]
+        assert stored["measured"].shape == (2, 2, 12)
+        np.testing.assert_array_equal(stored["measured"][:], rated.measured_db)
+        second = file["cases/as given/drops/drops.2/bedroom.mic.2"]
+        assert second["l_fmax"][:].tolist() == list(case.drops["drops.2"].levels["bedroom.mic.2"].bands_db.values())
+
+
+def test_a_tapping_machine_has_positions_of_five_hammers(tmp_path: Path) -> None:
+    """Ten places are two positions; levels are those of the mean square over the later half of its turns."""
+    model = MODEL.replace("points: {drops:", f"points: {{feet: {{on: slab, at: {FEET}}}, drops:")
+    study = STUDY.replace("{source: rubber ball, above: drops}", HAMMERS).replace(
+        "record: {ball on drops: force}\n", ""
+    )
+    study = study.replace("duration: 0.4 s, sampling: 4 kHz", "duration: 1 s, sampling: 7.6 kHz")
+    study = study.replace("[[0.8, 0.7, 1.2], [2.1, 1.1, 1.5]]", "[0.8, 0.7, 1.2]")
+    plan = read(tmp_path, study, model)
+    case = plan.cases[0]
+    assert list(case.drops) == ["feet.1-5", "feet.6-10"]
+    bodies = case.drops["feet.6-10"].bodies
+    assert [body.target for body in bodies] == [f"feet.{i}" for i in range(6, 11)]
+    assert [body.blows.first for body in bodies if body.blows] == pytest.approx([0.1 * i for i in range(5)])
+    found = run_study(plan).cases["as given"]
+    rated = found.rated["bedroom"]
+    assert (rated.blows, rated.quantity, rated.measured_db.shape) == ("tapping", "L'_nT,w", (2, 1, 16))
+    exposures = found.drops["feet.1-5"].levels["bedroom.mic"].exposure_db
+    # 1 s of sound: its exposure is its mean level. The later half is no louder or softer than the whole by more than
+    # what builds up in the first turns and rings on: 2 dB
+    assert rated.measured_db[0, 0].tolist() == pytest.approx([exposures[band] for band in rated.bands_hz], abs=2.0)
+    codes = {one.code: one for one in found.findings}
+    assert codes["rating-beyond-modes"].values["highest_hz"] == pytest.approx(3150 * 10**0.05)
+    assert "tapping-not-steady" not in codes
+    assert "rating-of-other-blows" not in codes
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "told"),
+    [
+        ("bodies: {", "bodies: {second: {source: bang machine, above: other}, ", "a second source of several places"),
+        ("record:", "limits: {ball on drops force: 1 kN}\nrecord:", "got a limit, while 'ball' is dropped at 2 places"),
+        ("source: rubber ball, above: drops", "source: rubber ball, above: dropss", "did you mean 'drops"),
+    ],
+)
+def test_what_cannot_be_dropped_is_refused_with_its_line(tmp_path: Path, old: str, new: str, told: str) -> None:
+    with pytest.raises(InputErrors, match=told):
+        read(tmp_path, STUDY.replace(old, new, 1))
+
+
+def test_tapping_needs_a_sampling_and_a_turn(tmp_path: Path) -> None:
+    model = MODEL.replace("points: {drops:", f"points: {{feet: {{on: slab, at: {FEET}}}, drops:")
+    study = STUDY.replace("{source: rubber ball, above: drops}", HAMMERS).replace(
+        "record: {ball on drops: force}\n", ""
+    )
+    with pytest.raises(InputErrors, match="7600 Hz or more for the bands up to 3150 Hz") as caught:
+        read(tmp_path, study, model)
+    assert "0.5 s or more: one turn of its five hammers" in str(caught.value)
