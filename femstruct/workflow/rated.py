@@ -19,7 +19,7 @@ from femstruct.study.study import RoomPlan, Study
 
 BALL: Final = "rubber ball"
 TURN_S: Final = HAMMERS * BETWEEN_BLOWS  # all hammers of a tapping machine once
-FEWEST: Final = 4  # places of the source, and of microphones, in ISO 16283-2
+FEWEST: Final = 4  # places of the source, and of microphones, that measurements have; the text was not at hand
 BUILT_UP_DB: Final = 0.2  # what may be missing of a tapping machine's level when averaging begins
 
 
@@ -77,7 +77,7 @@ def rated_findings(plan: RoomPlan, study: Study, basis: ModalBasis, drops: int =
         found.append(
             Finding(
                 "rating-of-few-places",
-                f"{FIELD} wants {FEWEST} or more places of the source and of microphones; here are {drops} and "
+                f"measurements by {FIELD} have {FEWEST} or more places of the source and of microphones; here are {drops} and "
                 f"{len(plan.receivers)}",
                 {"drops": drops, "receivers": len(plan.receivers), "wanted": FEWEST},
             )
