@@ -77,8 +77,8 @@ def rated_findings(plan: RoomPlan, study: Study, basis: ModalBasis, drops: int =
         found.append(
             Finding(
                 "rating-of-few-places",
-                f"measurements by {FIELD} have {FEWEST} or more places of the source and of microphones; here are {drops} and "
-                f"{len(plan.receivers)}",
+                f"measurements by {FIELD} have {FEWEST} or more places of the source and of microphones; here are "
+                f"{drops} and {len(plan.receivers)}",
                 {"drops": drops, "receivers": len(plan.receivers), "wanted": FEWEST},
             )
         )
