@@ -120,7 +120,7 @@ def weighted_impact_level(levels_db: Mapping[float, float], *, step_db: float = 
     summed = _energy_sum(measured[:15] if thirds else measured)
     adaptation = _rounded(summed, step_db) - 15 - weighted
     deciding = list(curve)[int(np.argmax(measured - reference))]
-    return ImpactRating(*(round(float(x), 6) for x in (weighted, adaptation, sums[best])), deciding)
+    return ImpactRating(round(weighted, 6), round(adaptation, 6), round(float(sums[best]), 6), deciding)
 
 
 def shifted_curve(weighted_db: float) -> dict[float, float]:
