@@ -21,8 +21,8 @@ _ACROSS = 2  # the axis of a plate that its sides face along
 class Layer:
     """The plane in the middle of a layer, and the part of it that is filled.
 
-    origin [3] : global place of the coordinates (0, 0) [m]. axes [3, 3] : rows are its two directions, which are those
-    of the first part, and the normal. box : x0, x1, y0, y1 of the region along them [m].
+    origin [3] : global place of the coordinates (0, 0) [m]. axes [3, 3] : rows are its two directions and its
+    normal, all axes of the first part. box : x0, x1, y0, y1 of the region along them [m].
     """
 
     origin: Floats
@@ -109,8 +109,7 @@ def _between(part: Foundation, first: Solid, second: Solid, tolerance: float) ->
             got=f"a region that reaches {beyond:.4g} m beyond {second.name}",
             expected=f"a region of {first.name} that faces {second.name}",
         )
-    normal = axes[axis] if after else -axes[axis]
-    return Layer(corner + middle * axes[axis], np.stack([*axes[along], normal]), box)
+    return Layer(corner + middle * axes[axis], axes[[*along, axis]], box)
 
 
 def _body(solid: Solid) -> tuple[Floats, Floats, Floats]:

@@ -161,6 +161,17 @@ def test_a_mesh_that_carries_no_more_stops_it(tmp_path: Path, capsys: pytest.Cap
         assert kept["share"][()].max() == check.share and not kept.attrs["holds"]
 
 
+def test_what_is_asked_is_the_line(tmp_path: Path) -> None:
+    """The same two bases hold for a little more than they differ by, and not for a little less."""
+    plate = PLATE.replace("MESH", "[10, 8]")
+    asked = "accuracy: {within: 0.1 %, band: [0 Hz, 300 Hz]}\n"
+    first = run(tmp_path, plate, DROP + asked).cases["as given"].accuracy
+    assert first is not None
+    for share, holds in ((1.01 * first.share, True), (0.99 * first.share, False)):
+        check = run(tmp_path, plate, DROP + asked.replace("0.1 %", f"{share!r}")).cases["as given"].accuracy
+        assert check is not None and (check.share, check.holds) == (pytest.approx(first.share), holds)
+
+
 def test_a_stated_cap_stops_it(tmp_path: Path) -> None:
     asked = "accuracy: {within: 0.01 %, band: [0 Hz, 300 Hz], up_to: 1.2 kHz}\n"
     case = run(tmp_path, PLATE.replace("MESH", "[24, 20]"), DROP + asked).cases["as given"]

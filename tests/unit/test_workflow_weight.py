@@ -43,6 +43,9 @@ def test_a_block_with_its_weight_beside_the_middle_leans(tmp_path: Path) -> None
     assert rest["tilt_rad"] == pytest.approx(tilt, rel=1e-9)
     assert rest["sag_m"] == pytest.approx(sag, rel=1e-9)
     assert not table["findings"]
+    path.write_text(LEANING.replace("[1.05, 0.5, 0.4]", "[1, 0.53, 0.4]"))  # towards y: it leans about x, span 0.6 m
+    rest = told(path)["sags"]["machine"]  # type: ignore[index]
+    assert rest["tilt_rad"] == pytest.approx(2000 * G * 0.03 / (4 * 1e6 * 0.3**2), rel=1e-9)
     path.write_text(LEANING.replace("[1.05, 0.5, 0.4]", "[1.3, 0.5, 0.4]"))
     table = told(path)
     (finding,) = table["findings"]  # type: ignore[misc]
