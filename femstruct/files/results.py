@@ -5,8 +5,8 @@
     /provenance         versions, platform, date, command line (attributes)
     /summary            the numbers of all cases and their comparison (JSON)
     /bases/KEY          modes, damping, shapes, force rows
-    /cases/NAME         @basis; damping, channels, contacts, bodies, links, events, energy, limits, frf, rooms,
-                        levels, rated, drops, modal
+    /cases/NAME         @basis; damping, channels, contacts, bodies, links, events, energy, error_estimate, accuracy,
+                        limits, frf, rooms, levels, rated, drops, modal
     /comparison/CASE    modes by MAC, beside the baseline's
     /VTKHDF             mode shapes of the baseline, opened by ParaView as they are
 
@@ -33,12 +33,13 @@ from femstruct.files.hdf5 import axis, group, put, put_text
 from femstruct.files.machine import write_verdicts
 from femstruct.files.sound import write_levels, write_rated, write_room
 from femstruct.files.tables import finding_table, findings_by_case, summary
+from femstruct.files.trust import write_accuracy, write_errors
 from femstruct.files.vtkhdf import write_vtkhdf
 from femstruct.impact.response import Response
 from femstruct.impact.shares import ModeEnergies
 from femstruct.modal.basis import ModalBasis
 from femstruct.study.machine import Verdict
-from femstruct.study.result import AccuracyCheck, CaseComparison, CaseResult, StudyResult
+from femstruct.study.result import CaseComparison, CaseResult, StudyResult
 
 FORMAT: Final = "femstruct results"
 FORMAT_VERSION: Final = 1
@@ -169,7 +170,11 @@ def _write_case(cases: h5py.Group, name: str, case: CaseResult, verdicts: Sequen
     )
     _write_damping(group(target, "damping", "Damping of the basis in this case"), case.basis)
     if case.accuracy is not None:
-        _write_accuracy(target, case.accuracy)
+        about = "What more modes change, against what was asked"
+        write_accuracy(group(target, "accuracy", about), case.accuracy)
+    if case.errors is not None:
+        about = "Numbers of the impact, and what its march may leave them wrong by"
+        write_errors(group(target, "error_estimate", about), case.errors)
     if verdicts:
         write_verdicts(group(target, "limits", "Verdicts on the limits of the study"), verdicts)
     if case.frf:
@@ -252,31 +257,6 @@ def _write_response(target: h5py.Group, case: CaseResult, response: Response) ->
         mode = axis(modal, "mode", np.arange(1, len(response.q) + 1), "1", "Mode number")
         put(modal, "q", response.q, "kg^0.5 m", "Modal coordinates", (mode, "time"))
         put(modal, "qd", response.qd, "kg^0.5 m/s", "Modal velocities", (mode, "time"))
-
-
-def _write_accuracy(target: h5py.Group, check: AccuracyCheck) -> None:
-    """What two bases make of the first impact; numbers that do not exist (all modes are there) are infinite."""
-    made = group(
-        target,
-        "accuracy",
-        "What more modes change, against what was asked",
-        asked=check.within,
-        holds=check.holds,
-        band_hz=np.array(check.band),
-        window_s=check.window,
-        smaller_hz=check.smaller_hz,
-        larger_hz=check.larger_hz,
-        used_hz=check.used_hz,
-        used_modes=check.used_modes,
-    )
-    if check.deviations:
-        found = check.deviations.values()
-        channel = axis(made, "channel", list(check.deviations), "1", "Channel, or contact peak force")
-        put(made, "channel_unit", [d.unit for d in found], "1", "Unit of smaller, larger and difference", (channel,))
-        for word, what in (("smaller", "Largest |value| with the smaller basis"), ("larger", "With the larger basis")):
-            put(made, word, [getattr(d, word) for d in found], "see channel_unit", what, (channel,))
-        put(made, "difference", [d.difference for d in found], "see channel_unit", "Largest at any time", (channel,))
-        put(made, "share", [d.share for d in found], "1", "Difference over the larger basis's value", (channel,))
 
 
 def _table(target: h5py.Group, name: str, description: str, rows: Mapping[str, object]) -> h5py.Group:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from math import isfinite
 from typing import Any
 
 from acoustics.levels import Levels
@@ -12,9 +11,11 @@ from acoustics.ratings import ImpactRating
 from femstruct.errors import Finding
 from femstruct.files.arrays import array_tables
 from femstruct.files.machine import machine_table, verdict_tables
+from femstruct.files.numbers import label, number
+from femstruct.files.trust import accuracy_table, error_table
 from femstruct.impact.response import Blow, EnergyBalance, Response
 from femstruct.impact.shares import EnergyGroup, ModeEnergies
-from femstruct.study.result import AccuracyCheck, CaseComparison, CaseResult, Drop, StudyResult
+from femstruct.study.result import CaseComparison, CaseResult, Drop, StudyResult
 
 Table = dict[str, Any]
 
@@ -58,24 +59,6 @@ def findings_by_case(result: StudyResult) -> tuple[tuple[Finding, tuple[str, ...
     return (*((finding, ()) for finding in result.findings), *((own[key], cases) for key, cases in holds.items()))
 
 
-def number(value: float | None) -> float | None:
-    """A number for JSON, which knows neither nan nor infinity: None instead.
-
-    >>> number(1), number(float("nan"))
-    (1.0, None)
-    """
-    return None if value is None or not isfinite(value) else float(value)
-
-
-def label(value: float) -> str:
-    """A frequency as a key of a table, without a trailing zero.
-
-    >>> label(63.0), label(31.5)
-    ('63', '31.5')
-    """
-    return f"{float(value):.6g}"
-
-
 def _case(case: CaseResult) -> Table:
     response = case.response
     return {
@@ -93,7 +76,8 @@ def _case(case: CaseResult) -> Table:
         "levels": {name: _levels(levels) for name, levels in case.levels.items()},
         "rated": {name: _rated(rated) for name, rated in case.rated.items()},
         "drops": {place: _drop(drop) for place, drop in case.drops.items()},
-        "accuracy": None if case.accuracy is None else _accuracy(case.accuracy),
+        "accuracy": None if case.accuracy is None else accuracy_table(case.accuracy),
+        "error_estimate": None if case.errors is None else error_table(case.errors),
         "findings": [finding_table(finding) for finding in case.findings],
     }
 
@@ -175,24 +159,6 @@ def _balance(balance: EnergyBalance, groups: Sequence[EnergyGroup] | None) -> Ta
         "dissipated": number(balance.dissipated),
         "work": number(balance.work),
         "blows": number(balance.blows),
-    }
-
-
-def _accuracy(check: AccuracyCheck) -> Table:
-    return {
-        "asked": check.within,
-        "reached": number(check.share),
-        "holds": check.holds,
-        "band_hz": list(check.band),
-        "window_s": number(check.window),
-        "smaller_hz": number(check.smaller_hz),
-        "larger_hz": number(check.larger_hz),
-        "used_hz": number(check.used_hz),
-        "used_modes": check.used_modes,
-        "largest": {
-            name: {word: getattr(found, word) for word in ("smaller", "larger", "difference", "share", "unit")}
-            for name, found in check.deviations.items()
-        },
     }
 
 

@@ -13,6 +13,7 @@ from acoustics.pressure import RoomResponse
 from acoustics.rated import RatedRoom
 from femstruct.arrays import Floats
 from femstruct.errors import Finding
+from femstruct.impact.estimate import ErrorEstimate
 from femstruct.impact.response import Response
 from femstruct.impact.shares import ModeEnergies
 from femstruct.modal.basis import ModalBasis
@@ -103,9 +104,10 @@ class CaseResult:
     response is None when nothing was simulated. channels by name ("O_s.z velocity", "box.mic pressure").
     rooms and levels by "ROOM" and "ROOM.RECEIVER". rated : rooms rated by standards, by "ROOM".
     accuracy : None where the study asks for none.
-    shares : the structure's energy by modes; None when nothing was simulated.
-    drops : by place ("drops.2"), where a source strikes several: response, channels, rooms and levels are those of the
-    first, rated is of all. Empty for one place.
+    shares : the structure's energy by modes; errors : what the march leaves wrong in forces and end velocities; both
+    None when nothing was simulated.
+    drops : by place ("drops.2"), where a source strikes several: response, channels, rooms, levels, shares and errors
+    are those of the first, rated is of all. Empty for one place.
     """
 
     case: Case
@@ -121,6 +123,7 @@ class CaseResult:
     shares: ModeEnergies | None = None
     rated: Mapping[str, RatedRoom] = field(default_factory=dict)
     drops: Mapping[str, Drop] = field(default_factory=dict)
+    errors: ErrorEstimate | None = None
 
 
 @dataclass(frozen=True)

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
+from femstruct.impact.estimate import ErrorEstimate, Resolved
 from femstruct.study.result import AccuracyCheck
 
 
@@ -16,3 +19,23 @@ def accuracy(check: AccuracyCheck) -> str:
         f"{check.band[0]:g} to {check.band[1]:g} Hz until {1e3 * check.window:.4g} ms; {100 * check.within:g} % asked; "
         f"used: {check.used_modes} modes up to {check.used_hz:.5g} Hz"
     )
+
+
+def errors(found: ErrorEstimate) -> str:
+    """What the march may leave the worst peak force and the worst end velocity wrong by, as shares."""
+    first, whole, speed = (_worst(numbers) for numbers in (found.first_peak, found.peak, found.velocity))
+    forces = f"peak forces {whole}"
+    if first and first != whole:
+        forces = f"peak forces {first} until {1e3 * found.first_until:.4g} ms, {whole} in all"
+    speeds = f", end velocities {speed}" if speed else ""
+    if found.exact:
+        return f"estimated error, rounding alone: {forces}{speeds}"
+    return f"estimated error of the steps: {forces}{speeds}; against a run at a tolerance of {found.against:.0e}"
+
+
+def _worst(numbers: Mapping[str, Resolved]) -> str:
+    """The largest share that a number is wrong by, and whose it is."""
+    if not numbers:
+        return ""
+    name, one = max(numbers.items(), key=lambda item: item[1].relative)
+    return f"{one.relative:.1e} ({name})"

@@ -10,7 +10,8 @@ from typing import Any
 from acoustics.room import modal_damping_ratio, room_modes
 from femstruct.assembly.assemble import assemble
 from femstruct.errors import Finding, InputError
-from femstruct.files.tables import finding_table, number
+from femstruct.files.numbers import number
+from femstruct.files.tables import finding_table
 from femstruct.language import ModelFile, read_any, read_model_file
 from femstruct.modal.basis import ModalBasis
 from femstruct.modal.damping import Damping, FromMaterials, LossFactor, Ratio, Rayleigh, with_damping

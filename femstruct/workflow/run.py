@@ -211,6 +211,7 @@ def run_case(
         shares=shares,
         rated=rated,
         drops=drops,
+        errors=None if whole is None else whole.errors,
     )
 
 

@@ -11,6 +11,8 @@ from acoustics.levels import Levels, response_levels
 from acoustics.pressure import RoomResponse, pressure
 from femstruct.errors import Finding
 from femstruct.impact.bodies import Clock
+from femstruct.impact.estimate import ErrorEstimate, error_of
+from femstruct.impact.judgement import unresolved_findings
 from femstruct.impact.response import Response
 from femstruct.impact.simulate import simulate
 from femstruct.modal.basis import ModalBasis
@@ -28,10 +30,11 @@ Stopwatch = Callable[[str], AbstractContextManager[None]]
 
 @dataclass(frozen=True, eq=False)
 class Struck:
-    """One simulation: the motion, the pressures, the levels by "ROOM.RECEIVER", the levels of every room that is to
-    be rated {room: [receivers: {band: [dB]}]}, and reasons to believe it less."""
+    """One simulation: the motion and what the march leaves it wrong by, the pressures, the levels by "ROOM.RECEIVER",
+    the levels of every room that is to be rated {room: [receivers: {band: [dB]}]}, and reasons to believe it less."""
 
     response: Response
+    errors: ErrorEstimate
     rooms: Mapping[str, RoomResponse]
     levels: Mapping[str, Levels]
     bands_db: Mapping[str, Sequence[Mapping[float, float]]]
@@ -46,7 +49,7 @@ class Struck:
 def strike(
     study: Study, time: TimePlan, places: Places, basis: ModalBasis, vacuo: ModalBasis, stage: Stopwatch
 ) -> Struck:
-    """A study simulated: impact, rooms, levels.
+    """A study simulated: impact, its error, rooms, levels.
 
     basis : damped, with the air that pushes back; vacuo : without it. stage : measures a stage by its name.
 
@@ -55,6 +58,9 @@ def strike(
     with stage("impact"):
         response = simulate(basis, scene(study, places, basis), Clock(time.duration, time.sampling, time.quiet))
         findings = [*response.findings, *impact_findings(vacuo, response), *source_findings(study, response)]
+    with stage("error estimate"):
+        errors = error_of(response)
+        findings += unresolved_findings(errors, None if study.accuracy is None else study.accuracy.within)
     with stage("room"):
         rooms = _rooms(study, places, response)
     with stage("levels"):
@@ -73,7 +79,7 @@ def strike(
         (name, advice) for name, pressures in rooms.items() for advice in pressures.findings
     ]
     told += [(name, advice) for name, levels in heard.items() for advice in levels.findings]
-    return Struck(response, rooms, heard, bands, (*findings, *room_findings(told)))
+    return Struck(response, errors, rooms, heard, bands, (*findings, *room_findings(told)))
 
 
 def told_once(told: Mapping[str, Sequence[Finding]]) -> list[Finding]:

@@ -121,7 +121,7 @@ def test_estimate_of_rounding(case: dict, monkeypatch: pytest.MonkeyPatch) -> No
     closed = {name for name, contact in response.contacts.items() if contact.closings}
     assert set(found.peak) == closed
     grazes = case["scene"]["name"].startswith("graze")
-    assert max(one.relative for one in (*found.peak.values(), *found.velocity.values())) < (1e-6 if grazes else 1e-12)
+    assert max(one.relative for one in (*found.peak.values(), *found.velocity.values())) < (1e-4 if grazes else 1e-12)
 
 
 def test_estimate_of_a_linear_bounce() -> None:
@@ -133,6 +133,14 @@ def test_estimate_of_a_linear_bounce() -> None:
     assert abs(found.first_peak["wall"].value - v * np.sqrt(k * m)) <= 3 * found.first_peak["wall"].error
     assert found.first_peak["wall"].relative < 1e-12
     assert found.first_until == 0.05
+
+
+def test_estimate_of_a_body_that_nothing_holds() -> None:
+    """No stiffness, no rate: a constant force on a free body, v = F t / m."""
+    push = Load("push", "ball", Table(np.array([0.0, 1.0]), np.array([3.0, 3.0])))
+    found = error_of(simulate(NONE, Scene((Body("ball", 2.0),), loads=(push,)), Clock(0.5, 100.0)))
+    assert not found.peak
+    assert abs(found.velocity["ball"].value - 0.75) <= 3 * found.velocity["ball"].error < 1e-12
 
 
 def test_the_faintest_touch() -> None:

@@ -11,6 +11,7 @@ from acoustics.room import Receiver, Room, losses_from_beta
 from femstruct.conventions import N_COMPONENTS, RX, RY, TWIST, UZ
 from femstruct.errors import Finding
 from femstruct.impact.bodies import Body, Clock, Contact, Link, Scene
+from femstruct.impact.estimate import ErrorEstimate, Resolved
 from femstruct.impact.laws import Hertz
 from femstruct.impact.motion import sampled_motion
 from femstruct.impact.response import (
@@ -222,6 +223,14 @@ def study_by_hand(duration=0.25, sampling=4800.0, save_modal=True, tag=1.0):
             {"box": heard},
             {"box.mic": sound_levels(pressure, 1 / sampling)},
             (Finding("air-stiffness", "The air is stiff.", {"ratio": 0.88}),),
+            errors=ErrorEstimate(
+                1e-8,
+                1e-10,
+                duration,
+                {"ball on floor": Resolved(factor * 200.0, 1e-9, factor * 200.0)},
+                {"ball on floor": Resolved(factor * 200.0, float("inf"), factor * 200.0)},
+                {"ball": Resolved(1.2, 1e-9, 2.1)},
+            ),
         )
     compared = CaseComparison(
         {"O_f.z velocity": PeakChange(-50.0, None)},
