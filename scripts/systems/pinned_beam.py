@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.linalg import eigh
 
-from femstruct import GROUND, Body, Clock, Contact, Linear, Link, Response, Scene, simulate
-from femstruct.modal.analytic import beam
+from femstruct import GROUND, Body, Clock, Contact, Linear, Link, ModalBasis, Response, Scene, simulate, simulate_batch
+from femstruct.modal.analytic import beam, given_modes
+from femstruct.model.probe import Point
 
 LENGTH, EI, MASS = 0.4, 5.9, 0.12  # [m], [N m^2], [kg], Table 5.1
 WAVE_MASS, WAVE_SPRING, SPIN = 0.022, 3100.0, 0.70  # [kg], [N/m], [rad/s]
@@ -42,14 +45,18 @@ def frequencies(modes: int = 6) -> np.ndarray:
     return beam(LENGTH, EI, MASS / LENGTH, ("pinned", "free"), modes)[0].frequency_hz
 
 
-def fall(
-    wave: float, mu: float = 0.0, damper: float = 0.0, modes: int = 6, duration: float = 3e-3, sampling: float = 4e5
-) -> Response:
-    """wave, damper : contact frequencies over that of the first elastic mode; mu : damper mass over the beam's."""
+def falling(
+    wave: float, mu: float = 0.0, damper: float = 0.0, modes: int = 6, added: float = 0.0
+) -> tuple[ModalBasis, Mapping[str, Point], Scene]:
+    """wave, damper : contact frequencies over that of the first elastic mode; mu : damper mass over the beam's; added :
+    a mass fixed to the middle, over the beam's."""
     basis, points = beam(
         LENGTH, EI, MASS / LENGTH, ("pinned", "free"), modes, {"middle": LENGTH / 2, "free end": LENGTH}
     )
-    first, middle = basis.omega[1], points["middle"].probe("z")
+    first = basis.omega[1]
+    if added:
+        basis, points = _loaded(basis, points, added * MASS)
+    middle = points["middle"].probe("z")
     contacts = [Contact("wave", middle, "wave", Linear(WAVE_MASS * (wave * first) ** 2))]
     bodies = [Body("wave", WAVE_MASS)]
     if mu:
@@ -59,8 +66,53 @@ def fall(
     links = (Link("water", "wave", GROUND, stiffness=WAVE_SPRING),)
     velocity = np.zeros(modes)
     velocity[0] = -SPIN * LENGTH / points["free end"].probe("z").of(basis.shapes)[0]
-    scene = Scene(tuple(bodies), tuple(contacts), links, velocity=velocity)
+    return basis, points, Scene(tuple(bodies), tuple(contacts), links, velocity=velocity)
+
+
+def _loaded(basis: ModalBasis, points: Mapping[str, Point], mass: float) -> tuple[ModalBasis, Mapping[str, Point]]:
+    """As many modes with a mass [kg] fixed to the middle: those of I + m phi phi^T."""
+    shapes = {name: point.probe("z").of(basis.shapes) for name, point in points.items()}
+    middle = shapes["middle"]
+    squares, vectors = eigh(np.diag(basis.omega**2), np.eye(len(middle)) + mass * np.outer(middle, middle))
+    hertz = np.sqrt(np.maximum(squares, 0.0)) / (2.0 * np.pi)
+    return given_modes(hertz, np.zeros(len(hertz)), {name: row @ vectors for name, row in shapes.items()})
+
+
+def fall(
+    wave: float, mu: float = 0.0, damper: float = 0.0, modes: int = 6, duration: float = 3e-3, sampling: float = 4e5
+) -> Response:
+    """The fall in time; see `falling`."""
+    basis, _, scene = falling(wave, mu, damper, modes)
     return simulate(basis, scene, Clock(duration, sampling))
+
+
+def accelerations(
+    stiffness: float, mu: float = 0.0, ratio: float = 0.0, modes: int = 6, added: float = 0.0, place: str = "free end"
+) -> tuple[np.ndarray, np.ndarray]:
+    """t [s] up to 1.5 ms and the acceleration of a place [m/s^2]; stiffness : of the wave contact [N/m]; ratio :
+    omega_d over omega_w."""
+    wave = float(np.sqrt(stiffness / WAVE_MASS)) / (2.0 * np.pi * float(frequencies()[1]))
+    basis, points, scene = falling(wave, mu, ratio * wave, modes, added)
+    response = simulate(basis, scene, Clock(1.5e-3, 1e6))
+    return response.t, response.acceleration(points[place].probe("z").of(basis.shapes))
+
+
+def beam_energies(wave: float, mu: float, damper: np.ndarray) -> np.ndarray:
+    """Energy of the beam (5.61) at the first separation over all before, of many dampers [n]; see `falling`."""
+    basis, _, scene = falling(wave, mu, 1.0)
+    m = mu * MASS
+    varied = {"damper.stiffness": m * (damper * basis.omega[1]) ** 2}
+    parted = simulate_batch(basis, scene, Clock(3e-3, 1e6), varied, 1).at_separation
+    start = 0.5 * (MASS * LENGTH**2 / 3.0 + m * (LENGTH / 2.0) ** 2) * SPIN**2
+    energies: np.ndarray = 1.0 - (parted.bodies["wave"] + parted.bodies["damper"]) / start
+    return energies
+
+
+def minima(wave: float, mu: float, ratios: np.ndarray) -> list[tuple[float, float]]:
+    """omega_d / omega_w and energy of the beam at its lowest places between the ends of the ratios."""
+    energies = beam_energies(wave, mu, ratios * wave)
+    inner = np.flatnonzero((energies[1:-1] < energies[:-2]) & (energies[1:-1] < energies[2:])) + 1
+    return [(float(ratios[i]), float(energies[i])) for i in inner]
 
 
 def modal_energies(response: Response) -> np.ndarray:

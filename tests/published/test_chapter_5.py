@@ -59,6 +59,59 @@ def test_beam_study_is_the_beam_of_the_functions() -> None:
         assert found.modes == pytest.approx(expected.modes, abs=1e-6)
 
 
+# An independent event-driven engine: 6 modes, wave contact 5e5 N/m, up to 1.5 ms; largest and least acceleration of the
+# free end [m/s^2] with a damper by 5.45, and with its mass fixed to the middle.
+ENDS = {0.1: ((368.407, -398.454), (375.741, -423.207)), 0.4: ((221.66, -238.526), (196.703, -252.335))}
+
+
+def test_accelerations_of_the_free_end() -> None:
+    """3e-4: their samples. The middle of the beam, which is no end, is another matter: 433.5 and -346.5."""
+    _, free = pinned.accelerations(5e5)
+    assert (free.max(), free.min()) == pytest.approx((509.43, -544.983), rel=3e-4)
+    for mu, (damper, added) in ENDS.items():
+        _, values = pinned.accelerations(5e5, mu, boat.optimum(mu))
+        assert (values.max(), values.min()) == pytest.approx(damper, rel=3e-4)
+        _, values = pinned.accelerations(5e5, added=mu)
+        assert (values.max(), values.min()) == pytest.approx(added, rel=3e-4)
+    _, middle = pinned.accelerations(5e5, place="middle")
+    assert (middle.max(), middle.min()) == pytest.approx((433.5, -346.5), abs=0.05)
+
+
+def test_acceleration_study_is_the_fall_of_the_functions() -> None:
+    result = run_study(read_study(MODELS / "pinned_beam_acceleration.study.yaml"))
+    for case, mu in {"no damper": 0.0, "damper 0.1": 0.1, "damper 0.2": 0.2, "damper 0.4": 0.4}.items():
+        _, expected = pinned.accelerations(5e5, mu, boat.optimum(mu) if mu else 0.0)
+        # 1e-5 of the largest: the stiffnesses in the file have seven digits
+        channel = result.cases[case].channels["free end.z acceleration"]
+        assert channel.values == pytest.approx(expected, abs=1e-5 * float(np.abs(expected).max()))
+
+
+def test_accelerations_with_twelve_modes() -> None:
+    """The same engine: the order of damper and added mass is the other way round."""
+    _, damper = pinned.accelerations(5e5, 0.1, boat.optimum(0.1), modes=12)
+    assert (damper.max(), damper.min()) == pytest.approx((443.984, -812.97), rel=3e-4)
+    _, added = pinned.accelerations(5e5, modes=12, added=0.1)
+    assert added.min() == pytest.approx(-628.915, rel=3e-4)
+
+
+@pytest.mark.parametrize(
+    ("mu", "places"),
+    [(0.1, [(2.87, 0.789)]), (0.3, [(2.026, 0.7017), (3.7, 0.7063)]), (0.6, [(1.365, 0.6098), (2.612, 0.6131)])],
+)
+def test_lowest_places_of_the_beam_s_energy(mu: float, places: list[tuple[float, float]]) -> None:
+    """The same engine, on its grid; ours has steps of 0.01."""
+    wave = 4.7e3 / (2 * np.pi * float(pinned.frequencies()[1]))
+    found = pinned.minima(wave, mu, np.linspace(0.3, 5.0, 471))
+    assert np.array(found[: len(places)]) == pytest.approx(np.array(places), abs=0.02)
+    assert [energy for _, energy in found[: len(places)]] == pytest.approx([energy for _, energy in places], abs=2e-4)
+
+
+def test_many_runs_are_single_runs() -> None:
+    ratios = np.array([5.0, 17.9, 40.0])
+    alone = [pinned.separation(pinned.fall(9.0, 0.3, float(ratio))).beam for ratio in ratios]
+    assert pinned.beam_energies(9.0, 0.3, ratios) == pytest.approx(alone, rel=1e-12)
+
+
 def test_energies_are_all_there() -> None:
     end = pinned.separation(pinned.fall(9.0, 0.3, 5.0))
     assert float(np.sum(end.modes)) + end.wave + end.spring + end.damper == pytest.approx(1.0, abs=1e-9)
