@@ -29,7 +29,7 @@ def main() -> dict[str, float]:
         ylabel="largest acceleration over that without [1]",
     )
     left.set_title("Damper on a boat; dots: equation 5.45", fontsize=10)
-    left.legend(title="damper / boat mass", fontsize=8)
+    left.legend(title="damper / boat mass", fontsize=8, loc="lower left")
     found: dict[str, float] = {}
     best = []
     for mu in MASSES:

@@ -16,7 +16,7 @@ POINTS = {"P": 25.0, "Q": 150.0, "R": 220.0}  # omega_d / omega_6 at omega_s / o
 LIGHT = 0.35 * BED
 
 
-def main(side: int = 32) -> dict[str, float]:
+def main(side: int = 100) -> dict[str, float]:
     """Machine's share of the energy at P, Q, R, and best frequency ratios; side : points along an edge of a map."""
     two = press.two_modes()
     _maps(two, side)
@@ -42,11 +42,10 @@ def _maps(two: Machine, side: int) -> None:
     for axis, (title, (machine, ratio, unit, mode, grid)) in zip(
         figure.subplots(2, 2).flat, shown.items(), strict=True
     ):
-        energy = np.array(
-            [[press.share(machine, ws * unit, wd * unit, ratio * BED).machine for ws in grid] for wd in grid]
-        )
+        energy = press.machine_shares(machine, *np.meshgrid(grid * unit, grid * unit), ratio * BED)
         filled = axis.contourf(grid, grid, 100.0 * energy, levels=np.arange(0.0, 62.5, 2.5), extend="max")
-        figure.colorbar(filled, ax=axis, label="energy of the machine over the slider's [%]")
+        bar = figure.colorbar(filled, ax=axis, label="energy of the machine / slider's before [%]")
+        bar.set_ticks(np.arange(0.0, 61.0, 10.0).tolist())
         axis.plot(grid, grid, "w--", linewidth=0.9, label="ω_d = ω_s")
         axis.plot(grid, grid[np.argmin(energy, axis=0)], "r.", markersize=4, label="best ω_d at this ω_s")
         if ratio == 0.35 and machine is two:
@@ -68,23 +67,26 @@ def _curves(two: Machine, side: int) -> None:
     w4 = float(clamped.basis.omega[3])
     for ratio in (0.2, 0.35, 0.5, 0.7, 1.0):
         m, label = ratio * BED, f"{ratio:g}"
-        mass.plot(ratios, [100 * press.share(two, 6000.0, r * 6000.0, m).machine for r in ratios], label=label)
-        resonance.plot(sliders, [100 * press.share(two, w * UNIT, w * UNIT, m).machine for w in sliders], label=label)
+        mass.plot(ratios, 100 * press.machine_shares(two, np.array(6000.0), 6000.0 * ratios, m), label=label)
+        resonance.plot(sliders, 100 * press.machine_shares(two, sliders * UNIT, sliders * UNIT, m), label=label)
         across = np.linspace(0.2, 5.2, 2 * side)
-        ground.plot(across, [100 * press.share(clamped, w * w4, w * w4, m).machine for w in across], label=label)
+        ground.plot(across, 100 * press.machine_shares(clamped, across * w4, across * w4, m), label=label)
     heavier = press.ballasted(LIGHT)
     for machine, m, label in (
         (two, 0.0, "neither"),
         (heavier, 0.0, "mass of 3.5 kg on the bed"),
         (two, LIGHT, "damper of 3.5 kg"),
     ):
-        ballast.plot(sliders, [100 * press.share(machine, w * UNIT, w * UNIT, m).machine for w in sliders], label=label)
-    mass.set(title="Fig. 4.4: ω_s = 6000 rad/s, two modes", xlabel="ω_d/ω_s [1]")
+        ballast.plot(sliders, 100 * press.machine_shares(machine, sliders * UNIT, sliders * UNIT, m), label=label)
+    mass.set(
+        title="Fig. 4.4: ω_s = 6000 rad/s, two modes",
+        xlabel="damper's contact frequency over the slider's, ω_d/ω_s [1]",
+    )
     resonance.set(title="Fig. 4.5: ω_d = ω_s, two modes", xlabel="ω_s/ω_6 [1] (ω_6 = 40 rad/s)")
     ground.set(title="Fig. 4.17: ω_d = ω_s, columns on the ground", xlabel=f"ω_s/ω_4 [1] (ω_4 = {w4:.0f} rad/s)")
     ballast.set(title="Fig. 4.9: damper (ω_d = ω_s) against added mass", xlabel="ω_s/ω_6 [1] (ω_6 = 40 rad/s)")
     for axis in (mass, resonance, ground, ballast):
-        axis.set_ylabel("energy of the machine over the slider's [%]")
+        axis.set_ylabel("energy of the machine / slider's before [%]")
         axis.set_ylim(bottom=0.0)
         axis.grid(alpha=0.3)
         axis.legend(fontsize=8, title=None if axis is ballast else "m_d/m_b")

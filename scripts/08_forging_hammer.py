@@ -47,9 +47,11 @@ def draw(result: StudyResult, path: str) -> None:
         axes[0].set_ylabel(label)
     grid[0, 1].set_xlim(0.0, FIRST)
     figure.suptitle(result.plan.title)
-    figure.legend(*grid[0, 0].get_legend_handles_labels(), loc="outside upper center", ncols=6, fontsize="small")
+    figure.legend(*grid[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=6, fontsize="small")
+    for part in grid.flat:
+        part.grid(alpha=0.3)
     for part in grid[-1]:
-        part.set_xlabel("t [s]")
+        part.set_xlabel("time [s]")
     figure.savefig(path, dpi=110)
 
 

@@ -23,6 +23,7 @@ from femstruct import (
     modal_basis,
     read_model,
     simulate,
+    simulate_batch,
 )
 from femstruct.impact.bodies import Ground
 from femstruct.modal.analytic import given_modes
@@ -100,6 +101,22 @@ def share(machine: Machine, ws: float, wd: float, damper: float) -> Share:
         raise ValueError(f"slider and damper do not leave the bed at {ws:g} and {wd:g} rad/s")
     taken = found.bodies["damper"] + found.links["mount"] if damper else 0.0
     return Share(found.t, found.structure / START, taken / START, found.bodies["slider"] / START)
+
+
+def machine_shares(machine: Machine, ws: np.ndarray, wd: np.ndarray, damper: float) -> np.ndarray:
+    """The machine's share of `share` for many contact frequencies at once: ws, wd and the result of one shape."""
+    slider, below = np.broadcast_arrays(ws, wd)
+    vary = {"slider.stiffness": SLIDER * slider.ravel() ** 2}
+    if damper:
+        vary["damper.stiffness"] = damper * below.ravel() ** 2
+    length = window(float(slider.min()), float(below.min()))
+    scene = setting(machine, float(slider.flat[0]), float(below.flat[0]), damper)
+    found = simulate_batch(machine.basis, scene, Clock(length, 10.0 / length), vary, 1)
+    if not found.separated.all():
+        i = int(np.argmin(found.separated))
+        raise ValueError(f"slider and damper do not leave the bed at {slider.flat[i]:g} and {below.flat[i]:g} rad/s")
+    shares: np.ndarray = (found.at_separation.structure / START).reshape(slider.shape)
+    return shares
 
 
 def ballasted(mass: float) -> Machine:

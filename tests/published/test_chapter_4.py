@@ -71,6 +71,16 @@ def test_a_damper_as_heavy_as_the_bed_leaves_2_percent(preset: StudyResult) -> N
     assert response.ledger.at_separation.structure / press.START == pytest.approx(0.0221, abs=5.1e-5)
 
 
+@pytest.mark.parametrize("clamped", [False, True], ids=["two modes", "columns on the ground"])
+def test_maps_are_single_blows(clamped: bool) -> None:
+    """A batch runs them all as long as the slowest; the first separation does not know."""
+    machine = press.fitted(600.0, model="press_clamped") if clamped else press.two_modes()
+    ws, wd = np.random.default_rng(4).uniform(400.0, 10_000.0, (2, 12))
+    for damper in (3.5, 0.0):
+        alone = [press.share(machine, float(a), float(b), damper).machine for a, b in zip(ws, wd, strict=True)]
+        assert press.machine_shares(machine, ws, wd, damper) == pytest.approx(alone, rel=1e-11)  # rounding
+
+
 def test_the_two_percent_belong_to_two_modes() -> None:
     """With the next modes that move the middle of the bed it is 9 %: 8.7 to 9.4 % in an independent run, for several
     fitted geometries with columns of one element and 3 to 7 such modes."""
