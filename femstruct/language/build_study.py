@@ -17,6 +17,7 @@ from acoustics.room import (
     losses_from_t60_bands,
 )
 from femstruct.impact.bodies import HalfSine, Table
+from femstruct.impact.walking import Walk, design_harmonics
 from femstruct.language.build import Builder
 from femstruct.language.build_laws import ends_of, law_of, start_speed
 from femstruct.language.reader import Mistakes, Steps, Tree, dotted
@@ -35,6 +36,7 @@ from femstruct.study.study import (
     PlannedContact,
     PlannedLink,
     PlannedLoad,
+    PlannedWalk,
     Record,
     Repeat,
     RigidMotion,
@@ -89,7 +91,8 @@ def study_of(
         bodies=tuple(bodies.values()),
         contacts=tuple(contacts.values()),
         links=tuple(links.values()),
-        loads=tuple(loads.values()),
+        loads=tuple(load for load in loads.values() if isinstance(load, PlannedLoad)),
+        walks=tuple(load for load in loads.values() if isinstance(load, PlannedWalk)),
         initial=_initial(study),
         records=records,
         time=TimePlan(time.duration, time.sampling, time.gravity, study.quiet) if time is not None else None,
@@ -136,8 +139,13 @@ def _contact(
     return PlannedContact(name, spec.between, law, spec.gap, spec.preload)
 
 
-def _load(name: str, spec: LoadSpec, builder: Builder, sources: dict[str, str]) -> PlannedLoad | None:
+def _load(name: str, spec: LoadSpec, builder: Builder, sources: dict[str, str]) -> PlannedLoad | PlannedWalk | None:
     history: HalfSine | Table | None
+    repeat = Repeat(spec.count or 1, spec.every or 0.0, spec.first)
+    if spec.walking is not None:
+        one = spec.walking
+        harmonics = tuple(one.harmonics) if one.harmonics is not None else design_harmonics(one.pace)
+        return PlannedWalk(name, spec.along or (), Walk(one.mass, one.pace, one.steps, harmonics), repeat)
     if spec.half_sine is not None:
         history = HalfSine(spec.half_sine.amplitude.value, spec.half_sine.frequency)
     else:
@@ -148,7 +156,6 @@ def _load(name: str, spec: LoadSpec, builder: Builder, sources: dict[str, str]) 
         history = read_history(path, what, at, dotted(steps), builder.mistakes, sources)
         if history is None:
             return None
-    repeat = Repeat(spec.count or 1, spec.every or 0.0, spec.first)
     if spec.at is not None:
         return PlannedLoad(name, spot_of(spec.at), "point", history, repeat)
     kind: Literal["body", "surface"] = "body" if spec.body is not None else "surface"

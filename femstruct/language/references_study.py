@@ -262,6 +262,8 @@ def _check_loads(check: Checker, study: StudySpec, names: Names, model: ModelSpe
             check.known((*here, "body"), load.body, "body", [*study.bodies, *each])
         elif load.on is not None:
             check.known((*here, "on"), load.on, "surface", model.surfaces)
+        for place in load.along or ():
+            check.known((*here, "along"), place, "point", [*names.points, *names.places])
         if (load.count is None) != (load.every is None):
             given, missing = ("count", "every") if load.every is None else ("every", "count")
             check.wrong((*here, given), f"'{given}' without '{missing}'", "both or none", f"add '{missing}: ...'")

@@ -6,6 +6,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, ConfigDict, Field, model_validator
 
+from femstruct.impact.walking import PACES_HZ
 from femstruct.language.schema_laws import LawSpec
 from femstruct.language.schema_parts import Dashpot, Stiffness
 from femstruct.language.schema_rooms import RoomSpec
@@ -20,6 +21,7 @@ from femstruct.language.spec import (
     MassKg,
     Measured,
     Quantity,
+    Ratio,
     Spec,
     Speed,
     Text,
@@ -153,12 +155,39 @@ class HalfSineSpec(Spec):
     frequency: Frequency
 
 
-class LoadSpec(Spec):
-    """A force history on a point's direction or a body, or a pressure history on a surface; maybe several times."""
+class WalkingSpec(Spec):
+    """Somebody who walks: mass, steps a second, how many, and amplitudes of the force's harmonics over the weight,
+    those of CCIP-016 for this pace if left out."""
 
-    one_of = (("at", "body", "on"), ("half_sine", "file"))
+    mass: MassKg
+    pace: Frequency
+    steps: Count
+    harmonics: Annotated[list[Ratio], Field(min_length=1, max_length=20)] | None = None
+
+    @model_validator(mode="after")
+    def _known_pace(self) -> WalkingSpec:
+        if self.harmonics is None and not PACES_HZ[0] <= self.pace <= PACES_HZ[1]:
+            low, high = PACES_HZ
+            raise refuse(f"a pace of {self.pace:g} Hz", f"{low:g} to {high:g} Hz", "or give its 'harmonics: [..]'")
+        if self.steps < 2:
+            raise refuse("1 step", "2 or more: the force comes on over the first and goes over the last")
+        return self
+
+
+def _along(value: object) -> object:
+    return tuple(value) if isinstance(value, list) and value else (value,)
+
+
+class LoadSpec(Spec):
+    """A force history on a point's direction or a body, or a pressure history on a surface; maybe several times. Or
+    somebody who walks along places."""
+
+    one_of = (("at", "body", "on", "along"), ("half_sine", "file", "walking"))
+    needs = (("along", ("walking",)), ("walking", ("along",)))
 
     at: Text | None = None
+    along: Annotated[tuple[Text, ...] | None, read_by(_along, Text | list[Text])] = None
+    walking: WalkingSpec | None = None
     body: Text | None = None
     on: Text | None = None
     half_sine: HalfSineSpec | None = None

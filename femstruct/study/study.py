@@ -13,6 +13,7 @@ from acoustics.coupled import Leak
 from acoustics.room import Receiver, Room
 from femstruct.impact.bodies import HalfSine, Table
 from femstruct.impact.laws import Law
+from femstruct.impact.walking import Walk
 from femstruct.modal.damping import Damping
 from femstruct.model.parts import Pair, Structure, Vector
 
@@ -117,6 +118,16 @@ class PlannedLoad:
     on: Spot | str
     kind: Literal["point", "body", "surface"]
     history: HalfSine | Table
+    repeat: Repeat = Repeat()
+
+
+@dataclass(frozen=True)
+class PlannedWalk:
+    """Somebody who walks along places, one after the other, or stays at one; a point may have several places."""
+
+    name: str
+    along: tuple[str, ...]
+    walk: Walk
     repeat: Repeat = Repeat()
 
 
@@ -265,7 +276,7 @@ class Study:
     """All inputs of one simulation, in SI units.
 
     structure, damping : the model. extent : how many modes its basis has. frf : frequency responses asked for.
-    bodies, contacts, links, loads, initial : what meets, and how it starts. records : histories to keep.
+    bodies, contacts, links, loads, walks, initial : what meets, and how it starts. records : histories to keep.
     time : the window, None when nothing is simulated. peaks : which peaks are reported. rooms : who listens.
     limits : what the verdicts of a case are about. save_modal : whether the modal coordinates go into the results
     file. accuracy : None to use the modes asked for.
@@ -280,6 +291,7 @@ class Study:
     contacts: tuple[PlannedContact, ...] = ()
     links: tuple[PlannedLink, ...] = ()
     loads: tuple[PlannedLoad, ...] = ()
+    walks: tuple[PlannedWalk, ...] = ()
     initial: InitialMotion = InitialMotion()
     records: tuple[Record, ...] = ()
     time: TimePlan | None = None

@@ -92,9 +92,10 @@ def _other_blows(plan: RoomPlan, study: Study) -> tuple[Finding, ...]:
     struck = [body for body in study.bodies if body.speed and body.side == "above"]
     others = [body.source or body.name for body in struck if body.source != wanted]
     here = len(struck) - len(others)
-    if not others and here == count and not study.loads:
+    pushed = [load.name for load in (*study.loads, *study.walks)]
+    if not others and here == count and not pushed:
         return ()
-    told = ", ".join(dict.fromkeys([*others, *(load.name for load in study.loads)]))
+    told = ", ".join(dict.fromkeys([*others, *pushed]))
     one = "one tapping machine, five hammers" if tapping else "one rubber ball"
     what = "hammers" if tapping else "rubber balls"
     return (
@@ -102,7 +103,7 @@ def _other_blows(plan: RoomPlan, study: Study) -> tuple[Finding, ...]:
             "rating-of-other-blows",
             f"the levels of {' and '.join(plan.levels)} are those of {one}; here strike {here} {what}"
             f"{' and ' + told if told else ''}",
-            {what.replace(" ", "_"): here, "others": len(others) + len(study.loads)},
+            {what.replace(" ", "_"): here, "others": len(others) + len(pushed)},
         ),
     )
 

@@ -8,6 +8,7 @@ from acoustics.exposure import LEAST_SAMPLING_HZ, force_exposure_levels
 from femstruct.errors import Finding
 from femstruct.impact.response import Response
 from femstruct.impact.sources import CONTACT_S, DROPPED, EXPOSURE_ALLOWED_DB, RESTITUTION
+from femstruct.modal.basis import ModalBasis
 from femstruct.study.study import PlacedBody, Study
 
 
@@ -18,6 +19,33 @@ def source_findings(study: Study, response: Response) -> tuple[Finding, ...]:
         contact = response.contacts.get(f"{body.name} on {body.target}")
         if body.source in DROPPED and contact is not None and contact.first_open is not None:
             found += _beyond(body, response, contact.first_open)
+    return tuple(found)
+
+
+def walking_findings(study: Study, basis: ModalBasis) -> tuple[Finding, ...]:
+    """Walkers on floors that none of their harmonics can bring to resonance, and rooms that listen to them."""
+    found = []
+    elastic = [f for f, kind in zip(basis.frequency_hz.tolist(), basis.kind, strict=True) if kind == "elastic"]
+    for walker in study.walks:
+        highest = walker.walk.highest_hz
+        if elastic and elastic[0] > highest:
+            found.append(
+                Finding(
+                    "walking-below-modes",
+                    f"{walker.name}: the highest harmonic of the walker, {highest:g} Hz, is below the first mode, "
+                    f"{elastic[0]:.4g} Hz: such a floor answers to heel strikes, which a Fourier series has not",
+                    {"highest_hz": highest, "first_mode_hz": elastic[0]},
+                )
+            )
+        if any(plan.receivers for plan in study.rooms):
+            found.append(
+                Finding(
+                    "walking-not-heard",
+                    f"{walker.name}: a Fourier series up to {highest:g} Hz says nothing of what is heard of footsteps; "
+                    "a measured force in a file ('loads.NAME.file') does",
+                    {"highest_hz": highest},
+                )
+            )
     return tuple(found)
 
 

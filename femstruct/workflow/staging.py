@@ -41,6 +41,14 @@ class Places:
             do="name one place" if several else "",
         )
 
+    def of(self, name: str, asked_by: str) -> tuple[str, ...]:
+        """The names of all places of a point, in their order.
+
+        Raises InputError when there is no such point.
+        """
+        several = [place for place in self.points if place.startswith(f"{name}.")]
+        return tuple(several) if several and name not in self.points else (self.point(name, asked_by).name,)
+
 
 def scene(study: Study, places: Places, basis: ModalBasis | None = None) -> Scene:
     """Bodies, contacts, links and loads of a study between probes.
@@ -197,6 +205,13 @@ class _Stage:
                 on = str(load.on)
             again = load.repeat
             loads.append(Load(load.name, on, load.history, again.first, again.every, again.count))
+        for walker in self.study.walks:
+            where, again = f"loads.{walker.name}", walker.repeat
+            path = [place for name in walker.along for place in self.places.of(name, where)]
+            for place, history in zip(path, walker.walk.tables(len(path)), strict=True):
+                name = f"{walker.name} at {place}"
+                probe = self.places.point(place, where).probe("z")
+                loads.append(Load(name, probe, history, again.first, again.every, again.count))
         return tuple(loads)
 
     def blows(self) -> tuple[Blows, ...]:

@@ -22,7 +22,7 @@ from femstruct.study.study import Study, TimePlan
 from femstruct.workflow.air import ceiling
 from femstruct.workflow.checks import impact_findings, room_findings
 from femstruct.workflow.rated import band_levels
-from femstruct.workflow.sources import source_findings
+from femstruct.workflow.sources import source_findings, walking_findings
 from femstruct.workflow.staging import Places, scene
 
 Stopwatch = Callable[[str], AbstractContextManager[None]]
@@ -58,6 +58,7 @@ def strike(
     with stage("impact"):
         response = simulate(basis, scene(study, places, basis), Clock(time.duration, time.sampling, time.quiet))
         findings = [*response.findings, *impact_findings(vacuo, response), *source_findings(study, response)]
+        findings += walking_findings(study, vacuo)
     with stage("error estimate"):
         errors = error_of(response)
         findings += unresolved_findings(errors, None if study.accuracy is None else study.accuracy.within)

@@ -38,6 +38,7 @@ SHORT = {
     "floor_two_way": "30 ms",
     "floor_acrylic_ball": "60 ms",
     "steel_ball": "100 ms",
+    "walking": "3 s",
 }
 COLUMNS = 4 * 0.2 * np.pi / 4 * 0.0123**2 * 7850
 TUBE = np.pi / 4 * (0.060**2 - 0.054**2)
@@ -59,6 +60,7 @@ MASS = {  # from the dimensions in the files [kg]
     },
     "press_clamped": {"bed": 0.3273 * 0.2946 * 0.0132 * 7850, "columns": COLUMNS},
     "dwelling_floor": {"floor": 5.0 * 4.0 * 0.18 * 2400},
+    "long_floor": {"floor": 9.0 * 6.0 * 0.22 * 2400},
 }
 
 
