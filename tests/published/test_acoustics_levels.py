@@ -140,3 +140,20 @@ def test_one_pascal_is_93_98_db():
     assert levels.l_cpeak_db == pytest.approx(levels.l_peak_db, abs=0.5)  # its onset overshoots
     assert levels.bands_db[500.0] < 93.979 - 35  # its onset is heard everywhere
     assert levels.findings == ()
+
+
+@pytest.mark.parametrize(("f", "c", "a"), [(31.5, -3.0, -39.4), (63, -0.8, -26.2)])
+def test_the_c_weighted_peak_of_a_tone(f, c, a):
+    """IEC 61672-1 table 3 for C and A: the peak is 3.01 dB above the mean square, and weighted by C."""
+    t = np.arange(48000) / FS
+    level = sound_levels(np.sqrt(2) * np.sin(2 * np.pi * f * t) * np.minimum(1, 8 * t), 1 / FS)
+    assert level.l_peak_db - level.l_cpeak_db == pytest.approx(-c, abs=0.1)
+    assert level.l_aeq_db - level.l_cpeak_db < a - c  # and the mean square by A
+
+
+def test_a_blow_at_the_end_of_the_record_is_heard_to_its_end():
+    """The filters ring on after the record: 0.2 s of silence behind it change nothing."""
+    blow = np.concatenate([np.zeros(9000), np.sin(np.pi * np.arange(241) / 240)])
+    short, long = (sound_levels(one, 1 / FS) for one in (blow, np.concatenate([blow, np.zeros(9600)])))
+    for one, other in ((short.bands_db, long.bands_db), (short.exposure_db, long.exposure_db)):
+        assert {f: one[f] for f in one if f >= 50} == pytest.approx({f: other[f] for f in one if f >= 50}, abs=0.02)

@@ -82,6 +82,21 @@ def test_materials_weigh_by_strain_energy(in_parts):
     np.testing.assert_allclose(damped.outputs["ground.z"].hysteretic[1:], 0.067 * np.arange(1.0, 5.0))
 
 
+def test_materials_do_not_brake_rigid_motion(in_parts):
+    """The parts' stiffnesses are sums with rounding: what strains no part loses nothing, exactly."""
+    rounded = {name: stiffness + 1e-9 for name, stiffness in in_parts.part_stiffness.items()}
+    damped = with_damping(replace(in_parts, part_stiffness=rounded), Damping(FromMaterials()))
+    assert not damped.hysteretic[0].any() and not damped.hysteretic[:, 0].any()
+
+
+def test_a_support_named_twice_counts_once_on_the_ground(in_parts):
+    """What stands on the ground at several places has one force row for all of them."""
+    rows = {f"{name}.{axis}": in_parts.outputs["soft.z"] for name in ("soft", "ground") for axis in "xyz"}
+    twice = replace(in_parts, outputs=rows, grounded=("soft", "soft"))
+    damped = with_damping(twice, Damping(FromMaterials()))
+    np.testing.assert_allclose(damped.outputs["ground.z"].hysteretic, damped.outputs["soft.z"].hysteretic)
+
+
 def test_an_exception_replaces_the_law_of_its_mode(in_parts):
     law = Damping(FromMaterials(), (ModeDamping(2, F1, ratio=0.06), ModeDamping(3, 221.0, loss_factor=0.02)))
     damped = with_damping(in_parts, law)
