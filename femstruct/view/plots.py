@@ -9,12 +9,14 @@ from matplotlib.figure import Figure
 from femstruct.study.result import StudyResult
 from femstruct.view.figures import file_name, save
 from femstruct.view.histories import contact_forces, energy, history, travels
+from femstruct.view.loudness import levels_over_time, rated_bands
 from femstruct.view.maps import pressure_maps
 from femstruct.view.spectra import frequency_response, sound
 
 
 def figures(result: StudyResult) -> dict[str, Figure]:
-    """All figures of a study by file name: frequency responses, channels, contacts, bodies, energy, sound, maps."""
+    """All figures of a study by file name: frequency responses, channels, contacts, bodies, energy, sound,
+    levels over time, ratings, maps."""
     cases = result.cases.values()
     responses = dict.fromkeys(name for case in cases for name in case.frf)
     channels = dict.fromkeys(name for case in cases for name in case.channels)
@@ -32,6 +34,8 @@ def figures(result: StudyResult) -> dict[str, Figure]:
         file_name("bodies"): travels(result),
         file_name("energy"): energy(result),
         **{file_name("sound", name): sound(result, name) for name in receivers},
+        **{file_name("level", name): levels_over_time(result, name) for name in rooms},
+        **{file_name("rated", name): rated_bands(result, name) for name in rooms},
         **{file_name("pressure_map", name): pressure_maps(result, name) for name in rooms},
     }
     return {name: figure for name, figure in made.items() if figure is not None}

@@ -33,7 +33,23 @@ def show_study(result: StudyResult, written: Mapping[str, float], folder: str = 
     for name, case in result.cases.items():
         if case.errors is not None and case.errors.peak:
             screen.print(f"  {name}: {errors(case.errors)}", soft_wrap=True)
-    for table in (
+    for table in study_tables(result):
+        table.show(screen)
+    show_findings(
+        screen,
+        [
+            (finding, "" if len(cases) in (0, len(result.cases)) else _in_cases(cases))
+            for finding, cases in findings_by_case(result)
+        ],
+    )
+    _show_timings(screen, {**result.timings, **written})
+    if folder:
+        screen.print(f"written to {folder}")
+
+
+def study_tables(result: StudyResult) -> tuple[Grid, ...]:
+    """All tables of a study in their order, the empty ones among them."""
+    return (
         ratings(result),
         machine(result),
         limits(result),
@@ -46,18 +62,7 @@ def show_study(result: StudyResult, written: Mapping[str, float], folder: str = 
         _levels(result),
         bands(result),
         _modes_db(result),
-    ):
-        table.show(screen)
-    show_findings(
-        screen,
-        [
-            (finding, "" if len(cases) in (0, len(result.cases)) else _in_cases(cases))
-            for finding, cases in findings_by_case(result)
-        ],
     )
-    _show_timings(screen, {**result.timings, **written})
-    if folder:
-        screen.print(f"written to {folder}")
 
 
 def _peaks(result: StudyResult) -> Grid:

@@ -13,6 +13,7 @@ from femstruct.files.results import write_results
 from femstruct.files.tables import summary
 from femstruct.study.result import StudyResult
 from femstruct.view.plots import plot_all
+from femstruct.view.report import write_report
 from femstruct.view.scene import shapes_all
 from femstruct.workflow.run import Progress, Stopwatch
 
@@ -20,7 +21,8 @@ from femstruct.workflow.run import Progress, Stopwatch
 def write_all(
     result: StudyResult, folder: Path, progress: Progress = lambda line: None
 ) -> tuple[dict[str, float], str]:
-    """Write results.h5, summary.json, a WAV for every receiver and case, one of all cases in turn, and all pictures.
+    """Write results.h5, summary.json, a WAV for every receiver and case, one of all cases in turn, all pictures, and
+    report.html with tables and pictures.
 
     Every file is complete or absent: each is written under a temporary name and then renamed. All sounds of a study
     have one full scale, so that cases can be compared by ear.
@@ -36,9 +38,12 @@ def write_all(
     with clock("sound"):
         _write_sounds(result, folder)
     with clock("pictures"):
-        plot_all(result, folder)
+        pictures = plot_all(result, folder)
     with clock("mode shapes"):
-        _, left_out = shapes_all(result, folder)
+        shapes, left_out = shapes_all(result, folder)
+    with clock("report"):
+        first = sorted(pictures, key=lambda path: not path.name.startswith(("rated", "level")))
+        write_report(result, folder / "report.html", [path.name for path in (*first, *shapes)])
     return clock.seconds, left_out
 
 

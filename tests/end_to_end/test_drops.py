@@ -8,12 +8,13 @@ import h5py
 import numpy as np
 import pytest
 
-from acoustics import rate_room
+from acoustics import heavy_impact_level, rate_room
 from femstruct.errors import InputErrors
 from femstruct.files.results import write_results
 from femstruct.files.tables import summary
 from femstruct.language import read_study
 from femstruct.study.result import StudyResult
+from femstruct.view.loudness import levels_over_time, rated_bands
 from femstruct.view.terminal import show_study
 from femstruct.workflow.run import run_study
 
@@ -110,6 +111,24 @@ def test_drops_in_terminal_tables_and_file(
         np.testing.assert_array_equal(stored["measured"][:], rated.measured_db)
         second = file["cases/as given/drops/drops.2/bedroom.mic.2"]
         assert second["l_fmax"][:].tolist() == list(case.drops["drops.2"].levels["bedroom.mic.2"].bands_db.values())
+
+
+def test_bands_are_drawn_with_the_curve_of_the_rating(result: StudyResult) -> None:
+    """Bars as high as the averages, whiskers of one standard deviation, a curve that rates as the baseline does."""
+    rated = result.cases["as given"].rated["bedroom"]
+    figure = rated_bands(result, "bedroom")
+    assert figure is not None
+    axes = figure.axes[0]
+    tops = [bar.get_y() + bar.get_height() for bar in axes.patches]
+    assert tops == pytest.approx(list(rated.bands_db.values()))
+    (curve,) = (line for line in axes.get_lines() if line.get_linestyle() == "--")
+    assert rated.rating is not None
+    drawn = dict(zip(rated.bands_hz, np.asarray(curve.get_ydata()), strict=True))
+    assert heavy_impact_level(drawn).unrounded_db == pytest.approx(rated.rating.unrounded_db)
+    assert axes.get_ylabel() == "L'_i,Fmax,V,T in dB re 20 µPa"
+    over_time = levels_over_time(result, "bedroom")
+    assert over_time is not None
+    assert "source at drops.1" in over_time.texts[0].get_text()
 
 
 def test_a_tapping_machine_has_positions_of_five_hammers(tmp_path: Path) -> None:

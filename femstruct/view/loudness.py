@@ -1,0 +1,108 @@
+"""Figures of what is heard: levels over time as a meter shows them, and rooms rated by the standards."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from acoustics.levels import level_history
+from acoustics.rated import RatedRoom, number_of
+from acoustics.ratings import ImpactRating, equal_parts, shifted_curve
+from femstruct.study.result import StudyResult
+from femstruct.view.figures import case_colours, finish, legend_above, new_figure, panels, thinned
+
+SHOWN_DB: Final = 50.0  # below the loudest that is drawn
+
+
+def levels_over_time(result: StudyResult, room: str) -> Figure | None:
+    """L_AF(t) at every receiver of a room in all cases, a panel each; the legend gives the largest. None if nobody
+    hears it.
+
+    Where a source strikes several places it is the first of them.
+    """
+    cases = {name: case for name, case in result.cases.items() if room in case.rooms and case.rooms[room].receivers}
+    if not cases:
+        return None
+    colours = case_colours(result.cases, result.plan.baseline)
+    names = list(dict.fromkeys(one.name for case in cases.values() for one in case.rooms[room].receivers))
+    rows = -(-len(names) // 2)
+    columns = min(2, len(names))
+    legend = 0.155 * len(cases)  # inches
+    places = dict.fromkeys(next(iter(case.drops)) for case in cases.values() if case.drops)
+    where = f", source at {', '.join(places)}" if places else ""
+    figure = new_figure(11.0, 0.9 + rows * (2.3 + legend), f"Level over time in {room}: A-weighted, Fast{where}")
+    panes = panels(figure, rows, columns, between=0.55 + legend, top=0.5 + legend, sharex=True, sharey=True)
+    loudest = -np.inf
+    for axes, receiver in zip(panes.flat, names, strict=False):
+        for name, case in cases.items():
+            response = case.rooms[room]
+            for p, one in zip(response.p, response.receivers, strict=True):
+                if one.name == receiver:
+                    level = level_history(p, response.dt)
+                    label = f"{name}: largest {level.max():.1f} dB"
+                    axes.plot(*thinned(response.t, level), color=colours[name], linewidth=1.0, label=label)
+                    loudest = max(loudest, float(level.max()))
+        finish(axes, "", f"{receiver}: L_AF in dB re 20 µPa")
+        legend_above(axes)
+    for axes in panes.flat[len(names) :]:
+        axes.set_visible(False)
+    for axes in panes[-1]:
+        axes.set_xlabel("time in s")
+    panes.flat[0].set_ylim(loudest - SHOWN_DB, loudest + 3.0)
+    return figure
+
+
+def rated_bands(result: StudyResult, room: str) -> Figure | None:
+    """Third octaves of a rated room in all cases, with what they spread over drops and receivers (one standard
+    deviation to each side), and the rating as a curve; None if nobody rates it.
+
+    The curve belongs to the baseline: of a tapping machine the reference curve of ISO 717-2, shifted to its rating; of
+    heavy blows the levels that would put equal parts into its rating, so that what exceeds them decides it.
+    """
+    rated = {name: case.rated[room] for name, case in result.cases.items() if room in case.rated}
+    if not rated:
+        return None
+    colours = case_colours(result.cases, result.plan.baseline)
+    first = rated.get(result.plan.baseline) or next(iter(rated.values()))
+    shown = {name: one for name, one in rated.items() if one.band_quantity == first.band_quantity}
+    title = f"Impact sound in {room}: {', '.join(first.standards)}, {first.drops} drops x {first.receivers} receivers"
+    figure = new_figure(11.0, 4.6 + 0.155 * (len(shown) + 1), title)
+    ((axes,),) = panels(figure, 1, 1, between=0.5, top=0.55 + 0.155 * (len(shown) + 1))
+    width = 0.8 / len(shown)
+    highest = max(max(one.bands_db.values()) for one in shown.values())
+    lowest = min(min(one.bands_db.values()) for one in shown.values())
+    floor = 10.0 * np.floor((max(lowest, highest - SHOWN_DB) - 3.0) / 10.0)
+    for number, (name, one) in enumerate(shown.items()):
+        x = np.arange(len(one.bands_hz)) + (number - (len(shown) - 1) / 2) * width
+        levels, spread = (np.array(list(values.values())) for values in (one.bands_db, one.spread_db))
+        bars = {"yerr": spread, "error_kw": {"ecolor": "0.45", "elinewidth": 0.8}} if np.isfinite(spread).all() else {}
+        axes.bar(x, levels - floor, width, bottom=floor, color=colours[name], label=_label(name, one), **bars)
+    _rating_curve(axes, first)
+    axes.set_xticks(range(len(first.bands_hz)), [f"{band:g}" for band in first.bands_hz], fontsize=8)
+    axes.set_xlim(-0.6, len(first.bands_hz) - 0.4)
+    axes.set_ylim(floor, max(highest, *axes.get_ylim()) + 2.0)
+    finish(axes, "third octave, nominal centre in Hz", f"{first.band_quantity} in dB re 20 µPa")
+    legend_above(axes)
+    axes.grid(False, axis="x")
+    return figure
+
+
+def _label(name: str, rated: RatedRoom) -> str:
+    if rated.rating is None:
+        return name
+    adaptation = f" (C_I {rated.rating.adaptation_db:+g})" if isinstance(rated.rating, ImpactRating) else ""
+    return f"{name}: {rated.quantity} {number_of(rated.rating):g} dB{adaptation}"
+
+
+def _rating_curve(axes: Axes, rated: RatedRoom) -> None:
+    if rated.rating is None:
+        return
+    if isinstance(rated.rating, ImpactRating):
+        curve, told = shifted_curve(rated.rating.weighted_db), "reference curve, shifted to its rating"
+    else:
+        curve, told = equal_parts(number_of(rated.rating, rounded=False)), "equal parts of its rating"
+    x = np.arange(len(curve))
+    axes.plot(x, list(curve.values()), color="0.2", linestyle="--", linewidth=1.1, label=f"baseline: {told}")

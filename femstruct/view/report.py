@@ -1,0 +1,83 @@
+"""A study's results as one page for a browser: tables, findings and pictures, case beside case."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from html import escape
+from pathlib import Path
+from typing import Final
+
+from femstruct.files.atomic import replacing
+from femstruct.files.tables import findings_by_case
+from femstruct.study.result import StudyResult
+from femstruct.view.grid import Grid
+from femstruct.view.terminal import study_tables
+
+_STYLE: Final = """
+body { font: 15px/1.5 system-ui, sans-serif; margin: 2em auto; max-width: 72em; padding: 0 1em; color: #222; }
+h1 { font-size: 1.5em; } h2 { font-size: 1.1em; margin: 2em 0 .4em; }
+table { border-collapse: collapse; font-variant-numeric: tabular-nums; }
+th, td { padding: .15em .8em; text-align: right; white-space: pre-line; border-bottom: 1px solid #ddd; }
+th.key, td.key { text-align: left; padding-left: 0; }
+.wide { overflow-x: auto; } img { max-width: 100%; } .severe { color: #b00020; } figcaption { color: #666; }
+"""
+
+
+def write_report(result: StudyResult, path: str | Path, pictures: Sequence[str] = ()) -> Path:
+    """Write the page to a path, in one step: what the terminal shows, and pictures by their file names beside it.
+
+    The page asks nothing of a network; without the pictures it is readable all the same.
+    """
+    path = Path(path)
+    with replacing(path) as temporary:
+        temporary.write_text(report(result, pictures), encoding="utf-8")
+    return path
+
+
+def report(result: StudyResult, pictures: Sequence[str] = ()) -> str:
+    """The page as HTML."""
+    title = escape(result.plan.title)
+    parts = [f"<h1>{title}</h1>", _outcomes(result), _findings(result)]
+    parts += [_table(grid) for grid in study_tables(result) if grid.rows]
+    parts += [_picture(name) for name in pictures]
+    told = ", ".join(f"{name} {value}" for name, value in result.provenance.items() if value)
+    head = f'<meta charset="utf-8"><title>{title}</title><style>{_STYLE}</style>'
+    body = "\n".join(part for part in parts if part)
+    return (
+        f'<!doctype html>\n<html lang="en"><head>{head}</head>\n<body>\n{body}\n<p>{escape(told)}</p>\n</body></html>\n'
+    )
+
+
+def _outcomes(result: StudyResult) -> str:
+    lines = [
+        f"<li>{escape(name)}: {escape(case.response.outcome.value)}</li>"
+        for name, case in result.cases.items()
+        if case.response is not None
+    ]
+    return f"<ul>{''.join(lines)}</ul>" if lines else ""
+
+
+def _findings(result: StudyResult) -> str:
+    lines = []
+    for finding, cases in findings_by_case(result):
+        where = f" <em>({escape(', '.join(cases))})</em>" if 0 < len(cases) < len(result.cases) else ""
+        mark = ' class="severe"' if finding.severe else ""
+        lines.append(f"<li{mark}><b>{escape(finding.code)}</b>: {escape(finding.message)}{where}</li>")
+    return f"<h2>Reasons to believe it less</h2>\n<ul>{''.join(lines)}</ul>" if lines else ""
+
+
+def _table(grid: Grid) -> str:
+    def row(cells: Sequence[str], tag: str) -> str:
+        made = (
+            f"<{tag}{' class=key' if number < grid.keys else ''}>{escape(cell)}</{tag}>"
+            for number, cell in enumerate(cells)
+        )
+        return f"<tr>{''.join(made)}</tr>"
+
+    rows = "".join(row(cells, "td") for cells in grid.rows)
+    return f'<h2>{escape(grid.title)}</h2>\n<div class="wide"><table>{row(grid.columns, "th")}{rows}</table></div>'
+
+
+def _picture(name: str) -> str:
+    source = escape(name, quote=True)
+    return f'<figure><img src="{source}" alt="{source}" loading="lazy"><figcaption>{source}</figcaption></figure>'
