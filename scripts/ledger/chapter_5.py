@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 from systems import boat
+from systems import hull as foam
 from systems import pinned_beam as pinned
 
 from ledger.row import Row
@@ -246,8 +247,27 @@ def stiffnesses() -> list[Row]:
 
 def hull() -> list[Row]:
     """Section 5.3.2 and 5.5: the foam boat behaves like two masses."""
+    own = foam.identified()
+    made = "a hull of ours: its bottom's thickness and E are found from these two frequencies"
+    slow = "a hull of ours, a wave at a tenth of its bending frequency"
+    shapes = dict(zip(("bending", "torsion"), foam.frequencies(own.basis, own.model), strict=True))
+    at = boat.optimum(MU)
+    ratios = [foam.ratio(own, mu, boat.optimum(mu)) for mu in (0.1, 0.3, 0.6)]
     guess = "a uniform free-free beam, an even pressure, its first bending frequency {:g} times the wave's"
     return [
+        Row("Fig. 5.22, first elastic mode: bending", foam.BENDING, shapes["bending"], 0.5, "Hz", assumption=made,
+            note="walls of 40 or 60 mm fit as well, with another E: two numbers for two numbers"),
+        Row("Fig. 5.22, second elastic mode: torsion", foam.TORSION, shapes["torsion"], 0.5, "Hz", assumption=made),
+        Row("5.5, a / a0 of a foam hull of finite elements against two masses, mu = 0.3, at 5.45", boat.ratio(MU, at),
+            ratios[1], 0.02, assumption=slow, note="'almost the same'"),
+        Row("5.5, the same with a wave at a third of the bending frequency", boat.ratio(MU, at),
+            foam.ratio(own, MU, at, foam.BENDING / 3.0), 0.02, assumption="a hull of ours",
+            why="a hull as soft as that bends under the damper; the wave's period is not printed"),
+        Row("Fig. 5.23, a / a0 at mu = 0.3 over that at 0.1: falls", 1.0, ratios[1] / ratios[0], 0.0, relation="<",
+            assumption=slow),
+        Row("Fig. 5.23, a / a0 at mu = 0.6 over that at 0.3: falls", 1.0, ratios[2] / ratios[1], 0.0, relation="<",
+            assumption=slow),
+    ] + [
         Row(f"5.5, a / a0 of the hull against two masses, mu = 0.3, at 5.45, bending at {elastic:g} omega_w",
             boat.ratio(MU, boat.optimum(MU)), boat.hull_ratio(MU, boat.optimum(MU), elastic), 0.02,
             assumption=guess.format(elastic),

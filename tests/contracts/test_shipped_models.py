@@ -49,6 +49,7 @@ MASS = {  # from the dimensions in the files [kg]
         "edge": 2 * (0.4 + 0.32) * 7.216e-3 * 6.405e-3 * 7850,
         "posts": 8 * 0.08 * 15.73e-3**2 * 7850,
     },
+    "foam_hull": {"bottom": 0.45 * 0.1 * 0.0401 * 100, "sides": 2 * 0.45 * 1e-3 * 100, "ends": 2 * 0.1 * 1e-3 * 100},
     "bedroom": {"slab": 5 * 4 * 0.18 * 2400},
     "small_plate": {"plate": 0.5 * 0.4 * 3e-3 * 7850},
     "portal": {"portal": 6.0 * TUBE * 7850},

@@ -164,6 +164,22 @@ def test_identification_keeps_its_numbers(tmp_path: Path, monkeypatch: pytest.Mo
     assert [path.name for path in (tmp_path / "results").iterdir()] == ["09_contact_identification.png"]
 
 
+def test_foam_hull_keeps_its_numbers(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Frequencies as printed, from which it was found; the rest as computed with femstruct 0.1.0."""
+    monkeypatch.chdir(tmp_path)
+    found = runpy.run_path(str(SCRIPTS / "10_foam_hull.py"))["main"](7)
+    for height, (thickness, modulus) in {40: (30.515, 164.88), 50: (40.098, 107.35), 60: (50.338, 75.71)}.items():
+        assert found[f"walls {height} mm: bending Hz"] == pytest.approx(293.0, abs=1e-6)
+        assert found[f"walls {height} mm: torsion Hz"] == pytest.approx(
+            388.0, abs=0.01
+        )  # the thickness is found to 1 um
+        assert found[f"walls {height} mm: thickness mm"] == pytest.approx(thickness, abs=2e-3)
+        assert found[f"walls {height} mm: E MPa"] == pytest.approx(modulus, abs=0.02)
+        assert found[f"walls {height} mm: a / a0 at 0.3"] == pytest.approx(0.66, abs=0.002)
+    assert found["bending / wave 3: a / a0 at 0.3"] == pytest.approx(0.7927, abs=1e-3)
+    assert {path.name for path in (tmp_path / "results").iterdir()} == {"10_foam_hull.png", "10_foam_hull_modes.png"}
+
+
 def read(path: Path) -> str:
     return path.read_text(encoding="utf-8")
 
@@ -175,5 +191,6 @@ def test_every_numbered_script_is_here() -> None:
         "07_press_response.py",
         "08_forging_hammer.py",
         "09_contact_identification.py",
+        "10_foam_hull.py",
         *KEPT,
     }

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from systems import boat
+from systems import boat, hull
 from systems import pinned_beam as pinned
 
 from femstruct import read_study, run_study
@@ -38,6 +38,27 @@ def test_optimum_departs_where_the_peak_splits() -> None:
 def test_hull_against_another_engine(mu: float, elastic: float, other: float) -> None:
     """A bending hull at 5.45: digits of an independent engine; how many modes it had matters for softer hulls."""
     assert boat.hull_ratio(mu, boat.optimum(mu), elastic) == pytest.approx(other, abs=1e-4)
+
+
+def test_shipped_hull_is_the_identified_one() -> None:
+    """293 and 388 Hz, which it was found from; the acceleration ratio of the study is that of the functions."""
+    own = hull.identified()
+    assert hull.frequencies(own.basis, own.model) == pytest.approx((293.0, 388.0), rel=1e-5)
+    result = run_study(read_study(MODELS / "foam_hull_wave.study.yaml"))
+    model, shipped = (getattr(result, name)[result.cases["damper"].basis_key] for name in ("models", "bases"))
+    assert hull.frequencies(shipped, model) == pytest.approx((293.0, 388.0), rel=1e-4)  # digits of the file
+    peaks = {name: case.channels["A.z acceleration"].values.max() for name, case in result.cases.items()}
+    # 1e-3: the study has residual vectors for the damper and the water, the functions have 20 modes
+    assert peaks["damper"] / peaks["no damper"] == pytest.approx(hull.ratio(own, 0.3, boat.optimum(0.3)), rel=1e-3)
+
+
+def test_a_stiff_hull_under_a_slow_wave_is_two_rigid_masses() -> None:
+    """As E grows 400 times, bending is 200 times the wave's frequency: the closed form of 5.45, with the front end as
+    good a place as any. What is left falls as the square of that ratio."""
+    own = hull.identified()
+    model, basis = hull.solved(0.05, own.thickness, 400.0 * own.E, count=20)
+    stiff = hull.Hull(0.05, own.thickness, 400.0 * own.E, model, basis)
+    assert hull.ratio(stiff, 0.6, boat.optimum(0.6)) == pytest.approx(boat.ratio_at_optimum(0.6), rel=2e-3)
 
 
 def test_beam_at_the_first_separation() -> None:

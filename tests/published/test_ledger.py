@@ -9,7 +9,7 @@ import pytest
 import reproduce
 from ledger.row import Row
 
-OURS = {"chapter_2": 52, "chapter_3": 50, "chapter_4": 65, "chapter_5": 55}  # rows that must not get lost
+OURS = {"chapter_2": 52, "chapter_3": 50, "chapter_4": 65, "chapter_5": 61}  # rows that must not get lost
 
 
 @pytest.fixture(scope="module")
