@@ -12,16 +12,15 @@ import numpy as np
 
 from femstruct.arrays import Floats
 from femstruct.impact.compiled import kernel
-from femstruct.impact.forces import AWAY, CLAMPED, CLOSED, OPEN, State, sense
+from femstruct.impact.forces import AWAY, CLAMPED, CLOSED, OPEN, ROUNDING, State, sense
 from femstruct.impact.propagate import Trial
 from femstruct.impact.rule import PLACES, STAGES, Rule
 from femstruct.impact.system import LINK, System
 from femstruct.impact.tables import Tables
 
-ROUNDING = 4e-15  # relative to the terms a displacement is summed from
 RELATIVE = 1e-12  # relative to the largest value in the step: rounding of the Bernstein coefficients
 AMPLIFIED = 400.0  # rounding of the values in the Bernstein coefficients: the norm of that matrix is 375
-SAFE, CHANGES, UNCERTAIN = 0, 1, 2
+SAFE, CHANGES, UNCERTAIN, SHARP = 0, 1, 2, 3
 
 
 @kernel
@@ -69,16 +68,22 @@ def strays(level: int, h: float, system: System, state: State, rule: Rule, table
 
 @kernel
 def excursion(values: Floats, margin: float, stray: float, rule: Rule) -> tuple[int, float]:
-    """Whether the function with these values at the places exceeds the margin, and where first it is seen to do so."""
-    largest = 0.0
+    """Whether the function with these values at the places exceeds the margin, and where first it is seen to do so.
+
+    SHARP where it moves by less than the margin in all of the step: a shorter one would not find the place any better,
+    and in much shorter ones the state itself stands still, each change being lost in rounding.
+    """
+    largest, moves = 0.0, 0.0
     for i in range(PLACES):
         largest = max(largest, abs(values[i]))
+        moves = max(moves, abs(values[i] - values[0]))
+    found = SHARP if moves <= margin else CHANGES
     doubt = AMPLIFIED * margin + RELATIVE * largest
     margin += RELATIVE * largest
     for i in range(PLACES):
         if values[i] > margin:
             if i == 0:
-                return CHANGES, 0.0
+                return found, 0.0
             low, high = rule.places[i - 1], rule.places[i]
             for _ in range(60):
                 middle = 0.5 * (low + high)
@@ -86,7 +91,7 @@ def excursion(values: Floats, margin: float, stray: float, rule: Rule) -> tuple[
                     high = middle
                 else:
                     low = middle
-            return CHANGES, low
+            return found, low
     bound = -np.inf
     for i in range(PLACES):
         coefficient = 0.0
@@ -112,7 +117,7 @@ def _interpolant(values: Floats, theta: float, rule: Rule) -> float:
 @kernel
 def watch(h: float, system: System, state: State, rule: Rule, trial: Trial, bounds: Floats,
           loaded: Floats) -> tuple[int, float]:  # fmt: skip
-    """First change of status in a trial step: SAFE, CHANGES with the part of the step before it, or UNCERTAIN."""
+    """First change of status in a trial step: SAFE, CHANGES or SHARP with the part before it, or UNCERTAIN."""
     values = trial.watched
     answer, part = SAFE, 1.0
     for a in range(len(system.interfaces)):
@@ -157,12 +162,14 @@ def _ends(forces: Floats, weights: Floats) -> float:
 
 @kernel
 def _first(answer: int, part: float, code: int, where: float) -> tuple[int, float]:
-    """The earlier of two changes; a change comes before a doubt, a doubt before nothing."""
-    if code == CHANGES:
-        return CHANGES, min(part, where)
-    if code == UNCERTAIN and answer == SAFE:
+    """The earlier of two changes; a change comes before a doubt, a doubt before a sharp change, that before nothing."""
+    if code in (CHANGES, SHARP):
+        part = min(part, where)
+    if answer == CHANGES or code == CHANGES:
+        return CHANGES, part
+    if answer == UNCERTAIN or code == UNCERTAIN:
         return UNCERTAIN, part
-    return answer, part
+    return max(answer, code), part
 
 
 @kernel

@@ -11,6 +11,7 @@ from femstruct.impact.compiled import kernel, summing
 from femstruct.impact.system import CONSTANT, CUBIC, HALF_SINE, HERTZ, LINEAR, LINK, POWER, System
 
 OPEN, CLOSED, CLAMPED = 0, 1, 2  # a contact without force; with force; indented, its dashpot out of force
+ROUNDING = 4e-15  # relative to the terms a displacement is summed from
 AWAY = 3  # one that waits for the first blow of its body: never closed by motion
 
 

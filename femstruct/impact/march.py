@@ -13,10 +13,10 @@ import numpy as np
 from femstruct.arrays import Floats, Integers
 from femstruct.impact.compiled import kernel
 from femstruct.impact.energy import TIME, integrate_losses, take_stock
-from femstruct.impact.events import CHANGES, UNCERTAIN, strays, switch, watch
+from femstruct.impact.events import CHANGES, SHARP, UNCERTAIN, strays, switch, watch
 from femstruct.impact.flow import advance
 from femstruct.impact.forces import AWAY, CLOSED, OPEN, State, load_at, net_force, rows_now
-from femstruct.impact.propagate import Trial, trial_room, try_step
+from femstruct.impact.propagate import LONGER, Trial, trial_room, try_step
 from femstruct.impact.rule import LONGEST_DOUBLINGS, PLACES, STAGES, Rule
 from femstruct.impact.sampling import Record, keep, peaks, peaks_at_start, travels
 from femstruct.impact.strikes import first_strike, strike, touch
@@ -150,13 +150,14 @@ def march(system: System, state: State, rule: Rule, tables: Tables, room: Room, 
         lost[m] += advance(level, system, tables, trial.forces, trial.modal, state.z, state.v, room.work)
         t += ticks
         now = t * system.tick
-        moment = now - (1.0 - part) * h if answer == CHANGES else now
+        changes = answer in (CHANGES, SHARP)
+        moment = now - (1.0 - part) * h if changes else now
         rows_now(system, state.z, state.v, place, rate)
         for a in range(len(system.rows)):
             for p in range(PLACES):
                 state.pace[a] = max(state.pace[a], abs(trial.rate[a, p]))
         changed = False
-        if answer == CHANGES:
+        if changes:
             for a in range(len(place)):
                 trial.place[a, PLACES - 1], trial.rate[a, PLACES - 1] = place[a], rate[a]
             for a in range(m):
@@ -218,7 +219,7 @@ def march(system: System, state: State, rule: Rule, tables: Tables, room: Room, 
             n_history += 1
             last = t
         record.totals[0] += 1.0
-        if error < 2e-3:
+        if error < LONGER:
             level += 1
     return DONE, end * system.tick, n_history, n_events
 

@@ -13,13 +13,17 @@ import numpy as np
 
 from femstruct.arrays import Floats, Integers
 from femstruct.impact.compiled import kernel
-from femstruct.impact.forces import CLOSED, State, law, load_at, net_force
+from femstruct.impact.forces import CLOSED, ROUNDING, State, law, load_at, net_force
 from femstruct.impact.rule import PLACES, POINTS, STAGES, Rule
 from femstruct.impact.system import HALF_SINE, LINK, System
 from femstruct.impact.tables import Tables
 
 NEWTON_STEPS = 12
+SOLVED = 2e-14  # of the largest force of an interface: what Newton's method leaves of it
+ROUGHLY = 1e-12  # what it may leave of it after its last step
+EXTRAPOLATED = 6.0  # norm of the extrapolation of a force from the nodes to an end of the step, and 1 for its law there
 PICARD_STEPS = 40
+LONGER = 2e-3  # of the error that is allowed: below it the next step may be longer
 
 
 class Trial(NamedTuple):
@@ -169,10 +173,10 @@ def _interface_forces(level: int, system: System, state: State, tables: Tables, 
                 return False
             if largest > 0.0:
                 worst = max(worst, miss / largest)
-        if worst <= 2e-14:
+        if worst <= SOLVED:
             return True
         if step == NEWTON_STEPS - 1:
-            return worst <= 1e-12
+            return worst <= ROUGHLY or _lost_in_rounding(system.tick * 2.0**level, system, state, trial, count)
         for i in range(count):
             for p in range(STAGES):
                 for j in range(count):
@@ -189,6 +193,38 @@ def _interface_forces(level: int, system: System, state: State, tables: Tables, 
             for p in range(STAGES):
                 trial.forces[active[i], p] += residual[i * STAGES + p]
     return False
+
+
+@kernel
+def _lost_in_rounding(h: float, system: System, state: State, trial: Trial, count: int) -> bool:
+    """Whether what Newton's method has left of the forces is no more than their rounding."""
+    for i in range(count):
+        miss = 0.0
+        for p in range(STAGES):
+            miss = max(miss, abs(trial.residual[i * STAGES + p]))
+        if miss > _unknown(h, system, state, trial, trial.active[i]):
+            return False
+    return True
+
+
+@kernel
+def _unknown(h: float, system: System, state: State, trial: Trial, a: int) -> float:
+    """What rounding of displacement, speed and force leaves unknown of the force of an active interface in a step."""
+    shift = -state.rest[a] if system.interfaces[a]["kind"] == LINK else system.interfaces[a]["offset"]
+    still, moving = abs(shift), 0.0
+    for i in range(len(state.z)):
+        still += abs(system.rows[a, i] * state.z[i])
+        moving += abs(system.rows[a, i] * state.v[i])
+    still, moving = ROUNDING * (still + h * moving), ROUNDING * moving
+    largest, shaken = abs(system.interfaces[a]["preload"]), 0.0
+    for p in range(PLACES):
+        depth = trial.place[a, p] + shift
+        if system.interfaces[a]["kind"] != LINK:  # one that is open within rounding is not known to be
+            depth = max(depth, still)
+        force, by_place, by_rate = law(system, a, depth, trial.rate[a, p])
+        largest = max(largest, abs(force))
+        shaken = max(shaken, abs(by_place) * still + abs(by_rate) * moving)
+    return SOLVED * largest + shaken
 
 
 @kernel
@@ -265,9 +301,11 @@ def _error(t: float, h: float, system: System, state: State, rule: Rule, trial: 
         pace = state.pace[a]
         for p in range(PLACES):
             pace = max(pace, abs(trial.rate[a, p]))
-        miss = max(abs(start), abs(end), 0.1 * abs(top)) * h * system.mobility[a]
+        miss, speeds = max(abs(start), abs(end), 0.1 * abs(top)), h * system.mobility[a]
+        if a < m and miss * speeds > LONGER * tolerance * pace:  # no shorter step has less of rounding
+            miss = max(miss - EXTRAPOLATED * _unknown(h, system, state, trial, a), 0.0)
         if miss > 0.0:
-            worst = max(worst, miss / (tolerance * pace)) if pace > 0.0 else np.inf
+            worst = max(worst, miss * speeds / (tolerance * pace)) if pace > 0.0 else np.inf
     if len(system.coupling):
         energy, tail = 0.0, 0.0
         for i in range(system.n_modes):

@@ -8,8 +8,7 @@ from __future__ import annotations
 from femstruct.arrays import Floats
 from femstruct.impact.compiled import kernel
 from femstruct.impact.energy import stored
-from femstruct.impact.events import ROUNDING
-from femstruct.impact.forces import CLAMPED, CLOSED, OPEN, State, copy_to, dot, law, net_force, rows_now
+from femstruct.impact.forces import CLAMPED, CLOSED, OPEN, ROUNDING, State, copy_to, dot, law, net_force, rows_now
 from femstruct.impact.sampling import Record
 from femstruct.impact.system import LINK, System
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import runpy
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -16,21 +17,22 @@ EASY = 300.0  # radians of the fastest part: what scipy resolves in a second
 NUDGE = 1e-9
 CHAOTIC = 1e4  # a nudge that grows by more: no two integrators need to agree
 CHUNK = 1000
-REFUSED = 20  # of a chunk; 0, 1 and 6 were seen in the first three
+ONCE_REFUSED = [
+    2711, 2967, 4663, 4807, 4997, 5984, 6160, 6837, 8264, 8580, 9069, 9451, 11995, 12384, 13900, 15187,
+]  # fmt: skip
 
 
-def unsound(seeds: range) -> tuple[dict[int, list[str]], list[int]]:
-    """What is wrong, by the number of the system, and the systems that are refused with a reason, unsolved."""
-    found, refused = {}, []
+def unsound(seeds: Iterable[int]) -> dict[int, list[str]]:
+    """What is wrong, by the number of the system; one that is refused is not solved."""
+    found = {}
     for seed in seeds:
         try:
             wrong = contradictions(draw(seed).run())
-        except NotConverged:
-            refused.append(seed)
-        else:
-            if wrong:
-                found[seed] = wrong
-    return found, refused
+        except NotConverged as refusal:
+            wrong = [str(refusal)]
+        if wrong:
+            found[seed] = wrong
+    return found
 
 
 def beside_scipy(seed: int) -> list[str] | None:
@@ -63,7 +65,12 @@ def beside_scipy(seed: int) -> list[str] | None:
 
 
 def test_five_hundred_systems_are_sound() -> None:
-    assert unsound(range(500)) == ({}, [])
+    assert unsound(range(500)) == {}
+
+
+def test_systems_that_were_refused_are_solved() -> None:
+    """59 of 20 000 were, one of them after minutes: the quickest; `test_impact_rounding` has what was behind them."""
+    assert unsound(ONCE_REFUSED) == {}
 
 
 def test_a_sample_agrees_with_scipy() -> None:
@@ -93,7 +100,4 @@ def test_a_preloaded_dashpot_that_is_pulled_open_at_the_start_does_not_pull(seed
 @pytest.mark.stress
 @pytest.mark.parametrize("first", range(0, 20_000, CHUNK))
 def test_twenty_thousand_systems_are_sound(first: int) -> None:
-    """Some, on which steps shrink to nothing, are refused in seconds; that is told, but it is not solved."""
-    found, refused = unsound(range(first, first + CHUNK))
-    assert found == {}
-    assert len(refused) <= REFUSED
+    assert unsound(range(first, first + CHUNK)) == {}

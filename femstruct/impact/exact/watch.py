@@ -46,8 +46,8 @@ def judge(c: Floats, order: int, noise: float, small: float, fresh: int, rule: E
 
 @kernel
 def watch(system: System, state: State, order: int, h: float, before: float, pace: float, rule: ExactRule,
-          room: ExactRoom) -> tuple[float, int, int]:  # fmt: skip
-    """The first change in the step: where (NEVER: none), of which interface, and what crossed zero.
+          room: ExactRoom) -> tuple[float, int, int, int]:  # fmt: skip
+    """The first change in the step: where (NEVER: none), of which interface, what crossed zero, and its leading order.
 
     before [s] : length of the last step, whose end is known to the rounding of its own series only; pace [1/s] : bound
     of the rates of both. Of several changes at one place the one with the lowest leading order comes first: the others
@@ -65,6 +65,7 @@ def watch(system: System, state: State, order: int, h: float, before: float, pac
         noise = ROUNDING * (still + max(h, before) * moving + abs(law["offset"]))
         noise_rate = ROUNDING * (moving + 2.0 * pace * still)
         small = ROUNDING * (4.0 * still + h * moving)
+        small_rate = 2.0 * (pace * noise + noise_rate)  # as pace * h is THETA = 2 at most
         for kind in range(4):
             if kind == SPEED:
                 if not link:
@@ -72,7 +73,8 @@ def watch(system: System, state: State, order: int, h: float, before: float, pac
                 side = -1.0 if room.way[a] < 0 else 1.0
                 for k in range(order + 1):
                     c[k] = side * h * rate[k]
-                at, order_here = judge(c, order, h * noise_rate, small, room.fresh[a, SPEED], rule, boxes, spans)
+                fresh = room.fresh[a, SPEED]
+                at, order_here = judge(c, order, h * noise_rate, h * small_rate, fresh, rule, boxes, spans)
             elif link:
                 continue
             elif kind == INDENTATION:
@@ -103,31 +105,32 @@ def watch(system: System, state: State, order: int, h: float, before: float, pac
                 at, order_here = judge(c, order, 0.0, 0.0, 0, rule, boxes, spans)
             if at < where or (at == where and at < NEVER and order_here < rank):
                 where, rank, who, what = at, order_here, a, kind
-    return where, who, what
+    return where, who, what, rank
 
 
 @kernel
-def switch(system: System, state: State, room: ExactRoom, a: int, what: int, before: float) -> None:
-    """Let interface a do what follows from a condition at zero; its row is in room.here."""
+def switch(system: System, state: State, room: ExactRoom, a: int, what: int, rank: int, before: float) -> None:
+    """Let interface a do what follows from a condition at zero; its row is in room.here.
+
+    rank : the leading order of the condition; when it is 0 the condition is not zero but was overstepped before.
+    """
     law = system.interfaces[a]
+    if rank > 0 and what != EXCESS:
+        room.fresh[a, what] = 1
     if what == SPEED:
         room.way[a] = 1 if room.way[a] < 0 else -1
-        room.fresh[a, SPEED] = 1
     elif what == EXCESS:
         room.loaded[a] = 1.0 - room.loaded[a]
     elif what == INDENTATION:
         state.status[a] = CLOSED if state.status[a] == OPEN else OPEN
-        room.fresh[a, INDENTATION] = 1
     elif state.status[a] == CLOSED:
         depth = room.here[a, 0] + law["offset"]
         margin = ROUNDING * (
             inner_product(state.z, system.rows[a]) + before * inner_product(state.v, system.rows[a]) + law["offset"]
         )
         state.status[a] = CLAMPED if depth > margin else OPEN
-        room.fresh[a, FORCE] = 1
     else:
         state.status[a] = CLOSED
-        room.fresh[a, FORCE] = 1
     if law["kind"] != LINK:
         if state.status[a] != CLOSED:
             room.loaded[a] = 0.0

@@ -1,0 +1,137 @@
+"""Impacts at the edge of rounding: each was refused once, found among random systems and cut down to what it is.
+
+Their truths are closed forms, or the exact march beside collocation; ends are compared to the rounding they allow.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import femstruct.impact.simulate as engine
+from femstruct.impact.bodies import GROUND, Body, Clock, Contact, Link, Scene
+from femstruct.impact.laws import Hertz, Law, Linear, Stop
+from femstruct.impact.response import Response
+from femstruct.modal.analytic import given_modes
+
+FREE = given_modes([], [], {})[0]
+
+
+def by_collocation(monkeypatch: pytest.MonkeyPatch, scene: Scene, clock: Clock) -> Response:
+    with monkeypatch.context() as patch:
+        patch.setattr(engine, "takes_exact_march", lambda *_: False)
+        return engine.simulate(FREE, scene, clock)
+
+
+def test_a_light_body_on_a_strong_dashpot_lets_go(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A mite of 0.23 g on 10 N/m and 10.4 N s/m: after the impact it creeps back, and the contact would have to pull.
+
+    It lets go where k x + c x' = -m x'' = 0. The force changes by 3e-20 N in a tick there, less than the last digit of
+    the speed is worth: in steps of a tick the state stands still. x = v (e^-bt - e^-at) / (a - b) with
+    a, b = (c +- sqrt(c^2 - 4 k m)) / 2 m, so that b^2 e^-bt = a^2 e^-at at t = 2 ln(a / b) / (a - b).
+    """
+    m, k, c, v = 2.3e-4, 10.0, 10.4, 1.88
+    scene = Scene((Body("mite", m, v),), (Contact("floor", GROUND, "mite", Linear(k, c)),))
+    clock = Clock(1e-3, 2e5)
+    root = np.sqrt(c**2 - 4.0 * k * m)
+    a = (c + root) / (2.0 * m)
+    b = k / (m * a)
+    t = 2.0 * np.log(a / b) / (a - b)
+    speed = v * (a * np.exp(-a * t) - b * np.exp(-b * t)) / (a - b)
+    for response in (engine.simulate(FREE, scene, clock), by_collocation(monkeypatch, scene, clock)):
+        assert [event.what for event in response.events] == ["closes", "opens"]
+        # the force, 4e-4 N of each law's part, is zero within 1e-18 N; it changes by 4e-4 N/s
+        assert response.events[1].t == pytest.approx(t, abs=1e-13)
+        assert float(response.bodies["mite"].velocity[-1]) == pytest.approx(speed, rel=1e-10)
+        assert response.ledger.residual < 1e-13
+
+
+@pytest.mark.parametrize("speed", [1e-4, 1e-6])
+def test_forces_in_balance_leave_nothing_but_rounding(monkeypatch: pytest.MonkeyPatch, speed: float) -> None:
+    """16 kg between two springs of 3 N each: it is pushed by what the other end gives, not by the rounding of 3 N."""
+    bodies = (Body("middle", 16.0), Body("end", 100.0, -speed))
+    links = (
+        Link("upper", "end", "middle", 1.5e4, preload=3.0),
+        Link("lower", "middle", GROUND, 9.5e5, opening=50.0, preload=3.0),
+    )
+    scene, clock = Scene(bodies, (), links), Clock(5e-3, 4e4)
+    exact, steps = engine.simulate(FREE, scene, clock), by_collocation(monkeypatch, scene, clock)
+    for body in ("middle", "end"):
+        # rounding of 3 N gives the 16 kg 2e-16 m/s each step; a step's error is 1e-9 of the speed
+        assert np.abs(steps.bodies[body].velocity - exact.bodies[body].velocity).max() < 1e-13
+    assert steps.ledger.residual < 1e-12
+
+
+def test_a_light_part_clamped_hard_takes_no_million_steps(monkeypatch: pytest.MonkeyPatch) -> None:
+    """0.1 g held by 4.2 N: it moves with 3e-15 m/s, what its clamp's rounding would give it in a microsecond."""
+    seen = []
+    march = engine.collocate
+
+    def counting(*args: object) -> engine.Ended:
+        ended: engine.Ended = march(*args)  # type: ignore[arg-type]
+        seen.append(float(args[4].totals[1]))  # type: ignore[attr-defined]
+        return ended
+
+    monkeypatch.setattr(engine, "collocate", counting)
+    bodies = (Body("part", 1e-4), Body("hammer", 12.5, 1.4e-9))
+    contacts = (
+        Contact("clamp", "part", GROUND, Hertz(2.77e9, 306.9, True), preload=4.2),
+        Contact("stop", "hammer", "part", Stop(10.0, 0.0, True)),
+    )
+    response = by_collocation(monkeypatch, Scene(bodies, contacts), Clock(6e-4, 3.2e5))
+    assert float(response.bodies["hammer"].velocity[-1]) == pytest.approx(1.4e-9, rel=1e-8)  # 10 N/m and 12.5 kg
+    assert seen[0] < 5000  # steps of some samples; they were two million, and half an hour where it moved by 1e-7 m/s
+
+
+def test_a_hertz_contact_that_hardly_touches_has_a_force(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Two bodies caught without play between Hertz and a stop come to rest: the last forces are lost in rounding.
+
+    Momentum is kept.
+    """
+    heavy, light, v = 3.67e-3, 1e-4, -0.99
+    bodies = (Body("heavy", heavy), Body("light", light, v))
+    contacts = (
+        Contact("one", "light", "heavy", Hertz(1.04e10, 15.87)),
+        Contact("other", "heavy", "light", Stop(1e9, 69.7)),
+    )
+    response = engine.simulate(FREE, Scene(bodies, contacts), Clock(6.24e-4, 3.2e5))
+    for name in ("heavy", "light"):
+        assert float(response.bodies[name].velocity[-1]) == pytest.approx(light * v / (heavy + light), rel=1e-10)
+    assert response.ledger.residual < 1e-12
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_a_gap_of_1e_26_m_is_a_gap(side: float) -> None:
+    """1 kg is drawn off its wall by a weak spring for 25 ns, and hit towards it by a dashpot: gap, then contact.
+
+    The gap is k u t^3 / 6 at the hit; the dashpot's c v closes it after sqrt(2 gap / c v), 4 fs later.
+    """
+    k, u, gap, c, v = 2.8, 1.2e-3, 3.3e-8, 998.0, 1.3
+    bodies = (Body("block", 1.0), Body("hammer", 1.6e-3, side * v), Body("far", 100.0, -side * u))
+    ends, wall = (("block", "hammer"), (GROUND, "block")) if side > 0 else (("hammer", "block"), ("block", GROUND))
+    contacts = (
+        Contact("hit", ends[0], ends[1], Linear(3.14e6, c), gap=gap),
+        Contact("wall", wall[0], wall[1], Linear(49.0)),
+    )
+    response = engine.simulate(FREE, Scene(bodies, contacts, (Link("spring", "block", "far", k),)), Clock(3.2e-3, 1e5))
+    assert [(event.contact, event.what) for event in response.events] == [
+        ("hit", "closes"), ("wall", "closes"), ("hit", "opens"),
+    ]  # fmt: skip
+    hit = gap / v
+    later = np.sqrt(2.0 * k * u * hit**3 / 6.0 / (c * v))
+    # times are known to 1e-16 of 25 ns, the force of the dashpot changes by 1e-8 in so short a time
+    assert response.events[1].t - response.events[0].t == pytest.approx(later, rel=1e-5)
+    assert response.ledger.residual < 1e-13
+
+
+@pytest.mark.parametrize("law", [Linear(0.25 * 99.0**2), Linear(0.25 * 110.0**2, 0.1)])
+def test_a_damper_that_parts_slowly(monkeypatch: pytest.MonkeyPatch, law: Law) -> None:
+    """Bodies of 0.5, 1 and 0.25 kg joined by contacts: the last parts at 6e-5 m/s, in the midst of a slow impact."""
+    bodies = (Body("ball", 0.5, 1.0), Body("middle", 1.0), Body("damper", 0.25))
+    contacts = (Contact("ball", "middle", "ball", Linear(0.5)), Contact("damper", "damper", "middle", law))
+    scene, clock = Scene(bodies, contacts), Clock(8.0, 10.0)
+    exact, steps = engine.simulate(FREE, scene, clock), by_collocation(monkeypatch, scene, clock)
+    assert [(e.contact, e.what) for e in steps.events] == [(e.contact, e.what) for e in exact.events]
+    for name in ("ball", "middle", "damper"):
+        # steps of 1e-8 of a force each
+        assert float(steps.bodies[name].velocity[-1]) == pytest.approx(float(exact.bodies[name].velocity[-1]), rel=1e-9)
