@@ -10,7 +10,7 @@ from scipy.signal import butter, sosfiltfilt
 from acoustics.pressure import RoomResponse
 from femstruct.arrays import Floats
 from femstruct.errors import InputError
-from femstruct.impact.passed import passed_on
+from femstruct.impact.passed import on_the_ground, passed_on
 from femstruct.impact.response import Event, Response
 from femstruct.modal.basis import ForceRow, ModalBasis
 from femstruct.study.result import Channel
@@ -23,6 +23,7 @@ AXES = "xyz"
 FILTER_ORDER = 4
 SETTLED = 10.0  # periods of a band's lowest edge after which a filter of order 4 has forgotten
 DUST = 1e-9  # share of the largest value below which a peak is rounding, or a filter's tail
+GROUND = "ground"
 NET_FORCE = "net force on "  # begins the names of channels that no study asks for
 
 
@@ -117,8 +118,9 @@ def _recorded(wanted: Record, study: Study, places: Places, response: Response) 
         rows = {
             axis: response.basis.outputs[key] for axis in AXES if (key := f"{target}.{axis}") in response.basis.outputs
         }
-        if rows:
-            return _forces(target, rows, response)
+        direct = on_the_ground(response) if target == GROUND else None
+        if rows or direct is not None:
+            return _forces(target, rows, response, {} if direct is None else {axis_of(study): direct})
     name, _, direction = target.rpartition(".")
     if what in ("displacement", "velocity", "acceleration") and name:
         probe = places.point(name, f"record.{target}").probe(direction)
@@ -145,8 +147,11 @@ def acceleration_rows(study: Study, places: Places, basis: ModalBasis) -> dict[s
     return rows
 
 
-def _forces(target: str, rows: Mapping[str, ForceRow], response: Response) -> dict[str, tuple[Floats, str]]:
-    """The vertical force under the plain name, and the horizontal ones that are not zero."""
+def _forces(
+    target: str, rows: Mapping[str, ForceRow], response: Response, beside: Mapping[str, Floats]
+) -> dict[str, tuple[Floats, str]]:
+    """The vertical force under the plain name, and the horizontal ones that are not zero; beside : what else there is
+    along an axis."""
     found = {
         axis: response.displacement(row.stiffness)
         + response.velocity(row.damping)
@@ -154,6 +159,7 @@ def _forces(target: str, rows: Mapping[str, ForceRow], response: Response) -> di
         + passed_on(response, row.direct)
         for axis, row in rows.items()
     }
+    found |= {axis: force + found.get(axis, 0.0) for axis, force in beside.items()}
     largest = max((np.abs(force).max() for force in found.values()), default=0.0)
     named = {f"{target} force": (found["z"], "N")} if "z" in found else {}
     for axis in "xy":

@@ -18,7 +18,7 @@ from femstruct.study.study import Study
 from femstruct.workflow.bases import Solved
 from femstruct.workflow.channels import motion_of
 from femstruct.workflow.limits import settling
-from femstruct.workflow.rest import carried_bodies, lying_bodies, mass_on, planned_contacts, weighs
+from femstruct.workflow.rest import carried_bodies, lying_bodies, planned_contacts, weighs
 from femstruct.workflow.staging import Places, ordered
 from femstruct.workflow.weight import block_modes, sags
 
@@ -51,7 +51,7 @@ def _machine(case: CaseResult, response: Response, own: Solved, reference: float
     afters = [after for after, _ in waits if after is not None]
     separation = response.ledger.at_separation
     return Machine(
-        ground=_ground(case, own.places, reference),
+        ground=_ground(case, reference),
         travels={
             name: channel.whole
             for name, channel in case.channels.items()
@@ -78,13 +78,13 @@ def strikers(study: Study) -> set[str]:
     return repeated or {body.name for body in study.bodies if body.speed}
 
 
-def _ground(case: CaseResult, places: Places, reference: float | None) -> GroundForce | None:
+def _ground(case: CaseResult, reference: float | None) -> GroundForce | None:
     channel, study = case.channels.get(GROUND_FORCE), case.case.study
     if channel is None:
         return None
     pressed = None
     if weighs(study):
-        weight = case.basis.total_mass * GRAVITY + weight_of_bodies(study, places)
+        weight = case.basis.total_mass * GRAVITY + weight_of_bodies(study)
         pressed = float(np.abs(channel.values - weight).max())  # z is up: the weight is a negative force on the ground
     beside = reference is not None and reference > 0.0 and channel.whole > 0.0
     ratio = channel.whole / reference if beside and reference else None
@@ -96,31 +96,10 @@ def _ground(case: CaseResult, places: Places, reference: float | None) -> Ground
     )
 
 
-def weight_of_bodies(study: Study, places: Places) -> float:
-    """Force with which bodies at rest press the structure down [N], negative where a clamped one lifts it.
-
-    Notes: all their weight, less what goes past the structure: the forces of links to the ground, and of contacts on
-    it. The structure and closed contacts are rigid beside the links, as in `femstruct.workflow.rest.rest_states`.
-    """
-    bodies, carried, lying = {body.name: body for body in study.bodies}, carried_bodies(study), lying_bodies(study)
-    names = [name for name in bodies if name in carried]
-    load = np.array([mass_on(bodies[name], lying) for name in names]) * GRAVITY
-    on_ground = 0.0
-    for planned in planned_contacts(study):
-        upper, lower = ordered(study, places, planned)
-        load += planned.preload * np.array([float(name == lower) - float(name == upper) for name in names])
-        on_ground += planned.preload * (float(lower == "ground") - float(upper == "ground"))
-    stiffness = np.zeros((len(names), len(names)))
-    to_ground = np.zeros(len(names))
-    for link in study.links:
-        if link.stiffness > 0.0 and link.release_at == 0.0:
-            row = np.array([float(name == link.between[0]) - float(name == link.between[1]) for name in names])
-            stiffness += link.stiffness * np.outer(row, row)
-            to_ground += link.stiffness * np.abs(row) * ("ground" in link.between)
-    on_ground += float(to_ground @ np.linalg.solve(stiffness, load)) if names else 0.0
-    on_ground += sum(mass_on(body, lying) * GRAVITY for body in lying.values() if body.target == "ground")
-    resting = sum(body.mass for name, body in bodies.items() if name in carried or name in lying)
-    return resting * GRAVITY - on_ground
+def weight_of_bodies(study: Study) -> float:
+    """Weight of the bodies that are at rest at first [N]: hung on links or lying, all of it ends on the ground."""
+    carried, lying = carried_bodies(study), lying_bodies(study)
+    return sum(body.mass for body in study.bodies if body.name in carried or body.name in lying) * GRAVITY
 
 
 def _companion(name: str, study: Study, places: Places, response: Response) -> Companion:

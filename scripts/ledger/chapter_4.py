@@ -289,7 +289,7 @@ def on_the_ground(clamped: StudyResult) -> list[Row]:
             why="the peak depends on the mass", note="'close to': a tenth is allowed"),
         Row("Fig. 4.18, attenuation of the acceleration, case 3", 2.3, lost["O_b.z acceleration"][4], 0.1, "dB",
             assumption=f"{chosen}; {FIT}"),
-        Row("Fig. 4.19, attenuation of the force, case 3", 2.4, lost["ground force"][4], 0.1, "dB",
+        Row("Fig. 4.19, attenuation of the force of the columns, case 3", 2.4, lost["clamps force"][4], 0.1, "dB",
             assumption=f"{chosen}; {FIT}", note="one mode makes both, so that they lose alike"),
     ]  # fmt: skip
 
