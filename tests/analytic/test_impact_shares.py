@@ -24,7 +24,7 @@ def test_the_groups_add_up_to_the_ledger(law: Law) -> None:
     scene = Scene(
         (Body("ball", 0.5, -1.0, falls=True),),
         (Contact("hit", "ball", p, law),),
-        (Link("catch", r, GROUND, 3e3, 0.0, 20.0, 0.6e-3),),
+        (Link("catch", r, GROUND, 3e3, 0.0, 20.0, 0.6e-3, preload=2.0),),
         (Load("push", r, HalfSine(30.0, 40.0)),),
         gravity=9.81,
     )

@@ -219,3 +219,37 @@ def test_a_scene_that_contradicts_its_blows_is_refused(blows, more, said) -> Non
 def test_blows_without_a_rhythm_are_refused(wrong: dict[str, float]) -> None:
     with pytest.raises(FemstructError, match=r"bodies\.ram\.blows"):
         Blows("ram", GROUND, **({"every": 0.1, "count": 2} | wrong))
+
+
+def test_the_energy_a_blow_leaves_is_the_oscillators_own() -> None:
+    """Of a ball of its own mass an undamped oscillator takes all: m v^2 / 2, and keeps it."""
+    basis, points = given_modes([5.0], [0.0], {"p": [1.0]})
+    place = points["p"].probe("z")
+    scene = Scene((Body("ball", 1.0, -2.0),), (Contact("c", "ball", place, Linear(1e9)),))
+    response = simulate(basis, replace(scene, blows=(Blows("ball", place, 1.0, 1),)), Clock(0.05, 20e3))
+    (blow,) = response.blows
+    # the contact lasts 70 us, in which the oscillator's own spring moves by 2e-3 of its period: 1e-5 of the energy
+    assert blow.largest_energy == pytest.approx(2.0, rel=1e-4)
+    assert blow.left_energy == pytest.approx(response.ledger.end.structure, rel=1e-9)
+
+
+def test_one_blow_left_out_is_told() -> None:
+    scene = Scene((Body("ball", 1.0, -2.0),), (Contact("c", "ball", GROUND, Linear(1e6)),))
+    rows = [
+        simulate(NONE, replace(scene, blows=(Blows("ball", GROUND, 0.1, count),)), Clock(0.25, 10e3))
+        for count in (3, 4)
+    ]
+    assert "blows-left-out" not in codes(rows[0])
+    found = next(finding for finding in rows[1].findings if finding.code == "blows-left-out")
+    assert (found.values["blows"], found.values["count"]) == (3, 4)
+
+
+@pytest.mark.parametrize("damping", [2000.0, 0.0])
+def test_a_body_that_lies_still_is_not_lifted_in_contact(damping: float) -> None:
+    """Under gravity a damped ball comes to rest before the next blow: its weight alone is no contact that lasts."""
+    ball = Body("ball", 1.0, -0.5, falls=True)
+    scene = Scene((ball,), (Contact("c", "ball", GROUND, Linear(1e6, damping)),), gravity=9.81)
+    response = simulate(NONE, replace(scene, blows=(Blows("ball", GROUND, 0.5, 2),)), Clock(1.0, 10e3))
+    if damping:
+        assert response.blows[0].held_force == pytest.approx(9.81, rel=1e-3)
+    assert "lifted-in-contact" not in codes(response)

@@ -479,3 +479,59 @@ record: {ground: force}
 time: {duration: 0.1 s, sampling: 4 kHz}
 """
     assert ledger_residual(run(HELD, study)) < 1e-8
+
+
+def test_sound_comes_from_where_the_ceiling_moves(run: Run) -> None:
+    """A plate over one corner of a larger room is heard below itself first; `at` is its centre in the ceiling."""
+    room = ROOM.replace("size: [0.6, 0.4, 0.3]", "size: [1.6, 1.4, 0.3]\n    at: [0.4, 0.3]")
+    room = room.replace(
+        "west: [0.05, 0.2, 0.25], east: [0.55, 0.2, 0.25]", "below: [0.4, 0.3, 0.2], far: [1.4, 1.2, 0.2]"
+    )
+    study = f"""
+modes: {{up_to: 3 kHz}}
+initial: {{rigid: {{about: c, velocity: [0, 0, -0.1]}}}}
+record: {{c.z: velocity}}
+time: {{duration: 20 ms, sampling: 20 kHz}}
+{room}"""
+    case = run(FREE, study)
+    below, far = (np.abs(values(case, f"box.{name} pressure")) for name in ("below", "far"))
+    # to the far one it is .9 m from the plate's nearest corner, 2.7 ms: 54 samples
+    assert far[:45].max() < 1e-2 * below[:45].max()
+
+
+def test_the_first_impact_begins_when_something_closes(run: Run) -> None:
+    """A ball 5 mm away at 2 m/s arrives after 2.5 ms: a window of 2 ms ends at 4.5 ms."""
+    study = """
+modes: {count: 1}
+bodies: {ball: {mass: 0.1 kg, above: m, speed: 2 m/s}}
+contacts: {hit: {between: [ball, m], law: {type: hertz, stiffness: 1e8}, gap: 5 mm}}
+time: {duration: 20 ms, sampling: 100 kHz}
+peaks: {first_impact: 2 ms}
+record: {m.z: displacement}
+"""
+    case = run(OSCILLATOR, study)
+    assert case.response is not None
+    channel, t = case.channels["m.z displacement"], case.response.t
+    size = np.abs(channel.values)
+    assert channel.first_impact == size[t <= 4.5e-3 + 1e-6].max() > size[t <= 4.4e-3].max() > 0
+
+
+def test_a_clamp_that_rattles_ends_no_impact(run: Run) -> None:
+    """The ball closes its contact once; the preloaded shoe between two blows of it opens and closes at its own pace."""
+    study = """
+modes: {count: 1}
+bodies:
+  ball: {mass: 0.1 kg, above: m, speed: 2 m/s, contact: {type: hertz, stiffness: 1e8}}
+  shoe: {mass: 0.3 kg, below: m}
+contacts: {clamp: {between: [m, shoe], law: {type: linear, stiffness: 1e6}, preload: 5 N}}
+links: {bolt: {between: [shoe, ground], stiffness: 1e4}}
+time: {duration: 50 ms, sampling: 100 kHz}
+peaks: {first_impact: until next contact}
+record: {m.z: displacement}
+"""
+    case = run(OSCILLATOR, study)
+    assert case.response is not None
+    rattles = [event for event in case.response.events if event.contact == "clamp" and event.what == "closes"]
+    assert len(rattles) > 2
+    channel = case.channels["m.z displacement"]
+    assert channel.first_impact == np.abs(channel.values).max()  # the ball does not come back: one impact, to the end
