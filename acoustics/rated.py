@@ -128,6 +128,13 @@ class RatedRoom:
         """Standard deviation over the receivers of their own ratings, before rounding [dB]."""
         return float(_deviation(self._numbers(np.swapaxes(self.measured_db, 0, 1))))
 
+    def above(self, other: RatedRoom) -> float | None:
+        """What this rating is above another, before rounding [dB]; None where one has none or they are of other
+        quantities."""
+        if self.rating is None or other.rating is None or self.quantity != other.quantity:
+            return None
+        return number_of(self.rating, rounded=False) - number_of(other.rating, rounded=False)
+
     def _numbers(self, levels_db: Floats) -> Floats:
         """Ratings [n] of levels [n, m, b], each averaged over m."""
         each = [self._average(one[None]) for one in levels_db + self.correction_db]

@@ -25,9 +25,13 @@ def summary(result: StudyResult) -> Table:
 
     In the comparison, `bands_db` and `modes_db` are those of the first receiver's pressure (without a room, of the
     first recorded channel); `bands_db_by_receiver` and `modes_db_by_channel` have all. Attenuations are positive where
-    the case is quieter than the baseline.
+    the case is quieter than the baseline; `rated_db` is what a room's rating is above the baseline's, negative then.
     """
-    comparison = {name: _comparison(result.cases[name], beside) for name, beside in result.comparison.cases.items()}
+    baseline = result.cases[result.comparison.baseline] if result.comparison.cases else None
+    comparison = {
+        name: _comparison(result.cases[name], beside) | {"rated_db": _rated_beside(result.cases[name], baseline)}
+        for name, beside in result.comparison.cases.items()
+    }
     cases = {
         name: _case(case)
         | {
@@ -228,6 +232,12 @@ def _rated(rated: RatedRoom) -> Table:
         "spread_db": _by_frequency(rated.spread_db),
         "t60_s": _by_frequency(rated.t60_s),
     }
+
+
+def _rated_beside(case: CaseResult, baseline: CaseResult | None) -> Table:
+    """By room, what its rating is above the baseline's, before rounding [dB]; None where they cannot be compared."""
+    before = {} if baseline is None else baseline.rated
+    return {room: number(rated.above(before[room])) for room, rated in case.rated.items() if room in before}
 
 
 def _drop(drop: Drop) -> Table:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from math import isfinite
 
-from acoustics.rated import RatedRoom, number_of
 from acoustics.ratings import HeavyImpactRating, ImpactRating
 from femstruct.study.result import CaseResult, StudyResult
 from femstruct.view.grid import Grid
@@ -34,7 +33,8 @@ def ratings(result: StudyResult) -> Grid:
         if one.rating is None or one.plain_rating is None:
             continue
         numbers = {one.plain_quantity: _told(one.plain_rating), one.quantity: _told(one.rating)}
-        change = difference(one, result.cases[baseline].rated.get(room))
+        beside = result.cases[baseline].rated.get(room)
+        change = None if beside is None else one.above(beside)
         grid.add(
             name,
             room,
@@ -58,14 +58,6 @@ def bands(result: StudyResult) -> Grid:
         for band in first.bands_db:
             grid.add(f"{room} {first.band_quantity} {band:g} Hz [dB]", *(_band(case, room, band) for case in cases))
     return grid
-
-
-def difference(rated: RatedRoom, baseline: RatedRoom | None) -> float | None:
-    """What a room's rating is above the baseline's, before rounding [dB]; None where either has none or they are of
-    other quantities."""
-    if baseline is None or rated.quantity != baseline.quantity or rated.rating is None or baseline.rating is None:
-        return None
-    return number_of(rated.rating, rounded=False) - number_of(baseline.rating, rounded=False)
 
 
 def _told(rating: HeavyImpactRating | ImpactRating) -> str:

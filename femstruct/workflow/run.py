@@ -29,6 +29,7 @@ from femstruct.workflow.checks import aliased_findings, mesh_findings, room_find
 from femstruct.workflow.compare import compare
 from femstruct.workflow.limits import verdicts
 from femstruct.workflow.machine import machines
+from femstruct.workflow.meeting import meeting_findings
 from femstruct.workflow.rated import rate_rooms, rated_findings
 from femstruct.workflow.responses import frequency_response
 from femstruct.workflow.struck import Struck, strike, told_once
@@ -194,6 +195,7 @@ def run_case(
         rated = rate_rooms(study, heard)
         for plan in study.rooms:
             told += [(plan.name, found) for found in rated_findings(plan, study, vacuo, len(heard))]
+            told += [(plan.name, one) for one in meeting_findings(plan, study, ceiling(plan, own.places), vacuo)]
             if plan.coupling == "one-way":
                 told += [(plan.name, found) for found in coupling_findings(vacuo, ceiling(plan, own.places), plan.room)]
     findings += room_findings(told)

@@ -89,6 +89,7 @@ def test_terminal_tables_and_file_say_the_same(
     assert table["rating_db"] == rated.rating.rating_db
     assert table["bands_db"]["63"] == rated.bands_db[63.0]
     assert table["receivers"] == 2
+    assert summary(result)["comparison"]["plain"]["rated_db"] == {"bedroom": None}  # of another quantity
     write_results(tmp_path / "results.h5", result)
     with h5py.File(tmp_path / "results.h5") as file:
         stored = file["cases/as is/rated/bedroom"]

@@ -72,6 +72,7 @@ def test_a_shift_of_all_levels_shifts_the_rating_and_no_spread(rows, shift):
     before, after = rated_table(rows), rated_table([[level + shift for level in row] for row in rows])
     assert after.rating.unrounded_db == pytest.approx(before.rating.unrounded_db + shift, abs=1e-9)
     assert after.plain_rating.unrounded_db == pytest.approx(before.plain_rating.unrounded_db + shift, abs=1e-9)
+    assert after.above(before) == pytest.approx(shift, abs=1e-9)
     assert after.drops_spread_db == pytest.approx(before.drops_spread_db, abs=1e-9)
     assert list(after.spread_db.values()) == pytest.approx(list(before.spread_db.values()), abs=1e-9)
 
@@ -91,6 +92,7 @@ def test_half_the_volume_takes_3_db():
     assert rated.plain_rating.unrounded_db - rated.rating.unrounded_db == pytest.approx(10 * np.log10(2))
     plain = rate_room([[heard(60.0)]], small, ["ISO 717-2"])
     assert (plain.bands_db[63.0], plain.quantity) == (60.0, "L_iA,Fmax")
+    assert plain.above(rated) is None
 
 
 def test_a_tapping_machine_is_rated_by_the_shifted_curve():

@@ -1,0 +1,111 @@
+"""Floor modes that meet room modes, floating floors, rooms beyond the standard: against closed forms."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from femstruct.language import read_study
+from femstruct.modal.damping import with_damping
+from femstruct.workflow.air import ceiling
+from femstruct.workflow.bases import solve_all
+from femstruct.workflow.meeting import floating, meeting_findings, meetings
+
+MODEL = """
+materials: {concrete: {E: 30 GPa, nu: 0.2, rho: 2400}, screed: {E: 25 GPa, nu: 0.2, rho: 2000}}
+parts:
+  slab: {type: plate, material: concrete, thickness: THICKNESS, origin: [0, 0, 2.5], size: [5, 4], mesh: [10, 8]}
+  top: {type: plate, material: screed, thickness: 60 mm, origin: [0, 0, 2.65], size: [5, 4], mesh: [10, 8]}
+  wool: {type: foundation, between: [top, slab], region: REGION, stiffness: {normal: 10 MN/m^3}, loss_factor: 20 %}
+supports: {edges: {on: slab, edge: all, fix: simple}, low: {on: top, edge: all, fix: simple}}
+points: {drop: {on: top, at: [1.85, 1.45]}}
+surfaces: {ceiling: {on: slab, side: below}}
+damping: {loss_factor: 5 %}
+"""
+STUDY = """model: model.yaml
+modes: {up_to: 250 Hz}
+bodies: {ball: {source: rubber ball, above: drop}}
+time: {duration: 0.2 s, sampling: 4 kHz}
+rooms:
+  bedroom:
+    size: [5, 4, 2.5]
+    under: ceiling
+    losses: {t60: 0.5 s}
+    receivers: {mic: [1, 1, 1]}
+    levels: [ISO 16283-2, ISO 717-2]
+"""
+
+
+def plan(folder: Path, thickness: str = "180 mm", region: str = "whole", study: str = STUDY, model: str = MODEL):
+    text = model.replace("THICKNESS", thickness).replace("REGION", region)
+    (folder / "model.yaml").write_text(text, encoding="utf-8")
+    (folder / "one.study.yaml").write_text(study, encoding="utf-8")
+    return read_study(folder / "one.study.yaml")
+
+
+BARE = (
+    "\n".join(line for line in MODEL.splitlines() if not line.startswith(("  top:", "  wool:")))
+    .replace(", low: {on: top, edge: all, fix: simple}", "")
+    .replace("on: top", "on: slab")
+)
+
+
+def solved(folder: Path, thickness: str):
+    case = plan(folder, thickness, model=BARE).cases[0]
+    own = solve_all([case])[case.name]
+    room = case.study.rooms[0]
+    return case.study, room, ceiling(room, own.places), with_damping(own.basis, case.study.damping)
+
+
+def first_mode(thickness: float) -> float:
+    stiffness = 30e9 * thickness**3 / 12 / (1 - 0.2**2)
+    return np.pi / 2 * np.sqrt(stiffness / (2400 * thickness)) * (1 / 25 + 1 / 16)
+
+
+def test_a_floor_tuned_to_the_height_of_the_room_meets_it(tmp_path: Path) -> None:
+    """sin sin on a 5 x 4 ceiling against the uniform one of mode (0, 0, 1): (2/pi)^2 over 1/2, .811."""
+    height = 343 / 2 / 2.5
+    thickness = 0.18 * height / first_mode(0.18)  # a plate's frequency goes as its thickness
+    study, room, surface, basis = solved(tmp_path, f"{thickness:.6f} m")
+    found = meetings(room, surface, basis)
+    pairs = {(round(floor, 1), round(air, 1)): likeness for floor, air, likeness in found}
+    together = {air: likeness for (floor, air), likeness in pairs.items() if abs(floor - height) < 0.5}
+    assert together[round(height, 1)] == pytest.approx(8 / np.pi**2, abs=5e-3)  # the mesh's sums over the ceiling
+    assert together[68.6] == max(together.values())
+    told = {one.code: one for one in meeting_findings(room, study, surface, basis)}
+    assert told["modes-meet"].values["floor_hz"] == pytest.approx(found[0][0])
+    assert "68.6 Hz of the room" in told["modes-meet"].message
+
+
+def test_modes_further_apart_than_their_bandwidths_do_not_meet(tmp_path: Path) -> None:
+    """The first mode at 30.2 Hz: its 5 % and the room's 2.2 / T60 = 4.4 Hz reach nowhere near 34.3 Hz, (1, 0, 0)."""
+    _, room, surface, basis = solved(tmp_path, "180 mm")
+    assert basis.frequency_hz[0] == pytest.approx(first_mode(0.18), rel=2e-3)
+    found = meetings(room, surface, basis)
+    assert found
+    assert min(floor for floor, _, _ in found) > 40.0
+    for floor, air, likeness in found:
+        assert abs(floor - air) <= 0.5 * (0.05 * floor + 2.2 / 0.5 * 1.01)
+        assert 0.3 <= likeness <= 1.0
+
+
+def test_a_floating_floor_is_two_masses_on_a_spring(tmp_path: Path) -> None:
+    structure = plan(tmp_path).cases[0].study.structure
+    (found,) = floating(structure, (630.0,))
+    wanted = np.sqrt(10e6 * (1 / 120 + 1 / 432)) / 2 / np.pi
+    assert found.values["resonance_hz"] == pytest.approx(wanted, rel=1e-12)
+    assert f"at {wanted:.1f} Hz" in found.message
+    assert floating(structure, (50.0,)) == []
+    part = plan(tmp_path, region="{rectangle: [2 m, 2 m]}").cases[0].study.structure
+    assert floating(part, (630.0,)) == []  # not two plates over all of their area
+
+
+def test_small_and_large_rooms_are_not_the_standards(tmp_path: Path) -> None:
+    study, room, surface, basis = solved(tmp_path, "180 mm")
+    assert "rating-room-volume" not in {one.code for one in meeting_findings(room, study, surface, basis)}
+    high = plan(tmp_path, model=BARE, study=STUDY.replace("[5, 4, 2.5]", "[5, 4, 13]")).cases[0].study.rooms[0]
+    told = {one.code: one for one in meeting_findings(high, study, surface, basis)}
+    assert told["rating-room-volume"].values["volume_m3"] == pytest.approx(260.0)
+    assert "rooms of 10 to 250 m^3; this one has 260 m^3" in told["rating-room-volume"].message
