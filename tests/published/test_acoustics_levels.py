@@ -77,6 +77,7 @@ BURSTS = [
     (1.0, 0.0, -2.0), (0.5, -0.1, -4.1), (0.2, -1.0, -7.4), (0.1, -2.6, -10.2), (0.05, -4.8, -13.1),
     (0.02, -8.3, -17.0), (0.01, -11.1, -20.0), (0.005, -14.1, -23.0), (0.002, -18.0, -27.0),
 ]  # fmt: skip
+SHORT_BURSTS = [(0.001, -21.0), (0.0005, -24.0), (0.00025, -27.0)]  # F only: S ends at 2 ms in the table
 
 
 @pytest.mark.parametrize(("duration", "fast", "slow"), BURSTS)
@@ -90,6 +91,27 @@ def test_tone_bursts(duration, fast, slow):
     assert sound_levels(burst[: int(1.2 * FS)], 1 / FS).l_ae_db - 93.979 - 0.97 == pytest.approx(
         10 * np.log10(duration), abs=0.1 if duration >= 0.005 else 0.4
     )  # A at 4 kHz is +0.97 dB; a burst of 8 periods has a band of its own
+
+
+@pytest.mark.parametrize(("duration", "fast"), SHORT_BURSTS)
+def test_tone_bursts_too_short_for_slow(duration, fast):
+    """Bursts of four, two and one period: the end of table 4."""
+    t = np.arange(24000) / FS
+    burst = np.where(t < duration - 1e-9, np.sqrt(2) * np.sin(2 * np.pi * 4000 * t), 0)
+    assert 10 * np.log10(time_weighted(burst**2, 1 / FS, "F").max()) == pytest.approx(fast, abs=0.06)
+
+
+@pytest.mark.parametrize("sampling", [2e3, 8e3, 20e3])
+def test_rated_third_octaves_are_class_1_at_coarse_samplings(sampling):
+    """50 to 630 Hz, what heavy impacts are rated by, at the samplings that studies use."""
+    for nominal, centre in third_octave_bands(sampling).items():
+        sos = band_filter(centre, sampling)
+        for exponent, least, most in CLASS_1 if 50 <= nominal <= 630 else ():
+            for sign in (1, -1):
+                f = third_octave_frequency(centre, sign * exponent)
+                if f < 0.49 * sampling:
+                    attenuation = -20 * np.log10(np.abs(sosfreqz(sos, [f], fs=sampling)[1][0]) + 1e-30)
+                    assert least <= attenuation <= most, (nominal, sign * exponent, attenuation)
 
 
 @pytest.mark.parametrize(("duration", "level"), [(0.02, -3.6), (0.005, -8.8), (0.002, -12.6)])
