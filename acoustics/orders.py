@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
@@ -58,19 +59,23 @@ def resolved_orders(room: Room, points: Floats) -> Integers:
     return np.asarray(0.5 * per_length * room.size[:2], dtype=np.int64)
 
 
-def undriven(surface: SurfaceVelocity, room: Room, done: Integers, highest_hz: float) -> bool:
-    """Whether no cosine of the source's band that is left out is driven nearly as much as those that are in.
+def undriven(surfaces: Sequence[SurfaceVelocity], room: Room, done: Integers, highest_hz: float) -> bool:
+    """Whether no cosine of the sources' band that is left out is driven nearly as much as those that are in.
 
-    Blocks that add nothing end the search; a surface that moves in a pattern finer than the last block would end it
-    too early.
+    surfaces : motions of one surface. Blocks that add nothing end the search; a surface that moves in a pattern finer
+    than the last block would end it too early.
     """
     left = not_in(square(*band_orders(room, highest_hz)), done)
-    speeds = [np.abs(project(surface, room, some)) @ surface.sizes for some in (left, done)]
-    return bool(speeds[0].max(initial=0.0) <= FINER * speeds[1].max())
+    patterns = [np.abs(project(surfaces[0], room, some)) for some in (left, done)]
+    return all(
+        (patterns[0] @ one.sizes).max(initial=0.0) <= FINER * (patterns[1] @ one.sizes).max() for one in surfaces
+    )
 
 
-def audible(surface: SurfaceVelocity, room: Room, orders: Integers, p: Floats) -> Integers:
+def audible(surfaces: Sequence[SurfaceVelocity], room: Room, orders: Integers, p: Floats) -> Integers:
     """The cosines that could matter: the others, each in resonance all the time, would together stay below ENOUGH.
+
+    surfaces : motions of one surface. p : what is heard of each so far [n_surfaces, n_receivers, nt].
 
     Notes
     -----
@@ -80,11 +85,15 @@ def audible(surface: SurfaceVelocity, room: Room, orders: Integers, p: Floats) -
     k_lm = horizontal_wavenumber(room, orders)
     omega = room.air.c * np.where(k_lm > 0, k_lm, np.pi / float(room.size[:2].max()))
     ratio = np.array([modal_damping_ratio(room.losses, w / (2 * np.pi)) for w in omega.tolist()])
-    every = max(1, surface.rates.shape[1] // SEEN)
-    velocity = project(surface, room, orders) @ surface.rates[:, ::every]
-    loudest = np.sqrt(every * np.einsum("nt,nt->n", velocity, velocity)) * room.air.bulk_modulus / float(room.size[2])
-    bound = np.divide(loudest, ratio * omega, out=np.full_like(loudest, np.inf), where=ratio > 0)
-    quiet = np.argsort(bound)
-    together = np.sqrt(np.cumsum(bound[quiet] ** 2))
-    left_out = quiet[together < ENOUGH * np.sqrt(np.einsum("rt,rt->r", p, p).min())]
-    return np.delete(orders, left_out, axis=0)
+    coefficients = project(surfaces[0], room, orders)
+    kept = np.zeros(len(orders), dtype=bool)
+    for surface, heard in zip(surfaces, p, strict=True):
+        every = max(1, surface.rates.shape[1] // SEEN)
+        velocity = coefficients @ surface.rates[:, ::every]
+        loudest = np.sqrt(every * np.einsum("nt,nt->n", velocity, velocity))
+        loudest *= room.air.bulk_modulus / float(room.size[2])
+        bound = np.divide(loudest, ratio * omega, out=np.full_like(loudest, np.inf), where=ratio > 0)
+        quiet = np.argsort(bound)
+        together = np.sqrt(np.cumsum(bound[quiet] ** 2))
+        kept[quiet[together >= ENOUGH * np.sqrt(np.einsum("rt,rt->r", heard, heard).min())]] = True
+    return orders[kept]

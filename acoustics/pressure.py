@@ -107,31 +107,60 @@ def pressure(
     >>> round(float(heard.p[0, -1]), 2)
     14.91
     """
-    on_ceiling(surface, room)
+    return pressures([surface], room, receivers, orders=orders)[0]
+
+
+def pressures(
+    surfaces: Sequence[SurfaceVelocity], room: Room, receivers: Sequence[Receiver], *, orders: int | None = None
+) -> list[RoomResponse]:
+    """Pressure at the receivers for each of several motions of one ceiling: as `pressure` of each, but what the room
+    costs, its transfer functions and the cosines of the ceiling, is paid once.
+
+    surfaces : of the same points, weights, shapes and sampling; they differ in their rates.
+
+    Raises AcousticsError as `pressure` does, and for no surface or surfaces that differ.
+    """
+    _alike(surfaces)
+    on_ceiling(surfaces[0], room)
     if not receivers:
         raise AcousticsError("receivers", got="none", expected="at least one", do="name a place to listen")
     places = np.stack([receiver.position for receiver in receivers])
     for receiver in receivers:
         inside(room, f"receiver {receiver.name}", receiver.position[None, :])
-    highest_hz = source_bandwidth(project(surface, room, square(2, 2)) @ surface.rates, surface.dt)
-    p = np.zeros((len(receivers), surface.rates.shape[1]))
-    done, share = np.zeros((0, 2), dtype=np.int64), 0.0
-    for block in order_blocks(room, orders, highest_hz):
+    first = surfaces[0]
+    broad = project(first, room, square(2, 2))
+    highest_hz = [source_bandwidth(broad @ surface.rates, surface.dt) for surface in surfaces]
+    top = max(highest_hz)
+    p = np.zeros((len(surfaces), len(receivers), first.rates.shape[1]))
+    done, shares = np.zeros((0, 2), dtype=np.int64), [0.0] * len(surfaces)
+    for block in order_blocks(room, orders, top):
         new = not_in(block, done)
-        heard = new if orders is not None or not len(done) else audible(surface, room, new, p)
-        part = _synthesise(surface, room, heard, places)
+        heard = new if orders is not None or not len(done) else audible(surfaces, room, new, p)
+        part = _synthesise(surfaces, room, heard, places)
         p += part
         done = np.concatenate([done, new])
-        share = _worst_share(part, p)
-        if orders is None and len(done) > len(new) and share < ENOUGH and undriven(surface, room, done, highest_hz):
+        shares = [_worst_share(*pair) for pair in zip(part, p, strict=True)]
+        more = len(done) > len(new) and max(shares) < ENOUGH
+        if orders is None and more and undriven(surfaces, room, done, top):
             break
-    findings = (
-        *source_advice(surface, room, done, highest_hz),
-        *truncation(share, done),
-        *one_way(room),
-    )
-    p.flags.writeable = False
-    return RoomResponse(tuple(receivers), surface.t, p, findings)
+    found = []
+    for surface, heard_here, share, highest in zip(surfaces, p, shares, highest_hz, strict=True):
+        findings = (*source_advice(surface, room, done, highest), *truncation(share, done), *one_way(room))
+        found.append(RoomResponse(tuple(receivers), surface.t, heard_here, findings))
+    return found
+
+
+def _alike(surfaces: Sequence[SurfaceVelocity]) -> None:
+    """Refuse surfaces that are not motions of one ceiling."""
+    if not surfaces:
+        raise AcousticsError("surfaces", got="none", expected="at least one")
+    first = surfaces[0]
+    for other in surfaces[1:]:
+        same = all(
+            np.array_equal(getattr(first, word), getattr(other, word)) for word in ("points", "weights", "shapes")
+        )
+        if not same or other.dt != first.dt or other.rates.shape != first.rates.shape:
+            raise AcousticsError("surfaces", got="surfaces that differ", expected="motions of one ceiling")
 
 
 def _worst_share(part: Floats, p: Floats) -> float:
@@ -140,38 +169,43 @@ def _worst_share(part: Floats, p: Floats) -> float:
     return float(np.sqrt(np.divide(of_part, of_all, out=np.zeros_like(of_all), where=of_all > 0).max()))
 
 
-def _synthesise(surface: SurfaceVelocity, room: Room, orders: Integers, places: Floats) -> Floats:
-    """Pressure [n_places, nt] of the cosines `orders` of the ceiling velocity."""
-    nt, dt = surface.rates.shape[1], surface.dt
-    coefficients = project(surface, room, orders)
-    speed = np.abs(coefficients) @ surface.sizes
-    loudest = np.abs(surface.shapes).max(axis=0, initial=0) @ surface.sizes
-    driven = speed > SILENT * loudest
+def _synthesise(surfaces: Sequence[SurfaceVelocity], room: Room, orders: Integers, places: Floats) -> Floats:
+    """Pressure [n_surfaces, n_places, nt] of the cosines `orders` of the ceiling velocities."""
+    first = surfaces[0]
+    nt, dt = first.rates.shape[1], first.dt
+    coefficients = project(first, room, orders)
+    driven = np.zeros(len(orders), dtype=bool)
+    for surface in surfaces:
+        speed = np.abs(coefficients) @ surface.sizes
+        driven |= speed > SILENT * (np.abs(surface.shapes).max(axis=0, initial=0) @ surface.sizes)
     orders, coefficients = orders[driven], coefficients[driven]
     weighted = room.losses.kind != "source"
     s, weight = transform_axis(nt, dt, damped=weighted)
     length = len(weight)
     heights, plane = np.unique(places[:, 2], return_inverse=True)
-    p = np.zeros((len(places), nt))
-    batch = max(1, _MEMORY // (len(s) * max(1, len(heights))))
+    p = np.zeros((len(surfaces), len(places), nt))
+    batch = max(1, _MEMORY // (len(s) * max(1, len(heights)) * len(surfaces)))
     for start in range(0, len(orders), batch):
         chosen = orders[start : start + batch]
-        velocity = coefficients[start : start + batch] @ surface.rates
-        future = extended(velocity, length) if weighted else returned(velocity, length)
-        if weighted:
-            future *= weight
-            uniform = None
-        else:
-            steps = future * dt
-            uniform = (np.cumsum(steps, axis=1) - 0.5 * steps).sum(axis=1)
-        spectra = np.fft.rfft(future, axis=1).astype(np.complex128, copy=False)
-        if weighted:
-            spectra *= band_end(spectra.shape[1])
+        spectra, uniform = [], []
+        for surface in surfaces:
+            velocity = coefficients[start : start + batch] @ surface.rates
+            future = extended(velocity, length) if weighted else returned(velocity, length)
+            if weighted:
+                future *= weight
+            else:
+                steps = future * dt
+                uniform.append((np.cumsum(steps, axis=1) - 0.5 * steps).sum(axis=1))
+            spectra.append(np.fft.rfft(future, axis=1).astype(np.complex128, copy=False))
+            if weighted:
+                spectra[-1] *= band_end(spectra[-1].shape[1])
         at_places = cosines(room, chosen, places)
         mixes = [at_places[plane == height] for height in range(len(heights))]
-        for height, part in enumerate(_through(room, chosen, s, heights, spectra, mixes, uniform)):
-            heard = np.fft.irfft(part, length, axis=1)[:, :nt]
-            p[plane == height] += heard if _few(mixes[height]) else mixes[height] @ np.ascontiguousarray(heard)
+        for heard_of, parts in zip(p, _through(room, chosen, s, heights, spectra, mixes, uniform), strict=True):
+            for height, part in enumerate(parts):
+                heard = np.fft.irfft(part, length, axis=1)[:, :nt]
+                mix = mixes[height]
+                heard_of[plane == height] += heard if _few(mix) else mix @ np.ascontiguousarray(heard)
     if weighted:
         p /= weight[:nt]
     return p
@@ -188,31 +222,35 @@ def _through(
     orders: Integers,
     s: Complexes,
     heights: Floats,
-    spectra: Complexes,
+    spectra: Sequence[Complexes],
     mixes: list[Floats],
-    uniform: Floats | None,
-) -> list[Complexes]:
-    """Pressure spectra at each height, up to the last frequency that carries anything: [n_here, nf] of the listeners
-    there where they are few, [n, nf] of the cosines elsewhere.
+    uniform: Sequence[Floats],
+) -> list[list[Complexes]]:
+    """Pressure spectra by source and height, up to the last frequency that carries anything: [n_here, nf] of the
+    listeners there where they are few, [n, nf] of the cosines elsewhere.
 
-    mixes : share [n_here, n] of each cosine at the listeners of each height.
-    uniform : sum of the displacements over the samples [n] when s lies on the frequency axis, where the transfer of
-        the uniform cosine is infinite at 0 and the displacement takes the velocity's place.
+    spectra : of every source [n, nf]. mixes : share [n_here, n] of each cosine at the listeners of each height.
+    uniform : of every source, the sum of the displacements over the samples [n] when s lies on the frequency axis,
+        where the transfer of the uniform cosine is infinite at 0 and the displacement takes the velocity's place; else
+        nothing.
     """
-    parts = [np.zeros((min(mix.shape), spectra.shape[1]), dtype=np.complex128) for mix in mixes]
+    nf = spectra[0].shape[1]
+    parts = [[np.zeros((min(mix.shape), nf), dtype=np.complex128) for mix in mixes] for _ in spectra]
     k_lm = horizontal_wavenumber(room, orders)
-    size = np.abs(spectra).max(axis=0)
+    size = sum(np.abs(one).max(axis=0) for one in spectra)
     above = np.cumsum(size[::-1])[::-1]
     last = int(np.count_nonzero(above > NEGLIGIBLE * above[0]))
     width = max(1, _BLOCK // max(1, len(orders)))
-    for start in range(0 if uniform is None else 1, last, width):
+    for start in range(1 if uniform else 0, last, width):
         band = slice(start, min(start + width, last))
-        for part, mix, response in zip(parts, mixes, transfer(room, s[band], k_lm, heights), strict=True):
-            response *= spectra[:, band]
-            part[:, band] = (mix @ response.view(np.float64)).view(np.complex128) if _few(mix) else response
-    if uniform is not None:
+        for height, response in enumerate(transfer(room, s[band], k_lm, heights)):
+            mix = mixes[height]
+            for own, driving in zip(parts, spectra, strict=True):
+                driven = response * driving[:, band]
+                own[height][:, band] = (mix @ driven.view(np.float64)).view(np.complex128) if _few(mix) else driven
+    for own, displaced in zip(parts, uniform, strict=False):
         compression = room.air.bulk_modulus / room.size[2] * ((1 - 1j * room.losses.beta) ** -2).real
-        for part, mix in zip(parts, mixes, strict=True):
-            still = np.where(k_lm == 0, compression * uniform, 0)
+        for part, mix in zip(own, mixes, strict=True):
+            still = np.where(k_lm == 0, compression * displaced, 0)
             part[:, 0] = mix @ still if _few(mix) else still
     return parts

@@ -61,16 +61,35 @@ def surface_velocity(
     >>> round(float(moving.shapes[0] @ moving.rates[:, -1]), 9), moving.points.tolist()
     (1.0, [[0.25, 0.25, 1.0]])
     """
-    shapes = ceiling_shapes(response.basis, surface, name)
-    speeds = np.abs(shapes).max(axis=0) * response.amplitudes()
-    moving = np.flatnonzero(speeds >= STILL * speeds.max(initial=0.0))
-    return SurfaceVelocity(
-        points=room_coordinates(surface, room, offset, name),
-        weights=surface.weights,
-        shapes=shapes[:, moving],
-        rates=response.velocities(moving),
-        dt=1.0 / response.clock.sampling,
-    )
+    return surface_velocities([response], surface, room, offset, name)[0]
+
+
+def surface_velocities(
+    responses: Sequence[Response],
+    surface: Surface,
+    room: Room,
+    offset: tuple[float, float] = (0.0, 0.0),
+    name: str = "",
+) -> list[SurfaceVelocity]:
+    """The same of several responses of one basis, with the same shapes: those of the modes that move it in any of them.
+
+    Raises InputError as `surface_velocity` does.
+    """
+    shapes = ceiling_shapes(responses[0].basis, surface, name)
+    largest = np.abs(shapes).max(axis=0)
+    speeds = [largest * response.amplitudes() for response in responses]
+    moving = np.flatnonzero(np.any([speed >= STILL * speed.max(initial=0.0) for speed in speeds], axis=0))
+    points, kept = room_coordinates(surface, room, offset, name), shapes[:, moving]
+    return [
+        SurfaceVelocity(
+            points=points,
+            weights=surface.weights,
+            shapes=kept,
+            rates=response.velocities(moving),
+            dt=1.0 / response.clock.sampling,
+        )
+        for response in responses
+    ]
 
 
 def ceiling_shapes(basis: ModalBasis, surface: Surface, name: str = "") -> Floats:

@@ -176,25 +176,17 @@ def run_case(
     whole: Struck | None = None
     channels, shares, drops, rated = {}, None, {}, {}
     if study.time is not None:
-        told_at: dict[str, tuple[Finding, ...]] = {}
-        heard = []
-        for place, one in (case.drops or {"": study}).items():
-            stage = partial(clock, case=f"{case.name} {place}".strip())
-            done = strike(one, study.time, own.places, basis, vacuo, stage)
-            whole = whole or done  # of the others only numbers are kept
-            told_at[place] = done.findings
-            heard.append(done.bands_db)
-            if case.drops:
-                drops[place] = done.drop()
-        assert whole is not None
+        struck = strike(case.drops or {"": study}, study.time, own.places, basis, vacuo, partial(clock, case=case.name))
+        whole = next(iter(struck.values()))  # of the other drops only numbers are kept
+        drops = {place: one.drop() for place, one in struck.items()} if case.drops else {}
         with clock("levels", case.name):
             shares = mode_energies(whole.response)
             channels = record(study, own.places, whole.response, whole.rooms)
             findings += aliased_findings(whole.response, acceleration_rows(study, own.places, basis))
-        findings += told_once(told_at)
-        rated = rate_rooms(study, heard)
+        findings += told_once({place: one.findings for place, one in struck.items()})
+        rated = rate_rooms(study, [one.bands_db for one in struck.values()])
         for plan in study.rooms:
-            told += [(plan.name, found) for found in rated_findings(plan, study, vacuo, len(heard))]
+            told += [(plan.name, found) for found in rated_findings(plan, study, vacuo, len(struck))]
             told += [(plan.name, one) for one in meeting_findings(plan, study, ceiling(plan, own.places), vacuo)]
             if plan.coupling == "one-way":
                 told += [(plan.name, found) for found in coupling_findings(vacuo, ceiling(plan, own.places), plan.room)]

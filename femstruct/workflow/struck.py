@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 from acoustics.errors import Advice
 from acoustics.levels import Levels, response_levels
-from acoustics.pressure import RoomResponse, pressure
+from acoustics.pressure import RoomResponse, pressures
 from femstruct.errors import Finding
 from femstruct.impact.bodies import Clock
 from femstruct.impact.estimate import ErrorEstimate, error_of
@@ -16,7 +16,7 @@ from femstruct.impact.judgement import unresolved_findings
 from femstruct.impact.response import Response
 from femstruct.impact.simulate import simulate
 from femstruct.modal.basis import ModalBasis
-from femstruct.radiation import surface_velocity
+from femstruct.radiation import surface_velocities
 from femstruct.study.result import Drop
 from femstruct.study.study import Study, TimePlan
 from femstruct.workflow.air import ceiling
@@ -47,40 +47,71 @@ class Struck:
 
 
 def strike(
-    study: Study, time: TimePlan, places: Places, basis: ModalBasis, vacuo: ModalBasis, stage: Stopwatch
-) -> Struck:
-    """A study simulated: impact, its error, rooms, levels.
+    studies: Mapping[str, Study], time: TimePlan, places: Places, basis: ModalBasis, vacuo: ModalBasis, stage: Stopwatch
+) -> dict[str, Struck]:
+    """Studies that differ in where a source strikes, simulated: impacts, their errors, rooms, levels, by drop.
 
     basis : damped, with the air that pushes back; vacuo : without it. stage : measures a stage by its name.
 
     Raises what the stages raise.
+
+    Notes
+    -----
+    The pressures of all but the first drop are forgotten once their levels are known; what a room costs is paid once.
     """
+    first = next(iter(studies.values()))
     with stage("impact"):
-        response = simulate(basis, scene(study, places, basis), Clock(time.duration, time.sampling, time.quiet))
-        findings = [*response.findings, *impact_findings(vacuo, response), *source_findings(study, response)]
-        findings += walking_findings(study, vacuo)
+        responses = {drop: _hit(study, time, places, basis) for drop, study in studies.items()}
     with stage("error estimate"):
-        errors = error_of(response)
-        findings += unresolved_findings(errors, None if study.accuracy is None else study.accuracy.within)
+        errors = {drop: error_of(response) for drop, response in responses.items()}
     with stage("room"):
-        rooms = _rooms(study, places, response)
-    with stage("levels"):
-        heard = {
-            f"{room}.{receiver}": found
-            for room, pressures in rooms.items()
-            for receiver, found in response_levels(pressures).items()
-        }
-        rated = {plan.name for plan in study.rooms if plan.levels and plan.receivers}
-        bands = {
-            name: band_levels(study, pressures, [heard[f"{name}.{one.name}"] for one in pressures.receivers])
-            for name, pressures in rooms.items()
-            if name in rated
-        }
+        rooms = _rooms(first, places, responses)
+    struck = {}
+    for drop, study in studies.items():
+        with stage("levels"):
+            own = {name: by_drop.pop(drop) for name, by_drop in rooms.items()}
+            heard = {
+                f"{room}.{receiver}": found
+                for room, pressures_there in own.items()
+                for receiver, found in response_levels(pressures_there).items()
+            }
+            bands = {
+                plan.name: band_levels(
+                    study, own[plan.name], [heard[f"{plan.name}.{one.name}"] for one in plan.receivers]
+                )
+                for plan in study.rooms
+                if plan.levels and plan.receivers
+            }
+        findings = _findings(study, responses[drop], errors[drop], vacuo, own, heard)
+        kept = own if drop == next(iter(studies)) else {}
+        struck[drop] = Struck(responses[drop], errors[drop], kept, heard, bands, findings)
+    return struck
+
+
+def _hit(study: Study, time: TimePlan, places: Places, basis: ModalBasis) -> Response:
+    return simulate(basis, scene(study, places, basis), Clock(time.duration, time.sampling, time.quiet))
+
+
+def _findings(
+    study: Study,
+    response: Response,
+    errors: ErrorEstimate,
+    vacuo: ModalBasis,
+    rooms: Mapping[str, RoomResponse],
+    heard: Mapping[str, Levels],
+) -> tuple[Finding, ...]:
     told: list[tuple[str, Advice | Finding]] = [
-        (name, advice) for name, pressures in rooms.items() for advice in pressures.findings
+        (name, advice) for name, one in rooms.items() for advice in one.findings
     ]
     told += [(name, advice) for name, levels in heard.items() for advice in levels.findings]
-    return Struck(response, errors, rooms, heard, bands, (*findings, *room_findings(told)))
+    return (
+        *response.findings,
+        *impact_findings(vacuo, response),
+        *source_findings(study, response),
+        *walking_findings(study, vacuo),
+        *unresolved_findings(errors, None if study.accuracy is None else study.accuracy.within),
+        *room_findings(told),
+    )
 
 
 def told_once(told: Mapping[str, Sequence[Finding]]) -> list[Finding]:
@@ -101,9 +132,11 @@ def told_once(told: Mapping[str, Sequence[Finding]]) -> list[Finding]:
     return found
 
 
-def _rooms(study: Study, places: Places, response: Response) -> dict[str, RoomResponse]:
+def _rooms(study: Study, places: Places, responses: Mapping[str, Response]) -> dict[str, dict[str, RoomResponse]]:
+    """What is heard in every room, by drop."""
     rooms = {}
     for plan in (plan for plan in study.rooms if plan.receivers or plan.coupling == "one-way"):
-        moving = surface_velocity(response, ceiling(plan, places), plan.room, plan.offset, plan.name)
-        rooms[plan.name] = pressure(moving, plan.room, plan.receivers)
+        moving = surface_velocities(list(responses.values()), ceiling(plan, places), plan.room, plan.offset, plan.name)
+        heard = pressures(moving, plan.room, plan.receivers)
+        rooms[plan.name] = dict(zip(responses, heard, strict=True))
     return rooms
