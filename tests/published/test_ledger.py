@@ -9,7 +9,13 @@ import pytest
 import reproduce
 from ledger.row import Row
 
-OURS = {"chapter_2": 52, "chapter_3": 50, "chapter_4": 65, "chapter_5": 61}  # rows that must not get lost
+OURS = {
+    "chapter_1": 6,
+    "chapter_2": 52,
+    "chapter_3": 50,
+    "chapter_4": 67,
+    "chapter_5": 61,
+}  # rows that must not get lost
 
 
 @pytest.fixture(scope="module")
