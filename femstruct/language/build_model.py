@@ -210,9 +210,11 @@ def _given_modes(spec: GivenModesSpec) -> ModesModel:
     ratios = spec.ratio if spec.ratio is not None else [0.0] * count
     if len(ratios) != count:
         raise FemstructError("structure.ratio", got=f"{len(ratios)} ratios", expected=f"{count}, one a frequency")
-    for name, shape in spec.points.items():
-        if len(shape) != count:
+    for name, point in spec.points.items():
+        if len(point.shape) != count:
             raise FemstructError(
-                f"structure.points.{name}", got=f"{len(shape)} values", expected=f"{count}, one a mode"
+                f"structure.points.{name}", got=f"{len(point.shape)} values", expected=f"{count}, one a mode"
             )
-    return ModesModel(tuple(spec.frequency), tuple(ratios), {name: tuple(shape) for name, shape in spec.points.items()})
+    shapes = {name: tuple(point.shape) for name, point in spec.points.items()}
+    at = {name: point.at for name, point in spec.points.items() if point.at is not None}
+    return ModesModel(tuple(spec.frequency), tuple(ratios), shapes, at)

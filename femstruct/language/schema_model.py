@@ -208,13 +208,29 @@ class BeamSpec(Spec):
     modes: Count = 6
 
 
+class GivenPointSpec(Spec):
+    """A point of given modes: mass-normalised shapes [1/sqrt(kg)], and where it is along the axis they move along."""
+
+    shape: list[Component]
+    at: Coordinate | None = None
+
+
+def _given_point(value: object) -> object:
+    """The shapes alone, or with a position."""
+    return {"shape": value} if isinstance(value, list) else value
+
+
+GivenPoint = Annotated[GivenPointSpec, read_by(_given_point, list[Component] | GivenPointSpec)]
+
+
 class GivenModesSpec(Spec):
-    """Given modes: frequencies, damping ratios and mass-normalised shapes at points [1/sqrt(kg)]."""
+    """Given modes: frequencies, damping ratios and mass-normalised shapes at points [1/sqrt(kg)]; a point that is above
+    or below another says where, {shape: [..], at: 0.2 m}."""
 
     type: Literal["modes"]
     frequency: Annotated[list[Annotated[float, Quantity(("frequency",), least=0.0)]], Field(min_length=1)]
     ratio: list[Ratio] | None = None
-    points: dict[str, list[Component]]
+    points: dict[str, GivenPoint]
 
 
 def _structure(value: object) -> object:

@@ -156,10 +156,12 @@ def given_modes(
     ratio: Sequence[float],
     points: Mapping[str, Sequence[float]],
     axis: Axis = "z",
+    at: Mapping[str, float] | None = None,
 ) -> tuple[ModalBasis, Points]:
     """Modes as measured or published: frequencies [Hz], damping ratios [1], and their shapes at named points.
 
     points : name to the mode shape there along the axis, one value a mode [1/sqrt(kg)] (mass-normalised).
+    at : positions along the axis [m] of points, which tell what is above what; 0 for the others.
 
     Notes
     -----
@@ -183,6 +185,8 @@ def given_modes(
     shapes[:, _AXES.index(axis)] = np.array([list(row) for row in points.values()]).reshape(len(points), k)
     places = np.zeros((len(points), 3))
     places[:, 0] = np.arange(len(points))  # apart from each other; where they are is not known
+    if at:
+        places[:, _AXES.index(axis)] = [at.get(name, 0.0) for name in points]
     viscous = np.diag(2.0 * np.asarray(ratio, dtype=np.float64) * omega)
     return _basis(omega, shapes, places, np.zeros((3, k)), 0.0, 0.0, {}, viscous), _points(tuple(points), places)
 

@@ -256,11 +256,13 @@ class BeamModel:
 
 @dataclass(frozen=True)
 class ModesModel:
-    """`structure: {type: modes}`: given modes [Hz], damping ratios [1] and mass-normalised shapes along z at points."""
+    """`structure: {type: modes}`: given modes [Hz], damping ratios [1] and mass-normalised shapes at points, along the
+    axis their study moves along; at : positions along it [m], of the points that have one."""
 
     frequency_hz: tuple[float, ...]
     ratio: tuple[float, ...]
     points: Mapping[str, tuple[float, ...]]
+    at: Mapping[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

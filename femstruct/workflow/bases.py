@@ -105,8 +105,8 @@ def _closed_form(
             return rod(length, E, rho, area, modes, points)
         case BeamModel(length, ends, EI, mass_per_length, modes, points):
             return beam(length, EI, mass_per_length, ends, modes, points)
-        case ModesModel(frequency_hz, ratio, shapes):
-            return given_modes(frequency_hz, ratio, shapes, axis=axis)
+        case ModesModel(frequency_hz, ratio, shapes, at):
+            return given_modes(frequency_hz, ratio, shapes, axis=axis, at=at)
         case NoStructure():
             return given_modes((), (), {})
 

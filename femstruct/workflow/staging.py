@@ -13,7 +13,7 @@ from femstruct.errors import InputError
 from femstruct.impact.bodies import GROUND, Blows, Body, Contact, End, Link, Load, Scene
 from femstruct.modal.basis import ModalBasis
 from femstruct.model.probe import Point, Probe, Surface
-from femstruct.study.study import InitialMotion, PlacedBody, PlannedContact, PlannedLink, Study
+from femstruct.study.study import InitialMotion, ModesModel, PlacedBody, PlannedContact, PlannedLink, Study
 from femstruct.workflow.rest import at_rest, axis_of, lying_bodies, mass_on, planned_contacts, refuse_restless, weighs
 
 HORIZONTAL = np.cos(np.radians(45.0))
@@ -152,6 +152,7 @@ class _Stage:
 
     def names(self, between: tuple[str, str], asked_by: str) -> tuple[str, str]:
         """The two ends, the upper one first."""
+        self._refuse_unknown_heights(between, asked_by)
         heights = [self.height(name, asked_by) for name in between]
         if heights[0] == heights[1]:
             raise InputError(
@@ -161,6 +162,28 @@ class _Stage:
                 do=f"move one of them along {self.axis}, or put a body between",
             )
         return between if heights[0] > heights[1] else (between[1], between[0])
+
+    def _refuse_unknown_heights(self, between: tuple[str, str], asked_by: str) -> None:
+        """Points of given modes are nowhere unless they say: what stands at one is neither above nor below another."""
+        structure = self.study.structure
+        if not isinstance(structure, ModesModel) or "ground" in between:
+            return
+        at = {name for name in map(self._stands_at, between) if name in structure.points}
+        if len(at) == 2 and not at <= structure.at.keys():
+            raise InputError(
+                f"{asked_by}.between",
+                got=f"{between[0]} and {between[1]}, at points of given modes without positions",
+                expected="to know which end is above the other",
+                do=f"write structure.points.{min(at - structure.at.keys())} as {{shape: [..], at: 0.2 m}}",
+            )
+
+    def _stands_at(self, name: str) -> str:
+        """The point at which a body stands, maybe on other bodies; a point itself."""
+        seen: set[str] = set()
+        while name in self.bodies and name not in seen:
+            seen.add(name)
+            name = self.bodies[name].target
+        return name
 
     def ordered(self, between: tuple[str, str], asked_by: str) -> tuple[End, End]:
         upper, lower = self.names(between, asked_by)
