@@ -11,8 +11,9 @@ The way through this wing, each step a pure function or a frozen noun::
     rate_room(...) -> RatedRoom        a room as the standards state it          rated
     force_exposure_levels(...)         how hard a source strikes                 exposure
 
-Layers, lowest first: ``errors arrays air room source | extension cavity | orders judgement pressure maps | bands
-weighting levels ratings decay exposure rated``; a module imports from lower ones only. Nothing here knows of finite
+Layers, lowest first: ``errors arrays air room source walls | extension cavity meshes fem shaped | orders
+judgement absorption pressure cavity_pressure maps harmonic coupled coupled_fem | bands weighting levels ratings decay
+exposure rated``; a module imports from lower ones only. Nothing here knows of finite
 elements, opens a file or prints.
 
 Harmonic quantities are the real part of X exp(+j omega t). The surface's velocity is positive into the room, where it
@@ -26,7 +27,6 @@ from typing import TYPE_CHECKING, Any
 
 from acoustics.air import Air
 from acoustics.errors import AcousticsError, Advice
-from acoustics.maps import PressureMap, pressure_map
 from acoustics.pressure import RoomResponse, pressure
 from acoustics.room import (
     Losses,
@@ -48,8 +48,10 @@ if TYPE_CHECKING:
     from acoustics.cavity_pressure import cavity_pressure
     from acoustics.decay import reverberation_time
     from acoustics.exposure import force_exposure_levels
-    from acoustics.fem import CavityMesh, CavityModes, box_mesh, cavity_modes
+    from acoustics.fem import CavityModes, cavity_modes
     from acoustics.levels import Levels, equivalent_levels, level_history, level_spectrum, response_levels, sound_levels
+    from acoustics.maps import PressureMap, pressure_map
+    from acoustics.meshes import CavityMesh, box_mesh
     from acoustics.rated import RatedRoom, rate_room
     from acoustics.ratings import (
         HeavyImpactRating,
@@ -61,6 +63,7 @@ if TYPE_CHECKING:
         standardised_maximum_level,
         weighted_impact_level,
     )
+    from acoustics.shaped import ShapedRoom
     from acoustics.walls import Wall, absorbing
     from acoustics.weighting import frequency_weighting, time_weighted, weighted
 
@@ -69,7 +72,10 @@ _FETCHED = {
     "acoustics.cavity_pressure": ("cavity_pressure",),
     "acoustics.decay": ("reverberation_time",),
     "acoustics.exposure": ("force_exposure_levels",),
-    "acoustics.fem": ("CavityMesh", "CavityModes", "box_mesh", "cavity_modes"),
+    "acoustics.fem": ("CavityModes", "cavity_modes"),
+    "acoustics.maps": ("PressureMap", "pressure_map"),
+    "acoustics.meshes": ("CavityMesh", "box_mesh"),
+    "acoustics.shaped": ("ShapedRoom",),
     "acoustics.walls": ("Wall", "absorbing"),
     "acoustics.bands": ("octave_bands", "third_octave_bands"),
     "acoustics.levels": (
@@ -109,6 +115,7 @@ __all__ = [
     "Receiver",
     "Room",
     "RoomResponse",
+    "ShapedRoom",
     "SurfaceVelocity",
     "Wall",
     "absorbing",

@@ -3,23 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 from scipy.linalg import eig
 
+from acoustics.absorption import COUPLED, absorbed, coupled_walls, coupling
 from acoustics.air import Air
 from acoustics.arrays import Complexes, Floats
 from acoustics.cavity import wavenumber_squared
 from acoustics.errors import AcousticsError, Advice
 from acoustics.extension import extended, source_bandwidth, transform_axis
-from acoustics.fem import CELLS_PER_WAVE, CavityModes, drive, probe, wall_forces, wall_integrals, with_answers
+from acoustics.fem import CELLS_PER_WAVE, CavityModes, drive, probe, wall_forces, with_answers
 from acoustics.pressure import RoomResponse
-from acoustics.room import Losses, Receiver
-from acoustics.source import SurfaceVelocity
+from acoustics.room import Losses, Receiver, positions
+from acoustics.shaped import ShapedRoom
+from acoustics.source import SurfaceVelocity, alike
 from acoustics.walls import Wall
 
-COUPLED: Final = 0.05  # what walls couple two modes by, over the distance of their frequencies, to need complex modes
 _BATCH: Final = 1 << 23  # complex numbers of one batch
 
 
@@ -54,7 +56,8 @@ def cavity_pressure(
 
     A piston that stops after pushing 0.1 mm into a box of 1 m height compresses it by 1e-4:
 
-    >>> from acoustics.fem import box_mesh, cavity_modes
+    >>> from acoustics.fem import cavity_modes
+    >>> from acoustics.meshes import box_mesh
     >>> t = np.arange(4800) / 48e3
     >>> push = np.where(t < 0.02, 0.01 * (1 - np.cos(2 * np.pi * t / 0.02)) / 2, 0)
     >>> ceiling = SurfaceVelocity([[0.25, 0.25, 1]], [0.25], [[1]], [push], dt=1 / 48e3)
@@ -63,45 +66,128 @@ def cavity_pressure(
     >>> round(float(heard.p[0, -1]), 1)
     14.9
     """
+    return cavity_pressures([surface], modes, air, losses, receivers, walls)[0]
+
+
+def cavity_pressures(
+    surfaces: Sequence[SurfaceVelocity],
+    modes: CavityModes,
+    air: Air,
+    losses: Losses,
+    receivers: Sequence[Receiver],
+    walls: Mapping[str, Wall] | None = None,
+) -> list[RoomResponse]:
+    """Pressure at the receivers for each of several motions of one ceiling: as `cavity_pressure` of each, the transfer
+    functions found once.
+
+    surfaces : of the same points, weights, shapes and sampling; they differ in their rates.
+
+    Raises AcousticsError as `cavity_pressure` does, and for no surface or surfaces that differ.
+    """
     if losses.kind == "source":
         raise AcousticsError("losses", got="kind source", expected="a causal kind", do="use form: causal")
-    if not receivers:
-        raise AcousticsError("receivers", got="none", expected="at least one", do="name a place to listen")
-    places = np.stack([receiver.position for receiver in receivers])
-    loads = drive(modes, surface.points, surface.weights, surface.shapes)
+    alike(surfaces)
+    first = surfaces[0]
+    way = _way(modes, air, losses, walls or {}, first.points, first.weights, first.shapes, positions(receivers))
+    nt = first.rates.shape[1]
+    s, weight = transform_axis(nt, first.dt)
+    found = []
+    for surface in surfaces:
+        spectra = np.fft.rfft(extended(way.driving @ surface.rates, len(weight)) * weight, axis=1)
+        p = np.fft.irfft(way.heard(s, spectra), len(weight), axis=1)[:, :nt] / weight[:nt]
+        p.flags.writeable = False
+        findings = (*_judgement(surface, modes, air), *way.advice)
+        found.append(RoomResponse(tuple(receivers), surface.t, p, findings))
+    return found
+
+
+def harmonic_cavity_pressure(
+    room: ShapedRoom,
+    points: Floats,
+    weights: Floats,
+    shapes: Floats,
+    rates: Complexes,
+    frequency_hz: Floats,
+    receivers: Sequence[Receiver],
+) -> tuple[Complexes, tuple[Advice, ...]]:
+    """Complex pressure [n_receivers, nf] [Pa] in a room of any shape whose ceiling moves with exp(+j omega t).
+
+    The rest as `acoustics.harmonic.harmonic_pressure`, with the modes of the room and their answers at rest.
+
+    Raises AcousticsError: a frequency not above 0, a room without losses at a resonance, and as `cavity_pressure`.
+    """
+    if not (frequency_hz > 0).all():
+        raise AcousticsError("frequency", got=f"{frequency_hz.min():g} Hz", expected="frequencies above 0")
+    way = _way(room.modes, room.air, room.losses, room.walls, points, weights, shapes, positions(receivers))
+    with np.errstate(divide="ignore", invalid="ignore"):  # a resonance without losses is refused just below
+        p = way.heard(2j * np.pi * frequency_hz, way.driving @ rates)
+    if not np.isfinite(p).all():
+        raise AcousticsError("frequency", got="a resonance of a room without losses", expected="losses")
+    highest_hz = float(frequency_hz.max())
+    return p, (*_limits(highest_hz, room.modes, room.air), *way.advice)
+
+
+def cavity_spectrum(surface: SurfaceVelocity, room: ShapedRoom, frequency_hz: Floats, places: Floats) -> Complexes:
+    """Fourier transform of the pressure [nf, r] [Pa/Hz] at places [r, 3] of a room of any shape.
+
+    As of `acoustics.maps.pressure_map`: of the velocity's record times the transfer function at that frequency.
+
+    Raises AcousticsError: a place outside the room, a room without losses at a resonance.
+    """
+    s = 2j * np.pi * frequency_hz
+    way = _way(room.modes, room.air, room.losses, room.walls, surface.points, surface.weights, surface.shapes, places)
+    kernel = surface.dt * np.exp(-np.outer(surface.t, s))
+    with np.errstate(divide="ignore", invalid="ignore"):  # a resonance without losses is refused just below
+        p = way.heard(s, way.driving @ (surface.rates @ kernel)).T
+    if not np.isfinite(p).all():
+        raise AcousticsError("frequency", got="a resonance of a room without losses", expected="losses")
+    return p
+
+
+@dataclass(frozen=True, eq=False)
+class _Way:
+    """From integrals of the modes over what moves, driving [n, k] times rates, to pressures of the receivers."""
+
+    driving: Floats
+    mixed: Floats | Complexes
+    right: Floats | Complexes
+    term: Callable[[Complexes], Complexes]
+    advice: tuple[Advice, ...]
+
+    def heard(self, s: Complexes, driven: Complexes) -> Complexes:
+        """Pressures [n_receivers, nf] of the driven modes [n, nf] at complex frequencies s [nf]."""
+        p = np.zeros((len(self.mixed), len(s)), dtype=np.complex128)
+        width = max(1, _BATCH // len(self.right))
+        for start in range(0, len(s), width):
+            band = slice(start, start + width)
+            p[:, band] = self.mixed @ (self.term(s[band]) * (self.right @ driven[:, band]))
+        return p
+
+
+def _way(
+    modes: CavityModes,
+    air: Air,
+    losses: Losses,
+    walls: Mapping[str, Wall],
+    points: Floats,
+    weights: Floats,
+    shapes: Floats,
+    places: Floats,
+) -> _Way:
+    """The transfer from what moves to places [r, 3], and advice on the walls."""
+    loads = drive(modes, points, weights, shapes)
     listening = probe(modes.mesh, places)
-    walls = walls or {}
-    coupled = _coupling(modes, _absorbed(modes, walls, air), air)
+    coupled = coupling(modes, absorbed(modes, walls, air), air)
     constant = all(wall.constant for wall in walls.values())
-    advice = _judgement(surface, modes, air)
     together = coupled > COUPLED and constant
     forces = [wall_forces(modes, wall) for wall in walls] if together else []
     modes = with_answers(modes, np.hstack([loads, *forces]))
-    absorbed = _absorbed(modes, walls, air)
-    answer = (_complex_modes if together else _separate_modes)(modes, air, losses, absorbed)
-    driving, hearing = modes.shapes.T @ loads, np.asarray(listening @ modes.shapes)
-    s, weight = transform_axis(surface.rates.shape[1], surface.dt)
-    if coupled > COUPLED and not constant:
-        advice.append(
-            Advice(
-                "walls-couple-modes",
-                f"walls couple two modes by {coupled:.2g} of the distance of their frequencies, above {COUPLED:g}; "
-                "with absorption that depends on frequency each mode is damped by itself, which is then rough",
-                {"coupling": coupled, "allowed": COUPLED},
-            )
-        )
-    nt, length = surface.rates.shape[1], len(weight)
-    spectra = np.fft.rfft(extended(driving @ surface.rates, length) * weight, axis=1)
-    heard = np.zeros((len(receivers), len(s)), dtype=np.complex128)
-    left, right, term = answer
-    mixed = hearing @ left
-    width = max(1, _BATCH // len(right))
-    for start in range(0, len(s), width):
-        band = slice(start, start + width)
-        heard[:, band] += mixed @ (term(s[band]) * (right @ spectra[:, band]))
-    p = np.fft.irfft(heard, length, axis=1)[:, :nt] / weight[:nt]
-    p.flags.writeable = False
-    return RoomResponse(tuple(receivers), surface.t, p, tuple(advice))
+    left, right, term = (_complex_modes if together else _separate_modes)(
+        modes, air, losses, absorbed(modes, walls, air)
+    )
+    advice = (coupled_walls(coupled),) if coupled > COUPLED and not constant else ()
+    hearing = np.asarray(listening @ modes.shapes)
+    return _Way(modes.shapes.T @ loads, hearing @ left, right, term, advice)
 
 
 _Answer = tuple[Floats | Complexes, Floats | Complexes, Callable[[Complexes], Complexes]]
@@ -146,33 +232,15 @@ def _complex_modes(modes: CavityModes, air: Air, losses: Losses, absorbed: Float
     return vectors[:n], driven, term
 
 
-def _absorbed(modes: CavityModes, walls: Mapping[str, Wall], air: Air) -> Floats:
-    """Integrals of beta psi_n psi_m over all walls, over the volume [n, n] [1/m]; beta is the two modes' geometric
-    mean."""
-    frequency_hz = modes.wavenumber * air.c / (2 * np.pi)
-    total = np.zeros((len(frequency_hz), len(frequency_hz)))
-    for name, wall in walls.items():
-        root = np.sqrt(wall.at(frequency_hz))
-        total += root[:, None] * wall_integrals(modes, name) * root / modes.mesh.volume
-    return total
-
-
-def _coupling(modes: CavityModes, absorbed: Floats, air: Air) -> float:
-    """Largest rate by which walls couple two modes, c |A_nm|, over the distance of their frequencies or, where they lie
-    closer than that, over their own rates."""
-    distance = air.c * np.abs(modes.wavenumber[:, None] - modes.wavenumber)
-    rates = air.c * np.abs(absorbed)
-    off = rates - np.diag(np.diag(rates))
-    span = np.hypot(distance, np.add.outer(np.diag(rates), np.diag(rates)))
-    ratio = np.divide(off, span, out=np.zeros_like(off), where=off > 0)
-    return float(ratio.max(initial=0.0))
-
-
-def _judgement(surface: SurfaceVelocity, modes: CavityModes, air: Air) -> list[Advice]:
+def _judgement(surface: SurfaceVelocity, modes: CavityModes, air: Air) -> tuple[Advice, ...]:
     """Advice on a velocity beyond the modes and on cells too coarse for them."""
     # of the surface itself: the modes that are there cannot tell what drives those that are not
     loudest = np.abs(surface.shapes).max(axis=0)
-    highest_hz = source_bandwidth(loudest[:, None] * surface.rates, surface.dt)
+    return _limits(source_bandwidth(loudest[:, None] * surface.rates, surface.dt), modes, air)
+
+
+def _limits(highest_hz: float, modes: CavityModes, air: Air) -> tuple[Advice, ...]:
+    """Advice on a source up to a frequency, beyond the modes, and on cells too coarse for them."""
     complete_hz = modes.complete_below * air.c / (2 * np.pi)
     found = []
     if highest_hz > complete_hz:
@@ -184,14 +252,15 @@ def _judgement(surface: SurfaceVelocity, modes: CavityModes, air: Air) -> list[A
                 {"source_highest_hz": highest_hz, "complete_below_hz": complete_hz},
             )
         )
-    per_wave = 2 * np.pi / (modes.complete_below * modes.mesh.largest_cell)
+    top_hz = min(highest_hz, complete_hz)
+    per_wave = air.c / (top_hz * modes.mesh.largest_cell) if top_hz else np.inf
     if per_wave < CELLS_PER_WAVE:
         found.append(
             Advice(
                 "room-mesh-coarse",
-                f"a wave at {complete_hz:.4g} Hz has {per_wave:.1f} cells of {modes.mesh.largest_cell:.3g} m, "
+                f"a wave at {top_hz:.4g} Hz has {per_wave:.1f} cells of {modes.mesh.largest_cell:.3g} m, "
                 f"{CELLS_PER_WAVE:g} are needed for 0.1 % in frequency",
                 {"cells_per_wave": per_wave, "needed": CELLS_PER_WAVE},
             )
         )
-    return found
+    return tuple(found)

@@ -21,12 +21,13 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
+from scipy.linalg import block_diag
 
 from acoustics.arrays import Floats, Integers, freeze, frozen, positive
 from acoustics.cavity import cosines, horizontal_wavenumber
 from acoustics.errors import AcousticsError
 from acoustics.orders import not_in, resolved_orders, square
-from acoustics.room import Room, inside, room_modes
+from acoustics.room import Enclosed, Room, inside, room_modes
 
 MOST: Final = 300  # cavity modes kept: coordinates cost as much as modes of the structure
 SETTLED: Final = 1e-6  # largest mass the last cosines may add to a unit modal mass
@@ -123,27 +124,47 @@ def coupled_air(room: Room, points: Floats, weights: Floats, shapes: Floats, up_
     finest = resolved_orders(room, points).clip(0, FINEST)
     frequency_hz, indices, complete = _kept(room, positive("up_to_hz", up_to_hz, "Hz"), finest)
     weighted = weights[:, None] * shapes
-    n, k = len(frequency_hz), shapes.shape[1]
     flat, place = np.unique(indices[:, :2], axis=0, return_inverse=True)
     integrals = np.sqrt(_multiplicity(indices))[:, None] * (cosines(room, flat, points).T @ weighted)[place.ravel()]
-    root = np.sqrt(room.air.bulk_modulus / room.volume)
+    displaced = np.vstack([weighted.sum(axis=0), integrals])
+    return joined(
+        room, frequency_hz, displaced, _added_mass(room, points, weighted, indices, finest), complete_below_hz=complete
+    )
+
+
+def joined(
+    room: Enclosed,
+    frequency_hz: Floats,
+    displaced: Floats,
+    added: Floats,
+    *,
+    complete_below_hz: float,
+    absorbed: Floats | None = None,
+) -> CoupledAir:
+    """The air of a room from its modes, however they were found.
+
+    frequency_hz [n] : of the modes kept, without the uniform one. displaced [1 + n, k] : integrals of the modes, the
+    uniform one first, times the shapes over what moves. added [k, k] : mass of the modes left out.
+    absorbed [n] : rate of decay of each mode's energy by what walls take up [1/s]; None for none.
+    """
+    n, k = len(frequency_hz), displaced.shape[1]
     compression = np.zeros((1 + n, k + n))
-    compression[0, :k] = root * weighted.sum(axis=0)
-    compression[1:, :k] = root * integrals
+    compression[:, :k] = np.sqrt(room.air.bulk_modulus / room.volume) * displaced
     compression[1:, k:] = -np.diag(2 * np.pi * frequency_hz)
-    mass = np.zeros((k + n, k + n))
-    mass[:k, :k] = _added_mass(room, points, weighted, indices, finest)
-    mass[k:, k:] = np.eye(n)
+    mass = block_diag(added, np.eye(n))
     modulus = (1 - 1j * room.losses.beta) ** -2  # of the bulk modulus under losses of kind "source"
     compression *= np.sqrt(modulus.real)
     stiffness = compression.T @ compression
+    viscous = room.losses.relaxation_time * stiffness + 2 * room.losses.decay_rate * mass
+    if absorbed is not None:
+        viscous[k:, k:] += np.diag(absorbed)
     return CoupledAir(
         frequency_hz=frequency_hz,
         compression=compression,
         mass=mass,
-        viscous=room.losses.relaxation_time * stiffness + 2 * room.losses.decay_rate * mass,
+        viscous=viscous,
         hysteretic=modulus.imag / modulus.real * stiffness,
-        complete_below_hz=complete,
+        complete_below_hz=complete_below_hz,
     )
 
 

@@ -12,7 +12,7 @@ from acoustics.cavity import cosines, horizontal_wavenumber, transfer
 from acoustics.errors import AcousticsError, Advice
 from acoustics.judgement import truncation
 from acoustics.orders import band_orders, not_in, resolved_orders, square
-from acoustics.room import Receiver, Room, inside
+from acoustics.room import Receiver, Room, inside, positions
 
 FIRST: Final = 4  # orders to begin with
 BLOCK: Final = 4  # orders more in the next block
@@ -56,14 +56,12 @@ def harmonic_pressure(
     >>> print(f"{heard[0, 0].imag:.1f} {-box.air.bulk_modulus / 0.1 / (2 * np.pi * 20):.1f}")
     -11866.9 -11866.9
     """
-    if not receivers:
-        raise AcousticsError("receivers", got="none", expected="at least one", do="name a place to listen")
+    places = positions(receivers)
     if not (frequency_hz > 0).all():
         raise AcousticsError("frequency", got=f"{frequency_hz.min():g} Hz", expected="frequencies above 0")
     inside(room, "surface.points", points)
     for receiver in receivers:
         inside(room, f"receiver {receiver.name}", receiver.position[None, :])
-    places = np.stack([receiver.position for receiver in receivers])
     weighted = weights[:, None] * shapes
     p = np.zeros((len(places), len(frequency_hz)), dtype=np.complex128)
     first = max(band_orders(room, float(frequency_hz.max())))

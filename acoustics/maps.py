@@ -9,9 +9,11 @@ import numpy as np
 
 from acoustics.arrays import Complexes, Floats, freeze, frozen, positive
 from acoustics.cavity import cosines, horizontal_wavenumber, project, transfer
+from acoustics.cavity_pressure import cavity_spectrum
 from acoustics.errors import AcousticsError
 from acoustics.orders import square
 from acoustics.room import Room, inside
+from acoustics.shaped import ShapedRoom
 from acoustics.source import SurfaceVelocity, on_ceiling
 
 
@@ -45,7 +47,7 @@ class PressureMap:
 
 def pressure_map(
     surface: SurfaceVelocity,
-    room: Room,
+    room: Room | ShapedRoom,
     frequencies_hz: Sequence[float] | Floats,
     *,
     normal: str = "z",
@@ -57,7 +59,9 @@ def pressure_map(
 
     frequencies_hz : [nf], above 0 [Hz].
     normal, at : the plane x, y or z = `at` [m].
-    divisions : intervals along the two other axes.
+    divisions : intervals along the two other axes. orders : cosines in each direction, of a rectangular room.
+
+    Where the plane leaves a room of any shape, the spectrum is nan.
 
     Raises AcousticsError: a plane outside the room, a frequency not above 0, a room without losses at resonance.
 
@@ -75,11 +79,13 @@ def pressure_map(
     >>> heard.spectrum.shape, bool(np.ptp(abs(heard.spectrum[0])) < 1e-12)
     ((2, 5, 3), True)
     """
-    on_ceiling(surface, room)
     if normal not in ("x", "y", "z"):
         raise AcousticsError("map.normal", got=repr(normal), expected="x, y or z")
     fixed = "xyz".index(normal)
     axes = [axis for axis in range(3) if axis != fixed]
+    if isinstance(room, ShapedRoom):
+        return _shaped_map(surface, room, frequencies_hz, normal, at, axes, divisions)
+    on_ceiling(surface, room)
     first, second = (np.linspace(0, room.size[axis], n + 1) for axis, n in zip(axes, divisions, strict=True))
     corner = np.zeros((1, 3))
     corner[0, fixed] = at
@@ -102,3 +108,26 @@ def pressure_map(
         line[:, fixed], line[:, 1 - fixed] = at, first
         spectrum = np.einsum("ic,zcf->fiz", cosines(room, chosen, line), parts, optimize=True)
     return PressureMap(normal, at, first, second, frequency_hz, spectrum)
+
+
+def _shaped_map(
+    surface: SurfaceVelocity,
+    room: ShapedRoom,
+    frequencies_hz: Sequence[float] | Floats,
+    normal: str,
+    at: float,
+    axes: list[int],
+    divisions: tuple[int, int],
+) -> PressureMap:
+    frequency_hz = np.array([positive("map.frequency", float(f), "Hz") for f in frequencies_hz])
+    low, high = room.extent
+    first, second = (np.linspace(low[axis], high[axis], n + 1) for axis, n in zip(axes, divisions, strict=True))
+    points = np.full((len(first) * len(second), 3), at)
+    points[:, axes] = np.stack(np.meshgrid(first, second, indexing="ij"), axis=-1).reshape(-1, 2)
+    inner = room.mesh.contains(points)
+    if not inner.any():
+        span = "xyz".index(normal)
+        raise AcousticsError("map.at", got=f"{at:g} m", expected=f"{low[span]:g} to {high[span]:g} m")
+    spectrum = np.full((len(frequency_hz), len(points)), np.nan, dtype=np.complex128)
+    spectrum[:, inner] = cavity_spectrum(surface, room, frequency_hz, points[inner])
+    return PressureMap(normal, at, first, second, frequency_hz, spectrum.reshape(-1, len(first), len(second)))

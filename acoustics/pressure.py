@@ -18,8 +18,8 @@ from acoustics.errors import AcousticsError, Advice
 from acoustics.extension import band_end, extended, returned, source_bandwidth, transform_axis
 from acoustics.judgement import one_way, source_advice, truncation
 from acoustics.orders import ENOUGH, audible, not_in, order_blocks, square, undriven
-from acoustics.room import Receiver, Room, inside
-from acoustics.source import SurfaceVelocity, on_ceiling
+from acoustics.room import Receiver, Room, inside, positions
+from acoustics.source import SurfaceVelocity, alike, on_ceiling
 
 SILENT: Final = 1e-9  # share of the velocity below which a cosine is not driven: symmetry, but for rounding
 NEGLIGIBLE: Final = 1e-9  # share of the summed velocity spectrum above the highest frequency that is evaluated
@@ -120,11 +120,9 @@ def pressures(
 
     Raises AcousticsError as `pressure` does, and for no surface or surfaces that differ.
     """
-    _alike(surfaces)
+    alike(surfaces)
     on_ceiling(surfaces[0], room)
-    if not receivers:
-        raise AcousticsError("receivers", got="none", expected="at least one", do="name a place to listen")
-    places = np.stack([receiver.position for receiver in receivers])
+    places = positions(receivers)
     for receiver in receivers:
         inside(room, f"receiver {receiver.name}", receiver.position[None, :])
     first = surfaces[0]
@@ -148,19 +146,6 @@ def pressures(
         findings = (*source_advice(surface, room, done, highest), *truncation(share, done), *one_way(room))
         found.append(RoomResponse(tuple(receivers), surface.t, heard_here, findings))
     return found
-
-
-def _alike(surfaces: Sequence[SurfaceVelocity]) -> None:
-    """Refuse surfaces that are not motions of one ceiling."""
-    if not surfaces:
-        raise AcousticsError("surfaces", got="none", expected="at least one")
-    first = surfaces[0]
-    for other in surfaces[1:]:
-        same = all(
-            np.array_equal(getattr(first, word), getattr(other, word)) for word in ("points", "weights", "shapes")
-        )
-        if not same or other.dt != first.dt or other.rates.shape != first.rates.shape:
-            raise AcousticsError("surfaces", got="surfaces that differ", expected="motions of one ceiling")
 
 
 def _worst_share(part: Floats, p: Floats) -> float:

@@ -24,7 +24,7 @@ from acoustics.ratings import (
     standardised_maximum_level,
     weighted_impact_level,
 )
-from acoustics.room import Room, t60_of
+from acoustics.room import Enclosed, t60_of
 
 FIELD: Final = "ISO 16283-2"
 RATING: Final = "ISO 717-2"
@@ -163,7 +163,7 @@ def number_of(rating: HeavyImpactRating | ImpactRating, *, rounded: bool = True)
 
 def rate_room(
     levels_db: Sequence[Sequence[Mapping[float, float]]],
-    room: Room,
+    room: Enclosed,
     standards: Sequence[str] = STANDARDS,
     blows: Blows = "heavy",
 ) -> RatedRoom:

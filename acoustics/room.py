@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from math import ceil, inf, log, pi
-from typing import Final, Literal
+from typing import Final, Literal, Protocol
 
 import numpy as np
 
@@ -206,6 +206,16 @@ class Receiver:
         freeze(self, position=frozen(f"receiver {self.name}.position", self.position, (3,)))
 
 
+def positions(receivers: Sequence[Receiver]) -> Floats:
+    """Where the receivers are [n, 3] [m].
+
+    Raises AcousticsError when there are none.
+    """
+    if not receivers:
+        raise AcousticsError("receivers", got="none", expected="at least one", do="name a place to listen")
+    return np.stack([receiver.position for receiver in receivers])
+
+
 def inside(room: Room, name: str, points: Floats) -> None:
     """Refuse `points` [n, 3] outside the room; raises AcousticsError with the first of them.
 
@@ -240,7 +250,18 @@ def room_modes(room: Room, up_to_hz: float) -> tuple[Floats, Integers]:
     return frequency_hz[order], indices[order]
 
 
-def air_stiffness_ratio(room: Room, area: float | Floats, stiffness: float | Floats) -> float | Floats:
+class Enclosed(Protocol):
+    """The air of a closed room, whatever its shape."""
+
+    @property
+    def air(self) -> Air: ...
+    @property
+    def losses(self) -> Losses: ...
+    @property
+    def volume(self) -> float: ...
+
+
+def air_stiffness_ratio(room: Enclosed, area: float | Floats, stiffness: float | Floats) -> float | Floats:
     """Stiffness rho c^2 area^2 / V of the sealed room's air over that of the structure which moves its ceiling [-].
 
     area : area of the moving surface [m^2], or of a mode: the integral of its mass-normalised shape over the surface

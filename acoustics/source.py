@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -94,3 +95,19 @@ def on_ceiling(surface: SurfaceVelocity, room: Room) -> None:
             expected=f"at most the ceiling, {room.ceiling_area:g} m^2",
             do="give each point the area it stands for",
         )
+
+
+def alike(surfaces: Sequence[SurfaceVelocity]) -> None:
+    """Refuse surfaces that are not motions of one ceiling.
+
+    Raises AcousticsError: none, or other points, weights, shapes or sampling.
+    """
+    if not surfaces:
+        raise AcousticsError("surfaces", got="none", expected="at least one")
+    first = surfaces[0]
+    for other in surfaces[1:]:
+        same = all(
+            np.array_equal(getattr(first, word), getattr(other, word)) for word in ("points", "weights", "shapes")
+        )
+        if not same or other.dt != first.dt or other.rates.shape != first.rates.shape:
+            raise AcousticsError("surfaces", got="surfaces that differ", expected="motions of one ceiling")

@@ -14,7 +14,8 @@ from scipy.optimize import brentq
 from acoustics.arrays import Floats, freeze, positive
 from acoustics.errors import AcousticsError
 
-_RESISTANCE_OF_MOST: Final = 1.567  # specific resistance of the highest random-incidence absorption, 0.951
+_RESISTANCE_OF_MOST: Final = 1.567  # specific resistance of the highest random-incidence absorption
+MOST_ABSORBED: Final = 0.951  # which it is
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,7 +10,9 @@ from numpy.typing import NDArray
 from scipy.linalg import block_diag, eigh
 
 from acoustics.coupled import CoupledAir, Leak, coupled_air
-from acoustics.room import Room
+from acoustics.coupled_fem import coupled_cavity
+from acoustics.room import Enclosed, Room
+from acoustics.shaped import ShapedRoom
 from femstruct.arrays import Floats
 from femstruct.errors import Finding, InputError
 from femstruct.modal.basis import ForceRow, Kind, ModalBasis
@@ -28,7 +30,7 @@ _NONE: Final = 1e-9  # share of a surface's motion below which it displaces no v
 def with_cavity(
     basis: ModalBasis,
     surface: Surface,
-    room: Room,
+    room: Room | ShapedRoom,
     offset: tuple[float, float] = (0.0, 0.0),
     *,
     leak: Leak | None = None,
@@ -88,7 +90,11 @@ def with_cavity(
         outflow = np.full((len(shapes), 1), -1.0 / (np.sqrt(leak.inertance) * float(surface.weights.sum())))
         shapes = np.concatenate([shapes, outflow], axis=1)
         omega, viscous = np.append(omega, 0.0), block_diag(viscous, np.array([[leak.resistance / leak.inertance]]))
-    air = coupled_air(room, points, surface.weights, shapes, up_to_hz or basis.complete_below_hz)
+    reach = up_to_hz or basis.complete_below_hz
+    if isinstance(room, ShapedRoom):
+        air = coupled_cavity(room, points, surface.weights, shapes, reach)
+    else:
+        air = coupled_air(room, points, surface.weights, shapes, reach)
     free = np.append(np.array([kind == "rigid" for kind in basis.kind], dtype=bool), [True] * (leak is not None))
     n_rigid = int(free.sum()) - _resisted(air.compression[0, : len(omega)] * free, shapes, surface.weights, room)
     coupled, turn = _coupled_modes(omega, air, n_rigid)
@@ -130,11 +136,11 @@ def with_cavity(
         volumes={key: row @ own for key, row in basis.volumes.items()}
         | ({} if leak is None else {name: -turn[k] / np.sqrt(leak.inertance)}),
     )
-    told = (_told(basis, joined, own, air, (stray, kept), name), *_cut(air, up_to_hz or basis.complete_below_hz))
+    told = (_told(basis, joined, own, air, (stray, kept), name), *_cut(air, reach))
     return replace(joined, findings=(*basis.findings, *told))
 
 
-def _resisted(volume: Floats, shapes: Floats, weights: Floats, room: Room) -> int:
+def _resisted(volume: Floats, shapes: Floats, weights: Floats, room: Enclosed) -> int:
     """1 if a free motion compresses the air, 0 if none does."""
     root = np.sqrt(room.air.bulk_modulus / room.volume)
     largest = root * (weights @ np.abs(shapes))

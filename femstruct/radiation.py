@@ -7,9 +7,13 @@ from collections.abc import Sequence
 import numpy as np
 
 from acoustics.arrays import Complexes
+from acoustics.cavity_pressure import cavity_pressures, harmonic_cavity_pressure
 from acoustics.errors import Advice
+from acoustics.fem import OFF_WALL, off_boundary
 from acoustics.harmonic import harmonic_pressure
+from acoustics.pressure import RoomResponse, pressures
 from acoustics.room import Receiver, Room, air_stiffness_ratio
+from acoustics.shaped import ShapedRoom
 from acoustics.source import SurfaceVelocity
 from femstruct.arrays import Floats
 from femstruct.errors import Finding, InputError
@@ -23,7 +27,11 @@ STIFF_AIR = 0.1  # air stiffness over structural stiffness above which frequenci
 
 
 def surface_velocity(
-    response: Response, surface: Surface, room: Room, offset: tuple[float, float] = (0.0, 0.0), name: str = ""
+    response: Response,
+    surface: Surface,
+    room: Room | ShapedRoom,
+    offset: tuple[float, float] = (0.0, 0.0),
+    name: str = "",
 ) -> SurfaceVelocity:
     """Velocity of a surface as the moving ceiling of a room, factored into shapes and modal rates.
 
@@ -67,7 +75,7 @@ def surface_velocity(
 def surface_velocities(
     responses: Sequence[Response],
     surface: Surface,
-    room: Room,
+    room: Room | ShapedRoom,
     offset: tuple[float, float] = (0.0, 0.0),
     name: str = "",
 ) -> list[SurfaceVelocity]:
@@ -92,6 +100,15 @@ def surface_velocities(
     ]
 
 
+def heard(
+    moving: Sequence[SurfaceVelocity], room: Room | ShapedRoom, receivers: Sequence[Receiver]
+) -> list[RoomResponse]:
+    """Pressure at the receivers of a room for each motion of its ceiling: a box by cosines, any other by its modes."""
+    if isinstance(room, ShapedRoom):
+        return cavity_pressures(moving, room.modes, room.air, room.losses, receivers, room.walls)
+    return pressures(moving, room, receivers)
+
+
 def ceiling_shapes(basis: ModalBasis, surface: Surface, name: str = "") -> Floats:
     """Motion of a surface into the room in every mode [p, k], with the flow through a leak of that room spread over it.
 
@@ -105,7 +122,7 @@ def pressure_per_force(
     basis: ModalBasis,
     drive: Probe,
     surface: Surface,
-    room: Room,
+    room: Room | ShapedRoom,
     receivers: Sequence[Receiver],
     frequency_hz: Floats,
     offset: tuple[float, float] = (0.0, 0.0),
@@ -122,10 +139,14 @@ def pressure_per_force(
     velocity = 2j * np.pi * frequency_hz * modal_amplitudes(basis, drive, frequency_hz)
     points = room_coordinates(surface, room, offset, name)
     shapes = ceiling_shapes(basis, surface, name)
+    if isinstance(room, ShapedRoom):
+        return harmonic_cavity_pressure(room, points, surface.weights, shapes, velocity, frequency_hz, receivers)
     return harmonic_pressure(room, points, surface.weights, shapes, velocity, frequency_hz, receivers)
 
 
-def room_coordinates(surface: Surface, room: Room, offset: tuple[float, float] = (0.0, 0.0), name: str = "") -> Floats:
+def room_coordinates(
+    surface: Surface, room: Room | ShapedRoom, offset: tuple[float, float] = (0.0, 0.0), name: str = ""
+) -> Floats:
     """Quadrature points [p, 3] of a surface in the coordinates of the room below it [m].
 
     name : of the room, with which an error begins; the surface's own path if left out.
@@ -140,6 +161,19 @@ def room_coordinates(surface: Surface, room: Room, offset: tuple[float, float] =
             do="use `side: below` on a horizontal plate",
         )
     centre = surface.corner + surface.size @ surface.along / 2.0
+    flat = (surface.points - centre) @ surface.along.T
+    if isinstance(room, ShapedRoom):
+        points = np.column_stack([flat, np.zeros(len(flat))]) + room.centre + [*offset, 0.0]
+        off, reach = off_boundary(room.mesh, points, room.ceiling)
+        if off.max() > OFF_WALL * reach:
+            raise InputError(
+                f"rooms.{name}" if name else f"surfaces.{surface.name}",
+                got=f"a surface that reaches beyond the wall '{room.ceiling}' of the room, at "
+                f"{points[off.argmax(), :2].round(6).tolist()} m",
+                expected="a surface within it",
+                do="place its centre with `at`, or give it a `region: {rectangle: [..]}`",
+            )
+        return points
     middle = np.asarray(room.size[:2]) / 2.0 + offset
     beyond = np.abs(offset) + surface.size / 2.0 - np.asarray(room.size[:2]) / 2.0
     if beyond.max() > 1e-9:
@@ -150,11 +184,10 @@ def room_coordinates(surface: Surface, room: Room, offset: tuple[float, float] =
             expected="a surface within the ceiling",
             do="give the surface a `region: {rectangle: [..]}` of the room's size, or another `at`",
         )
-    flat = (surface.points - centre) @ surface.along.T + middle
-    return np.column_stack([flat, np.full(len(flat), room.size[2])])
+    return np.column_stack([flat + middle, np.full(len(flat), room.size[2])])
 
 
-def air_stiffness(basis: ModalBasis, surface: Surface, room: Room) -> Floats:
+def air_stiffness(basis: ModalBasis, surface: Surface, room: Room | ShapedRoom) -> Floats:
     """Stiffness of the sealed room's air over that of the structure, for every mode [k]; 0 for rigid modes and beyond.
 
     Notes
@@ -168,7 +201,7 @@ def air_stiffness(basis: ModalBasis, surface: Surface, room: Room) -> Floats:
     return np.asarray(ratios, dtype=np.float64)
 
 
-def coupling_findings(basis: ModalBasis, surface: Surface, room: Room) -> tuple[Finding, ...]:
+def coupling_findings(basis: ModalBasis, surface: Surface, room: Room | ShapedRoom) -> tuple[Finding, ...]:
     """A finding when the air of a sealed room is too stiff for one-way coupling."""
     ratios = air_stiffness(basis, surface, room)
     if not ratios.size or ratios.max() < STIFF_AIR:

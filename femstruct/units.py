@@ -99,6 +99,7 @@ DIMENSIONS: Final = {
     "dissipation": _Dimension("a dissipation factor", "s/m", "0.3 s/m", _powers(m=-1, s=1)),
     "inertance": _Dimension("an inertance", "kg/m^4", "22 kg/m^4", _powers(kg=1, m=-4)),
     "flow resistance": _Dimension("a flow resistance", "Pa*s/m^3", "500 Pa*s/m^3", _powers(kg=1, m=-4, s=-1)),
+    "specific impedance": _Dimension("a specific impedance", "Pa*s/m", "8 kPa*s/m", _powers(kg=1, m=-2, s=-1)),
     "bending stiffness": _Dimension("a bending stiffness", "N*m^2", "25 N*m^2", _powers(kg=1, m=3, s=-2)),
 }  # fmt: skip
 _WITHOUT_RAD: Final = ("rotational stiffness", "rotational damping")  # N*m is as good as N*m/rad

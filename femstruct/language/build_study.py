@@ -5,23 +5,13 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Literal
 
-from acoustics.air import Air
-from acoustics.coupled import Leak
-from acoustics.room import (
-    Losses,
-    Receiver,
-    Room,
-    losses_from_beta,
-    losses_from_loss_factor,
-    losses_from_t60,
-    losses_from_t60_bands,
-)
+from acoustics.shaped import ShapedRoom
 from femstruct.impact.bodies import HalfSine, Table
 from femstruct.impact.walking import Walk, design_harmonics
 from femstruct.language.build import Builder
 from femstruct.language.build_laws import ends_of, law_of, start_speed
+from femstruct.language.build_rooms import room_of
 from femstruct.language.reader import Mistakes, Steps, Tree, dotted
-from femstruct.language.schema_rooms import RoomSpec
 from femstruct.language.schema_study import SIDES, BodySpec, ContactSpec, LoadSpec, StudySpec
 from femstruct.language.tables import read_history
 from femstruct.modal.damping import Damping
@@ -40,7 +30,6 @@ from femstruct.study.study import (
     Record,
     Repeat,
     RigidMotion,
-    RoomPlan,
     Spot,
     StructureModel,
     Study,
@@ -56,10 +45,12 @@ def study_of(
     tree: Tree,
     mistakes: Mistakes,
     sources: dict[str, str],
+    shaped: dict[str, ShapedRoom],
 ) -> Study | None:
     """The study of a checked study file on a structure; None with mistakes noted.
 
-    sources : is given the texts of the files that the study file names, by their names.
+    sources : is given the texts of the files that the study file names, by their names. shaped : rooms from meshes
+    that other cases have, by all that is said of them; is given this one's.
     """
     builder = Builder(tree, mistakes)
     bodies = builder.each("bodies", study.bodies, lambda n, s: _body(n, s, study, builder, sources))
@@ -72,7 +63,7 @@ def study_of(
         ),
     )
     loads = builder.each("loads", study.loads, lambda n, s: _load(n, s, builder, sources))
-    rooms = builder.each("rooms", study.rooms, _room)
+    rooms = builder.each("rooms", study.rooms, lambda n, s: room_of(n, s, builder, sources, shaped))
     if mistakes.lines:
         return None
     frf = tuple(
@@ -167,38 +158,3 @@ def _initial(study: StudySpec) -> InitialMotion:
     velocities = tuple((spot_of(address), one.value) for address, one in (spec.velocity or {}).items())
     rigid = RigidMotion(spec.rigid.about, spec.rigid.velocity, spec.rigid.spin) if spec.rigid is not None else None
     return InitialMotion(velocities, rigid)
-
-
-def _room(name: str, spec: RoomSpec) -> RoomPlan:
-    receivers = []
-    for receiver, places in spec.receivers.items():
-        several = len(places) > 1
-        receivers += [Receiver(f"{receiver}.{i}" if several else receiver, place) for i, place in enumerate(places, 1)]  # type: ignore[arg-type]
-    room = Room(spec.size, Air(spec.air.c, spec.air.rho), _losses(spec))  # type: ignore[arg-type]
-    lx, ly, _ = spec.size
-    offset = (spec.at[0] - lx / 2.0, spec.at[1] - ly / 2.0) if spec.at is not None else (0.0, 0.0)
-    asked = spec.losses.t60 if spec.losses is not None and isinstance(spec.losses.t60, dict) else {}
-    return RoomPlan(name, room, spec.under, tuple(receivers), offset, spec.coupling, _leak(spec), asked, spec.levels)
-
-
-def _leak(spec: RoomSpec) -> Leak | None:
-    leak = spec.leak
-    if leak is None:
-        return None
-    if leak.inertance is not None:
-        return Leak(leak.inertance, leak.resistance)
-    return Leak(spec.air.rho * (leak.length or 0.0) / (leak.area or 1.0), leak.resistance)
-
-
-def _losses(spec: RoomSpec) -> Losses:
-    losses = spec.losses
-    if losses is None:
-        return Losses()
-    if isinstance(losses.t60, dict):
-        return losses_from_t60_bands(losses.t60)
-    if losses.t60 is not None:
-        return losses_from_t60(losses.t60)
-    at = losses.at or 0.0
-    if losses.beta is not None:
-        return losses_from_beta(losses.beta, at, spec.form)
-    return losses_from_loss_factor(losses.loss_factor or 0.0, at, spec.form)

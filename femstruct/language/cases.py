@@ -9,6 +9,7 @@ from typing import Any, Literal
 
 from pydantic import BaseModel
 
+from acoustics.shaped import ShapedRoom
 from femstruct.errors import InputErrors
 from femstruct.language.arrays import drops, spread
 from femstruct.language.build_study import study_of
@@ -100,7 +101,8 @@ def read_study(path: str | Path, overrides: Sequence[str] = (), only: str | None
             if tree is not None:
                 sources[tree.file] = tree.text
                 positions = {**positions_of(tree), **positions}
-    built = tuple(_case(name, one, patch.changes, mistakes, sources) for name, one in cases)
+    shaped: dict[str, ShapedRoom] = {}
+    built = tuple(_case(name, one, patch.changes, mistakes, sources, shaped) for name, one in cases)
     mistakes.stop_if_any()
     whole = tuple(case for case in built if case is not None)
     return Plan(title_of(base_study), whole, baseline, sources, positions)
@@ -159,7 +161,12 @@ def _cases(study: Tree, model: Tree | None, mistakes: Mistakes) -> list[tuple[st
 
 
 def _case(
-    name: str, one: _Resolved, overrides: Mapping[str, str], mistakes: Mistakes, sources: dict[str, str]
+    name: str,
+    one: _Resolved,
+    overrides: Mapping[str, str],
+    mistakes: Mistakes,
+    sources: dict[str, str],
+    shaped: dict[str, ShapedRoom],
 ) -> Case | None:
     if one.study_spec is None or one.model_spec is None or one.model is None:
         return None
@@ -170,7 +177,7 @@ def _case(
     changes = {**overrides, **one.changes}
 
     def built(spec: StudySpec) -> Study | None:
-        return study_of(spec, title_of(tree), structure, damping, tree, mistakes, sources)
+        return study_of(spec, title_of(tree), structure, damping, tree, mistakes, sources, shaped)
 
     places = {place: built(spec) for place, spec in drops(one.study_spec, names).items()}
     struck = {place: study for place, study in places.items() if study is not None}

@@ -80,6 +80,7 @@ def check_study(study: StudySpec, tree: Tree, model: ModelSpec, mistakes: Mistak
     check_limits(check, study)
     for name, room in study.rooms.items():
         check.known(("rooms", name, "under"), room.under, "surface", model.surfaces)
+        _check_mesh(check, name, room)
         if room.losses is not None and room.losses.t60 is not None and room.form == "source":
             check.wrong(
                 ("rooms", name, "form"), "the source's form with t60", "beta or loss_factor", "leave out 'form'"
@@ -88,7 +89,7 @@ def check_study(study: StudySpec, tree: Tree, model: ModelSpec, mistakes: Mistak
         _check_levels(check, study, name, room)
         for receiver, places in room.receivers.items():
             for place in places:
-                if not all(0 <= x <= length for x, length in zip(place, room.size, strict=True)):
+                if room.size and not all(0 <= x <= length for x, length in zip(place, room.size, strict=True)):
                     steps: Steps = ("rooms", name, "receivers", receiver)
                     size = " x ".join(f"{length:g}" for length in room.size)
                     check.wrong(steps, f"{list(place)} m", f"a point of the room, {size} m", "from its lower corner")
@@ -140,6 +141,12 @@ def _check_coupling(check: Checker, study: StudySpec, name: str, room: RoomSpec)
     if others[0] != name:
         got = f"'{room.under}', which '{others[0]}' with two-way coupling is under already"
         check.wrong(("rooms", name, "under"), got, "another surface", "one of the two can be one-way")
+
+
+def _check_mesh(check: Checker, name: str, room: RoomSpec) -> None:
+    """A meshed room is causal."""
+    if room.mesh is not None and room.form == "source":
+        check.wrong(("rooms", name, "form"), "the source's form in a meshed room", "causal", "leave out 'form'")
 
 
 def _check_levels(check: Checker, study: StudySpec, name: str, room: RoomSpec) -> None:

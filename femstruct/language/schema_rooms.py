@@ -7,6 +7,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator, Field, model_validator
 
 from acoustics.rated import STANDARDS
+from acoustics.walls import MOST_ABSORBED
 from femstruct.language.schema_model import coordinates
 from femstruct.language.spec import (
     Duration,
@@ -16,6 +17,7 @@ from femstruct.language.spec import (
     Position2,
     Position3,
     Quantity,
+    Ratio,
     Spec,
     Text,
     exactly_one,
@@ -46,6 +48,16 @@ def _t60(value: object) -> object:
             "no band", "a reverberation time for one band or more", "write it like {63 Hz: 0.9 s, 125 Hz: 0.8 s}"
         )
     return {Quantity(("frequency",), above=0.0).read(band): _Seconds.read(time) for band, time in value.items()}
+
+
+def _absorption(value: object) -> object:
+    """One absorption coefficient, or one for each frequency."""
+    share = Quantity(("ratio",), least=0.0, most=MOST_ABSORBED)
+    if not isinstance(value, dict):
+        return share.read(value)
+    if not value:
+        raise refuse("no band", "an absorption coefficient for one band or more", "write it like {125 Hz: 0.1}")
+    return {Quantity(("frequency",), above=0.0).read(band): share.read(alpha) for band, alpha in value.items()}
 
 
 def _standards(value: object) -> object:
@@ -112,15 +124,41 @@ class LeakSpec(Spec):
         return value
 
 
-class RoomSpec(Spec):
-    """A rectangular room under a surface, and who listens in it.
+class WallSpec(Spec):
+    """What a wall takes up: a random-incidence absorption coefficient, one or by frequency, or its impedance."""
 
-    at: where the surface's centre is in the ceiling, from the room's corner; the middle when left out.
+    one_of = (("absorption", "impedance"),)
+
+    absorption: Annotated[float | dict[str, float] | None, read_by(_absorption, Ratio | dict[str, Ratio])] = None
+    impedance: Annotated[float, Quantity(("specific impedance",), above=0.0)] | None = None
+
+
+class RoomModesSpec(Spec):
+    """How many modes of a meshed room are its own."""
+
+    up_to: Frequency
+
+
+class RoomSpec(Spec):
+    """A room under a surface, and who listens in it: a rectangular one by its size, any other by its mesh.
+
+    mesh: a file of tetrahedra or hexahedra [m] with named surfaces, its own coordinates, z up.
+    ceiling: the surface of the mesh that moves, or part of which does.
+    walls: what surfaces of the mesh take up; the others are rigid.
+    modes: of a meshed room, as far as its cells carry sound when left out.
+    at: where the surface's centre is in the ceiling, from the room's corner or in the mesh; the middle when left out.
     coupling: one-way, the air does not push back, or two-way.
     levels: standards by which what is heard of heavy blows is stated.
     """
 
-    size: tuple[Length, Length, Length]
+    one_of = (("size", "mesh"),)
+    needs = (("mesh", ("ceiling",)), ("ceiling", ("mesh",)), ("walls", ("mesh",)), ("modes", ("mesh",)))
+
+    size: tuple[Length, Length, Length] | None = None
+    mesh: Text | None = None
+    ceiling: Text | None = None
+    walls: dict[str, WallSpec] = Field(default_factory=dict)
+    modes: RoomModesSpec | None = None
     under: Text
     at: Position2 | None = None
     air: AirSpec = AirSpec()

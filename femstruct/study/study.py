@@ -11,6 +11,7 @@ from typing import Literal
 
 from acoustics.coupled import Leak
 from acoustics.room import Receiver, Room
+from acoustics.shaped import ShapedRoom
 from femstruct.impact.bodies import HalfSine, Table
 from femstruct.impact.laws import Law
 from femstruct.impact.walking import Walk
@@ -201,7 +202,7 @@ class Limit:
 
 @dataclass(frozen=True)
 class RoomPlan:
-    """A room under a radiating surface, and who listens in it.
+    """A room under a radiating surface, and who listens in it: a box, or one of any shape.
 
     offset : of the surface's centre from the ceiling's centre [m], room axes.
     coupling : one-way, the air does not push back, or two-way. leak : of a room that pushes back.
@@ -210,7 +211,7 @@ class RoomPlan:
     """
 
     name: str
-    room: Room
+    room: Room | ShapedRoom
     under: str
     receivers: tuple[Receiver, ...]
     offset: Pair = (0.0, 0.0)

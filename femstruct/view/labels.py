@@ -9,6 +9,7 @@ from typing import Any, Final
 import numpy as np
 from scipy.sparse import csr_array
 
+from acoustics.shaped import ShapedRoom
 from femstruct.arrays import Floats
 from femstruct.conventions import N_COMPONENTS
 from femstruct.model.model import Model
@@ -96,10 +97,17 @@ def _corners(surface: Surface) -> Floats:
 
 def _room(plotter: Any, plan: RoomPlan, surface: Surface) -> list[Label]:
     """The outline of a room below its surface, and its receivers; returns their names."""
-    lx, ly, lz = plan.room.size
-    middle = surface.corner + surface.size @ surface.along / 2.0 - np.asarray(plan.offset) @ surface.along
-    lower = middle + surface.normal * lz - np.array([lx, ly]) / 2.0 @ surface.along
     frame = np.stack([*surface.along, -surface.normal])
+    middle = surface.corner + surface.size @ surface.along / 2.0 - np.asarray(plan.offset) @ surface.along
+    if isinstance(plan.room, ShapedRoom):
+        lower = middle - plan.room.centre @ frame
+        edges = plan.room.mesh.edges
+        plotter.add_lines((edges @ frame + lower).reshape(-1, 3), color=ROOM, width=2)
+        receivers = [(f"{plan.name}.{item.name}", (item.position @ frame + lower)[None]) for item in plan.receivers]
+        ends = edges.reshape(-1, 3) @ frame + lower
+        return [Label(plan.name, ends[ends.sum(axis=1).argmin()], ROOM), *_marks(plotter, receivers, ROOM, "receivers")]
+    lx, ly, lz = plan.room.size
+    lower = middle + surface.normal * lz - np.array([lx, ly]) / 2.0 @ surface.along
     corner = np.array([[x, y, z] for z in (0, lz) for x, y in ((0, 0), (lx, 0), (lx, ly), (0, ly))]) @ frame + lower
     pairs = [(0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7)]
     plotter.add_lines(corner[np.array(pairs).ravel()], color=ROOM, width=2)

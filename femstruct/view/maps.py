@@ -76,15 +76,17 @@ def draw_map(drawn: PressureMap, names: Sequence[str], receivers: Sequence[Recei
     images = []
     for axes, spectrum, name in zip(row, drawn.spectrum, names, strict=True):
         level = 20.0 * np.log10(np.maximum(np.abs(spectrum), np.finfo(float).tiny) / REFERENCE_PA)
-        largest = spectrum.ravel()[np.abs(spectrum).argmax()]
+        level = level[np.isfinite(level)]  # nan outside the room
+        largest = spectrum.ravel()[np.nanargmax(np.abs(spectrum))]
         shown = np.real(spectrum / largest) if largest else np.zeros(spectrum.shape)
-        half = drawn.first[1] / 2.0, drawn.second[1] / 2.0  # a pixel is centred on its point
-        sides = (-half[0], drawn.first[-1] + half[0], -half[1], drawn.second[-1] + half[1])
+        half = [0.5 * (along[1] - along[0]) for along in (drawn.first, drawn.second)]  # a pixel is centred on its point
+        ends = [(along[0], along[-1]) for along in (drawn.first, drawn.second)]
+        sides = np.ravel([(low - by, high + by) for (low, high), by in zip(ends, half, strict=True)]).tolist()
         image = axes.imshow(
             shown.T, origin="lower", extent=sides, cmap="RdBu_r", vmin=-1.0, vmax=1.0, interpolation="bilinear"
         )
-        axes.set_xlim(0.0, drawn.first[-1])
-        axes.set_ylim(0.0, drawn.second[-1])
+        axes.set_xlim(*ends[0])
+        axes.set_ylim(*ends[1])
         images.append(image)
         for receiver in receivers:
             axes.plot(*receiver.position[:2], "k+", markersize=9)

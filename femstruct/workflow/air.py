@@ -5,6 +5,8 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Sequence
 
+from acoustics.room import Room
+from acoustics.shaped import ShapedRoom
 from femstruct.coupling import with_cavity
 from femstruct.errors import Finding, InputError
 from femstruct.modal.basis import ModalBasis
@@ -45,9 +47,17 @@ def coupled(
 def coupled_key(key: str, rooms: Sequence[RoomPlan]) -> str:
     """The name of a basis joined to rooms: that of the structure alone where none pushes back."""
     joined = [
-        (plan.name, plan.under, plan.offset, plan.room.size.tolist(), plan.room.air.c, plan.room.air.rho)
+        (plan.name, plan.under, plan.offset, _shape(plan.room), plan.room.air.c, plan.room.air.rho)
         + (() if plan.leak is None else (plan.leak.inertance,))
         for plan in rooms
         if plan.coupling == "two-way"
     ]
     return hashlib.sha256(repr((key, joined)).encode()).hexdigest()[:12] if joined else key
+
+
+def _shape(room: Room | ShapedRoom) -> object:
+    """What tells rooms apart, but for their air."""
+    if isinstance(room, ShapedRoom):
+        cells = hashlib.sha256(room.mesh.points.tobytes() + room.mesh.cells.tobytes()).hexdigest()
+        return cells, room.ceiling, room.up_to_hz
+    return room.size.tolist()

@@ -7,7 +7,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from acoustics.room import modal_damping_ratio, room_modes
+from acoustics.shaped import ShapedRoom
 from femstruct.assembly.assemble import assemble
 from femstruct.errors import Finding, InputError
 from femstruct.files.numbers import number
@@ -191,9 +194,14 @@ def _damped_as_far_as_solved(basis: ModalBasis, damping: Damping) -> ModalBasis:
 
 
 def _room_table(plan: RoomPlan) -> Table:
-    frequencies = [float(f) for f in room_modes(plan.room, 1000.0)[0][:3]]
+    room = plan.room
+    if isinstance(room, ShapedRoom):
+        size, found = np.ptp(room.extent, axis=0), room.frequency_hz[1:]
+    else:
+        size, found = room.size, room_modes(room, 1000.0)[0]
+    frequencies = [float(f) for f in found[:3]]
     return {
-        "size_m": plan.room.size.tolist(),
+        "size_m": size.tolist(),
         "coupling": plan.coupling,
         "first_modes_hz": frequencies,
         "damping_ratio": {f"{f:g}": modal_damping_ratio(plan.room.losses, f) for f in (20.0, *frequencies) if f > 0},

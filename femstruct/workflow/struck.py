@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 from acoustics.errors import Advice
 from acoustics.levels import Levels, response_levels
-from acoustics.pressure import RoomResponse, pressures
+from acoustics.pressure import RoomResponse
 from femstruct.errors import Finding
 from femstruct.impact.bodies import Clock
 from femstruct.impact.estimate import ErrorEstimate, error_of
@@ -16,7 +16,7 @@ from femstruct.impact.judgement import unresolved_findings
 from femstruct.impact.response import Response
 from femstruct.impact.simulate import simulate
 from femstruct.modal.basis import ModalBasis
-from femstruct.radiation import surface_velocities
+from femstruct.radiation import heard, surface_velocities
 from femstruct.study.result import Drop
 from femstruct.study.study import Study, TimePlan
 from femstruct.workflow.air import ceiling
@@ -137,6 +137,5 @@ def _rooms(study: Study, places: Places, responses: Mapping[str, Response]) -> d
     rooms = {}
     for plan in (plan for plan in study.rooms if plan.receivers or plan.coupling == "one-way"):
         moving = surface_velocities(list(responses.values()), ceiling(plan, places), plan.room, plan.offset, plan.name)
-        heard = pressures(moving, plan.room, plan.receivers)
-        rooms[plan.name] = dict(zip(responses, heard, strict=True))
+        rooms[plan.name] = dict(zip(responses, heard(moving, plan.room, plan.receivers), strict=True))
     return rooms

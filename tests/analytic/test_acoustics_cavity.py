@@ -18,7 +18,8 @@ from acoustics import (
 )
 from acoustics.cavity_pressure import cavity_pressure
 from acoustics.decay import reverberation_time
-from acoustics.fem import CavityMesh, box_mesh, cavity_modes, drive, probe, wall_integrals
+from acoustics.fem import cavity_modes, drive, probe, wall_integrals
+from acoustics.meshes import CavityMesh, box_mesh
 from acoustics.walls import Wall, absorbing, random_incidence_absorption
 
 FS = 48e3

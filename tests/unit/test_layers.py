@@ -26,15 +26,17 @@ LAYERS = [
 ]
 ACOUSTICS = [
     ["acoustics.errors", "acoustics.arrays", "acoustics.air", "acoustics.room", "acoustics.source", "acoustics.walls"],
-    ["acoustics.extension", "acoustics.cavity", "acoustics.fem"],
+    ["acoustics.extension", "acoustics.cavity", "acoustics.meshes", "acoustics.fem", "acoustics.shaped"],
     [
         "acoustics.orders",
         "acoustics.judgement",
+        "acoustics.absorption",
         "acoustics.pressure",
         "acoustics.cavity_pressure",
         "acoustics.maps",
         "acoustics.harmonic",
         "acoustics.coupled",
+        "acoustics.coupled_fem",
     ],
     [
         "acoustics.bands",

@@ -1,0 +1,51 @@
+"""The air of a room of any shape as a mechanical system joined to its moving ceiling: two-way coupling."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from acoustics.absorption import absorbed
+from acoustics.arrays import Floats, positive
+from acoustics.coupled import MOST, CoupledAir, joined
+from acoustics.fem import drive, left_out
+from acoustics.shaped import ShapedRoom
+
+
+def coupled_cavity(room: ShapedRoom, points: Floats, weights: Floats, shapes: Floats, up_to_hz: float) -> CoupledAir:
+    """The air of a closed room of any shape joined to the shapes of its ceiling.
+
+    points [p, 3], weights [p], shapes [p, k] : as of a `SurfaceVelocity`: on the ceiling, into the room [m], [m^2].
+    up_to_hz : modes of the room up to it are kept [Hz], at most those the room has and the 300 lowest; the others act
+        as added mass.
+
+    Notes
+    -----
+    As `acoustics.coupled.coupled_air`, with finite elements: the mass of the modes that were not even found is
+    that of their answer at rest to the shapes.
+
+    What walls take up damps each mode by itself.
+
+    The piston of `coupled_air` over its box, whose next mode along z is at 1700 Hz:
+
+    >>> from acoustics.air import Air
+    >>> from acoustics.meshes import box_mesh
+    >>> box = ShapedRoom(box_mesh([0.58, 0.47, 0.1], [4, 4, 4]), "z1", Air(340, 1.29))
+    >>> area = 0.58 * 0.47
+    >>> air = coupled_cavity(box, np.array([[0.29, 0.235, 0.1]]), np.array([area]), np.array([[29.68**-0.5]]), 200.0)
+    >>> round(float(air.compression[0, 0] ** 2 / (1.29 * 340**2 * area / 0.1 / 29.68)), 6), len(air.frequency_hz)
+    (1.0, 0)
+    """
+    modes, known = room.modes, room.frequency_hz
+    loads = drive(modes, points, weights, shapes)
+    complete = min(positive("up_to_hz", up_to_hz, "Hz"), modes.complete_below * room.air.c / (2 * np.pi))
+    kept = known <= complete
+    if kept.sum() > 1 + MOST:
+        complete = float(known[1 + MOST])
+        kept = known < complete * (1 - 1e-9)  # modes of one frequency are kept or left out together
+    displaced = modes.shapes.T @ loads
+    slow = displaced[~kept] / modes.wavenumber[~kept, None]
+    added = room.air.rho * (loads.T @ left_out(modes, loads) + slow.T @ slow / room.volume)
+    rates = room.air.c * np.diag(absorbed(modes, room.walls, room.air))[kept][1:] if room.walls else None
+    return joined(
+        room, known[kept][1:], displaced[kept], 0.5 * (added + added.T), complete_below_hz=complete, absorbed=rates
+    )

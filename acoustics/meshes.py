@@ -1,0 +1,169 @@
+"""The cells of a room of any shape: tetrahedra or hexahedra, and the named parts of its boundary."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from types import MappingProxyType
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csc_array
+from scipy.spatial import cKDTree
+
+from acoustics.arrays import Floats, Integers, freeze, frozen
+from acoustics.errors import AcousticsError
+
+_HEX_OF_MESHIO: Final = (0, 4, 3, 1, 7, 5, 2, 6)  # scikit-fem's corner i is meshio's corner _HEX_OF_MESHIO[i]
+_SIX: Final = np.array([[0, 1, 2, 6], [0, 2, 3, 6], [0, 3, 7, 6], [0, 7, 4, 6], [0, 4, 5, 6], [0, 5, 1, 6]])
+_EDGE: Final = 1e-9  # share of a cell by which a point on its side may be outside
+_BENT: Final = 0.94  # cosine of 20 degrees
+EXACT: Final = 5  # order of quadrature: products of two functions on parallelepipeds and straight tetrahedra
+
+
+@dataclass(frozen=True, eq=False)
+class CavityMesh:
+    """The cells of a room, tetrahedra or hexahedra, and the named parts of its boundary.
+
+    points : [n, 3] [m]. cells : [m, 4] or [m, 8], corner numbers in the order of VTK and meshio.
+    walls : {name: [f, 3] or [f, 4]}, corner numbers of boundary facets, in any order.
+
+    Raises AcousticsError: cells of another kind, corner numbers that do not exist, a cell without volume, a wall facet
+    that is not on the boundary.
+
+    >>> mesh = box_mesh([1, 1, 2], [2, 2, 4])
+    >>> mesh.cells.shape, sorted(mesh.walls), round(mesh.volume, 12)
+    ((16, 8), ['x0', 'x1', 'y0', 'y1', 'z0', 'z1'], 2.0)
+    """
+
+    points: Floats
+    cells: Integers
+    walls: Mapping[str, Integers]
+
+    def __post_init__(self) -> None:
+        points = frozen("cavity.points", self.points, (None, 3))
+        cells = np.array(self.cells, dtype=np.int64)
+        if cells.ndim != 2 or cells.shape[1] not in (4, 8) or not len(cells):
+            raise AcousticsError(
+                "cavity.cells", got=f"shape {cells.shape}", expected="tetrahedra [m, 4] or hexahedra [m, 8]"
+            )
+        if cells.min() < 0 or cells.max() >= len(points):
+            raise AcousticsError(
+                "cavity.cells", got=f"corner {cells.max()}", expected=f"corners 0 to {len(points) - 1}"
+            )
+        cells.flags.writeable = False
+        walls = {name: np.array(facets, dtype=np.int64) for name, facets in self.walls.items()}
+        freeze(self, points=points, cells=cells, walls=MappingProxyType(walls))
+        corners = points[cells]
+        ahead = [1, 2, 3] if cells.shape[1] == 4 else [1, 3, 4]
+        sizes = np.linalg.det(corners[:, ahead] - corners[:, :1])
+        if not sizes.min() > 0:
+            raise AcousticsError(
+                "cavity.cells",
+                got=f"a volume of {sizes.min():.3g} m^3 at the first corner of cell {sizes.argmin()}",
+                expected="cells with volume, corners in the order of VTK",
+            )
+        for name in walls:
+            self.facets(name)
+
+    @cached_property
+    def basis(self) -> Any:
+        """scikit-fem's basis of second order on the cells."""
+        from skfem import Basis, ElementHex2, ElementTetP2, MeshHex, MeshTet
+
+        points = np.ascontiguousarray(self.points.T)
+        if self.cells.shape[1] == 4:
+            return Basis(MeshTet(points, np.ascontiguousarray(self.cells.T)), ElementTetP2(), intorder=EXACT)
+        return Basis(
+            MeshHex(points, np.ascontiguousarray(self.cells[:, _HEX_OF_MESHIO].T)), ElementHex2(), intorder=EXACT
+        )
+
+    @cached_property
+    def matrices(self) -> tuple[csc_array, csc_array]:
+        """Integrals of the products of the elements' gradients, and of the elements' functions [dofs, dofs]."""
+        from skfem import BilinearForm
+        from skfem.helpers import dot, grad
+
+        basis = self.basis
+        stiffness = BilinearForm(lambda u, v, _: dot(grad(u), grad(v))).assemble(basis)
+        mass = BilinearForm(lambda u, v, _: u * v).assemble(basis)
+        return csc_array(stiffness), csc_array(mass)
+
+    @cached_property
+    def edges(self) -> Floats:
+        """Ends [m, 2, 3] of the boundary's edges where it bends by more than 20 degrees [m]."""
+        cells = self.basis.mesh
+        corners = cells.facets[:, cells.boundary_facets()].T  # in order round the facet
+        away = self.points[corners[:, 1:3]] - self.points[corners[:, :1]]
+        normals = np.cross(away[:, 0], away[:, 1])
+        normals /= np.linalg.norm(normals, axis=1)[:, None]
+        pairs = np.sort(np.stack([corners, np.roll(corners, -1, axis=1)], axis=-1), axis=-1).reshape(-1, 2)
+        ends, number = np.unique(pairs, axis=0, return_inverse=True)
+        facet = np.argsort(number.ravel(), kind="stable").reshape(-1, 2) // corners.shape[1]  # each edge has two
+        bent = np.abs(np.einsum("ex,ex->e", normals[facet[:, 0]], normals[facet[:, 1]])) < _BENT
+        return self.points[ends[bent]]
+
+    @property
+    def volume(self) -> float:
+        """Volume of all cells [m^3]."""
+        return float(self.basis.dx.sum())
+
+    @property
+    def largest_cell(self) -> float:
+        """Largest extent of a cell along an axis [m]."""
+        corners = self.points[self.cells]
+        return float(np.ptp(corners, axis=1).max())
+
+    def contains(self, points: Floats) -> NDArray[np.bool_]:
+        """Whether points [p, 3] lie in one of the 48 cells next to them, with straight sides [p]."""
+        own = self.cells if self.cells.shape[1] == 4 else self.cells[:, _SIX].reshape(-1, 4)
+        corners = self.points[own].reshape(len(self.cells), -1, 4, 3)
+        inverse = np.linalg.inv(corners[:, :, 1:] - corners[:, :, :1])
+        _, near = cKDTree(self.points[self.cells].mean(axis=1)).query(points, k=min(48, len(self.cells)))
+        inside = np.zeros(len(points), dtype=bool)
+        for cells in near.reshape(len(points), -1).T:
+            away = points[:, None] - corners[cells, :, 0]
+            share = np.einsum("pti,ptij->ptj", away, inverse[cells])
+            inside |= ((share.min(axis=2) > -_EDGE) & (share.sum(axis=2) < 1 + _EDGE)).any(axis=1)
+        return inside
+
+    def facets(self, wall: str) -> Integers:
+        """Numbers of a wall's facets in scikit-fem's mesh.
+
+        Raises AcousticsError: no such wall, a facet that is not on the boundary.
+        """
+        if wall not in self.walls:
+            raise AcousticsError("cavity.walls", got=f"'{wall}'", expected=", ".join(self.walls) or "a named wall")
+        mesh = self.basis.mesh
+        outer = mesh.boundary_facets()
+        known = {
+            tuple(sorted(corners)): int(number)
+            for number, corners in zip(outer, mesh.facets[:, outer].T.tolist(), strict=True)
+        }
+        try:
+            return np.array([known[tuple(sorted(corners))] for corners in self.walls[wall].tolist()], dtype=np.int64)
+        except KeyError as error:
+            raise AcousticsError(
+                f"cavity.walls.{wall}", got=f"a facet with corners {error}", expected="facets of the boundary"
+            ) from None
+
+
+def box_mesh(size: tuple[float, float, float] | list[float], cells: tuple[int, int, int] | list[int]) -> CavityMesh:
+    """A box [0, Lx] x [0, Ly] x [0, Lz] of `cells` hexahedra in each direction; its walls are x0, x1, y0, ..., z1."""
+    axes = [np.linspace(0, length, n + 1) for length, n in zip(size, cells, strict=True)]
+    grid = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
+    number: Integers = np.arange(grid.size // 3, dtype=np.int64).reshape(*grid.shape[:3])
+    base = [
+        number[i : i - 1 or None, j : j - 1 or None, k : k - 1 or None]
+        for k in (0, 1)
+        for i, j in ((0, 0), (1, 0), (1, 1), (0, 1))
+    ]
+    walls = {}
+    for axis, name in enumerate("xyz"):
+        for side in (0, 1):
+            face: Integers = np.take(number, -side, axis=axis)
+            corners = [face[:-1, :-1], face[1:, :-1], face[1:, 1:], face[:-1, 1:]]
+            walls[f"{name}{side}"] = np.stack([corner.ravel() for corner in corners], axis=1)
+    return CavityMesh(grid.reshape(-1, 3), np.stack([corner.ravel() for corner in base], axis=1), walls)

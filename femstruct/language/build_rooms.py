@@ -1,0 +1,123 @@
+"""From a checked study file to its rooms."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from acoustics.air import Air
+from acoustics.coupled import Leak
+from acoustics.errors import AcousticsError
+from acoustics.fem import probe
+from acoustics.room import (
+    Losses,
+    Receiver,
+    Room,
+    losses_from_beta,
+    losses_from_loss_factor,
+    losses_from_t60,
+    losses_from_t60_bands,
+)
+from acoustics.shaped import ShapedRoom
+from acoustics.walls import Wall, absorbing
+from femstruct.language.build import Builder
+from femstruct.language.meshes import read_mesh
+from femstruct.language.reader import Steps, dotted, nearest
+from femstruct.language.schema_rooms import RoomSpec
+from femstruct.study.study import RoomPlan
+
+SCALE_HZ = 1000.0  # a wall's one admittance is the same at all frequencies: this is as good as any
+
+
+def room_of(
+    name: str, spec: RoomSpec, builder: Builder, sources: dict[str, str], shaped: dict[str, ShapedRoom]
+) -> RoomPlan | None:
+    """A room with who listens in it; None with mistakes noted.
+
+    sources : is given a digest of its mesh's file. shaped : see `study_of`.
+    """
+    receivers = []
+    for receiver, places in spec.receivers.items():
+        several = len(places) > 1
+        receivers += [Receiver(f"{receiver}.{i}" if several else receiver, place) for i, place in enumerate(places, 1)]  # type: ignore[arg-type]
+    room: Room | ShapedRoom | None
+    if spec.size is not None:
+        room = Room(spec.size, Air(spec.air.c, spec.air.rho), _losses(spec))  # type: ignore[arg-type]
+        middle = (spec.size[0] / 2.0, spec.size[1] / 2.0)
+    else:
+        room = _meshed(name, spec, builder, sources, shaped)
+        if room is None or not _all_inside(name, room, receivers, spec, builder):
+            return None
+        middle = (float(room.centre[0]), float(room.centre[1]))
+    offset = (spec.at[0] - middle[0], spec.at[1] - middle[1]) if spec.at is not None else (0.0, 0.0)
+    asked = spec.losses.t60 if spec.losses is not None and isinstance(spec.losses.t60, dict) else {}
+    return RoomPlan(name, room, spec.under, tuple(receivers), offset, spec.coupling, _leak(spec), asked, spec.levels)
+
+
+def _meshed(
+    name: str, spec: RoomSpec, builder: Builder, sources: dict[str, str], shaped: dict[str, ShapedRoom]
+) -> ShapedRoom | None:
+    """A room from a mesh file; the one that another case has where all that is said of it is the same."""
+    said = repr((builder.tree.file, spec.mesh, spec.ceiling, spec.walls, spec.modes, spec.air, spec.losses))
+    if said in shaped:
+        return shaped[said]
+    steps: Steps = ("rooms", name, "mesh")
+    path = Path(builder.tree.file).parent / (spec.mesh or "")
+    mesh = read_mesh(path, builder.tree.position(steps), dotted(steps), builder.mistakes, sources)
+    if mesh is None:
+        return None
+    for place, wall in ((("ceiling",), spec.ceiling or ""), *((("walls", wall), wall) for wall in spec.walls)):
+        if wall not in mesh.walls:
+            here: Steps = ("rooms", name, *place)
+            known = ", ".join(mesh.walls) or "a mesh with named surfaces"
+            at, do = builder.tree.position(here), nearest(wall, list(mesh.walls))
+            builder.mistakes.add(at, dotted(here), got=f"'{wall}', no surface of '{spec.mesh}'", expected=known, do=do)
+            return None
+    air = Air(spec.air.c, spec.air.rho)
+    walls = {wall: _wall(one.absorption, one.impedance, air) for wall, one in spec.walls.items()}
+    up_to = spec.modes.up_to if spec.modes is not None else None
+    shaped[said] = ShapedRoom(mesh, spec.ceiling or "", air, _losses(spec), walls, up_to)
+    return shaped[said]
+
+
+def _wall(absorption: float | dict[str, float] | None, impedance: float | None, air: Air) -> Wall:
+    if impedance is not None:
+        return Wall({SCALE_HZ: air.rho * air.c / impedance})
+    return absorbing(absorption or 0.0)  # type: ignore[arg-type]  # its keys are frequencies once they are read
+
+
+def _all_inside(name: str, room: ShapedRoom, receivers: list[Receiver], spec: RoomSpec, builder: Builder) -> bool:
+    """Whether all receivers are in the mesh; notes those that are not."""
+    sound = True
+    for receiver in receivers:
+        try:
+            probe(room.mesh, receiver.position[None, :])
+        except AcousticsError as error:
+            written = receiver.name if receiver.name in spec.receivers else receiver.name.rpartition(".")[0]
+            here: Steps = ("rooms", name, "receivers", written)
+            got = f"{receiver.position.tolist()} m, a point outside the mesh"
+            builder.mistakes.add(builder.tree.position(here), dotted(here), got=got, expected=error.expected)
+            sound = False
+    return sound
+
+
+def _leak(spec: RoomSpec) -> Leak | None:
+    leak = spec.leak
+    if leak is None:
+        return None
+    if leak.inertance is not None:
+        return Leak(leak.inertance, leak.resistance)
+    return Leak(spec.air.rho * (leak.length or 0.0) / (leak.area or 1.0), leak.resistance)
+
+
+def _losses(spec: RoomSpec) -> Losses:
+    losses = spec.losses
+    if losses is None:
+        return Losses()
+    if isinstance(losses.t60, dict):
+        return losses_from_t60_bands(losses.t60)
+    if losses.t60 is not None:
+        return losses_from_t60(losses.t60)
+    at = losses.at or 0.0
+    if losses.beta is not None:
+        return losses_from_beta(losses.beta, at, spec.form)
+    return losses_from_loss_factor(losses.loss_factor or 0.0, at, spec.form)
