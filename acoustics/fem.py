@@ -90,6 +90,8 @@ def cavity_modes(mesh: CavityMesh, up_to: float) -> CavityModes:
     squared[0] = 0.0
     largest = shapes[np.abs(shapes).argmax(axis=0), np.arange(shapes.shape[1])]
     shapes = shapes * np.sign(largest) * np.sqrt(mesh.volume)
+    shapes[:, 1:] -= (M.sum(axis=0) @ shapes[:, 1:]) / mesh.volume
+    shapes[:, 0] = 1.0  # which it is; Lanczos has it to 1e-7
     return CavityModes(mesh, np.sqrt(squared[:wanted]), shapes[:, :wanted], np.sqrt(limit), shift, factor)
 
 
@@ -191,7 +193,7 @@ def left_out(modes: CavityModes, loads: Floats) -> Floats:
     free = loads - M @ (shapes @ (shapes.T @ loads)) / volume
     answers = np.zeros_like(loads)
     for _ in range(_STEPS):
-        answers = modes.factor.solve(free + modes.shift * (M @ answers))
+        answers = modes.factor.solve(free - modes.shift * (M @ answers))
         answers -= shapes @ (shapes.T @ (M @ answers)) / volume
     return answers
 

@@ -76,7 +76,8 @@ def with_cavity(
     >>> floating.n_rigid, floating.frequency_hz.round(1)
     (0, array([19.4]))
     """
-    if up_to_hz is None and not 0 < basis.complete_below_hz < np.inf:
+    known = isinstance(room, ShapedRoom)  # a room that has its own limit
+    if up_to_hz is None and not known and not 0 < basis.complete_below_hz < np.inf:
         raise InputError(
             f"rooms.{name}",
             got="a basis in closed form",
@@ -92,6 +93,7 @@ def with_cavity(
         omega, viscous = np.append(omega, 0.0), block_diag(viscous, np.array([[leak.resistance / leak.inertance]]))
     reach = up_to_hz or basis.complete_below_hz
     if isinstance(room, ShapedRoom):
+        reach = reach if 0 < reach < np.inf else room.up_to_hz or room.carried_hz
         air = coupled_cavity(room, points, surface.weights, shapes, reach)
     else:
         air = coupled_air(room, points, surface.weights, shapes, reach)

@@ -75,14 +75,18 @@ def _meshed(
     air = Air(spec.air.c, spec.air.rho)
     walls = {wall: _wall(one.absorption, one.impedance, air) for wall, one in spec.walls.items()}
     up_to = spec.modes.up_to if spec.modes is not None else None
-    shaped[said] = ShapedRoom(mesh, spec.ceiling or "", air, _losses(spec), walls, up_to)
-    return shaped[said]
+    room = builder.make(
+        ("rooms", name, "ceiling"), lambda: ShapedRoom(mesh, spec.ceiling or "", air, _losses(spec), walls, up_to)
+    )
+    if room is not None:
+        shaped[said] = room
+    return room
 
 
-def _wall(absorption: float | dict[str, float] | None, impedance: float | None, air: Air) -> Wall:
+def _wall(absorption: float | dict[float, float] | None, impedance: float | None, air: Air) -> Wall:
     if impedance is not None:
         return Wall({SCALE_HZ: air.rho * air.c / impedance})
-    return absorbing(absorption or 0.0)  # type: ignore[arg-type]  # its keys are frequencies once they are read
+    return absorbing(absorption or 0.0)
 
 
 def _all_inside(name: str, room: ShapedRoom, receivers: list[Receiver], spec: RoomSpec, builder: Builder) -> bool:

@@ -129,7 +129,7 @@ class WallSpec(Spec):
 
     one_of = (("absorption", "impedance"),)
 
-    absorption: Annotated[float | dict[str, float] | None, read_by(_absorption, Ratio | dict[str, Ratio])] = None
+    absorption: Annotated[float | dict[float, float] | None, read_by(_absorption, Ratio | dict[str, Ratio])] = None
     impedance: Annotated[float, Quantity(("specific impedance",), above=0.0)] | None = None
 
 

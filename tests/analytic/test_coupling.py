@@ -100,6 +100,17 @@ def test_sealed_box(up_to: float, first: float, second: float | None) -> None:
     assert "19.90 Hz in vacuo, is mode 1 at 27.25 Hz" in told.message
 
 
+def test_sealed_box_of_finite_elements() -> None:
+    """The static answer of the column is a parabola, which second-order cells have.
+
+    1e-6: the points of the surface, which do not match the cells, see a little of the modes across.
+    """
+    exact = brentq(lambda f: dynamic(np.array(2j * np.pi * f), Losses()).real, 25.0, 30.0, xtol=1e-12)
+    room = ShapedRoom(box_mesh((LX, LY, L), (4, 3, 2)), "z1", Air(C, RHO), up_to_hz=500.0)
+    basis = with_cavity(piston(), underside(), room)
+    assert basis.frequency_hz[0] == pytest.approx(exact, rel=1e-6)
+
+
 @pytest.mark.parametrize("law", LOSSES)
 def test_frequency_responses(law: str) -> None:
     """Displacement and pressure at three heights, past the first mode of the column at 1700 Hz.
@@ -319,26 +330,27 @@ def test_plate_on_a_cavity(plate, losses, air) -> None:  # type: ignore[no-untyp
     agree(found, PlateOnAir().pressures(f, 1 + 0.01j, air), 13)
 
 
-def agree(found: np.ndarray, exact: np.ndarray, lines: int) -> None:
+def agree(found: np.ndarray, exact: np.ndarray, lines: int, in_all: float = 2e-3) -> None:
     """Within 0.1 dB where the pressure is within 20 dB of the largest of so many lines around, 0.2 % in all."""
     heard = np.abs(exact) > 0.1 * maximum_filter1d(np.abs(exact), lines, axis=1)
     assert heard.mean() > 0.4
     decibels = 20 * np.log10(np.abs(found) / np.abs(exact))
     assert np.abs(decibels[heard]).max() < 0.1
-    assert np.linalg.norm(found - exact) < 2e-3 * np.linalg.norm(exact)
+    assert np.linalg.norm(found - exact) < in_all * np.linalg.norm(exact)
 
 
 @pytest.mark.parametrize(
     ("cells", "up_to", "highest", "step"),
     [
         ((6, 6, 12), 450.0, 160.0, 2.0),
-        pytest.param((12, 12, 24), 650.0, 400.0, 1.0, marks=pytest.mark.stress),
+        pytest.param((12, 12, 24), 900.0, 400.0, 1.0, marks=pytest.mark.stress),
     ],
 )
 def test_plate_on_a_cavity_of_finite_elements(plate, cells, up_to, highest, step) -> None:  # type: ignore[no-untyped-def]
     """The same with the room's modes by scikit-fem, coupled two-way through them.
 
-    Waves have 12 cells at the highest frequency: 5e-5 in frequency (measured), 1 % of the bandwidth of a resonance.
+    Waves have 10 to 13 cells at the highest frequency: 5e-5 to 1e-4 in frequency, up to 2 % of a resonance's bandwidth
+    and of its peak; over all lines much less.
     """
     vacuo, surface, drive = plate
     losses = losses_from_loss_factor(0.01, 85.75, "source")
@@ -347,7 +359,7 @@ def test_plate_on_a_cavity_of_finite_elements(plate, cells, up_to, highest, step
     f = np.arange(step, highest + step, step)
     found, advice = pressure_per_force(basis, drive, surface, room, RECEIVERS, f)
     assert not advice
-    agree(found, PlateOnAir().pressures(f, 1 + 0.01j, lambda f: (1 - 0.005j) ** -2), int(50 / step) + 1)
+    agree(found, PlateOnAir().pressures(f, 1 + 0.01j, lambda f: (1 - 0.005j) ** -2), int(50 / step) + 1, in_all=4e-3)
     coupled_frequencies(basis, highest)
 
 
