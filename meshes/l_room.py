@@ -2,8 +2,8 @@
 
     python meshes/l_room.py [SIZE OF A CELL in m]
 
-Named walls: ceiling, floor, wing (its two outer walls and its end), walls (all others). Cells of 0.36 m carry sound to
-157 Hz, six to a wave.
+Named walls: ceiling, floor, wing (its two outer walls and its end), walls (all others). Cells of at most 0.5 m carry sound
+to 114 Hz, six to a wave.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from acoustics import CavityMesh, box_mesh
 MAIN, WING, HEIGHT = (5.0, 4.0), (2.5, 3.0), 2.5
 
 
-def main(cell: float = 0.36) -> CavityMesh:
+def main(cell: float = 0.45) -> CavityMesh:
     """The mesh: the main room from the origin, the wing beyond x = 5 m, along y from 0 to 3 m."""
     x = np.concatenate([np.linspace(0, MAIN[0], 1 + round(MAIN[0] / cell)), MAIN[0] + graded(WING[0], cell)[1:]])
     y = np.concatenate([graded(WING[1], cell), WING[1] + graded(MAIN[1] - WING[1], cell)[1:]])

@@ -155,7 +155,7 @@ def test_the_shipped_mesh_is_what_its_script_makes() -> None:
     assert rooms[0] is not rooms[1]
     assert rooms[0].volume == pytest.approx((5.0 * 4.0 + 2.5 * 3.0) * 2.5, rel=1e-9)
     areas = {name: len(facets) for name, facets in rooms[0].mesh.walls.items()}
-    assert areas["floor"] == areas["ceiling"] == 210
+    assert areas["floor"] == areas["ceiling"] == 141
     few = "rooms.living room.modes={up_to: 30 Hz}"
     (first,) = inspect_file(MODELS / "l_room.study.yaml", (few,)).table()["rooms"]["living room"]["first_modes_hz"]
     assert first == pytest.approx(23.2, abs=0.1)
