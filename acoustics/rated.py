@@ -185,7 +185,7 @@ def rate_room(
 
     Two drops heard at one place, 60 and 70 dB in every band, in a room of 50 m^3 and half a second:
 
-    >>> from acoustics import losses_from_t60
+    >>> from acoustics import Room, losses_from_t60
     >>> bedroom = Room([5.0, 4.0, 2.5], losses=losses_from_t60(0.5))
     >>> found = rate_room([[dict.fromkeys(BANDS["heavy"], level)] for level in (60.0, 70.0)], bedroom)
     >>> round(found.bands_db[63.0], 1), found.rating.rating_db, round(found.drops_spread_db, 2)

@@ -2,8 +2,8 @@
 
     python meshes/l_room.py [SIZE OF A CELL in m]
 
-Named walls: ceiling, floor, wing (its two outer walls and its end), walls (all others). Cells of at most 0.5 m carry sound
-to 114 Hz, six to a wave.
+Named walls: ceiling, floor, wing (its two outer walls and its end), walls (all others). Cells of at most 0.5 m carry
+sound to 114 Hz, six to a wave.
 """
 
 from __future__ import annotations
