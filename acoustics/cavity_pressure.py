@@ -120,7 +120,7 @@ def harmonic_cavity_pressure(
         raise AcousticsError("frequency", got=f"{frequency_hz.min():g} Hz", expected="frequencies above 0")
     way = _way(room.modes, room.air, room.losses, room.walls, points, weights, shapes, positions(receivers))
     with np.errstate(divide="ignore", invalid="ignore"):  # a resonance without losses is refused just below
-        p = way.heard(2j * np.pi * frequency_hz, way.driving @ rates)
+        p = way.heard(np.asarray(2j * np.pi * frequency_hz), way.driving @ rates)
     if not np.isfinite(p).all():
         raise AcousticsError("frequency", got="a resonance of a room without losses", expected="losses")
     highest_hz = float(frequency_hz.max())
@@ -134,7 +134,7 @@ def cavity_spectrum(surface: SurfaceVelocity, room: ShapedRoom, frequency_hz: Fl
 
     Raises AcousticsError: a place outside the room, a room without losses at a resonance.
     """
-    s = 2j * np.pi * frequency_hz
+    s = np.asarray(2j * np.pi * frequency_hz)
     way = _way(room.modes, room.air, room.losses, room.walls, surface.points, surface.weights, surface.shapes, places)
     kernel = surface.dt * np.exp(-np.outer(surface.t, s))
     with np.errstate(divide="ignore", invalid="ignore"):  # a resonance without losses is refused just below

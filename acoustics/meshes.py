@@ -103,7 +103,8 @@ class CavityMesh:
         ends, number = np.unique(pairs, axis=0, return_inverse=True)
         facet = np.argsort(number.ravel(), kind="stable").reshape(-1, 2) // corners.shape[1]  # each edge has two
         bent = np.abs(np.einsum("ex,ex->e", normals[facet[:, 0]], normals[facet[:, 1]])) < _BENT
-        return self.points[ends[bent]]
+        found: Floats = self.points[ends[bent]]
+        return found
 
     @property
     def volume(self) -> float:

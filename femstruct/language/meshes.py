@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import hashlib
 import io
+from functools import partial
 from pathlib import Path
 from typing import Any, Final
 
@@ -29,20 +30,21 @@ def read_mesh(
     or the sets of cells of other formats. sources : is given a digest of the file under its name.
     """
 
-    def refuse(got: str, expected: str, do: str = "") -> None:
-        mistakes.add(asked_at, asked_path, got=got, expected=expected, do=do)
-
+    refuse = partial(_refuse, asked_at, asked_path, mistakes)
     try:
         if path.stat().st_size > LARGEST:
-            return refuse("a file of more than 50 MB", "a coarser mesh")
+            refuse("a file of more than 50 MB", "a coarser mesh")
+            return None
         digest = hashlib.sha256(path.read_bytes()).hexdigest()
     except OSError:
-        return refuse(f"no file '{path}'", "a mesh file, named from the study's folder")
+        refuse(f"no file '{path}'", "a mesh file, named from the study's folder")
+        return None
     try:
         mesh = _read(path)
         cells, points = _cells(mesh), np.asarray(mesh.points, dtype=np.float64)
     except (Exception, SystemExit) as error:  # meshio tells of files it cannot read in all these ways
-        return refuse(f"'{path.name}', which is no mesh ({error})", "a mesh of one kind that meshio reads, as of Gmsh")
+        refuse(f"'{path.name}', which is no mesh ({error})", "a mesh of one kind that meshio reads, as of Gmsh")
+        return None
     used: Integers = np.unique(cells)
     number = np.full(len(points), -1)
     number[used] = np.arange(len(used))
@@ -50,13 +52,18 @@ def read_mesh(
     try:
         found = CavityMesh(points[used], number[cells], walls)
     except AcousticsError as error:
-        return refuse(f"'{path.name}', {error.where}: {error.got}", error.expected, error.do)
+        refuse(f"'{path.name}', {error.where}: {error.got}", error.expected, error.do)
+        return None
     sources[str(path)] = f"sha256 {digest}, {len(cells)} cells, {len(used)} points, walls {', '.join(walls)}\n"
     return found
 
 
+def _refuse(at: Position, path: str, mistakes: Mistakes, got: str, expected: str, do: str = "") -> None:
+    mistakes.add(at, path, got=got, expected=expected, do=do)
+
+
 def _read(path: Path) -> Any:
-    import meshio
+    import meshio  # type: ignore[import-untyped]
 
     with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
         return meshio.read(path)
