@@ -1,18 +1,78 @@
-"""Reasons not to believe a contact: its peak is not resolved, or its law was used where it does not hold."""
+"""Reasons to believe a run less, from a few of its numbers: a run alone and each of a batch are judged here."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
+import numpy as np
+from numpy.typing import NDArray
+
+from femstruct.arrays import Floats
 from femstruct.errors import Finding
 from femstruct.impact.bodies import Contact
-from femstruct.impact.estimate import ErrorEstimate
 from femstruct.impact.factored import LankaraniNikravesh, Tabulated
+from femstruct.impact.laws import Law
+from femstruct.impact.response import Outcome
 
-UNRESOLVED = 1e-3  # of a peak force: what its estimated error may be; told from there on
-NOT_TRUSTED = 1e-2  # and severe from here on
-ASKED = 0.1  # share of an asked accuracy that the march may take
+ENERGY_DRIFT = 1e-8  # of the energy put in: what a run keeps; told from there on
+NOT_TRUSTED = 1e-6  # and severe from here on
+SAMPLES_PER_CONTACT = 10
+NOT_DECAYED = 1e-2  # of the structure's largest energy
 RESTITUTION_MISSED = 0.05  # of a restitution: the law of Lankarani and Nikravesh misses it from 0.79 down
+
+
+@dataclass(frozen=True)
+class Measured:
+    """What a run is judged by: the residual of its ledger, its outcome, its window [s], since when contacts that are
+    closed at the end are [s], and the largest indentation of every contact [m]."""
+
+    residual: float
+    outcome: Outcome
+    duration: float
+    closed_since: Mapping[str, float]
+    deepest: Mapping[str, float]
+
+
+def run_findings(contacts: Sequence[Contact], run: Measured) -> tuple[Finding, ...]:
+    """What the numbers of a run say against it."""
+    found = []
+    if drifts(np.float64(run.residual)):
+        found.append(
+            Finding(
+                "energy-drift",
+                f"The energy ledger is open by {run.residual:.1e} of the energy put in; {ENERGY_DRIFT:g} is allowed.",
+                {"ledger_residual": run.residual, "allowed": ENERGY_DRIFT},
+                severe=not run.residual <= NOT_TRUSTED,
+            )
+        )
+    if run.outcome is Outcome.CLOSED_AT_END:
+        name = max(run.closed_since, key=lambda name: run.closed_since[name])
+        since = run.closed_since[name]
+        found.append(
+            Finding(
+                "window-too-short",
+                f"Contact '{name}', closed since {since:.4g} s, is still closed at the end of the window of "
+                f"{run.duration:g} s.",
+                {"closed_since_s": since, "duration_s": run.duration},
+            )
+        )
+    return (*found, *law_findings(contacts, run.deepest))
+
+
+def drifts(residual: Floats | np.float64) -> NDArray[np.bool_]:
+    """Whether a ledger is open by more than is allowed."""
+    return np.logical_not(residual <= ENERGY_DRIFT)
+
+
+def beyond_table(law: Law, depth: Floats | np.float64) -> NDArray[np.bool_]:
+    """Whether a contact was pressed in beyond the last point of its law's table; its law may have none."""
+    return np.asarray(depth > law.indentations[-1] if isinstance(law, Tabulated) else np.zeros_like(depth, dtype=bool))
+
+
+def misses_restitution(law: Law) -> bool:
+    """Whether a law returns another restitution than it is asked for."""
+    return isinstance(law, LankaraniNikravesh) and law.returns - law.restitution > RESTITUTION_MISSED
 
 
 def law_findings(contacts: Sequence[Contact], deepest: Mapping[str, float]) -> tuple[Finding, ...]:
@@ -20,7 +80,7 @@ def law_findings(contacts: Sequence[Contact], deepest: Mapping[str, float]) -> t
     found = []
     for contact in contacts:
         law, depth = contact.law, deepest[contact.name]
-        if isinstance(law, Tabulated) and depth > law.indentations[-1]:
+        if isinstance(law, Tabulated) and beyond_table(law, np.float64(depth)):
             last = float(law.indentations[-1])
             found.append(
                 Finding(
@@ -31,7 +91,7 @@ def law_findings(contacts: Sequence[Contact], deepest: Mapping[str, float]) -> t
                     severe=True,
                 )
             )
-        if isinstance(law, LankaraniNikravesh) and law.returns - law.restitution > RESTITUTION_MISSED:
+        if isinstance(law, LankaraniNikravesh) and misses_restitution(law):
             found.append(
                 Finding(
                     "restitution-missed",
@@ -44,55 +104,29 @@ def law_findings(contacts: Sequence[Contact], deepest: Mapping[str, float]) -> t
     return tuple(found)
 
 
-def unresolved_findings(errors: ErrorEstimate, within: float | None = None) -> tuple[Finding, ...]:
-    """Contacts whose peak force the march may miss by more than 0.1 %, or by a tenth of the accuracy that is asked for;
-    a body whose velocity at the end it may miss by more than 1 % of its largest.
-
-    within : the share asked for [1], None where none is.
-    """
-    allowed = UNRESOLVED if within is None else min(UNRESOLVED, ASKED * within)
-    found = []
-    for name, peak in errors.peak.items():
-        if peak.relative <= allowed:
-            continue
-        found.append(
-            Finding(
-                "contact-unresolved",
-                f"Contact '{name}': its peak force of {peak.value:.4g} N may be wrong by {peak.error:.3g} N, "
-                f"{100 * peak.relative:.2g} %, where {100 * allowed:g} % is allowed; {_instead(errors, allowed)}",
-                {
-                    "peak_force_n": peak.value,
-                    "error_n": peak.error,
-                    "relative": peak.relative,
-                    "allowed": allowed,
-                    "first_until_s": errors.first_until,
-                },
-                severe=peak.relative > NOT_TRUSTED,
-            )
-        )
-    name, speed = max(errors.velocity.items(), key=lambda item: item[1].relative, default=("", None))
-    if speed is not None and speed.relative > NOT_TRUSTED:
-        found.append(
-            Finding(
-                "end-unresolved",
-                f"{name} ends with {speed.value:.4g} m/s, which may be wrong by {speed.error:.3g} m/s, "
-                f"{100 * speed.relative:.2g} % of its largest speed: how this window ends is not to be known",
-                {"velocity_m_s": speed.value, "error_m_s": speed.error, "relative": speed.relative},
-            )
-        )
-    return tuple(found)
+def decay_findings(largest: float, left: float, duration: float) -> tuple[Finding, ...]:
+    """A damped structure that still rings when its record ends; its energies [J]."""
+    if left <= NOT_DECAYED * largest:
+        return ()
+    return (
+        Finding(
+            "not-decayed",
+            f"The structure still has {100 * left / largest:.2g} % of its largest energy at the end of the window of "
+            f"{duration:g} s: spectra of this record are those of a cut signal.",
+            {"energy_left": left / largest, "allowed": NOT_DECAYED, "duration_s": duration},
+        ),
+    )
 
 
-def _instead(errors: ErrorEstimate, allowed: float) -> str:
-    """What to believe, or to do, where a peak of the whole window is not resolved."""
-    worst = max((one.relative for one in errors.first_peak.values()), default=0.0)
-    if errors.first_peak and worst <= allowed:
-        firsts = ", ".join(f"{name} {one.value:.4g} N" for name, one in errors.first_peak.items())
-        return (
-            f"each collision multiplies the errors before it. Peaks until {errors.first_until:.4g} s, when a contact "
-            f"closes again, hold within {100 * worst:.1g} % ({firsts}): believe those, shorten the window, or look at "
-            "how the peaks of many runs scatter"
+def sampling_findings(lasting: Mapping[str, float], peaks: Mapping[str, float], sampling: float) -> tuple[Finding, ...]:
+    """Contacts that last for few samples. lasting [s] : of the shortest of each, infinite for none; peaks [N]."""
+    return tuple(
+        Finding(
+            "sampling-too-low",
+            f"Contact '{name}' lasts {shortest:.3g} s at its shortest, {shortest * sampling:.1f} samples: peaks "
+            "between samples are seen by its peak force only.",
+            {"contact_s": shortest, "samples": shortest * sampling, "peak_force_n": peaks[name]},
         )
-    if errors.tolerance is None:
-        return "it touches so faintly that rounding decides"
-    return f"the steps do not resolve it: choose a smaller tolerance than {errors.tolerance:g}"
+        for name, shortest in lasting.items()
+        if shortest * sampling < SAMPLES_PER_CONTACT
+    )

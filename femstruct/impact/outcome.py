@@ -1,53 +1,71 @@
-"""How a run ended, as a sentence."""
+"""How runs ended, as a sentence: one run, or all of a batch at once."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from math import inf
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
 
 from femstruct.arrays import Floats
-from femstruct.impact.bodies import Clock, Scene
-from femstruct.impact.response import Event, Outcome
+from femstruct.impact.bodies import Scene
+from femstruct.impact.response import Outcome
 
-LAST = 0.1  # share of the window in which bodies that rest no longer bounce
+LAST = 0.125  # share of the window in which bodies that rest no longer bounce
 STILL = 0.1  # share of gravity that their mean acceleration may have in it
 
+Flags = NDArray[np.bool_]
 
-def outcome_of(
-    scene: Scene, clock: Clock, log: Sequence[Event], all_open: bool, velocity: Mapping[str, Floats]
-) -> Outcome:
-    """The outcome of a run with these events; all_open : whether all contacts are open after the last one.
 
-    velocity : of the bodies at the samples [m/s].
+@dataclass(frozen=True, eq=False)
+class Endings:
+    """What the outcomes of runs are told from, each [runs].
+
+    duration [s] : of the window. last [s] : when each contact closed or opened for the last time, nan if never; closed
+    : whether it was closed then. gain [m/s^2] : mean acceleration of each body over the last part of the window, either
+    way.
     """
-    if not scene.contacts:
-        return Outcome.NO_CONTACTS
-    if not log:
-        return Outcome.NEVER_TOUCHED
-    if all_open:
-        return Outcome.SEPARATED
-    return Outcome.RESTING if _rests(scene, clock, log, velocity) else Outcome.CLOSED_AT_END
+
+    duration: float
+    last: Mapping[str, Floats]
+    closed: Mapping[str, Flags]
+    gain: Mapping[str, Floats]
 
 
-def _rests(scene: Scene, clock: Clock, log: Sequence[Event], velocity: Mapping[str, Floats]) -> bool:
+def outcomes_of(scene: Scene, endings: Endings, runs: int) -> tuple[Outcome, ...]:
+    """The outcome of every run of a scene; gravity and what meets what are the same in all."""
+    touched = np.zeros(runs, dtype=bool)
+    closed = np.zeros(runs, dtype=bool)
+    for name in endings.closed:
+        touched |= ~np.isnan(endings.last[name])
+        closed |= endings.closed[name]
+    kinds = (Outcome.SEPARATED, Outcome.NO_CONTACTS, Outcome.NEVER_TOUCHED, Outcome.CLOSED_AT_END, Outcome.RESTING)
+    which = np.zeros(runs, dtype=np.int64)
+    which[closed] = 3
+    which[closed & _rest(scene, endings, runs)] = 4
+    which[~touched] = 2 if scene.contacts else 1
+    return tuple(kinds[i] for i in which)
+
+
+def _rest(scene: Scene, endings: Endings, runs: int) -> Flags:
     """Whether all contacts that are closed at the end carry a body that gravity pulls, and did so for a while: no
     event in the last part of the window, in which the body hardly gained speed. A ball in the middle of a bounce
     gains speed at many times gravity."""
-    last = {event.contact: event for event in log}
-    closed = [c for c in scene.contacts if c.name in last and last[c.name].what == "closes"]
-    if not scene.gravity or any(event.t > (1.0 - LAST) * clock.duration for event in last.values()):
-        return False
+    rest = np.full(runs, scene.gravity > 0.0)
     weighing = {body.name for body in scene.bodies if body.falls}
-    for contact in closed:
+    for contact in scene.contacts:
+        last, closed = endings.last[contact.name], endings.closed[contact.name]
+        rest &= ~(last > (1.0 - LAST) * endings.duration)
         carried = [end for end in (contact.upper, contact.lower) if isinstance(end, str) and end in weighing]
-        if not carried or any(_gain(velocity[name], clock) > STILL * scene.gravity for name in carried):
-            return False
-    return True
+        still = np.full(runs, bool(carried))
+        for name in carried:
+            still &= endings.gain[name] <= STILL * scene.gravity
+        rest &= still | ~closed
+    return rest
 
 
-def _gain(velocity: Floats, clock: Clock) -> float:
-    """Mean acceleration over the last part of the window [m/s^2], infinite where it has no two samples."""
-    first = min(round((1.0 - LAST) * len(velocity)), len(velocity) - 2)
-    if first < 0:
-        return inf
-    return float(abs(velocity[-1] - velocity[first])) * clock.sampling / (len(velocity) - 1 - first)
+def gain_of(velocity: Floats, end_velocity: float, duration: float) -> float:
+    """Mean acceleration of a body over the last part of the window [m/s^2], from its samples [nt] [m/s]."""
+    first = min(round((1.0 - LAST) * len(velocity)), len(velocity) - 1)
+    return abs(end_velocity - float(velocity[first])) / (duration * (1.0 - first / len(velocity)))

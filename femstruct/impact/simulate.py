@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+
 import numpy as np
 
 from femstruct.arrays import Floats, Integers
@@ -14,7 +16,7 @@ from femstruct.impact.exact.choice import takes_exact_march
 from femstruct.impact.exact.march import exact_march
 from femstruct.impact.exact.rule import exact_room, exact_rule
 from femstruct.impact.forces import State
-from femstruct.impact.judgement import law_findings
+from femstruct.impact.judgement import Measured, decay_findings, run_findings, sampling_findings
 from femstruct.impact.laws import Hertz, Linear
 from femstruct.impact.march import (
     CLOSES,
@@ -28,7 +30,7 @@ from femstruct.impact.march import (
     levels_for,
 )
 from femstruct.impact.motion import DISPLACEMENT, VELOCITY, Motion, along, coordinates, sampled_motion
-from femstruct.impact.outcome import outcome_of
+from femstruct.impact.outcome import Endings, gain_of, outcomes_of
 from femstruct.impact.response import BodyHistory, ContactHistory, EnergyLedger, Event, Outcome, Response
 from femstruct.impact.rule import collocation_rule
 from femstruct.impact.sampling import Record, felt, motion_of, room_for
@@ -37,10 +39,6 @@ from femstruct.impact.tables import empty_tables
 from femstruct.modal.analytic import given_modes
 from femstruct.modal.basis import ModalBasis
 
-ENERGY_DRIFT = 1e-8  # of the energy put in: what a run keeps; told from there on
-NOT_TRUSTED = 1e-6  # and severe from here on
-SAMPLES_PER_CONTACT = 10
-NOT_DECAYED = 1e-2
 LEDGER_ROWS = 512  # at least
 
 
@@ -117,9 +115,10 @@ def simulate(basis: ModalBasis, scene: Scene, clock: Clock) -> Response:
     displacement, velocity = (
         coordinates(motion, what, k, len(system.omega)) / compiled.scale[k:, None] for what in (DISPLACEMENT, VELOCITY)
     )
-    speeds = dict(zip((body.name for body in scene.bodies), velocity, strict=True))
-    outcome = outcome_of(scene, clock, log, bool(len(events) and events[-1, 2]), speeds)
     last = state.v[k:] / compiled.scale[k:]
+    bodies = {b.name: BodyHistory(displacement[i], velocity[i], float(last[i])) for i, b in enumerate(scene.bodies)}
+    endings = _endings(compiled, nt / clock.sampling, log, record, bodies)
+    (outcome,) = outcomes_of(scene, endings, runs=1)
     return Response(
         basis=basis,
         scene=scene,
@@ -128,7 +127,7 @@ def simulate(basis: ModalBasis, scene: Scene, clock: Clock) -> Response:
         motion=motion,
         pushed=system.rows[:, :k],
         pushes=push,
-        bodies={b.name: BodyHistory(displacement[i], velocity[i], float(last[i])) for i, b in enumerate(scene.bodies)},
+        bodies=bodies,
         contacts=contacts,
         links={name: forces[a] for name, a in compiled.links.items()},
         events=log,
@@ -136,7 +135,7 @@ def simulate(basis: ModalBasis, scene: Scene, clock: Clock) -> Response:
         ledger=book,
         outcome=outcome,
         findings=(
-            *_findings(book, outcome, contacts, compiled, scene, record, clock),
+            *_findings(book, outcome, endings, contacts, compiled, scene, record, clock),
             *blow_findings(blows, scene, clock),
         ),
     )
@@ -229,54 +228,43 @@ def _contact(
     )
 
 
+def _endings(
+    compiled: Compiled, duration: float, log: Sequence[Event], record: Record, bodies: Mapping[str, BodyHistory]
+) -> Endings:
+    """What the outcome is told from, of one run."""
+    last = {event.contact: event.t for event in log}
+    rows = compiled.contacts.items()
+    return Endings(
+        duration,
+        last={name: np.array([last.get(name, np.nan)]) for name in compiled.contacts},
+        closed={name: np.array([any(record.totals[4 + a] > 0.0 for a in mine)]) for name, mine in rows},
+        gain={name: np.array([gain_of(body.velocity, body.end_velocity, duration)]) for name, body in bodies.items()},
+    )
+
+
 def _findings(
     book: EnergyLedger,
     outcome: Outcome,
-    contacts: dict[str, ContactHistory],
+    endings: Endings,
+    contacts: Mapping[str, ContactHistory],
     compiled: Compiled,
     scene: Scene,
     record: Record,
     clock: Clock,
 ) -> tuple[Finding, ...]:
-    found = []
-    if not book.residual <= ENERGY_DRIFT:
-        found.append(
-            Finding(
-                "energy-drift",
-                f"The energy ledger is open by {book.residual:.1e} of the energy put in; {ENERGY_DRIFT:g} is allowed.",
-                {"ledger_residual": book.residual, "allowed": ENERGY_DRIFT},
-                severe=not book.residual <= NOT_TRUSTED,
-            )
-        )
-    if outcome is Outcome.CLOSED_AT_END:
-        found.append(
-            Finding(
-                "window-too-short",
-                f"A contact is still closed at the end of the window of {clock.duration:g} s.",
-                {"duration_s": clock.duration},
-            )
-        )
-    most, left = float(book.structure.max()), book.end.structure
-    if compiled.system.damping.any() and left > NOT_DECAYED * most:
-        found.append(
-            Finding(
-                "not-decayed",
-                f"The structure still has {100 * left / most:.2g} % of its largest energy at the end of the window of "
-                f"{clock.duration:g} s: spectra of this record are those of a cut signal.",
-                {"energy_left": left / most, "allowed": NOT_DECAYED, "duration_s": clock.duration},
-            )
-        )
-    for name, rows in compiled.contacts.items():
-        shortest = float(min(record.shortest[a] for a in rows))
-        samples = shortest * clock.sampling
-        if np.isfinite(shortest) and samples < SAMPLES_PER_CONTACT:
-            found.append(
-                Finding(
-                    "sampling-too-low",
-                    f"Contact '{name}' lasts {shortest:.3g} s at its shortest, {samples:.1f} samples: peaks between "
-                    "samples are seen by its peak force only.",
-                    {"contact_s": shortest, "samples": samples, "peak_force_n": contacts[name].peak_force},
-                )
-            )
-    deepest = {name: float(max(record.deepest[a] for a in rows)) for name, rows in compiled.contacts.items()}
-    return (*found, *law_findings(scene.contacts, deepest))
+    rows = compiled.contacts.items()
+    run = Measured(
+        residual=book.residual,
+        outcome=outcome,
+        duration=clock.duration,
+        closed_since={name: float(endings.last[name][0]) for name, closed in endings.closed.items() if closed[0]},
+        deepest={name: float(max(record.deepest[a] for a in mine)) for name, mine in rows},
+    )
+    lasting = {name: float(min(record.shortest[a] for a in mine)) for name, mine in rows}
+    peaks = {name: contact.peak_force for name, contact in contacts.items()}
+    rings = compiled.system.damping.any()
+    return (
+        *run_findings(scene.contacts, run),
+        *(decay_findings(float(book.structure.max()), book.end.structure, clock.duration) if rings else ()),
+        *sampling_findings(lasting, peaks, clock.sampling),
+    )

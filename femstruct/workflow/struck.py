@@ -12,9 +12,9 @@ from acoustics.pressure import RoomResponse
 from femstruct.errors import Finding
 from femstruct.impact.bodies import Clock
 from femstruct.impact.estimate import ErrorEstimate, error_of
-from femstruct.impact.judgement import unresolved_findings
 from femstruct.impact.response import Response
 from femstruct.impact.simulate import simulate
+from femstruct.impact.unresolved import unresolved_findings
 from femstruct.modal.basis import ModalBasis
 from femstruct.radiation import heard, surface_velocities
 from femstruct.study.result import Drop
