@@ -28,7 +28,6 @@ if TYPE_CHECKING:
     from femstruct.errors import InputError as InputError
     from femstruct.files.results import write_results as write_results
     from femstruct.files.stored import read_results as read_results
-    from femstruct.impact.batch import Batch as Batch
     from femstruct.impact.batch import simulate_batch as simulate_batch
     from femstruct.impact.bodies import GROUND as GROUND
     from femstruct.impact.bodies import Body as Body
@@ -44,6 +43,7 @@ if TYPE_CHECKING:
     from femstruct.impact.laws import Hertz as Hertz
     from femstruct.impact.laws import Linear as Linear
     from femstruct.impact.laws import Stop as Stop
+    from femstruct.impact.metrics import Batch as Batch
     from femstruct.impact.response import Response as Response
     from femstruct.impact.simulate import simulate as simulate
     from femstruct.language import read_model as read_model
@@ -68,7 +68,8 @@ _NAMES = {
     "errors": ("FemstructError", "Finding", "InputError"),
     "files.results": ("write_results",),
     "files.stored": ("read_results",),
-    "impact.batch": ("Batch", "simulate_batch"),
+    "impact.batch": ("simulate_batch",),
+    "impact.metrics": ("Batch",),
     "impact.bodies": ("GROUND", "Body", "Clock", "Contact", "Link", "Load", "Scene"),
     "impact.factored": ("Cubic", "HuntCrossley", "LankaraniNikravesh", "Tabulated"),
     "impact.laws": ("Hertz", "Linear", "Stop"),

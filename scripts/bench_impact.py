@@ -19,11 +19,12 @@ import numpy as np
 from scipy.integrate import solve_ivp
 from scipy.linalg.blas import daxpy
 
-from femstruct.impact.batch import Batch, simulate_batch
+from femstruct.impact.batch import simulate_batch
 from femstruct.impact.bodies import Body, Clock, Contact, Link, Scene
 from femstruct.impact.exact.choice import takes_exact_march
 from femstruct.impact.exact.rule import COARSE, ORDER
 from femstruct.impact.laws import Hertz, Linear
+from femstruct.impact.metrics import Batch
 from femstruct.impact.rule import PLACES, POINTS, STAGES
 from femstruct.impact.simulate import simulate
 from femstruct.impact.system import compile_scene

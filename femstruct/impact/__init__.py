@@ -2,5 +2,5 @@
 
 Modules, each importing only from those to its left: ``collisions restitution factored laws bodies compiled rule system
 tables forces motion response flow propagate events energy sampling strikes march collocate outcome judgement blows
-simulate estimate unresolved vary many fleet batch``.
+simulate estimate unresolved vary many fleet metrics batch``.
 """

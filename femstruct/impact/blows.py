@@ -12,12 +12,11 @@ from femstruct.impact.bodies import Blows, Clock, Scene
 from femstruct.impact.motion import DISPLACEMENT, VELOCITY, Motion, coordinates
 from femstruct.impact.response import Blow, Event
 from femstruct.impact.sampling import Record
-from femstruct.impact.strikes import ENERGY, HELD, MOMENTUM, SINCE
+from femstruct.impact.strikes import ENERGY, HELD, MOMENTUM, SINCE, lies
 from femstruct.impact.system import Compiled
 
 CHUNK = 32  # modes whose samples are in memory at a time
 AT_REST = 1e-2  # share of the largest energy after a blow that counts as rest
-STILL = 0.1  # of its weight: what the contact force under a body that lies still may miss
 
 
 def blow_table(
@@ -94,27 +93,14 @@ def blow_findings(blows: Sequence[Blow], scene: Scene, clock: Clock) -> tuple[Fi
     found = []
     for plan in scene.blows:
         mine = [blow for blow in blows if blow.body == plan.body]
-        held = [blow for blow in mine if blow.held_since is not None and not _lies(blow, plan, scene)]
+        weight = scene.gravity * sum(body.mass for body in scene.bodies if body.name == plan.body)
+        held = [blow for blow in mine if blow.held_since is not None and not lies(blow.held_force, weight)]
         if held:
             first = held[0]
             since = first.t + plan.every - (first.held_since or 0.0)
-            found.append(
-                Finding(
-                    "lifted-in-contact",
-                    f"{plan.body} is still in contact when it is lifted off for {_some(len(held), 'blow')} (first "
-                    f"after blow {first.number}, with {first.held_force:.3g} N, {since:.3g} s after it closed): blows "
-                    f"every {plan.every:g} s are too close",
-                    {"blows": len(held), "force_n": first.held_force, "contact_s": since, "every_s": plan.every},
-                )
-            )
+            found.append(lifted_finding(plan, len(held), first.number, first.held_force, since))
         if len(mine) < plan.count:
-            found.append(
-                Finding(
-                    "blows-left-out",
-                    f"{plan.body}: {len(mine)} of {plan.count} blows fall into the window of {clock.duration:g} s",
-                    {"blows": len(mine), "count": plan.count, "duration_s": clock.duration},
-                )
-            )
+            found.append(left_out_finding(plan, len(mine), clock.duration))
     restless = [blow for blow in blows if blow.seen and blow.rest_after is None]
     if restless:
         worst = max(restless, key=lambda blow: blow.left_energy / blow.largest_energy)
@@ -131,10 +117,23 @@ def blow_findings(blows: Sequence[Blow], scene: Scene, clock: Clock) -> tuple[Fi
     return tuple(found)
 
 
-def _lies(blow: Blow, plan: Blows, scene: Scene) -> bool:
-    """Whether a body under gravity lay still when it was lifted off: its contact carried its weight."""
-    weight = scene.gravity * sum(body.mass for body in scene.bodies if body.name == plan.body)
-    return abs(blow.held_force - weight) <= STILL * weight
+def lifted_finding(plan: Blows, lifts: int, number: int, force: float, since: float) -> Finding:
+    """A body that is lifted off while its contact acts; number, force [N], since [s] : of the first such lift."""
+    return Finding(
+        "lifted-in-contact",
+        f"{plan.body} is still in contact when it is lifted off for {_some(lifts, 'blow')} (first after blow {number}, "
+        f"with {force:.3g} N, {since:.3g} s after it closed): blows every {plan.every:g} s are too close",
+        {"blows": lifts, "force_n": force, "contact_s": since, "every_s": plan.every},
+    )
+
+
+def left_out_finding(plan: Blows, seen: int, duration: float) -> Finding:
+    """Blows that the window does not reach."""
+    return Finding(
+        "blows-left-out",
+        f"{plan.body}: {seen} of {plan.count} blows fall into the window of {duration:g} s",
+        {"blows": seen, "count": plan.count, "duration_s": duration},
+    )
 
 
 def _some(count: int, word: str) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +16,7 @@ from femstruct.impact.exact.rule import exact_room, exact_rule
 from femstruct.impact.forces import State
 from femstruct.impact.many import Columns, Marches, Runs, Shared, columns, run_many
 from femstruct.impact.march import ERROR_BUDGET, longest_coupled, march_room
+from femstruct.impact.outcome import LAST
 from femstruct.impact.rule import FINEST_HALVINGS, collocation_rule
 from femstruct.impact.sampling import room_for
 from femstruct.impact.system import HERTZ, LINEAR, LINK, POWER, Compiled, Records, System, compile_scene
@@ -34,7 +35,8 @@ class Fleet:
     """What all runs share, and where their numbers come from.
 
     compiled : the scene as given; exact : whether all runs take the exact march; top_level : of the steps of the
-    other one; columns : of a row of metrics.
+    other one; late : tick from which on bodies that rest hardly gain speed, -1 where none can rest; columns : of a row
+    of metrics.
     """
 
     varied: Variation
@@ -44,6 +46,7 @@ class Fleet:
     tables: Tables
     exact: bool
     top_level: int
+    late: int
     columns: Columns
 
     @staticmethod
@@ -56,10 +59,18 @@ class Fleet:
         system, k = compiled.system, compiled.system.n_modes
         top_level = longest_coupled(system, halvings)
         levels = 0 if exact else top_level + 1
-        weight = len(system.rows) - 1 if varied.scene.gravity and any(b.falls for b in varied.scene.bodies) else -1
-        entries = system.rows[:, k:] * compiled.scale[k:]
-        if weight >= 0:
-            entries[weight] = system.rows[weight, k:] / compiled.scale[k:]
+        scene, scale = varied.scene, compiled.scale[k:]
+        late, end = -1, 1 << compiled.halvings
+        if scene.contacts and scene.gravity and any(body.falls for body in scene.bodies):
+            late = end - int(LAST * end)
+            system = system._replace(kinks=np.union1d(system.kinks, [late]))  # a step ends there
+            compiled = replace(compiled, system=system)
+        weight = len(system.rows) - (len(system.loads) - len(scene.loads))
+        entries = system.rows[:, k:] * scale
+        entries[weight:] = system.rows[weight:, k:] / scale
+        places = {body.name: i for i, body in enumerate(scene.bodies)}
+        struck = np.array([places[blows.body] for blows in scene.blows], dtype=np.int64)
+        waiting = {blows.body for blows in scene.blows if round(blows.first / system.tick) > 0}
         of_modes = system.rows.copy()
         of_modes[:, k:] = 0.0
         modes = _tabulated(system._replace(rows=of_modes), levels)
@@ -74,23 +85,29 @@ class Fleet:
         )
         shared = Shared(
             start=compiled.start[:, :k].copy(),
+            waits=np.array([body.name in waiting for body in scene.bodies], dtype=np.int64),
             entries=entries,
+            over=system.over * np.append(np.ones(k), scale) / scale[struck][:, None],
+            struck=struck,
             weight=weight,
+            gravity=scene.gravity,
             mobility=(of_modes**2).sum(axis=1),
             modes=modes,
             mass=_tabulated(unit, levels),
         )
         width = ledger_width(system)
         at = columns(len(system.interfaces), len(varied.scene.bodies), width)
-        return Fleet(varied, window, compiled, shared, modes, exact, top_level, at)
+        return Fleet(varied, window, compiled, shared, modes, exact, top_level, late, at)
 
 
 def run_some(fleet: Fleet, first: int, out: Floats) -> None:
     """Fill the rows of the runs from `first` on; all it changes is its own."""
     system, tables = fleet.compiled.system, fleet.tables
     r, m, n = len(system.rows), len(system.interfaces), len(system.omega)
+    record = room_for(system, 0)
+    record.late_at[0] = fleet.late
     run_many(
-        system._replace(rows=system.rows.copy(), mobility=system.mobility.copy()),
+        system._replace(rows=system.rows.copy(), mobility=system.mobility.copy(), over=system.over.copy()),
         fleet.shared,
         tables._replace(
             ready=tables.ready.copy(),
@@ -112,7 +129,7 @@ def run_some(fleet: Fleet, first: int, out: Floats) -> None:
             exact_rule=exact_rule(),
             exact_room=exact_room(system),
         ),
-        room_for(system, 0),
+        record,
         State(
             z=np.zeros(n),
             v=np.zeros(n),
@@ -127,7 +144,7 @@ def run_some(fleet: Fleet, first: int, out: Floats) -> None:
 
 
 def numbers(varied: Variation, compiled: Compiled, first: int, last: int) -> Runs:
-    """Masses, speeds, laws and loads of the runs first .. last - 1."""
+    """Masses, speeds, laws, loads and blows of the runs first .. last - 1."""
     scene, system, count = varied.scene, compiled.system, last - first
 
     def values(name: str, otherwise: float) -> Floats:
@@ -153,7 +170,10 @@ def numbers(varied: Variation, compiled: Compiled, first: int, last: int) -> Run
     speeds = [values(f"{body.name}.velocity", body.velocity) for body in scene.bodies]
     shape = (len(scene.bodies), count)
     mass, velocity = (np.array(columns).reshape(shape).T.copy() for columns in (masses, speeds))
-    return Runs(mass, velocity, interfaces, loads)
+    strikes = np.repeat(system.strikes[None], count, axis=0)
+    coordinate = system.strikes["coordinate"] - system.n_modes
+    strikes["velocity"] = velocity[:, coordinate] * np.sqrt(mass[:, coordinate])
+    return Runs(mass, velocity, interfaces, loads, strikes)
 
 
 def _rest(name: str, varied: Variation, interfaces: Records) -> Floats:
@@ -204,7 +224,7 @@ def _halvings(varied: Variation, compiled: Compiled, window: Clock) -> int:
     or pushed at the start; else, and for laws with another spring, the tick is as short as numbers allow.
     """
     scene, system, k = varied.scene, compiled.system, compiled.system.n_modes
-    simple = not (scene.loads or scene.gravity or any(link.release_at for link in scene.links))
+    simple = not (scene.loads or scene.gravity or scene.blows or any(link.release_at for link in scene.links))
     allowed, shortest = window.tolerance * ERROR_BUDGET, window.duration
     for first in range(0, varied.runs, SURVEYED):
         runs = numbers(varied, compiled, first, min(first + SURVEYED, varied.runs))

@@ -60,9 +60,9 @@ def run_findings(contacts: Sequence[Contact], run: Measured) -> tuple[Finding, .
     return (*found, *law_findings(contacts, run.deepest))
 
 
-def drifts(residual: Floats | np.float64) -> NDArray[np.bool_]:
+def drifts(residual: Floats | np.float64, allowed: float = ENERGY_DRIFT) -> NDArray[np.bool_]:
     """Whether a ledger is open by more than is allowed."""
-    return np.logical_not(residual <= ENERGY_DRIFT)
+    return np.asarray(np.logical_not(residual <= allowed))
 
 
 def beyond_table(law: Law, depth: Floats | np.float64) -> NDArray[np.bool_]:

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from femstruct.arrays import Floats
+from femstruct.arrays import Floats, Integers
 from femstruct.impact.compiled import released
 from femstruct.impact.energy import TIME
 from femstruct.impact.exact.march import exact_march
@@ -19,11 +19,11 @@ from femstruct.impact.forces import State, copy_to
 from femstruct.impact.march import CLOSES, DONE, Room, march
 from femstruct.impact.rule import POINTS, STAGES, Rule
 from femstruct.impact.sampling import Record
-from femstruct.impact.system import LINK, Records, System
+from femstruct.impact.strikes import HELD, SINCE, lies
+from femstruct.impact.system import Records, System
 from femstruct.impact.tables import Tables
 
-STATUS, STEPS, RESIDUAL, SEPARATED, ENDED, FIRST = 0, 1, 2, 3, 4, 5  # columns; then what `columns` says
-NO_CONTACTS, NEVER_TOUCHED, SEPARATED_AT_END, CLOSED_AT_END = 0, 1, 2, 3
+STATUS, STEPS, RESIDUAL, SEPARATED, FIRST = 0, 1, 2, 3, 4  # columns; then what `columns` says
 
 
 class Columns(NamedTuple):
@@ -34,8 +34,16 @@ class Columns(NamedTuple):
     deepest: int
     closings: int
     first_open: int
+    shortest: int
+    last: int
+    closed: int
     velocity: int
     travel: int
+    gain: int
+    lifts: int
+    lift_number: int
+    lift_force: int
+    lift_since: int
     separation: int
     end: int
     width: int
@@ -43,30 +51,36 @@ class Columns(NamedTuple):
 
 def columns(interfaces: int, bodies: int, ledger: int) -> Columns:
     """Layout of a row of metrics."""
-    sizes = np.array([FIRST, *5 * [interfaces], *2 * [bodies], *2 * [ledger]])
+    sizes = np.array([FIRST, *8 * [interfaces], *7 * [bodies], *2 * [ledger]])
     return Columns(*(int(start) for start in np.cumsum(sizes)))
 
 
 class Shared(NamedTuple):
-    """What all runs share. start [2, k] of the modes; entries [r, b] of the bodies in the rows, for unit masses;
-    weight : the row of the bodies' weight, -1 without; mobility [r] of the modes; tables of the modes, and of a free
-    unit mass with a row of its own."""
+    """What all runs share. start [2, k] of the modes; waits [b] : 1 for a body that is at rest until its first blow;
+    entries [r, b] of the bodies in the rows and over [o, n] of what struck bodies are placed on, for unit masses;
+    struck [o] : which bodies; weight : the first row of the bodies' weight, and all rows from there on; gravity
+    [m/s^2]; mobility [r] of the modes; tables of the modes, and of a free unit mass with a row of its own."""
 
     start: Floats
+    waits: Integers
     entries: Floats
+    over: Floats
+    struck: Integers
     weight: int
+    gravity: float
     mobility: Floats
     modes: Tables
     mass: Tables
 
 
 class Runs(NamedTuple):
-    """Some runs: mass, velocity [c, b] of the bodies, interfaces [c, m], loads [c, l]."""
+    """Some runs: mass, velocity [c, b] of the bodies, interfaces [c, m], loads [c, l], strikes [c, s]."""
 
     mass: Floats
     velocity: Floats
     interfaces: Records
     loads: Records
+    strikes: Records
 
 
 class Marches(NamedTuple):
@@ -99,28 +113,30 @@ def run_many(frame: System, shared: Shared, tables: Tables, runs: Runs, marches:
             _weigh(frame, shared, tables, runs.mass[i])
         system = System(
             frame.omega, frame.damping, frame.coupling, frame.n_modes, frame.rows, frame.sign, frame.mobility,
-            runs.interfaces[i], frame.curves, runs.loads[i], frame.table, frame.strikes, frame.over, frame.kinks,
+            runs.interfaces[i], frame.curves, runs.loads[i], frame.table, runs.strikes[i], frame.over, frame.kinks,
             frame.tick,
         )  # fmt: skip
         state.z[:], state.v[:] = 0.0, 0.0
         copy_to(state.z, shared.start[0])
         copy_to(state.v, shared.start[1])
         for b in range(bodies):
-            state.v[k + b] = np.sqrt(runs.mass[i, b]) * runs.velocity[i, b]
+            state.v[k + b] = 0.0 if shared.waits[b] else np.sqrt(runs.mass[i, b]) * runs.velocity[i, b]
         state.status[:], state.rest[:], state.pace[:], state.force[:] = 0, 0.0, 0.0, 0.0
         record.kept[:], record.peak[:], record.shortest[:] = 0, 0.0, np.inf
-        record.totals[:], record.travel[:], record.deepest[:] = 0.0, 0.0, 0.0
+        record.totals[:], record.travel[:], record.deepest[:], record.late[:] = 0.0, 0.0, 0.0, np.nan
+        record.strikes[:], record.latest[:], record.strike_peak[:] = 0.0, -1, 0.0
         if marches.exact:
-            status, _, _, events = exact_march(
+            status, _, rows, events = exact_march(
                 system, state, marches.exact_rule, marches.exact_room, record, marches.duration, np.inf, np.inf,
                 np.inf, marches.max_steps,
             )  # fmt: skip
         else:
-            status, _, _, events = march(
+            status, _, rows, events = march(
                 system, state, marches.rule, tables, marches.room, record, marches.halvings, marches.top_level,
                 marches.tolerance, marches.max_steps,
             )  # fmt: skip
-        _measure(system, state, record, status, events, runs.mass[i], marches.quiet, at, out[i])
+        end = record.history[rows - 1 if marches.exact else rows]  # collocation counts it with samples only
+        _measure(system, state, record, status, events, end, runs.mass[i], shared.gravity, marches.quiet, at, out[i])
 
 
 @released
@@ -132,8 +148,12 @@ def _weigh(frame: System, shared: Shared, tables: Tables, mass: Floats) -> None:
         frame.mobility[a] = shared.mobility[a]
         for b in range(len(mass)):
             root = np.sqrt(mass[b])
-            rows[a, k + b] = shared.entries[a, b] * (root if a == shared.weight else 1.0 / root)
+            rows[a, k + b] = shared.entries[a, b] * (root if a >= shared.weight else 1.0 / root)
             frame.mobility[a] += rows[a, k + b] ** 2
+    for o in range(len(shared.struck)):
+        root = np.sqrt(mass[shared.struck[o]])
+        for j in range(len(frame.omega)):
+            frame.over[o, j] = shared.over[o, j] * (root if j < k else root / np.sqrt(mass[j - k]))
     copy_to(tables.forced.reshape(-1), modes.forced.reshape(-1))
     copy_to(tables.stray_push.reshape(-1), modes.stray_push.reshape(-1))
     for level in range(len(tables.ready)):
@@ -160,38 +180,35 @@ def _weigh(frame: System, shared: Shared, tables: Tables, mass: Floats) -> None:
 
 
 @released
-def _measure(system: System, state: State, record: Record, status: int, events: int, mass: Floats, quiet: float,
-             at: Columns, row: Floats) -> None:  # fmt: skip
+def _measure(system: System, state: State, record: Record, status: int, events: int, last: Floats, mass: Floats,
+             gravity: float, quiet: float, at: Columns, row: Floats) -> None:  # fmt: skip
     """One row of metrics; a run that failed has its status and steps only."""
     m, k, log, times = len(system.interfaces), system.n_modes, record.events, record.event_rows[:, TIME]
     row[:] = np.nan
     row[STATUS], row[STEPS] = status, record.totals[0]
     if status != DONE:
         return
-    first, last = record.history[0], record.history[1]
+    first = record.history[0]
     ledger, end = len(first), last[TIME]
     total = 0.0
     for i in range(1, ledger - 2):  # nothing has worked yet
         total += first[i]
     scale = max(abs(total), record.totals[3])
     row[RESIDUAL] = record.totals[2] / scale if scale > 0.0 else 0.0
-    contacts = 0
     for a in range(m):
-        contacts += 0 if system.interfaces[a]["kind"] == LINK else 1
         row[at.peak + a], row[at.peak_time + a] = record.peak[a, 0], record.peak[a, 1]
+        for s in range(len(record.strike_peak)):  # peaks are those since the last blow
+            if record.strike_peak[s, a, 0] > row[at.peak + a]:
+                row[at.peak + a], row[at.peak_time + a] = record.strike_peak[s, a, 0], record.strike_peak[s, a, 1]
         row[at.closings + a], row[at.deepest + a] = 0.0, record.deepest[a]
+        row[at.shortest + a], row[at.closed + a] = record.shortest[a], record.totals[4 + a]
     for e in range(events):
         a = log[e, 0]
+        row[at.last + a] = times[e]
         if log[e, 1] == CLOSES:
             row[at.closings + a] += 1.0
         elif np.isnan(row[at.first_open + a]):
             row[at.first_open + a] = times[e]
-    if contacts == 0:
-        row[ENDED] = NO_CONTACTS
-    elif events == 0:
-        row[ENDED] = NEVER_TOUCHED
-    else:
-        row[ENDED] = SEPARATED_AT_END if log[events - 1, 2] else CLOSED_AT_END
     again = np.inf  # when the next closing is, going back
     row[SEPARATED] = 0.0
     for e in range(events - 1, -1, -1):
@@ -206,3 +223,16 @@ def _measure(system: System, state: State, record: Record, status: int, events: 
     for b in range(len(mass)):
         root = np.sqrt(mass[b])
         row[at.velocity + b], row[at.travel + b] = state.v[k + b] / root, record.travel[b] / root
+        row[at.gain + b] = abs(state.v[k + b] - record.late[k + b]) / (root * (end - record.late_at[0] * system.tick))
+        row[at.lifts + b] = 0.0
+        blows = 0
+        for s in range(len(system.strikes)):
+            if system.strikes[s]["coordinate"] != k + b:
+                continue
+            held = record.strikes[s, HELD]
+            if held > 0.0 and not lies(held, gravity * mass[b]):
+                if row[at.lifts + b] == 0.0:
+                    row[at.lift_number + b], row[at.lift_force + b] = blows, held
+                    row[at.lift_since + b] = system.strikes[s]["tick"] * system.tick - record.strikes[s, SINCE]
+                row[at.lifts + b] += 1.0
+            blows += 1

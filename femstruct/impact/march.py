@@ -15,7 +15,7 @@ from femstruct.impact.compiled import kernel
 from femstruct.impact.energy import TIME, integrate_losses, take_stock
 from femstruct.impact.events import CHANGES, SHARP, UNCERTAIN, strays, switch, watch
 from femstruct.impact.flow import advance
-from femstruct.impact.forces import AWAY, CLOSED, OPEN, State, load_at, net_force, rows_now
+from femstruct.impact.forces import AWAY, CLOSED, OPEN, State, copy_to, load_at, net_force, rows_now
 from femstruct.impact.propagate import LONGER, Trial, trial_room, try_step
 from femstruct.impact.rule import LONGEST_DOUBLINGS, PLACES, STAGES, Rule
 from femstruct.impact.sampling import Record, keep, peaks, peaks_at_start, travels
@@ -98,7 +98,7 @@ def march(system: System, state: State, rule: Rule, tables: Tables, room: Room, 
     while blow < len(system.strikes) and system.strikes[blow]["tick"] == 0:
         first_strike(system, blow, state, record)
         blow += 1
-    last, tried, seen = 0, 0, 0
+    last, tried, seen, late = 0, 0, 0, record.late_at[0]
     while t < end:
         if record.totals[1] >= max_steps:
             return TOO_MANY_STEPS, t * system.tick, n_history, n_events
@@ -150,6 +150,9 @@ def march(system: System, state: State, rule: Rule, tables: Tables, room: Room, 
         lost[m] += advance(level, system, tables, trial.forces, trial.modal, state.z, state.v, room.work)
         t += ticks
         now = t * system.tick
+        if 0 <= late <= t:
+            copy_to(record.late, state.v)
+            late = -1
         changes = answer in (CHANGES, SHARP)
         moment = now - (1.0 - part) * h if changes else now
         rows_now(system, state.z, state.v, place, rate)

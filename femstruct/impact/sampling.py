@@ -31,6 +31,7 @@ class Record(NamedTuple):
     as closed. history : ledger rows; events : interface, what, whether all are open then; event_rows : their ledger
     rows. strikes [s, 4] : of every blow (see `femstruct.impact.strikes`); latest [m] : number of the last blow of a
     body at an interface, -1 before any; strike_peak [s + 1, m, 2] : peaks after every blow, in the last row before any.
+    late [n] : the rates at the end of the first step that reaches the tick late_at [1], negative for none.
     """
 
     at: Integers
@@ -53,6 +54,8 @@ class Record(NamedTuple):
     strikes: Floats
     latest: Integers
     strike_peak: Floats
+    late_at: Integers
+    late: Floats
 
 
 def room_for(system: System, n_samples: int) -> Record:
@@ -84,6 +87,8 @@ def room_for(system: System, n_samples: int) -> Record:
         strikes=np.zeros((blows, 4)),
         latest=np.full(m, -1, dtype=np.int64),
         strike_peak=np.zeros((blows + 1, m, 2)),
+        late_at=np.full(1, -1, dtype=np.int64),
+        late=np.zeros(n),
     )
 
 

@@ -13,6 +13,13 @@ from femstruct.impact.sampling import Record
 from femstruct.impact.system import LINK, System
 
 ENERGY, MOMENTUM, HELD, SINCE = 0, 1, 2, 3  # columns of a strike in the record
+STILL = 0.1  # of its weight: what the contact force under a body that lies still may miss
+
+
+@kernel
+def lies(force: float, weight: float) -> bool:
+    """Whether a body under gravity lay still on a contact of this force when it was lifted off."""
+    return abs(force - weight) <= STILL * weight
 
 
 @kernel

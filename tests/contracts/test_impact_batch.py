@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 
 from femstruct.errors import FemstructError, InputError
-from femstruct.impact.batch import Batch, Energies, simulate_batch
+from femstruct.impact.batch import simulate_batch
 from femstruct.impact.bodies import GROUND, Blows, Body, Clock, Contact, HalfSine, Link, Load, Scene
 from femstruct.impact.laws import Hertz, HuntCrossley, Linear, Stop
+from femstruct.impact.metrics import Batch, Energies
 from femstruct.impact.response import EnergyBalance, Outcome
 from femstruct.impact.simulate import simulate
 from femstruct.modal.analytic import given_modes

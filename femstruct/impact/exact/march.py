@@ -34,6 +34,7 @@ def exact_march(system: System, state: State, rule: ExactRule, room: ExactRoom, 
     _begin(system, state, room)
     initial = take_stock(0.0, system, state, room.here[:, 0], room.lost, history[0])
     kept, n_events, kink, at_once = 1, 0, 0, 0
+    late = record.late_at[0] * system.tick if record.late_at[0] >= 0 else np.inf
     t, last, before, pace, open_since = 0.0, 0.0, 0.0, 0.0, np.inf
     while t < end:
         if record.totals[1] >= max_steps:
@@ -89,6 +90,9 @@ def exact_march(system: System, state: State, rule: ExactRule, room: ExactRoom, 
         if at_once > 100 + 10 * m:
             return STICKS, t, kept, n_events
         t = now
+        if t >= late:
+            copy_to(record.late, state.v)
+            late = np.inf
         _look(system, state, room)
         if where < NEVER:
             switch(system, state, room, who, what, rank, before)
