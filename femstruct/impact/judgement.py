@@ -18,20 +18,24 @@ from femstruct.impact.response import Outcome
 ENERGY_DRIFT = 1e-8  # of the energy put in: what a run keeps; told from there on
 NOT_TRUSTED = 1e-6  # and severe from here on
 SAMPLES_PER_CONTACT = 10
+TICKS_PER_CONTACT = 100  # peaks are wrong by (pi / ticks)^2 / 2 by a linear law, 3.3 / ticks^2.5 by Hertz: below 1e-3
 NOT_DECAYED = 1e-2  # of the structure's largest energy
 RESTITUTION_MISSED = 0.05  # of a restitution: the law of Lankarani and Nikravesh misses it from 0.79 down
 
 
 @dataclass(frozen=True)
 class Measured:
-    """What a run is judged by: the residual of its ledger, its outcome, its window [s], since when contacts that are
-    closed at the end are [s], and the largest indentation of every contact [m]."""
+    """What a run is judged by: the residual of its ledger, its outcome, its window [s] and the resolution of its events
+    [s], zero for an exact march; of contacts, since when those that are closed at the end are [s], the largest
+    indentation [m], and how long the shortest closing lasted [s], infinite where none ended."""
 
     residual: float
     outcome: Outcome
     duration: float
+    tick: float
     closed_since: Mapping[str, float]
     deepest: Mapping[str, float]
+    lasting: Mapping[str, float]
 
 
 def run_findings(contacts: Sequence[Contact], run: Measured) -> tuple[Finding, ...]:
@@ -57,7 +61,24 @@ def run_findings(contacts: Sequence[Contact], run: Measured) -> tuple[Finding, .
                 {"closed_since_s": since, "duration_s": run.duration},
             )
         )
+    for name, shortest in run.lasting.items():
+        if unresolved(np.float64(shortest), run.tick, np.float64(run.residual)):
+            found.append(
+                Finding(
+                    "contact-unresolved",
+                    f"Contact '{name}' lasts {shortest:.3g} s at its shortest, {shortest / run.tick:.1f} times what "
+                    f"events are resolved to in a window of {run.duration:g} s; {TICKS_PER_CONTACT} times are needed "
+                    "for the energy ledger to close. Shorten the window.",
+                    {"contact_s": shortest, "resolved_s": run.tick, "needed": float(TICKS_PER_CONTACT)},
+                )
+            )
     return (*found, *law_findings(contacts, run.deepest))
+
+
+def unresolved(shortest: Floats | np.float64, tick: float, residual: Floats | np.float64) -> NDArray[np.bool_]:
+    """Whether a closing was too short for the march, whose step is a tick where a contact closes, and energy shows it:
+    a faint touch may be as short as it likes."""
+    return np.asarray((shortest < TICKS_PER_CONTACT * tick) & drifts(residual))
 
 
 def drifts(residual: Floats | np.float64, allowed: float = ENERGY_DRIFT) -> NDArray[np.bool_]:

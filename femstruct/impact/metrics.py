@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,7 +13,15 @@ from femstruct.impact.blows import left_out_finding, lifted_finding
 from femstruct.impact.bodies import Clock, Scene
 from femstruct.impact.energy import BODIES, STRUCTURE, TIME
 from femstruct.impact.fleet import Fleet
-from femstruct.impact.judgement import NOT_TRUSTED, Measured, beyond_table, drifts, misses_restitution, run_findings
+from femstruct.impact.judgement import (
+    NOT_TRUSTED,
+    Measured,
+    beyond_table,
+    drifts,
+    misses_restitution,
+    run_findings,
+    unresolved,
+)
 from femstruct.impact.many import RESIDUAL, SEPARATED, STATUS, STEPS
 from femstruct.impact.march import DONE, TROUBLE
 from femstruct.impact.outcome import Endings, Flags, outcomes_of
@@ -55,7 +63,8 @@ class Lifts:
 class Batch:
     """Metrics of many runs of one scene, each [runs]; a run that failed has nan, and says why in `trouble`.
 
-    basis, clock; varied : the scene as given and the columns of numbers that took its place.
+    basis, clock; tick [s] : what times of events are resolved to, zero where all runs took the exact march;
+    varied : the scene as given and the columns of numbers that took its place.
     status : 0 for a run that reached its end. outcome : None for one that did not. steps : of the march.
     peak_force [N], peak_time [s], deepest indentation [m], closings, first_open [s] (nan if never), shortest [s] of its
     closings (infinite where none ended) and, for a contact that is closed at the end, closed_since [s], by contact.
@@ -67,6 +76,7 @@ class Batch:
 
     basis: ModalBasis
     clock: Clock
+    tick: float
     varied: Variation
     status: Integers
     outcome: tuple[Outcome | None, ...]
@@ -99,7 +109,7 @@ class Batch:
     def severe(self) -> Flags:
         """Whether a run has a finding that says not to trust it [runs]."""
         drifting: Flags = drifts(self.residual, NOT_TRUSTED)
-        return self.flags["failed"] | drifting | self.flags["beyond-table"]
+        return self.flags["failed"] | self.flags["beyond-table"] | drifting
 
     def findings(self, i: int) -> tuple[Finding, ...]:
         """Reasons to believe run i less, in the words of `simulate`.
@@ -118,8 +128,10 @@ class Batch:
             float(self.residual[i]),
             outcome,
             self.clock.duration,
+            self.tick,
             closed,
             {name: float(deepest[i]) for name, deepest in self.deepest.items()},
+            {name: float(shortest[i]) for name, shortest in self.shortest.items()},
         )
         found = list(run_findings(scene.contacts, run))
         for plan in scene.blows:
@@ -173,9 +185,9 @@ def batch_of(basis: ModalBasis, clock: Clock, varied: Variation, fleet: Fleet, t
         return found
 
     done = status == DONE
-    runs, contacts = len(table), varied.scene.contacts
-    closed = {
-        name: (table[:, [at.closed + a for a in rows]] > 0.0).any(axis=1) for name, rows in compiled.contacts.items()
+    closed: dict[str, Flags] = {
+        name: np.asarray((table[:, [at.closed + a for a in rows]] > 0.0).any(axis=1))
+        for name, rows in compiled.contacts.items()
     }
     endings = Endings(
         fleet.clock.duration,
@@ -184,7 +196,7 @@ def batch_of(basis: ModalBasis, clock: Clock, varied: Variation, fleet: Fleet, t
         gain={name: table[:, at.gain + i] for i, name in enumerate(bodies)},
     )
     outcome = tuple(
-        one if ended else None for one, ended in zip(outcomes_of(varied.scene, endings, runs), done, strict=True)
+        one if ended else None for one, ended in zip(outcomes_of(varied.scene, endings, len(table)), done, strict=True)
     )
     deepest = {name: table[:, [at.deepest + a for a in rows]].max(axis=1) for name, rows in compiled.contacts.items()}
     lifts = {
@@ -197,23 +209,13 @@ def batch_of(basis: ModalBasis, clock: Clock, varied: Variation, fleet: Fleet, t
         )
         for number, plan in enumerate(varied.scene.blows)
     }
-    left_out = any(lifts[plan.body].blows < plan.count for plan in varied.scene.blows)
-    missed = any(misses_restitution(contact.law) for contact in contacts)
-    too_deep = [beyond_table(contact.law, deepest[contact.name]) for contact in contacts]
-    flags = {
-        "failed": ~done,
-        "energy-drift": done & drifts(table[:, RESIDUAL]),
-        "window-too-short": np.array([one is Outcome.CLOSED_AT_END for one in outcome]),
-        "beyond-table": done & np.any(too_deep, axis=0) if too_deep else np.zeros(runs, dtype=bool),
-        "restitution-missed": done & missed,
-        "lifted-in-contact": done & np.any([one.count > 0.0 for one in lifts.values()], axis=0)
-        if lifts
-        else np.zeros(runs, dtype=bool),
-        "blows-left-out": done & left_out,
-    }
+    shortest = {name: table[:, [at.shortest + a for a in rows]].min(axis=1) for name, rows in compiled.contacts.items()}
+    tick = 0.0 if fleet.exact else compiled.system.tick
+    flags = _flags(varied.scene, outcome, table[:, RESIDUAL], deepest, shortest, tick, lifts)
     batch = Batch(
         basis=basis,
         clock=clock,
+        tick=tick,
         varied=varied,
         status=status,
         outcome=outcome,
@@ -223,7 +225,7 @@ def batch_of(basis: ModalBasis, clock: Clock, varied: Variation, fleet: Fleet, t
         deepest=deepest,
         closings={name: table[:, [at.closings + a for a in compiled.contacts[name]]].sum(axis=1) for name in peaks},
         first_open={name: first_open(name) for name in peaks},
-        shortest={name: table[:, [at.shortest + a for a in compiled.contacts[name]]].min(axis=1) for name in peaks},
+        shortest=shortest,
         closed_since={name: np.where(closed[name], endings.last[name], np.nan) for name in peaks},
         separated=table[:, SEPARATED],
         at_separation=energies(at.separation),
@@ -237,3 +239,34 @@ def batch_of(basis: ModalBasis, clock: Clock, varied: Variation, fleet: Fleet, t
     for whole in (status, batch.steps, *flags.values()):
         whole.flags.writeable = False
     return batch
+
+
+def _flags(
+    scene: Scene,
+    outcome: Sequence[Outcome | None],
+    residual: Floats,
+    deepest: Mapping[str, Floats],
+    shortest: Mapping[str, Floats],
+    tick: float,
+    lifts: Mapping[str, Lifts],
+) -> dict[str, Flags]:
+    """Which runs have which finding; one that failed has no other."""
+    failed = np.array([one is None for one in outcome])
+    too_deep, too_short, lifted, missed, left_out = (np.zeros(len(failed), dtype=bool) for _ in range(5))
+    for contact in scene.contacts:
+        too_deep |= beyond_table(contact.law, deepest[contact.name])
+        too_short |= unresolved(shortest[contact.name], tick, residual)
+        missed |= misses_restitution(contact.law)
+    for plan in scene.blows:
+        lifted |= lifts[plan.body].count > 0.0
+        left_out |= lifts[plan.body].blows < plan.count
+    found = {
+        "energy-drift": drifts(residual),
+        "window-too-short": np.array([one is Outcome.CLOSED_AT_END for one in outcome]),
+        "contact-unresolved": too_short,
+        "beyond-table": too_deep,
+        "restitution-missed": missed,
+        "lifted-in-contact": lifted,
+        "blows-left-out": left_out,
+    }
+    return {"failed": failed, **{code: flags & ~failed for code, flags in found.items()}}

@@ -78,7 +78,8 @@ def simulate(basis: ModalBasis, scene: Scene, clock: Clock) -> Response:
     m, r, k = len(system.interfaces), len(system.rows), system.n_modes
     state = state_at_start(compiled)
     record = room_for(system, nt)
-    run = _exactly if takes_exact_march(system, nt / clock.sampling) else _by_collocation
+    exact = takes_exact_march(system, nt / clock.sampling)
+    run = _exactly if exact else _by_collocation
     (status, when, n_history, n_events), motion = run(compiled, clock, state, record)
     if status != DONE:
         trouble = {
@@ -135,7 +136,7 @@ def simulate(basis: ModalBasis, scene: Scene, clock: Clock) -> Response:
         ledger=book,
         outcome=outcome,
         findings=(
-            *_findings(book, outcome, endings, contacts, compiled, scene, record, clock),
+            *_findings(book, outcome, endings, contacts, compiled, scene, record, clock, exact),
             *blow_findings(blows, scene, clock),
         ),
     )
@@ -251,20 +252,22 @@ def _findings(
     scene: Scene,
     record: Record,
     clock: Clock,
+    exact: bool,
 ) -> tuple[Finding, ...]:
     rows = compiled.contacts.items()
     run = Measured(
         residual=book.residual,
         outcome=outcome,
         duration=clock.duration,
+        tick=0.0 if exact else compiled.system.tick,
         closed_since={name: float(endings.last[name][0]) for name, closed in endings.closed.items() if closed[0]},
         deepest={name: float(max(record.deepest[a] for a in mine)) for name, mine in rows},
+        lasting={name: float(min(record.shortest[a] for a in mine)) for name, mine in rows},
     )
-    lasting = {name: float(min(record.shortest[a] for a in mine)) for name, mine in rows}
     peaks = {name: contact.peak_force for name, contact in contacts.items()}
     rings = compiled.system.damping.any()
     return (
         *run_findings(scene.contacts, run),
         *(decay_findings(float(book.structure.max()), book.end.structure, clock.duration) if rings else ()),
-        *sampling_findings(lasting, peaks, clock.sampling),
+        *sampling_findings(run.lasting, peaks, clock.sampling),
     )
