@@ -34,9 +34,10 @@ def levels_over_time(result: StudyResult, room: str) -> Figure | None:
     places = dict.fromkeys(next(iter(case.drops)) for case in cases.values() if case.drops)
     where = f", source at {', '.join(places)}" if places else ""
     figure = new_figure(11.0, 0.9 + rows * (2.3 + legend), f"Level over time in {room}: A-weighted, Fast{where}")
-    panes = panels(figure, rows, columns, between=0.55 + legend, top=0.5 + legend, sharex=True, sharey=True)
+    grid = panels(figure, rows, columns, between=0.55 + legend, top=0.5 + legend, sharex=True, sharey=True)
+    panes: list[Axes] = grid.ravel().tolist()
     loudest = -np.inf
-    for axes, receiver in zip(panes.flat, names, strict=False):
+    for axes, receiver in zip(panes, names, strict=False):
         for name, case in cases.items():
             response = case.rooms[room]
             for p, one in zip(response.p, response.receivers, strict=True):
@@ -47,11 +48,11 @@ def levels_over_time(result: StudyResult, room: str) -> Figure | None:
                     loudest = max(loudest, float(level.max()))
         finish(axes, "", f"{receiver}: L_AF in dB re 20 µPa")
         legend_above(axes)
-    for axes in panes.flat[len(names) :]:
+    for axes in panes[len(names) :]:
         axes.set_visible(False)
-    for axes in panes[-1]:
+    for axes in panes[-columns:]:
         axes.set_xlabel("time in s")
-    panes.flat[0].set_ylim(loudest - SHOWN_DB, loudest + 3.0)
+    panes[0].set_ylim(loudest - SHOWN_DB, loudest + 3.0)
     return figure
 
 

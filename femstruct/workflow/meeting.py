@@ -10,7 +10,8 @@ import numpy as np
 
 from acoustics.cavity import cosines
 from acoustics.rated import BANDS, FIELD
-from acoustics.room import modal_damping_ratio, room_modes, t60_of
+from acoustics.room import Room, modal_damping_ratio, room_modes, t60_of
+from acoustics.shaped import ShapedRoom
 from femstruct.arrays import Floats
 from femstruct.errors import Finding
 from femstruct.modal.basis import ModalBasis
@@ -64,12 +65,11 @@ def meetings(plan: RoomPlan, surface: Surface, basis: ModalBasis) -> list[tuple[
         return []
     top = SINGLE_MODES * sqrt(t60 / room.volume)
     elastic = np.flatnonzero((np.array(basis.kind) == "elastic") & (basis.frequency_hz <= top))
-    room_hz, indices = room_modes(room, top)
+    points = room_coordinates(surface, room, plan.offset, plan.name)
+    room_hz, sounds = _on_ceiling(room, points, top)
     if not (len(elastic) and len(room_hz)):
         return []
-    points = room_coordinates(surface, room, plan.offset, plan.name)
-    shapes = surface.shapes(basis.shapes[:, :, elastic])
-    likeness = _likeness(shapes, cosines(room, indices[:, :2], points), surface.weights)
+    likeness = _likeness(surface.shapes(basis.shapes[:, :, elastic]), sounds, surface.weights)
     floor_hz = basis.frequency_hz[elastic]
     floor_width = 2 * np.nan_to_num(basis.damping_ratio[elastic]) * floor_hz
     room_width = np.array([2 * modal_damping_ratio(room.losses, f) * f for f in room_hz.tolist()])
@@ -77,6 +77,15 @@ def meetings(plan: RoomPlan, surface: Surface, basis: ModalBasis) -> list[tuple[
     meets = (apart <= 0.5 * (floor_width[:, None] + room_width)) & (likeness >= ALIKE)
     found = [(float(floor_hz[i]), float(room_hz[j]), float(likeness[i, j])) for i, j in np.argwhere(meets)]
     return sorted(found)
+
+
+def _on_ceiling(room: Room | ShapedRoom, points: Floats, up_to_hz: float) -> tuple[Floats, Floats]:
+    """Modes of a room up to a frequency, without the uniform one: frequencies [n] [Hz], shapes at the points [p, n]."""
+    if isinstance(room, ShapedRoom):
+        chosen = np.flatnonzero((room.frequency_hz <= up_to_hz) & (np.arange(len(room.frequency_hz)) > 0))
+        return room.frequency_hz[chosen], room.modes.at(points)[:, chosen]
+    frequency_hz, indices = room_modes(room, up_to_hz)
+    return frequency_hz, cosines(room, indices[:, :2], points)
 
 
 def floating(structure: StructureModel, bands_hz: tuple[float, ...]) -> list[Finding]:

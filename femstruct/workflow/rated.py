@@ -92,7 +92,7 @@ def _other_blows(plan: RoomPlan, study: Study) -> tuple[Finding, ...]:
     struck = [body for body in study.bodies if body.speed and body.side == "above"]
     others = [body.source or body.name for body in struck if body.source != wanted]
     here = len(struck) - len(others)
-    pushed = [load.name for load in (*study.loads, *study.walks)]
+    pushed = [load.name for load in study.loads] + [walker.name for walker in study.walks]
     if not others and here == count and not pushed:
         return ()
     told = ", ".join(dict.fromkeys([*others, *pushed]))

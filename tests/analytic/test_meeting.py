@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from acoustics.meshes import box_mesh
+from acoustics.shaped import ShapedRoom
 from femstruct.language import read_study
 from femstruct.modal.damping import with_damping
 from femstruct.workflow.air import ceiling
@@ -89,6 +92,18 @@ def test_modes_further_apart_than_their_bandwidths_do_not_meet(tmp_path: Path) -
     for floor, air, likeness in found:
         assert abs(floor - air) <= 0.5 * (0.05 * floor + 2.2 / 0.5 * 1.01)
         assert 0.3 <= likeness <= 1.0
+
+
+def test_a_meshed_box_meets_as_the_box_does(tmp_path: Path) -> None:
+    _, room, surface, basis = solved(tmp_path, "180 mm")
+    mesh = box_mesh(room.room.size, [12, 10, 6])
+    shaped = replace(room, room=ShapedRoom(mesh, "z1", room.room.air, room.room.losses, up_to_hz=200.0))
+    assert shaped.room.centre.tolist() == pytest.approx([2.5, 2.0, 2.5])
+    box, meshed = meetings(room, surface, basis), meetings(shaped, surface, basis)
+    assert len(box) == len(meshed) > 2
+    # quadratic cells of 0.42 m, four to a wave at 200 Hz: .5 % of the frequency
+    assert [air for _, air, _ in meshed] == pytest.approx([air for _, air, _ in box], rel=5e-3)
+    assert [alike for _, _, alike in meshed] == pytest.approx([alike for _, _, alike in box], abs=0.02)
 
 
 def test_a_floating_floor_is_two_masses_on_a_spring(tmp_path: Path) -> None:
