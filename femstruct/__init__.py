@@ -12,6 +12,7 @@ Each arrow is a pure function, each noun a frozen value; nothing points back::
     frf, simulate               ModalBasis, Scene     -> frequency response, Response
     surface_velocity            Response, Surface     -> acoustics.SurfaceVelocity
     run_study                   Plan                  -> StudyResult
+    identify                    a study, a record     -> its numbers, with intervals
     write_results, read_results StudyResult           -> results.h5 and back
 
 Names are fetched when first asked for (PEP 562): a script that only meshes never loads HDF5.
@@ -60,6 +61,8 @@ if TYPE_CHECKING:
     from femstruct.study.result import StudyResult as StudyResult
     from femstruct.study.study import Plan as Plan
     from femstruct.study.study import Study as Study
+    from femstruct.workflow.identify import Identification as Identification
+    from femstruct.workflow.identify import identify as identify
     from femstruct.workflow.run import run_study as run_study
 
 _NAMES = {
@@ -86,6 +89,7 @@ _NAMES = {
     "radiation": ("surface_velocity",),
     "study.result": ("StudyResult",),
     "study.study": ("Plan", "Study"),
+    "workflow.identify": ("Identification", "identify"),
     "workflow.run": ("run_study",),
 }
 _HOMES = {name: f"femstruct.{module}" for module, names in _NAMES.items() for name in names}

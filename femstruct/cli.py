@@ -188,6 +188,9 @@ def identify(
     channel: Annotated[str, typer.Option("--channel", metavar="NAME", help="recorded channel: 'ball on O_f force'")],
     fit: Annotated[list[str], typer.Option("--fit", metavar="PATH=START", help="a number to find, from a first guess")],
     delay: Annotated[bool, typer.Option("--delay", help="find when the measured history begins, too")] = False,
+    picture: Annotated[
+        Path | None, typer.Option("--picture", metavar="F.png", help="draw both histories and what is left")
+    ] = None,
     case: OnlyCase = "",
     set_: Sets = [],  # noqa: B006
     as_json: AsJson = False,
@@ -195,8 +198,18 @@ def identify(
     """Find numbers of a study, with confidence intervals, from a measured history."""
     from femstruct.workflow.identify import identify as identified
 
+    if picture is not None:
+        from femstruct.view.fitted import refuse_picture
+
+        refuse_picture(picture)
     with _progress() as tell:
-        table = identified(study, measured, channel, fit, delay, case, tuple(set_), tell).table()
+        found = identified(study, measured, channel, fit, delay, case, tuple(set_), tell)
+    if picture is not None:
+        from femstruct.view.figures import save
+        from femstruct.view.fitted import fit_figure
+
+        save(fit_figure(found.t, found.measured, found.computed, found.channel, found.unit), picture)
+    table = found.table()
     if as_json:
         _print_json(table)
     else:

@@ -17,6 +17,7 @@ SMALLEST = 0.1  # of its start: the least a parameter counts for in that step
 DEAF = 1e-6  # change of the history over the history itself, for a change by the whole parameter
 ALIKE = 1e-4  # smallest singular value of the derivatives, each of length 1: above the error of the derivatives
 INVOLVED = 0.1  # share of a parameter in a combination that the data leave open, from which on it is named
+NOTHING = 0.01  # of its standard deviation: a parameter that small is at its bound
 MOST_ITERATIONS = 100
 History = Callable[[Mapping[str, float]], Floats]
 
@@ -127,6 +128,7 @@ def fit(
     spread = np.sqrt(np.diag(inverse))
     noise = float(np.sqrt(squares / (n - p)))
     values, deviations = scale * found.x, noise * spread * np.abs(scale)
+    at_zero = bounded & (found.x < np.maximum(NOTHING * noise * spread, STEP**2))  # the method keeps inside its bounds
     wide = float(stdtrit(n - p, 0.5 + 0.5 * confidence)) * deviations
 
     def by_name(column: Floats) -> dict[str, float]:
@@ -138,7 +140,7 @@ def fit(
         low=by_name(values - wide),
         high=by_name(values + wide),
         shifts=tuple(shifts),
-        at_zero=tuple(name for name, x, held in zip(names, found.x, bounded, strict=True) if held and x < STEP**2),
+        at_zero=tuple(name for name, near in zip(names, at_zero, strict=True) if near),
         confidence=confidence,
         correlation=inverse / np.outer(spread, spread) * np.outer(np.sign(scale), np.sign(scale)),
         noise=noise,

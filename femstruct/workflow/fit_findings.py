@@ -9,36 +9,34 @@ import numpy as np
 from femstruct.errors import Finding
 from femstruct.workflow.fit import Fit
 
-POOR, WRONG = 0.98, 0.8  # explained share of the measured history: told, and not to be trusted
+POOR, WRONG = 0.05, 0.2  # residuals over the measured history, root mean squares: told, and not to be trusted
 STRAY = 4.0  # standard deviations of the correlation of white noise
-ROUNDING = 1e-10  # share of the history left over that is no noise but rounding
+ROUNDING = 1e-5  # residuals over the history that are no noise but rounding
 OPEN = 0.5  # half width of an interval over its value
 
 
 def fit_findings(fit: Fit) -> tuple[Finding, ...]:
     """Reasons not to believe a fit, with their numbers."""
-    return (*_poor(fit), *_coloured(fit), *_at_zero(fit), *_open(fit))
+    return (*_left_over(fit), *_at_zero(fit), *_open(fit))
 
 
-def _poor(fit: Fit) -> Iterator[Finding]:
-    if fit.explained < POOR:
+def _left_over(fit: Fit) -> Iterator[Finding]:
+    """Neighbouring residuals of white noise have the correlation 0 +- 1 / sqrt(N); those of a wrong law go together."""
+    share = float(np.sqrt(max(1.0 - fit.explained, 0.0)))
+    if share < ROUNDING:
+        return
+    left = fit.residuals
+    together, spread = float(left[1:] @ left[:-1] / (left @ left)), 1.0 / np.sqrt(len(left))
+    coloured = together > STRAY * spread
+    if share > POOR:
+        why = "another law, a delay, or a start nearer to the minimum" if coloured else "noise, as it seems"
         yield Finding(
             "poor-fit",
-            f"The best fit explains {100 * fit.explained:.1f} % of the measured sum of squares: another law, a delay, "
-            "or a start nearer to the minimum; the intervals say nothing of that",
-            {"explained": fit.explained, "expected": POOR},
-            severe=fit.explained < WRONG,
+            f"The best fit leaves {100 * share:.0f} % of the measured history over (root mean squares): {why}",
+            {"left_over": share, "expected": POOR},
+            severe=coloured and share > WRONG,
         )
-
-
-def _coloured(fit: Fit) -> Iterator[Finding]:
-    """Neighbouring residuals of white noise have the correlation 0 +- 1 / sqrt(N)."""
-    left = fit.residuals
-    squares = float(left @ left)
-    if 1.0 - fit.explained < ROUNDING:
-        return
-    together, spread = float(left[1:] @ left[:-1]) / squares, 1.0 / np.sqrt(len(left))
-    if together > STRAY * spread:
+    if coloured:
         wider = float(np.sqrt((1.0 + together) / (1.0 - together)))
         yield Finding(
             "residuals-not-noise",

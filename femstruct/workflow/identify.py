@@ -105,7 +105,32 @@ def identify(
     Notes
     -----
     The study is simulated at the measured times, with the sampling and the duration that they ask for. Bases are
-    solved anew for other structures only. See `femstruct.workflow.fit.fit` for what the intervals assume.
+    solved anew for other structures only; `accuracy` plays no part. See `femstruct.workflow.fit.fit` for what the
+    intervals assume.
+
+    A ball of 1 kg hits a wall at 1 m/s; its force is a half sine of 100 N, recorded every millisecond:
+
+    >>> import tempfile
+    >>> study = '''
+    ... model: model.yaml
+    ... bodies: {ball: {mass: 1 kg, above: ground, speed: 1 m/s, contact: {type: linear, stiffness: 1 kN/m}}}
+    ... record: {ball on ground: force}
+    ... time: {duration: 40 ms, sampling: 1 kHz}
+    ... '''
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     _ = Path(folder, "model.yaml").write_text("structure: none", encoding="utf-8")
+    ...     _ = Path(folder, "hit.study.yaml").write_text(study, encoding="utf-8")
+    ...     t = np.arange(0.0, 0.04, 1e-3)
+    ...     force = np.where(t < 0.01 * np.pi, 100.0 * np.sin(100.0 * t), 0.0)
+    ...     np.savetxt(Path(folder, "force.csv"), np.column_stack((t, force)), delimiter=",")
+    ...     found = identify(
+    ...         Path(folder, "hit.study.yaml"),
+    ...         Path(folder, "force.csv"),
+    ...         "ball on ground force",
+    ...         ["bodies.ball.contact.stiffness=5 kN/m"],
+    ...     )
+    >>> round(found.fit.values["bodies.ball.contact.stiffness"], 4)  # in kN/m, as asked
+    10.0
     """
     starts, units = _starts(parameters)
     plan = _read(study, overrides, parameters, case)

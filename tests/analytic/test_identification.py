@@ -160,8 +160,11 @@ def test_a_wrong_law_is_told() -> None:
     measured = simulate(given_modes([], [], {})[0], scene, Clock(SAMPLES / SAMPLING, SAMPLING)).contacts["hit"].force
     assert "residuals-not-noise" in codes(fit(engine, noisy(measured, 1), {"k": 4e4}))
     late = np.concatenate((np.zeros(30), half_sine(4e4)[:-30]))  # a record that began before the blow
-    severe = [finding for finding in fit_findings(fit(engine, late, {"k": 4e4})) if finding.severe]
+    found = fit(engine, late, {"k": 4e4})
+    severe = [finding for finding in fit_findings(found) if finding.severe]
     assert [finding.code for finding in severe] == ["poor-fit"]
+    left = float(np.linalg.norm(found.residuals) / np.linalg.norm(late))
+    assert severe[0].values["left_over"] == pytest.approx(left)
 
 
 def test_coloured_noise_widens_by_its_own_factor() -> None:
@@ -178,5 +181,9 @@ def test_coloured_noise_widens_by_its_own_factor() -> None:
 
 
 def test_data_that_hardly_tell_are_told() -> None:
+    """Noise of 0.3 of the peak: half of what was measured is left over, but it is noise, and the law may be right."""
     found = fit(engine, noisy(engine({"k": 4e4, "c": 2.0}), 2, share=0.3), {"k": 3e4, "c": 3.0})
     assert codes(found) & {"parameter-open", "fitted-zero"}
+    poor = next(finding for finding in fit_findings(found) if finding.code == "poor-fit")
+    assert not poor.severe
+    assert poor.values["left_over"] == pytest.approx(np.sqrt(1 - found.explained))

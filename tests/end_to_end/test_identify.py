@@ -100,6 +100,22 @@ def test_records_that_cannot_be_compared_are_refused(tmp_path: Path) -> None:
         identify(STUDY, RECORD, "ball velocity", FITS, delay=True, overrides=("record.ball=velocity",))
 
 
+def test_a_record_that_begins_late_is_not_to_be_trusted(tmp_path: Path) -> None:
+    """Two milliseconds late, and nobody asked for a delay: exit code 3; the picture shows why."""
+    t, force = np.loadtxt(RECORD.read_text(encoding="utf-8").splitlines()[1:], delimiter=",").T
+    np.savetxt(tmp_path / "late.csv", np.column_stack((1e-3 * t + 2e-3, force)), delimiter=",")
+    options = ["--measured", "late.csv", "--channel", CHANNEL, "--fit", FITS[0], "--fit", FITS[1]]
+    done = CliRunner().invoke(app, ["identify", str(STUDY), *options, "--picture", "fit.png"])
+    assert done.exit_code == 3
+    assert "NOT TO BE TRUSTED poor-fit" in done.stdout
+    assert (tmp_path / "fit.png").stat().st_size > 10_000
+    done = CliRunner().invoke(app, ["identify", str(STUDY), *options, "--delay"])
+    assert done.exit_code == 0
+    for picture in ("fit.txt", "nowhere/fit.png"):
+        with pytest.raises(FemstructError):
+            CliRunner().invoke(app, ["identify", str(STUDY), *options, "--picture", picture], catch_exceptions=False)
+
+
 def test_terminal_shows_intervals_and_findings() -> None:
     options = ["--measured", str(RECORD), "--channel", CHANNEL, "--fit", f"{STIFFNESS}=1e5", "--set", f"{DAMPING}=100"]
     done = CliRunner().invoke(app, ["identify", str(STUDY), *options])
