@@ -25,9 +25,9 @@ from typing import Final
 import h5py
 import numpy as np
 
-from femstruct.conventions import COMPONENTS
 from femstruct.errors import Finding
 from femstruct.files.atomic import replacing
+from femstruct.files.bases import write_basis, write_damping
 from femstruct.files.blows import write_blows
 from femstruct.files.hdf5 import axis, group, put, put_text
 from femstruct.files.machine import write_verdicts
@@ -35,9 +35,8 @@ from femstruct.files.sound import write_levels, write_rated, write_room
 from femstruct.files.tables import finding_table, findings_by_case, summary
 from femstruct.files.trust import write_accuracy, write_errors
 from femstruct.files.vtkhdf import write_vtkhdf
-from femstruct.impact.response import Response
+from femstruct.impact.response import EnergyBalance, EnergyLedger, Response
 from femstruct.impact.shares import ModeEnergies
-from femstruct.modal.basis import ModalBasis
 from femstruct.study.machine import Verdict
 from femstruct.study.result import CaseComparison, CaseResult, StudyResult
 
@@ -101,7 +100,8 @@ def _write(file: h5py.File, result: StudyResult) -> None:
     put_text(file, "summary", json.dumps(summary(result), allow_nan=False), "Numbers of all cases, as --json (JSON)")
     bases = group(file, "bases", "Modal bases by key")
     for name, basis in result.bases.items():
-        _write_basis(group(bases, name, "A modal basis", total_mass_kg=basis.total_mass), basis)
+        told = _findings(basis.findings)
+        write_basis(group(bases, name, "A modal basis", total_mass_kg=basis.total_mass, findings=told), basis)
     cases = group(file, "cases", "Cases by name")
     for name, case in result.cases.items():
         _write_case(cases, name, case, result.verdicts.get(name, ()))
@@ -118,46 +118,6 @@ def _findings(findings: tuple[Finding, ...]) -> str:
     return json.dumps([finding_table(finding) for finding in findings], allow_nan=False)
 
 
-def _write_basis(target: h5py.Group, basis: ModalBasis) -> None:
-    count = len(basis.omega)
-    target.attrs.update(complete_below_hz=basis.complete_below_hz, findings=_findings(basis.findings))
-    mode = axis(target, "mode", np.arange(1, count + 1), "1", "Mode number, rigid-body modes counted")
-    node = axis(target, "node", np.arange(len(basis.points)), "1", "Node number")
-    component = axis(target, "component", list(COMPONENTS), "1", "Component of a node, global axes; TWIST local")
-    direction = axis(target, "direction", ["x", "y", "z"], "1", "Global direction")
-    put(target, "frequency_hz", basis.frequency_hz, "Hz", "Natural frequency", (mode,))
-    put(target, "kind", list(basis.kind), "1", "rigid, elastic, or residual (completes a static response)", (mode,))
-    put(target, "residual_norm", basis.residual_norm, "1", "Convergence of the eigenpair", (mode,))
-    put(target, "modal_mass", basis.modal_mass, "kg", "Effective modal mass", (direction, mode))
-    put(target, "points", basis.points, "m", "Nodes, global axes", (node, direction))
-    put(target, "shapes", basis.shapes, "kg^-0.5", "Mass-normalised shapes", (node, component, mode))
-    if basis.outputs:
-        rows = np.array([[row.stiffness, row.damping, row.inertia] for row in basis.outputs.values()])
-        output = axis(target, "output", list(basis.outputs), "1", "Force of a spring, foundation, support or joint")
-        acts_on = axis(target, "acts_on", ["q", "qd", "qdd"], "1", "What the row multiplies, to be summed")
-        put(
-            target,
-            "force_rows",
-            rows,
-            "N, N s, N s^2 per kg^0.5 m",
-            "Forces, of undamped parts; not of loads on held nodes, which pass straight on",
-            (output, acts_on, mode),
-        )
-    if basis.part_stiffness:
-        omega2 = np.where(basis.omega > 0, basis.omega, np.nan) ** 2
-        share = np.array([np.diag(matrix) / omega2 for matrix in basis.part_stiffness.values()])
-        part = axis(target, "part", list(basis.part_stiffness), "1", "Part of the structure")
-        put(target, "strain_energy_share", share, "1", "Share of the strain energy; nan if rigid", (part, mode))
-
-
-def _write_damping(target: h5py.Group, basis: ModalBasis) -> None:
-    numbers = np.arange(1, len(basis.omega) + 1)
-    pair = tuple(axis(target, name, numbers, "1", "Mode number") for name in ("mode", "other_mode"))
-    put(target, "damping_ratio", basis.damping_ratio, "1", "Damping ratio; nan for rigid-body modes", pair[:1])
-    put(target, "viscous", basis.viscous, "rad/s", "Viscous damping, 2 zeta omega on the diagonal", pair)
-    put(target, "hysteretic", basis.hysteretic, "rad^2/s^2", "Structural damping, eta omega^2 on the diagonal", pair)
-
-
 def _write_case(cases: h5py.Group, name: str, case: CaseResult, verdicts: Sequence[Verdict]) -> None:
     target = group(
         cases,
@@ -168,7 +128,7 @@ def _write_case(cases: h5py.Group, name: str, case: CaseResult, verdicts: Sequen
         changes=json.dumps(dict(case.case.changes)),
         findings=_findings(case.findings),
     )
-    _write_damping(group(target, "damping", "Damping of the basis in this case"), case.basis)
+    write_damping(group(target, "damping", "Damping of the basis in this case"), case.basis)
     if case.accuracy is not None:
         about = "What more modes change, against what was asked"
         write_accuracy(group(target, "accuracy", about), case.accuracy)
@@ -277,6 +237,7 @@ def _write_energy(target: h5py.Group, response: Response, shares: ModeEnergies |
         body = axis(energy, "body", list(ledger.bodies), "1", "Name")
         rows = np.array(list(ledger.bodies.values()))
         put(energy, "bodies", rows, "J", "Kinetic and potential energy of the bodies", (body, time))
+    _write_lost(group(energy, "lost", "What was dissipated, by what took it"), ledger)
     if shares is not None and shares.end:
         modes = group(energy, "modes", "The structure's energy by modes: groups that add up to it")
         one = axis(modes, "group", [part.name for part in shares.end], "1", "Mode, modes of an octave, or rigid modes")
@@ -286,6 +247,23 @@ def _write_energy(target: h5py.Group, response: Response, shares: ModeEnergies |
         if shares.at_separation is not None:
             parted = [part.energy for part in shares.at_separation]
             put(modes, "at_separation", parted, "J", "When the collision was over", (one,))
+
+
+def _write_lost(target: h5py.Group, ledger: EnergyLedger) -> None:
+    """Losses in the modes, and in the dashpots of every contact and link, until the separation and until the end."""
+
+    def lost(balance: EnergyBalance | None) -> list[float]:
+        if balance is None:
+            return [np.nan] * len(names)
+        return [balance.lost_modes, *balance.lost_contacts.values(), *balance.lost_links.values()]
+
+    end = ledger.end
+    kinds = ["modes", *["contact"] * len(end.lost_contacts), *["link"] * len(end.lost_links)]
+    names = ["structure", *end.lost_contacts, *end.lost_links]
+    taker = axis(target, "taker", names, "1", "The structure, a contact or a link")
+    put(target, "kind", kinds, "1", "modes (and dashpots of the structure itself), contact or link", (taker,))
+    put(target, "at_separation", lost(ledger.at_separation), "J", "When the collision was over; nan if never", (taker,))
+    put(target, "end", lost(end), "J", "At the end of the window", (taker,))
 
 
 _TERMS: Final = {

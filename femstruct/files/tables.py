@@ -136,7 +136,7 @@ def growth(blows: Sequence[Blow]) -> float | None:
 
 
 def _energy(response: Response, shares: ModeEnergies | None) -> Table:
-    """The ledger; `modes` are the groups that "structure" is the sum of."""
+    """The ledger; `modes` are the groups that "structure" is the sum of, `lost` the parts of "dissipated"."""
     ledger = response.ledger
     separation = ledger.at_separation
     parted, end = (None, None) if shares is None else (shares.at_separation, shares.end)
@@ -161,6 +161,11 @@ def _balance(balance: EnergyBalance, groups: Sequence[EnergyGroup] | None) -> Ta
         ],
         "stored": number(sum(balance.contacts.values()) + sum(balance.links.values())),
         "dissipated": number(balance.dissipated),
+        "lost": {
+            "modes": number(balance.lost_modes),
+            "contacts": {name: number(lost) for name, lost in balance.lost_contacts.items()},
+            "links": {name: number(lost) for name, lost in balance.lost_links.items()},
+        },
         "work": number(balance.work),
         "blows": number(balance.blows),
     }

@@ -12,6 +12,7 @@ from femstruct.files.tables import findings_by_case
 from femstruct.study.result import StudyResult
 from femstruct.view.grid import Grid
 from femstruct.view.terminal import study_tables
+from femstruct.view.trust import trust
 
 _STYLE: Final = """
 body { font: 15px/1.5 system-ui, sans-serif; margin: 2em auto; max-width: 72em; padding: 0 1em; color: #222; }
@@ -49,11 +50,11 @@ def report(result: StudyResult, pictures: Sequence[str] = ()) -> str:
 
 
 def _outcomes(result: StudyResult) -> str:
-    lines = [
-        f"<li>{escape(name)}: {escape(case.response.outcome.value)}</li>"
-        for name, case in result.cases.items()
-        if case.response is not None
+    """How every case ended, and how far its numbers may be off."""
+    told = [
+        f"{name}: {case.response.outcome.value}" for name, case in result.cases.items() if case.response is not None
     ]
+    lines = [f"<li>{escape(line)}</li>" for line in (*told, *trust(result))]
     return f"<ul>{''.join(lines)}</ul>" if lines else ""
 
 

@@ -15,7 +15,7 @@ from femstruct.view.energies import energies, whither
 from femstruct.view.grid import Grid
 from femstruct.view.machine import limits, machine
 from femstruct.view.rated import bands, ratings
-from femstruct.view.trust import accuracy, errors
+from femstruct.view.trust import trust
 
 SPOKEN_HZ = 500.0  # modes above it are in summary.json; a terminal shows those that floors and presses are judged by
 
@@ -27,12 +27,8 @@ def show_study(result: StudyResult, written: Mapping[str, float], folder: str = 
     for name, case in result.cases.items():
         if case.response is not None:
             screen.print(f"  {name}: {case.response.outcome.value}")
-    for name, case in result.cases.items():
-        if case.accuracy is not None:
-            screen.print(f"  {name}: {accuracy(case.accuracy)}", soft_wrap=True)
-    for name, case in result.cases.items():
-        if case.errors is not None and case.errors.peak:
-            screen.print(f"  {name}: {errors(case.errors)}", soft_wrap=True)
+    for line in trust(result):
+        screen.print(f"  {line}", soft_wrap=True)
     for table in study_tables(result):
         table.show(screen)
     show_findings(

@@ -5,7 +5,17 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from femstruct.impact.estimate import ErrorEstimate, Resolved
-from femstruct.study.result import AccuracyCheck
+from femstruct.study.result import AccuracyCheck, StudyResult
+
+
+def trust(result: StudyResult) -> list[str]:
+    """All cases by name: first what came of an asked accuracy, then the error estimates."""
+    asked = [f"{name}: {accuracy(case.accuracy)}" for name, case in result.cases.items() if case.accuracy is not None]
+    return asked + [
+        f"{name}: {errors(case.errors)}"
+        for name, case in result.cases.items()
+        if case.errors is not None and case.errors.peak
+    ]
 
 
 def accuracy(check: AccuracyCheck) -> str:

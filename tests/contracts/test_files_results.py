@@ -9,9 +9,13 @@ import numpy as np
 import pytest
 import xarray
 
+from femstruct.conventions import COMPONENTS
 from femstruct.errors import InputError
+from femstruct.files.hdf5 import key
 from femstruct.files.results import write_results
 from femstruct.files.stored import read_results
+from femstruct.files.tables import summary
+from femstruct.model.probe import Probe
 
 BY_HAND = runpy.run_path(str(Path(__file__).parents[1] / "data" / "study_by_hand.py"))
 
@@ -110,6 +114,29 @@ def test_motion_of_the_modes_is_kept_only_on_demand(result, path, tmp_path):
     write_results(light, BY_HAND["study_by_hand"](save_modal=False))
     with h5py.File(light, "r") as file:
         assert "modal" not in file["cases/without damper"]
+
+
+def test_loads_that_pass_straight_on_are_kept(result, path):
+    """`ForceRow.direct` entry by entry: what a load at a probe adds to the force of the ground."""
+    with xarray.open_dataset(path, group="bases/abc123/direct", engine="h5netcdf") as table:
+        where = [COMPONENTS.index(name) for name in table["component"].values]
+        kept = Probe(table["node"].values, where, table["weight"].values)
+        assert set(table["output"].values) == {"ground.z"}
+    direct = result.bases["abc123"].outputs["ground.z"].direct
+    load = Probe([3, 40], [2, 4], [2.0, 1.0])
+    assert kept.meets(load) == direct.meets(load) == 0.25 * 2.0 - 0.5
+
+
+def test_losses_are_booked_apart(result, path):
+    """In results.h5 and in --json: modes, contacts and links add up to what was dissipated."""
+    for name, case in result.cases.items():
+        end = case.response.ledger.end
+        told = summary(result)["cases"][name]["energy"]["end"]["lost"]
+        assert told == {"modes": end.lost_modes, "contacts": dict(end.lost_contacts), "links": dict(end.lost_links)}
+        with h5py.File(path, "r") as file:
+            lost = file[f"cases/{key(name)}/energy/lost"]
+            assert lost["end"][:].sum() == pytest.approx(end.dissipated, abs=0)
+            assert lost["taker"].asstr()[:].tolist() == ["structure", *end.lost_contacts, *end.lost_links]
 
 
 def test_no_response_no_room_no_frf(result, tmp_path):

@@ -119,7 +119,7 @@ def basis_by_hand(model):
         points=model.mesh.points,
         viscous=np.diag(2 * 0.02 * omega),
         hysteretic=np.zeros((k, k)),
-        outputs={"ground.z": ForceRow(omega**2, np.zeros(k), np.zeros(k))},
+        outputs={"ground.z": ForceRow(omega**2, np.zeros(k), np.zeros(k), direct=Probe([3, 40], [2, 4], [0.25, -0.5]))},
         part_stiffness={"floor": np.diag(0.7 * omega**2), "post": np.diag(0.3 * omega**2)},
         loss_factors={},
         residual_norm=np.full(k, 1e-12),

@@ -20,6 +20,7 @@ from femstruct.impact.unresolved import unresolved_findings
 from femstruct.language import read_study
 from femstruct.modal.analytic import given_modes
 from femstruct.study.result import StudyResult
+from femstruct.view.report import report
 from femstruct.view.terminal import show_study
 from femstruct.workflow.run import run_study
 
@@ -87,6 +88,8 @@ def test_terminal_tables_and_file_say_the_same(
     assert "short: estimated error, rounding alone: peak forces" in printed
     assert "against a run at a tolerance of 1e-10" in printed
     assert "NOT TO BE TRUSTED contact-unresolved" in printed
+    page = report(result)
+    assert page.count("estimated error") == printed.count("estimated error") == 3
     assert "error estimate " in printed.partition("CPU seconds: ")[2]  # a stage of its own
     write_results(tmp_path / "results.h5", result)
     tables = summary(result)["cases"]

@@ -43,8 +43,17 @@ def test_from_the_file_to_all_tables(tmp_path: Path, capsys: pytest.CaptureFixtu
         assert sum(part["energy_j"] for part in parts) == pytest.approx(
             energy[when]["structure"], abs=1e-10 * energy["input_j"]
         )
+        lost = energy[when]["lost"]
+        assert lost["modes"] > 0.0 and lost["contacts"]["ball on P"] == 0.0  # its law has no dashpot
+        assert lost["modes"] + sum(lost["contacts"].values()) + sum(lost["links"].values()) == pytest.approx(
+            energy[when]["dissipated"], rel=1e-14
+        )
+    assert energy["end"]["lost"]["modes"] > energy["at_separation"]["lost"]["modes"]
     write_results(tmp_path / "r.h5", result)
     with h5py.File(tmp_path / "r.h5") as file:
+        for when in ("at_separation", "end"):
+            kept = file[f"cases/as given/energy/lost/{when}"][:].tolist()
+            assert kept == [energy[when]["lost"]["modes"], *energy[when]["lost"]["contacts"].values()]
         modes = file["cases/as given/energy/modes"]
         assert modes["end"][:].tolist() == [part["energy_j"] for part in energy["end"]["modes"]]
         assert modes["at_separation"][:].sum() == pytest.approx(energy["at_separation"]["structure"], rel=1e-9)
