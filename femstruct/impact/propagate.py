@@ -224,7 +224,7 @@ def _unknown(h: float, system: System, state: State, trial: Trial, a: int) -> fl
         force, by_place, by_rate = law(system, a, depth, trial.rate[a, p])
         largest = max(largest, abs(force))
         shaken = max(shaken, abs(by_place) * still + abs(by_rate) * moving)
-    return SOLVED * largest + shaken
+    return float(SOLVED * largest + shaken)
 
 
 @kernel

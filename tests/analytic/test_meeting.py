@@ -82,6 +82,16 @@ def test_a_floor_tuned_to_the_height_of_the_room_meets_it(tmp_path: Path) -> Non
     assert "68.6 Hz of the room" in told["modes-meet"].message
 
 
+def test_a_box_given_as_a_mesh_meets_the_same(tmp_path: Path) -> None:
+    """A room of any shape is told of as the box it is, as far as its cells resolve the modes."""
+    _, room, surface, basis = solved(tmp_path, "180 mm")
+    mesh = ShapedRoom(box_mesh([5, 4, 2.5], [10, 8, 5]), "z1", room.room.air, room.room.losses, up_to_hz=130.0)
+    one, other = meetings(room, surface, basis), meetings(replace(room, room=mesh), surface, basis)
+    resolved = [pair for pair in one if pair[1] < 130.0]
+    assert resolved and len(other) == len(resolved)
+    assert np.array(other) == pytest.approx(np.array(resolved), rel=1e-3)  # five quadratic cells to a wave
+
+
 def test_modes_further_apart_than_their_bandwidths_do_not_meet(tmp_path: Path) -> None:
     """The first mode at 30.2 Hz: its 5 % and the room's 2.2 / T60 = 4.4 Hz reach nowhere near 34.3 Hz, (1, 0, 0)."""
     _, room, surface, basis = solved(tmp_path, "180 mm")

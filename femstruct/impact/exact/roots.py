@@ -36,7 +36,7 @@ def stays_positive(c: Floats, lead: int, order: int, coarse: Floats) -> bool:
         for k in range(min(j, order - lead) + 1):
             total += coarse[k, j] * c[lead + k]
         lowest = min(lowest, total)
-    return lowest > rest
+    return bool(lowest > rest)
 
 
 @kernel
@@ -45,7 +45,7 @@ def _magnitude(c: Floats, lead: int, order: int, theta: float) -> float:
     total = abs(c[order])
     for k in range(order - 1, lead - 1, -1):
         total = total * theta + abs(c[k])
-    return total
+    return float(total)
 
 
 @kernel
