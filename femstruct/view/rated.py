@@ -47,6 +47,16 @@ def ratings(result: StudyResult) -> Grid:
     return grid
 
 
+def first_drop(result: StudyResult) -> str:
+    """A sentence that says which drop all but the ratings is of, where a source strikes several places; "" else."""
+    places = {tuple(case.drops) for case in result.cases.values() if case.drops}
+    if not places:
+        return ""
+    first = ", ".join(sorted({names[0] for names in places}))
+    count = max(len(names) for names in places)
+    return f"the source strikes {count} places; ratings are of all, the rest is of the first, {first}"
+
+
 def bands(result: StudyResult) -> Grid:
     """Third octaves of every rated room and their spread over drops and receivers; rows only where there are any."""
     grid = Grid(

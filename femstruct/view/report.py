@@ -11,6 +11,7 @@ from femstruct.files.atomic import replacing
 from femstruct.files.tables import findings_by_case
 from femstruct.study.result import StudyResult
 from femstruct.view.grid import Grid
+from femstruct.view.rated import first_drop
 from femstruct.view.terminal import study_tables
 from femstruct.view.trust import trust
 
@@ -54,7 +55,8 @@ def _outcomes(result: StudyResult) -> str:
     told = [
         f"{name}: {case.response.outcome.value}" for name, case in result.cases.items() if case.response is not None
     ]
-    lines = [f"<li>{escape(line)}</li>" for line in (*told, *trust(result))]
+    about = [first_drop(result)] if first_drop(result) else []
+    lines = [f"<li>{escape(line)}</li>" for line in (*told, *trust(result), *about)]
     return f"<ul>{''.join(lines)}</ul>" if lines else ""
 
 

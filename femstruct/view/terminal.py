@@ -14,7 +14,7 @@ from femstruct.view.console import console, show_findings
 from femstruct.view.energies import energies, whither
 from femstruct.view.grid import Grid
 from femstruct.view.machine import limits, machine
-from femstruct.view.rated import bands, ratings
+from femstruct.view.rated import bands, first_drop, ratings
 from femstruct.view.trust import trust
 
 SPOKEN_HZ = 500.0  # modes above it are in summary.json; a terminal shows those that floors and presses are judged by
@@ -29,6 +29,8 @@ def show_study(result: StudyResult, written: Mapping[str, float], folder: str = 
             screen.print(f"  {name}: {case.response.outcome.value}")
     for line in trust(result):
         screen.print(f"  {line}", soft_wrap=True)
+    if told := first_drop(result):
+        screen.print(f"  {told}", soft_wrap=True)
     for table in study_tables(result):
         table.show(screen)
     show_findings(

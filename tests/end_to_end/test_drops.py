@@ -15,6 +15,7 @@ from femstruct.files.tables import summary
 from femstruct.language import read_study
 from femstruct.study.result import StudyResult
 from femstruct.view.loudness import levels_over_time, rated_bands
+from femstruct.view.report import report
 from femstruct.view.terminal import show_study
 from femstruct.workflow.run import run_study
 
@@ -96,9 +97,11 @@ def test_drops_in_terminal_tables_and_file(
     case = result.cases["as given"]
     rated = case.rated["bedroom"]
     show_study(result, {})
-    row = next(
-        line for line in capsys.readouterr().out.splitlines() if line.startswith("as given") and "bedroom" in line
-    )
+    shown = capsys.readouterr().out
+    told = "the source strikes 2 places; ratings are of all, the rest is of the first, drops.1"
+    assert told in shown
+    assert told in report(result)
+    row = next(line for line in shown.splitlines() if line.startswith("as given") and "bedroom" in line)
     assert f"{rated.drops_spread_db:.1f} (2)" in row
     assert f"{rated.receivers_spread_db:.1f} (2)" in row
     table = summary(result)["cases"]["as given"]
