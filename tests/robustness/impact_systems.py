@@ -233,7 +233,9 @@ def by_scipy(drawn: Drawn) -> tuple[dict[str, float], dict[str, int]]:
         for a in range(m):
             if laws["kind"][a] == LINK and numbers[a, 6] == begin:
                 rests[a] = rows[a] @ state[:n]
-        args = (system.omega**2, system.damping, rows, laws["kind"].copy(), numbers, rests, fields)
+        acting = numbers.copy()  # the last stage of the last step is at the end: what begins there has not begun
+        acting[:, 6] = np.where(numbers[:, 6] <= begin, 0.0, np.inf)
+        args = (system.omega**2, system.damping, rows, laws["kind"].copy(), acting, rests, fields)
         part = solve_ivp(
             _rate, (begin, end), state, "DOP853", rtol=1e-11, atol=1e-15, max_step=last / 400, args=args,
             dense_output=True,

@@ -43,6 +43,19 @@ def test_leading_coefficients_may_be_left_out() -> None:
     assert first([0.4], lead=3) == pytest.approx(0.4, abs=1e-15)
 
 
+@pytest.mark.parametrize("start", [1e-8, 1e-20, 5e-26, 1e-40])
+def test_a_start_far_below_the_rounding_of_the_step_is_a_start(start: float) -> None:
+    """start + b theta - theta^2: the rounding of a value near 0 is not that of the whole step."""
+    c = np.zeros(ORDER + 1)
+    args = (exact_rule().bernstein, np.zeros((DEPTH, ORDER + 1)), np.zeros((DEPTH, 2)))
+    for b in (0.0, 1e-16, -1e-16):
+        c[:3] = start, b, -1.0
+        both = abs(b) + np.sqrt(b**2 + 4.0 * start)
+        root = 0.5 * both if b >= 0.0 else 2.0 * start / both
+        # the step is halved 60 times at most
+        assert first_descent(c, 0, ORDER, *args) == pytest.approx(root, rel=1e-14, abs=0.0 if root > 1e-17 else 1e-17)
+
+
 def test_touching_is_no_descent() -> None:
     """(theta - 0.5)^2 touches zero and never goes below; nor does it by less than rounding."""
     assert first([0.5, 0.5]) == NEVER

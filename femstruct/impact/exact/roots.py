@@ -40,15 +40,6 @@ def stays_positive(c: Floats, lead: int, order: int, coarse: Floats) -> bool:
 
 
 @kernel
-def _magnitude(c: Floats, lead: int, order: int, theta: float) -> float:
-    """Sum of the magnitudes of the terms at a place: what the rounding of a value there is relative to."""
-    total = abs(c[order])
-    for k in range(order - 1, lead - 1, -1):
-        total = total * theta + abs(c[k])
-    return float(total)
-
-
-@kernel
 def first_descent(c: Floats, lead: int, order: int, bernstein: Floats, boxes: Floats, spans: Floats) -> float:
     """First place in (0, 1] where the polynomial c[lead:order + 1], not negative at 0, becomes negative; else NEVER.
 
@@ -71,8 +62,6 @@ def first_descent(c: Floats, lead: int, order: int, bernstein: Floats, boxes: Fl
     top = 0
     while top >= 0:
         low, high = spans[top, 0], spans[top, 1]
-        if top > 0:
-            doubt = ROUNDING * _magnitude(c, lead, order, high)
         changes, negative, sign, first = 0, 0, 0, 0
         for j in range(ORDER + 1):
             b = boxes[top, j]
@@ -88,7 +77,7 @@ def first_descent(c: Floats, lead: int, order: int, bernstein: Floats, boxes: Fl
         if negative == 0:
             top -= 1
             continue
-        if first < 0 or top == DEPTH - 1 or high - low < 1e-15 * high:  # what lies before this part is not negative
+        if first < 0 or top == DEPTH - 1 or high - low < 1e-15:  # what lies before this part is not negative
             return float(low)
         if changes == 1:
             return crossing(c, lead, order, low, high)
