@@ -63,7 +63,7 @@ def exact_march(system: System, state: State, rule: ExactRule, room: ExactRoom, 
             order += 1
         load_series(system, room, t, h, order)
         expand(system, state, room, h, order)
-        where, who, what, rank = watch(system, state, order, h, max(before, h), max(pace, bound), rule, room)
+        where, who, what = watch(system, state, order, h, max(before, h), max(pace, bound), rule, room)
         part = min(where, 1.0)
         now = t + part * h
         if where == NEVER and h == room_left:
@@ -95,7 +95,7 @@ def exact_march(system: System, state: State, rule: ExactRule, room: ExactRoom, 
             late = np.inf
         _look(system, state, room)
         if where < NEVER:
-            switch(system, state, room, who, what, rank, before)
+            switch(system, state, room, who, what, before)
         _release(system, state, room, t)
         touching, changed = 0.0, False
         for a in range(m):

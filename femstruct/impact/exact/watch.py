@@ -46,8 +46,8 @@ def judge(c: Floats, order: int, noise: float, small: float, fresh: int, rule: E
 
 @kernel
 def watch(system: System, state: State, order: int, h: float, before: float, pace: float, rule: ExactRule,
-          room: ExactRoom) -> tuple[float, int, int, int]:  # fmt: skip
-    """The first change in the step: where (NEVER: none), of which interface, what crossed zero, and its leading order.
+          room: ExactRoom) -> tuple[float, int, int]:  # fmt: skip
+    """The first change in the step: where (NEVER: none), of which interface, and what crossed zero.
 
     before [s] : length of the last step, whose end is known to the rounding of its own series only; pace [1/s] : bound
     of the rates of both. Of several changes at one place the one with the lowest leading order comes first: the others
@@ -105,17 +105,14 @@ def watch(system: System, state: State, order: int, h: float, before: float, pac
                 at, order_here = judge(c, order, 0.0, 0.0, 0, rule, boxes, spans)
             if at < where or (at == where and at < NEVER and order_here < rank):
                 where, rank, who, what = at, order_here, a, kind
-    return where, who, what, rank
+    return where, who, what
 
 
 @kernel
-def switch(system: System, state: State, room: ExactRoom, a: int, what: int, rank: int, before: float) -> None:
-    """Let interface a do what follows from a condition at zero; its row is in room.here.
-
-    rank : the leading order of the condition; when it is 0 the condition is not zero but was overstepped before.
-    """
+def switch(system: System, state: State, room: ExactRoom, a: int, what: int, before: float) -> None:
+    """Let interface a do what follows from a condition at zero; its row is in room.here."""
     law = system.interfaces[a]
-    if rank > 0 and what != EXCESS:
+    if what != EXCESS:
         room.fresh[a, what] = 1
     if what == SPEED:
         room.way[a] = 1 if room.way[a] < 0 else -1
