@@ -2,7 +2,8 @@
 
 Every condition is a polynomial that must not become negative: minus the indentation of an open contact, the
 indentation or the force of a closed one, the speed of a link in the sense it has. A condition that is zero at the
-start of a step, by an event or by rounding, is decided by its first coefficient that is not.
+start of a step, by an event or by rounding, is decided by its first coefficient that is not; so is one that the next
+terms outgrow at once.
 """
 
 from __future__ import annotations
@@ -17,7 +18,28 @@ from femstruct.impact.system import LINK, System
 
 INDENTATION, FORCE, SPEED, EXCESS = 0, 1, 2, 3  # what crossed zero; the first three are columns of fresh
 ROUNDING = 4e-15  # of a row's displacement, relative to the terms it is summed from
+AT_ONCE = 1e-20  # of a step: less than a place in it, or the time, can tell from its start
 PRELOAD = 1e-9  # of the preload: what a force must exceed it by, or fall short of it
+
+
+@kernel
+def _beyond(c: Floats, lead: int, order: int) -> float:
+    """Sum of magnitudes of the coefficients after the leading one."""
+    total = 0.0
+    for k in range(lead + 1, order + 1):
+        total += abs(c[k])
+    return total
+
+
+@kernel
+def _outgrown(c: Floats, lead: int, order: int) -> bool:
+    """Whether a later term is larger than the leading one already AT_ONCE after the start."""
+    reach = AT_ONCE
+    for k in range(lead + 1, order + 1):
+        if abs(c[k]) * reach > abs(c[lead]):
+            return True
+        reach *= AT_ONCE
+    return False
 
 
 @kernel
@@ -32,13 +54,16 @@ def judge(c: Floats, order: int, noise: float, small: float, fresh: int, rule: E
         lead = 1
         while lead <= order and abs(c[lead]) <= small:
             lead += 1
-        if lead > order:
-            return NEVER, 0
+    rest = _beyond(c, lead, order)
+    while lead <= order and abs(c[lead]) <= AT_ONCE * rest and _outgrown(c, lead, order):
+        lead += 1
+        while lead <= order and abs(c[lead]) <= small:
+            lead += 1
+        rest = _beyond(c, lead, order)
+    if lead > order:
+        return NEVER, 0
     if c[lead] < 0.0:
         return 0.0, lead
-    rest = 0.0
-    for k in range(lead + 1, order + 1):
-        rest += abs(c[k])
     if c[lead] > rest or stays_positive(c, lead, order, rule.coarse):
         return NEVER, 0
     return first_descent(c, lead, order, rule.bernstein, boxes, spans), order + 1
