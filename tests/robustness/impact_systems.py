@@ -206,10 +206,10 @@ def _rate(t, y, omega2, damping, rows, kinds, numbers, rests, fields):  # type: 
     return out
 
 
-def by_scipy(drawn: Drawn) -> tuple[dict[str, float], dict[str, int]]:
+def by_scipy(drawn: Drawn, steps: int) -> tuple[dict[str, float], dict[str, int]]:
     """Velocities of the bodies at the last sample and the closings of the contacts, by DOP853.
 
-    Steps are 1/400 of the window at most; closings are counted on the dense solution, 8 places a step.
+    steps : in the window, at least; closings are counted on the dense solution, 8 places a step.
     """
     compiled = compile_scene(drawn.basis, drawn.scene, drawn.clock)
     system, n = compiled.system, len(compiled.system.omega)
@@ -237,7 +237,7 @@ def by_scipy(drawn: Drawn) -> tuple[dict[str, float], dict[str, int]]:
         acting[:, 6] = np.where(numbers[:, 6] <= begin, 0.0, np.inf)
         args = (system.omega**2, system.damping, rows, laws["kind"].copy(), acting, rests, fields)
         part = solve_ivp(
-            _rate, (begin, end), state, "DOP853", rtol=1e-11, atol=1e-15, max_step=last / 400, args=args,
+            _rate, (begin, end), state, "DOP853", rtol=1e-11, atol=1e-15, max_step=last / steps, args=args,
             dense_output=True,
         )  # fmt: skip
         state = part.y[:, -1]

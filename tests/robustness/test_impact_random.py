@@ -14,6 +14,7 @@ from femstruct.errors import NotConverged
 SYSTEMS: dict[str, Any] = runpy.run_path(str(Path(__file__).with_name("impact_systems.py")))
 draw, contradictions, by_scipy = SYSTEMS["draw"], SYSTEMS["contradictions"], SYSTEMS["by_scipy"]
 EASY = 300.0  # radians of the fastest part: what scipy resolves in a second
+STEPS = (400, 20_000)  # of scipy: the first go, and the second where it differs
 NUDGE = 1e-9
 CHAOTIC = 1e4  # a nudge that grows by more: no two integrators need to agree
 CHUNK = 1000
@@ -39,7 +40,8 @@ def unsound(seeds: Iterable[int]) -> dict[int, list[str]]:
 def beside_scipy(seed: int) -> list[str] | None:
     """What scipy finds otherwise; None for a system that is too fast for it, or chaotic.
 
-    Chaotic is: a nudge of 1e-9 in speeds and gaps changes the number of closings, or the end by 1e4 times as much.
+    Where it finds otherwise it is asked again with finer steps: a gap of nanometres is easily jumped across. Chaotic
+    is: a nudge of 1e-9 in speeds and gaps changes the number of closings, or the end by 1e4 times as much.
     """
     drawn = draw(seed)
     if drawn.pace > EASY:
@@ -53,16 +55,21 @@ def beside_scipy(seed: int) -> list[str] | None:
     spread = max(abs(moved[name] - speeds[name]) for name in speeds) / (NUDGE * scale)
     if spread > CHAOTIC:
         return None
-    found, closings = by_scipy(drawn)
     # scipy's steps of 1e-11 meet the kinks of the laws: 1e-6 of the speed, and 1e-8 grown as a nudge grows
     allowed = scale * (1e-6 + 1e-8 * spread)
-    return [
-        f"{name} closes {counts[name]} times, by scipy {n}" for name, n in closings.items() if n != counts[name]
-    ] + [
-        f"{name} ends at {speeds[name]:.12g}, by scipy {end:.12g}"
-        for name, end in found.items()
-        if abs(end - speeds[name]) > allowed
-    ]
+    differences: list[str] = []
+    for steps in STEPS:
+        found, closings = by_scipy(drawn, steps)
+        differences = [
+            f"{name} closes {counts[name]} times, by scipy {n}" for name, n in closings.items() if n != counts[name]
+        ] + [
+            f"{name} ends at {speeds[name]:.12g}, by scipy {end:.12g}"
+            for name, end in found.items()
+            if abs(end - speeds[name]) > allowed
+        ]
+        if not differences:
+            break
+    return differences
 
 
 def test_five_hundred_systems_are_sound() -> None:
