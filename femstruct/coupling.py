@@ -117,8 +117,9 @@ def with_cavity(
     stray = _stray(in_time, coupled, own[basis.modes], ~residual)
     # The resistance of a leak is a dashpot, never a modal ratio.
     kept = stray >= FEEBLE or leak is not None or bool(basis.volumes)
+    dashpots = own.T @ basis.dashpots @ own
     if not kept:
-        viscous, hysteretic = np.diag(np.diag(viscous)), np.diag(np.diag(hysteretic))
+        viscous, hysteretic, dashpots = (np.diag(np.diag(losses)) for losses in (viscous, hysteretic, dashpots))
     kinds: tuple[Kind, ...] = tuple(
         "rigid" if still else "residual" if pseudo else "elastic" for still, pseudo in zip(rigid, residual, strict=True)
     )
@@ -130,6 +131,7 @@ def with_cavity(
         shapes=basis.shapes @ own,
         viscous=0.5 * (viscous + viscous.T),
         hysteretic=0.5 * (hysteretic + hysteretic.T),
+        dashpots=0.5 * (dashpots + dashpots.T),
         outputs={key: _turned(row, basis.omega, coupled, own) for key, row in basis.outputs.items()},
         part_stiffness={key: own.T @ part @ own for key, part in basis.part_stiffness.items()},
         residual_norm=_left_over(omega, air, coupled, turn),

@@ -237,7 +237,7 @@ def _write_energy(target: h5py.Group, response: Response, shares: ModeEnergies |
         body = axis(energy, "body", list(ledger.bodies), "1", "Name")
         rows = np.array(list(ledger.bodies.values()))
         put(energy, "bodies", rows, "J", "Kinetic and potential energy of the bodies", (body, time))
-    _write_lost(group(energy, "lost", "What was dissipated, by what took it"), ledger)
+    _write_lost(group(energy, "lost", "What was dissipated, by what took it"), ledger, shares)
     if shares is not None and shares.end:
         modes = group(energy, "modes", "The structure's energy by modes: groups that add up to it")
         one = axis(modes, "group", [part.name for part in shares.end], "1", "Mode, modes of an octave, or rigid modes")
@@ -249,21 +249,25 @@ def _write_energy(target: h5py.Group, response: Response, shares: ModeEnergies |
             put(modes, "at_separation", parted, "J", "When the collision was over", (one,))
 
 
-def _write_lost(target: h5py.Group, ledger: EnergyLedger) -> None:
-    """Losses in the modes, and in the dashpots of every contact and link, until the separation and until the end."""
+def _write_lost(target: h5py.Group, ledger: EnergyLedger, shares: ModeEnergies | None) -> None:
+    """Losses in the modes, in the structure's own dashpots, and in those of every contact and link, until the
+    separation and until the end."""
 
-    def lost(balance: EnergyBalance | None) -> list[float]:
+    def lost(balance: EnergyBalance | None, dashpots: float) -> list[float]:
         if balance is None:
             return [np.nan] * len(names)
-        return [balance.lost_modes, *balance.lost_contacts.values(), *balance.lost_links.values()]
+        own = [balance.lost_modes - dashpots, dashpots]
+        return [*own, *balance.lost_contacts.values(), *balance.lost_links.values()]
 
     end = ledger.end
-    kinds = ["modes", *["contact"] * len(end.lost_contacts), *["link"] * len(end.lost_links)]
-    names = ["structure", *end.lost_contacts, *end.lost_links]
-    taker = axis(target, "taker", names, "1", "The structure, a contact or a link")
-    put(target, "kind", kinds, "1", "modes (and dashpots of the structure itself), contact or link", (taker,))
-    put(target, "at_separation", lost(ledger.at_separation), "J", "When the collision was over; nan if never", (taker,))
-    put(target, "end", lost(end), "J", "At the end of the window", (taker,))
+    then, at_end = (0.0, 0.0) if shares is None else (shares.dashpots_at_separation or 0.0, shares.dashpots_at_end)
+    kinds = ["structure", "structure", *["contact"] * len(end.lost_contacts), *["link"] * len(end.lost_links)]
+    names = ["modes", "dashpots", *end.lost_contacts, *end.lost_links]
+    taker = axis(target, "taker", names, "1", "Modes, dashpots of the structure, a contact or a link")
+    put(target, "kind", kinds, "1", "structure, contact or link", (taker,))
+    parted = lost(ledger.at_separation, then)
+    put(target, "at_separation", parted, "J", "When the collision was over; nan if never", (taker,))
+    put(target, "end", lost(end, at_end), "J", "At the end of the window", (taker,))
 
 
 _TERMS: Final = {

@@ -136,21 +136,23 @@ def growth(blows: Sequence[Blow]) -> float | None:
 
 
 def _energy(response: Response, shares: ModeEnergies | None) -> Table:
-    """The ledger; `modes` are the groups that "structure" is the sum of, `lost` the parts of "dissipated"."""
+    """The ledger; `modes` are the groups that "structure" is the sum of, `lost` the parts of "dissipated": in modes,
+    in the structure's own dashpots, in contacts and links."""
     ledger = response.ledger
     separation = ledger.at_separation
     parted, end = (None, None) if shares is None else (shares.at_separation, shares.end)
+    taken_then, taken = (None, 0.0) if shares is None else (shares.dashpots_at_separation, shares.dashpots_at_end)
     start = ledger.start
     stored = sum(start.bodies.values()) + start.structure + sum(start.contacts.values()) + sum(start.links.values())
     return {
         "input_j": number(stored + ledger.end.work + ledger.end.blows),
-        "at_separation": None if separation is None else _balance(separation, parted),
-        "end": _balance(ledger.end, end),
+        "at_separation": None if separation is None else _balance(separation, parted, taken_then or 0.0),
+        "end": _balance(ledger.end, end, taken),
         "ledger_residual": number(ledger.residual),
     }
 
 
-def _balance(balance: EnergyBalance, groups: Sequence[EnergyGroup] | None) -> Table:
+def _balance(balance: EnergyBalance, groups: Sequence[EnergyGroup] | None, dashpots: float) -> Table:
     return {
         "t_s": number(balance.t),
         **{name: number(value) for name, value in balance.bodies.items()},
@@ -162,7 +164,8 @@ def _balance(balance: EnergyBalance, groups: Sequence[EnergyGroup] | None) -> Ta
         "stored": number(sum(balance.contacts.values()) + sum(balance.links.values())),
         "dissipated": number(balance.dissipated),
         "lost": {
-            "modes": number(balance.lost_modes),
+            "modes": number(balance.lost_modes - dashpots),
+            "dashpots": number(dashpots),
             "contacts": {name: number(lost) for name, lost in balance.lost_contacts.items()},
             "links": {name: number(lost) for name, lost in balance.lost_links.items()},
         },

@@ -97,7 +97,7 @@ class EnergyBalance:
 
     bodies : kinetic energy by name (gravity is in the work). structure : kinetic and elastic energy of the modes.
     contacts, links : stored energy by name, from zero at rest; a link's preload counts from the start.
-    lost_modes, lost_contacts, lost_links : dissipated until t.
+    lost_modes (all damping of the structure, its own dashpots too), lost_contacts, lost_links : dissipated until t.
     work : done by loads and gravity until t. blows : what repeated blows brought until t, less what bodies took along
     when they were lifted off; lifting works against no weight, gravity works on bodies only while they move.
     """

@@ -10,6 +10,7 @@ from scipy.integrate import solve_ivp
 
 from femstruct.arrays import Floats
 from femstruct.impact.compiled import kernel, making
+from femstruct.impact.dashpots import dashpot_losses
 from femstruct.impact.forces import law, load_at
 from femstruct.impact.motion import DISPLACEMENT, VELOCITY, state_at
 from femstruct.impact.response import EnergyBalance, Response
@@ -33,10 +34,13 @@ class EnergyGroup:
 
 @dataclass(frozen=True)
 class ModeEnergies:
-    """The structure's term of the ledger by groups of modes, at the separation (None without one) and at the end."""
+    """The structure's term of the ledger by groups of modes, at the separation (None without one) and at the end; and
+    what of the losses in modes its own dashpots took until then [J]."""
 
     at_separation: tuple[EnergyGroup, ...] | None
     end: tuple[EnergyGroup, ...]
+    dashpots_at_separation: float | None
+    dashpots_at_end: float
 
 
 def mode_energies(response: Response) -> ModeEnergies:
@@ -50,6 +54,7 @@ def mode_energies(response: Response) -> ModeEnergies:
     return ModeEnergies(
         None if separation is None else grouped(response.basis, energy_by_mode(response, compiled, separation.t)),
         grouped(response.basis, energy_by_mode(response, compiled, end.t)),
+        *dashpot_losses(response),
     )
 
 
@@ -173,10 +178,10 @@ def _force(t: float, system: System, rest: Floats, a: int, place: float, rate: f
     return float(force - system.interfaces[a]["preload"])
 
 
-def energy_shares(balance: EnergyBalance, groups: Sequence[EnergyGroup]) -> dict[str, float]:
+def energy_shares(balance: EnergyBalance, groups: Sequence[EnergyGroup], dashpots: float = 0.0) -> dict[str, float]:
     """What holds energy and what took it, by name, as shares of all that is stored and lost at that instant [1].
 
-    An array of bodies, "NAME.1" and on, counts as one.
+    An array of bodies, "NAME.1" and on, counts as one. dashpots : what of `lost_modes` the structure's own took [J].
     """
     held: dict[str, float] = {}
     for body, energy in balance.bodies.items():
@@ -188,7 +193,8 @@ def energy_shares(balance: EnergyBalance, groups: Sequence[EnergyGroup]) -> dict
     held |= {
         "held by contacts": sum(balance.contacts.values()),
         "held by links": sum(balance.links.values()),
-        "lost in modes": balance.lost_modes,
+        "lost in modes": balance.lost_modes - dashpots,
+        "lost in dashpots of the structure": dashpots,
         "lost in contacts": sum(balance.lost_contacts.values()),
         "lost in links": sum(balance.lost_links.values()),
     }

@@ -69,6 +69,7 @@ class ModalBasis:
     total_mass : of the structure [kg].
     findings : what to know before believing it.
     volumes : volume that the air plug of a room's leak displaces into it [k] [m^3/sqrt(kg)], by room.
+    dashpots [k, k] : what the permanent dashpots are of `viscous` [rad/s]; zero if left out.
 
     Raises FemstructError: arrays that do not fit each other, a negative frequency.
 
@@ -94,6 +95,7 @@ class ModalBasis:
     findings: tuple[Finding, ...] = field(default=())
     volumes: Mapping[str, Floats] = field(default_factory=dict)
     grounded: tuple[str, ...] = field(default=())
+    dashpots: Floats = field(default_factory=lambda: np.zeros((0, 0)))
 
     def __post_init__(self) -> None:
         omega = frozen("ModalBasis omega", self.omega, (None,))
@@ -109,6 +111,9 @@ class ModalBasis:
             points=points,
             shapes=frozen("ModalBasis shapes", self.shapes, (len(points), N_COMPONENTS, k)),
             viscous=frozen("ModalBasis viscous", self.viscous, (k, k)),
+            dashpots=frozen(
+                "ModalBasis dashpots", self.dashpots if np.size(self.dashpots) else np.zeros((k, k)), (k, k)
+            ),
             hysteretic=frozen("ModalBasis hysteretic", self.hysteretic, (k, k)),
             part_stiffness={n: frozen(f"part_stiffness.{n}", m, (k, k)) for n, m in self.part_stiffness.items()},
             residual_norm=frozen("ModalBasis residual_norm", self.residual_norm, (k,)),

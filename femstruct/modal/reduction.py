@@ -68,12 +68,14 @@ def modal_basis(
     elastic: tuple[Kind, ...] = ("elastic",)
     extra: tuple[Kind, ...] = ("residual",)
     momentum: Floats = assembly.momentum @ shapes
+    dashpots = projected(assembly.C, shapes)
     return ModalBasis(
         omega=np.sqrt(values),
         kind=rigid * found.n_rigid + elastic * (n_modes - found.n_rigid) + extra * n_extra,
         shapes=nodal_shapes(assembly, shapes),
         points=assembly.points,
-        viscous=projected(assembly.C, shapes),
+        viscous=dashpots,
+        dashpots=dashpots,
         hysteretic=np.zeros((len(values), len(values))),
         outputs=force_rows(assembly.forces, shapes),
         part_stiffness={name: projected(part, shapes) for name, part in assembly.part_stiffness.items()},

@@ -49,9 +49,13 @@ def whither(result: StudyResult) -> Grid:
     for name, case in result.cases.items():
         if case.response is not None and case.shares is not None:
             ledger, shares = case.response.ledger, case.shares
-            pairs = ((ledger.at_separation, shares.at_separation), (ledger.end, shares.end))
+            triples = (
+                (ledger.at_separation, shares.at_separation, shares.dashpots_at_separation),
+                (ledger.end, shares.end, shares.dashpots_at_end),
+            )
             moments[name] = [
-                {} if balance is None or groups is None else energy_shares(balance, groups) for balance, groups in pairs
+                {} if balance is None or groups is None or taken is None else energy_shares(balance, groups, taken)
+                for balance, groups, taken in triples
             ]
     grid = Grid("where the energy went [% at the separation / at the end]", ("", *moments))
     told = [share for both in moments.values() for shares_then in both for share in shares_then.items()]

@@ -128,15 +128,20 @@ def test_loads_that_pass_straight_on_are_kept(result, path):
 
 
 def test_losses_are_booked_apart(result, path):
-    """In results.h5 and in --json: modes, contacts and links add up to what was dissipated."""
+    """In results.h5 and in --json: modes, dashpots, contacts and links add up to what was dissipated."""
     for name, case in result.cases.items():
         end = case.response.ledger.end
         told = summary(result)["cases"][name]["energy"]["end"]["lost"]
-        assert told == {"modes": end.lost_modes, "contacts": dict(end.lost_contacts), "links": dict(end.lost_links)}
+        assert told == {
+            "modes": end.lost_modes,
+            "dashpots": 0.0,
+            "contacts": dict(end.lost_contacts),
+            "links": dict(end.lost_links),
+        }
         with h5py.File(path, "r") as file:
             lost = file[f"cases/{key(name)}/energy/lost"]
             assert lost["end"][:].sum() == pytest.approx(end.dissipated, abs=0)
-            assert lost["taker"].asstr()[:].tolist() == ["structure", *end.lost_contacts, *end.lost_links]
+            assert lost["taker"].asstr()[:].tolist() == ["modes", "dashpots", *end.lost_contacts, *end.lost_links]
 
 
 def test_no_response_no_room_no_frf(result, tmp_path):

@@ -53,7 +53,7 @@ def test_from_the_file_to_all_tables(tmp_path: Path, capsys: pytest.CaptureFixtu
     with h5py.File(tmp_path / "r.h5") as file:
         for when in ("at_separation", "end"):
             kept = file[f"cases/as given/energy/lost/{when}"][:].tolist()
-            assert kept == [energy[when]["lost"]["modes"], *energy[when]["lost"]["contacts"].values()]
+            assert kept == [energy[when]["lost"]["modes"], 0.0, *energy[when]["lost"]["contacts"].values()]
         modes = file["cases/as given/energy/modes"]
         assert modes["end"][:].tolist() == [part["energy_j"] for part in energy["end"]["modes"]]
         assert modes["at_separation"][:].sum() == pytest.approx(energy["at_separation"]["structure"], rel=1e-9)
