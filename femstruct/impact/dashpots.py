@@ -42,5 +42,5 @@ def _energy(response: Response, damping: Floats) -> Floats:
     for first in range(0, len(rows), CHUNK):
         speeds = along(response.motion, VELOCITY, rows[first : first + CHUNK])
         power += values[first : first + CHUNK] @ speeds**2
-    energy: Floats = cumulative_trapezoid(power, response.t, initial=0.0)
+    energy: Floats = cumulative_trapezoid(power, response.t, initial=0)
     return energy

@@ -110,6 +110,9 @@ def test_energy_shares(hammer: StudyResult) -> None:
             told = share.forged + share.strikers + share.structure + share.companions + share.dissipated
             assert told == pytest.approx(share.put_in, rel=1e-10)  # the ledger's own residual
         assert row.at_separation.put_in == pytest.approx(0.5 * RAM * SPEED**2, rel=2e-3)  # and 2 ms of its weight
+        basis, shares = hammer.cases[name].basis, hammer.cases[name].shares
+        assert np.array_equal(basis.dashpots, basis.viscous)  # those of the isolators; the pad's loss is structural
+        assert shares is not None and 0.0 < shares.dashpots_at_end < response.ledger.end.lost_modes
         lost = response.ledger.end.lost_contacts["blow"]
         assert row.at_end.forged == lost
     # Restitution of the same spring and dashpot between ram and anvil: its ratio grows with sqrt(ram / reduced mass)
