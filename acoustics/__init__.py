@@ -49,9 +49,11 @@ if TYPE_CHECKING:
     from acoustics.decay import reverberation_time
     from acoustics.exposure import force_exposure_levels
     from acoustics.fem import CavityModes, cavity_modes
+    from acoustics.field import HalfSpace
     from acoustics.levels import Levels, equivalent_levels, level_history, level_spectrum, response_levels, sound_levels
     from acoustics.maps import PressureMap, pressure_map
     from acoustics.meshes import CavityMesh, box_mesh
+    from acoustics.radiation import radiated_power, radiation_efficiency, radiation_impedance, radiation_modes
     from acoustics.rated import RatedRoom, rate_room
     from acoustics.ratings import (
         HeavyImpactRating,
@@ -73,6 +75,8 @@ _FETCHED = {
     "acoustics.decay": ("reverberation_time",),
     "acoustics.exposure": ("force_exposure_levels",),
     "acoustics.fem": ("CavityModes", "cavity_modes"),
+    "acoustics.field": ("HalfSpace",),
+    "acoustics.radiation": ("radiated_power", "radiation_efficiency", "radiation_impedance", "radiation_modes"),
     "acoustics.maps": ("PressureMap", "pressure_map"),
     "acoustics.meshes": ("CavityMesh", "box_mesh"),
     "acoustics.shaped": ("ShapedRoom",),
@@ -106,6 +110,7 @@ __all__ = [
     "Air",
     "CavityMesh",
     "CavityModes",
+    "HalfSpace",
     "HeavyImpactRating",
     "ImpactRating",
     "Levels",
@@ -139,6 +144,10 @@ __all__ = [
     "octave_bands",
     "pressure",
     "pressure_map",
+    "radiated_power",
+    "radiation_efficiency",
+    "radiation_impedance",
+    "radiation_modes",
     "rate_room",
     "response_levels",
     "reverberation_time",

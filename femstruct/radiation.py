@@ -10,9 +10,10 @@ from acoustics.arrays import Complexes
 from acoustics.cavity_pressure import cavity_pressures, harmonic_cavity_pressure
 from acoustics.errors import Advice
 from acoustics.fem import OFF_WALL, off_boundary
+from acoustics.field import HalfSpace, field_pressures, harmonic_field
 from acoustics.harmonic import harmonic_pressure
 from acoustics.pressure import RoomResponse, pressures
-from acoustics.room import Receiver, Room, air_stiffness_ratio
+from acoustics.room import Enclosed, Receiver, Room, air_stiffness_ratio
 from acoustics.shaped import ShapedRoom
 from acoustics.source import SurfaceVelocity
 from femstruct.arrays import Floats
@@ -22,6 +23,7 @@ from femstruct.modal.basis import ModalBasis
 from femstruct.modal.frf import modal_amplitudes
 from femstruct.model.probe import Probe, Surface
 
+AnyRoom = Room | ShapedRoom | HalfSpace
 STILL = 1e-9  # share of the speed of the mode that moves a surface most, below which a mode does not move it
 STIFF_AIR = 0.1  # air stiffness over structural stiffness above which frequencies move by more than 5 %
 
@@ -29,7 +31,7 @@ STIFF_AIR = 0.1  # air stiffness over structural stiffness above which frequenci
 def surface_velocity(
     response: Response,
     surface: Surface,
-    room: Room | ShapedRoom,
+    room: AnyRoom,
     offset: tuple[float, float] = (0.0, 0.0),
     name: str = "",
 ) -> SurfaceVelocity:
@@ -75,7 +77,7 @@ def surface_velocity(
 def surface_velocities(
     responses: Sequence[Response],
     surface: Surface,
-    room: Room | ShapedRoom,
+    room: AnyRoom,
     offset: tuple[float, float] = (0.0, 0.0),
     name: str = "",
 ) -> list[SurfaceVelocity]:
@@ -100,10 +102,11 @@ def surface_velocities(
     ]
 
 
-def heard(
-    moving: Sequence[SurfaceVelocity], room: Room | ShapedRoom, receivers: Sequence[Receiver]
-) -> list[RoomResponse]:
-    """Pressure at the receivers of a room for each motion of its ceiling: a box by cosines, any other by its modes."""
+def heard(moving: Sequence[SurfaceVelocity], room: AnyRoom, receivers: Sequence[Receiver]) -> list[RoomResponse]:
+    """Pressure at the receivers of a room for each motion of its ceiling: of a box by cosines, of any other room by its
+    modes, of a half space by Rayleigh's integral."""
+    if isinstance(room, HalfSpace):
+        return field_pressures(moving, room, receivers)
     if isinstance(room, ShapedRoom):
         return cavity_pressures(moving, room.modes, room.air, room.losses, receivers, room.walls)
     return pressures(moving, room, receivers)
@@ -122,7 +125,7 @@ def pressure_per_force(
     basis: ModalBasis,
     drive: Probe,
     surface: Surface,
-    room: Room | ShapedRoom,
+    room: AnyRoom,
     receivers: Sequence[Receiver],
     frequency_hz: Floats,
     offset: tuple[float, float] = (0.0, 0.0),
@@ -139,20 +142,24 @@ def pressure_per_force(
     velocity = 2j * np.pi * frequency_hz * modal_amplitudes(basis, drive, frequency_hz)
     points = room_coordinates(surface, room, offset, name)
     shapes = ceiling_shapes(basis, surface, name)
+    if isinstance(room, HalfSpace):
+        return harmonic_field(room, points, surface.weights, shapes, velocity, frequency_hz, receivers)
     if isinstance(room, ShapedRoom):
         return harmonic_cavity_pressure(room, points, surface.weights, shapes, velocity, frequency_hz, receivers)
     return harmonic_pressure(room, points, surface.weights, shapes, velocity, frequency_hz, receivers)
 
 
 def room_coordinates(
-    surface: Surface, room: Room | ShapedRoom, offset: tuple[float, float] = (0.0, 0.0), name: str = ""
+    surface: Surface, room: AnyRoom, offset: tuple[float, float] = (0.0, 0.0), name: str = ""
 ) -> Floats:
-    """Quadrature points [p, 3] of a surface in the coordinates of the room below it [m].
+    """Quadrature points [p, 3] of a surface in the coordinates of its room: that below it, or the half space beside it [m].
 
     name : of the room, with which an error begins; the surface's own path if left out.
 
     Raises InputError as `surface_velocity` does.
     """
+    if isinstance(room, HalfSpace):
+        return _beside(surface, room, name)
     if surface.normal[2] > -0.99:
         raise InputError(
             f"rooms.{name}" if name else f"surfaces.{surface.name}",
@@ -187,7 +194,21 @@ def room_coordinates(
     return np.column_stack([flat + middle, np.full(len(flat), room.size[2])])
 
 
-def air_stiffness(basis: ModalBasis, surface: Surface, room: Room | ShapedRoom) -> Floats:
+def _beside(surface: Surface, space: HalfSpace, name: str) -> Floats:
+    """Points of a surface from its centre, global axes [p, 3] [m]; its normal is that of the half space."""
+    if surface.normal @ space.normal < 0.99:
+        towards = "up" if space.normal[2] > 0 else "down"
+        raise InputError(
+            f"rooms.{name}" if name else f"surfaces.{surface.name}",
+            got=f"a surface that faces ({surface.normal[0]:.2g}, {surface.normal[1]:.2g}, {surface.normal[2]:.2g})",
+            expected=f"one that faces {towards}, into the air",
+            do=f"use `side: {'above' if towards == 'up' else 'below'}` on a horizontal plate",
+        )
+    points: Floats = surface.points - (surface.corner + surface.size @ surface.along / 2.0)
+    return points
+
+
+def air_stiffness(basis: ModalBasis, surface: Surface, room: Enclosed) -> Floats:
     """Stiffness of the sealed room's air over that of the structure, for every mode [k]; 0 for rigid modes and beyond.
 
     Notes
@@ -201,8 +222,10 @@ def air_stiffness(basis: ModalBasis, surface: Surface, room: Room | ShapedRoom) 
     return np.asarray(ratios, dtype=np.float64)
 
 
-def coupling_findings(basis: ModalBasis, surface: Surface, room: Room | ShapedRoom) -> tuple[Finding, ...]:
+def coupling_findings(basis: ModalBasis, surface: Surface, room: AnyRoom) -> tuple[Finding, ...]:
     """A finding when the air of a sealed room is too stiff for one-way coupling."""
+    if isinstance(room, HalfSpace):
+        return ()
     ratios = air_stiffness(basis, surface, room)
     if not ratios.size or ratios.max() < STIFF_AIR:
         return ()

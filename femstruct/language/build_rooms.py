@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
+
 from acoustics.air import Air
 from acoustics.coupled import Leak
 from acoustics.errors import AcousticsError
 from acoustics.fem import probe
+from acoustics.field import HalfSpace
 from acoustics.room import (
     Losses,
     Receiver,
@@ -39,7 +42,10 @@ def room_of(
     for receiver, places in spec.receivers.items():
         several = len(places) > 1
         receivers += [Receiver(f"{receiver}.{i}" if several else receiver, place) for i, place in enumerate(places, 1)]  # type: ignore[arg-type]
-    room: Room | ShapedRoom | None
+    room: Room | ShapedRoom | HalfSpace | None
+    if spec.under is None:
+        space = HalfSpace(Air(spec.air.c, spec.air.rho), np.array([0.0, 0.0, 1.0 if spec.above else -1.0]))
+        return RoomPlan(name, space, spec.surface, tuple(receivers))
     if spec.size is not None:
         room = Room(spec.size, Air(spec.air.c, spec.air.rho), _losses(spec))  # type: ignore[arg-type]
         middle = (spec.size[0] / 2.0, spec.size[1] / 2.0)

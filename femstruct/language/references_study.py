@@ -79,7 +79,7 @@ def check_study(study: StudySpec, tree: Tree, model: ModelSpec, mistakes: Mistak
     _check_records(check, study, names)
     check_limits(check, study)
     for name, room in study.rooms.items():
-        check.known(("rooms", name, "under"), room.under, "surface", model.surfaces)
+        check.known(("rooms", name, room.beside), room.surface, "surface", model.surfaces)
         _check_mesh(check, name, room)
         if room.losses is not None and room.losses.t60 is not None and room.form == "source":
             check.wrong(
@@ -89,6 +89,10 @@ def check_study(study: StudySpec, tree: Tree, model: ModelSpec, mistakes: Mistak
         _check_levels(check, study, name, room)
         for receiver, places in room.receivers.items():
             for place in places:
+                if room.under is None and (place[2] > 0) != (room.above is not None):
+                    got, expected = f"{list(place)} m", f"a point {room.beside} the surface"
+                    do = "measure from the surface's centre, z up"
+                    check.wrong(("rooms", name, "receivers", receiver), got, expected, do)
                 if room.size and not all(0 <= x <= length for x, length in zip(place, room.size, strict=True)):
                     steps: Steps = ("rooms", name, "receivers", receiver)
                     size = " x ".join(f"{length:g}" for length in room.size)

@@ -139,8 +139,14 @@ class RoomModesSpec(Spec):
     up_to: Frequency
 
 
+_CLOSED = ("size", "mesh", "ceiling", "walls", "modes", "at", "losses", "form", "coupling", "leak", "levels")
+
+
 class RoomSpec(Spec):
     """A room under a surface, and who listens in it: a rectangular one by its size, any other by its mesh.
+
+    above, below: no room but open air on that side of a surface, which moves in a rigid baffle without end; receivers
+    are then measured from the surface's centre, global axes.
 
     mesh: a file of tetrahedra or hexahedra [m] with named surfaces, its own coordinates, z up.
     ceiling: the surface of the mesh that moves, or part of which does.
@@ -151,7 +157,7 @@ class RoomSpec(Spec):
     levels: standards by which what is heard of heavy blows is stated.
     """
 
-    one_of = (("size", "mesh"),)
+    one_of = (("under", "above", "below"),)
     needs = (("mesh", ("ceiling",)), ("ceiling", ("mesh",)), ("walls", ("mesh",)), ("modes", ("mesh",)))
 
     size: tuple[Length, Length, Length] | None = None
@@ -159,7 +165,9 @@ class RoomSpec(Spec):
     ceiling: Text | None = None
     walls: dict[str, WallSpec] = Field(default_factory=dict)
     modes: RoomModesSpec | None = None
-    under: Text
+    under: Text | None = None
+    above: Text | None = None
+    below: Text | None = None
     at: Position2 | None = None
     air: AirSpec = AirSpec()
     losses: LossesSpec | None = None
@@ -168,3 +176,26 @@ class RoomSpec(Spec):
     coupling: Annotated[Literal["one-way", "two-way"], BeforeValidator(only(("one-way", "two-way")))] = "one-way"
     leak: LeakSpec | None = None
     levels: Annotated[tuple[str, ...], read_by(_standards, _Standard | list[_Standard])] = ()
+
+    @property
+    def beside(self) -> str:
+        """The key that names the surface: under, above or below."""
+        return next(key for key in ("under", "above", "below") if getattr(self, key) is not None)
+
+    @property
+    def surface(self) -> str:
+        """The surface that radiates."""
+        return self.under or self.above or self.below or ""
+
+    @model_validator(mode="before")
+    @classmethod
+    def _closed_or_open(cls, value: Any) -> Any:
+        if isinstance(value, dict):
+            if "under" in value:
+                exactly_one(value, ("size", "mesh"))
+            side = next((key for key in ("above", "below") if key in value), None)
+            closed = next((key for key in _CLOSED if key in value), None)
+            if side is not None and closed is not None:
+                got = f"'{closed}' beside '{side}'"
+                raise refuse(got, f"air and receivers: {side} a surface there is no room", "write 'under' for a room")
+        return value

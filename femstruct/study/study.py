@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from acoustics.coupled import Leak
+from acoustics.field import HalfSpace
 from acoustics.room import Receiver, Room
 from acoustics.shaped import ShapedRoom
 from femstruct.impact.bodies import HalfSine, Table
@@ -202,7 +203,9 @@ class Limit:
 
 @dataclass(frozen=True)
 class RoomPlan:
-    """A room under a radiating surface, and who listens in it: a box, or one of any shape.
+    """A room under a radiating surface, or the half space beside it, and who listens there.
+
+    under : the surface.
 
     offset : of the surface's centre from the ceiling's centre [m], room axes.
     coupling : one-way, the air does not push back, or two-way. leak : of a room that pushes back.
@@ -211,7 +214,7 @@ class RoomPlan:
     """
 
     name: str
-    room: Room | ShapedRoom
+    room: Room | ShapedRoom | HalfSpace
     under: str
     receivers: tuple[Receiver, ...]
     offset: Pair = (0.0, 0.0)

@@ -9,6 +9,7 @@ from typing import Any, Final
 import numpy as np
 from scipy.sparse import csr_array
 
+from acoustics.field import HalfSpace
 from acoustics.shaped import ShapedRoom
 from femstruct.arrays import Floats
 from femstruct.conventions import N_COMPONENTS
@@ -99,6 +100,9 @@ def _room(plotter: Any, plan: RoomPlan, surface: Surface) -> list[Label]:
     """The outline of a room below its surface, and its receivers; returns their names."""
     frame = np.stack([*surface.along, -surface.normal])
     middle = surface.corner + surface.size @ surface.along / 2.0 - np.asarray(plan.offset) @ surface.along
+    if isinstance(plan.room, HalfSpace):
+        receivers = [(f"{plan.name}.{item.name}", (item.position + middle)[None]) for item in plan.receivers]
+        return _marks(plotter, receivers, ROOM, "receivers")
     if isinstance(plan.room, ShapedRoom):
         lower = middle - plan.room.centre @ frame
         edges = plan.room.mesh.edges

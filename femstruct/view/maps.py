@@ -9,6 +9,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from scipy.signal import find_peaks
 
+from acoustics.field import HalfSpace
 from acoustics.levels import REFERENCE_PA
 from acoustics.maps import PressureMap, pressure_map
 from acoustics.room import Receiver
@@ -30,7 +31,13 @@ def pressure_maps(result: StudyResult, room: str) -> Figure | None:
     case = result.cases[result.plan.baseline]
     plan = next((item for item in case.case.study.rooms if item.name == room), None)
     model = result.models.get(case.basis_key)
-    if plan is None or room not in case.rooms or case.response is None or model is None:
+    if (
+        plan is None
+        or isinstance(plan.room, HalfSpace)
+        or room not in case.rooms
+        or case.response is None
+        or model is None
+    ):
         return None
     frequencies = heard_peaks(result, room)
     if not frequencies:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Sequence
 
+from acoustics.field import HalfSpace
 from acoustics.room import Room
 from acoustics.shaped import ShapedRoom
 from femstruct.coupling import with_cavity
@@ -36,7 +37,7 @@ def coupled(
     """
     told: list[tuple[str, Finding]] = []
     for plan in rooms:
-        if plan.coupling == "two-way":
+        if plan.coupling == "two-way" and not isinstance(plan.room, HalfSpace):
             known = len(basis.findings)
             surface = ceiling(plan, places)
             basis = with_cavity(basis, surface, plan.room, plan.offset, leak=plan.leak, name=plan.name)
@@ -55,9 +56,9 @@ def coupled_key(key: str, rooms: Sequence[RoomPlan]) -> str:
     return hashlib.sha256(repr((key, joined)).encode()).hexdigest()[:12] if joined else key
 
 
-def _shape(room: Room | ShapedRoom) -> object:
+def _shape(room: Room | ShapedRoom | HalfSpace) -> object:
     """What tells rooms apart, but for their air."""
     if isinstance(room, ShapedRoom):
         cells = hashlib.sha256(room.mesh.points.tobytes() + room.mesh.cells.tobytes()).hexdigest()
         return cells, room.ceiling, room.up_to_hz
-    return room.size.tolist()
+    return room.size.tolist() if isinstance(room, Room) else ()

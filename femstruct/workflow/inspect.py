@@ -9,8 +9,10 @@ from typing import Any
 
 import numpy as np
 
+from acoustics.field import HalfSpace
 from acoustics.room import modal_damping_ratio, room_modes
 from acoustics.shaped import ShapedRoom
+from femstruct.arrays import Floats
 from femstruct.assembly.assemble import assemble
 from femstruct.errors import Finding, InputError
 from femstruct.files.numbers import number
@@ -195,6 +197,12 @@ def _damped_as_far_as_solved(basis: ModalBasis, damping: Damping) -> ModalBasis:
 
 def _room_table(plan: RoomPlan) -> Table:
     room = plan.room
+    size: Floats
+    if isinstance(room, HalfSpace):
+        return {
+            "side": "above" if room.normal[2] > 0 else "below",
+            "receivers_m": {receiver.name: receiver.position.tolist() for receiver in plan.receivers},
+        }
     if isinstance(room, ShapedRoom):
         size, found = np.ptp(room.extent, axis=0), room.frequency_hz[1:]
     else:

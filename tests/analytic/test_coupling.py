@@ -353,7 +353,7 @@ def agree(found: np.ndarray, exact: np.ndarray, lines: int, in_all: float = 2e-3
     ("cells", "up_to", "highest", "step"),
     [
         ((6, 6, 12), 450.0, 160.0, 2.0),
-        pytest.param((12, 12, 24), 900.0, 400.0, 1.0, marks=pytest.mark.stress),
+        pytest.param((14, 14, 28), 750.0, 400.0, 1.0, marks=pytest.mark.stress),
     ],
 )
 def test_plate_on_a_cavity_of_finite_elements(plate, cells, up_to, highest, step) -> None:  # type: ignore[no-untyped-def]

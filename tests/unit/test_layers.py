@@ -37,6 +37,8 @@ ACOUSTICS = [
         "acoustics.harmonic",
         "acoustics.coupled",
         "acoustics.coupled_fem",
+        "acoustics.field",
+        "acoustics.radiation",
     ],
     [
         "acoustics.bands",
