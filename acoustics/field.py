@@ -45,6 +45,11 @@ class HalfSpace:
         """None: the air of a half space takes nothing up."""
         return Losses()
 
+    @property
+    def volume(self) -> float:
+        """Without end [m^3]."""
+        return float(np.inf)
+
 
 def in_front(space: HalfSpace, receivers: Sequence[Receiver]) -> Floats:
     """Where the receivers are [n, 3] [m].

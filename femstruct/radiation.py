@@ -152,7 +152,7 @@ def pressure_per_force(
 def room_coordinates(
     surface: Surface, room: AnyRoom, offset: tuple[float, float] = (0.0, 0.0), name: str = ""
 ) -> Floats:
-    """Quadrature points [p, 3] of a surface in the coordinates of its room: that below it, or the half space beside it [m].
+    """Quadrature points [p, 3] of a surface in the coordinates of its room, below it or beside it [m].
 
     name : of the room, with which an error begins; the surface's own path if left out.
 

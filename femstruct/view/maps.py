@@ -31,13 +31,9 @@ def pressure_maps(result: StudyResult, room: str) -> Figure | None:
     case = result.cases[result.plan.baseline]
     plan = next((item for item in case.case.study.rooms if item.name == room), None)
     model = result.models.get(case.basis_key)
-    if (
-        plan is None
-        or isinstance(plan.room, HalfSpace)
-        or room not in case.rooms
-        or case.response is None
-        or model is None
-    ):
+    if plan is None or room not in case.rooms or case.response is None or model is None:
+        return None
+    if isinstance(plan.room, HalfSpace):
         return None
     frequencies = heard_peaks(result, room)
     if not frequencies:

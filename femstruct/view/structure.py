@@ -76,6 +76,9 @@ def show_inspection(table: Row, picture: str = "") -> None:
         damped = "" if mode["damping_ratio"] is None else f", damping {100 * mode['damping_ratio']:.3g} %"
         screen.print(f"mode {mode['mode']}, {mode['frequency_hz']:.2f} Hz{damped}: {shares}")
     for name, room in table["rooms"].items():
+        if "side" in room:
+            screen.print(f"{name}: open air {room['side']} the surface, in a rigid baffle without end")
+            continue
         ratios = ", ".join(f"{100 * ratio:.3g} % at {f} Hz" for f, ratio in room["damping_ratio"].items())
         first = ", ".join(f"{f:.1f}" for f in room["first_modes_hz"])
         screen.print(f"room {name}: {room['coupling']} coupling; first modes {first} Hz; damping {ratios}")

@@ -9,6 +9,7 @@ from typing import Final
 import numpy as np
 
 from acoustics.cavity import cosines
+from acoustics.field import HalfSpace
 from acoustics.rated import BANDS, FIELD
 from acoustics.room import Room, modal_damping_ratio, room_modes, t60_of
 from acoustics.shaped import ShapedRoom
@@ -61,7 +62,7 @@ def meetings(plan: RoomPlan, surface: Surface, basis: ModalBasis) -> list[tuple[
     """
     room = plan.room
     t60 = t60_of(room.losses, BANDS["heavy"][3])
-    if not isfinite(t60):
+    if isinstance(room, HalfSpace) or not isfinite(t60):
         return []
     top = SINGLE_MODES * sqrt(t60 / room.volume)
     elastic = np.flatnonzero((np.array(basis.kind) == "elastic") & (basis.frequency_hz <= top))

@@ -35,6 +35,7 @@ supports: {edges: {on: plate, edge: all, fix: simple}}
 SHORT = {
     "bedroom": "60 ms",
     "l_room": "60 ms",
+    "slab_outdoors": "60 ms",
     "floor_tennis_ball": "60 ms",
     "floor_two_way": "30 ms",
     "floor_acrylic_ball": "60 ms",
