@@ -54,7 +54,8 @@ def radiation_efficiency(
     """
     moved = weights @ np.abs(shapes @ rates) ** 2 / 2
     power = radiated_power(points, weights, shapes, rates, frequency_hz, air)
-    return np.divide(power, air.rho * air.c * moved, out=np.full_like(power, np.nan), where=moved > 0)
+    efficiency: Floats = np.divide(power, air.rho * air.c * moved, out=np.full_like(power, np.nan), where=moved > 0)
+    return efficiency
 
 
 def radiation_modes(points: Floats, weights: Floats, wavenumber: float) -> tuple[Floats, Floats]:

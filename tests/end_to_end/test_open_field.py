@@ -34,7 +34,7 @@ parts: {plate: {type: plate, material: steel, thickness: 3 mm, origin: [1, 2, 0.
 supports: {edges: {on: plate, edge: all, fix: simple}}
 points: {P: {on: plate, at: [0.2, 0.15]}}
 surfaces: {low: {on: plate, side: below}, top: {on: plate, side: above}}
-damping: {loss_factor: 10 %}
+damping: {ratio: 5 %}
 """
     )
     return tmp_path
@@ -62,7 +62,7 @@ def test_both_sides_and_both_domains(folder: Path) -> None:
     push = np.where(t < 1 / 120, -10 * np.sin(2 * np.pi * 60 * t), 0.0)
     kernel = np.exp(-2j * np.pi * np.outer(answer.frequency_hz, t)) / 12e3
     heard, wanted = kernel @ below, (kernel @ push) * answer.values
-    assert np.abs(heard - wanted).max() < 1e-3 * np.abs(wanted).max()  # viscous in time, structural in frequency
+    assert np.abs(heard - wanted).max() < 3e-3 * np.abs(wanted).max()  # the start of the push, between samples
 
 
 def test_check_tells_of_open_air(folder: Path) -> None:
