@@ -114,6 +114,11 @@ class RatedRoom:
         return self._rated(self.bands_db) if RATING in self.standards else None
 
     @cached_property
+    def unrounded_db(self) -> float | None:
+        """The single number as finely as ISO 717-2 has it: before rounding, of a tapping machine in steps of 0.1 dB."""
+        return self._finely(self.bands_db) if RATING in self.standards else None
+
+    @cached_property
     def plain_rating(self) -> HeavyImpactRating | ImpactRating | None:
         """The same of the levels as they are in the room, not standardised: L_iA,Fmax of heavy blows."""
         return self._rated(self._average(self.measured_db)) if RATING in self.standards else None
@@ -131,14 +136,14 @@ class RatedRoom:
     def above(self, other: RatedRoom) -> float | None:
         """What this rating is above another, before rounding [dB]; None where one has none or they are of other
         quantities."""
-        if self.rating is None or other.rating is None or self.quantity != other.quantity:
+        if self.unrounded_db is None or other.unrounded_db is None or self.quantity != other.quantity:
             return None
-        return number_of(self.rating, rounded=False) - number_of(other.rating, rounded=False)
+        return self.unrounded_db - other.unrounded_db
 
     def _numbers(self, levels_db: Floats) -> Floats:
         """Ratings [n] of levels [n, m, b], each averaged over m."""
         each = [self._average(one[None]) for one in levels_db + self.correction_db]
-        return np.array([number_of(self._rated(one), rounded=False) for one in each])
+        return np.array([self._finely(one) for one in each])
 
     def _average(self, levels_db: Floats) -> Mapping[float, float]:
         return self._by_band(energy_average(levels_db.reshape(-1, len(self.bands_hz))))
@@ -146,19 +151,22 @@ class RatedRoom:
     def _by_band(self, values: Floats) -> Mapping[float, float]:
         return MappingProxyType(dict(zip(self.bands_hz, values.tolist(), strict=True)))
 
+    def _finely(self, bands_db: Mapping[float, float]) -> float:
+        if self.blows == "heavy":
+            return heavy_impact_level(bands_db).unrounded_db
+        return weighted_impact_level(bands_db, step_db=0.1).weighted_db
+
     def _rated(self, bands_db: Mapping[float, float]) -> HeavyImpactRating | ImpactRating:
         return heavy_impact_level(bands_db) if self.blows == "heavy" else weighted_impact_level(bands_db)
 
 
-def number_of(rating: HeavyImpactRating | ImpactRating, *, rounded: bool = True) -> float:
-    """The single number of a rating [dB]; a tapping machine's is in whole decibels in any case.
+def number_of(rating: HeavyImpactRating | ImpactRating) -> float:
+    """The single number of a rating, in whole decibels [dB].
 
-    >>> number_of(HeavyImpactRating(55, 55.35, 500.0)), number_of(HeavyImpactRating(55, 55.35, 500.0), rounded=False)
-    (55.0, 55.35)
+    >>> number_of(HeavyImpactRating(55, 55.35, 500.0))
+    55.0
     """
-    if isinstance(rating, ImpactRating):
-        return rating.weighted_db
-    return float(rating.rating_db) if rounded else rating.unrounded_db
+    return rating.weighted_db if isinstance(rating, ImpactRating) else float(rating.rating_db)
 
 
 def rate_room(

@@ -56,7 +56,7 @@ def write_rated(target: h5py.Group, rated: RatedRoom) -> None:
     if rated.rating is not None and rated.plain_rating is not None:
         target.attrs.update(
             rating_db=number_of(rated.rating),
-            unrounded_db=number_of(rated.rating, rounded=False),
+            unrounded_db=rated.unrounded_db,
             plain_quantity=rated.plain_quantity,
             plain_rating_db=number_of(rated.plain_rating),
             deciding_hz=rated.rating.deciding_hz,

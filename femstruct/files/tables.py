@@ -226,7 +226,7 @@ def _rated(rated: RatedRoom) -> Table:
         "blows": rated.blows,
         "quantity": rated.quantity,
         "rating_db": None if rating is None else number_of(rating),
-        "unrounded_db": None if rating is None else number(number_of(rating, rounded=False)),
+        "unrounded_db": number(rated.unrounded_db),
         "adaptation_db": rating.adaptation_db if isinstance(rating, ImpactRating) else None,
         "deciding_hz": None if rating is None else number(rating.deciding_hz),
         "plain_quantity": rated.plain_quantity,

@@ -104,6 +104,6 @@ def _rating_curve(axes: Axes, rated: RatedRoom) -> None:
     if isinstance(rated.rating, ImpactRating):
         curve, told = shifted_curve(rated.rating.weighted_db), "reference curve, shifted to its rating"
     else:
-        curve, told = equal_parts(number_of(rated.rating, rounded=False)), "equal parts of its rating"
+        curve, told = equal_parts(rated.rating.unrounded_db), "equal parts of its rating"
     x = np.arange(len(curve))
     axes.plot(x, list(curve.values()), color="0.2", linestyle="--", linewidth=1.1, label=f"baseline: {told}")

@@ -104,6 +104,10 @@ def test_a_tapping_machine_is_rated_by_the_shifted_curve():
     assert rated.plain_rating == weighted_impact_level(levels)
     assert number_of(rated.plain_rating) - number_of(rated.rating) == 3.0
     assert (rated.quantity, rated.band_quantity) == ("L'_nT,w", "L'_nT")
+    louder = {band: one + 0.4 for band, one in levels.items()}
+    two = rate_room([[levels], [louder]], lively, blows="tapping")
+    assert two.drops_spread_db == pytest.approx(0.4 / np.sqrt(2))  # in steps of .1 dB, not of 1 dB
+    assert rate_room([[louder]], lively, blows="tapping").above(rated) == pytest.approx(0.4)
 
 
 def test_curves_drawn_beside_the_bands_rate_as_they_say():
