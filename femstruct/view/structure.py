@@ -82,6 +82,8 @@ def show_inspection(table: Row, picture: str = "") -> None:
         ratios = ", ".join(f"{100 * ratio:.3g} % at {f} Hz" for f, ratio in room["damping_ratio"].items())
         first = ", ".join(f"{f:.1f}" for f in room["first_modes_hz"])
         screen.print(f"room {name}: {room['coupling']} coupling; first modes {first} Hz; damping {ratios}")
+    if table["drops"]:
+        screen.print(f"the source strikes {', '.join(table['drops'])}: a simulation each")
     show_findings(screen, _read(table["findings"]))
     if picture:
         screen.print(f"picture: {picture}")

@@ -40,7 +40,10 @@ Table = dict[str, Any]
 
 @dataclass(frozen=True, eq=False)
 class Inspection:
-    """What `check` tells of a file. model and facts are None for closed-form structures; study for a model file."""
+    """What `check` tells of a file. model and facts are None for closed-form structures; study for a model file.
+
+    drops : places that a source strikes, where it strikes several.
+    """
 
     title: str
     model: Model | None
@@ -53,6 +56,7 @@ class Inspection:
     sags: tuple[Sag, ...]
     block_modes: tuple[BlockMode, ...]
     rooms: tuple[RoomPlan, ...]
+    drops: tuple[str, ...]
     findings: tuple[Finding, ...]
 
     def table(self) -> Table:
@@ -81,6 +85,7 @@ class Inspection:
                 for mode in self.block_modes
             ],
             "rooms": {plan.name: _room_table(plan) for plan in self.rooms},
+            "drops": list(self.drops),
             "findings": [finding_table(finding) for finding in self.findings],
         }
 
@@ -92,15 +97,16 @@ def inspect_file(path: Path, overrides: tuple[str, ...] = ()) -> Inspection:
     """
     source = read_any(path, overrides)
     if isinstance(source, ModelFile):
-        title, structure, damping, study = source.title, source.structure, source.damping, None
+        title, structure, damping, case = source.title, source.structure, source.damping, None
     else:
-        study = next(case.study for case in source.cases if case.name == source.baseline)
-        title, structure, damping = source.title, study.structure, study.damping
+        case = next(case for case in source.cases if case.name == source.baseline)
+        title, structure, damping = source.title, case.study.structure, case.study.damping
+    study = None if case is None else case.study
     with positioned(source):
-        solved = solve(structure, Extent(count=DEFAULT_MODES), () if study is None else (study,))
+        solved = solve(structure, Extent(count=DEFAULT_MODES), () if case is None else case.studies)
         basis = _damped_as_far_as_solved(solved.basis, damping)
-        if study is not None:
-            _try(study, solved, basis)
+        for one in () if case is None else case.studies:
+            _try(one, solved, basis)
     model = solved.model
     under_weight = () if model is None else sags(model, basis)
     return Inspection(
@@ -115,6 +121,7 @@ def inspect_file(path: Path, overrides: tuple[str, ...] = ()) -> Inspection:
         sags=under_weight,
         block_modes=() if model is None else block_modes(model, basis),
         rooms=() if study is None else study.rooms,
+        drops=() if case is None else tuple(case.drops),
         findings=structure_findings(solved, basis) + weight_findings(under_weight),
     )
 

@@ -16,7 +16,9 @@ from femstruct.language import read_study
 from femstruct.study.result import StudyResult
 from femstruct.view.loudness import levels_over_time, rated_bands
 from femstruct.view.report import report
+from femstruct.view.structure import show_inspection
 from femstruct.view.terminal import show_study
+from femstruct.workflow.inspect import inspect_file
 from femstruct.workflow.run import run_study
 
 MODEL = """
@@ -159,6 +161,15 @@ def test_a_tapping_machine_has_positions_of_five_hammers(tmp_path: Path) -> None
     assert codes["rating-beyond-modes"].values["highest_hz"] == pytest.approx(3150 * 10**0.05)
     assert "tapping-not-steady" not in codes
     assert "rating-of-other-blows" not in codes
+
+
+def test_check_names_the_places(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    read(tmp_path)
+    table = inspect_file(tmp_path / "one.study.yaml").table()
+    assert table["drops"] == ["drops.1", "drops.2"]
+    show_inspection(table)
+    assert "the source strikes drops.1, drops.2: a simulation each" in capsys.readouterr().out
+    assert inspect_file(tmp_path / "model.yaml").table()["drops"] == []
 
 
 @pytest.mark.parametrize(
