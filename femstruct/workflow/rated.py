@@ -40,9 +40,9 @@ def band_levels(study: Study, response: RoomResponse, levels: Sequence[Levels]) 
 
 def running(study: Study) -> tuple[float, float]:
     """From when to when the sound of a tapping machine is averaged [s]: whole turns of its hammers, the later half."""
+    assert study.time is not None
     count = max(body.blows.count if body.blows else 1 for body in study.bodies if body.source == TAPPING_MACHINE)
-    duration = study.time.duration if study.time is not None else 0.0
-    turns = min(count, int(duration / TURN_S + 1e-9))
+    turns = min(count, int(study.time.duration / TURN_S + 1e-9))
     return (turns - max(1, turns // 2)) * TURN_S, turns * TURN_S
 
 
@@ -116,11 +116,12 @@ def _building_up(plan: RoomPlan, study: Study) -> tuple[Finding, ...]:
     missing = -10 * log10(1 - 10 ** (-6 * since / t60)) if since else float("inf")
     if missing <= BUILT_UP_DB:
         return ()
+    short = f"is then {missing:.2g} dB short of its steady level" if since else "is silent then"
     return (
         Finding(
             "tapping-not-steady",
-            f"levels are averaged from {since:g} to {until:g} s; a room with a reverberation time of {t60:.2g} s is "
-            f"then {missing:.2g} dB short of its steady level: give the machine more blows, and the time for them",
+            f"levels are averaged from {since:g} to {until:g} s; a room with a reverberation time of {t60:.2g} s "
+            f"{short}: give the machine more blows, and the time for them",
             {"since_s": since, "until_s": until, "t60_s": t60},
         ),
     )

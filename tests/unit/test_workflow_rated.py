@@ -1,0 +1,61 @@
+"""When a tapping machine's sound is averaged, and what is told when the room has not filled by then."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from femstruct.language import read_study
+from femstruct.modal.analytic import given_modes
+from femstruct.study.study import Study
+from femstruct.workflow.rated import rated_findings, running
+
+MODEL = """
+materials: {concrete: {E: 30 GPa, nu: 0.2, rho: 2400}}
+parts: {slab: {type: plate, material: concrete, thickness: 0.15 m, origin: [0, 0, 2.5], size: [3, 2], mesh: [6, 4]}}
+points: {feet: {on: slab, at: [[1, 1], [1.1, 1], [1.2, 1], [1.3, 1], [1.4, 1]]}}
+surfaces: {ceiling: {on: slab, side: below}}
+"""
+STUDY = """model: model.yaml
+modes: {up_to: 800 Hz}
+bodies: {h: {source: tapping machine, above: feet, contact: {type: linear, stiffness: 2 MN/m}, blows: {count: COUNT}}}
+time: {duration: LENGTH, sampling: 8 kHz}
+rooms: {room: {size: [3, 2, 2.5], under: ceiling, losses: {t60: T60}, receivers: {mic: [1, 1, 1]}, levels: ISO 717-2}}
+"""
+
+
+def study(folder: Path, count: int, length: str, t60: str = "0.5 s") -> Study:
+    (folder / "model.yaml").write_text(MODEL, encoding="utf-8")
+    text = STUDY.replace("COUNT", str(count)).replace("LENGTH", length).replace("T60", t60)
+    (folder / "one.study.yaml").write_text(text, encoding="utf-8")
+    return read_study(folder / "one.study.yaml").cases[0].study
+
+
+@pytest.mark.parametrize(
+    ("count", "length", "window"),
+    [
+        (1, "0.5 s", (0.0, 0.5)),
+        (2, "3 s", (0.5, 1.0)),  # the machine stops before the record does
+        (9, "1.7 s", (1.0, 1.5)),  # the record ends within a turn
+        (8, "4 s", (2.0, 4.0)),
+    ],
+)
+def test_whole_turns_of_the_later_half_are_averaged(tmp_path: Path, count: int, length: str, window) -> None:
+    assert running(study(tmp_path, count, length)) == pytest.approx(window)
+
+
+@pytest.mark.parametrize(
+    ("count", "t60", "told"),
+    [(1, "0.5 s", "is silent then"), (2, "3 s", "0.46 dB short"), (2, "0.5 s", ""), (8, "3 s", "")],
+)
+def test_a_room_that_fills_slowly_is_told(tmp_path: Path, count: int, t60: str, told: str) -> None:
+    """What is missing of the steady mean square after a time t is 10^(-6 t / T60): with 3 s, .1 of it after .5 s."""
+    one = study(tmp_path, count, "4 s", t60)
+    basis, _ = given_modes((5000.0,), (0.01,), {"p": (1.0,)})
+    codes = {found.code: found for found in rated_findings(one.rooms[0], one, basis)}
+    assert -10 * np.log10(1 - 0.1) == pytest.approx(0.46, abs=5e-3)
+    assert ("tapping-not-steady" in codes) == bool(told)
+    if told:
+        assert told in codes["tapping-not-steady"].message
