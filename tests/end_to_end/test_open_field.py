@@ -17,7 +17,7 @@ model: plate.yaml
 modes: {up_to: 1 kHz}
 loads: {push: {at: P.z, half_sine: {amplitude: -10 N, frequency: 60 Hz}}}
 record: {P.z: acceleration}
-time: {duration: 200 ms, sampling: 12 kHz}
+time: {duration: 500 ms, sampling: 12 kHz}
 frf: {mic: {drive: P.z, response: open.mic.pressure, kind: pressure, band: [5 Hz, 300 Hz], step: 5 Hz}}
 rooms:
   open: {KEY: low, receivers: {mic: [0.1, 0.2, -2]}}
