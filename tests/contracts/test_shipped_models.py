@@ -17,7 +17,7 @@ from femstruct.modal.reduction import modal_basis
 from femstruct.model.facts import part_masses
 from femstruct.model.mesher import mesh_structure
 from femstruct.model.parts import Structure
-from femstruct.workflow import run
+from femstruct.workflow import run, struck
 from femstruct.workflow.run import run_study
 
 MODELS = Path(__file__).parents[2] / "models"
@@ -141,7 +141,7 @@ def test_studies_run_with_closed_ledgers(path: Path) -> None:
 def test_halving_the_tolerance_moves_no_peak(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     plan = run.without_rooms(read_study(MODELS / f"{name}.study.yaml", ("time.duration=60 ms",)))
     before = run_study(plan)
-    monkeypatch.setattr(run, "Clock", partial(Clock, tolerance=0.5 * Clock(1.0, 1.0).tolerance))
+    monkeypatch.setattr(struck, "Clock", partial(Clock, tolerance=0.5 * Clock(1.0, 1.0).tolerance))
     after = run_study(plan)
     for case in before.cases:
         for channel, kept in before.cases[case].channels.items():
