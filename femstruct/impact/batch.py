@@ -17,7 +17,7 @@ from femstruct.impact.vary import variation
 from femstruct.modal.basis import ModalBasis
 
 CHUNK, EXACT_CHUNK = 64, 512  # runs between two looks at the keyboard; those of the exact march are short
-CHUNKS = 4  # of every thread, at least
+CHUNKS = 4  # of every thread, at least, where runs differ in length
 Progress = Callable[[int, int], None]
 
 
@@ -64,7 +64,9 @@ def simulate_batch(
     fleet = Fleet.of(basis, varied, window)
     table = np.empty((varied.runs, fleet.columns.width))
     workers, done = threads or os.cpu_count() or 1, 0
-    chunk = min(EXACT_CHUNK if fleet.exact else CHUNK, -(-varied.runs // (CHUNKS * workers)))
+    chunk = min(EXACT_CHUNK, -(-varied.runs // workers))
+    if not fleet.exact:
+        chunk = min(CHUNK, -(-varied.runs // (CHUNKS * workers)))
     starts = range(0, varied.runs, chunk)
     with ThreadPoolExecutor(workers) as pool:
         jobs = {pool.submit(run_some, fleet, start, table[start : start + chunk]): start for start in starts}

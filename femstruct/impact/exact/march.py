@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from femstruct.impact.compiled import kernel
+from femstruct.impact.compiled import inlined, kernel
 from femstruct.impact.energy import take_stock
 from femstruct.impact.exact.ledger import integrate_step, peaks_of_step, travels_of_step
-from femstruct.impact.exact.regime import coupling_bound, evaluate, expand, fastest, load_series, settle
+from femstruct.impact.exact.regime import coupling_bound, evaluate, expand, fastest, load_series, settle, shorten
 from femstruct.impact.exact.roots import NEVER
-from femstruct.impact.exact.rule import ORDER, THETA, ExactRoom, ExactRule
+from femstruct.impact.exact.rule import ORDER, SHORT, THETA, ExactRoom, ExactRule
 from femstruct.impact.exact.watch import switch, watch
 from femstruct.impact.forces import CLAMPED, CLOSED, OPEN, State, copy_to, load_at
 from femstruct.impact.march import CLOSES, DONE, NO_FORCES, OPENS, STICKS, TOO_MANY_EVENTS, TOO_MANY_STEPS
@@ -61,9 +61,15 @@ def exact_march(system: System, state: State, rule: ExactRule, room: ExactRoom, 
         order = 4
         while order < ORDER and rule.reach[order] < bound * h:
             order += 1
-        load_series(system, room, t, h, order)
-        expand(system, state, room, h, order)
-        where, who, what = watch(system, state, order, h, max(before, h), max(pace, bound), rule, room)
+        first, where, who, what = before == 0.0 or at_once > 0, NEVER, -1, -1
+        while True:  # what switches at this very instant shows in the first terms: most need no more of them
+            terms = SHORT if first else order
+            load_series(system, room, t, h, terms)
+            expand(system, state, rule, room, h, terms)
+            where, who, what = watch(system, state, terms, h, max(before, h), max(pace, bound), rule, room)
+            if not first or where == 0.0:
+                break
+            first = False
         part = min(where, 1.0)
         now = t + part * h
         if where == NEVER and h == room_left:
@@ -78,10 +84,12 @@ def exact_march(system: System, state: State, rule: ExactRule, room: ExactRoom, 
                 for a in range(m):
                     record.status[s, a] = state.status[a]
                 record.kept[0] += 1
-            integrate_step(system, state, h, order, part, damped, rule, room)
-            peaks_of_step(system, state, t, h, order, part, room, record)
-            travels_of_step(system, order, part, room, record)
-            evaluate(room, h, order, part)
+            if part < 1.0:
+                shorten(room, order, part)
+            integrate_step(system, state, part * h, order, damped, rule, room)
+            peaks_of_step(system, state, t, part * h, order, rule, room, record)
+            travels_of_step(system, order, rule, room, record)
+            evaluate(room, part * h, order, 1.0)
             copy_to(state.z, room.q)
             copy_to(state.v, room.v)
             room.fresh[:] = 0
@@ -130,7 +138,7 @@ def exact_march(system: System, state: State, rule: ExactRule, room: ExactRoom, 
     return DONE, t, kept, n_events
 
 
-@kernel
+@inlined
 def _begin(system: System, state: State, room: ExactRoom) -> None:
     """Preloaded contacts and links without a release time act, but for contacts whose dashpot would pull: their clamp
     holds; every other contact is open, touching or not, and closes at once when the leading derivative of its
@@ -153,7 +161,7 @@ def _begin(system: System, state: State, room: ExactRoom) -> None:
     _release(system, state, room, 0.0)
 
 
-@kernel
+@inlined
 def _look(system: System, state: State, room: ExactRoom) -> None:
     """Displacements and velocities of all rows."""
     for a in range(len(system.rows)):
@@ -164,7 +172,7 @@ def _look(system: System, state: State, room: ExactRoom) -> None:
         room.here[a, 0], room.here[a, 1] = place, rate
 
 
-@kernel
+@inlined
 def _release(system: System, state: State, room: ExactRoom, t: float) -> None:
     """Links whose time has come act, from the elongation they have."""
     for a in range(len(system.interfaces)):
@@ -174,7 +182,7 @@ def _release(system: System, state: State, room: ExactRoom, t: float) -> None:
             room.way[a] = -1 if room.here[a, 1] < 0.0 else 1
 
 
-@kernel
+@inlined
 def _log(record: Record, count: int, a: int, closes: bool, all_open: bool, row: int) -> None:
     record.events[count, 0] = a
     record.events[count, 1] = CLOSES if closes else OPENS

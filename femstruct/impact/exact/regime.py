@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from femstruct.arrays import Floats
-from femstruct.impact.compiled import kernel, summing
-from femstruct.impact.exact.rule import ExactRoom
+from femstruct.impact.compiled import inlined, inlined_sum, kernel, summing
+from femstruct.impact.exact.rule import ExactRoom, ExactRule
 from femstruct.impact.forces import CLOSED, State
 from femstruct.impact.system import CONSTANT, HALF_SINE, LINK, System
 
@@ -23,7 +23,7 @@ def coupling_bound(system: System) -> float:
     return worst
 
 
-@kernel
+@inlined
 def settle(system: System, state: State, room: ExactRoom) -> None:
     """Springs, dashpots and constant forces of the interfaces in the present regime."""
     for a in range(len(system.interfaces)):
@@ -42,7 +42,7 @@ def settle(system: System, state: State, room: ExactRoom) -> None:
             room.held[a] = 0.0 if law["preload"] > 0.0 else law["stiffness"] * law["offset"]
 
 
-@kernel
+@inlined
 def fastest(system: System, room: ExactRoom, coupling: float) -> float:
     """Bound of the rates [1/s] of a regime: the positive root of x^2 = c x + w^2.
 
@@ -61,7 +61,7 @@ def fastest(system: System, room: ExactRoom, coupling: float) -> float:
     return float(0.5 * (damping + np.sqrt(damping * damping + 4.0 * stiffness)))
 
 
-@kernel
+@inlined
 def load_series(system: System, room: ExactRoom, t: float, h: float, order: int) -> None:
     """Power series of the loads over a step that no change of their formulas cuts."""
     m = len(system.interfaces)
@@ -96,16 +96,19 @@ def load_series(system: System, room: ExactRoom, t: float, h: float, order: int)
                 out[1] = slope * h
 
 
-@summing
-def expand(system: System, state: State, room: ExactRoom, h: float, order: int) -> None:
+@inlined_sum
+def expand(system: System, state: State, rule: ExactRule, room: ExactRoom, h: float, order: int) -> None:
     """Power series of coordinates, rows and forces over a step of length h from the state, by the equations of motion.
 
-    z_(k+2) = h^2 / ((k+1)(k+2)) (forces_k - omega^2 z_k - damping (k+1) / h z_(k+1)), forces_k from the rows' series.
+    With y_k = k! z_k, the derivatives, no term is divided by anything: y_(k+2) = h^2 forces_k - (omega h)^2 y_k -
+    damping h y_(k+1), and forces_k from the rows' own y_k and y_(k+1).
     """
     n, m, r, k_modes = len(system.omega), len(system.interfaces), len(system.rows), len(system.coupling)
-    z, place, force, rows = room.z, room.place, room.force, system.rows
+    z, place, force, rows, sway, drag = room.z, room.place, room.force, system.rows, room.q, room.v
+    square = h * h
     for i in range(n):
         z[0, i], z[1, i] = state.z[i], state.v[i] * h
+        sway[i], drag[i] = -system.omega[i] * system.omega[i] * square, -system.damping[i] * h
     for a in range(r):
         for k in range(2):
             total = 0.0
@@ -113,43 +116,66 @@ def expand(system: System, state: State, room: ExactRoom, h: float, order: int) 
                 total += rows[a, i] * z[k, i]
             place[a, k] = total
     for k in range(order - 1):
-        lean = (k + 1) / h
         for i in range(n):
-            z[k + 2, i] = -system.omega[i] * system.omega[i] * z[k, i] - system.damping[i] * lean * z[k + 1, i]
+            z[k + 2, i] = sway[i] * z[k, i] + drag[i] * z[k + 1, i]
         for i in range(k_modes):
             total = 0.0
             for j in range(k_modes):
                 total += system.coupling[i, j] * z[k + 1, j]
-            z[k + 2, i] -= lean * total
+            z[k + 2, i] -= h * total
         for a in range(r):
             if a < m:
-                force[a, k] = room.spring[a] * place[a, k] + room.dash[a] * lean * place[a, k + 1]
+                push = square * room.spring[a] * place[a, k] + h * room.dash[a] * place[a, k + 1]
                 if k == 0:
-                    force[a, k] += room.held[a]
-            push = system.sign[a] * force[a, k]
+                    push += square * room.held[a]
+            else:
+                push = square * force[a, k] / rule.factors[k]
+            push *= system.sign[a]
             if push != 0.0:
                 for i in range(n):
                     z[k + 2, i] += rows[a, i] * push
-        scale = h * h / ((k + 1) * (k + 2))
-        for i in range(n):
-            z[k + 2, i] *= scale
         for a in range(r):
             total = 0.0
             for i in range(n):
                 total += rows[a, i] * z[k + 2, i]
             place[a, k + 2] = total
-    for a in range(m):
-        for k in range(order - 1, order + 1):
-            force[a, k] = room.spring[a] * place[a, k]
-            if k < order:
-                force[a, k] += room.dash[a] * (k + 1) / h * place[a, k + 1]
-    for a in range(r):
+    _from_derivatives(rule, room, m, 1.0 / h, order)
+
+
+@inlined
+def _from_derivatives(rule: ExactRule, room: ExactRoom, m: int, pace: float, order: int) -> None:
+    """Power series from the derivatives of coordinates and rows; rates and forces from them. pace : 1 / h."""
+    z, place, rate, force = room.z, room.place, room.rate, room.force
+    for k in range(2, order + 1):
+        for i in range(z.shape[1]):
+            z[k, i] *= rule.factors[k]
+    for a in range(len(place)):
         for k in range(order):
-            room.rate[a, k] = (k + 1) / h * place[a, k + 1]
-        room.rate[a, order] = 0.0
+            rate[a, k] = pace * place[a, k + 1] * rule.factors[k]
+        rate[a, order] = 0.0
+        for k in range(2, order + 1):
+            place[a, k] *= rule.factors[k]
+    for a in range(m):
+        for k in range(order + 1):
+            force[a, k] = room.spring[a] * place[a, k] + room.dash[a] * rate[a, k]
+        force[a, 0] += room.held[a]
 
 
-@summing
+@inlined
+def shorten(room: ExactRoom, order: int, part: float) -> None:
+    """The series of a part of the step: the step ends there."""
+    power = 1.0
+    for k in range(1, order + 1):
+        power *= part
+        for i in range(room.z.shape[1]):
+            room.z[k, i] *= power
+        for a in range(len(room.place)):
+            room.place[a, k] *= power
+            room.rate[a, k] *= power
+            room.force[a, k] *= power
+
+
+@inlined_sum
 def evaluate(room: ExactRoom, h: float, order: int, theta: float) -> None:
     """Coordinates and rates at a part of the step, into room.q and room.v."""
     z, q, v = room.z, room.q, room.v

@@ -17,25 +17,39 @@ ROUNDING = 2e-15  # of a Bernstein coefficient, relative to the sum of the power
 
 
 @summing
-def value_at(c: Floats, lead: int, order: int, theta: float) -> float:
-    """c[lead] + c[lead + 1] theta + ... + c[order] theta^(order - lead)."""
-    total = c[order]
-    for k in range(order - 1, lead - 1, -1):
-        total = total * theta + c[k]
+def value_of(c: Floats, order: int, powers: Floats) -> float:
+    """c[0] + c[1] theta + ... + c[order] theta^order, from the powers of theta: no term waits for another."""
+    total = 0.0
+    for k in range(order + 1):
+        total += c[k] * powers[k]
     return float(total)
+
+
+@summing
+def magnitude(c: Floats, first: int, order: int) -> float:
+    """|c[first]| + ... + |c[order]|: what these terms are at most on [0, 1]."""
+    total = 0.0
+    for k in range(first, order + 1):
+        total += abs(c[k])
+    return float(total)
+
+
+@summing
+def value_and_slope(c: Floats, lead: int, order: int, theta: float) -> tuple[float, float]:
+    """c[lead] + c[lead + 1] theta + ... + c[order] theta^(order - lead), and its derivative."""
+    value, slope = c[order], 0.0
+    for k in range(order - 1, lead - 1, -1):
+        slope = slope * theta + value
+        value = value * theta + c[k]
+    return value, slope
 
 
 @kernel
 def stays_positive(c: Floats, lead: int, order: int, coarse: Floats) -> bool:
     """Whether the first coefficients alone show that the polynomial is positive on [0, 1]."""
-    rest, lowest = 0.0, np.inf
-    for k in range(lead + COARSE + 1, order + 1):
-        rest += abs(c[k])
+    rest, lowest = magnitude(c, lead + COARSE + 1, order), np.inf
     for j in range(COARSE + 1):
-        total = 0.0
-        for k in range(min(j, order - lead) + 1):
-            total += coarse[k, j] * c[lead + k]
-        lowest = min(lowest, total)
+        lowest = min(lowest, value_of(c[lead:], min(j, order - lead), coarse[j]))
     return bool(lowest > rest)
 
 
@@ -45,16 +59,9 @@ def first_descent(c: Floats, lead: int, order: int, bernstein: Floats, boxes: Fl
 
     Excursions below zero smaller than rounding are none.
     """
-    size = 0.0
+    doubt, lowest = ROUNDING * magnitude(c, lead, order), 0.0
     for j in range(ORDER + 1):
-        boxes[0, j] = 0.0
-    for k in range(order - lead + 1):
-        size += abs(c[lead + k])
-        for j in range(k, ORDER + 1):
-            boxes[0, j] += bernstein[k, j] * c[lead + k]
-    doubt = ROUNDING * size
-    lowest = 0.0
-    for j in range(ORDER + 1):
+        boxes[0, j] = value_of(c[lead:], min(j, order - lead), bernstein[j])
         lowest = min(lowest, boxes[0, j])
     if lowest >= -doubt:
         return NEVER
@@ -80,7 +87,7 @@ def first_descent(c: Floats, lead: int, order: int, bernstein: Floats, boxes: Fl
         if first < 0 or top == DEPTH - 1 or high - low < 1e-15:  # what lies before this part is not negative
             return float(low)
         if changes == 1:
-            return crossing(c, lead, order, low, high)
+            return crossing(c, lead, order, low, high, boxes[top, 0], boxes[top, ORDER])
         middle = 0.5 * (low + high)
         for j in range(ORDER + 1):  # de Casteljau: the left part goes on top, the right one stays
             boxes[top + 1, j] = boxes[top, 0]
@@ -93,14 +100,14 @@ def first_descent(c: Floats, lead: int, order: int, bernstein: Floats, boxes: Fl
 
 
 @kernel
-def crossing(c: Floats, lead: int, order: int, low: float, high: float) -> float:
-    """The one root between low, where the polynomial is not negative, and high, where it is: safeguarded Newton."""
-    x = 0.5 * (low + high)
+def crossing(c: Floats, lead: int, order: int, low: float, high: float, at_low: float, at_high: float) -> float:
+    """The one root between low, where the polynomial is not negative, and high, where it is: safeguarded Newton.
+
+    at_low, at_high : its values there; the first guess is where a line through them crosses zero.
+    """
+    x = low + (high - low) * at_low / (at_low - at_high) if at_high < 0.0 < at_low else 0.5 * (low + high)
     for _ in range(100):
-        f, slope = c[order], 0.0
-        for k in range(order - 1, lead - 1, -1):
-            slope = slope * x + f
-            f = f * x + c[k]
+        f, slope = value_and_slope(c, lead, order, x)
         if f == 0.0:
             return x
         if f > 0.0:

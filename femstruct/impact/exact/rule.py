@@ -13,22 +13,28 @@ from femstruct.arrays import Floats, Integers
 from femstruct.impact.system import System
 
 ORDER = 26  # of the power series of a step
+SHORT = 4  # of a first look at what switches at this very instant
 THETA = 2.0  # longest step times the bound of the system's frequencies
 TRUNCATION = 1e-18  # of the exponential series at the order used
 GAUSS = 10  # points: energies of a longest step are good to 1e-18
 COARSE = 8  # degree of the first look at a polynomial; what is left out of it is a margin
+PROBES = 6  # parts of a step in one of which its largest value is bracketed
 DEPTH = 60  # halvings of a step while a root is bracketed
 
 
 class ExactRule(NamedTuple):
-    """bernstein [k, j] : Bernstein coefficients of degree ORDER on (0, 1) from powers k; every weight is in 0..1, so
-    nothing is amplified; coarse [k, j] : the same of degree COARSE. nodes, weights [g] : Gauss's rule on (0, 1).
+    """bernstein [j, k] : Bernstein coefficients of degree ORDER on (0, 1) from powers k; every weight is in 0..1, so
+    nothing is amplified; coarse [j, k] : the same of degree COARSE. nodes, weights [g] : Gauss's rule on (0, 1).
+    at_nodes [g, k], at_probes [p, k] : powers of the nodes, and of p / PROBES from p = 0. factors [k] : 1 / k!.
     reach [p] : largest bound times step for which order p leaves out no more than TRUNCATION."""
 
     bernstein: Floats
     coarse: Floats
     nodes: Floats
     weights: Floats
+    at_nodes: Floats
+    at_probes: Floats
+    factors: Floats
     reach: Floats
 
 
@@ -42,17 +48,21 @@ def exact_rule() -> ExactRule:
     """
     size = ORDER + 1
     x, w = legendre.leggauss(GAUSS)
+    nodes = (1.0 + x) / 2.0
     return ExactRule(
         bernstein=_bernstein(ORDER),
         coarse=_bernstein(COARSE),
-        nodes=(1.0 + x) / 2.0,
+        nodes=nodes,
         weights=w / 2.0,
+        at_nodes=nodes[:, None] ** np.arange(size),
+        at_probes=np.linspace(0.0, 1.0, PROBES + 1)[:, None] ** np.arange(size),
+        factors=np.array([1.0 / factorial(k) for k in range(size)]),
         reach=np.array([0.0] + [(TRUNCATION * factorial(p)) ** (1.0 / p) for p in range(1, size)]),
     )
 
 
 def _bernstein(degree: int) -> Floats:
-    return np.array([[comb(j, k) / comb(degree, k) for j in range(degree + 1)] for k in range(degree + 1)])
+    return np.array([[comb(j, k) / comb(degree, k) for k in range(degree + 1)] for j in range(degree + 1)])
 
 
 class ExactRoom(NamedTuple):

@@ -9,9 +9,9 @@ terms outgrow at once.
 from __future__ import annotations
 
 from femstruct.arrays import Floats
-from femstruct.impact.compiled import kernel
+from femstruct.impact.compiled import inlined, kernel
 from femstruct.impact.exact.regime import inner_product
-from femstruct.impact.exact.roots import NEVER, first_descent, stays_positive
+from femstruct.impact.exact.roots import NEVER, first_descent, magnitude, stays_positive
 from femstruct.impact.exact.rule import ExactRoom, ExactRule
 from femstruct.impact.forces import CLAMPED, CLOSED, OPEN, State
 from femstruct.impact.system import LINK, System
@@ -20,15 +20,6 @@ INDENTATION, FORCE, SPEED, EXCESS = 0, 1, 2, 3  # what crossed zero; the first t
 ROUNDING = 4e-15  # of a row's displacement, relative to the terms it is summed from
 AT_ONCE = 1e-20  # of a step: less than a place in it, or the time, can tell from its start
 PRELOAD = 1e-9  # of the preload: what a force must exceed it by, or fall short of it
-
-
-@kernel
-def _beyond(c: Floats, lead: int, order: int) -> float:
-    """Sum of magnitudes of the coefficients after the leading one."""
-    total = 0.0
-    for k in range(lead + 1, order + 1):
-        total += abs(c[k])
-    return total
 
 
 @kernel
@@ -42,7 +33,7 @@ def _outgrown(c: Floats, lead: int, order: int) -> bool:
     return False
 
 
-@kernel
+@inlined
 def judge(c: Floats, order: int, noise: float, small: float, fresh: int, rule: ExactRule, boxes: Floats,
           spans: Floats) -> tuple[float, int]:  # fmt: skip
     """Where the polynomial becomes negative (NEVER: not in this step), and its leading order when that is at once.
@@ -54,12 +45,12 @@ def judge(c: Floats, order: int, noise: float, small: float, fresh: int, rule: E
         lead = 1
         while lead <= order and abs(c[lead]) <= small:
             lead += 1
-    rest = _beyond(c, lead, order)
+    rest = magnitude(c, lead + 1, order)
     while lead <= order and abs(c[lead]) <= AT_ONCE * rest and _outgrown(c, lead, order):
         lead += 1
         while lead <= order and abs(c[lead]) <= small:
             lead += 1
-        rest = _beyond(c, lead, order)
+        rest = magnitude(c, lead + 1, order)
     if lead > order:
         return NEVER, 0
     if c[lead] < 0.0:
@@ -69,7 +60,7 @@ def judge(c: Floats, order: int, noise: float, small: float, fresh: int, rule: E
     return first_descent(c, lead, order, rule.bernstein, boxes, spans), order + 1
 
 
-@kernel
+@inlined
 def watch(system: System, state: State, order: int, h: float, before: float, pace: float, rule: ExactRule,
           room: ExactRoom) -> tuple[float, int, int]:  # fmt: skip
     """The first change in the step: where (NEVER: none), of which interface, and what crossed zero.
@@ -92,48 +83,44 @@ def watch(system: System, state: State, order: int, h: float, before: float, pac
         small = ROUNDING * (4.0 * still + h * moving)
         small_rate = 2.0 * (pace * noise + noise_rate)  # as pace * h is THETA = 2 at most
         for kind in range(4):
+            doubt, lesser = noise, small
             if kind == SPEED:
                 if not link:
                     continue
                 side = -1.0 if room.way[a] < 0 else 1.0
-                for k in range(order + 1):
-                    c[k] = side * h * rate[k]
-                fresh = room.fresh[a, SPEED]
-                at, order_here = judge(c, order, h * noise_rate, h * small_rate, fresh, rule, boxes, spans)
+                by_place, by_rate, constant = 0.0, side * h, 0.0
+                doubt, lesser = h * noise_rate, h * small_rate
             elif link:
                 continue
             elif kind == INDENTATION:
                 if status == CLOSED and clamps:
                     continue
                 side = -1.0 if status == OPEN else 1.0
-                for k in range(order + 1):
-                    c[k] = side * place[k]
-                c[0] += side * law["offset"]
-                at, order_here = judge(c, order, noise, small, room.fresh[a, INDENTATION], rule, boxes, spans)
-            elif kind == FORCE:
-                if status == OPEN or not clamps:
-                    continue
-                side = 1.0 if status == CLOSED else -1.0
-                for k in range(order + 1):
-                    c[k] = side * (law["stiffness"] * place[k] + law["closing"] * rate[k])
-                c[0] += side * law["stiffness"] * law["offset"]
-                rounding = law["stiffness"] * noise + law["closing"] * noise_rate
-                smaller = (law["stiffness"] + law["closing"] / h) * small
-                at, order_here = judge(c, order, rounding, smaller, room.fresh[a, FORCE], rule, boxes, spans)
+                by_place, by_rate, constant = side, 0.0, side * law["offset"]
             else:
-                if status != CLOSED or law["preload"] == 0.0:
+                if (kind == FORCE and (status == OPEN or not clamps)) or (
+                    kind == EXCESS and (status != CLOSED or law["preload"] == 0.0)
+                ):
                     continue
-                side = 1.0 if room.loaded[a] > 0.0 else -1.0
-                for k in range(order + 1):
-                    c[k] = side * (law["stiffness"] * place[k] + law["closing"] * rate[k])
-                c[0] += PRELOAD * law["preload"]
-                at, order_here = judge(c, order, 0.0, 0.0, 0, rule, boxes, spans)
+                side = 1.0 if (status == CLOSED if kind == FORCE else room.loaded[a] > 0.0) else -1.0
+                by_place, by_rate = side * law["stiffness"], side * law["closing"]
+                if kind == FORCE:
+                    constant = by_place * law["offset"]
+                    doubt = law["stiffness"] * noise + law["closing"] * noise_rate
+                    lesser = (law["stiffness"] + law["closing"] / h) * small
+                else:
+                    constant, doubt, lesser = PRELOAD * law["preload"], 0.0, 0.0
+            for k in range(order + 1):
+                c[k] = by_place * place[k] + by_rate * rate[k]
+            c[0] += constant
+            fresh = 0 if kind == EXCESS else room.fresh[a, kind]
+            at, order_here = judge(c, order, doubt, lesser, fresh, rule, boxes, spans)
             if at < where or (at == where and at < NEVER and order_here < rank):
                 where, rank, who, what = at, order_here, a, kind
     return where, who, what
 
 
-@kernel
+@inlined
 def switch(system: System, state: State, room: ExactRoom, a: int, what: int, before: float) -> None:
     """Let interface a do what follows from a condition at zero; its row is in room.here."""
     law = system.interfaces[a]
