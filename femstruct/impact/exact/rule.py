@@ -74,7 +74,8 @@ class ExactRoom(NamedTuple):
     whether a contact's indentation, its force, a link's speed is zero by an event at this very instant. loaded,
     closed_at [m]. lost [m + 3] : dissipated by interfaces, by modes; work; nothing by blows. here [r, 2] :
     displacement and velocity. watched [ORDER + 1] : a polynomial. boxes [DEPTH, ORDER + 1], spans [DEPTH, 2] : its
-    Bernstein coefficients on parts of the step. q, v [n] : coordinates and rates somewhere in the step.
+    Bernstein coefficients on parts of the step. terms [m, 2] : sizes of what the
+    interfaces' displacements and velocities are summed from. q, v [n] : coordinates and rates somewhere in the step.
     """
 
     z: Floats
@@ -93,6 +94,7 @@ class ExactRoom(NamedTuple):
     watched: Floats
     boxes: Floats
     spans: Floats
+    terms: Floats
     q: Floats
     v: Floats
 
@@ -117,6 +119,7 @@ def exact_room(system: System) -> ExactRoom:
         watched=np.zeros(size),
         boxes=np.zeros((DEPTH, size)),
         spans=np.zeros((DEPTH, 2)),
+        terms=np.zeros((m, 2)),
         q=np.zeros(n),
         v=np.zeros(n),
     )

@@ -8,6 +8,8 @@ terms outgrow at once.
 
 from __future__ import annotations
 
+import numpy as np
+
 from femstruct.arrays import Floats
 from femstruct.impact.compiled import inlined, kernel
 from femstruct.impact.exact.regime import inner_product
@@ -71,16 +73,24 @@ def watch(system: System, state: State, order: int, h: float, before: float, pac
     """
     where, rank, who, what = NEVER, order + 2, -1, -1
     c, boxes, spans = room.watched, room.boxes, room.spans
+    shake = 0.0  # acceleration by the rounding of what springs and dashpots see: no contact closes or opens for it
+    for a in range(len(system.interfaces)):
+        still, moving = inner_product(state.z, system.rows[a]), inner_product(state.v, system.rows[a])
+        room.terms[a, 0], room.terms[a, 1] = still, moving
+        held = room.spring[a] * (still + max(h, before) * moving + abs(system.interfaces[a]["offset"]))
+        lost = room.dash[a] * (moving + 2.0 * pace * still)
+        shake += ROUNDING * np.sqrt(system.mobility[a]) * (held + lost)
     for a in range(len(system.interfaces)):
         law, status, place, rate = system.interfaces[a], state.status[a], room.place[a], room.rate[a]
         link = law["kind"] == LINK
         if link and (status != CLOSED or law["closing"] == law["opening"]):
             continue
         clamps = not link and law["tensile"] == 0 and law["closing"] > 0.0
-        still, moving = inner_product(state.z, system.rows[a]), inner_product(state.v, system.rows[a])
+        still, moving = room.terms[a, 0], room.terms[a, 1]
         noise = ROUNDING * (still + max(h, before) * moving + abs(law["offset"]))
         noise_rate = ROUNDING * (moving + 2.0 * pace * still)
-        small = ROUNDING * (4.0 * still + h * moving)
+        shaken = h * h * np.sqrt(system.mobility[a]) * shake
+        small = ROUNDING * (4.0 * still + h * moving) + shaken
         small_rate = 2.0 * (pace * noise + noise_rate)  # as pace * h is THETA = 2 at most
         for kind in range(4):
             doubt, lesser = noise, small
@@ -89,7 +99,7 @@ def watch(system: System, state: State, order: int, h: float, before: float, pac
                     continue
                 side = -1.0 if room.way[a] < 0 else 1.0
                 by_place, by_rate, constant = 0.0, side * h, 0.0
-                doubt, lesser = h * noise_rate, h * small_rate
+                doubt, lesser = h * noise_rate, h * small_rate + shaken
             elif link:
                 continue
             elif kind == INDENTATION:
