@@ -103,9 +103,10 @@ def first_descent(c: Floats, lead: int, order: int, bernstein: Floats, boxes: Fl
 def crossing(c: Floats, lead: int, order: int, low: float, high: float, at_low: float, at_high: float) -> float:
     """The one root between low, where the polynomial is not negative, and high, where it is: safeguarded Newton.
 
-    at_low, at_high : its values there; the first guess is where a line through them crosses zero.
+    at_low, at_high : its values there; the first guess is where a line through them crosses zero, but at neither end.
     """
-    x = low + (high - low) * at_low / (at_low - at_high) if at_high < 0.0 < at_low else 0.5 * (low + high)
+    part = at_low / (at_low - at_high) if at_high < 0.0 < at_low else 0.5
+    x = low + (high - low) * min(max(part, 0.1), 0.9)
     for _ in range(100):
         f, slope = value_and_slope(c, lead, order, x)
         if f == 0.0:
