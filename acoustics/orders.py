@@ -72,10 +72,11 @@ def undriven(surfaces: Sequence[SurfaceVelocity], room: Room, done: Integers, hi
     )
 
 
-def audible(surfaces: Sequence[SurfaceVelocity], room: Room, orders: Integers, p: Floats) -> Integers:
+def audible(surfaces: Sequence[SurfaceVelocity], room: Room, orders: Integers, quietest: Sequence[float]) -> Integers:
     """The cosines that could matter: the others, each in resonance all the time, would together stay below ENOUGH.
 
-    surfaces : motions of one surface. p : what is heard of each so far [n_surfaces, n_receivers, nt].
+    surfaces : motions of one surface. quietest : of each, the energy of what is heard so far at the quietest receiver,
+        a sum of squares [Pa^2].
 
     Notes
     -----
@@ -87,7 +88,7 @@ def audible(surfaces: Sequence[SurfaceVelocity], room: Room, orders: Integers, p
     ratio = np.array([modal_damping_ratio(room.losses, w / (2 * np.pi)) for w in omega.tolist()])
     coefficients = project(surfaces[0], room, orders)
     kept = np.zeros(len(orders), dtype=bool)
-    for surface, heard in zip(surfaces, p, strict=True):
+    for surface, energy in zip(surfaces, quietest, strict=True):
         every = max(1, surface.rates.shape[1] // SEEN)
         velocity = coefficients @ surface.rates[:, ::every]
         loudest = np.sqrt(every * np.einsum("nt,nt->n", velocity, velocity))
@@ -95,5 +96,5 @@ def audible(surfaces: Sequence[SurfaceVelocity], room: Room, orders: Integers, p
         bound = np.divide(loudest, ratio * omega, out=np.full_like(loudest, np.inf), where=ratio > 0)
         quiet = np.argsort(bound)
         together = np.sqrt(np.cumsum(bound[quiet] ** 2))
-        kept[quiet[together >= ENOUGH * np.sqrt(np.einsum("rt,rt->r", heard, heard).min())]] = True
+        kept[quiet[together >= ENOUGH * np.sqrt(energy)]] = True
     return orders[kept]

@@ -20,6 +20,7 @@ from acoustics.judgement import one_way, source_advice, truncation
 from acoustics.orders import ENOUGH, audible, not_in, order_blocks, square, undriven
 from acoustics.room import Receiver, Room, inside, positions
 from acoustics.source import SurfaceVelocity, alike, on_ceiling
+from acoustics.sums import Sums
 
 SILENT: Final = 1e-9  # share of the velocity below which a cosine is not driven: symmetry, but for rounding
 NEGLIGIBLE: Final = 1e-9  # share of the summed velocity spectrum above the highest frequency that is evaluated
@@ -129,33 +130,27 @@ def pressures(
     broad = project(first, room, square(2, 2))
     highest_hz = [source_bandwidth(broad @ surface.rates, surface.dt) for surface in surfaces]
     top = max(highest_hz)
-    p = np.zeros((len(surfaces), len(receivers), first.rates.shape[1]))
+    sums = [Sums(places, first.rates.shape[1]) for _ in surfaces]
     done, shares = np.zeros((0, 2), dtype=np.int64), [0.0] * len(surfaces)
     for block in order_blocks(room, orders, top):
         new = not_in(block, done)
-        heard = new if orders is not None or not len(done) else audible(surfaces, room, new, p)
-        part = _synthesise(surfaces, room, heard, places)
-        p += part
+        chosen = new
+        if orders is None and len(done):
+            chosen = audible(surfaces, room, new, [heard.energies().min() for heard in sums])
+        shares = _synthesise(surfaces, room, chosen, sums)
         done = np.concatenate([done, new])
-        shares = [_worst_share(*pair) for pair in zip(part, p, strict=True)]
         more = len(done) > len(new) and max(shares) < ENOUGH
         if orders is None and more and undriven(surfaces, room, done, top):
             break
     found = []
-    for surface, heard_here, share, highest in zip(surfaces, p, shares, highest_hz, strict=True):
+    for surface, heard, share, highest in zip(surfaces, sums, shares, highest_hz, strict=True):
         findings = (*source_advice(surface, room, done, highest), *truncation(share, done), *one_way(room))
-        found.append(RoomResponse(tuple(receivers), surface.t, heard_here, findings))
+        found.append(RoomResponse(tuple(receivers), surface.t, heard.pressure(), findings))
     return found
 
 
-def _worst_share(part: Floats, p: Floats) -> float:
-    """Largest ratio over the receivers of the rms of `part` to that of `p`."""
-    of_part, of_all = (np.einsum("rt,rt->r", x, x) for x in (part, p))
-    return float(np.sqrt(np.divide(of_part, of_all, out=np.zeros_like(of_all), where=of_all > 0).max()))
-
-
-def _synthesise(surfaces: Sequence[SurfaceVelocity], room: Room, orders: Integers, places: Floats) -> Floats:
-    """Pressure [n_surfaces, n_places, nt] of the cosines `orders` of the ceiling velocities."""
+def _synthesise(surfaces: Sequence[SurfaceVelocity], room: Room, orders: Integers, sums: Sequence[Sums]) -> list[float]:
+    """Add what the cosines `orders` of the ceiling make to the sums of every surface; returns their shares of them."""
     first = surfaces[0]
     nt, dt = first.rates.shape[1], first.dt
     coefficients = project(first, room, orders)
@@ -167,33 +162,54 @@ def _synthesise(surfaces: Sequence[SurfaceVelocity], room: Room, orders: Integer
     weighted = room.losses.kind != "source"
     s, weight = transform_axis(nt, dt, damped=weighted)
     length = len(weight)
-    heights, plane = np.unique(places[:, 2], return_inverse=True)
-    p = np.zeros((len(surfaces), len(places), nt))
+    heights = sums[0].heights
     batch = max(1, _MEMORY // (len(s) * max(1, len(heights)) * len(surfaces)))
+    added = [np.zeros(len(sums[0].places)) for _ in surfaces]
     for start in range(0, len(orders), batch):
         chosen = orders[start : start + batch]
         spectra, uniform = [], []
         for surface in surfaces:
-            velocity = coefficients[start : start + batch] @ surface.rates
-            future = extended(velocity, length) if weighted else returned(velocity, length)
-            if weighted:
-                future *= weight
-            else:
-                steps = future * dt
-                uniform.append((np.cumsum(steps, axis=1) - 0.5 * steps).sum(axis=1))
-            spectra.append(np.fft.rfft(future, axis=1).astype(np.complex128, copy=False))
-            if weighted:
-                spectra[-1] *= band_end(spectra[-1].shape[1])
-        at_places = cosines(room, chosen, places)
-        mixes = [at_places[plane == height] for height in range(len(heights))]
-        for heard_of, parts in zip(p, _through(room, chosen, s, heights, spectra, mixes, uniform), strict=True):
-            for height, part in enumerate(parts):
-                heard = np.fft.irfft(part, length, axis=1)[:, :nt]
-                mix = mixes[height]
-                heard_of[plane == height] += heard if _few(mix) else mix @ np.ascontiguousarray(heard)
+            spectrum, displaced = _driven(coefficients[start : start + batch], surface.rates, weight, dt, weighted)
+            spectra.append(spectrum)
+            uniform += [displaced] if displaced is not None else []
+        at_places = cosines(room, chosen, sums[0].places)
+        mixes = [at_places[rows] for rows in sums[0].rows]
+        for own, energy, parts in zip(
+            sums, added, _through(room, chosen, s, heights, spectra, mixes, uniform), strict=True
+        ):
+            for height, (part, mix) in enumerate(zip(parts, mixes, strict=True)):
+                history = np.fft.irfft(part, length, axis=1)[:, :nt] / weight[:nt]
+                energy[own.rows[height]] += own.add(height, None if _few(mix) else mix, history)
+    return [_worst_share(part, heard.energies()) for part, heard in zip(added, sums, strict=True)]
+
+
+def _driven(
+    coefficients: Floats, rates: Floats, weight: Floats, dt: float, weighted: bool
+) -> tuple[Complexes, Floats | None]:
+    """Spectra [n, nf] of the cosines' velocities, of coefficients [n, k] and rates [k, nt], and the sums over the
+    samples of their displacements where they are not weighted."""
+    # all of it is linear: the fewer are transformed
+    late = len(rates) < len(coefficients)
+    moving = rates if late else coefficients @ rates
+    future = extended(moving, len(weight)) if weighted else returned(moving, len(weight))
+    displaced = None
     if weighted:
-        p /= weight[:nt]
-    return p
+        future *= weight
+    else:
+        steps = future * dt
+        displaced = (np.cumsum(steps, axis=1) - 0.5 * steps).sum(axis=1)
+        displaced = coefficients @ displaced if late else displaced
+    spectra = np.fft.rfft(future, axis=1).astype(np.complex128, copy=False)
+    if weighted:
+        spectra *= band_end(spectra.shape[1])
+    if late:
+        spectra = (coefficients @ spectra.view(np.float64)).view(np.complex128)
+    return spectra, displaced
+
+
+def _worst_share(of_part: Floats, of_all: Floats) -> float:
+    """Largest ratio over the receivers of the rms of a part to that of all, from their energies."""
+    return float(np.sqrt(np.divide(of_part, of_all, out=np.zeros_like(of_all), where=of_all > 0).max()))
 
 
 def _few(mix: Floats) -> bool:

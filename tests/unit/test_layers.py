@@ -31,6 +31,7 @@ ACOUSTICS = [
         "acoustics.orders",
         "acoustics.judgement",
         "acoustics.absorption",
+        "acoustics.sums",
         "acoustics.pressure",
         "acoustics.cavity_pressure",
         "acoustics.maps",
