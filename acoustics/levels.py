@@ -66,8 +66,9 @@ class Levels:
 
 def response_levels(response: RoomResponse) -> dict[str, Levels]:
     """Levels of every receiver of a room response, by name; see `sound_levels`."""
+    filters = _Filters.at(1 / response.dt)
     rows = zip(response.receivers, response.p, strict=True)
-    return {receiver.name: sound_levels(p, response.dt) for receiver, p in rows}
+    return {receiver.name: _levels(p, response.dt, filters) for receiver, p in rows}
 
 
 def sound_levels(p: Floats, dt: float) -> Levels:
@@ -87,10 +88,30 @@ def sound_levels(p: Floats, dt: float) -> Levels:
     >>> round(tone.l_afmax_db, 2), round(tone.bands_db[1000.0], 2), round(tone.l_peak_db, 2), round(tone.l_ae_db, 2)
     (93.98, 93.98, 96.99, 96.99)
     """
-    p = frozen("p", p, (None,))
-    sampling_hz = 1 / positive("dt", dt, "s")
-    thirds, octaves = third_octave_bands(sampling_hz), octave_bands(sampling_hz)
-    bands, exposures = _band_levels(p, dt, thirds, 3)
+    return _levels(frozen("p", p, (None,)), dt, _Filters.at(1 / positive("dt", dt, "s")))
+
+
+@dataclass(frozen=True, eq=False)
+class _Filters:
+    """Band filters of one sampling, which are dear to design: {nominal: exact centre} [Hz] and {nominal: sections} of
+    octaves (1) and third octaves (3)."""
+
+    centres: Mapping[Fraction, Mapping[float, float]]
+    sections: Mapping[Fraction, Mapping[float, Floats]]
+
+    @classmethod
+    def at(cls, sampling_hz: float) -> _Filters:
+        centres: dict[Fraction, dict[float, float]] = {1: octave_bands(sampling_hz), 3: third_octave_bands(sampling_hz)}
+        sections = {
+            fraction: {nominal: band_filter(centre, sampling_hz, fraction) for nominal, centre in bands.items()}
+            for fraction, bands in centres.items()
+        }
+        return cls(centres, sections)
+
+
+def _levels(p: Floats, dt: float, filters: _Filters) -> Levels:
+    """Levels of a history `p` [nt] with filters of its sampling."""
+    bands, exposures = _band_levels(p, dt, filters, 3)
     square = weighted(p, dt, "A") ** 2
     peak, total = float(np.abs(p).max()), float(square.sum()) * dt
     return Levels(
@@ -103,20 +124,20 @@ def sound_levels(p: Floats, dt: float) -> Levels:
         l_aeq_db=_decibel(total / (len(p) * dt)),
         l_ae_db=_decibel(total),
         bands_db=bands,
-        octaves_db=_band_levels(p, dt, octaves, 1)[0],
+        octaves_db=_band_levels(p, dt, filters, 1)[0],
         exposure_db=exposures,
-        findings=_unsettled(len(p) * dt, thirds),
+        findings=_unsettled(len(p) * dt, filters.centres[3]),
     )
 
 
 def _band_levels(
-    p: Floats, dt: float, centres: Mapping[float, float], fraction: Fraction
+    p: Floats, dt: float, filters: _Filters, fraction: Fraction
 ) -> tuple[dict[float, float], dict[float, float]]:
-    """({nominal: largest Fast level}, {nominal: exposure level}) of the bands {nominal: exact centre} [Hz]."""
+    """({nominal: largest Fast level}, {nominal: exposure level}) of octaves (1) or third octaves (3) [Hz]."""
     largest, exposures = {}, {}
-    for nominal, centre in centres.items():
+    for nominal, centre in filters.centres[fraction].items():
         tail = ceil(ringing_time(centre, fraction) / dt)
-        heard = sosfilt(band_filter(centre, 1 / dt, fraction), faded(p, tail))
+        heard = sosfilt(filters.sections[fraction][nominal], faded(p, tail))
         largest[nominal] = _decibel(float(time_weighted(heard**2, dt, "F").max()))
         exposures[nominal] = _decibel(float(heard @ heard) * dt)
     return largest, exposures
