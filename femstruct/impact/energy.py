@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from femstruct.arrays import Floats
 from femstruct.impact.bodies import Scene
 from femstruct.impact.compiled import kernel
@@ -9,7 +11,7 @@ from femstruct.impact.forces import AWAY, CLAMPED, CLOSED, OPEN, State, law, spr
 from femstruct.impact.propagate import Trial
 from femstruct.impact.response import EnergyBalance, EnergyLedger
 from femstruct.impact.rule import STAGES, Rule
-from femstruct.impact.system import LINK, Compiled, System
+from femstruct.impact.system import CUBIC, HERTZ, LINEAR, LINK, Compiled, System
 
 TIME, STRUCTURE, BODIES = 0, 1, 2  # columns of a ledger row; then stored [i], lost in modes, lost [i], work, blows
 
@@ -35,11 +37,37 @@ def stored(system: System, state: State, a: int, displacement: float) -> float:
             return float(held)
         moved = displacement - state.rest[a]
         return float(held + 0.5 * stiffness * moved * moved + preload * moved)
-    touching = state.status[a] != OPEN and state.status[a] != AWAY
-    energy = potential(system, a, displacement + system.interfaces[a]["offset"]) if touching else 0.0
+    rest = system.interfaces[a]["offset"]
+    delta = displacement + rest if state.status[a] != OPEN and state.status[a] != AWAY else 0.0
     if preload > 0.0:
-        energy -= potential(system, a, system.interfaces[a]["offset"]) + preload * displacement
-    return energy
+        if delta > 0.0:
+            return _beside_rest(system, a, rest, displacement)
+        return float(-potential(system, a, rest) - preload * displacement)
+    return potential(system, a, delta)
+
+
+@kernel
+def _beside_rest(system: System, a: int, rest: float, moved: float) -> float:
+    """Energy of a spring moved from its indentation at rest, less that at rest and the work of the force there.
+
+    U(d + x) - U(d) - U'(d) x without the difference of large numbers for the usual laws; that of Hertz, with
+    r = sqrt(1 + x / d), is k d^(5/2) (r - 1)^2 (0.4 r^3 + 0.8 r^2 + 1.2 r + 0.6).
+    """
+    stiffness, kind = system.interfaces[a]["stiffness"], system.interfaces[a]["kind"]
+    if kind == LINEAR:
+        return float(0.5 * stiffness * moved * moved)
+    if kind == HERTZ:
+        share = moved / rest
+        r = np.sqrt(1.0 + share)
+        beyond = share / (1.0 + r)
+        return float(
+            stiffness * rest * rest * np.sqrt(rest) * beyond * beyond * (0.6 + r * (1.2 + r * (0.8 + r * 0.4)))
+        )
+    if kind == CUBIC:
+        cubic = system.interfaces[a]["shape"]
+        square = 1.5 * rest * rest + moved * (rest + 0.25 * moved)
+        return float((0.5 * stiffness + cubic * square) * moved * moved)
+    return potential(system, a, rest + moved) - potential(system, a, rest) - spring(system, a, rest)[0] * moved
 
 
 @kernel
