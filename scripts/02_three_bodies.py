@@ -1,8 +1,9 @@
 """Three rigid bodies in a row: who takes the energy of the ball (section 2.2, Figs 2.3 to 2.5, Table 2.2).
 
-The damper's share over its contact frequency, for several contact frequencies of the ball, beside the two limits that
-restitution knows: one blow after the other (a soft damper) and one blow on both (a stiff one). Then what happens in
-time, in the units of Figs 2.4 and 2.5, for a damper that is too soft, the best one and one that is too stiff.
+The damper's share over both contact frequencies as maps, then over its own for several of the ball's, beside the two
+limits that restitution knows: one blow after the other (a soft damper) and one blow on both (a stiff one). Then what
+happens in time, in the units of Figs 2.4 and 2.5, for a damper that is too soft, the best one and one that is too
+stiff.
 """
 
 import numpy as np
@@ -15,21 +16,24 @@ from femstruct.impact.collisions import collide, collide_as_one
 BALL = 0.5
 DAMPERS = (0.25, 0.5, 1.0, 1.5)
 CONTACTS = (1.25, 2.5, 10.0, 100.0)  # omega_b / omega
-RATIOS = np.geomspace(0.05, 8.0, 20)  # omega_d / omega_b
-
+RATIOS = np.geomspace(0.05, 8.0, 100)  # omega_d / omega_b
 
 HISTORIES = {1.25: 1.3311, 2.5: 1.0457}  # omega_b / omega, and the best omega_d / omega_b for m_d / m = 0.5
 
 
-def main() -> dict[str, float]:
-    """Shares of the damper [1] at omega_d = omega_b and at its best, and the limits, for m_d/m = 1."""
+def main(side: int = 70) -> dict[str, float]:
+    """Shares of the damper [1] at omega_d = omega_b and at its best, and the limits, for m_d/m = 1.
+
+    side : points along an edge of a map.
+    """
+    _maps(side)
     figure = Figure(figsize=(10, 7.5), layout="constrained")
     axes = figure.subplots(2, 2, sharex=True, sharey=True)
     for axis, rd in zip(axes.flat, DAMPERS, strict=True):
         for i, wb in enumerate(CONTACTS):
-            shares = [rigid.share(BALL, rd, wb, wb * ratio) for ratio in RATIOS]
-            axis.semilogx(RATIOS, [one.damper for one in shares], f"C{i}-", label=f"damper, {wb:g}")
-            axis.semilogx(RATIOS, [one.mass for one in shares], f"C{i}--", label=f"mass, {wb:g}")
+            shares = rigid.shares(BALL, rd, np.array(wb), wb * RATIOS)
+            axis.semilogx(RATIOS, shares.damper, f"C{i}-", label=f"damper, {wb:g}")
+            axis.semilogx(RATIOS, shares.mass, f"C{i}--", label=f"mass, {wb:g}")
         for ends, found in (("left", _in_turn(rd)), ("right", _as_one(rd))):
             axis.plot([RATIOS[0 if ends == "left" else -1]], [found], "k<" if ends == "left" else "k>")
         axis.set_title(f"damper / mass = {rd:g}", fontsize=10)
@@ -55,6 +59,25 @@ def main() -> dict[str, float]:
     for wb in CONTACTS:
         found[f"best ratio at {wb:g}"], found[f"best share at {wb:g}"] = rigid.best_damper(BALL, 0.5, wb)
     return found
+
+
+def _maps(side: int) -> None:
+    grid = np.geomspace(0.5, 100.0, side)
+    figure = Figure(figsize=(11, 9), layout="constrained")
+    for axis, rd in zip(figure.subplots(2, 2, sharex=True, sharey=True).flat, DAMPERS, strict=True):
+        taken = rigid.shares(BALL, rd, *np.meshgrid(grid, grid)).damper
+        filled = axis.contourf(grid, grid, 100.0 * taken, levels=np.arange(0.0, 95.0, 5.0))
+        figure.colorbar(filled, ax=axis, label="energy of the damper / ball's before [%]")
+        axis.plot(grid, grid, "w--", linewidth=0.9, label="ω_d = ω_b")
+        axis.plot(grid, grid[np.argmax(taken, axis=0)], "r.", markersize=3, label="best ω_d at this ω_b")
+        axis.set(xscale="log", yscale="log", title=f"damper / mass = {rd:g}")
+        axis.legend(loc="upper left", fontsize=8)
+    for axis in figure.axes[2:4]:
+        axis.set_xlabel("ball's contact frequency, ω_b/ω [1]")
+    for axis in figure.axes[0:4:2]:
+        axis.set_ylabel("damper's contact frequency, ω_d/ω [1]")
+    figure.suptitle("Energy the damper takes from a ball of half the mass; ω of the mass on its spring")
+    save(figure, "02_three_bodies_maps")
 
 
 def _histories() -> None:
