@@ -13,6 +13,7 @@ from acoustics.rated import RatedRoom, number_of
 from acoustics.ratings import ImpactRating, equal_parts, shifted_curve
 from femstruct.study.result import StudyResult
 from femstruct.view.figures import case_colours, finish, legend_above, new_figure, panels, thinned
+from femstruct.view.rated import struck_first
 
 SHOWN_DB: Final = 50.0  # below the loudest that is drawn
 
@@ -31,8 +32,7 @@ def levels_over_time(result: StudyResult, room: str) -> Figure | None:
     rows = -(-len(names) // 2)
     columns = min(2, len(names))
     legend = 0.155 * len(cases)  # inches
-    places = dict.fromkeys(next(iter(case.drops)) for case in cases.values() if case.drops)
-    where = f", source at {', '.join(places)}" if places else ""
+    where = f", source at {place}" if (place := struck_first(result)) else ""
     figure = new_figure(11.0, 0.9 + rows * (2.3 + legend), f"Level over time in {room}: A-weighted, Fast{where}")
     grid = panels(figure, rows, columns, between=0.55 + legend, top=0.5 + legend, sharex=True, sharey=True)
     panes: list[Axes] = grid.ravel().tolist()

@@ -49,12 +49,15 @@ def ratings(result: StudyResult) -> Grid:
 
 def first_drop(result: StudyResult) -> str:
     """A sentence that says which drop all but the ratings is of, where a source strikes several places; "" else."""
-    places = {tuple(case.drops) for case in result.cases.values() if case.drops}
-    if not places:
+    count = max((len(case.drops) for case in result.cases.values()), default=0)
+    if not count:
         return ""
-    first = ", ".join(sorted({names[0] for names in places}))
-    count = max(len(names) for names in places)
-    return f"the source strikes {count} places; ratings are of all, the rest is of the first, {first}"
+    return f"the source strikes {count} places; ratings are of all, the rest is of the first, {struck_first(result)}"
+
+
+def struck_first(result: StudyResult) -> str:
+    """The place that histories and pictures are of, where a source strikes several; "" else."""
+    return ", ".join(dict.fromkeys(next(iter(case.drops)) for case in result.cases.values() if case.drops))
 
 
 def bands(result: StudyResult) -> Grid:

@@ -14,6 +14,7 @@ from femstruct.arrays import Floats
 from femstruct.modal.basis import ModalBasis
 from femstruct.study.result import Frf, StudyResult
 from femstruct.view.figures import case_colours, finish, legend_above, mode_lines, new_figure, panels, readable, thinned
+from femstruct.view.rated import struck_first
 
 DYNAMIC_RANGE_DB: Final = 90.0
 LOWEST_HZ: Final = 5.0
@@ -66,7 +67,8 @@ def sound(result: StudyResult, receiver: str) -> Figure | None:
     dt, first = next(iter(heard.values()))
     top = min(basis.complete_below_hz, 0.5 / dt) if np.isfinite(basis.complete_below_hz) else 0.5 / dt
     legend = 0.155 * len(heard)  # inches
-    figure = new_figure(11.0, 6.8 + 2 * legend, f"Sound at {receiver}")
+    where = f", source at {place}" if (place := struck_first(result)) else ""
+    figure = new_figure(11.0, 6.8 + 2 * legend, f"Sound at {receiver}{where}")
     (above,), (below,) = panels(figure, 2, 1, between=0.75 + legend, top=0.55 + legend)
     peak = -np.inf
     for name, (step, p) in heard.items():

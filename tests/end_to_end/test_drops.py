@@ -16,6 +16,7 @@ from femstruct.language import read_study
 from femstruct.study.result import StudyResult
 from femstruct.view.loudness import levels_over_time, rated_bands
 from femstruct.view.report import report
+from femstruct.view.spectra import sound
 from femstruct.view.structure import show_inspection
 from femstruct.view.terminal import show_study
 from femstruct.workflow.inspect import inspect_file
@@ -131,9 +132,9 @@ def test_bands_are_drawn_with_the_curve_of_the_rating(result: StudyResult) -> No
     drawn = dict(zip(rated.bands_hz, np.asarray(curve.get_ydata()), strict=True))
     assert heavy_impact_level(drawn).unrounded_db == pytest.approx(rated.rating.unrounded_db)
     assert axes.get_ylabel() == "L'_i,Fmax,V,T in dB re 20 µPa"
-    over_time = levels_over_time(result, "bedroom")
-    assert over_time is not None
-    assert "source at drops.1" in over_time.texts[0].get_text()
+    for other in (levels_over_time(result, "bedroom"), sound(result, "bedroom.mic.1")):
+        assert other is not None
+        assert other.texts[0].get_text().endswith(", source at drops.1")
 
 
 def test_a_tapping_machine_has_positions_of_five_hammers(tmp_path: Path) -> None:
