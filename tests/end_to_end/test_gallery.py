@@ -97,7 +97,7 @@ KEPT = {
     },
 }
 PICTURES = {
-    "02_three_bodies.py": {"02_three_bodies.png", "02_three_bodies_in_time.png"},
+    "02_three_bodies.py": {"02_three_bodies.png", "02_three_bodies_in_time.png", "02_three_bodies_maps.png"},
     "03_elastic_rod.py": {"03_elastic_rod.png", "03_elastic_rod_in_time.png"},
     "04_boat.py": {"04_boat.png"},
     "05_pinned_beam.py": {
