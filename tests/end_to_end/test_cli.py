@@ -50,7 +50,9 @@ def test_impact_and_sound_as_json() -> None:
     assert done.returncode == 0, done.stderr
     (case,) = json.loads(done.stdout)["cases"].values()
     at = case["energy"]["at_separation"]
-    assert at["damper"] / case["energy"]["input_j"] == pytest.approx(0.75469329, abs=1e-6)  # exact, by events
+    assert at["damper"] / case["energy"]["input_j"] == pytest.approx(
+        0.75469329, abs=5e-9
+    )  # exact, by events: printed digits
 
 
 @pytest.mark.parametrize(

@@ -52,7 +52,7 @@ def test_grazing_contact_is_not_missed(record: dict[str, float]) -> None:
     basis, points = oscillator(1.0, stiffness=1.0, axis="z")
     contact = Contact("graze", "d", points["m"].probe("z"), Linear(1e6), gap=1.0 - record["eps"])
     response = simulate(basis, Scene((Body("d", 1.0),), (contact,), velocity=np.array([1.0])), Clock(20.0, 5.0))
-    assert response.bodies["d"].velocity[-1] == pytest.approx(record["speed"], abs=2e-11)  # printed digits
+    assert response.bodies["d"].velocity[-1] == pytest.approx(record["speed"], abs=6e-13)  # half a unit of the last
     assert response.contacts["graze"].closings == 1
 
 
