@@ -3,7 +3,8 @@
 Over a step the rows' displacements are interpolated at start, nodes and end. Bernstein coefficients bound the
 interpolant, and a remainder from every mode's energy and the forces' derivatives bounds what it can miss: Lagrange's
 form for modes slow beside the step, the norm of the interpolation for fast ones. A step in which a change of status
-cannot be excluded is halved until it can, or until it is one tick long, where the change happens.
+cannot be excluded is halved until it can, or until it is one tick long or what is watched moves by no more than its
+rounding: there the change happens.
 """
 
 from __future__ import annotations
