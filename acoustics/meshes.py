@@ -16,7 +16,7 @@ from scipy.spatial import cKDTree
 from acoustics.arrays import Floats, Integers, freeze, frozen
 from acoustics.errors import AcousticsError
 
-_HEX_OF_MESHIO: Final = (0, 4, 3, 1, 7, 5, 2, 6)  # scikit-fem's corner i is meshio's corner _HEX_OF_MESHIO[i]
+HEX_OF_MESHIO: Final = (0, 4, 3, 1, 7, 5, 2, 6)  # scikit-fem's corner i is meshio's corner HEX_OF_MESHIO[i]
 _SIX: Final = np.array([[0, 1, 2, 6], [0, 2, 3, 6], [0, 3, 7, 6], [0, 7, 4, 6], [0, 4, 5, 6], [0, 5, 1, 6]])
 _EDGE: Final = 1e-9  # share of a cell by which a point on its side may be outside
 _BENT: Final = 0.94  # cosine of 20 degrees
@@ -77,7 +77,7 @@ class CavityMesh:
         if self.cells.shape[1] == 4:
             return Basis(MeshTet(points, np.ascontiguousarray(self.cells.T)), ElementTetP2(), intorder=EXACT)
         return Basis(
-            MeshHex(points, np.ascontiguousarray(self.cells[:, _HEX_OF_MESHIO].T)), ElementHex2(), intorder=EXACT
+            MeshHex(points, np.ascontiguousarray(self.cells[:, HEX_OF_MESHIO].T)), ElementHex2(), intorder=EXACT
         )
 
     @cached_property

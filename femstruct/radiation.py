@@ -142,11 +142,37 @@ def pressure_per_force(
     velocity = 2j * np.pi * frequency_hz * modal_amplitudes(basis, drive, frequency_hz)
     points = room_coordinates(surface, room, offset, name)
     shapes = ceiling_shapes(basis, surface, name)
+    return _harmonic(room, points, surface.weights, shapes, velocity, frequency_hz, receivers)
+
+
+def pressure_spectrum(moving: SurfaceVelocity, room: AnyRoom, frequency_hz: Floats, places: Floats) -> Complexes:
+    """Fourier transform [n, nf] [Pa/Hz] of the pressure at places [n, 3] of a room whose ceiling moves as recorded.
+
+    As of `acoustics.maps.pressure_map`: of the velocity's record times the transfer function at that frequency.
+
+    Raises AcousticsError: a place outside the room, a room without losses at a resonance.
+    """
+    kernel = moving.dt * np.exp(-2j * np.pi * np.outer(moving.t, frequency_hz))
+    receivers = [Receiver(str(number), place) for number, place in enumerate(places)]
+    rates = moving.rates @ kernel
+    return _harmonic(room, moving.points, moving.weights, moving.shapes, rates, frequency_hz, receivers)[0]
+
+
+def _harmonic(
+    room: AnyRoom,
+    points: Floats,
+    weights: Floats,
+    shapes: Floats,
+    rates: Complexes,
+    frequency_hz: Floats,
+    receivers: Sequence[Receiver],
+) -> tuple[Complexes, tuple[Advice, ...]]:
+    """Of a box by cosines, of any other room by its modes, of a half space by Rayleigh's integral."""
     if isinstance(room, HalfSpace):
-        return harmonic_field(room, points, surface.weights, shapes, velocity, frequency_hz, receivers)
+        return harmonic_field(room, points, weights, shapes, rates, frequency_hz, receivers)
     if isinstance(room, ShapedRoom):
-        return harmonic_cavity_pressure(room, points, surface.weights, shapes, velocity, frequency_hz, receivers)
-    return harmonic_pressure(room, points, surface.weights, shapes, velocity, frequency_hz, receivers)
+        return harmonic_cavity_pressure(room, points, weights, shapes, rates, frequency_hz, receivers)
+    return harmonic_pressure(room, points, weights, shapes, rates, frequency_hz, receivers)
 
 
 def room_coordinates(

@@ -56,7 +56,9 @@ def room_of(
         middle = (float(room.centre[0]), float(room.centre[1]))
     offset = (spec.at[0] - middle[0], spec.at[1] - middle[1]) if spec.at is not None else (0.0, 0.0)
     asked = spec.losses.t60 if spec.losses is not None and isinstance(spec.losses.t60, dict) else {}
-    return RoomPlan(name, room, spec.under, tuple(receivers), offset, spec.coupling, _leak(spec), asked, spec.levels)
+    return RoomPlan(
+        name, room, spec.under, tuple(receivers), offset, spec.coupling, _leak(spec), asked, spec.levels, spec.animate
+    )
 
 
 def _meshed(

@@ -60,6 +60,12 @@ def _absorption(value: object) -> object:
     return {Quantity(("frequency",), above=0.0).read(band): share.read(alpha) for band, alpha in value.items()}
 
 
+def _animated(value: object) -> object:
+    """Frequencies, and the word pulse."""
+    wanted = value if isinstance(value, list) and value else [value]
+    return tuple(None if one == PULSE else Quantity(("frequency",), above=0.0).read(one) for one in wanted)
+
+
 def _standards(value: object) -> object:
     wanted = value if isinstance(value, list) and value else [value]
     for one in wanted:
@@ -139,7 +145,10 @@ class RoomModesSpec(Spec):
     up_to: Frequency
 
 
-_CLOSED = ("size", "mesh", "ceiling", "walls", "modes", "at", "losses", "form", "coupling", "leak", "levels")
+_CLOSED = ("size", "mesh", "ceiling", "walls", "modes", "at", "losses", "form", "coupling", "leak", "levels", "animate")
+
+
+PULSE = "pulse"
 
 
 class RoomSpec(Spec):
@@ -154,6 +163,7 @@ class RoomSpec(Spec):
     modes: of a meshed room, as far as its cells carry sound when left out.
     at: where the surface's centre is in the ceiling, from the room's corner or in the mesh; the middle when left out.
     coupling: one-way, the air does not push back, or two-way.
+    animate: a frequency, `pulse`, or several, of which a moving picture is made.
     levels: standards by which what is heard of heavy blows is stated.
     """
 
@@ -175,6 +185,9 @@ class RoomSpec(Spec):
     receivers: dict[str, Receivers] = Field(default_factory=dict)
     coupling: Annotated[Literal["one-way", "two-way"], BeforeValidator(only(("one-way", "two-way")))] = "one-way"
     leak: LeakSpec | None = None
+    animate: Annotated[
+        tuple[float | None, ...], read_by(_animated, Frequency | Literal["pulse"] | list[Frequency | Literal["pulse"]])
+    ] = ()
     levels: Annotated[tuple[str, ...], read_by(_standards, _Standard | list[_Standard])] = ()
 
     @property

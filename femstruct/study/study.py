@@ -211,6 +211,7 @@ class RoomPlan:
     coupling : one-way, the air does not push back, or two-way. leak : of a room that pushes back.
     t60_asked : reverberation times that its losses were made from {frequency [Hz]: [s]}, empty for other losses.
     levels : standards by which it is rated, of `acoustics.rated.STANDARDS`.
+    animate : frequencies [Hz] of which a moving picture is made, None for the pulse.
     """
 
     name: str
@@ -222,6 +223,7 @@ class RoomPlan:
     leak: Leak | None = None
     t60_asked: Mapping[float, float] = field(default_factory=dict)
     levels: tuple[str, ...] = ()
+    animate: tuple[float | None, ...] = ()
 
 
 @dataclass(frozen=True)

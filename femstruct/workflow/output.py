@@ -10,10 +10,13 @@ import numpy as np
 from femstruct.files.atomic import replacing
 from femstruct.files.audio import write_sequence, write_wav
 from femstruct.files.results import write_results
+from femstruct.files.rooms import write_room_modes
 from femstruct.files.tables import summary
 from femstruct.study.result import StudyResult
+from femstruct.view.figures import file_name
 from femstruct.view.plots import plot_all
 from femstruct.view.report import write_report
+from femstruct.view.room_scene import room_pictures
 from femstruct.view.scene import shapes_all
 from femstruct.workflow.run import Progress, Stopwatch
 
@@ -41,9 +44,13 @@ def write_all(
         pictures = plot_all(result, folder)
     with clock("mode shapes"):
         shapes, left_out = shapes_all(result, folder)
+    with clock("room pictures"):
+        sounds, _ = room_pictures(result, folder)
+        for plan in result.cases[result.plan.baseline].case.study.rooms:
+            write_room_modes(plan, (folder / file_name("room_modes", plan.name)).with_suffix(".vtu"))
     with clock("report"):
         first = sorted(pictures, key=lambda path: not path.name.startswith(("rated", "level")))
-        write_report(result, folder / "report.html", [path.name for path in (*first, *shapes)])
+        write_report(result, folder / "report.html", [path.name for path in (*first, *sounds, *shapes)])
     return clock.seconds, left_out
 
 

@@ -40,6 +40,7 @@ ACOUSTICS = [
         "acoustics.coupled_fem",
         "acoustics.field",
         "acoustics.radiation",
+        "acoustics.grids",
     ],
     [
         "acoustics.bands",
