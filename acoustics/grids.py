@@ -62,7 +62,8 @@ def mode_shapes(room: Room | ShapedRoom, grid: RoomGrid, count: int) -> tuple[Fl
     top = room.air.c / float(room.size.max())
     while len(room_modes(room, top)[0]) < count:
         top *= 1.5
-    hz, orders = (part[:count] for part in room_modes(room, top))
+    hz, orders = room_modes(room, top)
+    hz, orders = hz[:count], orders[:count]
     shapes = np.ones((len(grid.points), len(hz)))
     for axis, length in enumerate(room.size):
         shapes *= np.cos(np.pi / length * np.outer(grid.points[:, axis], orders[:, axis]))

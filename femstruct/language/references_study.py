@@ -88,8 +88,8 @@ def check_study(study: StudySpec, tree: Tree, model: ModelSpec, mistakes: Mistak
         _check_coupling(check, study, name, room)
         _check_levels(check, study, name, room)
         if room.animate and not room.receivers:
-            here: Steps = ("rooms", name, "animate")
-            check.wrong(here, "a moving picture without receivers", "a receiver to cut the room at", "add 'receivers:'")
+            got = "a moving picture without receivers"
+            check.wrong(("rooms", name, "animate"), got, "a receiver to cut the room at", "add 'receivers:'")
         for receiver, places in room.receivers.items():
             for place in places:
                 if room.under is None and (place[2] > 0) != (room.above is not None):
