@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import block_diag, eigh
 
+from acoustics.absorption import COUPLED, absorbed, coupling
 from acoustics.coupled import CoupledAir, Leak, coupled_air
 from acoustics.coupled_fem import coupled_cavity
 from acoustics.room import Enclosed, Room
@@ -63,6 +64,9 @@ def with_cavity(
     the diagonal is kept, which costs less than a tenth in `simulate`; the finding ``two-way-coupling`` says which, and
     gives frequencies in vacuo and coupled.
     The shapes are not orthonormal with the mass of the structure alone, but with that of structure and air.
+
+    Walls of a room of any shape that take up sound damp each of its modes by itself, with the rate c int beta P_n^2 / V
+    of its energy; the finding ``walls-two-way`` tells where that is not enough.
 
     A rigid square of 1 kg over half a cubic metre of air, its only spring, 1.21 343^2 0.25^2 / 0.5 N/m, a third of
     which moves with it:
@@ -141,6 +145,8 @@ def with_cavity(
         | ({} if leak is None else {name: -turn[k] / np.sqrt(leak.inertance)}),
     )
     told = (_told(basis, joined, own, air, (stray, kept), name), *_cut(air, reach))
+    if isinstance(room, ShapedRoom):
+        told = (*told, *_of_walls(room, joined))
     return replace(joined, findings=(*basis.findings, *told))
 
 
@@ -225,6 +231,27 @@ def _cut(air: CoupledAir, asked_hz: float) -> tuple[Finding, ...]:
             "Hz, where the structure's modes go, its air is a mass only: resonances of the room there act on what is "
             "heard, not on the structure",
             {"cavity_modes_up_to_hz": kept, "asked_hz": asked_hz},
+        ),
+    )
+
+
+def _of_walls(room: ShapedRoom, joined: ModalBasis) -> tuple[Finding, ...]:
+    """A finding when what the walls take up is more than the damping of each mode by itself."""
+    taken = absorbed(room.modes, room.walls, room.air)
+    coupled = coupling(room.modes, taken, room.air)
+    rate = room.air.c * float(taken[0, 0])  # at which walls let go of uniform pressure [1/s]
+    elastic = joined.omega[np.array(joined.kind) == "elastic"]
+    lost = rate / float(elastic[0]) if elastic.size else 0.0
+    if coupled <= COUPLED and lost <= COUPLED:
+        return ()
+    return (
+        Finding(
+            "walls-two-way",
+            f"Walls couple two modes of the room by {coupled:.2g} of the distance of their frequencies and would take "
+            f"up uniform pressure with a loss factor of {lost:.2g} at the first mode, {elastic[0] / (2 * np.pi):.4g} "
+            f"Hz; above {COUPLED:g} two-way coupling is rough, as its walls damp each mode of the room by itself and "
+            "uniform pressure not at all. One-way coupling has all of it, but air that does not push back",
+            {"coupling": coupled, "uniform_loss_factor": lost, "allowed": COUPLED},
         ),
     )
 
