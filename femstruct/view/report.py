@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from html import escape
 from pathlib import Path
 from typing import Final
+from urllib.parse import quote
 
 from femstruct.files.atomic import replacing
 from femstruct.files.tables import findings_by_case
@@ -25,22 +26,28 @@ th.key, td.key { text-align: left; padding-left: 0; }
 """
 
 
-def write_report(result: StudyResult, path: str | Path, pictures: Sequence[str] = ()) -> Path:
-    """Write the page to a path, in one step: what the terminal shows, and pictures by their file names beside it.
+def write_report(
+    result: StudyResult, path: str | Path, pictures: Sequence[str] = (), sounds: Sequence[str] = ()
+) -> Path:
+    """Write the page to a path, in one step: what the terminal shows, pictures and sounds by the names of their files.
 
     The page asks nothing of a network; without the pictures it is readable all the same.
     """
     path = Path(path)
     with replacing(path) as temporary:
-        temporary.write_text(report(result, pictures), encoding="utf-8")
+        temporary.write_text(report(result, pictures, sounds), encoding="utf-8")
     return path
 
 
-def report(result: StudyResult, pictures: Sequence[str] = ()) -> str:
+def report(result: StudyResult, pictures: Sequence[str] = (), sounds: Sequence[str] = ()) -> str:
     """The page as HTML."""
     title = escape(result.plan.title)
     parts = [f"<h1>{title}</h1>", _outcomes(result), _findings(result)]
     parts += [_table(grid) for grid in study_tables(result) if grid.rows]
+    if sounds:
+        cases = ", ".join(name for name, case in result.cases.items() if case.rooms)
+        parts.append(f"<h2>To listen to, in turn and at one scale: {escape(cases)}</h2>")
+    parts += [_sound(name) for name in sounds]
     parts += [_picture(name) for name in pictures]
     told = ", ".join(f"{name} {value}" for name, value in result.provenance.items() if value)
     head = f'<meta charset="utf-8"><title>{title}</title><style>{_STYLE}</style>'
@@ -82,5 +89,9 @@ def _table(grid: Grid) -> str:
 
 
 def _picture(name: str) -> str:
-    source = escape(name, quote=True)
-    return f'<figure><img src="{source}" alt="{source}" loading="lazy"><figcaption>{source}</figcaption></figure>'
+    return f'<figure><img src="{quote(name)}" alt="{escape(name)}"><figcaption>{escape(name)}</figcaption></figure>'
+
+
+def _sound(name: str) -> str:
+    player = f'<audio controls preload="metadata" src="{quote(name)}"></audio>'
+    return f"<figure>{player}<figcaption>{escape(name)}</figcaption></figure>"

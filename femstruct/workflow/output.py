@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from femstruct.files.atomic import replacing
-from femstruct.files.audio import write_sequence, write_wav
+from femstruct.files.audio import listening_scale, write_sequence, write_wav
 from femstruct.files.results import write_results
 from femstruct.files.rooms import write_room_modes
 from femstruct.files.tables import summary
@@ -24,8 +24,8 @@ from femstruct.workflow.run import Progress, Stopwatch
 def write_all(
     result: StudyResult, folder: Path, progress: Progress = lambda line: None
 ) -> tuple[dict[str, float], str]:
-    """Write results.h5, summary.json, a WAV for every receiver and case, one of all cases in turn, all pictures, and
-    report.html with tables and pictures.
+    """Write results.h5, summary.json, a WAV for every receiver and case, one to listen to with all cases in turn, all
+    pictures, and report.html with tables, pictures and what to listen to.
 
     Every file is complete or absent: each is written under a temporary name and then renamed. All sounds of a study
     have one full scale, so that cases can be compared by ear.
@@ -39,25 +39,27 @@ def write_all(
         with replacing(folder / "summary.json") as path:
             path.write_text(json.dumps(summary(result), indent=1, allow_nan=False) + "\n", encoding="utf-8")
     with clock("sound"):
-        _write_sounds(result, folder)
+        sounds = _write_sounds(result, folder)
     with clock("pictures"):
         pictures = plot_all(result, folder)
     with clock("mode shapes"):
         shapes, left_out = shapes_all(result, folder)
     with clock("room pictures"):
-        sounds, _ = room_pictures(result, folder)
+        moving, _ = room_pictures(result, folder)
         for plan in result.cases[result.plan.baseline].case.study.rooms:
             write_room_modes(plan, (folder / file_name("room_modes", plan.name)).with_suffix(".vtu"))
     with clock("report"):
         first = sorted(pictures, key=lambda path: not path.name.startswith(("rated", "level")))
-        write_report(result, folder / "report.html", [path.name for path in (*first, *sounds, *shapes)])
+        shown = [path.name for path in (*first, *moving, *shapes)]
+        write_report(result, folder / "report.html", shown, sounds)
     return clock.seconds, left_out
 
 
-def _write_sounds(result: StudyResult, folder: Path) -> None:
-    """A WAV for every receiver and case, and for every receiver one of all cases in turn: all at one scale.
+def _write_sounds(result: StudyResult, folder: Path) -> list[str]:
+    """A WAV for every receiver and case, and for every receiver one of all cases in turn, for listening: their names.
 
-    Cases of another sampling than the baseline's cannot follow it in one file: they are not in the sequence.
+    All are at one scale, the latter a decibel below it. Cases of another sampling than the baseline's cannot follow it
+    in one file: they are not in the sequence.
     """
     heard = [
         (case, f"{plan.name}.{receiver.name}", item.rooms[plan.name].p[i], item.case.study.time)
@@ -68,16 +70,20 @@ def _write_sounds(result: StudyResult, folder: Path) -> None:
     ]
     loudest = max((float(np.abs(p).max()) for _, _, p, _ in heard), default=0.0)
     if not loudest > 0.0:
-        return
+        return []
     for case, receiver, p, time in heard:
         if time is not None:
             write_wav(folder / f"{case}.{receiver}.wav", p, time.sampling, full_scale=loudest)
     baseline = result.cases[result.plan.baseline].case.study.time
+    names = []
     for receiver in dict.fromkeys(receiver for _, receiver, _, _ in heard):
         sounds = {
             case: p
             for case, there, p, time in heard
             if there == receiver and time is not None and baseline is not None and time.sampling == baseline.sampling
         }
-        if len(sounds) > 1 and baseline is not None:
-            write_sequence(folder / f"all cases.{receiver}.wav", sounds, baseline.sampling, full_scale=loudest)
+        if sounds and baseline is not None:
+            names.append(f"listen.{receiver}.wav")
+            scale = listening_scale(loudest)
+            write_sequence(folder / names[-1], sounds, baseline.sampling, full_scale=scale, form="pcm24")
+    return names

@@ -16,6 +16,7 @@ from acoustics import (
     losses_from_t60,
     pressure,
 )
+from acoustics.absorption import absorbed
 from acoustics.cavity_pressure import cavity_pressure
 from acoustics.decay import reverberation_time
 from acoustics.fem import cavity_modes, drive, probe, wall_integrals
@@ -151,6 +152,20 @@ def test_an_absorbing_wall_damps_each_mode_by_itself_where_it_takes_up_little():
     assert reverberation_time(heard.p[0, 400:], 1 / FS) == pytest.approx(
         3 * np.log(10) / (air.c * absorbed[1] / 2), rel=0.01
     )
+
+
+def test_a_wall_couples_two_modes_by_the_geometric_mean_of_what_it_takes_of_each():
+    """Reciprocal, and each mode's own share that of the wall at its frequency."""
+    air, size = Air(343, 1.21), (1.0, 0.7, 0.4)
+    modes = cavity_modes(box_mesh(size, (6, 4, 2)), 10.0)
+    wall = Wall({100.0: 0.01, 400.0: 0.05})
+    taken = absorbed(modes, {"x0": wall}, air)
+    plain = wall_integrals(modes, "x0") / modes.mesh.volume
+    beta = wall.at(modes.wavenumber * air.c / (2 * np.pi))
+    assert np.ptp(beta) > 0.03
+    assert taken == pytest.approx(taken.T, abs=1e-15)
+    assert np.diag(taken) == pytest.approx(beta * np.diag(plain), rel=1e-12)
+    assert taken[0, 1] == pytest.approx(np.sqrt(beta[0] * beta[1]) * plain[0, 1], rel=1e-12)
 
 
 @pytest.mark.parametrize("by_cosines", [True, False])

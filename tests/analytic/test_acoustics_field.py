@@ -135,6 +135,19 @@ def test_a_piston_in_time():
     assert not heard.findings
 
 
+def test_what_arrives_after_the_record_is_not_in_it():
+    """Receivers 1 to 12 records away: their sound must not come round to the start."""
+    fs, nt = 48e3, 480
+    t = np.arange(nt) / fs
+    rates = np.where(t < 5e-3, np.sin(np.pi * t / 5e-3) ** 8, 0.0)
+    surface = SurfaceVelocity(np.zeros((1, 3)), [1e-4], np.ones((1, 1)), [rates], 1 / fs)
+    for records in np.arange(1.05, 12.0, 0.5):
+        far = Receiver("far", [0, 0, records * nt / fs * AIR.c])
+        (heard,) = field_pressures([surface], HalfSpace(AIR), [Receiver("near", [0, 0, 0.5]), far])
+        # spectra are cut where they are 1e-9 of the rest
+        assert np.abs(heard.p[1]).max() < 1e-7 * np.abs(heard.p[0]).max(), records
+
+
 def test_what_is_too_coarse_or_too_near_is_told_with_both_numbers():
     points, weights = rectangle((1.0, 1.0), (10, 10))
     shapes, rates = still(len(points))

@@ -6,11 +6,12 @@ from collections.abc import Mapping
 
 import numpy as np
 import pytest
+from scipy.integrate import quad
 
 from femstruct import GROUND, Body, Clock, Contact, Hertz, Linear, Scene, simulate
 from femstruct.arrays import Floats
 from femstruct.errors import FemstructError, InputError
-from femstruct.impact.pulse import pulse_of
+from femstruct.impact.pulse import LASTS, LOSES, pulse_of
 from femstruct.modal.analytic import given_modes
 from femstruct.workflow.fit import Fit, fit
 from femstruct.workflow.fit_findings import fit_findings
@@ -112,6 +113,25 @@ def test_pulse_with_loss_gives_start_values() -> None:
         started = pulse.linear(MASS, SPEED) if isinstance(law, Linear) else pulse.hertz(MASS, SPEED)
         assert started.stiffness == pytest.approx(law.stiffness, rel=0.33)
         assert started.damping == pytest.approx(law.damping, rel=0.33)
+
+
+def test_constants_of_a_hertz_pulse() -> None:
+    """It lasts 2.943 d_max / v in the textbooks; its dashpot loses what c d^0.5 d' does along sqrt(1 - x^2.5)."""
+    assert abs(LASTS - 2.943) < 5e-4
+    lost = 2.0 * quad(lambda u: 2.0 * u * u * np.sqrt(1.0 - u**5), 0.0, 1.0)[0]  # x = u^2
+    assert abs(LOSES / lost - 1.0) < 1e-7
+
+
+def test_correlation_of_a_straight_line_that_falls() -> None:
+    """Slope and offset of a line are correlated as numpy has them, whatever the sign of a start."""
+    t = np.linspace(0.0, 3.0, 40)
+    line = 5.0 - 2.0 * t + np.random.default_rng(2).normal(0.0, 0.1, 40)
+    found = fit(lambda p: p["a"] * t + p["b"], line, {"a": -1.0, "b": 1.0})
+    covariance = np.polyfit(t, line, 1, cov=True)[1]
+    assert found.correlation[0, 1] == pytest.approx(
+        covariance[0, 1] / np.sqrt(covariance[0, 0] * covariance[1, 1]), rel=1e-6
+    )
+    assert found.deviations["a"] == pytest.approx(np.sqrt(covariance[0, 0]), rel=1e-6)
 
 
 def test_pulses_that_cannot_be_are_refused() -> None:

@@ -7,7 +7,7 @@ import pytest
 from scipy.io import wavfile
 
 from femstruct.errors import InputError
-from femstruct.files.audio import write_sequence, write_wav
+from femstruct.files.audio import listening_scale, write_sequence, write_wav
 
 
 def test_pressure_comes_back_through_the_scale(tmp_path):
@@ -56,3 +56,14 @@ def test_a_sequence_is_not_clipped(tmp_path):
     with pytest.raises(InputError, match="above full scale"):
         write_sequence(tmp_path / "all.wav", {"a": np.ones(10), "b": 3 * np.ones(10)}, 8000.0, full_scale=2.0)
     assert not (tmp_path / "all.wav").exists()
+
+
+def test_24_bits_for_listening_come_back_to_half_of_the_last(tmp_path):
+    p = np.array([0.0, 1.0, -1.0, 0.3, -2e-5])
+    scale = listening_scale(1.0)
+    write_wav(tmp_path / "a.wav", p, 48000.0, full_scale=scale, form="pcm24")
+    rate, samples = wavfile.read(tmp_path / "a.wav")  # scipy puts 24 bits into the upper three bytes of 32
+    assert rate == 48000 and samples.dtype == np.int32 and not (samples & 0xFF).any()
+    assert samples / 256 / (2**23 - 1) * scale == pytest.approx(p, abs=0.5 / (2**23 - 1) * scale * (1 + 1e-9))
+    told = json.loads((tmp_path / "a.wav.json").read_text())
+    assert told["form"] == "pcm24" and 20 * np.log10(told["full_scale"] / told["peak"]) == pytest.approx(1.0)

@@ -49,9 +49,9 @@ def result():
 
 
 def test_every_cell_of_every_table_is_on_the_page(result):
-    page = Page(report(result, ["energy.png", "a b&c.png"]))
+    page = Page(report(result, ["energy.png", "a b&c.png"], ["listen.box.mic #2.wav"]))
     assert page.open == []
-    assert page.sources == ["energy.png", "a b&c.png"]
+    assert page.sources == ["listen.box.mic%20%232.wav", "energy.png", "a%20b%26c.png"]
     words = set(page.words)
     grids = [grid for grid in study_tables(result) if grid.rows]
     assert len(grids) > 3
