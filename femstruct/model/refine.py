@@ -43,8 +43,9 @@ class Refined:
 
     def displacement(self, shapes: Floats) -> Floats:
         """Displacements [p, 3, k] of the points in nodal shapes [n_nodes, 7, k]."""
-        moved: Floats = self.rows @ shapes.reshape(-1, shapes.shape[2])
-        return moved.reshape(len(self.points), 3, shapes.shape[2])
+        count = shapes.shape[2]
+        moved: Floats = self.rows @ shapes.reshape(shapes.shape[0] * shapes.shape[1], count)  # -1 fails without nodes
+        return moved.reshape(len(self.points), 3, count)
 
 
 def refined(model: Model, divisions: int = 4) -> Refined:

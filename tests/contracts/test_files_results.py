@@ -15,7 +15,9 @@ from femstruct.files.hdf5 import key
 from femstruct.files.results import write_results
 from femstruct.files.stored import read_results
 from femstruct.files.tables import summary
+from femstruct.language import read_study
 from femstruct.model.probe import Probe
+from femstruct.workflow.run import run_study
 
 BY_HAND = runpy.run_path(str(Path(__file__).parents[1] / "data" / "study_by_hand.py"))
 
@@ -175,3 +177,15 @@ def test_incomplete_other_and_missing_files_are_refused(path, tmp_path):
         read_results(tmp_path / "text.h5")
     with pytest.raises(InputError, match="no such file"):
         read_results(tmp_path / "none.h5")
+
+
+def test_bodies_without_a_structure_are_written_and_read(tmp_path):
+    """No node and no mode, so every array of shapes is empty."""
+    models = Path(__file__).parents[2] / "models"
+    result = run_study(read_study(models / "tennis_ball_drop.study.yaml"))
+    write_results(tmp_path / "results.h5", result)
+    stored = read_results(tmp_path / "results.h5")
+    (case,), (written,) = stored.cases.values(), result.cases.values()
+    channel = "ball on ground force"
+    np.testing.assert_array_equal(case.channels[channel], written.channels[channel].values)
+    assert [basis.kind for basis in stored.bases.values()] == [()]
