@@ -10,7 +10,8 @@ from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csc_array
+from scipy.sparse import coo_array, csc_array
+from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from acoustics.arrays import Floats, Integers, freeze, frozen
@@ -31,7 +32,7 @@ class CavityMesh:
     walls : {name: [f, 3] or [f, 4]}, corner numbers of boundary facets, in any order.
 
     Raises AcousticsError: cells of another kind, corner numbers that do not exist, a cell without volume, a wall facet
-    that is not on the boundary.
+    that is not on the boundary, cells that fall apart.
 
     >>> mesh = box_mesh([1, 1, 2], [2, 2, 4])
     >>> mesh.cells.shape, sorted(mesh.walls), round(mesh.volume, 12)
@@ -67,6 +68,14 @@ class CavityMesh:
             )
         for name in walls:
             self.facets(name)
+        rooms = _apart(cells)
+        if rooms > 1:
+            raise AcousticsError(
+                "cavity.cells",
+                got=f"{rooms} bodies of air that share no corner",
+                expected="one room",
+                do="join their points, or give each a mesh of its own",
+            )
 
     @cached_property
     def basis(self) -> Any:
@@ -149,6 +158,15 @@ class CavityMesh:
             raise AcousticsError(
                 f"cavity.walls.{wall}", got=f"a facet with corners {error}", expected="facets of the boundary"
             ) from None
+
+
+def _apart(cells: Integers) -> int:
+    """Number of bodies of cells that share no corner."""
+    n = int(cells.max()) + 1
+    pairs = np.column_stack([np.repeat(cells[:, 0], cells.shape[1]), cells.ravel()])
+    graph = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(n, n))
+    _, label = connected_components(graph, directed=False)
+    return len(np.unique(label[np.unique(cells)]))
 
 
 def box_mesh(size: tuple[float, float, float] | list[float], cells: tuple[int, int, int] | list[int]) -> CavityMesh:

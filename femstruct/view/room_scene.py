@@ -23,6 +23,7 @@ from femstruct.study.study import RoomPlan
 from femstruct.view.figures import file_name
 from femstruct.view.maps import heard_peaks
 from femstruct.view.opengl import NoOpenGL, require_opengl
+from femstruct.view.scene import add_scales
 
 LEVELS: Final = (-0.75, -0.5, -0.25, 0.25, 0.5, 0.75)  # of the largest
 SHARE: Final = "Re P over its largest amount"
@@ -82,14 +83,17 @@ def picture_surfaces(
         largest = own[np.abs(own).argmax()]
         cells[SHARE] = np.real(own / largest)
         surfaces = cells.contour(list(LEVELS), scalars=SHARE)
+        look = {"scalars": SHARE, "cmap": "RdBu_r", "clim": (-1, 1), "show_scalar_bar": pane == 0}
         if surfaces.n_points:
-            plotter.add_mesh(
-                surfaces, scalars=SHARE, cmap="RdBu_r", clim=(-1, 1), opacity=0.75, smooth_shading=True,
-                show_scalar_bar=pane == 0, scalar_bar_args=_BAR,
-            )  # fmt: skip
+            plotter.add_mesh(surfaces, opacity=0.75, smooth_shading=True, scalar_bar_args=_BAR, **look)
+        else:  # nearly uniform: no surface lies in the room
+            skin = cells.extract_surface(algorithm="dataset_surface")
+            plotter.add_mesh(skin, opacity=0.6, lighting=False, scalar_bar_args=_BAR, **look)
         _furnish(plotter, cells, plan.receivers)
         level = 20.0 * np.log10(float(np.abs(largest)) / REFERENCE_PA)
-        words = f"{title}: {plan.name}, {name}, largest {level:.0f} dB re 20 µPa/Hz"
+        low, high = float(cells[SHARE].min()), float(cells[SHARE].max())
+        amount = f"largest {level:.0f} dB re 20 µPa/Hz; Re P from {low:.2f} to {high:.2f} of it"
+        words = f"{title}: {plan.name}, {name}\n{amount}"
         plotter.add_text(words, position="upper_left", font_size=8, color="black")
     plotter.set_background("white")
     _save(plotter, path)
@@ -213,10 +217,7 @@ def _furnish(plotter: Any, cells: Any, receivers: tuple[Receiver, ...]) -> None:
             text_color="black", render_points_as_spheres=True, always_visible=True,
         )  # fmt: skip
     plotter.view_isometric()
-    plotter.show_bounds(
-        grid=False, location="outer", font_size=10, color="#444444", xtitle="x in m", ytitle="y in m", ztitle="z in m",
-        n_xlabels=3, n_ylabels=3, n_zlabels=3, fmt="%.1f",
-    )  # fmt: skip
+    add_scales(plotter)
     plotter.enable_parallel_projection()
     plotter.camera.zoom(0.85)
 

@@ -121,13 +121,13 @@ def picture_model(model: Model | None, rooms: Sequence[RoomPlan], path: str | Pa
     plotter.add_legend(bcolor=None, border=False, size=(0.22, 0.035 * max(len(fine.parts), 3)), loc="upper left")
     plotter.add_axes()
     plotter.view_isometric()
-    _add_scales(plotter)
+    add_scales(plotter)
     plotter.set_background("white")
     plotter.enable_parallel_projection()
     _save(plotter, path)
 
 
-def _add_scales(plotter: Any) -> None:
+def add_scales(plotter: Any) -> None:
     """Scales in metres along the box of all that is drawn, with ticks where there is room for them."""
     low, high = np.reshape(plotter.bounds, (3, 2)).T
     largest = float((high - low).max()) or 1.0
