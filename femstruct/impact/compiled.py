@@ -13,8 +13,8 @@ from typing import Any, Final, TypeVar, cast
 from numba import njit
 
 F = TypeVar("F", bound=Callable[..., object])
-# options of njit; its type stubs leave some out. A kernel that says nothing of counting takes it from its first caller
-_OPTIONS: Final[dict[str, Any]] = {"cache": True, "error_model": "numpy", "_nrt": False}
+# options of njit; its type stubs leave some out. What a kernel does not say it takes from its first caller
+_OPTIONS: Final[dict[str, Any]] = {"cache": True, "error_model": "numpy", "_nrt": False, "fastmath": False}
 _COUNTED: Final[dict[str, Any]] = {**_OPTIONS, "_nrt": True}
 _SUMS: Final[dict[str, Any]] = {**_OPTIONS, "fastmath": {"reassoc", "contract", "nsz"}}
 
