@@ -60,12 +60,15 @@ def peaks_of_step(system: System, state: State, t: float, h: float, order: int, 
         if system.interfaces[a]["kind"] == LINK or state.status[a] != CLOSED:
             continue
         preload, offset = system.interfaces[a]["preload"], system.interfaces[a]["offset"]
-        force, where = largest(room.force[a], record.peak[a, 0] - preload, order, rule, room.watched)
-        if where >= 0.0:
-            record.peak[a, 0], record.peak[a, 1] = force + preload, t + where * h
         depth, where = largest(room.place[a], record.deepest[a] - offset, order, rule, room.watched)
         if where >= 0.0:
             record.deepest[a] = depth + offset
+        if room.dash[a] > 0.0:
+            force, where = largest(room.force[a], record.peak[a, 0] - preload, order, rule, room.watched)
+        else:  # the spring's force is largest where it is deepest
+            force = room.spring[a] * depth + room.held[a]
+        if where >= 0.0:
+            record.peak[a, 0], record.peak[a, 1] = force + preload, t + where * h
 
 
 @inlined
@@ -73,10 +76,12 @@ def travels_of_step(system: System, order: int, rule: ExactRule, room: ExactRoom
     """Raise the largest displacement of each body, either way, to that in the step."""
     path = room.boxes[0]
     for b in range(len(record.travel)):
-        for side in (1.0, -1.0):
-            for k in range(order + 1):
-                path[k] = side * room.z[k, system.n_modes + b]
+        for k in range(order + 1):
+            path[k] = room.z[k, system.n_modes + b]
+        for _ in range(2):
             record.travel[b] = largest(path, record.travel[b], order, rule, room.watched)[0]
+            for k in range(order + 1):
+                path[k] = -path[k]
 
 
 @kernel
