@@ -20,7 +20,7 @@ from acoustics.judgement import one_way, source_advice, truncation
 from acoustics.orders import ENOUGH, audible, not_in, order_blocks, square, undriven
 from acoustics.room import Receiver, Room, inside, positions
 from acoustics.source import SurfaceVelocity, alike, on_ceiling
-from acoustics.sums import Sums
+from acoustics.sums import Sums, energy_of
 
 SILENT: Final = 1e-9  # share of the velocity below which a cosine is not driven: symmetry, but for rounding
 NEGLIGIBLE: Final = 1e-9  # share of the summed velocity spectrum above the highest frequency that is evaluated
@@ -137,7 +137,8 @@ def pressures(
         chosen = new
         if orders is None and len(done):
             chosen = audible(surfaces, room, new, [heard.energies().min() for heard in sums])
-        shares = _synthesise(surfaces, room, chosen, sums)
+        told = orders is None or len(done) + len(new) == orders**2  # of fewer cosines than asked for nobody hears
+        shares = _synthesise(surfaces, room, chosen, sums, told)
         done = np.concatenate([done, new])
         more = len(done) > len(new) and max(shares) < ENOUGH
         if orders is None and more and undriven(surfaces, room, done, top):
@@ -149,8 +150,13 @@ def pressures(
     return found
 
 
-def _synthesise(surfaces: Sequence[SurfaceVelocity], room: Room, orders: Integers, sums: Sequence[Sums]) -> list[float]:
-    """Add what the cosines `orders` of the ceiling make to the sums of every surface; returns their shares of them."""
+def _synthesise(
+    surfaces: Sequence[SurfaceVelocity], room: Room, orders: Integers, sums: Sequence[Sums], told: bool
+) -> list[float]:
+    """Add what the cosines `orders` of the ceiling make to the sums of every surface; returns their shares of them.
+
+    told : whether the shares are wanted; 0 where not.
+    """
     first = surfaces[0]
     nt, dt = first.rates.shape[1], first.dt
     coefficients = project(first, room, orders)
@@ -179,8 +185,11 @@ def _synthesise(surfaces: Sequence[SurfaceVelocity], room: Room, orders: Integer
         ):
             for height, (part, mix) in enumerate(zip(parts, mixes, strict=True)):
                 history = np.fft.irfft(part, length, axis=1)[:, :nt] / weight[:nt]
-                energy[own.rows[height]] += own.add(height, None if _few(mix) else mix, history)
-    return [_worst_share(part, heard.energies()) for part, heard in zip(added, sums, strict=True)]
+                shared = None if _few(mix) else mix
+                own.add(height, shared, history)
+                if told:
+                    energy[own.rows[height]] += energy_of(shared, history)
+    return [_worst_share(part, heard.energies()) if told else 0.0 for part, heard in zip(added, sums, strict=True)]
 
 
 def _driven(
