@@ -2,17 +2,25 @@
 
 from __future__ import annotations
 
+from functools import partial
+
+from femstruct.impact.response import EnergyLedger
 from femstruct.impact.shares import energy_shares
 from femstruct.study.result import StudyResult
 from femstruct.view.grid import Grid
+from femstruct.view.scales import scaled
 
+SMALLEST = 1e-6  # share of the energy that is told in percent
 TOLD = 0.01  # share of the energy from which on a terminal names what has it
+NOTHING = 1e-9  # share of the energy put in, below which a ledger holds the tail of a decay and rounding
 
 
 def energies(result: StudyResult) -> Grid:
     """The ledger at the start, the separation and the end, bodies by name."""
+    ledgers = [case.response.ledger for case in result.cases.values() if case.response is not None]
+    factor, unit = scaled("J", max(map(_put_in, ledgers), default=0.0))
     grid = Grid(
-        "energy [mJ]",
+        f"energy [{unit}]",
         ("case", "when", "t [ms]", "bodies", "structure", "contacts, links", "dissipated", "ledger residual"),
         keys=3,
     )
@@ -21,6 +29,8 @@ def energies(result: StudyResult) -> Grid:
             continue
         ledger = case.response.ledger
         for label, balance in (("start", ledger.start), ("separation", ledger.at_separation), ("end", ledger.end)):
+            if balance is None and not case.response.contacts:
+                continue  # nothing meets, so nothing parts
             if balance is None:
                 grid.add(name, label, "never", "", "", "", "", "")
                 continue
@@ -28,19 +38,34 @@ def energies(result: StudyResult) -> Grid:
             for body, energy in balance.bodies.items():  # an array of bodies is told as one
                 array = body.rpartition(".")[0] or body
                 kinetic[array] = kinetic.get(array, 0.0) + energy
-            bodies = ", ".join(f"{body} {1e3 * energy:.4g}" for body, energy in kinetic.items())
+            tell = partial(_amount, factor=factor, nothing=NOTHING * _put_in(ledger))
+            bodies = ", ".join(f"{body} {tell(energy)}" for body, energy in kinetic.items())
             stored = sum(balance.contacts.values()) + sum(balance.links.values())
             grid.add(
                 name,
                 label,
                 f"{1e3 * balance.t:.3f}",
                 bodies,
-                f"{1e3 * balance.structure:.4g}",
-                f"{1e3 * stored:.4g}",
-                f"{1e3 * balance.dissipated:.4g}",
+                tell(balance.structure),
+                tell(stored),
+                tell(balance.dissipated),
                 f"{ledger.residual:.1e}" if label == "end" else "",
             )
     return grid
+
+
+def _put_in(ledger: EnergyLedger) -> float:
+    """Energy at the start and what work and blows brought until the end [J]."""
+    return ledger.start.total + ledger.end.work + ledger.end.blows
+
+
+def _amount(energy: float, factor: float, nothing: float) -> str:
+    """An energy [J] in the unit of the table, 0 for what is none.
+
+    >>> _amount(0.1218, 1e3, 1e-10), _amount(2e-17, 1e3, 1e-10)
+    ('121.8', '0')
+    """
+    return f"{factor * energy:.4g}" if abs(energy) >= nothing else "0"
 
 
 def whither(result: StudyResult) -> Grid:
@@ -57,9 +82,19 @@ def whither(result: StudyResult) -> Grid:
                 {} if balance is None or groups is None or taken is None else energy_shares(balance, groups, taken)
                 for balance, groups, taken in triples
             ]
-    grid = Grid("where the energy went [% at the separation / at the end]", ("", *moments))
+    parted = any(first for first, _ in moments.values())  # nowhere: nothing meets, or what met stays together
+    grid = Grid(f"where the energy went [% {'at the separation / ' if parted else ''}at the end]", ("", *moments))
     told = [share for both in moments.values() for shares_then in both for share in shares_then.items()]
     for holder in dict.fromkeys(what for what, share in told if share >= TOLD):
-        texts = [[f"{100 * then[holder]:.3g}" if holder in then else "-" for then in both] for both in moments.values()]
+        texts = [[_share(then.get(holder)) for then in (both if parted else both[1:])] for both in moments.values()]
         grid.add(holder, *(" / ".join(both) for both in texts))
     return grid
+
+
+def _share(share: float | None) -> str:
+    """Percent of what was put in, 0 for what is none.
+
+    >>> _share(0.0333), _share(2.8e-31), _share(None)
+    ('3.33', '0', '-')
+    """
+    return "-" if share is None else f"{100 * share:.3g}" if abs(share) >= SMALLEST else "0"

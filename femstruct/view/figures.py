@@ -1,4 +1,4 @@
-"""What all figures share: size, colours of cases, thinned lines, scaled units, and one way to the disk."""
+"""What all figures share: size, colours of cases, thinned lines, and one way to the disk."""
 
 from __future__ import annotations
 
@@ -19,16 +19,6 @@ from femstruct.files.atomic import replacing
 BASELINE: Final = "#222222"
 COLOURS: Final = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#8c564b", "#7f7f7f")
 """Okabe and Ito's colours, told apart by colour-blind readers."""
-
-_SCALES: Final = {  # unit: (how much of the unit, shown unit), the largest first
-    "m": ((1.0, "m"), (1e-3, "mm"), (1e-6, "µm"), (1e-9, "nm")),
-    "m/s": ((1.0, "m/s"), (1e-3, "mm/s"), (1e-6, "µm/s")),
-    "m/s^2": ((1.0, "m/s²"), (1e-3, "mm/s²")),
-    "rad": ((1.0, "rad"), (1e-3, "mrad")),
-    "N": ((1e3, "kN"), (1.0, "N"), (1e-3, "mN")),
-    "Pa": ((1e3, "kPa"), (1.0, "Pa"), (1e-3, "mPa"), (1e-6, "µPa")),
-    "J": ((1.0, "J"), (1e-3, "mJ"), (1e-6, "µJ")),
-}
 
 
 def new_figure(width: float, height: float, title: str) -> Figure:
@@ -85,17 +75,6 @@ def case_colours(names: Iterable[str], baseline: str) -> dict[str, str]:
     """
     others = [name for name in names if name != baseline]
     return {baseline: BASELINE} | {name: COLOURS[number % len(COLOURS)] for number, name in enumerate(others)}
-
-
-def scaled(unit: str, largest: float) -> tuple[float, str]:
-    """A factor and a unit in which `largest` is a number near 1..1000 to read.
-
-    >>> scaled("m", 0.0042)
-    (1000.0, 'mm')
-    """
-    scales = _SCALES.get(unit, ((1.0, unit),))
-    size, name = next((scale for scale in scales if largest >= 0.5 * scale[0]), scales[-1] if largest else scales[0])
-    return 1.0 / size, name
 
 
 def thinned(t: Floats, values: Floats, most: int = 1500) -> tuple[Floats, Floats]:

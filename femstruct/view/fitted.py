@@ -10,7 +10,8 @@ from matplotlib.figure import Figure
 from femstruct.arrays import Floats
 from femstruct.errors import InputError
 from femstruct.files.atomic import refuse_missing_folder
-from femstruct.view.figures import BASELINE, COLOURS, finish, legend_above, new_figure, panels, scaled
+from femstruct.view.figures import BASELINE, COLOURS, finish, legend_above, new_figure, panels
+from femstruct.view.scales import scaled
 
 SUFFIXES = (".png", ".pdf", ".svg")
 

@@ -33,11 +33,12 @@ class Grid:
         lines = [self.columns, *self.rows]
         widths = [max(cell_len(line) for row in lines for line in row[i].split("\n")) for i in range(len(self.columns))]
         for shown in fitting(widths, self.keys, console.width):
-            table = Table(title=self.title, title_justify="left", box=None, pad_edge=False)
+            table = Table(box=None, pad_edge=False)
             for i in shown:
                 table.add_column(self.columns[i], justify="left" if i == 0 else "right", no_wrap=True)
             for row in self.rows:
                 table.add_row(*(row[i] for i in shown))
+            console.print(self.title, style="italic", soft_wrap=True)  # as a table's own title it would be broken
             console.print(table)
 
 

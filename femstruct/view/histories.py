@@ -10,12 +10,14 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from femstruct.arrays import Floats
-from femstruct.impact.response import EnergyLedger, Response
+from femstruct.impact.response import BodyHistory, EnergyLedger, Response
 from femstruct.study.result import CaseResult, StudyResult
-from femstruct.view.figures import case_colours, finish, legend_above, new_figure, panels, scaled, thinned
+from femstruct.view.figures import case_colours, finish, legend_above, new_figure, panels, thinned
+from femstruct.view.scales import scaled
 
 ZOOM_WITHOUT_RULE: Final = 0.05  # of the window, where no first-impact window is given
 AROUND: Final = 1.25  # times the first-impact window: what comes next is seen to begin
+RESTING: Final = 1e-6  # of its largest speed: a body that is told to be at rest
 ENERGY_COLOURS: Final = ("#0072b2", "#009e73", "#e69f00", "#bbbbbb")
 
 Row = tuple[str, str, Mapping[str, tuple[Floats, Floats]], Mapping[str, str]]  # ylabel, unit, by case (t, y), legend
@@ -45,7 +47,7 @@ def contact_forces(result: StudyResult) -> Figure | None:
         "N",
         {
             case: {
-                name: (contact.force, f"peak {contact.peak_force:.4g} N")
+                name: (contact.force, f"peak {_amount('N', contact.peak_force)}")
                 for name, contact in r.contacts.items()
                 if f"{name} force" not in recorded
             }
@@ -61,9 +63,7 @@ def travels(result: StudyResult) -> Figure | None:
         "Displacement of the bodies",
         "m",
         {
-            case: {
-                name: (body.displacement, f"ends with {body.end_velocity:.4g} m/s") for name, body in r.bodies.items()
-            }
+            case: {name: (body.displacement, _ending(body)) for name, body in r.bodies.items()}
             for case, r in _responses(result).items()
         },
     )
@@ -97,6 +97,24 @@ def energy(result: StudyResult) -> Figure | None:
         columnspacing=1.0,
     )
     return figure
+
+
+def _amount(unit: str, value: float) -> str:
+    """A value in a unit that is easy to read.
+
+    >>> _amount("N", 5.865e5)
+    '586.5 kN'
+    """
+    factor, shown = scaled(unit, abs(value))
+    return f"{factor * value:.4g} {shown}"
+
+
+def _ending(body: BodyHistory) -> str:
+    """The speed a body ends with, if there is one beside its largest."""
+    fastest = float(np.abs(body.velocity).max(initial=0.0))
+    if abs(body.end_velocity) <= RESTING * fastest:
+        return "ends at rest"
+    return f"ends with {_amount('m/s', body.end_velocity)}"
 
 
 def scaled_time(end: float) -> tuple[float, str]:
@@ -149,6 +167,7 @@ def _figure(result: StudyResult, title: str, rows: list[Row]) -> Figure:
     response = next(iter(_responses(result).values()))
     ends = (_zoom(result, response), float(response.t[-1]))
     for row, (label, unit, curves, legend) in zip(grid, rows, strict=True):
+        said = ""  # beside it the same label would only take room
         for axes, end in zip(row, ends, strict=True):
             shown = {name: (t[t <= end], y[t <= end]) for name, (t, y) in curves.items()}
             factor, named = scaled(unit, max(float(np.abs(y).max()) for _, y in shown.values()))
@@ -157,7 +176,9 @@ def _figure(result: StudyResult, title: str, rows: list[Row]) -> Figure:
                 x, values = thinned(t, y)
                 axes.plot(time * x, factor * values, color=colours[name], linewidth=1.0, label=legend[name])
             axes.set_xlim(0.0, time * end)
-            finish(axes, f"time in {time_unit}", f"{label} in {named}")
+            text = f"{label} in {named}"
+            finish(axes, f"time in {time_unit}", "" if text == said else text)
+            said = text
         legend_above(row[0])
     return figure
 

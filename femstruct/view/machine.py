@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 
 from femstruct.study.machine import Companion, EnergyShare, GroundForce, Machine, Verdict
 from femstruct.study.result import StudyResult
 from femstruct.view.grid import Grid
+from femstruct.view.scales import scaled
 
 SAGS, MODES = "sags [mm]", "modes of blocks [Hz], damping"
 MODES_SHOWN = 6  # a block on springs has six; more are in summary.json
@@ -60,9 +61,12 @@ def _amount(value: float, unit: str) -> str:
 def machine(result: StudyResult) -> Grid:
     """One row a case: what a press engineer looks at first."""
     cases = result.machine
+    first = next((m.ground for m in cases.values() if m.ground is not None), None)
+    newton, force = scaled("N", 0.0 if first is None else first.dynamic)
+    joule, energy = scaled("J", max((m.at_end.put_in for m in cases.values()), default=0.0))
     columns: list[tuple[str, Callable[[Machine], str]]] = [
-        ("ground [kN]", lambda m: _of(m.ground, lambda g: f"{1e-3 * g.dynamic:.4g}")),
-        ("with weight [kN]", lambda m: _of(m.ground, lambda g: _kilo(g.with_weight))),
+        (f"ground [{force}]", lambda m: _of(m.ground, lambda g: f"{newton * g.dynamic:.4g}")),
+        (f"with weight [{force}]", lambda m: _of(m.ground, lambda g: _weighed(g.with_weight, newton))),
         ("beside baseline", lambda m: _of(m.ground, _beside)),
     ]
     travels = dict.fromkeys(name for one in cases.values() for name in one.travels)
@@ -77,14 +81,18 @@ def machine(result: StudyResult) -> Grid:
         ("structure", lambda m: _shares(m, "structure")),
         ("damper", lambda m: _shares(m, "companions")),
         ("dissipated", lambda m: _shares(m, "dissipated")),
-        ("of [kJ]", lambda m: "\n".join(f"{1e-3 * share.put_in:.4g}" for share in _instants(m))),
+        (f"of [{energy}]", lambda m: "\n".join(f"{joule * share.put_in:.4g}" for share in _instants(m))),
         ("last blow / first", _growth),
     ]
     cells = {name: [tell(one) for _, tell in columns] for name, one in cases.items()}
+    if any(result.verdicts.values()):
+        columns.append(("limits", lambda m: ""))
+        for name, row in cells.items():
+            row.append(_judged(result.verdicts.get(name, ())))
     same = [i for i, (column, _) in enumerate(columns) if column in (SAGS, MODES)]
     for name, row in cells.items():
         for i in same if name != result.comparison.baseline else ():
-            row[i] = "as baseline" if row[i] == cells[result.comparison.baseline][i] else row[i]
+            row[i] = "as baseline" if row[i] == cells[result.comparison.baseline][i] != "-" else row[i]
     kept = [i for i in range(len(columns)) if any(set(row[i]) - set("-\n 0") for row in cells.values())]
     grid = Grid("machine (energies: when the first contact ends, and at the end)", ("", *(columns[i][0] for i in kept)))
     for name, row in cells.items():
@@ -96,8 +104,15 @@ def _of(ground: GroundForce | None, tell: Callable[[GroundForce], str]) -> str:
     return "-" if ground is None else tell(ground)
 
 
-def _kilo(value: float | None) -> str:
-    return "-" if value is None else f"{1e-3 * value:.4g}"
+def _weighed(value: float | None, factor: float) -> str:
+    return "-" if value is None else f"{factor * value:.4g}"
+
+
+def _judged(verdicts: Sequence[Verdict]) -> str:
+    """The limits a case exceeds, a line each, and those that the window is too short for."""
+    told = [f"{verdict.name} exceeded" for verdict in verdicts if verdict.met is False]
+    told += [f"{verdict.name} not seen" for verdict in verdicts if verdict.met is None]
+    return "\n".join(told) or ("met" if verdicts else "-")
 
 
 def _travel(channel: str, machine: Machine) -> str:

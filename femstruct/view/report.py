@@ -14,7 +14,7 @@ from femstruct.study.result import StudyResult
 from femstruct.view.grid import Grid
 from femstruct.view.rated import first_drop
 from femstruct.view.terminal import study_tables
-from femstruct.view.trust import trust
+from femstruct.view.trust import outcomes, trust
 
 _STYLE: Final = """
 body { font: 15px/1.5 system-ui, sans-serif; margin: 2em auto; max-width: 72em; padding: 0 1em; color: #222; }
@@ -59,11 +59,8 @@ def report(result: StudyResult, pictures: Sequence[str] = (), sounds: Sequence[s
 
 def _outcomes(result: StudyResult) -> str:
     """How every case ended, and how far its numbers may be off."""
-    told = [
-        f"{name}: {case.response.outcome.value}" for name, case in result.cases.items() if case.response is not None
-    ]
     about = [first_drop(result)] if first_drop(result) else []
-    lines = [f"<li>{escape(line)}</li>" for line in (*told, *trust(result), *about)]
+    lines = [f"<li>{escape(line)}</li>" for line in (*outcomes(result), *trust(result), *about)]
     return f"<ul>{''.join(lines)}</ul>" if lines else ""
 
 

@@ -15,7 +15,7 @@ from femstruct.view.energies import energies, whither
 from femstruct.view.grid import Grid
 from femstruct.view.machine import limits, machine
 from femstruct.view.rated import bands, first_drop, ratings
-from femstruct.view.trust import trust
+from femstruct.view.trust import outcomes, trust
 
 SPOKEN_HZ = 500.0  # modes above it are in summary.json; a terminal shows those that floors and presses are judged by
 
@@ -24,10 +24,7 @@ def show_study(result: StudyResult, written: Mapping[str, float], folder: str = 
     """Cases side by side: ratings, machine, limits, peaks, contacts, energy, levels, changes, findings, timings."""
     screen = console()
     screen.print(result.plan.title, style="bold")
-    for name, case in result.cases.items():
-        if case.response is not None:
-            screen.print(f"  {name}: {case.response.outcome.value}")
-    for line in trust(result):
+    for line in (*outcomes(result), *trust(result)):
         screen.print(f"  {line}", soft_wrap=True)
     if told := first_drop(result):
         screen.print(f"  {told}", soft_wrap=True)
@@ -122,7 +119,7 @@ def _modes_db(result: StudyResult) -> Grid:
     )
     reference = result.cases[result.comparison.baseline]
     heard = [name for name in reference.channels if name.endswith(("pressure", "velocity"))]
-    forces = [name for name in reference.channels if name.startswith("net force")]
+    forces = [name for name in reference.channels if name.startswith("net force") and _changes(result, name)]
     modes = {name: {mode for beside in others.values() for mode in beside.modes_db.get(name, {})} for name in heard}
     spoken = set().union(*modes.values())
     for channel in (*heard, *forces):
@@ -133,9 +130,15 @@ def _modes_db(result: StudyResult) -> Grid:
     return grid
 
 
+def _changes(result: StudyResult, channel: str) -> bool:
+    """Whether any case changes a channel at any mode by what two decimals show; a force that none does says nothing."""
+    others = result.comparison.cases.values()
+    return any(abs(value) >= 0.005 for beside in others for value in beside.modes_db.get(channel, {}).values())
+
+
 def _mode_db(beside: CaseComparison, channel: str, mode: int) -> str:
     value = beside.modes_db.get(channel, {}).get(mode)
-    return "-" if value is None else f"{value:.2f}"
+    return "-" if value is None else f"{value:z.2f}"
 
 
 def _in_cases(names: Sequence[str]) -> str:

@@ -2,19 +2,74 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from typing import Final
 
 from femstruct.impact.estimate import ErrorEstimate, Resolved
 from femstruct.study.result import AccuracyCheck, StudyResult
+
+RESOLVED: Final = 1e-6  # share from which on an estimated error is of interest to whom measures to 1 %
+
+
+def outcomes(result: StudyResult) -> list[str]:
+    """How the cases ended, those that ended alike on one line."""
+    return _together(
+        {name: case.response.outcome.value for name, case in result.cases.items() if case.response is not None},
+        len(result.cases),
+    )
 
 
 def trust(result: StudyResult) -> list[str]:
     """All cases by name: first what came of an asked accuracy, then the error estimates."""
     asked = [f"{name}: {accuracy(case.accuracy)}" for name, case in result.cases.items() if case.accuracy is not None]
-    return asked + [
-        f"{name}: {errors(case.errors)}"
-        for name, case in result.cases.items()
-        if case.errors is not None and case.errors.peak
+    estimates = {
+        name: case.errors for name, case in result.cases.items() if case.errors is not None and case.errors.peak
+    }
+    alike: dict[str, list[ErrorEstimate]] = {}
+    for one in estimates.values():
+        if _largest([one]) < RESOLVED:
+            alike.setdefault(_against(one), []).append(one)
+    told = {
+        name: _all_small(one, alike[_against(one)]) if _largest([one]) < RESOLVED else errors(one)
+        for name, one in estimates.items()
+    }
+    return asked + _together(told, len(result.cases))
+
+
+def _all_small(one: ErrorEstimate, alike: Sequence[ErrorEstimate]) -> str:
+    """One sentence for all cases that the march is done with for every purpose; their own numbers are in the files."""
+    kind = "estimated error, rounding alone" if one.exact else "estimated error of the steps"
+    return f"{kind}: peak forces and end velocities at most {_largest(alike):.1e} off{_against(one)}"
+
+
+def _largest(found: Sequence[ErrorEstimate]) -> float:
+    """The largest share that any peak force or end velocity is wrong by."""
+    return max(
+        number.relative
+        for one in found
+        for numbers in (one.first_peak, one.peak, one.velocity)
+        for number in numbers.values()
+    )
+
+
+def _against(found: ErrorEstimate) -> str:
+    return "" if found.exact else f"; against a run at a tolerance of {found.against:.0e}"
+
+
+def _together(told: Mapping[str, str], count: int) -> list[str]:
+    """Sentences, each once, after the cases they hold for.
+
+    >>> _together({"a": "It opened.", "b": "It opened.", "c": "It stuck."}, 3)
+    ['a, b: It opened.', 'c: It stuck.']
+    >>> _together({"a": "It opened.", "b": "It opened."}, 2)
+    ['all cases: It opened.']
+    """
+    cases: dict[str, list[str]] = {}
+    for name, sentence in told.items():
+        cases.setdefault(sentence, []).append(name)
+    return [
+        f"{'all cases' if 1 < count == len(names) else ', '.join(names)}: {sentence}"
+        for sentence, names in cases.items()
     ]
 
 
@@ -40,7 +95,7 @@ def errors(found: ErrorEstimate) -> str:
     speeds = f", end velocities {speed}" if speed else ""
     if found.exact:
         return f"estimated error, rounding alone: {forces}{speeds}"
-    return f"estimated error of the steps: {forces}{speeds}; against a run at a tolerance of {found.against:.0e}"
+    return f"estimated error of the steps: {forces}{speeds}{_against(found)}"
 
 
 def _worst(numbers: Mapping[str, Resolved]) -> str:

@@ -24,6 +24,7 @@ FILTER_ORDER = 4
 SETTLED = 10.0  # periods of a band's lowest edge after which a filter of order 4 has forgotten
 DUST = 1e-9  # share of the largest value below which a peak is rounding, or a filter's tail
 GROUND = "ground"
+SIDEWAYS = 1e-6  # of the largest: the eigen solver leaves shapes a residual of 1e-9, their forces some 1e-7
 NET_FORCE = "net force on "  # begins the names of channels that no study asks for
 
 
@@ -150,8 +151,8 @@ def acceleration_rows(study: Study, places: Places, basis: ModalBasis) -> dict[s
 def _forces(
     target: str, rows: Mapping[str, ForceRow], response: Response, beside: Mapping[str, Floats]
 ) -> dict[str, tuple[Floats, str]]:
-    """The vertical force under the plain name, and the horizontal ones that are not zero; beside : what else there is
-    along an axis."""
+    """The vertical force under the plain name, and the horizontal ones that are more than the rounding of mode shapes
+    beside the largest; beside : what else there is along an axis."""
     found = {
         axis: response.displacement(row.stiffness)
         + response.velocity(row.damping)
@@ -163,7 +164,7 @@ def _forces(
     largest = max((np.abs(force).max() for force in found.values()), default=0.0)
     named = {f"{target} force": (found["z"], "N")} if "z" in found else {}
     for axis in "xy":
-        if axis in found and np.abs(found[axis]).max() > 1e-9 * largest:
+        if axis in found and np.abs(found[axis]).max() > SIDEWAYS * largest:
             named[f"{target} force {axis}"] = (found[axis], "N")
     return named
 

@@ -13,10 +13,11 @@ import pytest
 
 from acoustics.maps import PressureMap
 from acoustics.room import Receiver
-from femstruct.view.figures import case_colours, new_figure, save, scaled, thinned
-from femstruct.view.histories import contact_forces, energy, history
+from femstruct.view.figures import case_colours, new_figure, save, thinned
+from femstruct.view.histories import contact_forces, energy, history, travels
 from femstruct.view.maps import draw_map, heard_peaks, pressure_maps
 from femstruct.view.plots import figures, plot_all
+from femstruct.view.scales import scaled
 from femstruct.view.spectra import frequency_response, sound
 
 BY_HAND = runpy.run_path(str(Path(__file__).parents[1] / "data" / "study_by_hand.py"))
@@ -158,6 +159,22 @@ def test_contacts_that_are_not_recorded_are_drawn_too(result):
     assert labels == ["without damper: peak 200 N", f"{BESIDE}: peak 100 N"]
 
 
+def test_a_body_that_came_to_rest_is_told_to_rest(result):
+    case = result.cases[BESIDE]
+    (name, body), *others = case.response.bodies.items()
+    for end, told in ((1e-9, "ends at rest"), (-2e-3, "ends with -2 mm/s")):
+        velocity = np.full(len(body.velocity), 0.5)
+        bodies = {name: replace(body, velocity=velocity, end_velocity=end), **dict(others)}
+        response = replace(case.response, bodies=bodies)
+        figure = travels(replace(result, cases={**result.cases, BESIDE: replace(case, response=response)}))
+        assert f"{BESIDE}: {told}" in figure.axes[0].get_legend_handles_labels()[1]
+
+
+def test_a_label_is_not_said_twice_side_by_side(result):
+    left, right = history(result, "O_f.z velocity").axes
+    assert left.get_ylabel() and right.get_ylabel() != left.get_ylabel()
+
+
 def test_a_study_of_modes_only_has_no_histories(result):
     bare = {name: replace(case, response=None, channels={}, rooms={}, levels={}) for name, case in result.cases.items()}
     assert set(figures(replace(result, cases=bare))) == {"frf_centre.png"}
@@ -194,6 +211,7 @@ def test_map_shows_the_room_from_above():
 def test_units_are_scaled_and_extremes_kept():
     assert scaled("m/s", 0.012) == (pytest.approx(1e3), "mm/s")
     assert scaled("N", 3600.0) == (pytest.approx(1e-3), "kN")
+    assert scaled("N", 1.6e7) == (pytest.approx(1e-6), "MN")
     assert scaled("rad/s", 3.0) == (1.0, "rad/s")
     y = np.random.default_rng(1).standard_normal(100_000)
     t, thin = thinned(np.arange(100_000.0), y)

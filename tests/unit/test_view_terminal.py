@@ -10,6 +10,7 @@ from rich.console import Console
 
 from femstruct.errors import Finding
 from femstruct.view import structure, terminal
+from femstruct.view.energies import energies
 from femstruct.view.grid import Grid
 
 BY_HAND = runpy.run_path(str(Path(__file__).parents[1] / "data" / "study_by_hand.py"))
@@ -58,3 +59,38 @@ def test_modes_without_a_mass(capsys, below_hz, told):
     assert printed.splitlines()[2].split()[-3:] == ["-", "-", "-"]
     assert "mass 0" not in printed and "inf" not in printed
     assert told in printed and ("missing" in printed) == ("missing" in told)
+
+
+def test_cases_that_ended_alike_share_a_line(capsys):
+    result = BY_HAND["study_by_hand"]()
+    terminal.show_study(result, {})
+    printed = capsys.readouterr().out
+    outcome = next(iter(result.cases.values())).response.outcome.value
+    assert printed.count(outcome) == 1 and f"all cases: {outcome}" in printed
+
+
+def test_a_title_longer_than_its_table_is_not_broken():
+    console = Console(width=80, file=StringIO())
+    grid = Grid("where the energy went [% at the separation / at the end]", ("", "a"))
+    grid.add("ball", "1 / 2")
+    grid.show(console)
+    assert console.file.getvalue().splitlines()[0] == grid.title
+
+
+def test_energies_are_told_in_a_unit_that_fits_and_nothing_as_nothing():
+    result = BY_HAND["study_by_hand"]()
+    for case in result.cases.values():
+        ledger = case.response.ledger
+        end = replace(ledger.end, structure=1e-15)
+        object.__setattr__(ledger, "end", end)
+    grid = energies(result)
+    assert grid.title == "energy [mJ]"  # 120 mJ, made by hand
+    ends = [row for row in grid.rows if row[1] == "end"]
+    assert ends and all(row[4] == "0" for row in ends)
+
+
+def test_an_attenuation_of_nothing_has_no_sign():
+    result = BY_HAND["study_by_hand"]()
+    name = next(iter(result.comparison.cases))
+    beside = replace(result.comparison.cases[name], modes_db={"O_f.z velocity": {1: -1e-4}})
+    assert terminal._mode_db(beside, "O_f.z velocity", 1) == "0.00"

@@ -1,0 +1,26 @@
+"""Units in which a number is easy to read: kN rather than 3e5 N."""
+
+from __future__ import annotations
+
+from typing import Final
+
+_SCALES: Final = {  # unit: (how much of the unit, shown unit), the largest first
+    "m": ((1.0, "m"), (1e-3, "mm"), (1e-6, "µm"), (1e-9, "nm")),
+    "m/s": ((1.0, "m/s"), (1e-3, "mm/s"), (1e-6, "µm/s")),
+    "m/s^2": ((1.0, "m/s²"), (1e-3, "mm/s²")),
+    "rad": ((1.0, "rad"), (1e-3, "mrad")),
+    "N": ((1e6, "MN"), (1e3, "kN"), (1.0, "N"), (1e-3, "mN")),
+    "Pa": ((1e3, "kPa"), (1.0, "Pa"), (1e-3, "mPa"), (1e-6, "µPa")),
+    "J": ((1e6, "MJ"), (1e3, "kJ"), (1.0, "J"), (1e-3, "mJ"), (1e-6, "µJ")),
+}
+
+
+def scaled(unit: str, largest: float) -> tuple[float, str]:
+    """A factor and a unit in which `largest` is a number near 1..1000 to read.
+
+    >>> scaled("m", 0.0042)
+    (1000.0, 'mm')
+    """
+    scales = _SCALES.get(unit, ((1.0, unit),))
+    size, name = next((scale for scale in scales if largest >= scale[0]), scales[-1] if largest else scales[0])
+    return 1.0 / size, name
