@@ -34,7 +34,10 @@ def history(result: StudyResult, channel: str) -> Figure:
         for name, case in cases.items()
     }
     curves = {name: (_times(case), case.channels[channel].values) for name, case in cases.items()}
-    title = f"{channel}   (peaks of |x|; {result.comparison.filter})"
+    filtered = next(iter(cases.values())).case.study.peaks.lowpass_hz is not None
+    title = (
+        f"{channel}   (peaks of |x|; {result.comparison.filter}{'; the curves are not filtered' if filtered else ''})"
+    )
     return _figure(result, title, [(channel, first.unit, curves, legend)])
 
 

@@ -12,11 +12,12 @@ from femstruct.view.histories import contact_forces, energy, history, travels
 from femstruct.view.loudness import levels_over_time, rated_bands
 from femstruct.view.maps import pressure_maps
 from femstruct.view.spectra import frequency_response, sound
+from femstruct.view.vibration import spectrum
 
 
 def figures(result: StudyResult) -> dict[str, Figure]:
-    """All figures of a study by file name: frequency responses, channels, contacts, bodies, energy, sound,
-    levels over time, ratings, maps."""
+    """All figures of a study by file name: frequency responses, channels and their spectra, contacts, bodies, energy,
+    sound, levels over time, ratings, maps."""
     cases = result.cases.values()
     responses = dict.fromkeys(name for case in cases for name in case.frf)
     channels = dict.fromkeys(name for case in cases for name in case.channels)
@@ -30,6 +31,7 @@ def figures(result: StudyResult) -> dict[str, Figure]:
     made: dict[str, Figure | None] = {
         **{file_name("frf", name): frequency_response(result, name) for name in responses},
         **{file_name("history", name): history(result, name) for name in channels},
+        **{file_name("spectrum", name): spectrum(result, name) for name in channels},
         file_name("contact_forces"): contact_forces(result),
         file_name("bodies"): travels(result),
         file_name("energy"): energy(result),

@@ -44,13 +44,13 @@ def frequency_response(result: StudyResult, name: str) -> Figure:
     above.set_xlim(low, high)
     below.set_ylim(-190, 190)
     below.set_yticks([-180, -90, 0, 90, 180])
-    modes = _numbered(result.cases[result.plan.baseline].basis)
+    modes = numbered(result.cases[result.plan.baseline].basis)
     mode_lines(above, modes, low, high)
     mode_lines(below, modes, low, high, numbers=False)
     finish(above, "", f"|{request.kind}|" + ("" if frf.unit == "1" else f" in {readable(frf.unit)}"))
     legend_above(above, up=12)
     finish(below, "frequency in Hz   (numbers: modes of the baseline)", "phase in degrees")
-    _plain_ticks(below)
+    plain_ticks(below)
     return figure
 
 
@@ -80,13 +80,13 @@ def sound(result: StudyResult, receiver: str) -> Figure | None:
     above.set_xlim(LOWEST_HZ, top)
     if np.isfinite(peak):
         above.set_ylim(peak - DYNAMIC_RANGE_DB, peak + 6)
-    mode_lines(above, _numbered(basis), LOWEST_HZ, top)
+    mode_lines(above, numbered(basis), LOWEST_HZ, top)
     resolution = 1.0 / (dt * len(first))
     finish(
         above, "frequency in Hz   (numbers: modes of the baseline)", f"lines {resolution:.3g} Hz apart, dB re 20 µPa"
     )
     legend_above(above, up=12)
-    _plain_ticks(above)
+    plain_ticks(above)
     _bands(below, result, receiver, top)
     return figure
 
@@ -137,7 +137,7 @@ def _distinct(responses: dict[str, Frf]) -> dict[str, Frf]:
     return {", ".join(names): frf for names, frf in groups}
 
 
-def _numbered(basis: ModalBasis) -> dict[int, float]:
+def numbered(basis: ModalBasis) -> dict[int, float]:
     """Natural frequencies [Hz] of the elastic modes by their number, counted from 1."""
     return {
         number: float(frequency)
@@ -146,7 +146,7 @@ def _numbered(basis: ModalBasis) -> dict[int, float]:
     }
 
 
-def _plain_ticks(axes: Axes) -> None:
+def plain_ticks(axes: Axes) -> None:
     """100 rather than 10^2, and 2 and 5 between the decades."""
     axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
     axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))

@@ -13,12 +13,14 @@ import pytest
 
 from acoustics.maps import PressureMap
 from acoustics.room import Receiver
+from femstruct.study.result import Channel
 from femstruct.view.figures import case_colours, new_figure, save, thinned
 from femstruct.view.histories import contact_forces, energy, history, travels
 from femstruct.view.maps import draw_map, heard_peaks, pressure_maps
 from femstruct.view.plots import figures, plot_all
 from femstruct.view.scales import scaled
 from femstruct.view.spectra import frequency_response, sound
+from femstruct.view.vibration import spectrum
 
 BY_HAND = runpy.run_path(str(Path(__file__).parents[1] / "data" / "study_by_hand.py"))
 BESIDE = "damper 0.6 / new"
@@ -43,7 +45,9 @@ def test_all_figures_are_drawn_to_files(result, tmp_path):
 
 
 def test_every_axis_has_a_label_with_its_unit(result):
-    unit = re.compile(r" in (Hz|s|ms|degrees|dB|[µmk]?(m|m/s|m/s²|N|Pa|J)|m/\(N s²\))( |$)|dB re 20 µPa$")
+    unit = re.compile(
+        r" in (Hz|s|ms|degrees|dB|[µmk]?(m|m/s|m/s²|N|Pa|J)|m/\(N s²\))( |$)|dB re (20 µPa|1 nm/s|1 µm/s²|1 N)$"
+    )
     for name, figure in figures(result).items():
         lowest = min(axes.get_position().y0 for axes in figure.axes)
         for axes in figure.axes:
@@ -157,6 +161,30 @@ def test_contacts_that_are_not_recorded_are_drawn_too(result):
     }
     labels = contact_forces(replace(result, cases=fewer)).axes[0].get_legend_handles_labels()[1]
     assert labels == ["without damper: peak 200 N", f"{BESIDE}: peak 100 N"]
+
+
+@pytest.mark.parametrize(
+    ("channel", "unit", "reference", "written"),
+    [("O_f.z velocity", "m/s", 1e-9, "1 nm/s"), ("P.z acceleration", "m/s^2", 1e-6, "1 µm/s²"),
+     ("net force on P", "N", 1.0, "1 N")],
+)  # fmt: skip
+def test_a_tone_has_its_level_in_the_spectrum_of_its_channel(result, channel, unit, reference, written):
+    """The rms of a sine of a whole number of periods, in its own line."""
+    case = result.cases["without damper"]
+    t = case.response.t
+    whole = round(100.0 * len(t) / case.response.clock.sampling)
+    tone = 0.02 * np.sin(2 * np.pi * whole * np.arange(len(t)) / len(t))
+    channels = {channel: Channel(channel, tone, unit, 0.02, 0.02)}
+    axes = spectrum(replace(result, cases={"without damper": replace(case, channels=channels)}), channel).axes[0]
+    x, y = axes.get_lines()[0].get_data()
+    assert y.max() == pytest.approx(20 * np.log10(0.02 / np.sqrt(2) / reference), abs=1e-6)
+    assert x[y.argmax()] == pytest.approx(100.0, abs=0.5 * case.response.clock.sampling / len(t))
+    assert axes.get_ylabel().endswith(f"dB re {written}")
+
+
+def test_no_decibels_of_what_has_no_reference_or_does_not_move(result):
+    assert spectrum(result, "box.mic pressure") is None  # has a picture of its own
+    assert spectrum(result, "ball travel") is None
 
 
 def test_a_body_that_came_to_rest_is_told_to_rest(result):

@@ -1,0 +1,64 @@
+"""Figures of vibration over frequency: spectra of recorded velocities, accelerations and net forces in decibels."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from acoustics.levels import REFERENCE_PA, level_spectrum
+from femstruct.study.result import StudyResult
+from femstruct.view.figures import case_colours, finish, legend_above, mode_lines, new_figure, panels, thinned
+from femstruct.view.spectra import DYNAMIC_RANGE_DB, LOWEST_HZ, numbered, plain_ticks
+
+REFERENCES: Final = {  # what a channel's name ends or begins with: reference of its decibels (SI) and how it is written
+    "velocity": (1e-9, "1 nm/s"),
+    "acceleration": (1e-6, "1 µm/s²"),
+    "net force": (1.0, "1 N"),
+}
+
+
+def spectrum(result: StudyResult, channel: str) -> Figure | None:
+    """Lines of a velocity, an acceleration or a net force in all cases, as recorded; None of anything else.
+
+    The rms of each line, so that cases compare line by line. Frequencies end where the modal basis does: above, the
+    answer is not complete.
+    """
+    reference = next(
+        (told for word, told in REFERENCES.items() if channel.endswith(word) or channel.startswith(word)), None
+    )
+    cases = {
+        name: case for name, case in result.cases.items() if channel in case.channels and case.response is not None
+    }
+    if reference is None or not any(case.channels[channel].whole for case in cases.values()):
+        return None
+    colours = case_colours(result.cases, result.plan.baseline)
+    basis = result.cases[result.plan.baseline].basis
+    modes = numbered(basis)
+    figure = new_figure(11.0, 3.9 + 0.155 * len(cases), f"Spectrum of {channel}   (whole record, no filter)")
+    ((axes,),) = panels(figure, 1, 1, between=0.5, top=0.55 + 0.155 * len(cases))
+    peak, lowest, low, top, spacing = -np.inf, np.inf, LOWEST_HZ, np.inf, 0.0
+    for name, case in cases.items():
+        assert case.response is not None
+        values, sampling = case.channels[channel].values, case.response.clock.sampling
+        frequency, level = level_spectrum(values * (REFERENCE_PA / reference[0]), 1.0 / sampling)
+        spacing = float(frequency[1])
+        low = max(min(LOWEST_HZ, 0.5 * min(modes.values(), default=LOWEST_HZ)), spacing)
+        top = min(basis.complete_below_hz, 0.5 * sampling)
+        shown = (frequency >= low) & (frequency <= top)
+        x, y = thinned(frequency[shown], level[shown], most=3000)
+        axes.semilogx(x, y, color=colours[name], linewidth=0.9, label=name)
+        peak = max(peak, float(level[shown].max(initial=-np.inf)))
+        lowest = min(lowest, float(level[shown].min(initial=np.inf)))
+    axes.set_xlim(low, top)
+    axes.set_ylim(max(lowest - 6, peak - DYNAMIC_RANGE_DB), peak + 6)
+    mode_lines(axes, modes, low, top)
+    finish(
+        axes,
+        "frequency in Hz   (numbers: modes of the baseline)",
+        f"lines {spacing:.3g} Hz apart, dB re {reference[1]}",
+    )
+    legend_above(axes, up=12)
+    plain_ticks(axes)
+    return figure
