@@ -42,14 +42,7 @@ from femstruct.model.parts import (
     SurfaceOn,
 )
 from femstruct.model.section import Section, box, circle, i_section, rectangle, tube
-from femstruct.study.study import (
-    BeamModel,
-    ModesModel,
-    NoStructure,
-    OscillatorModel,
-    RodModel,
-    StructureModel,
-)
+from femstruct.study.structures import BeamModel, ModesModel, NoStructure, OscillatorModel, RodModel, StructureModel
 
 
 def structure_of(model: ModelSpec, title: str, tree: Tree, mistakes: Mistakes) -> StructureModel | None:

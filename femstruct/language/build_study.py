@@ -15,6 +15,7 @@ from femstruct.language.reader import Mistakes, Steps, Tree, dotted
 from femstruct.language.schema_study import SIDES, BodySpec, ContactSpec, LoadSpec, StudySpec
 from femstruct.language.tables import read_history
 from femstruct.modal.damping import Damping
+from femstruct.study.structures import StructureModel
 from femstruct.study.study import (
     AccuracyRule,
     Extent,
@@ -31,7 +32,6 @@ from femstruct.study.study import (
     Repeat,
     RigidMotion,
     Spot,
-    StructureModel,
     Study,
     TimePlan,
 )

@@ -18,7 +18,8 @@ from femstruct.modal.damping import Damping
 from femstruct.model.mesher import mesh_structure
 from femstruct.model.model import Model
 from femstruct.model.parts import Structure
-from femstruct.study.study import Plan, StructureModel
+from femstruct.study.structures import StructureModel
+from femstruct.study.study import Plan
 
 
 @dataclass(frozen=True)

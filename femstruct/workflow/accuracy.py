@@ -19,7 +19,8 @@ from femstruct.impact.response import Response
 from femstruct.impact.simulate import simulate
 from femstruct.model.model import Model
 from femstruct.study.result import AccuracyCheck, Deviation
-from femstruct.study.study import AccuracyRule, BeamModel, Case, Extent, RodModel
+from femstruct.study.structures import BeamModel, RodModel
+from femstruct.study.study import AccuracyRule, Case, Extent
 from femstruct.workflow.air import coupled
 from femstruct.workflow.bases import Solved, damped, key_of, solve
 from femstruct.workflow.channels import UNITS, closings, first_window, in_band, record

@@ -16,17 +16,8 @@ from femstruct.model.mesher import mesh_structure
 from femstruct.model.model import Model
 from femstruct.model.parts import Structure
 from femstruct.model.probe import Point, Probe
-from femstruct.study.study import (
-    BeamModel,
-    Case,
-    Extent,
-    ModesModel,
-    NoStructure,
-    OscillatorModel,
-    RodModel,
-    StructureModel,
-    Study,
-)
+from femstruct.study.structures import BeamModel, ModesModel, NoStructure, OscillatorModel, RodModel, StructureModel
+from femstruct.study.study import Case, Extent, Study
 from femstruct.workflow.rest import axis_of
 from femstruct.workflow.staging import Places, force_probes
 

@@ -19,7 +19,8 @@ from femstruct.modal.basis import ModalBasis
 from femstruct.model.parts import Foundation, Plate, Structure
 from femstruct.model.probe import Surface
 from femstruct.radiation import room_coordinates
-from femstruct.study.study import RoomPlan, StructureModel, Study
+from femstruct.study.structures import StructureModel
+from femstruct.study.study import RoomPlan, Study
 from femstruct.workflow.rated import blows_of
 
 TOLD: Final = 5  # pairs that are named

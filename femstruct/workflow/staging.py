@@ -13,7 +13,8 @@ from femstruct.errors import InputError
 from femstruct.impact.bodies import GROUND, Blows, Body, Contact, End, Link, Load, Scene
 from femstruct.modal.basis import ModalBasis
 from femstruct.model.probe import Point, Probe, Surface
-from femstruct.study.study import InitialMotion, ModesModel, PlacedBody, PlannedContact, PlannedLink, Study
+from femstruct.study.structures import ModesModel
+from femstruct.study.study import InitialMotion, PlacedBody, PlannedContact, PlannedLink, Study
 from femstruct.workflow.rest import at_rest, axis_of, lying_bodies, mass_on, planned_contacts, refuse_restless, weighs
 
 HORIZONTAL = np.cos(np.radians(45.0))

@@ -10,7 +10,8 @@ from femstruct.impact.bodies import HalfSine, Table
 from femstruct.impact.laws import Linear, Stop
 from femstruct.language import read_model_file, read_study, with_position
 from femstruct.model.parts import Mass, Structure
-from femstruct.study.study import BeamModel, ModesModel, NoStructure, OscillatorModel, Plan, RodModel, Spot
+from femstruct.study.structures import BeamModel, ModesModel, NoStructure, OscillatorModel, RodModel
+from femstruct.study.study import Plan, Spot
 
 MODEL = """\
 title: plate

@@ -1,0 +1,110 @@
+"""The second pass over the rooms of a study file: who listens where, to what, and by which standard."""
+
+from __future__ import annotations
+
+from acoustics.exposure import LEAST_SAMPLING_HZ
+from acoustics.rated import FIELD
+from femstruct.impact.sources import BETWEEN_BLOWS, HAMMERS, TAPPING_MACHINE
+from femstruct.language.reader import Steps, nearest
+from femstruct.language.references import Checker
+from femstruct.language.schema_model import ModelSpec
+from femstruct.language.schema_rooms import RoomSpec
+from femstruct.language.schema_study import FrfSpec, StudySpec
+
+TAPPING_SAMPLING_HZ = 7600.0  # the third octave at 3150 Hz ends at 3548 Hz, .47 of it
+
+
+def check_rooms(check: Checker, study: StudySpec, model: ModelSpec) -> None:
+    """Every room is beside a surface that is there, and its keys agree with each other and with the study's."""
+    for name, room in study.rooms.items():
+        check.known(("rooms", name, room.beside), room.surface, "surface", model.surfaces)
+        _check_mesh(check, name, room)
+        if room.losses is not None and room.losses.t60 is not None and room.form == "source":
+            check.wrong(
+                ("rooms", name, "form"), "the source's form with t60", "beta or loss_factor", "leave out 'form'"
+            )
+        _check_coupling(check, study, name, room)
+        _check_levels(check, study, name, room)
+        if room.animate and not room.receivers:
+            got = "a moving picture without receivers"
+            check.wrong(("rooms", name, "animate"), got, "a receiver to cut the room at", "add 'receivers:'")
+        _check_receivers(check, name, room)
+
+
+def check_pressure(check: Checker, study: StudySpec, name: str, request: FrfSpec) -> None:
+    """A pressure is heard at ROOM.RECEIVER, and never at 0 Hz."""
+    here: Steps = ("frf", name)
+    if request.kind != "pressure":
+        check.wrong((*here, "kind"), f"'{request.kind}' of a pressure", "pressure", "write 'kind: pressure'")
+        return
+    known = [
+        f"{room}.{receiver}.pressure" if len(places) == 1 else f"{room}.{receiver}.{number}.pressure"
+        for room, spec in study.rooms.items()
+        for receiver, places in spec.receivers.items()
+        for number in range(1, len(places) + 1)
+    ]
+    if request.response not in known:
+        do = nearest(request.response, known) or "there are no receivers: add 'rooms:'"
+        check.wrong((*here, "response"), f"'{request.response}'", "ROOM.RECEIVER.pressure", do)
+    if request.band[0] == 0.0:
+        check.wrong((*here, "band"), "0 Hz", "a band above 0 Hz")
+
+
+def _check_receivers(check: Checker, name: str, room: RoomSpec) -> None:
+    """Receivers are inside a box, and on the surface's side of a half space."""
+    for receiver, places in room.receivers.items():
+        for place in places:
+            if room.under is None and (place[2] > 0) != (room.above is not None):
+                got, expected = f"{list(place)} m", f"a point {room.beside} the surface"
+                do = "measure from the surface's centre, z up"
+                check.wrong(("rooms", name, "receivers", receiver), got, expected, do)
+            if room.size and not all(0 <= x <= length for x, length in zip(place, room.size, strict=True)):
+                steps: Steps = ("rooms", name, "receivers", receiver)
+                size = " x ".join(f"{length:g}" for length in room.size)
+                check.wrong(steps, f"{list(place)} m", f"a point of the room, {size} m", "from its lower corner")
+
+
+def _check_coupling(check: Checker, study: StudySpec, name: str, room: RoomSpec) -> None:
+    """Air that pushes back is causal, and fills one room under a surface."""
+    if room.coupling == "one-way":
+        if room.leak is not None:
+            check.wrong(
+                ("rooms", name, "leak"), "a leak with one-way coupling", "coupling: two-way", "add it", of_key=True
+            )
+        return
+    if room.form == "source" and study.time is not None:
+        check.wrong(
+            ("rooms", name, "form"), "the source's form with two-way coupling in time", "causal", "leave out 'form'"
+        )
+    others = [other for other, spec in study.rooms.items() if spec.coupling == "two-way" and spec.under == room.under]
+    if others[0] != name:
+        got = f"'{room.under}', which '{others[0]}' with two-way coupling is under already"
+        check.wrong(("rooms", name, "under"), got, "another surface", "one of the two can be one-way")
+
+
+def _check_mesh(check: Checker, name: str, room: RoomSpec) -> None:
+    """A meshed room is causal."""
+    if room.mesh is not None and room.form == "source":
+        check.wrong(("rooms", name, "form"), "the source's form in a meshed room", "causal", "leave out 'form'")
+
+
+def _check_levels(check: Checker, study: StudySpec, name: str, room: RoomSpec) -> None:
+    """Levels need somebody who listens, a reverberation time to take out, and a sampling that has their bands."""
+    steps: Steps = ("rooms", name, "levels")
+    if not room.levels:
+        return
+    if not room.receivers:
+        check.wrong(steps, "levels without receivers", "somebody who listens", "add 'receivers: {mic: [x, y, z]}'")
+    if FIELD in room.levels and room.losses is None:
+        check.wrong(steps, f"{FIELD} in a room without losses", "its reverberation time", "add 'losses: {t60: 0.5 s}'")
+    if study.time is None:
+        return
+    tapping = any(body.source == TAPPING_MACHINE for body in study.bodies.values())
+    least, highest = (TAPPING_SAMPLING_HZ, 3150) if tapping else (LEAST_SAMPLING_HZ, 630)
+    if study.time.sampling < least:
+        got = f"a sampling of {study.time.sampling:g} Hz"
+        check.wrong(steps, got, f"{least:g} Hz or more for the bands up to {highest} Hz", "sample faster")
+    turn = HAMMERS * BETWEEN_BLOWS
+    if tapping and study.time.duration < turn:
+        got = f"a tapping machine for {study.time.duration:g} s"
+        check.wrong(("time", "duration"), got, f"{turn:g} s or more: one turn of its five hammers", "simulate longer")
