@@ -74,7 +74,8 @@ def run(
     ] = None,
     as_json: AsJson = False,
 ) -> int:
-    """Run all that a study names: modes, responses, impacts, rooms, levels; write results, pictures and tables."""
+    """Do all that a study names and write it to a folder. Modes, responses, impacts, rooms and levels become results,
+    pictures and tables."""
     from femstruct.files.atomic import refuse_unwritable
     from femstruct.files.tables import summary
     from femstruct.workflow.output import write_all
@@ -97,13 +98,13 @@ def run(
 
 @_command
 def impact(study: StudyFile, case: OnlyCase = "", set_: Sets = [], as_json: AsJson = False) -> int:  # noqa: B006
-    """Simulate the impacts of a study and print peaks, contacts and energies; nothing is written."""
+    """Simulate the impacts of a study. Prints peaks, contacts and energies; nothing is written."""
     return _stages(study, case, set_, as_json, with_rooms=False)
 
 
 @_command
 def sound(study: StudyFile, case: OnlyCase = "", set_: Sets = [], as_json: AsJson = False) -> int:  # noqa: B006
-    """Simulate the impacts of a study and what is heard in its rooms; nothing is written."""
+    """Simulate impacts and what is heard in the rooms. Nothing is written."""
     return _stages(study, case, set_, as_json, with_rooms=True)
 
 
@@ -116,7 +117,7 @@ def check(
     set_: Sets = [],  # noqa: B006
     as_json: AsJson = False,
 ) -> int:
-    """Read a file and say what it means: geometry, masses, sags, degrees of freedom, rigid modes, findings."""
+    """Read a file and say what it means. Geometry, masses, sags, degrees of freedom, rigid modes, findings."""
     from femstruct.workflow.inspect import inspect_file
 
     inspection = inspect_file(file, tuple(set_))
@@ -143,7 +144,7 @@ def modes(
     set_: Sets = [],  # noqa: B006
     as_json: AsJson = False,
 ) -> int:
-    """Natural frequencies, damping ratios and kinds of modes, proven complete."""
+    """Natural frequencies, damping ratios and kinds of modes. Proven complete."""
     from femstruct.workflow.inspect import extent_of, modes_of
 
     table = modes_of(model, extent_of(count, up_to), tuple(set_))
@@ -195,7 +196,7 @@ def identify(
     set_: Sets = [],  # noqa: B006
     as_json: AsJson = False,
 ) -> int:
-    """Find numbers of a study, with confidence intervals, from a measured history."""
+    """Find numbers of a study from a measured history. With their confidence intervals."""
     from femstruct.workflow.identify import identify as identified
 
     if picture is not None:

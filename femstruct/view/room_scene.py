@@ -101,7 +101,7 @@ def picture_surfaces(
 
 _BAR: Final = {
     "color": "black", "title_font_size": 13, "label_font_size": 12, "n_labels": 5, "fmt": "%.1f", "width": 0.5,
-    "height": 0.06, "position_x": 0.25, "position_y": 0.02,
+    "height": 0.1, "position_x": 0.25, "position_y": 0.02,
 }  # fmt: skip
 
 

@@ -26,6 +26,7 @@ DIVISIONS: Final = 3
 MOST_TICKS: Final = 5
 THIN: Final = 0.08  # of the largest extent: no room for ticks
 TITLE: Final = 34  # pixels above the panes
+LIFT: Final = 0.12  # of half a pane: a shape stands above its words
 DEFORMATION: Final = 0.06  # largest displacement in a picture, of the diagonal of the structure
 PART_COLOURS: Final = ("#9ecae1", "#fdae6b", "#636363", "#a1d99b", "#bcbddc", "#e7cb94", "#d6616b", "#8ca252")
 
@@ -81,9 +82,11 @@ def picture_modes(model: Model, basis: ModalBasis, path: str | Path, title: str 
     meaning = "colour: displacement along the axis named, red 1, blue -1 of the mode's largest; no unit"
     plotter.add_text(f"{title}    {meaning}".strip(), position=(10, 8), font_size=8, color="black")
     rest = _mesh(fine, fine.points)
-    edges = rest.extract_feature_edges(
-        boundary_edges=True, feature_edges=False, non_manifold_edges=False, manifold_edges=False
-    )
+    edges = rest  # of bars alone; of faces their boundary
+    if len(fine.quads):
+        edges = rest.extract_feature_edges(
+            boundary_edges=True, feature_edges=False, non_manifold_edges=False, manifold_edges=False
+        )
     for place, mode in enumerate(modes):
         plotter.subplot(place // columns + 1, place % columns)
         direction = _draw_mode(plotter, fine, edges, moved[:, :, place])
@@ -156,7 +159,8 @@ def _draw_mode(plotter: Any, fine: Refined, edges: Any, moved: Floats) -> str:
     )  # fmt: skip
     plotter.view_isometric()
     plotter.enable_parallel_projection()
-    plotter.camera.zoom(1.1)
+    plotter.camera.zoom(0.95)
+    plotter.camera.SetWindowCenter(0.0, -LIFT)
     return "xyz"[axis]
 
 

@@ -113,3 +113,11 @@ def test_a_results_folder_that_cannot_be_is_refused_before_the_work(tmp_path: Pa
     assert done.returncode == 2
     assert "folder to write to" in done.stderr
     assert "Traceback" not in done.stderr
+
+
+def test_help_has_whole_sentences_and_runs_as_a_module() -> None:
+    """On 80 columns, as in a pipe: no command's sentence ends in dots."""
+    command = [sys.executable, "-m", "femstruct", "--help"]
+    done = subprocess.run(command, capture_output=True, text=True, cwd=ROOT, env={**_environment(), "COLUMNS": "80"})
+    assert done.returncode == 0, done.stderr
+    assert "check " in done.stdout and "..." not in done.stdout.partition("Commands:")[2]

@@ -23,6 +23,7 @@ LAYERS = [
     ["femstruct.language", "femstruct.files", "femstruct.view"],
     ["femstruct.workflow"],
     ["femstruct.cli"],
+    ["femstruct.__main__"],
 ]
 ACOUSTICS = [
     ["acoustics.errors", "acoustics.arrays", "acoustics.air", "acoustics.room", "acoustics.source", "acoustics.walls"],

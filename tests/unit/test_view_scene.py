@@ -22,14 +22,18 @@ DRAW = """
 import runpy, sys
 from pathlib import Path
 from acoustics.room import Receiver, Room
-from femstruct.view.scene import picture_model, shapes_all
+from femstruct import assemble, modal_basis, read_model
+from femstruct.view.scene import picture_model, picture_modes, shapes_all
 made = runpy.run_path(sys.argv[1])
 result = made["study_by_hand"]()
 folder = Path(sys.argv[2])
 paths, told = shapes_all(result, folder)
 assert not told and [path.name for path in paths] == ["mode_shapes.png"], (paths, told)
 picture_model(result.models["abc123"], result.cases["without damper"].case.study.rooms, folder / "model.png")
+portal = read_model(sys.argv[3])
+picture_modes(portal, modal_basis(assemble(portal), up_to=20.0), folder / "portal.png")
 """
+MODELS = Path(__file__).parents[2] / "models"
 
 
 @pytest.fixture
@@ -79,7 +83,7 @@ def test_shapes_and_model_are_drawn(tmp_path):
         opengl.require_opengl()
     except NoOpenGL as reason:
         pytest.skip(str(reason))
-    subprocess.run([sys.executable, "-c", DRAW, str(DATA), str(tmp_path)], check=True, capture_output=True)
+    subprocess.run([sys.executable, "-c", DRAW, str(DATA), str(tmp_path), str(MODELS / "portal.yaml")], check=True)
     sheet = matplotlib.image.imread(tmp_path / "mode_shapes.png")[..., :3]
     assert sheet.shape == (634, 1360, 3)  # a title above five elastic modes on two rows of four
     assert sheet[:34].min() < 0.3  # the title is there
@@ -90,3 +94,7 @@ def test_shapes_and_model_are_drawn(tmp_path):
     assert red(second) > 1000 and blue(second) > 300  # mode (2,1) both ways, the lower side partly hidden
     model = matplotlib.image.imread(tmp_path / "model.png")
     assert model.shape[:2] == (950, 1300) and np.ptp(model[..., :3]) > 0.5
+    words = sheet[34 + 300 - 22 : 34 + 300 - 6, :340]  # at the foot of the first pane, clear of the plate
+    assert words.min() < 0.3 and np.abs(words[..., 0] - words[..., 2]).max() < 0.1
+    portal = matplotlib.image.imread(tmp_path / "portal.png")[34:, :340, :3]  # bars alone have no faces to outline
+    assert red(portal) > 50
