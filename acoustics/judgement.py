@@ -28,8 +28,8 @@ def source_advice(surface: SurfaceVelocity, room: Room, orders: Integers, highes
         found.append(
             Advice(
                 "sampling-low",
-                f"the surface moves up to {highest_hz:.4g} Hz (all but 1e-6 of its energy), sampled at "
-                f"{sampling_hz:.4g} Hz: 1e-6 accuracy needs {SAMPLES_PER_PERIOD * highest_hz:.4g} Hz",
+                f"the surface moves up to {highest_hz:.0f} Hz (all but 1e-6 of its energy), sampled at "
+                f"{sampling_hz:.0f} Hz: 1e-6 accuracy needs {SAMPLES_PER_PERIOD * highest_hz:.0f} Hz",
                 {"source_highest_hz": highest_hz, "sampling_hz": sampling_hz},
             )
         )

@@ -127,6 +127,7 @@ def picture_model(model: Model | None, rooms: Sequence[RoomPlan], path: str | Pa
     add_scales(plotter)
     plotter.set_background("white")
     plotter.enable_parallel_projection()
+    plotter.camera.zoom(0.85)  # what is tall keeps its scales and names inside
     _save(plotter, path)
 
 

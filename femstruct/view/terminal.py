@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 from rich.console import Console
 
@@ -17,6 +18,7 @@ from femstruct.view.machine import limits, machine
 from femstruct.view.rated import bands, first_drop, ratings
 from femstruct.view.trust import outcomes, trust
 
+SPOKEN_RECEIVERS = 2  # of a room
 SPOKEN_HZ = 500.0  # modes above it are in summary.json; a terminal shows those that floors and presses are judged by
 
 
@@ -110,7 +112,7 @@ def _level(case: CaseResult, name: str, what: str) -> str:
 
 
 def _modes_db(result: StudyResult) -> Grid:
-    """Attenuation at the baseline's spectral peaks: pressures, velocities and the net force side by side."""
+    """Attenuation at the baseline's spectral peaks: motion, pressures and the net force side by side."""
     others = result.comparison.cases
     grid = Grid(
         f"attenuation at the modes of '{result.comparison.baseline}' [dB]",
@@ -118,7 +120,11 @@ def _modes_db(result: StudyResult) -> Grid:
         keys=3,
     )
     reference = result.cases[result.comparison.baseline]
-    heard = [name for name in reference.channels if name.endswith(("pressure", "velocity"))]
+    moving = [name for name in reference.channels if name.endswith("velocity") or _only_accelerates(reference, name)]
+    pressures = [name for name in reference.channels if name.endswith(" pressure")]
+    heard = [*moving, *_first_receivers(pressures)]
+    if left := len(pressures) + len(moving) - len(heard):
+        grid = replace(grid, title=f"{grid.title} ({left} more receivers in summary.json)")
     forces = [name for name in reference.channels if name.startswith("net force") and _changes(result, name)]
     modes = {name: {mode for beside in others.values() for mode in beside.modes_db.get(name, {})} for name in heard}
     spoken = set().union(*modes.values())
@@ -128,6 +134,24 @@ def _modes_db(result: StudyResult) -> Grid:
             if frequency <= SPOKEN_HZ:
                 grid.add(channel, str(mode), f"{frequency:.1f}", *(_mode_db(c, channel, mode) for c in others.values()))
     return grid
+
+
+def _only_accelerates(case: CaseResult, name: str) -> bool:
+    """Whether a channel is the acceleration of what has no velocity recorded, which would be attenuated alike."""
+    where = name.removesuffix("acceleration")
+    return where != name and f"{where}velocity" not in case.channels
+
+
+def _first_receivers(pressures: Sequence[str]) -> list[str]:
+    """Of many receivers in a room the first two.
+
+    >>> _first_receivers(["hall.a pressure", "bed.a.1 pressure", "bed.a.2 pressure", "bed.a.3 pressure"])
+    ['hall.a pressure', 'bed.a.1 pressure', 'bed.a.2 pressure']
+    """
+    rooms: dict[str, list[str]] = {}
+    for name in pressures:  # names hold no dots
+        rooms.setdefault(name.partition(".")[0], []).append(name)
+    return [name for names in rooms.values() for name in names[:SPOKEN_RECEIVERS]]
 
 
 def _changes(result: StudyResult, channel: str) -> bool:

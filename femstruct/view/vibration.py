@@ -22,6 +22,8 @@ REFERENCES: Final = {  # what a channel's name ends or begins with: reference of
 def spectrum(result: StudyResult, channel: str) -> Figure | None:
     """Lines of a velocity, an acceleration or a net force in all cases, as recorded; None of anything else.
 
+    None either where bodies strike several times: the spectrum is then a comb of the blows' interval.
+
     The rms of each line, so that cases compare line by line. Frequencies end where the modal basis does: above, the
     answer is not complete.
     """
@@ -31,7 +33,8 @@ def spectrum(result: StudyResult, channel: str) -> Figure | None:
     cases = {
         name: case for name, case in result.cases.items() if channel in case.channels and case.response is not None
     }
-    if reference is None or not any(case.channels[channel].whole for case in cases.values()):
+    repeated = any(case.response.blows for case in cases.values() if case.response is not None)
+    if reference is None or repeated or not any(case.channels[channel].whole for case in cases.values()):
         return None
     colours = case_colours(result.cases, result.plan.baseline)
     basis = result.cases[result.plan.baseline].basis

@@ -94,3 +94,33 @@ def test_an_attenuation_of_nothing_has_no_sign():
     name = next(iter(result.comparison.cases))
     beside = replace(result.comparison.cases[name], modes_db={"O_f.z velocity": {1: -1e-4}})
     assert terminal._mode_db(beside, "O_f.z velocity", 1) == "0.00"
+
+
+def test_of_many_receivers_two_are_told_and_the_others_counted():
+    result = BY_HAND["study_by_hand"]()
+    (room,) = {name.partition(".")[0] for name in result.cases["without damper"].channels if name.endswith("pressure")}
+    names = [f"{room}.{place} pressure" for place in ("a", "b", "c", "d")]
+    cases = {
+        name: replace(case, channels={**case.channels, **dict.fromkeys(names, case.channels[f"{room}.mic pressure"])})
+        for name, case in result.cases.items()
+    }
+    others = {
+        name: replace(beside, modes_db={one: {1: 3.0} for one in (*names, f"{room}.mic pressure")})
+        for name, beside in result.comparison.cases.items()
+    }
+    grid = terminal._modes_db(replace(result, cases=cases, comparison=replace(result.comparison, cases=others)))
+    told = [row[0] for row in grid.rows if row[0].endswith("pressure")]
+    assert told == [f"{room}.mic pressure", f"{room}.a pressure"]
+    assert grid.title.endswith("(3 more receivers in summary.json)")
+
+
+def test_an_acceleration_is_told_where_no_velocity_is():
+    result = BY_HAND["study_by_hand"]()
+    case = result.cases["without damper"]
+    channel = case.channels["O_f.z velocity"]
+    both = replace(
+        case, channels={"P.z acceleration": channel, "O_f.z velocity": channel, "O_f.z acceleration": channel}
+    )
+    assert terminal._only_accelerates(both, "P.z acceleration")
+    assert not terminal._only_accelerates(both, "O_f.z acceleration")
+    assert not terminal._only_accelerates(both, "O_f.z velocity")
