@@ -14,6 +14,7 @@ from femstruct.impact.response import BodyHistory, EnergyLedger, Response
 from femstruct.study.result import CaseResult, StudyResult
 from femstruct.view.figures import case_colours, finish, legend_above, new_figure, panels, thinned
 from femstruct.view.scales import scaled
+from femstruct.view.trust import anything_meets
 
 ZOOM_WITHOUT_RULE: Final = 0.05  # of the window, where no first-impact window is given
 AROUND: Final = 1.25  # times the first-impact window: what comes next is seen to begin
@@ -27,10 +28,12 @@ def history(result: StudyResult, channel: str) -> Figure:
     """A recorded channel of all cases; the legend gives the peaks |x|, in the first impact and in the whole window."""
     cases = {name: case for name, case in result.cases.items() if channel in case.channels}
     first = next(iter(cases.values())).channels[channel]
+    met = anything_meets(result)
     factor, unit = scaled(first.unit, max(case.channels[channel].whole for case in cases.values()))
     legend = {
-        name: f"{name}: peak {factor * case.channels[channel].first_impact:.4g} {unit} in the first impact, "
-        f"{factor * case.channels[channel].whole:.4g} {unit} in all"
+        name: f"{name}: peak "
+        + (f"{factor * case.channels[channel].first_impact:.4g} {unit} in the first impact, " if met else "")
+        + f"{factor * case.channels[channel].whole:.4g} {unit} in all"
         for name, case in cases.items()
     }
     curves = {name: (_times(case), case.channels[channel].values) for name, case in cases.items()}
@@ -195,7 +198,7 @@ def _times(case: CaseResult) -> Floats:
 
 
 def _zoom(result: StudyResult, response: Response) -> float:
-    """End of the panel of the first impact [s]."""
-    window = next(iter(result.cases.values())).case.study.peaks.first_impact
+    """End of the panel of the first impact [s]; without an impact, of the beginning."""
+    window = next(iter(result.cases.values())).case.study.peaks.first_impact if anything_meets(result) else None
     duration = float(response.t[-1])
     return min(duration, AROUND * window if window else ZOOM_WITHOUT_RULE * duration)

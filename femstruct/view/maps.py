@@ -47,8 +47,9 @@ def pressure_maps(result: StudyResult, room: str) -> Figure | None:
 
 
 def heard_peaks(result: StudyResult, room: str) -> dict[str, float]:
-    """The most prominent peaks of the baseline's sound at a room's first receiver: names and frequencies [Hz].
+    """The loudest peaks of the baseline's sound at a room's first receiver: names and frequencies [Hz].
 
+    Only those that stand out of what is beside them, and none above the modal basis, where the answer is not complete.
     A peak within 2 % of a mode of the structure carries that mode's number, any other is one of the room's or of the
     force.
     """
@@ -56,8 +57,9 @@ def heard_peaks(result: StudyResult, room: str) -> dict[str, float]:
     heard = case.rooms[room]
     spectrum = np.abs(heard.spectrum[0])
     level = 20.0 * np.log10(np.maximum(spectrum, SILENCE * spectrum.max(initial=0.0)) + np.finfo(float).tiny)
-    tops, found = find_peaks(level, prominence=PROMINENT)
-    chosen = np.sort(tops[np.argsort(-found["prominences"])[:MOST]])
+    tops, _ = find_peaks(level, prominence=PROMINENT)
+    tops = tops[heard.frequency_hz[tops] <= case.basis.complete_below_hz]
+    chosen = np.sort(tops[np.argsort(-level[tops])[:MOST]])
     elastic = np.flatnonzero([kind == "elastic" for kind in case.basis.kind])
     named = {}
     for frequency in heard.frequency_hz[chosen].tolist():

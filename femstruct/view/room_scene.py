@@ -84,11 +84,12 @@ def picture_surfaces(
         cells[SHARE] = np.real(own / largest)
         surfaces = cells.contour(list(LEVELS), scalars=SHARE)
         look = {"scalars": SHARE, "cmap": "RdBu_r", "clim": (-1, 1), "show_scalar_bar": pane == 0}
+        look["scalar_bar_args"] = _BAR | {"title": f"{SHARE}\n"}  # lifted off the numbers
         if surfaces.n_points:
-            plotter.add_mesh(surfaces, opacity=0.75, smooth_shading=True, scalar_bar_args=_BAR, **look)
+            plotter.add_mesh(surfaces, opacity=0.75, smooth_shading=True, **look)
         else:  # nearly uniform: no surface lies in the room
             skin = cells.extract_surface(algorithm="dataset_surface")
-            plotter.add_mesh(skin, opacity=0.6, lighting=False, scalar_bar_args=_BAR, **look)
+            plotter.add_mesh(skin, opacity=0.6, lighting=False, **look)
         _furnish(plotter, cells, plan.receivers)
         level = 20.0 * np.log10(float(np.abs(largest)) / REFERENCE_PA)
         low, high = float(cells[SHARE].min()), float(cells[SHARE].max())
@@ -101,7 +102,7 @@ def picture_surfaces(
 
 _BAR: Final = {
     "color": "black", "title_font_size": 13, "label_font_size": 12, "n_labels": 5, "fmt": "%.1f", "width": 0.5,
-    "height": 0.1, "position_x": 0.25, "position_y": 0.02,
+    "height": 0.06, "position_x": 0.25, "position_y": 0.02,
 }  # fmt: skip
 
 

@@ -16,7 +16,7 @@ from femstruct.view.energies import energies, whither
 from femstruct.view.grid import Grid
 from femstruct.view.machine import limits, machine
 from femstruct.view.rated import bands, first_drop, ratings
-from femstruct.view.trust import outcomes, trust
+from femstruct.view.trust import anything_meets, outcomes, trust
 
 SPOKEN_RECEIVERS = 2  # of a room
 SPOKEN_HZ = 500.0  # modes above it are in summary.json; a terminal shows those that floors and presses are judged by
@@ -63,7 +63,8 @@ def study_tables(result: StudyResult) -> tuple[Grid, ...]:
 
 
 def _peaks(result: StudyResult) -> Grid:
-    grid = Grid(f"peaks: first impact / whole window ({result.comparison.filter})", ("", *result.cases))
+    told = "first impact / whole window" if anything_meets(result) else "whole window"
+    grid = Grid(f"peaks: {told} ({result.comparison.filter})", ("", *result.cases))
     names = list(dict.fromkeys(name for case in result.cases.values() for name in case.channels))
     for name in names:
         unit = next(case.channels[name].unit for case in result.cases.values() if name in case.channels)
@@ -77,10 +78,11 @@ def _peak(result: StudyResult, case: str, name: str) -> str:
         return "-"
     beside = result.comparison.cases.get(case)
     change = beside.peaks.get(name) if beside else None
-    texts = [f"{channel.first_impact:.4g} / {channel.whole:.4g}"]
+    texts = [[f"{channel.first_impact:.4g}", f"{channel.whole:.4g}"]]
     if change is not None:
-        texts.append(f"{_percent(change.first_impact_percent)} / {_percent(change.whole_percent)}")
-    return "\n".join(texts)
+        texts.append([_percent(change.first_impact_percent), _percent(change.whole_percent)])
+    start = 0 if anything_meets(result) else 1
+    return "\n".join(" / ".join(both[start:]) for both in texts)
 
 
 def _percent(value: float | None) -> str:

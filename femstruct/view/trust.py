@@ -11,6 +11,11 @@ from femstruct.study.result import AccuracyCheck, StudyResult
 RESOLVED: Final = 1e-6  # share from which on an estimated error is of interest to whom measures to 1 %
 
 
+def anything_meets(result: StudyResult) -> bool:
+    """Whether a study has contacts; in one without, as of a walker, there is no first impact."""
+    return any(case.response.contacts for case in result.cases.values() if case.response is not None)
+
+
 def outcomes(result: StudyResult) -> list[str]:
     """How the cases ended, those that ended alike on one line."""
     return _together(

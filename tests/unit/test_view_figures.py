@@ -144,6 +144,10 @@ def test_spectrum_peaks_stand_on_the_mode_lines(result):
     name, frequency = list(heard_peaks(result, "box").items())[-1]
     assert frequency == pytest.approx(448.3, abs=4.0)
     assert name.startswith("mode ")
+    case = result.cases["without damper"]
+    short = replace(case, basis=replace(case.basis, complete_below_hz=frequency - 1.0))
+    below = heard_peaks(replace(result, cases={**result.cases, "without damper": short}), "box")
+    assert max(below.values(), default=0.0) < frequency - 1.0  # above, the modes are not complete
 
 
 def test_energy_layers_reach_what_was_put_in(result):

@@ -124,3 +124,12 @@ def test_an_acceleration_is_told_where_no_velocity_is():
     assert terminal._only_accelerates(both, "P.z acceleration")
     assert not terminal._only_accelerates(both, "O_f.z acceleration")
     assert not terminal._only_accelerates(both, "O_f.z velocity")
+
+
+def test_without_contacts_there_is_no_first_impact():
+    result = BY_HAND["study_by_hand"]()
+    cases = {name: replace(case, response=replace(case.response, contacts={})) for name, case in result.cases.items()}
+    grid = terminal._peaks(replace(result, cases=cases))
+    assert grid.title == "peaks: whole window (no filter)"
+    assert not any("/" in cell for row in grid.rows for cell in row[1:])
+    assert "first impact / whole" in terminal._peaks(result).title
