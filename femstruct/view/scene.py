@@ -35,7 +35,7 @@ def shapes_all(result: StudyResult, folder: str | Path) -> tuple[list[Path], str
     """A sheet of the first elastic modes for every distinct structure of a study, as PNG files in a folder.
 
     Returns the paths and, where something is left out, a sentence that says why ("" otherwise): a machine without
-    OpenGL cannot draw, a structure in closed form has no shape to draw.
+    OpenGL cannot draw, a structure in closed form has no shape to draw. Of no structure nothing is left out.
     """
     paths: list[Path] = []
     drawn: dict[str, str] = {}
@@ -52,7 +52,8 @@ def shapes_all(result: StudyResult, folder: str | Path) -> tuple[list[Path], str
         except NoOpenGL as error:
             return paths, str(error)
         paths.append(path)
-    return paths, "" if paths else "Pictures of shapes left out: the structure is in closed form."
+    known = any(case.basis.omega.size for case in result.cases.values())
+    return paths, "Pictures of shapes left out: the structure is in closed form." if known and not paths else ""
 
 
 def picture_modes(model: Model, basis: ModalBasis, path: str | Path, title: str = "", most: int = MOST_MODES) -> None:

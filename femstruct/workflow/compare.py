@@ -66,9 +66,10 @@ def _mode_attenuation(reference: CaseResult, before: Floats, result: CaseResult,
 
     A mode is listed when the baseline's spectrum has a local maximum within 2 % of its frequency; a net force, which
     has no peaks at modes, is compared at the frequency of every mode. A record shorter than one period of a mode does
-    not show it. The spectrum is that of the whole record, not windowed.
+    not show it. The spectrum is that of the whole record, not windowed; of repeated blows it is a comb of their
+    interval, and no mode is listed.
     """
-    if reference.response is None or result.response is None:
+    if reference.response is None or result.response is None or reference.response.blows or result.response.blows:
         return {}
     after = _spectrum(result.channels[channel].values, result.response.clock.sampling)
     if len(before) != len(after):

@@ -179,3 +179,8 @@ def test_mistakes_say_where(name: str, tmp_path: Path) -> None:
         (i, text.index(marked) + 1) for i, text in enumerate(path.read_text().splitlines(), 1) if marked in text
     )
     assert re.match(rf"{re.escape(str(path))}:{number}:{column}: {said}", line), line
+
+
+def test_a_comb_of_blows_says_nothing_of_modes(strokes: StudyResult) -> None:
+    for beside in strokes.comparison.cases.values():
+        assert not any(beside.modes_db.values())
