@@ -5,13 +5,13 @@ The way through this wing, each step a pure function or a frozen noun::
     Air, Losses -> Room, Receiver      what the room is                          air, room
     SurfaceVelocity                    how its ceiling moves: the one door in    source
     pressure(...) -> RoomResponse      what is heard, in time and frequency      pressure (transfer functions: cavity)
-    cavity_pressure(...)               the same in rooms of any shape            cavity_pressure (fem, walls)
+    cavity_pressure(...)               the same in rooms of any shape            cavity_pressure (fem, walls, yielding)
     sound_levels(...) -> Levels        peaks, maxima, exposures, bands           levels (bands, weighting)
     heavy_impact_level(...), ...       single numbers of the standards           ratings
     rate_room(...) -> RatedRoom        a room as the standards state it          rated
     force_exposure_levels(...)         how hard a source strikes                 exposure
 
-Layers, lowest first: ``errors arrays air room source walls | extension cavity meshes fem shaped | orders
+Layers, lowest first: ``errors arrays air room source walls | extension cavity meshes fem yielding shaped | orders
 judgement absorption pressure cavity_pressure maps harmonic coupled coupled_fem | bands weighting levels ratings decay
 exposure rated``; a module imports from lower ones only. Nothing here knows of finite
 elements, opens a file or prints.
@@ -66,7 +66,7 @@ if TYPE_CHECKING:
         weighted_impact_level,
     )
     from acoustics.shaped import ShapedRoom
-    from acoustics.walls import Wall, absorbing
+    from acoustics.walls import Wall, YieldingWall, absorbing
     from acoustics.weighting import frequency_weighting, time_weighted, weighted
 
 # What needs scipy.signal, scipy.linalg or scikit-fem is slow to import: it is fetched when first asked for (PEP 562).
@@ -80,7 +80,7 @@ _FETCHED = {
     "acoustics.maps": ("PressureMap", "pressure_map"),
     "acoustics.meshes": ("CavityMesh", "box_mesh"),
     "acoustics.shaped": ("ShapedRoom",),
-    "acoustics.walls": ("Wall", "absorbing"),
+    "acoustics.walls": ("Wall", "YieldingWall", "absorbing"),
     "acoustics.bands": ("octave_bands", "third_octave_bands"),
     "acoustics.levels": (
         "Levels",
@@ -123,6 +123,7 @@ __all__ = [
     "ShapedRoom",
     "SurfaceVelocity",
     "Wall",
+    "YieldingWall",
     "absorbing",
     "air_stiffness_ratio",
     "box_mesh",

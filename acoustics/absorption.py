@@ -11,19 +11,20 @@ from acoustics.air import Air
 from acoustics.arrays import Floats
 from acoustics.errors import Advice
 from acoustics.fem import CavityModes, wall_integrals
-from acoustics.walls import Wall
+from acoustics.walls import AnyWall, Wall
 
 COUPLED: Final = 0.05  # what walls couple two modes by, over the distance of their frequencies, to need complex modes
 
 
-def absorbed(modes: CavityModes, walls: Mapping[str, Wall], air: Air) -> Floats:
+def absorbed(modes: CavityModes, walls: Mapping[str, AnyWall], air: Air) -> Floats:
     """Integrals of beta psi_n psi_m over all walls, over the volume [n, n] [1/m]; beta is the two modes' geometric
-    mean."""
+    mean. Walls that yield are not among them."""
     frequency_hz = modes.wavenumber * air.c / (2 * np.pi)
     total = np.zeros((len(frequency_hz), len(frequency_hz)))
     for name, wall in walls.items():
-        root = np.sqrt(wall.at(frequency_hz))
-        total += root[:, None] * wall_integrals(modes, name) * root / modes.mesh.volume
+        if isinstance(wall, Wall):
+            root = np.sqrt(wall.at(frequency_hz))
+            total += root[:, None] * wall_integrals(modes, name) * root / modes.mesh.volume
     return total
 
 

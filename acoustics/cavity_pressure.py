@@ -20,7 +20,8 @@ from acoustics.pressure import RoomResponse
 from acoustics.room import Losses, Receiver, positions
 from acoustics.shaped import ShapedRoom
 from acoustics.source import SurfaceVelocity, alike
-from acoustics.walls import Wall
+from acoustics.walls import AnyWall, Wall
+from acoustics.yielding import WallMotion, wall_motion
 
 _BATCH: Final = 1 << 23  # complex numbers of one batch
 
@@ -31,12 +32,12 @@ def cavity_pressure(
     air: Air,
     losses: Losses,
     receivers: Sequence[Receiver],
-    walls: Mapping[str, Wall] | None = None,
+    walls: Mapping[str, AnyWall] | None = None,
 ) -> RoomResponse:
     """Pressure at the receivers of a room of any shape, part of whose boundary moves with the given velocity.
 
-    modes : of `cavity_modes`, up to twice the band of interest. walls : what the named walls take up; others are
-    rigid.
+    modes : of `cavity_modes`, up to twice the band of interest. walls : what the named walls take up, or how they
+    yield; others are rigid.
 
     Returns RoomResponse; its findings name a velocity beyond the modes, a mesh too coarse for them, and walls that
     take up too much for what is said of them.
@@ -48,11 +49,12 @@ def cavity_pressure(
     -----
     With s = j omega + a as in `pressure`, mode n of a volume V answers the velocity of the surface with
 
-        P_n = rho d(s) (integral of psi_n v) / (V (k_n^2 - k^2(s) + (s/c) (integral of beta psi_n^2) / V))
+        P_n = rho d(s) (integral of psi_n v) / (V (k_n^2 - k^2(s) + d(s)/c (integral of beta psi_n^2) / V))
 
     and the modes left out as pseudo-modes: their answers at rest to the shapes of the surface. Walls couple modes by
     the integrals of beta psi_n psi_m; where these matter, beside the distance of the frequencies, and the walls are
-    constant in frequency, the coupled system is solved by its complex modes instead.
+    constant in frequency, the coupled system is solved by its complex modes instead. So it is with walls that yield,
+    whose displacement is part of that system.
 
     A piston that stops after pushing 0.1 mm into a box of 1 m height compresses it by 1e-4:
 
@@ -75,7 +77,7 @@ def cavity_pressures(
     air: Air,
     losses: Losses,
     receivers: Sequence[Receiver],
-    walls: Mapping[str, Wall] | None = None,
+    walls: Mapping[str, AnyWall] | None = None,
 ) -> list[RoomResponse]:
     """Pressure at the receivers for each of several motions of one ceiling: as `cavity_pressure` of each, the transfer
     functions found once.
@@ -168,7 +170,7 @@ def _way(
     modes: CavityModes,
     air: Air,
     losses: Losses,
-    walls: Mapping[str, Wall],
+    walls: Mapping[str, AnyWall],
     points: Floats,
     weights: Floats,
     shapes: Floats,
@@ -178,13 +180,17 @@ def _way(
     loads = drive(modes, points, weights, shapes)
     listening = probe(modes.mesh, places)
     coupled = coupling(modes, absorbed(modes, walls, air), air)
-    constant = all(wall.constant for wall in walls.values())
-    together = coupled > COUPLED and constant
-    forces = [wall_forces(modes, wall) for wall in walls] if together else []
-    modes = with_answers(modes, np.hstack([loads, *forces]))
-    left, right, term = (_complex_modes if together else _separate_modes)(
-        modes, air, losses, absorbed(modes, walls, air)
-    )
+    resistive = {name: wall for name, wall in walls.items() if isinstance(wall, Wall)}
+    constant = all(wall.constant for wall in resistive.values())
+    together = len(resistive) < len(walls) or (coupled > COUPLED and constant)
+    forces = [wall_forces(modes, wall) for wall in resistive] if together else []
+    modes = with_answers(modes, np.hstack([loads, wall_motion(modes, walls).loads, *forces]))
+    motion = wall_motion(modes, walls)  # in all that there is now of pressure on the walls
+    taken = absorbed(modes, resistive, air)
+    if together:
+        left, right, term = _complex_modes(modes, air, losses, taken if constant else np.diag(np.diag(taken)), motion)
+    else:
+        left, right, term = _separate_modes(modes, air, losses, taken)
     advice = (coupled_walls(coupled),) if coupled > COUPLED and not constant else ()
     hearing = np.asarray(listening @ modes.shapes)
     return _Way(modes.shapes.T @ loads, hearing @ left, right, term, advice)
@@ -199,7 +205,7 @@ def _separate_modes(modes: CavityModes, air: Air, losses: Losses, absorbed: Floa
     squared, own = modes.wavenumber[:, None] ** 2, np.diag(absorbed)[:, None]
 
     def term(s: Complexes) -> Complexes:
-        below = squared - wavenumber_squared(losses, air, s) + s / air.c * own
+        below = squared - wavenumber_squared(losses, air, s) + (s + 2 * losses.decay_rate) / air.c * own
         ratio: Complexes = air.rho * (s + 2 * losses.decay_rate) / (modes.mesh.volume * below)
         return ratio
 
@@ -207,26 +213,40 @@ def _separate_modes(modes: CavityModes, air: Air, losses: Losses, absorbed: Floa
     return unit, unit, term
 
 
-def _complex_modes(modes: CavityModes, air: Air, losses: Losses, absorbed: Floats) -> _Answer:
-    """The same by the complex modes of the system that walls couple.
+def _complex_modes(modes: CavityModes, air: Air, losses: Losses, absorbed: Floats, motion: WallMotion) -> _Answer:
+    """The same by the complex modes of the system of pressures that walls couple and of the walls that yield.
 
-    With tau the relaxation time and gamma the decay rate, times c^2 (1 + tau s):
+    With tau the relaxation time, gamma the decay rate, w the displacement of the walls out of the room, L its integrals
+    with the modes, kappa = rho c^2 / V and x_n = omega_n P_n / (s + 2 gamma):
 
-        (1 + tau c A) s^2 + (2 gamma + tau c^2 k^2 + c A) s + c^2 k^2 = rho c^2 (s + 2 gamma) (1 + tau s) v.
+        s P = (1 + tau s) (kappa (v - L s w) - c A P - omega x),
+        m s^2 w = L^T P - r s w - k w.
     """
-    n, tau = len(absorbed), losses.relaxation_time
-    stiffness = np.diag((air.c * modes.wavenumber) ** 2)
-    mass = np.eye(n) + tau * air.c * absorbed
-    damping = 2 * losses.decay_rate * np.eye(n) + tau * stiffness + air.c * absorbed
-    state = np.block(
-        [[np.zeros((n, n)), np.eye(n)], [-np.linalg.solve(mass, stiffness), -np.linalg.solve(mass, damping)]]
+    n, r = len(absorbed), len(motion.mass)
+    tau, kappa = losses.relaxation_time, air.bulk_modulus / modes.mesh.volume
+    L = modes.shapes.T @ motion.loads
+    push, spring, dashpot = (part / motion.mass for part in (L, motion.stiffness, motion.resistance))
+    along = np.vstack([np.zeros(n - 1), np.diag(air.c * modes.wavenumber[1:])])  # the uniform mode has no flow
+    none, unit = np.zeros, np.eye
+    mass = unit(n) + tau * air.c * absorbed
+    flows = air.c * absorbed + tau * (along @ along.T + kappa * push @ L.T)
+    pressures = np.hstack(
+        [-flows, (2 * losses.decay_rate * tau - 1) * along, kappa * tau * L * spring, kappa * L * (tau * dashpot - 1)]
+    )
+    state = np.vstack(
+        [
+            np.linalg.solve(mass, pressures),
+            np.hstack([along.T, -2 * losses.decay_rate * unit(n - 1), none((n - 1, 2 * r))]),
+            np.hstack([none((r, 2 * n - 1 + r)), unit(r)]),
+            np.hstack([push.T, none((r, n - 1)), -np.diag(spring), -np.diag(dashpot)]),
+        ]
     )
     poles, vectors = eig(state)
-    driven = np.linalg.solve(vectors, np.vstack([np.zeros((n, n)), np.linalg.inv(mass)]).astype(np.complex128))
+    inward = np.vstack([np.linalg.inv(mass), none((len(state) - n, n))])
+    driven = np.linalg.solve(vectors, inward.astype(np.complex128))
 
     def term(s: Complexes) -> Complexes:
-        front = air.bulk_modulus / modes.mesh.volume * (s + 2 * losses.decay_rate) * (1 + tau * s)
-        ratio: Complexes = front / (s - poles[:, None])
+        ratio: Complexes = kappa * (1 + tau * s) / (s - poles[:, None])
         return ratio
 
     return vectors[:n], driven, term

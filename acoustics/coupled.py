@@ -68,6 +68,7 @@ class CoupledAir:
     frequency_hz [n] : of the cavity modes kept, ascending, without the uniform one.
     compression [1 + n, k + n] : rows of b_0 and B; the air's potential energy is |compression [q; y]|^2 / 2.
     mass [k + n, k + n] : of the air: unity for y, for q the added mass of the modes left out.
+    Walls that yield are coordinates between q and y, with their own mass, and a row of compression for each spring.
     viscous, hysteretic [k + n, k + n] : damping of the air, as - v . viscous v and, in frequency, + j hysteretic.
     complete_below_hz : no cavity mode is left out below it.
     """
@@ -81,7 +82,7 @@ class CoupledAir:
 
     def __post_init__(self) -> None:
         frequency_hz = frozen("coupled.frequency_hz", self.frequency_hz, (None,))
-        compression = frozen("coupled.compression", self.compression, (1 + len(frequency_hz), None))
+        compression = frozen("coupled.compression", self.compression, (None, None))
         square_of = (compression.shape[1], compression.shape[1])
         freeze(
             self,

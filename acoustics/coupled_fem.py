@@ -2,13 +2,21 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from typing import Final
+
 import numpy as np
 
 from acoustics.absorption import absorbed
 from acoustics.arrays import Floats, positive
 from acoustics.coupled import MOST, CoupledAir, joined
+from acoustics.errors import AcousticsError
 from acoustics.fem import drive, left_out
 from acoustics.shaped import ShapedRoom
+from acoustics.walls import YieldingWall
+from acoustics.yielding import WallMotion, wall_motion
+
+HELD: Final = "a stiffness above 0 with two-way coupling: something holds the wall in place"
 
 
 def coupled_cavity(room: ShapedRoom, points: Floats, weights: Floats, shapes: Floats, up_to_hz: float) -> CoupledAir:
@@ -23,7 +31,10 @@ def coupled_cavity(room: ShapedRoom, points: Floats, weights: Floats, shapes: Fl
     As `acoustics.coupled.coupled_air`, with finite elements: the mass of the modes that were not even found is
     that of their answer at rest to the shapes.
 
-    What walls take up damps each mode by itself.
+    What walls take up damps each mode by itself. Walls that yield move as the ceiling does, with coordinates and a
+    mass of their own; what gives way of them is in the traces of the modes kept.
+
+    Raises AcousticsError: a wall that yields without a stiffness, which nothing holds in place.
 
     The piston of `coupled_air` over its box, whose next mode along z is at 1700 Hz:
 
@@ -42,10 +53,33 @@ def coupled_cavity(room: ShapedRoom, points: Floats, weights: Floats, shapes: Fl
     if kept.sum() > 1 + MOST:
         complete = float(known[1 + MOST])
         kept = known < complete * (1 - 1e-9)  # modes of one frequency are kept or left out together
+    low = modes.shapes[:, kept]
+    motion = wall_motion(replace(modes, wavenumber=modes.wavenumber[kept], shapes=low), room.walls)
+    for name, wall in room.walls.items():
+        if isinstance(wall, YieldingWall) and wall.stiffness == 0:
+            raise AcousticsError(f"walls.{name}", got="a wall that yields without a stiffness", expected=HELD)
+    loads = np.hstack([loads, motion.loads / np.sqrt(motion.mass)])
     displaced = modes.shapes.T @ loads
     slow = displaced[~kept] / modes.wavenumber[~kept, None]
     added = room.air.rho * (loads.T @ left_out(modes, loads) + slow.T @ slow / room.volume)
     rates = room.air.c * np.diag(absorbed(modes, room.walls, room.air))[kept][1:] if room.walls else None
-    return joined(
+    air = joined(
         room, known[kept][1:], displaced[kept], 0.5 * (added + added.T), complete_below_hz=complete, absorbed=rates
+    )
+    return _with_walls(air, motion, slice(shapes.shape[1], loads.shape[1]))
+
+
+def _with_walls(air: CoupledAir, motion: WallMotion, at: slice) -> CoupledAir:
+    """The air with the masses, springs and dashpots of the walls, whose mass-normalised coordinates are there."""
+    springs = np.zeros((len(motion.mass), len(air.mass)))
+    springs[:, at] = np.diag(np.sqrt(motion.stiffness / motion.mass))
+    own = np.zeros(len(air.mass))
+    own[at] = 1.0
+    dashpots = np.zeros(len(air.mass))
+    dashpots[at] = motion.resistance / motion.mass
+    return replace(
+        air,
+        compression=np.vstack([air.compression, springs]),
+        mass=air.mass + np.diag(own),
+        viscous=air.viscous + np.diag(dashpots),
     )

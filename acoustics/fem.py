@@ -23,6 +23,7 @@ _SHRINK: Final = 1e-7  # share of the way to its cell's middle that a point is m
 OFF_WALL: Final = 1e-3  # distance from the boundary over the cell size at which a point is no longer on it
 _STEPS: Final = 6  # towards answers at rest
 _INDEPENDENT: Final = 1e-9  # of the largest vector's square, below which a vector says nothing new
+_TRACE: Final = 1e-6  # of the largest trace's square: below it cells differ, not traces
 CELLS_PER_WAVE: Final = 6.0  # of second-order cells: 0.1 % in frequency for waves along the cells (0.08 %, measured)
 
 
@@ -147,6 +148,19 @@ def wall_forces(modes: CavityModes, wall: str) -> Floats:
     """What each mode's pressure does to the nodes of a named wall that gives way to it [dofs, n]."""
     forces: Floats = _wall_matrix(modes.mesh, wall) @ modes.shapes
     return forces
+
+
+def wall_traces(modes: CavityModes, wall: str) -> Floats:
+    """What displaces a named wall in orthonormal shapes does to its nodes [dofs, r], as of `drive`.
+
+    The shapes span all that the modes are on the wall; the integral of the square of each over it is 1.
+    """
+    forces = wall_forces(modes, wall)
+    gram = modes.shapes.T @ forces
+    size, turn = eigh(0.5 * (gram + gram.T))
+    large = size > _TRACE * size[-1]
+    traces: Floats = forces @ (turn[:, large] / np.sqrt(size[large]))
+    return traces
 
 
 def with_answers(modes: CavityModes, loads: Floats) -> CavityModes:

@@ -16,7 +16,7 @@ from acoustics.errors import AcousticsError
 from acoustics.fem import CELLS_PER_WAVE, CavityModes, cavity_modes
 from acoustics.meshes import CavityMesh
 from acoustics.room import Losses
-from acoustics.walls import Wall
+from acoustics.walls import AnyWall, YieldingWall
 
 MOST: Final = 300  # modes of a room that nobody limits, about
 FLAT: Final = 1e-6  # of the room's size: heights of a ceiling's corners differ by less
@@ -24,15 +24,16 @@ FLAT: Final = 1e-6  # of the room's size: heights of a ceiling's corners differ 
 
 @dataclass(frozen=True, eq=False)
 class ShapedRoom:
-    """A closed room of any shape with rigid walls, some of which may take up sound; a named, level wall moves.
+    """A closed room of any shape with rigid walls, some of which may take up sound or yield; a named, level wall
+    moves.
 
     mesh : its cells and named walls; receivers are measured in the mesh's own coordinates [m], z up.
     ceiling : name of the wall that moves, or part of which does.
-    walls : what the named walls take up; the others are rigid.
+    walls : what the named walls take up, or how they yield; the others are rigid.
     up_to_hz : modes up to it are its own, the others answer as at rest; None: as far as the cells carry six to a
         wave, and some 300 modes at most.
 
-    Raises AcousticsError: no such wall, a ceiling that is not level.
+    Raises AcousticsError: no such wall, a ceiling that is not level, or that yields beside moving.
 
     >>> from acoustics.meshes import box_mesh
     >>> room = ShapedRoom(box_mesh([0.58, 0.47, 0.1], [6, 5, 1]), "z1", Air(340, 1.29))
@@ -44,7 +45,7 @@ class ShapedRoom:
     ceiling: str
     air: Air = field(default_factory=Air)
     losses: Losses = field(default_factory=Losses)
-    walls: Mapping[str, Wall] = field(default_factory=dict)
+    walls: Mapping[str, AnyWall] = field(default_factory=dict)
     up_to_hz: float | None = None
 
     def __post_init__(self) -> None:
@@ -56,6 +57,13 @@ class ShapedRoom:
                 "ceiling",
                 got=f"'{self.ceiling}', {heights.min():g} to {heights.max():g} m high",
                 expected="a level wall",
+            )
+        if isinstance(self.walls.get(self.ceiling), YieldingWall):
+            raise AcousticsError(
+                f"walls.{self.ceiling}",
+                got="a wall that yields, which is the ceiling",
+                expected="another wall",
+                do="the ceiling moves as its structure does",
             )
         asked = self.carried_hz if self.up_to_hz is None else positive("up_to_hz", self.up_to_hz, "Hz")
         freeze(self, walls=MappingProxyType(dict(self.walls)), up_to_hz=asked)

@@ -1,4 +1,5 @@
-"""What walls take up: admittances of locally reacting walls, and the absorption coefficients they stand for."""
+"""What walls do: admittances of locally reacting walls, the absorption coefficients they stand for, and walls that
+yield."""
 
 from __future__ import annotations
 
@@ -56,6 +57,41 @@ class Wall:
     def constant(self) -> bool:
         """Whether it is the same at all frequencies, and the wall therefore causal."""
         return len(set(self.admittance.values())) == 1
+
+
+@dataclass(frozen=True, eq=False)
+class YieldingWall:
+    """A locally reacting wall that gives way: every bit of it a mass on a spring and a dashpot, held from behind.
+
+    mass : per area [kg/m^2]. stiffness : per area [N/m^3]. resistance : per area [Pa s/m].
+
+    Raises AcousticsError: a mass not above 0, a stiffness or resistance below 0.
+
+    Notes
+    -----
+    Its impedance r + j omega m + s / (j omega) is causal, so that it is exact in time. Neighbouring bits do not hold
+    each other: a plate that bends is no such wall near and above the frequency at which its bending waves travel as
+    fast as sound. A resistance alone is a `Wall`.
+
+    >>> wall = YieldingWall(mass=25.0, stiffness=2e6)
+    >>> round((wall.stiffness / wall.mass) ** 0.5 / (2 * np.pi), 2)
+    45.02
+    """
+
+    mass: float
+    stiffness: float = 0.0
+    resistance: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name, unit in (("stiffness", "N/m^3"), ("resistance", "Pa s/m")):
+            value = float(getattr(self, name))
+            if not (np.isfinite(value) and value >= 0):
+                raise AcousticsError(f"wall.{name}", got=f"{value:g} {unit}", expected="a number >= 0")
+            freeze(self, **{name: value})
+        freeze(self, mass=positive("wall.mass", self.mass, "kg/m^2"))
+
+
+AnyWall = Wall | YieldingWall
 
 
 def absorbing(absorption: float | Mapping[float, float]) -> Wall:

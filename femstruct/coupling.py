@@ -14,6 +14,7 @@ from acoustics.coupled import CoupledAir, Leak, coupled_air
 from acoustics.coupled_fem import coupled_cavity
 from acoustics.room import Enclosed, Room
 from acoustics.shaped import ShapedRoom
+from acoustics.walls import YieldingWall
 from femstruct.arrays import Floats
 from femstruct.errors import Finding, InputError
 from femstruct.modal.basis import ForceRow, Kind, ModalBasis
@@ -49,8 +50,8 @@ def with_cavity(
     name : of the room, for findings, and under which the leak's volume is kept in `volumes`.
 
     Returns a ModalBasis of k + n modes, k of the structure with its residual vectors and n of the room, with one more
-    for a leak. Its shapes are the motion of the structure in each; modes of the air move it little. It may be coupled
-    to another room in turn.
+    for a leak, and one for every shape in which walls yield. Its shapes are the motion of the structure in each; modes
+    of the air move it little. It may be coupled to another room in turn.
 
     Raises InputError as `room_coordinates` does, and when a basis without end (closed form) is given no `up_to_hz`.
 
@@ -60,13 +61,13 @@ def with_cavity(
     of the room, the same that its pressure has. Frequencies are Rayleigh quotients of the energies, summed without
     cancellation. A room without a leak takes away one rigid mode, if any of them displaces volume.
 
-    Damping couples the new modes. Where that makes less than 1e-3 of the structure's motion, and there is no leak, only
-    the diagonal is kept, which costs less than a tenth in `simulate`; the finding ``two-way-coupling`` says which, and
-    gives frequencies in vacuo and coupled.
+    Damping couples the new modes. Where that makes less than 1e-3 of the structure's motion, and there is no leak and
+    no resistance of a wall that yields, only the diagonal is kept, which costs less than a tenth in `simulate`; the
+    finding ``two-way-coupling`` says which, and gives frequencies in vacuo and coupled.
     The shapes are not orthonormal with the mass of the structure alone, but with that of structure and air.
 
     Walls of a room of any shape that take up sound damp each of its modes by itself, with the rate c int beta P_n^2 / V
-    of its energy; the finding ``walls-two-way`` tells where that is not enough.
+    of its energy; the finding ``walls-two-way`` tells where that is not enough. Walls that yield are exact.
 
     A rigid square of 1 kg over half a cubic metre of air, its only spring, 1.21 343^2 0.25^2 / 0.5 N/m, a third of
     which moves with it:
@@ -119,8 +120,8 @@ def with_cavity(
     scale = np.sqrt(np.outer(coupled, coupled))
     in_time = viscous + np.divide(hysteretic, scale, out=np.zeros_like(scale), where=scale > 0)
     stray = _stray(in_time, coupled, own[basis.modes], ~residual)
-    # The resistance of a leak is a dashpot, never a modal ratio.
-    kept = stray >= FEEBLE or leak is not None or bool(basis.volumes)
+    # The resistance of a leak or of a wall that yields is a dashpot, never a modal ratio.
+    kept = stray >= FEEBLE or leak is not None or bool(basis.volumes) or _has_dashpots(room)
     dashpots = own.T @ basis.dashpots @ own
     if not kept:
         viscous, hysteretic, dashpots = (np.diag(np.diag(losses)) for losses in (viscous, hysteretic, dashpots))
@@ -148,6 +149,12 @@ def with_cavity(
     if isinstance(room, ShapedRoom):
         told = (*told, *_of_walls(room, joined))
     return replace(joined, findings=(*basis.findings, *told))
+
+
+def _has_dashpots(room: Enclosed) -> bool:
+    """Whether walls of the room yield with a resistance."""
+    walls = room.walls.values() if isinstance(room, ShapedRoom) else ()
+    return any(isinstance(wall, YieldingWall) and wall.resistance > 0 for wall in walls)
 
 
 def _resisted(volume: Floats, shapes: Floats, weights: Floats, room: Enclosed) -> int:
@@ -270,11 +277,13 @@ def _told(
     partner = int((own[stiffened] ** 2)[joined.modes].argmax())
     before, after = float(basis.frequency_hz[stiffened]), float(joined.frequency_hz[partner])
     n = len(air.frequency_hz)
-    closed = "with a leak" if name in joined.volumes else "sealed"
+    leaks = name in joined.volumes
+    closed, yielding = "with a leak" if leaks else "sealed", len(air.mass) - n - leaks - len(basis.omega)
+    also = f" and {yielding} shapes in which its walls yield" if yielding else ""
     return Finding(
         "two-way-coupling",
-        f"The air of the room ({closed}) pushes back, with {n} modes of its own below {air.complete_below_hz:.4g} Hz, "
-        f"the others as added mass: mode {stiffened + 1}, {before:.2f} Hz in vacuo, is mode {partner + 1} at "
+        f"The air of the room ({closed}) pushes back, with {n} modes of its own below {air.complete_below_hz:.4g} "
+        f"Hz{also}, the others as added mass: mode {stiffened + 1}, {before:.2f} Hz in vacuo, is mode {partner + 1} at "
         f"{after:.2f} Hz. Mode numbers, frequencies and the energy of the structure are those with the air. Damping "
         f"between its modes makes {stray:.1e} of the structure's motion and is {'kept' if kept else 'left out'}",
         {

@@ -8,6 +8,7 @@ import numpy as np
 
 from acoustics.air import Air
 from acoustics.coupled import Leak
+from acoustics.coupled_fem import HELD
 from acoustics.errors import AcousticsError
 from acoustics.fem import probe
 from acoustics.field import HalfSpace
@@ -21,11 +22,11 @@ from acoustics.room import (
     losses_from_t60_bands,
 )
 from acoustics.shaped import ShapedRoom
-from acoustics.walls import Wall, absorbing
+from acoustics.walls import AnyWall, Wall, YieldingWall, absorbing
 from femstruct.language.build import Builder
 from femstruct.language.meshes import read_mesh
 from femstruct.language.reader import Steps, dotted, nearest
-from femstruct.language.schema_rooms import RoomSpec
+from femstruct.language.schema_rooms import RoomSpec, WallSpec
 from femstruct.study.study import RoomPlan
 
 SCALE_HZ = 1000.0  # a wall's one admittance is the same at all frequencies: this is as good as any
@@ -51,7 +52,7 @@ def room_of(
         middle = (spec.size[0] / 2.0, spec.size[1] / 2.0)
     else:
         room = _meshed(name, spec, builder, sources, shaped)
-        if room is None or not _all_inside(name, room, receivers, spec, builder):
+        if room is None or not (_all_inside(name, room, receivers, spec, builder) and _held(name, spec, builder)):
             return None
         middle = (float(room.centre[0]), float(room.centre[1]))
     offset = (spec.at[0] - middle[0], spec.at[1] - middle[1]) if spec.at is not None else (0.0, 0.0)
@@ -81,7 +82,7 @@ def _meshed(
             builder.mistakes.add(at, dotted(here), got=f"'{wall}', no surface of '{spec.mesh}'", expected=known, do=do)
             return None
     air = Air(spec.air.c, spec.air.rho)
-    walls = {wall: _wall(one.absorption, one.impedance, air) for wall, one in spec.walls.items()}
+    walls = {wall: _wall(one, air) for wall, one in spec.walls.items()}
     up_to = spec.modes.up_to if spec.modes is not None else None
     room = builder.make(
         ("rooms", name, "ceiling"), lambda: ShapedRoom(mesh, spec.ceiling or "", air, _losses(spec), walls, up_to)
@@ -91,10 +92,21 @@ def _meshed(
     return room
 
 
-def _wall(absorption: float | dict[float, float] | None, impedance: float | None, air: Air) -> Wall:
-    if impedance is not None:
-        return Wall({SCALE_HZ: air.rho * air.c / impedance})
-    return absorbing(absorption or 0.0)
+def _wall(spec: WallSpec, air: Air) -> AnyWall:
+    if spec.mass is not None:
+        return YieldingWall(spec.mass, spec.stiffness, spec.resistance)
+    if spec.impedance is not None:
+        return Wall({SCALE_HZ: air.rho * air.c / spec.impedance})
+    return absorbing(spec.absorption or 0.0)
+
+
+def _held(name: str, spec: RoomSpec, builder: Builder) -> bool:
+    """Whether walls that yield are held in place where the air pushes back; notes those that are not."""
+    loose = [wall for wall, one in spec.walls.items() if one.mass is not None and one.stiffness == 0.0]
+    for wall in loose if spec.coupling == "two-way" else ():
+        here: Steps = ("rooms", name, "walls", wall)
+        builder.mistakes.add(builder.tree.position(here), dotted(here), got="a mass without a stiffness", expected=HELD)
+    return not loose or spec.coupling == "one-way"
 
 
 def _all_inside(name: str, room: ShapedRoom, receivers: list[Receiver], spec: RoomSpec, builder: Builder) -> bool:

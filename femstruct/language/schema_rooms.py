@@ -131,12 +131,18 @@ class LeakSpec(Spec):
 
 
 class WallSpec(Spec):
-    """What a wall takes up: a random-incidence absorption coefficient, one or by frequency, or its impedance."""
+    """What a wall takes up: a random-incidence absorption coefficient, one or by frequency, or its impedance; or how it
+    yields: a mass per area on a stiffness and a resistance per area.
+    """
 
-    one_of = (("absorption", "impedance"),)
+    one_of = (("absorption", "impedance", "mass"),)
+    needs = (("stiffness", ("mass",)), ("resistance", ("mass",)))
 
     absorption: Annotated[float | dict[float, float] | None, read_by(_absorption, Ratio | dict[str, Ratio])] = None
     impedance: Annotated[float, Quantity(("specific impedance",), above=0.0)] | None = None
+    mass: Annotated[float, Quantity(("mass/area",), above=0.0)] | None = None
+    stiffness: Annotated[float, Quantity(("stiffness/area",), least=0.0)] = 0.0
+    resistance: Annotated[float, Quantity(("specific impedance",), least=0.0)] = 0.0
 
 
 class RoomModesSpec(Spec):
@@ -159,7 +165,7 @@ class RoomSpec(Spec):
 
     mesh: a file of tetrahedra or hexahedra [m] with named surfaces, its own coordinates, z up.
     ceiling: the surface of the mesh that moves, or part of which does.
-    walls: what surfaces of the mesh take up; the others are rigid.
+    walls: what surfaces of the mesh take up, or how they yield; the others are rigid.
     modes: of a meshed room, as far as its cells carry sound when left out.
     at: where the surface's centre is in the ceiling, from the room's corner or in the mesh; the middle when left out.
     coupling: one-way, the air does not push back, or two-way.

@@ -112,6 +112,26 @@ def test_walls_that_take_up_sound_make_the_room_ring_less(folder: Path) -> None:
     assert rms[2] < 0.8 * rms[1] < 0.8 * 0.97 * rms[0]
 
 
+def test_walls_that_yield_are_heard_and_push_back_less(folder: Path) -> None:
+    """A push of 0.1 Hz: the compliance of the wall, S / s'', adds to that of the air, and the plate moves further."""
+    soft = "walls: {left: {mass: 4 kg/m^2, stiffness: 0.5 MN/m^3, resistance: 300 Pa*s/m}}, "
+    found = []
+    for walls in ("", soft):
+        path = study(folder, f"{MESHED}, {walls}modes: {{up_to: 1 kHz}}")
+        found.append(run_study(read_study(path, ("frf.mic.band=[0.1 Hz, 0.3 Hz]", "frf.mic.step=0.1 Hz"))).cases)
+    rigid, yields = found
+    air = np.prod(SIZE) / (1.21 * 343.0**2)
+    wall = SIZE[1] * SIZE[2] / 0.5e6
+    assert wall > 0.4 * air
+    ratio = [yields[case].frf["mic"].values[0] / rigid[case].frf["mic"].values[0] for case in rigid]
+    assert abs(ratio[0]) == pytest.approx(air / (air + wall), rel=1e-4)
+    assert abs(ratio[0]) < abs(ratio[1]) < 1.0  # the plate gives way to both
+    assert yields["two-way"].basis.frequency_hz[0] < rigid["two-way"].basis.frequency_hz[0]
+    for case in rigid:  # and in time
+        quiet, loud = (cases[case].rooms["air"].p[0] for cases in (yields, rigid))
+        assert np.abs(quiet - loud).max() > 0.1 * np.abs(loud).max()
+
+
 @pytest.mark.parametrize(
     ("room", "told"),
     [
@@ -124,7 +144,16 @@ def test_walls_that_take_up_sound_make_the_room_ring_less(folder: Path) -> None:
         ),
         (f"{MESHED}, walls: {{rigth: {{absorption: 5 %}}}}", r"walls\.rigth: got 'rigth'"),
         (f"{MESHED}, walls: {{left: {{absorption: 99 %}}}}", r"absorption.*at most 0\.951"),
-        (f"{MESHED}, walls: {{left: {{}}}}", "absorption, impedance"),
+        (f"{MESHED}, walls: {{left: {{}}}}", "absorption, impedance, mass"),
+        (f"{MESHED}, walls: {{left: {{mass: 10 kg/m^2, impedance: 2 kPa*s/m}}}}", "both impedance and mass"),
+        (f"{MESHED}, walls: {{left: {{stiffness: 2 MN/m^3}}}}", "mass"),
+        (f"{MESHED}, walls: {{left: {{mass: 10 kg}}}}", r"walls\.left\.mass: got '10 kg'.*a mass per area"),
+        (f"{MESHED}, walls: {{left: {{mass: 10, stiffness: -1}}}}", r"walls\.left\.stiffness"),
+        (f"{MESHED}, walls: {{top: {{mass: 10, stiffness: 1e6}}}}", "a wall that yields, which is the ceiling"),
+        (
+            f"{MESHED}, walls: {{left: {{mass: 10 kg/m^2}}}}",  # in the case that is two-way
+            r"walls\.left: got a mass without a stiffness, expected a stiffness above 0 with two-way",
+        ),
         ("mesh: none.msh, ceiling: top", r"rooms\.air\.mesh: got no file"),
         ("mesh: plate.yaml, ceiling: top", "which is no mesh"),
         ("mesh: left.msh, ceiling: top", r"ceiling: got 'top', 0 to 0\.3 m high, expected a level wall"),

@@ -27,7 +27,14 @@ LAYERS = [
 ]
 ACOUSTICS = [
     ["acoustics.errors", "acoustics.arrays", "acoustics.air", "acoustics.room", "acoustics.source", "acoustics.walls"],
-    ["acoustics.extension", "acoustics.cavity", "acoustics.meshes", "acoustics.fem", "acoustics.shaped"],
+    [
+        "acoustics.extension",
+        "acoustics.cavity",
+        "acoustics.meshes",
+        "acoustics.fem",
+        "acoustics.yielding",
+        "acoustics.shaped",
+    ],
     [
         "acoustics.orders",
         "acoustics.judgement",
