@@ -35,13 +35,13 @@ def exact_march(system: System, state: State, rule: ExactRule, room: ExactRoom, 
     initial = take_stock(0.0, system, state, room.here[:, 0], room.lost, history[0])
     kept, n_events, kink, at_once = 1, 0, 0, 0
     late = record.late_at[0] * system.tick if record.late_at[0] >= 0 else np.inf
-    t, last, before, pace, open_since = 0.0, 0.0, 0.0, 0.0, np.inf
+    t, last, before, earlier, open_since = 0.0, 0.0, 0.0, 0.0, np.inf
     while t < end:
         if record.totals[1] >= max_steps:
             return TOO_MANY_STEPS, t, kept, n_events
         record.totals[1] += 1.0
         settle(system, state, room)
-        bound = fastest(system, room, coupling)
+        bound, stiffness = fastest(system, room, coupling)
         while kink < len(system.kinks) and system.kinks[kink] * system.tick <= t:
             kink += 1
         limit = min(end, open_since + quiet)
@@ -53,6 +53,7 @@ def exact_march(system: System, state: State, rule: ExactRule, room: ExactRoom, 
                 acting = True
                 if system.loads[i]["kind"] == HALF_SINE:
                     bound = max(bound, 2.0 * np.pi * system.loads[i]["frequency"])
+        stiff = stiffness / bound if bound > 0.0 else 0.0
         room_left, cap = h, min(longest, interval if acting else np.inf)
         if bound * cap > THETA:
             cap = THETA / bound
@@ -66,7 +67,7 @@ def exact_march(system: System, state: State, rule: ExactRule, room: ExactRoom, 
             terms = SHORT if first else order
             load_series(system, room, t, h, terms)
             expand(system, state, rule, room, h, terms)
-            where, who, what = watch(system, state, terms, h, max(before, h), max(pace, bound), rule, room)
+            where, who, what = watch(system, state, terms, h, max(before, h), max(earlier, stiff), rule, room)
             if not first or where == 0.0:
                 break
             first = False
@@ -93,7 +94,7 @@ def exact_march(system: System, state: State, rule: ExactRule, room: ExactRoom, 
             copy_to(state.z, room.q)
             copy_to(state.v, room.v)
             room.fresh[:] = 0
-            before, pace = h, bound
+            before, earlier = h, stiff
         at_once = at_once + 1 if now == t else 0
         if at_once > 100 + 10 * m:
             return STICKS, t, kept, n_events

@@ -43,8 +43,8 @@ def settle(system: System, state: State, room: ExactRoom) -> None:
 
 
 @inlined
-def fastest(system: System, room: ExactRoom, coupling: float) -> float:
-    """Bound of the rates [1/s] of a regime: the positive root of x^2 = c x + w^2.
+def fastest(system: System, room: ExactRoom, coupling: float) -> tuple[float, float]:
+    """Bound of the rates [1/s] of a regime, the positive root of x^2 = c x + w^2; and w^2 [1/s^2].
 
     w^2 and c bound the stiffness and the damping over the coordinates of unit mass: the largest of the modes, and k
     row.row, c row.row of every interface that acts. In the norm max(|z|, |v| / x) the system's matrix is no larger
@@ -58,7 +58,7 @@ def fastest(system: System, room: ExactRoom, coupling: float) -> float:
     for a in range(len(system.interfaces)):
         stiffness += room.spring[a] * system.mobility[a]
         damping += room.dash[a] * system.mobility[a]
-    return float(0.5 * (damping + np.sqrt(damping * damping + 4.0 * stiffness)))
+    return float(0.5 * (damping + np.sqrt(damping * damping + 4.0 * stiffness))), stiffness
 
 
 @inlined

@@ -21,7 +21,7 @@ from femstruct.impact.system import LINK, System
 INDENTATION, FORCE, SPEED, EXCESS = 0, 1, 2, 3  # what crossed zero; the first three are columns of fresh
 ROUNDING = 4e-15  # of a row's displacement, relative to the terms it is summed from
 AT_ONCE = 1e-20  # of a step: less than a place in it, or the time, can tell from its start
-PRELOAD = 1e-9  # of the preload: what a force must exceed it by, or fall short of it
+PRELOAD = 1e-9  # of the preload: what a force must exceed it by, or fall short of it; its rounding if that is more
 
 
 @kernel
@@ -63,13 +63,15 @@ def judge(c: Floats, order: int, noise: float, small: float, fresh: int, rule: E
 
 
 @inlined
-def watch(system: System, state: State, order: int, h: float, before: float, pace: float, rule: ExactRule,
+def watch(system: System, state: State, order: int, h: float, before: float, stiff: float, rule: ExactRule,
           room: ExactRoom) -> tuple[float, int, int]:  # fmt: skip
     """The first change in the step: where (NEVER: none), of which interface, and what crossed zero.
 
-    before [s] : length of the last step, whose end is known to the rounding of its own series only; pace [1/s] : bound
-    of the rates of both. Of several changes at one place the one with the lowest leading order comes first: the others
-    depend on it.
+    before [s] : length of the last step, whose end is known to the rounding of its own series only. stiff [1/s] : of
+    both, the stiffness over unit mass divided by the bound of the rates, w^2 / x. In a step, THETA / x at most, springs
+    turn rounding of a displacement into THETA stiff times as much of a speed; dashpots give a speed THETA times its own
+    at most, however fast they are. Of several changes at one place the one with the lowest leading order comes
+    first: the others depend on it.
     """
     where, rank, who, what = NEVER, order + 2, -1, -1
     c, boxes, spans = room.watched, room.boxes, room.spans
@@ -78,7 +80,7 @@ def watch(system: System, state: State, order: int, h: float, before: float, pac
         still, moving = inner_product(state.z, system.rows[a]), inner_product(state.v, system.rows[a])
         room.terms[a, 0], room.terms[a, 1] = still, moving
         held = room.spring[a] * (still + max(h, before) * moving + abs(system.interfaces[a]["offset"]))
-        lost = room.dash[a] * (moving + 2.0 * pace * still)
+        lost = room.dash[a] * (moving + 2.0 * stiff * still)
         shake += ROUNDING * np.sqrt(system.mobility[a]) * (held + lost)
     for a in range(len(system.interfaces)):
         law, status, place, rate = system.interfaces[a], state.status[a], room.place[a], room.rate[a]
@@ -88,10 +90,10 @@ def watch(system: System, state: State, order: int, h: float, before: float, pac
         clamps = not link and law["tensile"] == 0 and law["closing"] > 0.0
         still, moving = room.terms[a, 0], room.terms[a, 1]
         noise = ROUNDING * (still + max(h, before) * moving + abs(law["offset"]))
-        noise_rate = ROUNDING * (moving + 2.0 * pace * still)
+        noise_rate = ROUNDING * (moving + 2.0 * stiff * still)
         shaken = h * h * np.sqrt(system.mobility[a]) * shake
         small = ROUNDING * (4.0 * still + h * moving) + shaken
-        small_rate = 2.0 * (pace * noise + noise_rate)  # as pace * h is THETA = 2 at most
+        small_rate = 2.0 * (stiff * noise + noise_rate)
         for kind in range(4):
             doubt, lesser = noise, small
             if kind == SPEED:
@@ -114,12 +116,12 @@ def watch(system: System, state: State, order: int, h: float, before: float, pac
                     continue
                 side = 1.0 if (status == CLOSED if kind == FORCE else room.loaded[a] > 0.0) else -1.0
                 by_place, by_rate = side * law["stiffness"], side * law["closing"]
+                doubt = law["stiffness"] * noise + law["closing"] * noise_rate
                 if kind == FORCE:
                     constant = by_place * law["offset"]
-                    doubt = law["stiffness"] * noise + law["closing"] * noise_rate
                     lesser = (law["stiffness"] + law["closing"] / h) * small
                 else:
-                    constant, doubt, lesser = PRELOAD * law["preload"], 0.0, 0.0
+                    constant, doubt, lesser = max(PRELOAD * law["preload"], doubt), 0.0, 0.0
             for k in range(order + 1):
                 c[k] = by_place * place[k] + by_rate * rate[k]
             c[0] += constant
