@@ -85,7 +85,7 @@ def test_a_preloaded_contact_that_travels_counts_its_turns(speed: float, damping
     end = (turns + 0.5) * np.pi / omega
     response = engine.simulate(FREE, scene, Clock(end, 200 / end))
     assert [event.what for event in response.events] == ["closes", "opens"] * (turns // 2) + ["closes"]
-    # an indentation below 4e-15 of what it is the difference of is none, at v; 1e-9 of the preload is 5 turns' 1e-9
+    # the force must differ by 4e-15 of the places it is the difference of, or by 1e-9 of the preload, to be told
     late = 2.0 * (4e-15 * 2.0 * speed * end / v + 1e-9 * preload / (m * omega * v) / omega)
     zeta = damping / (2.0 * m * omega)
     expected = (np.arange(turns + 1) * np.pi - np.where(np.arange(turns + 1) > 0, 2.0 * zeta, 0.0)) / omega
