@@ -15,7 +15,7 @@ from femstruct.impact.system import System
 ORDER = 26  # of the power series of a step
 SHORT = 4  # of a first look at what switches at this very instant
 THETA = 2.0  # longest step times the bound of the system's frequencies
-TRUNCATION = 1e-18  # of the exponential series at the order used
+TRUNCATION = 1e-17  # of the exponential series at the order used: a tenth of rounding
 GAUSS = 10  # points: energies of a longest step are good to 1e-18
 COARSE = 8  # degree of the first look at a polynomial; what is left out of it is a margin
 PROBES = 6  # parts of a step in one of which its largest value is bracketed
@@ -74,8 +74,9 @@ class ExactRoom(NamedTuple):
     whether a contact's indentation, its force, a link's speed is zero by an event at this very instant. loaded,
     closed_at [m]. lost [m + 3] : dissipated by interfaces, by modes; work; nothing by blows. here [r, 2] :
     displacement and velocity. watched [ORDER + 1] : a polynomial. boxes [DEPTH, ORDER + 1], spans [DEPTH, 2] : its
-    Bernstein coefficients on parts of the step. terms [m, 2] : sizes of what the
-    interfaces' displacements and velocities are summed from. q, v [n] : coordinates and rates somewhere in the step.
+    Bernstein coefficients on parts of the step. terms [m, 3] : sizes of what the
+    interfaces' displacements and velocities are summed from, and the roots of their mobilities. q, v [n] : coordinates
+    and rates somewhere in the step.
     """
 
     z: Floats
@@ -119,7 +120,7 @@ def exact_room(system: System) -> ExactRoom:
         watched=np.zeros(size),
         boxes=np.zeros((DEPTH, size)),
         spans=np.zeros((DEPTH, 2)),
-        terms=np.zeros((m, 2)),
+        terms=np.zeros((m, 3)),
         q=np.zeros(n),
         v=np.zeros(n),
     )

@@ -78,10 +78,10 @@ def watch(system: System, state: State, order: int, h: float, before: float, sti
     shake = 0.0  # acceleration by the rounding of what springs and dashpots see: no contact closes or opens for it
     for a in range(len(system.interfaces)):
         still, moving = inner_product(state.z, system.rows[a]), inner_product(state.v, system.rows[a])
-        room.terms[a, 0], room.terms[a, 1] = still, moving
+        room.terms[a, 0], room.terms[a, 1], room.terms[a, 2] = still, moving, np.sqrt(system.mobility[a])
         held = room.spring[a] * (still + max(h, before) * moving + abs(system.interfaces[a]["offset"]))
         lost = room.dash[a] * (moving + 2.0 * stiff * still)
-        shake += ROUNDING * np.sqrt(system.mobility[a]) * (held + lost)
+        shake += ROUNDING * room.terms[a, 2] * (held + lost)
     for a in range(len(system.interfaces)):
         law, status, place, rate = system.interfaces[a], state.status[a], room.place[a], room.rate[a]
         link = law["kind"] == LINK
@@ -91,7 +91,7 @@ def watch(system: System, state: State, order: int, h: float, before: float, sti
         still, moving = room.terms[a, 0], room.terms[a, 1]
         noise = ROUNDING * (still + max(h, before) * moving + abs(law["offset"]))
         noise_rate = ROUNDING * (moving + 2.0 * stiff * still)
-        shaken = h * h * np.sqrt(system.mobility[a]) * shake
+        shaken = h * h * room.terms[a, 2] * shake
         small = ROUNDING * (4.0 * still + h * moving) + shaken
         small_rate = 2.0 * (stiff * noise + noise_rate)
         for kind in range(4):
