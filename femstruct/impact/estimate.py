@@ -28,11 +28,7 @@ from femstruct.impact.tables import Tables, empty_tables
 STRICTER = 100.0
 STRICT = 1e-10  # at the latest here the tolerance limits every step; a loose one need not
 FINER = 1  # halvings of the longest step, for the same reason
-SHORTER = (
-    0.83,
-    0.7,
-    0.59,
-)  # of the shortest step of an exact march: other steps round otherwise; two may agree by luck
+SHORTER = (0.83, 0.7, 0.59)  # of the shortest step of an exact march: others round otherwise; two may agree by luck
 STRICTEST = 1e-13  # tolerance below which the steps are those of rounding
 ROUNDING = 1e-13  # of a peak force or a speed: what no tolerance takes away
 

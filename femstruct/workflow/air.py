@@ -13,7 +13,7 @@ from femstruct.errors import Finding, InputError
 from femstruct.modal.basis import ModalBasis
 from femstruct.model.probe import Surface
 from femstruct.study.study import RoomPlan
-from femstruct.workflow.staging import Places
+from femstruct.workflow.places import Places
 
 
 def ceiling(plan: RoomPlan, places: Places) -> Surface:

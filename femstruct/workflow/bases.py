@@ -18,8 +18,9 @@ from femstruct.model.parts import Structure
 from femstruct.model.probe import Point, Probe
 from femstruct.study.structures import BeamModel, ModesModel, NoStructure, OscillatorModel, RodModel, StructureModel
 from femstruct.study.study import Case, Extent, Study
+from femstruct.workflow.places import Places
 from femstruct.workflow.rest import axis_of
-from femstruct.workflow.staging import Places, force_probes
+from femstruct.workflow.staging import force_probes
 
 
 @dataclass(frozen=True, eq=False)

@@ -15,8 +15,9 @@ from femstruct.impact.response import Event, Response
 from femstruct.modal.basis import ForceRow, ModalBasis
 from femstruct.study.result import Channel
 from femstruct.study.study import PeakRule, Record, RoomPlan, Study
+from femstruct.workflow.places import Places
 from femstruct.workflow.rest import axis_of, planned_contacts
-from femstruct.workflow.staging import Places, ordered
+from femstruct.workflow.staging import ordered
 
 UNITS = {"displacement": "m", "velocity": "m/s", "acceleration": "m/s^2", "force": "N", "travel": "m", "pressure": "Pa"}
 AXES = "xyz"

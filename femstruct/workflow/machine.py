@@ -18,8 +18,9 @@ from femstruct.study.study import Study
 from femstruct.workflow.bases import Solved
 from femstruct.workflow.channels import motion_of
 from femstruct.workflow.limits import settling
+from femstruct.workflow.places import Places
 from femstruct.workflow.rest import carried_bodies, lying_bodies, planned_contacts, weighs
-from femstruct.workflow.staging import Places, ordered
+from femstruct.workflow.staging import ordered
 from femstruct.workflow.weight import block_modes, sags
 
 GROUND_FORCE = "ground force"

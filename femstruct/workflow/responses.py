@@ -24,8 +24,8 @@ from femstruct.study.study import Extent, FrfRequest, RoomPlan, Spot, Study
 from femstruct.units import quantity
 from femstruct.workflow.air import ceiling
 from femstruct.workflow.bases import Solved, solve
+from femstruct.workflow.places import Places
 from femstruct.workflow.positions import positioned
-from femstruct.workflow.staging import Places
 
 DEFAULT_LINES = 500
 MOST_LINES = 1_000_000

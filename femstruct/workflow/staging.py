@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,43 +12,13 @@ from femstruct.conventions import GRAVITY
 from femstruct.errors import InputError
 from femstruct.impact.bodies import GROUND, Blows, Body, Contact, End, Link, Load, Scene
 from femstruct.modal.basis import ModalBasis
-from femstruct.model.probe import Point, Probe, Surface
+from femstruct.model.probe import Probe
 from femstruct.study.structures import ModesModel
 from femstruct.study.study import InitialMotion, PlacedBody, PlannedContact, PlannedLink, Study
+from femstruct.workflow.places import Places
 from femstruct.workflow.rest import at_rest, axis_of, lying_bodies, mass_on, planned_contacts, refuse_restless, weighs
 
 HORIZONTAL = np.cos(np.radians(45.0))
-
-
-@dataclass(frozen=True, eq=False)
-class Places:
-    """Where a structure can be pushed and listened to: its named points and surfaces."""
-
-    points: Mapping[str, Point]
-    surfaces: Mapping[str, Surface]
-
-    def point(self, name: str, asked_by: str) -> Point:
-        """The single place of that name.
-
-        Raises InputError when there is none, or when the name stands for several places.
-        """
-        if name in self.points:
-            return self.points[name]
-        several = [key for key in self.points if key.startswith(f"{name}.")]
-        raise InputError(
-            asked_by,
-            got=f"'{name}'" + (f", which has {len(several)} places" if several else ""),
-            expected=f"one of {', '.join(several or sorted(self.points)) or 'no points: the structure has none'}",
-            do="name one place" if several else "",
-        )
-
-    def of(self, name: str, asked_by: str) -> tuple[str, ...]:
-        """The names of all places of a point, in their order.
-
-        Raises InputError when there is no such point.
-        """
-        several = [place for place in self.points if place.startswith(f"{name}.")]
-        return tuple(several) if several and name not in self.points else (self.point(name, asked_by).name,)
 
 
 def scene(study: Study, places: Places, basis: ModalBasis | None = None) -> Scene:

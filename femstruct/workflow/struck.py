@@ -21,9 +21,10 @@ from femstruct.study.result import Drop
 from femstruct.study.study import Study, TimePlan
 from femstruct.workflow.air import ceiling
 from femstruct.workflow.checks import impact_findings, room_findings
+from femstruct.workflow.places import Places
 from femstruct.workflow.rated import band_levels
 from femstruct.workflow.sources import source_findings, walking_findings
-from femstruct.workflow.staging import Places, scene
+from femstruct.workflow.staging import scene
 
 Stopwatch = Callable[[str], AbstractContextManager[None]]
 

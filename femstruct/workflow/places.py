@@ -1,0 +1,40 @@
+"""Where a structure can be pushed and listened to, by name."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from femstruct.errors import InputError
+from femstruct.model.probe import Point, Surface
+
+
+@dataclass(frozen=True, eq=False)
+class Places:
+    """Where a structure can be pushed and listened to: its named points and surfaces."""
+
+    points: Mapping[str, Point]
+    surfaces: Mapping[str, Surface]
+
+    def point(self, name: str, asked_by: str) -> Point:
+        """The single place of that name.
+
+        Raises InputError when there is none, or when the name stands for several places.
+        """
+        if name in self.points:
+            return self.points[name]
+        several = [key for key in self.points if key.startswith(f"{name}.")]
+        raise InputError(
+            asked_by,
+            got=f"'{name}'" + (f", which has {len(several)} places" if several else ""),
+            expected=f"one of {', '.join(several or sorted(self.points)) or 'no points: the structure has none'}",
+            do="name one place" if several else "",
+        )
+
+    def of(self, name: str, asked_by: str) -> tuple[str, ...]:
+        """The names of all places of a point, in their order.
+
+        Raises InputError when there is no such point.
+        """
+        several = [place for place in self.points if place.startswith(f"{name}.")]
+        return tuple(several) if several and name not in self.points else (self.point(name, asked_by).name,)
