@@ -50,8 +50,10 @@ def levels_over_time(result: StudyResult, room: str) -> Figure | None:
         legend_above(axes)
     for axes in panes[len(names) :]:
         axes.set_visible(False)
-    for axes in panes[-columns:]:
+    for axes in panes[: len(names)][-columns:]:  # the lowest of each column
         axes.set_xlabel("time in s")
+        axes.tick_params(labelbottom=True)
+    panes[0].set_xlim(0.0, max(float(case.rooms[room].t[-1]) for case in cases.values()))
     panes[0].set_ylim(loudest - SHOWN_DB, loudest + 3.0)
     return figure
 

@@ -18,6 +18,7 @@ from femstruct.view.rated import struck_first
 
 DYNAMIC_RANGE_DB: Final = 90.0
 LOWEST_HZ: Final = 5.0
+BEYOND_GIVEN: Final = 2.0  # times the highest of modes that are given, which are complete to no frequency
 
 
 def frequency_response(result: StudyResult, name: str) -> Figure:
@@ -65,7 +66,7 @@ def sound(result: StudyResult, receiver: str) -> Figure | None:
         return None
     basis = result.cases[result.plan.baseline].basis
     dt, first = next(iter(heard.values()))
-    top = min(basis.complete_below_hz, 0.5 / dt) if np.isfinite(basis.complete_below_hz) else 0.5 / dt
+    top = shown_to(basis, 1.0 / dt)
     legend = 0.155 * len(heard)  # inches
     where = f", source at {place}" if (place := struck_first(result)) else ""
     figure = new_figure(11.0, 6.8 + 2 * legend, f"Sound at {receiver}{where}")
@@ -135,6 +136,15 @@ def _distinct(responses: dict[str, Frf]) -> dict[str, Frf]:
         else:
             groups.append(([name], frf))
     return {", ".join(names): frf for names, frf in groups}
+
+
+def shown_to(basis: ModalBasis, sampling: float) -> float:
+    """The highest frequency of a spectrum [Hz]: where the modal basis ends, half the sampling at most.
+
+    An octave above the highest of modes that are given; of bodies alone there is nothing that is left out.
+    """
+    given = BEYOND_GIVEN * float(basis.frequency_hz.max(initial=0.0))
+    return min(basis.complete_below_hz or given or np.inf, 0.5 * sampling)
 
 
 def numbered(basis: ModalBasis) -> dict[int, float]:

@@ -10,7 +10,9 @@ from matplotlib.figure import Figure
 from acoustics.levels import REFERENCE_PA, level_spectrum
 from femstruct.study.result import StudyResult
 from femstruct.view.figures import case_colours, finish, legend_above, mode_lines, new_figure, panels, thinned
-from femstruct.view.spectra import DYNAMIC_RANGE_DB, LOWEST_HZ, numbered, plain_ticks
+from femstruct.view.spectra import DYNAMIC_RANGE_DB, LOWEST_HZ, numbered, plain_ticks, shown_to
+
+FEWEST_LINES: Final = 8  # of a spectrum that is drawn
 
 REFERENCES: Final = {  # what a channel's name ends or begins with: reference of its decibels (SI) and how it is written
     "velocity": (1e-9, "1 nm/s"),
@@ -22,7 +24,8 @@ REFERENCES: Final = {  # what a channel's name ends or begins with: reference of
 def spectrum(result: StudyResult, channel: str) -> Figure | None:
     """Lines of a velocity, an acceleration or a net force in all cases, as recorded; None of anything else.
 
-    None either where bodies strike several times: the spectrum is then a comb of the blows' interval.
+    None either where bodies strike several times, as the spectrum is then a comb of the blows' interval, and where a
+    short record has hardly a line below the end of the basis.
 
     The rms of each line, so that cases compare line by line. Frequencies end where the modal basis does: above, the
     answer is not complete.
@@ -39,16 +42,19 @@ def spectrum(result: StudyResult, channel: str) -> Figure | None:
     colours = case_colours(result.cases, result.plan.baseline)
     basis = result.cases[result.plan.baseline].basis
     modes = numbered(basis)
+    clocks = [case.response.clock for case in cases.values() if case.response is not None]
+    top = min(shown_to(basis, clock.sampling) for clock in clocks)
+    if top * min(clock.duration for clock in clocks) < FEWEST_LINES:
+        return None
     figure = new_figure(11.0, 3.9 + 0.155 * len(cases), f"Spectrum of {channel}   (whole record, no filter)")
     ((axes,),) = panels(figure, 1, 1, between=0.5, top=0.55 + 0.155 * len(cases))
-    peak, lowest, low, top, spacing = -np.inf, np.inf, LOWEST_HZ, np.inf, 0.0
+    peak, lowest, low, spacing = -np.inf, np.inf, LOWEST_HZ, 0.0
     for name, case in cases.items():
         assert case.response is not None
         values, sampling = case.channels[channel].values, case.response.clock.sampling
         frequency, level = level_spectrum(values * (REFERENCE_PA / reference[0]), 1.0 / sampling)
         spacing = float(frequency[1])
         low = max(min(LOWEST_HZ, 0.5 * min(modes.values(), default=LOWEST_HZ)), spacing)
-        top = min(basis.complete_below_hz, 0.5 * sampling)
         shown = (frequency >= low) & (frequency <= top)
         x, y = thinned(frequency[shown], level[shown], most=3000)
         axes.semilogx(x, y, color=colours[name], linewidth=0.9, label=name)

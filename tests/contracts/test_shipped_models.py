@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib.axes import Axes
 from scipy.sparse.linalg import splu
 
 from femstruct.assembly.assemble import assemble
@@ -17,6 +18,7 @@ from femstruct.modal.reduction import modal_basis
 from femstruct.model.facts import part_masses
 from femstruct.model.mesher import mesh_structure
 from femstruct.model.parts import Structure
+from femstruct.view.plots import figures
 from femstruct.workflow import run, struck
 from femstruct.workflow.run import run_study
 
@@ -135,6 +137,9 @@ def test_studies_run_with_closed_ledgers(path: Path) -> None:
         for channel in case.channels.values():
             assert np.isfinite(channel.values).all(), (name, channel.name)
             assert channel.whole > 0, (name, channel.name)
+    for picture, figure in figures(result).items():
+        for axes in filter(Axes.get_visible, figure.axes):
+            assert axes.get_lines() or axes.patches or axes.images or axes.collections, picture
 
 
 @pytest.mark.parametrize("name", ["floor_tennis_ball", "floor_acrylic_ball"])

@@ -13,6 +13,7 @@ import pytest
 
 from acoustics.maps import PressureMap
 from acoustics.room import Receiver
+from femstruct.modal.analytic import given_modes
 from femstruct.study.result import Channel
 from femstruct.view.figures import case_colours, new_figure, save, thinned
 from femstruct.view.histories import contact_forces, energy, history, travels
@@ -189,6 +190,20 @@ def test_a_tone_has_its_level_in_the_spectrum_of_its_channel(result, channel, un
 def test_no_decibels_of_what_has_no_reference_or_does_not_move(result):
     assert spectrum(result, "box.mic pressure") is None  # has a picture of its own
     assert spectrum(result, "ball travel") is None
+
+
+def test_a_spectrum_ends_where_something_is_known(result):
+    """Modes that are given are complete to no frequency, bodies alone miss none; both are drawn."""
+    case = result.cases["without damper"]
+    half = 0.5 * case.response.clock.sampling
+    given = replace(case.basis, complete_below_hz=0.0)
+    alone = given_modes([], [], {})[0]
+    for basis, end in ((given, min(2 * case.basis.frequency_hz.max(), half)), (alone, half)):
+        other = replace(result, cases={**result.cases, "without damper": replace(case, basis=basis)})
+        assert spectrum(other, "O_f.z velocity").axes[0].get_xlim()[1] == pytest.approx(end, rel=1e-12)
+    lines = 5.0 / case.response.clock.duration  # where the fifth line of the record is
+    few = replace(case, basis=replace(case.basis, complete_below_hz=lines))
+    assert spectrum(replace(result, cases={**result.cases, "without damper": few}), "O_f.z velocity") is None
 
 
 def test_a_body_that_came_to_rest_is_told_to_rest(result):
