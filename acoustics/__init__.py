@@ -5,16 +5,16 @@ The way through this wing, each step a pure function or a frozen noun::
     Air, Losses -> Room, Receiver      what the room is                          air, room
     SurfaceVelocity                    how its ceiling moves: the one door in    source
     pressure(...) -> RoomResponse      what is heard, in time and frequency      pressure (transfer functions: cavity)
-    cavity_pressure(...)               the same in rooms of any shape            cavity_pressure (fem, walls, yielding)
+    cavity_pressure(...)               the same in rooms of any shape            cavity_pressure (fem, walls, together)
     sound_levels(...) -> Levels        peaks, maxima, exposures, bands           levels (bands, weighting)
     heavy_impact_level(...), ...       single numbers of the standards           ratings
     rate_room(...) -> RatedRoom        a room as the standards state it          rated
     force_exposure_levels(...)         how hard a source strikes                 exposure
 
 Layers, lowest first: ``errors arrays air room source walls | extension cavity meshes fem yielding shaped | orders
-judgement absorption pressure cavity_pressure maps harmonic coupled coupled_fem | bands weighting levels ratings decay
-exposure rated``; a module imports from lower ones only. Nothing here knows of finite
-elements, opens a file or prints.
+judgement absorption together pressure cavity_pressure maps harmonic coupled coupled_fem | bands weighting levels
+ratings decay exposure rated``; a module imports from lower ones only. Nothing here knows of finite elements, opens a
+file or prints.
 
 Harmonic quantities are the real part of X exp(+j omega t). The surface's velocity is positive into the room, where it
 raises the pressure. Coordinates are the room's own: from its lower corner, z up, the ceiling at z = Lz.

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from scipy.linalg import eig
 
 from acoustics.absorption import COUPLED, absorbed, coupled_walls, coupling
 from acoustics.air import Air
@@ -20,8 +19,9 @@ from acoustics.pressure import RoomResponse
 from acoustics.room import Losses, Receiver, positions
 from acoustics.shaped import ShapedRoom
 from acoustics.source import SurfaceVelocity, alike
+from acoustics.together import Answer, complex_modes
 from acoustics.walls import AnyWall, Wall
-from acoustics.yielding import WallMotion, wall_motion
+from acoustics.yielding import wall_motion
 
 _BATCH: Final = 1 << 23  # complex numbers of one batch
 
@@ -188,7 +188,7 @@ def _way(
     motion = wall_motion(modes, walls)  # in all that there is now of pressure on the walls
     taken = absorbed(modes, resistive, air)
     if together:
-        left, right, term = _complex_modes(modes, air, losses, taken if constant else np.diag(np.diag(taken)), motion)
+        left, right, term = complex_modes(modes, air, losses, taken if constant else np.diag(np.diag(taken)), motion)
     else:
         left, right, term = _separate_modes(modes, air, losses, taken)
     advice = (coupled_walls(coupled),) if coupled > COUPLED and not constant else ()
@@ -196,10 +196,7 @@ def _way(
     return _Way(modes.shapes.T @ loads, hearing @ left, right, term, advice)
 
 
-_Answer = tuple[Floats | Complexes, Floats | Complexes, Callable[[Complexes], Complexes]]
-
-
-def _separate_modes(modes: CavityModes, air: Air, losses: Losses, absorbed: Floats) -> _Answer:
+def _separate_modes(modes: CavityModes, air: Air, losses: Losses, absorbed: Floats) -> Answer:
     """(left, right, term): pressures of the modes are left @ (term(s) * (right @ integrals of psi_n v)), each mode by
     itself."""
     squared, own = modes.wavenumber[:, None] ** 2, np.diag(absorbed)[:, None]
@@ -211,45 +208,6 @@ def _separate_modes(modes: CavityModes, air: Air, losses: Losses, absorbed: Floa
 
     unit = np.eye(len(absorbed))
     return unit, unit, term
-
-
-def _complex_modes(modes: CavityModes, air: Air, losses: Losses, absorbed: Floats, motion: WallMotion) -> _Answer:
-    """The same by the complex modes of the system of pressures that walls couple and of the walls that yield.
-
-    With tau the relaxation time, gamma the decay rate, w the displacement of the walls out of the room, L its integrals
-    with the modes, kappa = rho c^2 / V and x_n = omega_n P_n / (s + 2 gamma):
-
-        s P = (1 + tau s) (kappa (v - L s w) - c A P - omega x),
-        m s^2 w = L^T P - r s w - k w.
-    """
-    n, r = len(absorbed), len(motion.mass)
-    tau, kappa = losses.relaxation_time, air.bulk_modulus / modes.mesh.volume
-    L = modes.shapes.T @ motion.loads
-    push, spring, dashpot = (part / motion.mass for part in (L, motion.stiffness, motion.resistance))
-    along = np.vstack([np.zeros(n - 1), np.diag(air.c * modes.wavenumber[1:])])  # the uniform mode has no flow
-    none, unit = np.zeros, np.eye
-    mass = unit(n) + tau * air.c * absorbed
-    flows = air.c * absorbed + tau * (along @ along.T + kappa * push @ L.T)
-    pressures = np.hstack(
-        [-flows, (2 * losses.decay_rate * tau - 1) * along, kappa * tau * L * spring, kappa * L * (tau * dashpot - 1)]
-    )
-    state = np.vstack(
-        [
-            np.linalg.solve(mass, pressures),
-            np.hstack([along.T, -2 * losses.decay_rate * unit(n - 1), none((n - 1, 2 * r))]),
-            np.hstack([none((r, 2 * n - 1 + r)), unit(r)]),
-            np.hstack([push.T, none((r, n - 1)), -np.diag(spring), -np.diag(dashpot)]),
-        ]
-    )
-    poles, vectors = eig(state)
-    inward = np.vstack([np.linalg.inv(mass), none((len(state) - n, n))])
-    driven = np.linalg.solve(vectors, inward.astype(np.complex128))
-
-    def term(s: Complexes) -> Complexes:
-        ratio: Complexes = kappa * (1 + tau * s) / (s - poles[:, None])
-        return ratio
-
-    return vectors[:n], driven, term
 
 
 def _judgement(surface: SurfaceVelocity, modes: CavityModes, air: Air) -> tuple[Advice, ...]:

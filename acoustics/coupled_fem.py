@@ -31,8 +31,9 @@ def coupled_cavity(room: ShapedRoom, points: Floats, weights: Floats, shapes: Fl
     As `acoustics.coupled.coupled_air`, with finite elements: the mass of the modes that were not even found is
     that of their answer at rest to the shapes.
 
-    What walls take up damps each mode by itself. Walls that yield move as the ceiling does, with coordinates and a
-    mass of their own; what gives way of them is in the traces of the modes kept.
+    What walls take up damps each mode by itself. Walls that yield move as the ceiling does, with coordinates of their
+    own; what gives way of them is in the traces of the modes kept. A wall without mass has that of the air next to it:
+    of the modes left out.
 
     Raises AcousticsError: a wall that yields without a stiffness, which nothing holds in place.
 
@@ -58,25 +59,28 @@ def coupled_cavity(room: ShapedRoom, points: Floats, weights: Floats, shapes: Fl
     for name, wall in room.walls.items():
         if isinstance(wall, YieldingWall) and wall.stiffness == 0:
             raise AcousticsError(f"walls.{name}", got="a wall that yields without a stiffness", expected=HELD)
-    loads = np.hstack([loads, motion.loads / np.sqrt(motion.mass)])
+    loads = np.hstack([loads, motion.loads])
     displaced = modes.shapes.T @ loads
     slow = displaced[~kept] / modes.wavenumber[~kept, None]
     added = room.air.rho * (loads.T @ left_out(modes, loads) + slow.T @ slow / room.volume)
+    at = slice(shapes.shape[1], loads.shape[1])
+    scale = np.ones(loads.shape[1])
+    scale[at] = 1 / np.sqrt(motion.mass + np.diag(added)[at])  # coordinates of unit mass, their own and the air's
+    displaced, added = displaced * scale, scale[:, None] * added * scale
     rates = room.air.c * np.diag(absorbed(modes, room.walls, room.air))[kept][1:] if room.walls else None
     air = joined(
         room, known[kept][1:], displaced[kept], 0.5 * (added + added.T), complete_below_hz=complete, absorbed=rates
     )
-    return _with_walls(air, motion, slice(shapes.shape[1], loads.shape[1]))
+    return _with_walls(air, motion, at, scale[at])
 
 
-def _with_walls(air: CoupledAir, motion: WallMotion, at: slice) -> CoupledAir:
-    """The air with the masses, springs and dashpots of the walls, whose mass-normalised coordinates are there."""
+def _with_walls(air: CoupledAir, motion: WallMotion, at: slice, scale: Floats) -> CoupledAir:
+    """The air with the masses, springs and dashpots of the walls, whose coordinates are there, in units of scale."""
     springs = np.zeros((len(motion.mass), len(air.mass)))
-    springs[:, at] = np.diag(np.sqrt(motion.stiffness / motion.mass))
-    own = np.zeros(len(air.mass))
-    own[at] = 1.0
-    dashpots = np.zeros(len(air.mass))
-    dashpots[at] = motion.resistance / motion.mass
+    springs[:, at] = np.diag(np.sqrt(motion.stiffness) * scale)
+    own, dashpots = np.zeros(len(air.mass)), np.zeros(len(air.mass))
+    own[at] = motion.mass * scale**2
+    dashpots[at] = motion.resistance * scale**2
     return replace(
         air,
         compression=np.vstack([air.compression, springs]),

@@ -63,32 +63,39 @@ class Wall:
 class YieldingWall:
     """A locally reacting wall that gives way: every bit of it a mass on a spring and a dashpot, held from behind.
 
-    mass : per area [kg/m^2]. stiffness : per area [N/m^3]. resistance : per area [Pa s/m].
+    mass : per area [kg/m^2]; 0 for a wall far below its resonance. stiffness : per area [N/m^3]. resistance : per area
+    [Pa s/m].
 
-    Raises AcousticsError: a mass not above 0, a stiffness or resistance below 0.
+    Raises AcousticsError: one of them below 0, neither mass nor stiffness.
 
     Notes
     -----
     Its impedance r + j omega m + s / (j omega) is causal, so that it is exact in time. Neighbouring bits do not hold
     each other: a plate that bends is no such wall near and above the frequency at which its bending waves travel as
-    fast as sound. A resistance alone is a `Wall`.
+    fast as sound. A resistance alone is a `Wall`: rho c / r.
 
     >>> wall = YieldingWall(mass=25.0, stiffness=2e6)
     >>> round((wall.stiffness / wall.mass) ** 0.5 / (2 * np.pi), 2)
     45.02
     """
 
-    mass: float
+    mass: float = 0.0
     stiffness: float = 0.0
     resistance: float = 0.0
 
     def __post_init__(self) -> None:
-        for name, unit in (("stiffness", "N/m^3"), ("resistance", "Pa s/m")):
+        for name, unit in (("mass", "kg/m^2"), ("stiffness", "N/m^3"), ("resistance", "Pa s/m")):
             value = float(getattr(self, name))
             if not (np.isfinite(value) and value >= 0):
                 raise AcousticsError(f"wall.{name}", got=f"{value:g} {unit}", expected="a number >= 0")
             freeze(self, **{name: value})
-        freeze(self, mass=positive("wall.mass", self.mass, "kg/m^2"))
+        if self.mass == 0 and self.stiffness == 0:
+            raise AcousticsError(
+                "wall",
+                got="neither mass nor stiffness",
+                expected="one of them",
+                do="a resistance alone is an impedance",
+            )
 
 
 AnyWall = Wall | YieldingWall

@@ -93,11 +93,11 @@ def _meshed(
 
 
 def _wall(spec: WallSpec, air: Air) -> AnyWall:
-    if spec.mass is not None:
-        return YieldingWall(spec.mass, spec.stiffness, spec.resistance)
-    if spec.impedance is not None:
-        return Wall({SCALE_HZ: air.rho * air.c / spec.impedance})
-    return absorbing(spec.absorption or 0.0)
+    if spec.mass is not None or spec.stiffness > 0:
+        return YieldingWall(spec.mass or 0.0, spec.stiffness, spec.resistance)
+    if spec.absorption is None:
+        return Wall({SCALE_HZ: air.rho * air.c / (spec.impedance or spec.resistance)})
+    return absorbing(spec.absorption)
 
 
 def _held(name: str, spec: RoomSpec, builder: Builder) -> bool:

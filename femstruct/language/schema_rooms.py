@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import BeforeValidator, Field, model_validator
 
@@ -130,19 +130,34 @@ class LeakSpec(Spec):
         return value
 
 
+_YIELDS = ("mass", "stiffness", "resistance")
+
+
 class WallSpec(Spec):
     """What a wall takes up: a random-incidence absorption coefficient, one or by frequency, or its impedance; or how it
-    yields: a mass per area on a stiffness and a resistance per area.
+    yields: a mass on a stiffness and a resistance, each per area and one or more of them; a resistance alone is an
+    impedance.
     """
-
-    one_of = (("absorption", "impedance", "mass"),)
-    needs = (("stiffness", ("mass",)), ("resistance", ("mass",)))
 
     absorption: Annotated[float | dict[float, float] | None, read_by(_absorption, Ratio | dict[str, Ratio])] = None
     impedance: Annotated[float, Quantity(("specific impedance",), above=0.0)] | None = None
     mass: Annotated[float, Quantity(("mass/area",), above=0.0)] | None = None
     stiffness: Annotated[float, Quantity(("stiffness/area",), least=0.0)] = 0.0
     resistance: Annotated[float, Quantity(("specific impedance",), least=0.0)] = 0.0
+
+    @model_validator(mode="before")
+    @classmethod
+    def _of_one_kind(cls, value: Any) -> Any:
+        if isinstance(value, dict):
+            yields = [key for key in _YIELDS if key in value][:1] or _YIELDS
+            exactly_one(value, ("absorption", "impedance", *yields))
+        return value
+
+    @model_validator(mode="after")
+    def _of_something(self) -> Self:
+        if (self.absorption, self.impedance, self.mass) == (None, None, None) and not self.stiffness + self.resistance:
+            raise refuse("a wall of no mass, no stiffness and no resistance", "one of them above 0")
+        return self
 
 
 class RoomModesSpec(Spec):

@@ -61,6 +61,10 @@ def column(s, losses, end, z, length, air=AIR, across=0.0):
     return inertia / g * (np.cosh(g * z) + b * np.sinh(g * z)) / (np.sinh(g * length) + b * np.cosh(g * length))
 
 
+SPRING = YieldingWall(stiffness=AIR.rho * AIR.c * 2 * np.pi * 150.0)  # as stiff as the air resists at 150 Hz
+SOFT = replace(SPRING, resistance=0.5 * AIR.rho * AIR.c)
+
+
 def tube(walls, losses, up_to_hz=800.0, cells=40):
     return ShapedRoom(box_mesh(TUBE, (1, 1, cells)), "z1", AIR, losses, walls, up_to_hz)
 
@@ -89,21 +93,52 @@ def test_a_tube_closed_by_a_wall_that_yields(law):
     assert np.abs(found[0] - rigid).max() > 0.5 * np.abs(found[0]).max()  # the wall matters
 
 
+@pytest.mark.parametrize("law", ["decay", "kelvin-voigt", "both"])
+@pytest.mark.parametrize("end", [SPRING, SOFT], ids=["spring", "spring and dashpot"])
+def test_a_tube_closed_by_a_wall_without_mass(end, law):
+    """With modes of the tube to four times the band, of which 1e-4 or 0.01 dB are left: 3e-5 and 0.01 dB measured."""
+    f, heights = np.linspace(5.0, 400.0, 300), (0.0, 0.3, 0.9)
+    s = 2j * np.pi * f
+    found = piston_tone(tube({"z0": end}, LAWS[law], 1600.0), f, heights)
+    for z, p in zip(heights, found, strict=True):
+        exact = column(s, LAWS[law], impedance(end, s), z, TUBE[2])
+        largest = np.abs(exact).max()
+        assert np.abs(p - exact).max() < 1e-4 * largest
+        loud = np.abs(exact) > 0.01 * largest
+        assert np.abs(20 * np.log10(np.abs(p / exact)))[loud].max() < 0.01
+
+
+def test_resonances_of_a_tube_closed_by_a_spring():
+    """Where the pressure of the closed form has its poles, the tube's has: s / k joins the air, and nothing is lost."""
+    room = tube({"z0": SPRING}, LAWS["none"], 1600.0)
+
+    def inverse(f):
+        return 1 / piston_tone(room, np.array([f]), (0.0,))[0, 0].imag
+
+    def exact(f):
+        s = np.array(2j * np.pi * f)
+        return 1 / column(s, LAWS["none"], impedance(SPRING, s), 0.0, TUBE[2]).imag
+
+    for low, high in ((100.0, 150.0), (250.0, 300.0)):
+        assert brentq(inverse, low, high) == pytest.approx(brentq(exact, low, high), rel=1e-5)
+
+
 @pytest.mark.parametrize("law", LAWS)
-def test_a_tube_in_time(law):
+@pytest.mark.parametrize("end", [PANEL, SPRING, SOFT], ids=["panel", "spring", "spring and dashpot"])
+def test_a_tube_in_time(end, law):
     """A push of 10 ms that leaves a displacement, on a shifted axis as the transform of the room itself has."""
     fs, nt = 24e3, 4800
     t = np.arange(nt) / fs
     push = np.where(t < 0.01, 1 - np.cos(2 * np.pi * t / 0.01), 0.0)
     moving = SurfaceVelocity([[0.05, 0.05, 1.0]], [0.01], [[1]], [push], dt=1 / fs)
-    room = tube({"z0": PANEL}, LAWS[law])
+    room = tube({"z0": end}, LAWS[law])
     receivers = [Receiver(f"{z:g}", [0.05, 0.05, z]) for z in (0.0, 0.7)]
     heard_ = cavity_pressure(moving, room.modes, AIR, LAWS[law], receivers, room.walls).p
     a, padded = 7 / t[-1], 4 * nt
     s = a + 2j * np.pi * np.fft.rfftfreq(padded, 1 / fs)
     driven = np.fft.rfft(push * np.exp(-a * t), padded)
     for z, p in zip((0.0, 0.7), heard_, strict=True):
-        answer = column(s, LAWS[law], impedance(PANEL, s), z, TUBE[2])
+        answer = column(s, LAWS[law], impedance(end, s), z, TUBE[2])
         exact = np.fft.irfft(driven * answer, padded)[:nt] * np.exp(a * t)
         # 0.3 %: modes beyond 800 Hz follow as at rest; a quarter of it with all up to 1600 Hz
         assert np.abs(p - exact)[: int(0.95 * nt)].max() < 3e-3 * np.abs(exact).max()
@@ -147,6 +182,20 @@ def test_a_stiff_light_wall_is_rigid_and_a_light_dashpot_is_an_impedance():
     assert np.abs(light - plain).max() < 1e-3 * np.abs(plain).max()  # omega m / r = 1.2e-3 at 400 Hz
 
 
+@pytest.mark.parametrize("law", LAWS)
+@pytest.mark.parametrize("end", [SPRING, SOFT], ids=["spring", "spring and dashpot"])
+def test_a_wall_without_mass_is_the_limit_of_a_light_one(end, law):
+    """Beside a wall with mass and one that takes up sound: the mass that remains has omega^2 m / k = 3e-5 at 80 Hz."""
+    f = np.linspace(5.0, 80.0, 40)
+    others = {"x0": Wall({100.0: 0.05}), "y0": YieldingWall(8.0, 8.0 * (2 * np.pi * 60.0) ** 2, 100.0)}
+    heavy, none = (piston_tone(tube({"z0": z0, **others}, LAWS[law]), f, (0.0, 0.7)) for z0 in (_light(end), end))
+    assert np.abs(heavy - none).max() < 1e-4 * np.abs(none).max()  # 4e-5 measured
+
+
+def _light(wall):
+    return replace(wall, mass=3e-5 * wall.stiffness / (2 * np.pi * 80.0) ** 2)
+
+
 @pytest.mark.parametrize(("beta", "within"), [(1e-3, 1e-2), (0.3, 5e-3)])  # each mode by itself; complex modes
 @pytest.mark.parametrize("law", LAWS)
 def test_losses_of_the_air_and_a_resistance_together(law, beta, within):
@@ -164,6 +213,8 @@ LX, LY, L, MASS, STIFFNESS, RATIO = 0.58, 0.47, 0.1, 29.68, 4.641e5, 0.03
 AREA = LX * LY
 BOX_AIR = Air(340.0, 1.29)
 FLOOR = YieldingWall(40.0, 40.0 * (2 * np.pi * 60.0) ** 2, 800.0)
+SHEET = YieldingWall(stiffness=5e6)  # three times as stiff as the air
+FELT = replace(SHEET, resistance=1e3)  # whose loss factor is 1 at 800 Hz
 PLACE = oscillator(MASS, stiffness=STIFFNESS, axis="z")[1]["m"].probe("z")
 
 
@@ -201,10 +252,10 @@ def dynamic(s, wall, losses, ratio, leak=None):
 
 @pytest.mark.parametrize("leak", [None, Leak(20.0, 2000.0)])
 @pytest.mark.parametrize("law", LAWS)
-@pytest.mark.parametrize("resistance", [0.0, 800.0])
-def test_the_air_and_a_wall_that_yields_push_back(law, resistance, leak):
+@pytest.mark.parametrize("wall", [FLOOR, replace(FLOOR, resistance=0.0), SHEET, FELT])
+def test_the_air_and_a_wall_that_yields_push_back(law, wall, leak):
     """Motion of the piston and pressure below it: 1e-4 and 3e-4, as modes of the box beyond 1750 Hz are a mass."""
-    wall, losses = replace(FLOOR, resistance=resistance), LAWS[law]
+    losses = LAWS[law]
     room = box(wall, losses)
     basis = with_cavity(piston(RATIO), underside(), room, leak=leak, name="box")
     f = np.concatenate([np.linspace(5.0, 100.0, 200), np.linspace(100.0, 400.0, 30)])
@@ -236,9 +287,9 @@ def test_resonances_of_piston_air_and_wall():
     assert basis.n_rigid == 0
 
 
-def test_compliances_of_air_and_wall_add():
+@pytest.mark.parametrize("wall", [YieldingWall(10.0, 1e6), YieldingWall(0.0, 1e6), YieldingWall(0.0, 1e6, 50.0)])
+def test_compliances_of_air_and_wall_add(wall):
     """At rest the box is a spring of 1 / (V / (rho c^2) + S / s'') [Pa/m^3]; one-way it is heard so."""
-    wall = YieldingWall(10.0, 1e6)
     room = box(wall)
     stiffness = 1 / (room.volume / BOX_AIR.bulk_modulus + AREA / wall.stiffness)
     assert stiffness < 0.5 * BOX_AIR.bulk_modulus / room.volume
@@ -250,11 +301,23 @@ def test_compliances_of_air_and_wall_add():
     assert p[0, 0].real == pytest.approx(-AREA * stiffness / STIFFNESS, rel=1e-5)
 
 
-@pytest.mark.parametrize("law", ["kelvin-voigt", "decay"])
-def test_what_room_and_wall_take_is_what_the_structure_loses(law):
+def test_a_piston_on_air_and_a_sheet_has_three_springs():
+    """Air and sheet are springs in series beside the piston's own; the air between them moves linearly along z."""
+    slow = replace(BOX_AIR, c=34e3)  # air without a resonance below 29 kHz, as stiff as it was
+    air = replace(slow, rho=BOX_AIR.rho * (BOX_AIR.c / slow.c) ** 2)
+    room = replace(box(SHEET), air=air, up_to_hz=1000.0)
+    wall, gas = SHEET.stiffness * AREA, air.bulk_modulus * AREA / L
+    share = gas / (gas + wall)  # of the piston's displacement that the sheet makes
+    moving = air.rho * AREA * L * (1 + share + share**2) / 3
+    exact = np.sqrt((STIFFNESS + share * wall) / (MASS + moving)) / (2 * np.pi)
+    assert with_cavity(piston(), underside(), room).frequency_hz[0] == pytest.approx(exact, rel=1e-8)
+
+
+@pytest.mark.parametrize(("law", "wall"), [("kelvin-voigt", FLOOR), ("decay", FLOOR), ("decay", FELT)])
+def test_what_room_and_wall_take_is_what_the_structure_loses(law, wall):
     """The work of the room's pressure on the ceiling, by the one-way formula, closes the structure's own energy."""
     fs, losses = 48e3, LAWS[law]
-    room = box(FLOOR, losses)
+    room = box(wall, losses)
     basis = with_cavity(piston(), underside(), room)
     push = Load("push", PLACE, HalfSine(-100.0, 50.0))
     response = simulate(basis, Scene(loads=(push,)), Clock(0.2, fs))
@@ -272,7 +335,7 @@ def test_what_room_and_wall_take_is_what_the_structure_loses(law):
     after = slice(int(0.02 * fs), int(0.19 * fs))  # the push is over
     assert np.abs(own + given - work)[after].max() < 1e-5 * work
     without = simulate(
-        with_cavity(piston(), underside(), box(replace(FLOOR, resistance=0.0), losses)),
+        with_cavity(piston(), underside(), box(replace(wall, resistance=0.0), losses)),
         Scene(loads=(push,)),
         Clock(0.2, fs),
     )
@@ -281,7 +344,9 @@ def test_what_room_and_wall_take_is_what_the_structure_loses(law):
 
 def test_what_is_no_wall_that_yields_is_refused():
     with pytest.raises(AcousticsError, match=r"wall\.mass"):
-        YieldingWall(0.0, 1e6)
+        YieldingWall(-1.0, 1e6)
+    with pytest.raises(AcousticsError, match=r"wall: got neither mass nor stiffness.*alone is an impedance"):
+        YieldingWall(0.0, 0.0, 400.0)
     with pytest.raises(AcousticsError, match=r"wall\.stiffness: got -1 N/m\^3"):
         YieldingWall(1.0, -1.0)
     with pytest.raises(AcousticsError, match=r"wall\.resistance"):

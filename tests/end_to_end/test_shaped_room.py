@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from acoustics.meshes import CavityMesh, box_mesh
+from acoustics.walls import AnyWall
 from femstruct.errors import InputErrors
 from femstruct.language import read_study
 from femstruct.workflow.inspect import inspect_file
@@ -132,6 +133,16 @@ def test_walls_that_yield_are_heard_and_push_back_less(folder: Path) -> None:
         assert np.abs(quiet - loud).max() > 0.1 * np.abs(loud).max()
 
 
+def test_a_resistance_alone_is_an_impedance_and_a_stiffness_needs_no_mass(folder: Path) -> None:
+    def left(wall: str) -> AnyWall:
+        path = study(folder, f"{MESHED}, walls: {{left: {{{wall}}}}}")
+        return read_study(path, only="two-way").cases[0].study.rooms[0].room.walls["left"]
+
+    assert left("resistance: 2 kPa*s/m").admittance == left("impedance: 2 kPa*s/m").admittance
+    spring = left("stiffness: 2 MN/m^3, resistance: 300 Pa*s/m")
+    assert (spring.mass, spring.stiffness, spring.resistance) == (0.0, 2e6, 300.0)
+
+
 @pytest.mark.parametrize(
     ("room", "told"),
     [
@@ -144,9 +155,13 @@ def test_walls_that_yield_are_heard_and_push_back_less(folder: Path) -> None:
         ),
         (f"{MESHED}, walls: {{rigth: {{absorption: 5 %}}}}", r"walls\.rigth: got 'rigth'"),
         (f"{MESHED}, walls: {{left: {{absorption: 99 %}}}}", r"absorption.*at most 0\.951"),
-        (f"{MESHED}, walls: {{left: {{}}}}", "absorption, impedance, mass"),
+        (f"{MESHED}, walls: {{left: {{}}}}", "absorption, impedance, mass, stiffness, resistance"),
         (f"{MESHED}, walls: {{left: {{mass: 10 kg/m^2, impedance: 2 kPa*s/m}}}}", "both impedance and mass"),
-        (f"{MESHED}, walls: {{left: {{stiffness: 2 MN/m^3}}}}", "mass"),
+        (
+            f"{MESHED}, walls: {{left: {{stiffness: 0, resistance: 0}}}}",
+            r"left: got a wall of no mass, no stiffness",
+        ),
+        (f"{MESHED}, walls: {{left: {{absorption: 5 %, resistance: 3}}}}", "both absorption and resistance"),
         (f"{MESHED}, walls: {{left: {{mass: 10 kg}}}}", r"walls\.left\.mass: got '10 kg'.*a mass per area"),
         (f"{MESHED}, walls: {{left: {{mass: 10, stiffness: -1}}}}", r"walls\.left\.stiffness"),
         (f"{MESHED}, walls: {{top: {{mass: 10, stiffness: 1e6}}}}", "a wall that yields, which is the ceiling"),

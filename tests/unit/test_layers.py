@@ -39,6 +39,7 @@ ACOUSTICS = [
         "acoustics.orders",
         "acoustics.judgement",
         "acoustics.absorption",
+        "acoustics.together",
         "acoustics.sums",
         "acoustics.pressure",
         "acoustics.cavity_pressure",
