@@ -6,15 +6,16 @@ The way through this wing, each step a pure function or a frozen noun::
     SurfaceVelocity                    how its ceiling moves: the one door in    source
     pressure(...) -> RoomResponse      what is heard, in time and frequency      pressure (transfer functions: cavity)
     cavity_pressure(...)               the same in rooms of any shape            cavity_pressure (fem, walls, together)
+    sphere_pressures(...)              the sound of a striking ball itself       sphere (field)
     sound_levels(...) -> Levels        peaks, maxima, exposures, bands           levels (bands, weighting)
     heavy_impact_level(...), ...       single numbers of the standards           ratings
     rate_room(...) -> RatedRoom        a room as the standards state it          rated
     force_exposure_levels(...)         how hard a source strikes                 exposure
 
 Layers, lowest first: ``errors arrays air room source walls | extension cavity meshes fem yielding shaped | orders
-judgement absorption together pressure cavity_pressure maps harmonic coupled coupled_fem | bands weighting levels
-ratings decay exposure rated``; a module imports from lower ones only. Nothing here knows of finite elements, opens a
-file or prints.
+judgement absorption together pressure cavity_pressure maps harmonic coupled coupled_fem field sphere | bands weighting
+levels ratings decay exposure rated``; a module imports from lower ones only. Nothing here knows of finite elements,
+opens a file or prints.
 
 Harmonic quantities are the real part of X exp(+j omega t). The surface's velocity is positive into the room, where it
 raises the pressure. Coordinates are the room's own: from its lower corner, z up, the ceiling at z = Lz.
@@ -66,6 +67,7 @@ if TYPE_CHECKING:
         weighted_impact_level,
     )
     from acoustics.shaped import ShapedRoom
+    from acoustics.sphere import Sphere, sphere_pressures
     from acoustics.walls import Wall, YieldingWall, absorbing
     from acoustics.weighting import frequency_weighting, time_weighted, weighted
 
@@ -80,6 +82,7 @@ _FETCHED = {
     "acoustics.maps": ("PressureMap", "pressure_map"),
     "acoustics.meshes": ("CavityMesh", "box_mesh"),
     "acoustics.shaped": ("ShapedRoom",),
+    "acoustics.sphere": ("Sphere", "sphere_pressures"),
     "acoustics.walls": ("Wall", "YieldingWall", "absorbing"),
     "acoustics.bands": ("octave_bands", "third_octave_bands"),
     "acoustics.levels": (
@@ -121,6 +124,7 @@ __all__ = [
     "Room",
     "RoomResponse",
     "ShapedRoom",
+    "Sphere",
     "SurfaceVelocity",
     "Wall",
     "YieldingWall",
@@ -154,6 +158,7 @@ __all__ = [
     "reverberation_time",
     "room_modes",
     "sound_levels",
+    "sphere_pressures",
     "standardised_impact_level",
     "standardised_maximum_level",
     "t60_of",

@@ -48,6 +48,7 @@ ACOUSTICS = [
         "acoustics.coupled",
         "acoustics.coupled_fem",
         "acoustics.field",
+        "acoustics.sphere",
         "acoustics.radiation",
         "acoustics.grids",
     ],
