@@ -10,12 +10,13 @@ The way through this wing, each step a pure function or a frozen noun::
     sound_levels(...) -> Levels        peaks, maxima, exposures, bands           levels (bands, weighting)
     heavy_impact_level(...), ...       single numbers of the standards           ratings
     rate_room(...) -> RatedRoom        a room as the standards state it          rated
+    radiated_energy(...) -> SoundEnergy    what goes into the open air           sound_energy (radiation, directivity)
     force_exposure_levels(...)         how hard a source strikes                 exposure
 
 Layers, lowest first: ``errors arrays air room source walls | extension cavity meshes fem yielding shaped | orders
-judgement absorption together pressure cavity_pressure maps harmonic coupled coupled_fem field sphere | bands weighting
-levels ratings decay exposure rated``; a module imports from lower ones only. Nothing here knows of finite elements,
-opens a file or prints.
+judgement absorption together pressure cavity_pressure maps harmonic coupled coupled_fem field sphere sheet radiation
+directivity | bands weighting levels ratings decay exposure rated sound_energy``; a module imports from lower ones only.
+Nothing here knows of finite elements, opens a file or prints.
 
 Harmonic quantities are the real part of X exp(+j omega t). The surface's velocity is positive into the room, where it
 raises the pressure. Coordinates are the room's own: from its lower corner, z up, the ceiling at z = Lz.
@@ -48,6 +49,7 @@ if TYPE_CHECKING:
     from acoustics.bands import octave_bands, third_octave_bands
     from acoustics.cavity_pressure import cavity_pressure
     from acoustics.decay import reverberation_time
+    from acoustics.directivity import Directivity, radiation_pattern
     from acoustics.exposure import force_exposure_levels
     from acoustics.fem import CavityModes, cavity_modes
     from acoustics.field import HalfSpace
@@ -67,6 +69,7 @@ if TYPE_CHECKING:
         weighted_impact_level,
     )
     from acoustics.shaped import ShapedRoom
+    from acoustics.sound_energy import SoundEnergy, radiated_energy
     from acoustics.sphere import Sphere, sphere_pressures
     from acoustics.walls import Wall, YieldingWall, absorbing
     from acoustics.weighting import frequency_weighting, time_weighted, weighted
@@ -75,6 +78,7 @@ if TYPE_CHECKING:
 _FETCHED = {
     "acoustics.cavity_pressure": ("cavity_pressure",),
     "acoustics.decay": ("reverberation_time",),
+    "acoustics.directivity": ("Directivity", "radiation_pattern"),
     "acoustics.exposure": ("force_exposure_levels",),
     "acoustics.fem": ("CavityModes", "cavity_modes"),
     "acoustics.field": ("HalfSpace",),
@@ -104,6 +108,7 @@ _FETCHED = {
         "standardised_maximum_level",
         "weighted_impact_level",
     ),
+    "acoustics.sound_energy": ("SoundEnergy", "radiated_energy"),
     "acoustics.weighting": ("frequency_weighting", "time_weighted", "weighted"),
 }
 
@@ -113,6 +118,7 @@ __all__ = [
     "Air",
     "CavityMesh",
     "CavityModes",
+    "Directivity",
     "HalfSpace",
     "HeavyImpactRating",
     "ImpactRating",
@@ -124,6 +130,7 @@ __all__ = [
     "Room",
     "RoomResponse",
     "ShapedRoom",
+    "SoundEnergy",
     "Sphere",
     "SurfaceVelocity",
     "Wall",
@@ -149,10 +156,12 @@ __all__ = [
     "octave_bands",
     "pressure",
     "pressure_map",
+    "radiated_energy",
     "radiated_power",
     "radiation_efficiency",
     "radiation_impedance",
     "radiation_modes",
+    "radiation_pattern",
     "rate_room",
     "response_levels",
     "reverberation_time",

@@ -8,6 +8,7 @@ import numpy as np
 
 from acoustics.air import Air
 from acoustics.arrays import Complexes, Floats
+from acoustics.sheet import sheet, sheet_power
 
 _MORE: Final = 12  # directions in each angle beyond those a plane wave across the surface needs
 _AT_ONCE: Final = 1 << 22  # complex numbers
@@ -24,8 +25,9 @@ def radiated_power(
     Notes
     -----
     Over the far field, W = rho c k^2 / (16 pi^2) int |Q(e)|^2 d Omega on the whole sphere, of which the baffled surface
-    fills one half and its mirror the other; Q(e) = sum of w v exp(j k e . x). Gauss-Legendre in the height and equal
-    steps round it, as many as the size of the surface in waves asks for: to rounding.
+    fills one half and its mirror the other; Q(e) = sum of w v exp(j k e . x). By few sources on a grid that radiate as
+    the points do, see `acoustics.sheet`: to 1e-8. 200 shapes on 5,000 points of 5 x 4 m at 1,000 frequencies up to
+    1 kHz take about 1 s.
 
     F. Fahy, P. Gardonio, Sound and Structural Vibration, 2nd ed., section 3.3.
 
@@ -37,11 +39,20 @@ def radiated_power(
     >>> print(f"{power[0] / (1.21 * 343 * k**2 * 1e-8 / (4 * np.pi)):.9f}")
     1.000000000
     """
-    power = np.empty(len(frequency_hz))
-    for line, frequency in enumerate(frequency_hz):
-        k = 2 * np.pi * float(frequency) / air.c
-        far = far_field(points, weights, shapes, k)
-        power[line] = air.rho * air.c * k**2 * (np.abs(far @ rates[:, line]) ** 2).sum()
+    wavenumbers = 2 * np.pi * np.asarray(frequency_hz, dtype=np.float64) / air.c
+    whole = sheet(points, weights, shapes, float(wavenumbers.max(initial=0.0)))
+    power: Floats = air.rho * air.c * sheet_power(whole, rates, wavenumbers)
+    return power
+
+
+def plane_wave_power(weights: Floats, shapes: Floats, rates: Complexes, air: Air) -> Floats:
+    """Power [nf] [W] that plane waves would carry away: rho c S <v^2>, <v^2> the mean square over surface and time.
+
+    As `radiated_power`.
+    """
+    both = shapes.T @ (weights[:, None] * shapes)
+    parts = rates.real, rates.imag
+    power: Floats = air.rho * air.c / 2 * np.sum([((both @ part) * part).sum(axis=0) for part in parts], axis=0)
     return power
 
 
@@ -52,9 +63,9 @@ def radiation_efficiency(
 
     As `radiated_power`.
     """
-    moved = weights @ np.abs(shapes @ rates) ** 2 / 2
+    plane = plane_wave_power(weights, shapes, rates, air)
     power = radiated_power(points, weights, shapes, rates, frequency_hz, air)
-    efficiency: Floats = np.divide(power, air.rho * air.c * moved, out=np.full_like(power, np.nan), where=moved > 0)
+    efficiency: Floats = np.divide(power, plane, out=np.full_like(power, np.nan), where=plane > 0)
     return efficiency
 
 

@@ -49,7 +49,9 @@ ACOUSTICS = [
         "acoustics.coupled_fem",
         "acoustics.field",
         "acoustics.sphere",
+        "acoustics.sheet",
         "acoustics.radiation",
+        "acoustics.directivity",
         "acoustics.grids",
     ],
     [
@@ -60,6 +62,7 @@ ACOUSTICS = [
         "acoustics.decay",
         "acoustics.exposure",
         "acoustics.rated",
+        "acoustics.sound_energy",
     ],
 ]
 HEARS_ACOUSTICS = {"radiation", "coupling", "study", "language", "files", "view", "workflow", "cli"}
