@@ -84,15 +84,15 @@ def run(
     refuse_unwritable(folder)
     _, result = _solve(study, set_, case)
     with _progress() as tell:
-        seconds, left_out = write_all(result, folder, tell)
+        seconds, told = write_all(result, folder, tell)
     if as_json:
         _print_json(summary(result))
     else:
         from femstruct.view.terminal import show_study
 
         show_study(result, seconds, str(folder))
-        if left_out:
-            print(left_out)
+        if told:
+            print(told)
     return _verdict(result)
 
 

@@ -6,11 +6,24 @@ import os
 import socket
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from contextvars import ContextVar
 from pathlib import Path
 
 from femstruct.errors import FemstructError, InputError
 
 _MARK = ".part-"
+_COMPLETED: ContextVar[list[Path] | None] = ContextVar("completed", default=None)
+
+
+@contextmanager
+def completed() -> Iterator[list[Path]]:
+    """A list that fills with the paths that `replacing` completes meanwhile, each once."""
+    paths: list[Path] = []
+    before = _COMPLETED.set(paths)
+    try:
+        yield paths
+    finally:
+        _COMPLETED.reset(before)
 
 
 @contextmanager
@@ -38,6 +51,8 @@ def replacing(path: str | Path) -> Iterator[Path]:
         yield temporary
         _sync(temporary)
         temporary.replace(path)
+        if (paths := _COMPLETED.get()) is not None and path not in paths:
+            paths.append(path)
         _sync(path.parent)
     except OSError as error:
         raise FemstructError(

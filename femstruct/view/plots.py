@@ -46,6 +46,6 @@ def figures(result: StudyResult) -> dict[str, Figure]:
 def plot_all(result: StudyResult, folder: str | Path) -> list[Path]:
     """Draw all figures of a study as PNG files in a folder that is there; returns their paths.
 
-    Each file is replaced in one step. Figures of an earlier run that this one does not make are left alone.
+    Each file is replaced in one step.
     """
     return [save(figure, Path(folder) / name) for name, figure in figures(result).items()]

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
 import numpy as np
 
 from femstruct.files.atomic import replacing
 from femstruct.files.audio import listening_scale, write_sequence, write_wav
+from femstruct.files.belongings import owning
 from femstruct.files.results import write_results
 from femstruct.files.rooms import write_room_modes
 from femstruct.files.tables import summary
@@ -28,12 +30,22 @@ def write_all(
     pictures, and report.html with tables, pictures and what to listen to.
 
     Every file is complete or absent: each is written under a temporary name and then renamed. All sounds of a study
-    have one full scale, so that cases can be compared by ear.
+    have one full scale, so that cases can be compared by ear. Files that an earlier run wrote and this one does not
+    are removed when everything is written, and nothing else (files.belongings).
 
-    Returns CPU seconds by stage, and a sentence about pictures that were left out ("" for none).
+    Returns CPU seconds by stage, and sentences, a line each, about pictures that were left out and files that were
+    removed ("" for none).
     """
     folder.mkdir(parents=True, exist_ok=True)
     clock = Stopwatch(progress)
+    with owning(folder, finished=len(result.cases) == len(result.plan.cases)) as removed:
+        left_out = _write(result, folder, clock)
+    cleared = f"removed, as this run does not make them: {', '.join(removed)}" if removed else ""
+    return clock.seconds, "\n".join(filter(None, (left_out, cleared)))
+
+
+def _write(result: StudyResult, folder: Path, clock: Stopwatch) -> str:
+    """All files in their order; a sentence about pictures that were left out."""
     with clock("results file"):
         write_results(folder / "results.h5", result)
         with replacing(folder / "summary.json") as path:
@@ -52,7 +64,7 @@ def write_all(
         first = sorted(pictures, key=lambda path: not path.name.startswith(("rated", "level")))
         shown = [path.name for path in (*first, *moving, *shapes)]
         write_report(result, folder / "report.html", shown, sounds)
-    return clock.seconds, left_out
+    return left_out
 
 
 def _write_sounds(result: StudyResult, folder: Path) -> list[str]:
@@ -73,7 +85,7 @@ def _write_sounds(result: StudyResult, folder: Path) -> list[str]:
         return []
     for case, receiver, p, time in heard:
         if time is not None:
-            write_wav(folder / f"{case}.{receiver}.wav", p, time.sampling, full_scale=loudest)
+            write_wav(folder / _sound_name(case, receiver), p, time.sampling, full_scale=loudest)
     baseline = result.cases[result.plan.baseline].case.study.time
     names = []
     for receiver in dict.fromkeys(receiver for _, receiver, _, _ in heard):
@@ -83,7 +95,16 @@ def _write_sounds(result: StudyResult, folder: Path) -> list[str]:
             if there == receiver and time is not None and baseline is not None and time.sampling == baseline.sampling
         }
         if sounds and baseline is not None:
-            names.append(f"listen.{receiver}.wav")
+            names.append(_sound_name("listen", receiver))
             scale = listening_scale(loudest)
             write_sequence(folder / names[-1], sounds, baseline.sampling, full_scale=scale, form="pcm24")
     return names
+
+
+def _sound_name(*words: str) -> str:
+    """A name for a sound, with the spaces of its words; what some system does not take in a name is a line.
+
+    >>> _sound_name("damper 0.6 / new", "box.mic")
+    'damper 0.6 _ new.box.mic.wav'
+    """
+    return re.sub(r'[/\\:*?"<>|]', "_", ".".join(words)) + ".wav"
