@@ -48,9 +48,52 @@ def project(surface: SurfaceVelocity, room: Room, orders: Integers) -> Floats:
     1/2 for all would add 6 dB for every zero order.
     """
     factor = np.where(orders > 0, 2.0, 1.0).prod(axis=1) / room.ceiling_area
-    weighted = surface.weights[:, None] * surface.shapes
-    coefficients: Floats = factor[:, None] * (cosines(room, orders, surface.points).T @ weighted)
+    coefficients: Floats = factor[:, None] * overlaps(
+        room, orders, surface.points, surface.weights[:, None] * surface.shapes
+    )
     return coefficients
+
+
+def overlaps(room: Room, orders: Integers, points: Floats, weighted: Floats) -> Floats:
+    """Sums over points [p, 2 or 3] of cosines times weighted shapes [p, k]: [n, k] for the cosines `orders` [n, 2].
+
+    Notes
+    -----
+    Points that are all crossings of a few x with a few y, those of a meshed plate, are summed along y and then along x:
+    a hundred times less work than a cosine for every point and pair of orders.
+    """
+    grid = _crossings(points)
+    if grid is None or not len(orders):
+        return np.asarray(cosines(room, orders, points).T @ weighted)
+    x, y, order = grid
+    rows, columns = (np.unique(orders[:, axis], return_inverse=True) for axis in (0, 1))
+    along_x = np.cos(np.pi / room.size[0] * np.outer(rows[0], x))
+    along_y = np.cos(np.pi / room.size[1] * np.outer(columns[0], y))
+    shapes = weighted[order].reshape(len(x), -1)
+    if len(rows[0]) > len(columns[0]):  # the fewer cosines first
+        shapes = np.ascontiguousarray(weighted[order].reshape(len(x), len(y), -1).swapaxes(0, 1)).reshape(len(y), -1)
+        rows, columns, along_x, along_y, x = columns, rows, along_y, along_x, y
+    summed = (along_x @ shapes).reshape(len(rows[0]), -1, weighted.shape[1])
+    found = np.empty((len(orders), weighted.shape[1]))
+    for number in range(len(rows[0])):
+        here = np.flatnonzero(rows[1] == number)
+        found[here] = along_y[columns[1][here]] @ summed[number]
+    return found
+
+
+def _crossings(points: Floats) -> tuple[Floats, Floats, Integers] | None:
+    """The x and y whose crossings the points are, and the order [p] that sorts them by x, then y; None if they are not
+    all crossings, each once."""
+    x, at_x = np.unique(points[:, 0].round(9), return_inverse=True)
+    y, at_y = np.unique(points[:, 1].round(9), return_inverse=True)
+    if len(x) * len(y) != len(points):
+        return None
+    place = at_x * len(y) + at_y
+    order = np.argsort(place, kind="stable").astype(np.int64)
+    if not np.array_equal(place[order], np.arange(len(points))):
+        return None
+    sorted_points = points[order].reshape(len(x), len(y), -1)
+    return sorted_points[:, 0, 0], sorted_points[0, :, 1], order
 
 
 def vertical_wavenumber(room: Room, s: Complexes, k_lm: Floats) -> Complexes:

@@ -24,7 +24,7 @@ import numpy as np
 from scipy.linalg import block_diag
 
 from acoustics.arrays import Floats, Integers, freeze, frozen, positive
-from acoustics.cavity import cosines, horizontal_wavenumber
+from acoustics.cavity import horizontal_wavenumber, overlaps
 from acoustics.errors import AcousticsError
 from acoustics.orders import not_in, resolved_orders, square
 from acoustics.room import Enclosed, Room, inside, room_modes
@@ -126,7 +126,7 @@ def coupled_air(room: Room, points: Floats, weights: Floats, shapes: Floats, up_
     frequency_hz, indices, complete = _kept(room, positive("up_to_hz", up_to_hz, "Hz"), finest)
     weighted = weights[:, None] * shapes
     flat, place = np.unique(indices[:, :2], axis=0, return_inverse=True)
-    integrals = np.sqrt(_multiplicity(indices))[:, None] * (cosines(room, flat, points).T @ weighted)[place.ravel()]
+    integrals = np.sqrt(_multiplicity(indices))[:, None] * overlaps(room, flat, points, weighted)[place.ravel()]
     displaced = np.vstack([weighted.sum(axis=0), integrals])
     return joined(
         room, frequency_hz, displaced, _added_mass(room, points, weighted, indices, finest), complete_below_hz=complete
@@ -194,7 +194,7 @@ def _added_mass(room: Room, points: Floats, weighted: Floats, kept: Integers, fi
     done = np.zeros((0, 2), dtype=np.int64)
     while True:
         new = not_in(square(*size), done)
-        integrals = cosines(room, new, points).T @ weighted
+        integrals = overlaps(room, new, points, weighted)
         factor = room.air.rho / room.ceiling_area * _multiplicity(new) * _left_out(room, new, kept)
         part: Floats = (factor[:, None] * integrals).T @ integrals
         mass += part

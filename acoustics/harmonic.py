@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 
 from acoustics.arrays import Complexes, Floats, Integers
-from acoustics.cavity import cosines, horizontal_wavenumber, transfer
+from acoustics.cavity import cosines, horizontal_wavenumber, overlaps, transfer
 from acoustics.errors import AcousticsError, Advice
 from acoustics.judgement import truncation
 from acoustics.orders import band_orders, not_in, resolved_orders, square
@@ -83,7 +83,7 @@ def _heard(
 ) -> Complexes:
     """Pressure [n_places, nf] of some cosines of the ceiling velocity."""
     factor = np.where(orders > 0, 2.0, 1.0).prod(axis=1) / room.ceiling_area
-    velocity = (factor[:, None] * (cosines(room, orders, points).T @ weighted)) @ rates
+    velocity = (factor[:, None] * overlaps(room, orders, points, weighted)) @ rates
     k_lm = horizontal_wavenumber(room, orders)
     heights, plane = np.unique(places[:, 2], return_inverse=True)
     at_places = cosines(room, orders, places)

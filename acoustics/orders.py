@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from acoustics.arrays import Floats, Integers
 from acoustics.cavity import horizontal_wavenumber, project
@@ -17,6 +18,7 @@ ENOUGH: Final = 1e-4  # share (rms, 0.001 dB) of the last orders in the pressure
 SEEN: Final = 1 << 14  # samples of the record that tell well enough how much a cosine moves
 FIRST_ORDERS: Final = 3  # cosines l, m to begin with, all of them evaluated
 FINER: Final = 0.1  # share of the most driven cosine above which one that is left out keeps the search going
+GROWTH: Final = 0.15  # of a large set of orders by its next block
 MOST: Final = 40  # orders beyond those of the band that the search for convergence may add
 
 
@@ -28,8 +30,8 @@ def square(n_l: int, n_m: int) -> Integers:
 
 def not_in(block: Integers, done: Integers) -> Integers:
     """Orders of a block that have not been done."""
-    known = {tuple(pair) for pair in done.tolist()}
-    return np.array([pair for pair in block.tolist() if tuple(pair) not in known], dtype=np.int64).reshape(-1, 2)
+    width = 1 + max(block.max(initial=0), done.max(initial=0))
+    return block[~np.isin(block @ [width, 1], done @ [width, 1])]
 
 
 def order_blocks(room: Room, orders: int | None, highest_hz: float) -> list[Integers]:
@@ -38,8 +40,11 @@ def order_blocks(room: Room, orders: int | None, highest_hz: float) -> list[Inte
         if orders < 1:
             raise AcousticsError("orders", got=str(orders), expected="at least 1")
         return [square(n, n) for n in sorted({max(1, orders - 2), orders})]
-    most = max(band_orders(room, highest_hz)) + MOST
-    return [square(n, n) for n in range(FIRST_ORDERS, max(most, FIRST_ORDERS + 2) + 1, 2)]
+    most = max(max(band_orders(room, highest_hz)) + MOST, FIRST_ORDERS + 2)
+    sizes = [FIRST_ORDERS]
+    while sizes[-1] + 2 <= most:
+        sizes.append(min(most, sizes[-1] + max(2, int(GROWTH * sizes[-1]))))
+    return [square(n, n) for n in sizes]
 
 
 def band_orders(room: Room, highest_hz: float) -> tuple[int, int]:
@@ -72,11 +77,14 @@ def undriven(surfaces: Sequence[SurfaceVelocity], room: Room, done: Integers, hi
     )
 
 
-def audible(surfaces: Sequence[SurfaceVelocity], room: Room, orders: Integers, quietest: Sequence[float]) -> Integers:
-    """The cosines that could matter: the others, each in resonance all the time, would together stay below ENOUGH.
+def audible(
+    coefficients: Floats, products: Sequence[Floats], room: Room, orders: Integers, quietest: Sequence[float]
+) -> NDArray[np.bool_]:
+    """Which cosines `orders` [n, 2] could matter: the others, each in resonance all the time, would together stay below
+    ENOUGH.
 
-    surfaces : motions of one surface. quietest : of each, the energy of what is heard so far at the quietest receiver,
-        a sum of squares [Pa^2].
+    coefficients [n, k] : of the modes in them. products : of every motion, as `moved` tells them. quietest : of each,
+        the energy of what is heard so far at the quietest receiver, a sum of squares [Pa^2].
 
     Notes
     -----
@@ -86,15 +94,21 @@ def audible(surfaces: Sequence[SurfaceVelocity], room: Room, orders: Integers, q
     k_lm = horizontal_wavenumber(room, orders)
     omega = room.air.c * np.where(k_lm > 0, k_lm, np.pi / float(room.size[:2].max()))
     ratio = np.array([modal_damping_ratio(room.losses, w / (2 * np.pi)) for w in omega.tolist()])
-    coefficients = project(surfaces[0], room, orders)
     kept = np.zeros(len(orders), dtype=bool)
-    for surface, energy in zip(surfaces, quietest, strict=True):
-        every = max(1, surface.rates.shape[1] // SEEN)
-        velocity = coefficients @ surface.rates[:, ::every]
-        loudest = np.sqrt(every * np.einsum("nt,nt->n", velocity, velocity))
+    for product, energy in zip(products, quietest, strict=True):
+        loudest = np.sqrt(np.einsum("nk,nk->n", coefficients @ product, coefficients).clip(0.0))
         loudest *= room.air.bulk_modulus / float(room.size[2])
         bound = np.divide(loudest, ratio * omega, out=np.full_like(loudest, np.inf), where=ratio > 0)
         quiet = np.argsort(bound)
         together = np.sqrt(np.cumsum(bound[quiet] ** 2))
         kept[quiet[together >= ENOUGH * np.sqrt(energy)]] = True
-    return orders[kept]
+    return kept
+
+
+def moved(surface: SurfaceVelocity) -> Floats:
+    """Summed products of the modal rates [k, k]: a motion c @ rates has the sum of squares c @ products @ c. From some
+    16,000 samples at least, which tell well enough."""
+    every = max(1, surface.rates.shape[1] // SEEN)
+    seen = surface.rates[:, ::every]
+    products: Floats = every * (seen @ seen.T)
+    return products

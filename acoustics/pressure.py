@@ -11,19 +11,22 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from acoustics.arrays import Complexes, Floats, Integers, freeze, frozen
-from acoustics.cavity import cosines, horizontal_wavenumber, project, transfer
+from acoustics.cavity import cosines, horizontal_wavenumber, project, transfer, wavenumber_squared
 from acoustics.errors import AcousticsError, Advice
 from acoustics.extension import band_end, extended, returned, source_bandwidth, transform_axis
 from acoustics.judgement import one_way, source_advice, truncation
-from acoustics.orders import ENOUGH, audible, not_in, order_blocks, square, undriven
+from acoustics.orders import ENOUGH, audible, moved, not_in, order_blocks, square, undriven
 from acoustics.room import Receiver, Room, inside, positions
 from acoustics.source import SurfaceVelocity, alike, on_ceiling
 from acoustics.sums import Sums, energy_of
 
 SILENT: Final = 1e-9  # share of the velocity below which a cosine is not driven: symmetry, but for rounding
 NEGLIGIBLE: Final = 1e-9  # share of the summed velocity spectrum above the highest frequency that is evaluated
+FADED: Final = 1e-9  # of an evanescent wave's pressure at the ceiling, below which it is not evaluated further down
+_TILE: Final = 512  # cosines handled at once
 _BLOCK: Final = 1 << 15  # complex numbers handled at once: they stay in the cache
 _MEMORY: Final = 1 << 24  # complex numbers of one batch of cosines
 
@@ -130,15 +133,18 @@ def pressures(
     broad = project(first, room, square(2, 2))
     highest_hz = [source_bandwidth(broad @ surface.rates, surface.dt) for surface in surfaces]
     top = max(highest_hz)
+    products = [moved(surface) for surface in surfaces] if orders is None else []
+    motion = _motion(surfaces, room)
     sums = [Sums(places, first.rates.shape[1]) for _ in surfaces]
     done, shares = np.zeros((0, 2), dtype=np.int64), [0.0] * len(surfaces)
     for block in order_blocks(room, orders, top):
         new = not_in(block, done)
-        chosen = new
+        coefficients = project(first, room, new)
+        chosen = _driven(surfaces, coefficients)
         if orders is None and len(done):
-            chosen = audible(surfaces, room, new, [heard.energies().min() for heard in sums])
+            chosen &= audible(coefficients, products, room, new, [heard.energies().min() for heard in sums])
         told = orders is None or len(done) + len(new) == orders**2  # of fewer cosines than asked for nobody hears
-        shares = _synthesise(surfaces, room, chosen, sums, told)
+        shares = _synthesise(motion, room, new[chosen], coefficients[chosen], sums, told)
         done = np.concatenate([done, new])
         more = len(done) > len(new) and max(shares) < ENOUGH
         if orders is None and more and undriven(surfaces, room, done, top):
@@ -150,70 +156,80 @@ def pressures(
     return found
 
 
-def _synthesise(
-    surfaces: Sequence[SurfaceVelocity], room: Room, orders: Integers, sums: Sequence[Sums], told: bool
-) -> list[float]:
-    """Add what the cosines `orders` of the ceiling make to the sums of every surface; returns their shares of them.
+@dataclass(frozen=True, eq=False)
+class _Motion:
+    """Motions of one ceiling in frequency: s [nf] and weights [length] of the transform, the spectra [k, nf] of each
+    one's rates up to the last frequency that carries anything, and where s lies on the frequency axis the sums over the
+    samples of each one's displacements [k], else none."""
 
-    told : whether the shares are wanted; 0 where not.
-    """
+    s: Complexes
+    weight: Floats
+    spectra: tuple[Complexes, ...]
+    displaced: tuple[Floats, ...]
+
+
+def _motion(surfaces: Sequence[SurfaceVelocity], room: Room) -> _Motion:
+    """The rates, continued beyond their end and transformed once for all cosines."""
     first = surfaces[0]
-    nt, dt = first.rates.shape[1], first.dt
-    coefficients = project(first, room, orders)
-    driven = np.zeros(len(orders), dtype=bool)
+    weighted = room.losses.kind != "source"
+    s, weight = transform_axis(first.rates.shape[1], first.dt, damped=weighted)
+    spectra, displaced = [], []
+    largest = np.abs(first.shapes).max(axis=0, initial=0)
+    size = np.zeros(len(s))
+    for surface in surfaces:
+        future = extended(surface.rates, len(weight)) if weighted else returned(surface.rates, len(weight))
+        if weighted:
+            future *= weight
+        else:
+            steps = future * first.dt
+            displaced.append((np.cumsum(steps, axis=1) - 0.5 * steps).sum(axis=1))
+        spectrum = np.fft.rfft(future, axis=1).astype(np.complex128, copy=False)
+        if weighted:
+            spectrum *= band_end(len(s))
+        size += (largest[:, None] * np.abs(spectrum)).max(axis=0, initial=0)
+        spectra.append(spectrum)
+    above = np.cumsum(size[::-1])[::-1]
+    last = int(np.count_nonzero(above > NEGLIGIBLE * above[0]))
+    return _Motion(s, weight, tuple(one[:, :last] for one in spectra), tuple(displaced))
+
+
+def _driven(surfaces: Sequence[SurfaceVelocity], coefficients: Floats) -> NDArray[np.bool_]:
+    """Which cosines, of coefficients [n, k], any of the motions drives by more than rounding."""
+    driven = np.zeros(len(coefficients), dtype=bool)
     for surface in surfaces:
         speed = np.abs(coefficients) @ surface.sizes
         driven |= speed > SILENT * (np.abs(surface.shapes).max(axis=0, initial=0) @ surface.sizes)
-    orders, coefficients = orders[driven], coefficients[driven]
-    weighted = room.losses.kind != "source"
-    s, weight = transform_axis(nt, dt, damped=weighted)
-    length = len(weight)
+    return driven
+
+
+def _synthesise(
+    motion: _Motion, room: Room, orders: Integers, coefficients: Floats, sums: Sequence[Sums], told: bool
+) -> list[float]:
+    """Add what the cosines `orders` of the ceiling make to the sums of every motion; returns their shares of them.
+
+    coefficients [n, k] : of the modes in the cosines. told : whether the shares are wanted; 0 where not.
+    """
+    length, nt = len(motion.weight), sums[0].nt
+    inwards = np.argsort(horizontal_wavenumber(room, orders), kind="stable")
+    orders, coefficients = orders[inwards], coefficients[inwards]
     heights = sums[0].heights
-    batch = max(1, _MEMORY // (len(s) * max(1, len(heights)) * len(surfaces)))
-    added = [np.zeros(len(sums[0].places)) for _ in surfaces]
+    batch = max(1, _MEMORY // (len(motion.s) * max(1, len(heights)) * len(sums)))
+    if max(map(len, sums[0].rows)) < batch:
+        batch = max(1, len(orders))  # few listeners: no spectrum of a cosine is kept
+    added = [np.zeros(len(sums[0].places)) for _ in sums]
     for start in range(0, len(orders), batch):
         chosen = orders[start : start + batch]
-        spectra, uniform = [], []
-        for surface in surfaces:
-            spectrum, displaced = _driven(coefficients[start : start + batch], surface.rates, weight, dt, weighted)
-            spectra.append(spectrum)
-            uniform += [displaced] if displaced is not None else []
         at_places = cosines(room, chosen, sums[0].places)
         mixes = [at_places[rows] for rows in sums[0].rows]
-        for own, energy, parts in zip(
-            sums, added, _through(room, chosen, s, heights, spectra, mixes, uniform), strict=True
-        ):
+        found = _through(motion, room, chosen, coefficients[start : start + batch], heights, mixes)
+        for own, energy, parts in zip(sums, added, found, strict=True):
             for height, (part, mix) in enumerate(zip(parts, mixes, strict=True)):
-                history = np.fft.irfft(part, length, axis=1)[:, :nt] / weight[:nt]
+                history = np.fft.irfft(part, length, axis=1)[:, :nt] / motion.weight[:nt]
                 shared = None if _few(mix) else mix
                 own.add(height, shared, history)
                 if told:
                     energy[own.rows[height]] += energy_of(shared, history)
     return [_worst_share(part, heard.energies()) if told else 0.0 for part, heard in zip(added, sums, strict=True)]
-
-
-def _driven(
-    coefficients: Floats, rates: Floats, weight: Floats, dt: float, weighted: bool
-) -> tuple[Complexes, Floats | None]:
-    """Spectra [n, nf] of the cosines' velocities, of coefficients [n, k] and rates [k, nt], and the sums over the
-    samples of their displacements where they are not weighted."""
-    # all of it is linear: the fewer are transformed
-    late = len(rates) < len(coefficients)
-    moving = rates if late else coefficients @ rates
-    future = extended(moving, len(weight)) if weighted else returned(moving, len(weight))
-    displaced = None
-    if weighted:
-        future *= weight
-    else:
-        steps = future * dt
-        displaced = (np.cumsum(steps, axis=1) - 0.5 * steps).sum(axis=1)
-        displaced = coefficients @ displaced if late else displaced
-    spectra = np.fft.rfft(future, axis=1).astype(np.complex128, copy=False)
-    if weighted:
-        spectra *= band_end(spectra.shape[1])
-    if late:
-        spectra = (coefficients @ spectra.view(np.float64)).view(np.complex128)
-    return spectra, displaced
 
 
 def _worst_share(of_part: Floats, of_all: Floats) -> float:
@@ -228,39 +244,46 @@ def _few(mix: Floats) -> bool:
 
 
 def _through(
-    room: Room,
-    orders: Integers,
-    s: Complexes,
-    heights: Floats,
-    spectra: Sequence[Complexes],
-    mixes: list[Floats],
-    uniform: Sequence[Floats],
+    motion: _Motion, room: Room, orders: Integers, coefficients: Floats, heights: Floats, mixes: list[Floats]
 ) -> list[list[Complexes]]:
-    """Pressure spectra by source and height, up to the last frequency that carries anything: [n_here, nf] of the
+    """Pressure spectra by motion and height, up to the last frequency that carries anything: [n_here, nf] of the
     listeners there where they are few, [n, nf] of the cosines elsewhere.
 
-    spectra : of every source [n, nf]. mixes : share [n_here, n] of each cosine at the listeners of each height.
-    uniform : of every source, the sum of the displacements over the samples [n] when s lies on the frequency axis,
-        where the transfer of the uniform cosine is infinite at 0 and the displacement takes the velocity's place; else
-        nothing.
+    orders [n, 2] : by rising wavenumber. coefficients [n, k] : of the modes in them. mixes : share [n_here, n] of each
+        cosine at the listeners of each height.
+
+    Notes
+    -----
+    On the frequency axis the transfer of the uniform cosine is infinite at 0; the displacement takes the velocity's
+    place there. Cosines are left out where they have decayed to FADED of their pressure on the way to the highest
+    listener.
     """
-    nf = spectra[0].shape[1]
-    parts = [[np.zeros((min(mix.shape), nf), dtype=np.complex128) for mix in mixes] for _ in spectra]
+    nf = len(motion.s)
+    parts = [[np.zeros((min(mix.shape), nf), dtype=np.complex128) for mix in mixes] for _ in motion.spectra]
     k_lm = horizontal_wavenumber(room, orders)
-    size = sum(np.abs(one).max(axis=0) for one in spectra)
-    above = np.cumsum(size[::-1])[::-1]
-    last = int(np.count_nonzero(above > NEGLIGIBLE * above[0]))
-    width = max(1, _BLOCK // max(1, len(orders)))
-    for start in range(1 if uniform else 0, last, width):
-        band = slice(start, min(start + width, last))
-        for height, response in enumerate(transfer(room, s[band], k_lm, heights)):
-            mix = mixes[height]
-            for own, driving in zip(parts, spectra, strict=True):
-                driven = response * driving[:, band]
-                own[height][:, band] = (mix @ driven.view(np.float64)).view(np.complex128) if _few(mix) else driven
-    for own, displaced in zip(parts, uniform, strict=False):
+    last = motion.spectra[0].shape[1]
+    nearest = float(room.size[2] - heights.max())
+    spreading = np.sqrt(np.abs(wavenumber_squared(room.losses, room.air, motion.s[:last])))
+    for low in range(0, len(orders), _TILE):
+        tile = slice(low, low + _TILE)
+        own_k = k_lm[tile]
+        reach = np.hypot(spreading, -np.log(FADED) / nearest) if nearest > 0 else np.full(last, np.inf)
+        begin = max(1 if motion.displaced else 0, int(np.searchsorted(reach, own_k[0])))
+        width = max(1, _BLOCK // len(own_k))
+        for start in range(begin, last, width):
+            band = slice(start, min(start + width, last))
+            ways = transfer(room, motion.s[band], own_k, heights)
+            for own, spectra in zip(parts, motion.spectra, strict=True):
+                driving = (coefficients[tile] @ spectra[:, band].view(np.float64)).view(np.complex128)
+                for height, way in enumerate(ways):
+                    driven, mix = way * driving, mixes[height]
+                    if _few(mix):
+                        own[height][:, band] += (mix[:, tile] @ driven.view(np.float64)).view(np.complex128)
+                    else:
+                        own[height][tile, band] = driven
+    for own, displaced in zip(parts, motion.displaced, strict=False):
         compression = room.air.bulk_modulus / room.size[2] * ((1 - 1j * room.losses.beta) ** -2).real
         for part, mix in zip(own, mixes, strict=True):
-            still = np.where(k_lm == 0, compression * displaced, 0)
+            still = np.where(k_lm == 0, compression * (coefficients @ displaced), 0)
             part[:, 0] = mix @ still if _few(mix) else still
     return parts

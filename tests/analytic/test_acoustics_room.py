@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from math import comb, pi
 
 import numpy as np
@@ -19,7 +20,7 @@ from acoustics import (
     pressure_map,
     room_modes,
 )
-from acoustics.cavity import horizontal_wavenumber, transfer
+from acoustics.cavity import cosines, horizontal_wavenumber, overlaps, transfer
 
 SIZE = [0.58, 0.47, 0.1]
 AIR = Air(c=340, rho=1.29)
@@ -192,6 +193,47 @@ def test_evanescent_waves_do_not_overflow():
     mu = np.sqrt(k_lm[0] ** 2 + (s[0] / AIR.c) ** 2)
     assert near == pytest.approx(AIR.rho * s[0] * np.exp(-mu * 0.01) / mu, rel=1e-12)
     assert far == 0
+
+
+@pytest.mark.parametrize("kind", ["none", "source"])
+def test_waves_that_have_decayed_on_the_way_are_left_out(kind, monkeypatch):
+    """Over a high room cosines that evanesce are evaluated only from the frequency on at which they arrive: against all
+    of them at all frequencies."""
+    room = Room([0.58, 0.47, 2.0], AIR, LAWS["constant_decay"] if kind == "none" else losses_from_beta(0.01, 300, kind))
+    blow = np.exp(-(((np.arange(1200) / 12e3 - 0.02) / 2e-4) ** 2))
+    moving = ceiling(room, off_centre_bump, np.gradient(blow), 1 / 12e3)
+    here = [Receiver("mid", [0.1, 0.2, 0.9]), Receiver("low", [0.1, 0.2, 0.2])]
+    transfers = []
+
+    def counted(room, s, k_lm, z):
+        transfers.append(len(s) * len(k_lm))
+        return transfer(room, s, k_lm, z)
+
+    stage = sys.modules["acoustics.pressure"]  # of which the package shows the function
+    monkeypatch.setattr(stage, "transfer", counted)
+    monkeypatch.setattr(stage, "_TILE", 64)
+    found = pressure(moving, room, here, orders=24).p
+    fewer = sum(transfers)
+    transfers.clear()
+    monkeypatch.setattr(stage, "FADED", 1e-300)
+    whole = pressure(moving, room, here, orders=24).p
+    assert fewer < 0.8 * sum(transfers)
+    # FADED is 1e-9 of each cosine; the window on the record raises what is left out by exp(13.5 / 2) on average
+    np.testing.assert_allclose(found, whole, rtol=0, atol=1e-6 * np.abs(whole).max())
+
+
+def test_sums_over_a_grid_of_points_are_those_over_its_points():
+    """Crossings of lines, in any order, are summed line by line; with one missing, point by point."""
+    random = np.random.default_rng(3)
+    room = Room(SIZE, AIR)
+    x, y = np.meshgrid(random.uniform(0, LX, 9), random.uniform(0, LY, 6), indexing="ij")
+    points = random.permutation(np.column_stack([x.ravel(), y.ravel()]))
+    orders = np.array([(0, 0), (3, 1), (1, 7), (1, 2), (5, 0), (2, 2), (8, 3)])
+    weighted = random.normal(size=(len(points), 4))
+    for some in (slice(None), slice(1, None)):
+        for picked in (orders, orders[:, ::-1]):  # more rows than columns, and the other way round
+            plain = cosines(room, picked, points[some]).T @ weighted[some]
+            np.testing.assert_allclose(overlaps(room, picked, points[some], weighted[some]), plain, rtol=0, atol=1e-13)
 
 
 @pytest.mark.parametrize("order", [(0, 0), (1, 0), (0, 2), (2, 1)])
