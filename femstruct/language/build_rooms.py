@@ -21,7 +21,7 @@ from acoustics.room import (
     losses_from_t60,
     losses_from_t60_bands,
 )
-from acoustics.shaped import ShapedRoom
+from acoustics.shaped import ShapedRoom, cut_box
 from acoustics.walls import AnyWall, Wall, YieldingWall, absorbing
 from femstruct.language.build import Builder
 from femstruct.language.meshes import read_mesh
@@ -47,7 +47,7 @@ def room_of(
     if spec.under is None:
         space = HalfSpace(Air(spec.air.c, spec.air.rho), np.array([0.0, 0.0, 1.0 if spec.above else -1.0]))
         return RoomPlan(name, space, spec.surface, tuple(receivers))
-    if spec.size is not None:
+    if spec.size is not None and spec.modes is None:
         room = Room(spec.size, Air(spec.air.c, spec.air.rho), _losses(spec))  # type: ignore[arg-type]
         middle = (spec.size[0] / 2.0, spec.size[1] / 2.0)
     else:
@@ -65,28 +65,33 @@ def room_of(
 def _meshed(
     name: str, spec: RoomSpec, builder: Builder, sources: dict[str, str], shaped: dict[str, ShapedRoom]
 ) -> ShapedRoom | None:
-    """A room from a mesh file; the one that another case has where all that is said of it is the same."""
-    said = repr((builder.tree.file, spec.mesh, spec.ceiling, spec.walls, spec.modes, spec.air, spec.losses))
+    """A room from a mesh file, or of a size with walls; the one that another case has where all that is said of it is
+    the same."""
+    said = repr((builder.tree.file, spec.size, spec.mesh, spec.ceiling, spec.walls, spec.modes, spec.air, spec.losses))
     if said in shaped:
         return shaped[said]
-    steps: Steps = ("rooms", name, "mesh")
-    path = Path(builder.tree.file).parent / (spec.mesh or "")
-    mesh = read_mesh(path, builder.tree.position(steps), dotted(steps), builder.mistakes, sources)
+    air, up_to = Air(spec.air.c, spec.air.rho), spec.modes.up_to if spec.modes is not None else None
+    if spec.size is not None:
+        size, most = np.array(spec.size), up_to or 0.0
+        mesh = builder.make(("rooms", name, "modes", "up_to"), lambda: cut_box(size, most, air))
+    else:
+        steps: Steps = ("rooms", name, "mesh")
+        path = Path(builder.tree.file).parent / (spec.mesh or "")
+        mesh = read_mesh(path, builder.tree.position(steps), dotted(steps), builder.mistakes, sources)
     if mesh is None:
         return None
-    for place, wall in ((("ceiling",), spec.ceiling or ""), *((("walls", wall), wall) for wall in spec.walls)):
-        if wall not in mesh.walls:
+    ceiling, cells = spec.ceiling or "ceiling", mesh
+    for place, wall in ((("ceiling",), ceiling), *((("walls", wall), wall) for wall in spec.walls)):
+        if wall not in cells.walls:
             here: Steps = ("rooms", name, *place)
-            known = ", ".join(mesh.walls) or "a mesh with named surfaces"
-            at, do = builder.tree.position(here), nearest(wall, list(mesh.walls))
-            builder.mistakes.add(at, dotted(here), got=f"'{wall}', no surface of '{spec.mesh}'", expected=known, do=do)
+            known = ", ".join(cells.walls) or "a mesh with named surfaces"
+            at, do = builder.tree.position(here), nearest(wall, list(cells.walls))
+            missing = f"no surface of '{spec.mesh}'" if spec.mesh else "no wall of a room with a size"
+            builder.mistakes.add(at, dotted(here), got=f"'{wall}', {missing}", expected=known, do=do)
             return None
-    air = Air(spec.air.c, spec.air.rho)
     walls = {wall: _wall(one, air) for wall, one in spec.walls.items()}
-    up_to = spec.modes.up_to if spec.modes is not None else None
-    room = builder.make(
-        ("rooms", name, "ceiling"), lambda: ShapedRoom(mesh, spec.ceiling or "", air, _losses(spec), walls, up_to)
-    )
+    at_fault = "walls" if spec.ceiling is None else "ceiling"
+    room = builder.make(("rooms", name, at_fault), lambda: ShapedRoom(cells, ceiling, air, _losses(spec), walls, up_to))
     if room is not None:
         shaped[said] = room
     return room

@@ -84,7 +84,7 @@ def _check_coupling(check: Checker, study: StudySpec, name: str, room: RoomSpec)
 
 def _check_mesh(check: Checker, name: str, room: RoomSpec) -> None:
     """A meshed room is causal."""
-    if room.mesh is not None and room.form == "source":
+    if room.form == "source" and (room.mesh is not None or room.modes is not None):
         check.wrong(("rooms", name, "form"), "the source's form in a meshed room", "causal", "leave out 'form'")
 
 

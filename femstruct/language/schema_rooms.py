@@ -180,8 +180,9 @@ class RoomSpec(Spec):
 
     mesh: a file of tetrahedra or hexahedra [m] with named surfaces, its own coordinates, z up.
     ceiling: the surface of the mesh that moves, or part of which does.
-    walls: what surfaces of the mesh take up, or how they yield; the others are rigid.
-    modes: of a meshed room, as far as its cells carry sound when left out.
+    walls: what surfaces of the mesh take up, or how they yield; the others are rigid. Those of a room with a size are
+    x0, x1, y0, y1, floor and ceiling; it is then cut into cells, six to a wave at `modes: {up_to: }`.
+    modes: of a meshed room; as far as its cells carry sound when left out.
     at: where the surface's centre is in the ceiling, from the room's corner or in the mesh; the middle when left out.
     coupling: one-way, the air does not push back, or two-way.
     animate: a frequency, `pulse`, or several, of which a moving picture is made.
@@ -189,7 +190,7 @@ class RoomSpec(Spec):
     """
 
     one_of = (("under", "above", "below"),)
-    needs = (("mesh", ("ceiling",)), ("ceiling", ("mesh",)), ("walls", ("mesh",)), ("modes", ("mesh",)))
+    needs = (("mesh", ("ceiling",)), ("ceiling", ("mesh",)))
 
     size: tuple[Length, Length, Length] | None = None
     mesh: Text | None = None
@@ -227,6 +228,12 @@ class RoomSpec(Spec):
         if isinstance(value, dict):
             if "under" in value:
                 exactly_one(value, ("size", "mesh"))
+            if "size" in value and ("walls" in value) != ("modes" in value):
+                got, wanted = ("walls", "modes") if "walls" in value else ("modes", "walls")
+                do = (
+                    "write 'modes: {up_to: 200 Hz}', as far as walls matter" if wanted == "modes" else f"remove '{got}'"
+                )
+                raise refuse(f"'{got}' of a room with a size", f"'{wanted}' beside '{got}'", do)
             side = next((key for key in ("above", "below") if key in value), None)
             closed = next((key for key in _CLOSED if key in value), None)
             if side is not None and closed is not None:

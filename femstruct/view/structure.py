@@ -82,6 +82,9 @@ def show_inspection(table: Row, picture: str = "") -> None:
         ratios = ", ".join(f"{100 * ratio:.3g} % at {f} Hz" for f, ratio in room["damping_ratio"].items())
         first = ", ".join(f"{f:.1f}" for f in room["first_modes_hz"])
         screen.print(f"room {name}: {room['coupling']} coupling; first modes {first} Hz; damping {ratios}")
+        if "largest_cell_m" in room:
+            cells, most = f"{room['largest_cell_m']:.3g} m", f"{room['own_modes_up_to_hz']:.4g} Hz"
+            screen.print(f"  cells of {cells} at most; modes of its own, as of rigid walls, up to {most}")
     if table["drops"]:
         screen.print(f"the source strikes {', '.join(table['drops'])}: a simulation each")
     show_findings(screen, _read(table["findings"]))

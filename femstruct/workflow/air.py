@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from acoustics.field import HalfSpace
 from acoustics.room import Room
 from acoustics.shaped import ShapedRoom
+from acoustics.walls import YieldingWall
 from femstruct.coupling import with_cavity
 from femstruct.errors import Finding, InputError
 from femstruct.modal.basis import ModalBasis
@@ -60,5 +61,7 @@ def _shape(room: Room | ShapedRoom | HalfSpace) -> object:
     """What tells rooms apart, but for their air."""
     if isinstance(room, ShapedRoom):
         cells = hashlib.sha256(room.mesh.points.tobytes() + room.mesh.cells.tobytes()).hexdigest()
-        return cells, room.ceiling, room.up_to_hz
+        yielding = {name: wall for name, wall in room.walls.items() if isinstance(wall, YieldingWall)}
+        springs = [(name, wall.mass, wall.stiffness) for name, wall in sorted(yielding.items())]
+        return cells, room.ceiling, room.up_to_hz, springs
     return room.size.tolist() if isinstance(room, Room) else ()

@@ -210,13 +210,16 @@ def _room_table(plan: RoomPlan) -> Table:
             "side": "above" if room.normal[2] > 0 else "below",
             "receivers_m": {receiver.name: receiver.position.tolist() for receiver in plan.receivers},
         }
+    cells: Table = {}
     if isinstance(room, ShapedRoom):
         size, found = np.ptp(room.extent, axis=0), room.frequency_hz[1:]
+        cells = {"largest_cell_m": room.mesh.largest_cell, "own_modes_up_to_hz": room.up_to_hz}
     else:
         size, found = room.size, room_modes(room, 1000.0)[0]
     frequencies = [float(f) for f in found[:3]]
     return {
         "size_m": size.tolist(),
+        **cells,
         "coupling": plan.coupling,
         "first_modes_hz": frequencies,
         "damping_ratio": {f"{f:g}": modal_damping_ratio(plan.room.losses, f) for f in (20.0, *frequencies) if f > 0},

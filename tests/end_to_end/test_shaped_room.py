@@ -133,6 +133,32 @@ def test_walls_that_yield_are_heard_and_push_back_less(folder: Path) -> None:
         assert np.abs(quiet - loud).max() > 0.1 * np.abs(loud).max()
 
 
+def test_walls_of_a_room_with_a_size_are_those_of_its_mesh(folder: Path) -> None:
+    """The same cells, 6 x 5 x 4: six to a wave at 686 Hz in a room of 0.5 x 0.4 x 0.3 m."""
+    wall = "mass: 4 kg/m^2, stiffness: 0.5 MN/m^3, resistance: 300 Pa*s/m"
+    found = []
+    for room, name in ((MESHED, "left"), (BOX, "x0")):
+        path = study(folder, f"{room}, walls: {{{name}: {{{wall}}}}}, modes: {{up_to: 650 Hz}}")
+        found.append(run_study(read_study(path, ("time.duration=30 ms",))))
+    for name, ours in found[0].cases.items():
+        theirs = found[1].cases[name]
+        p, wanted = ours.rooms["air"].p[0], theirs.rooms["air"].p[0]
+        assert np.abs(p - wanted).max() < 1e-9 * np.abs(wanted).max()
+        heard = [one.frf["mic"].values for one in (ours, theirs)]
+        assert heard[0] == pytest.approx(heard[1], rel=1e-7)
+
+
+def test_bases_of_other_walls_have_other_names(folder: Path) -> None:
+    path = study(folder, f"{BOX}, walls: {{x0: {{mass: 4, stiffness: 5e5}}}}, modes: {{up_to: 300 Hz}}")
+    path.write_text(path.read_text().replace("one-way: {}", "soft: {rooms.air.coupling: two-way, ROOM: 1e5}"))
+    path.write_text(path.read_text().replace("ROOM", "rooms.air.walls.x0.stiffness"))
+    result = run_study(read_study(path, ("time.duration=10 ms",)))
+    keys = {name: case.basis_key for name, case in result.cases.items()}
+    assert keys["soft"] != keys["two-way"]
+    first = [result.bases[keys[name]].frequency_hz[0] for name in ("soft", "two-way")]
+    assert first[0] < 0.99 * first[1]
+
+
 def test_a_resistance_alone_is_an_impedance_and_a_stiffness_needs_no_mass(folder: Path) -> None:
     def left(wall: str) -> AnyWall:
         path = study(folder, f"{MESHED}, walls: {{left: {{{wall}}}}}")
@@ -148,7 +174,24 @@ def test_a_resistance_alone_is_an_impedance_and_a_stiffness_needs_no_mass(folder
     [
         ("mesh: box.msh", "ceiling"),
         (f"{BOX}, mesh: box.msh, ceiling: top", "exactly one of size, mesh"),
-        (f"{BOX}, walls: {{left: {{absorption: 5 %}}}}", "mesh"),
+        (
+            f"{BOX}, walls: {{x0: {{absorption: 5 %}}}}",
+            "'walls' of a room with a size, expected 'modes' beside",
+        ),
+        (f"{BOX}, modes: {{up_to: 200 Hz}}", "'modes' of a room with a size, expected 'walls' beside 'modes'"),
+        (
+            f"{BOX}, modes: {{up_to: 4 kHz}}, walls: {{x0: {{absorption: 5 %}}}}",
+            r"modes\.up_to: got 4000 Hz, for which the room is cut into 20580 cells, expected some 2371 Hz or less",
+        ),
+        (
+            f"{BOX}, modes: {{up_to: 200 Hz}}, walls: {{x2: {{absorption: 5 %}}}}",
+            r"walls\.x2: got 'x2', no wall of a room with a size, expected x0, x1, y0, y1, floor, ceiling",
+        ),
+        (
+            f"{BOX}, modes: {{up_to: 200 Hz}}, walls: {{ceiling: {{stiffness: 1e6}}}}",
+            r"air\.walls: got a wall that yields, which",
+        ),
+        (f"{BOX}, modes: {{up_to: 200 Hz}}, walls: {{x0: {{stiffness: 1e6}}}}, form: source", "in a meshed room"),
         (
             "mesh: box.msh, ceiling: tip",
             r"rooms\.air\.ceiling: got 'tip', no surface of 'box\.msh', expected top, left",
