@@ -19,15 +19,26 @@ FLOOR_DB: Final = -120.0
 class Directivity:
     """Far field of a baffled surface on two half circles, along its first and its second side.
 
-    frequency_hz [nf]. angle_deg [n] : from the normal, positive along the side. pressure [nf, 2, n] : |p| times the
+    frequency_hz [nf]. angle_deg [n] : from the normal, positive along the side. along [2, 3] : the sides, unit vectors
+    that point along the global axes rather than against them. pressure [nf, 2, n] : |p| times the
     distance [Pa m], or per whatever the rates are per. half_sphere [nf] : root of the mean of its square over the whole
     half sphere.
     """
 
     frequency_hz: Floats
     angle_deg: Floats
+    along: Floats
     pressure: Floats
     half_sphere: Floats
+
+    @property
+    def sides(self) -> tuple[str, str]:
+        """Names of the sides: the global axis they lie along, or "first side" and "second side"."""
+        first, second = (
+            "xyz"[int(side.argmax())] if side.max() > 1 - 1e-6 else f"{word} side"
+            for side, word in zip(self.along, ("first", "second"), strict=True)
+        )
+        return first, second
 
     @property
     def level_db(self) -> Floats:
@@ -83,6 +94,8 @@ def radiation_pattern(
     """
     frequency_hz = np.asarray(frequency_hz, dtype=np.float64)
     angle = np.radians(ANGLES_DEG)
+    main = np.take_along_axis(along, np.abs(along).argmax(axis=1)[:, None], axis=1)
+    along = along * np.sign(main)
     e = np.cos(angle)[:, None] * normal + np.sin(angle)[:, None] * along[:, None]  # [2, n, 3]
     way = (points - points.mean(axis=0)) @ e.reshape(-1, 3).T  # [p, 2 n]
     weighted = weights[:, None] * shapes
@@ -92,4 +105,4 @@ def radiation_pattern(
         moved = weighted @ rates[:, line]
         pressure[line] = np.abs(f * air.rho * (moved @ np.exp(1j * k * way))).reshape(2, -1)
     power = radiated_power(points, weights, shapes, rates, frequency_hz, air)
-    return Directivity(frequency_hz, ANGLES_DEG, pressure, np.sqrt(power * air.rho * air.c / np.pi))
+    return Directivity(frequency_hz, ANGLES_DEG, along, pressure, np.sqrt(power * air.rho * air.c / np.pi))

@@ -20,7 +20,7 @@ from acoustics.extension import fast_length
 from acoustics.field import POINTS_PER_WAVE
 from acoustics.radiation import plane_wave_power, radiated_power
 from acoustics.source import SurfaceVelocity
-from acoustics.weighting import frequency_weighting
+from acoustics.weighting import FrequencyWeighting, frequency_weighting
 
 REFERENCE_J: Final = 1e-12
 LOWEST_HZ: Final = 10.0  # nominal centre of the first third octave
@@ -94,25 +94,42 @@ class SoundEnergy:
         plane = _by_band(self.plane, self.step_hz, self.bands_hz)
         return {band: e / plane[band] if plane[band] > 0 else nan for band, e in self.bands_j.items()}
 
-    def share_above(self, frequency_hz: float) -> float:
-        """What of the energy lies above a frequency [1]; 0 in silence."""
-        energy = self.energy_j
-        below = _until(self.density, self.step_hz, np.array([frequency_hz]))[0]
+    def share_above(self, frequency_hz: float, weighting: FrequencyWeighting = "Z") -> float:
+        """What of the energy, maybe weighted, lies above a frequency [1]; 0 in silence."""
+        density = self.density * np.abs(frequency_weighting(self.frequency_hz, weighting)) ** 2
+        energy = float(density.sum()) * self.step_hz
+        below = _until(density, self.step_hz, np.array([frequency_hz]))[0]
         return max(0.0, 1.0 - float(below) / energy) if energy > 0 else 0.0
 
     def loudest_hz(self, count: int) -> list[float]:
-        """Frequencies of the largest density [Hz], ascending: peaks a third octave apart, no less than 1e-3 of the
-        largest of them."""
-        found: list[float] = []
-        peak = np.r_[False, (self.density[1:-1] >= self.density[:-2]) & (self.density[1:-1] > self.density[2:]), False]
-        heights = np.where(peak, self.density, 0.0)
-        for line in np.argsort(-heights).tolist():
-            f = float(self.frequency_hz[line])
-            if len(found) == count or not heights[line] > _FAINT * heights.max():
-                break
-            if all(abs(log10(f / other)) >= 0.1 for other in found):
-                found.append(f)
-        return sorted(found)
+        """Frequencies of the largest density [Hz], as `loudest`."""
+        return loudest(self.frequency_hz, self.density, count)
+
+
+def loudest(frequency_hz: Floats, density: Floats, count: int) -> list[float]:
+    """Frequencies of the highest peaks [Hz], ascending: a third octave apart, no less than 1e-3 of the highest.
+
+    >>> loudest(np.array([10.0, 20, 30, 40, 50]), np.array([0, 3.0, 1, 2, 0]), 2)
+    [20.0, 40.0]
+    """
+    inner = (density[1:-1] >= density[:-2]) & (density[1:-1] > density[2:])
+    heights = np.where(np.r_[False, inner, False], density, 0.0)
+    found: list[float] = []
+    for line in np.argsort(-heights).tolist():
+        f = float(frequency_hz[line])
+        if len(found) == count or not heights[line] > _FAINT * heights.max():
+            break
+        if all(abs(log10(f / other)) >= 0.1 for other in found):
+            found.append(f)
+    return sorted(found)
+
+
+def at_rest(rates: Floats) -> Floats:
+    """Velocities [k, nt] brought smoothly to rest over the last tenth of the record."""
+    tail = max(2, round(FADED * rates.shape[1]))
+    faded = rates.copy()
+    faded[:, -tail:] *= 0.5 * (1 + np.cos(np.pi * np.arange(1, tail + 1) / tail))
+    return faded
 
 
 def level(energy_j: float) -> float:
@@ -149,15 +166,12 @@ def radiated_energy(surface: SurfaceVelocity, air: Air) -> SoundEnergy:
     nt, dt = surface.rates.shape[1], surface.dt
     apart = float(np.sqrt(surface.weights.max()))
     top = air.c / (FEWEST_POINTS * apart)
-    tail = max(2, round(FADED * nt))
-    fade = np.ones(nt)
-    fade[-tail:] = 0.5 * (1 + np.cos(np.pi * np.arange(1, tail + 1) / tail))
-    frequency, density, plane, beyond = _densities(surface, surface.rates * fade, air, top)
+    frequency, density, plane, beyond = _densities(surface, at_rest(surface.rates), air, top)
     energy = float(density.sum()) * float(frequency[1])
     # A Hann window has the energy of 3/8 of its length: that of the last fifth stands for .75 of a tenth.
-    end = np.hanning(min(nt, 2 * tail) + 2)[1:-1]
+    end = np.hanning(max(2, round(2 * FADED * nt)) + 2)[1:-1]
     last, its_density, _, _ = _densities(surface, surface.rates[:, -len(end) :] * end, air, top)
-    late = float(its_density.sum()) * float(last[1]) * 0.1 * nt / (0.375 * len(end))
+    late = float(its_density.sum()) * float(last[1]) * FADED * nt / (0.375 * len(end))
     weights = np.abs(frequency_weighting(frequency, "A")) ** 2
     bands = third_octave_bands(1 / dt, LOWEST_HZ)
     result = SoundEnergy(

@@ -6,7 +6,7 @@
     /summary            the numbers of all cases and their comparison (JSON)
     /bases/KEY          modes, damping, shapes, force rows
     /cases/NAME         @basis; damping, channels, contacts, bodies, links, events, energy, error_estimate, accuracy,
-                        limits, frf, rooms, levels, rated, drops, modal
+                        limits, frf, rooms, levels, sound_energy, rated, drops, modal
     /comparison/CASE    modes by MAC, beside the baseline's
     /VTKHDF             mode shapes of the baseline, opened by ParaView as they are
 
@@ -31,6 +31,7 @@ from femstruct.files.bases import write_basis, write_damping
 from femstruct.files.blows import write_blows
 from femstruct.files.hdf5 import axis, group, put, put_text
 from femstruct.files.machine import write_verdicts
+from femstruct.files.radiated import write_power, write_radiated
 from femstruct.files.sound import write_levels, write_rated, write_room
 from femstruct.files.tables import finding_table, findings_by_case, summary
 from femstruct.files.trust import write_accuracy, write_errors
@@ -150,6 +151,11 @@ def _write_case(cases: h5py.Group, name: str, case: CaseResult, verdicts: Sequen
                 kind=request.kind,
             )
             frequency = axis(place, "frequency_hz", frf.frequency_hz, "Hz", "Frequency")
+            if frf.sound is not None:
+                about = "Sound power over the mean square of the force"
+                put(place, "response", frf.sound.power, frf.unit, about, (frequency,))
+                write_power(place, frf.sound, frequency, frf.unit)
+                continue
             put(place, "response", frf.values, frf.unit, f"{request.kind}, exp(+j omega t)", (frequency,))
     if case.response is not None:
         _write_response(target, case, case.response)
@@ -161,6 +167,10 @@ def _write_case(cases: h5py.Group, name: str, case: CaseResult, verdicts: Sequen
         levels = group(target, "levels", "Levels at the receivers, ROOM.RECEIVER")
         for label, level in case.levels.items():
             write_levels(group(levels, label, "Levels at one receiver"), level)
+    if case.radiated:
+        sound = group(target, "sound_energy", "Sound energy into the open, ROOM")
+        for label, radiated in case.radiated.items():
+            write_radiated(group(sound, label, "One half space"), radiated)
     if case.rated:
         rated = group(target, "rated", "Rooms as the standards state them, over their receivers")
         for label, room_rated in case.rated.items():

@@ -12,6 +12,7 @@ from femstruct.errors import Finding
 from femstruct.files.arrays import array_tables
 from femstruct.files.machine import machine_table, verdict_tables
 from femstruct.files.numbers import label, number
+from femstruct.files.radiated import radiated_table
 from femstruct.files.trust import accuracy_table, error_table
 from femstruct.impact.response import Blow, EnergyBalance, Response
 from femstruct.impact.shares import EnergyGroup, ModeEnergies
@@ -78,6 +79,7 @@ def _case(case: CaseResult) -> Table:
         "arrays": {} if response is None else array_tables(response),
         "energy": None if response is None else _energy(response, case.shares),
         "levels": {name: _levels(levels) for name, levels in case.levels.items()},
+        "sound_energy": {name: radiated_table(radiated) for name, radiated in case.radiated.items()},
         "rated": {name: _rated(rated) for name, rated in case.rated.items()},
         "drops": {place: _drop(drop) for place, drop in case.drops.items()},
         "accuracy": None if case.accuracy is None else accuracy_table(case.accuracy),

@@ -46,7 +46,7 @@ def room_of(
     room: Room | ShapedRoom | HalfSpace | None
     if spec.under is None:
         space = HalfSpace(Air(spec.air.c, spec.air.rho), np.array([0.0, 0.0, 1.0 if spec.above else -1.0]))
-        return RoomPlan(name, space, spec.surface, tuple(receivers))
+        return RoomPlan(name, space, spec.surface, tuple(receivers), directivity=spec.directivity)
     if spec.size is not None and spec.modes is None:
         room = Room(spec.size, Air(spec.air.c, spec.air.rho), _losses(spec))  # type: ignore[arg-type]
         middle = (spec.size[0] / 2.0, spec.size[1] / 2.0)

@@ -29,6 +29,7 @@ def check_rooms(check: Checker, study: StudySpec, model: ModelSpec) -> None:
             got = "a moving picture without receivers"
             check.wrong(("rooms", name, "animate"), got, "a receiver to cut the room at", "add 'receivers:'")
         _check_receivers(check, name, room)
+        _check_directivity(check, study, name, room)
 
 
 def check_pressure(check: Checker, study: StudySpec, name: str, request: FrfSpec) -> None:
@@ -48,6 +49,35 @@ def check_pressure(check: Checker, study: StudySpec, name: str, request: FrfSpec
         check.wrong((*here, "response"), f"'{request.response}'", "ROOM.RECEIVER.pressure", do)
     if request.band[0] == 0.0:
         check.wrong((*here, "band"), "0 Hz", "a band above 0 Hz")
+
+
+def check_power(check: Checker, study: StudySpec, name: str, request: FrfSpec) -> None:
+    """A sound power is that of an open room, ROOM.power, and never at 0 Hz."""
+    here: Steps = ("frf", name)
+    if request.kind != "power":
+        check.wrong((*here, "kind"), f"'{request.kind}' of a power", "power", "write 'kind: power'")
+        return
+    known = [f"{room}.power" for room, spec in study.rooms.items() if spec.under is None]
+    if request.response not in known:
+        do = nearest(request.response, known) or "only rooms 'above' or 'below' a surface have a power"
+        check.wrong((*here, "response"), f"'{request.response}'", "ROOM.power", do)
+    if request.band[0] == 0.0:
+        check.wrong((*here, "band"), "0 Hz", "a band above 0 Hz")
+
+
+def _check_directivity(check: Checker, study: StudySpec, name: str, room: RoomSpec) -> None:
+    """A directivity is of something that radiates, at frequencies that the sampling has."""
+    here: Steps = ("rooms", name, "directivity")
+    if not room.directivity:
+        return
+    powers = [one for one in study.frf.values() if one.kind == "power" and one.response == f"{name}.power"]
+    if study.time is None and not powers:
+        do = f"add 'time:', or a response of 'kind: power' to '{name}.power'"
+        check.wrong(here, "a directivity of nothing that moves", "a simulation or a power", do)
+    half = study.time.sampling / 2 if study.time is not None else float("inf")
+    if max(room.directivity) >= half:
+        got = f"{max(room.directivity):g} Hz"
+        check.wrong(here, got, f"less than half the sampling, {half:g} Hz", "sample faster")
 
 
 def _check_receivers(check: Checker, name: str, room: RoomSpec) -> None:

@@ -7,7 +7,7 @@ from femstruct.language.arrays import array_sizes, drop_counts, joined, members,
 from femstruct.language.limits import check_limits
 from femstruct.language.reader import Mistakes, Steps, Tree, nearest
 from femstruct.language.references import Checker, Names
-from femstruct.language.references_rooms import check_pressure, check_rooms
+from femstruct.language.references_rooms import check_power, check_pressure, check_rooms
 from femstruct.language.schema_model import ModelSpec
 from femstruct.language.schema_study import SIDES, StudySpec, TimeSpec
 
@@ -26,7 +26,9 @@ def check_study(study: StudySpec, tree: Tree, model: ModelSpec, mistakes: Mistak
     for name, request in study.frf.items():
         here: Steps = ("frf", name)
         check.spot((*here, "drive"), request.drive, names, names.forces)
-        if (request.kind == "pressure") or request.response.endswith(".pressure"):
+        if request.kind == "power" or request.response.endswith(".power"):
+            check_power(check, study, name, request)
+        elif (request.kind == "pressure") or request.response.endswith(".pressure"):
             check_pressure(check, study, name, request)
         else:
             check.spot((*here, "response"), request.response, names, names.forces)
@@ -82,7 +84,7 @@ def check_study(study: StudySpec, tree: Tree, model: ModelSpec, mistakes: Mistak
     moving = (
         study.bodies or study.loads or study.initial.velocity or study.initial.rigid or study.record or study.limits
     )
-    heard = any(request.kind == "pressure" for request in study.frf.values())
+    heard = any(request.kind in ("pressure", "power") for request in study.frf.values())
     if (moving or (study.rooms and not heard)) and study.time is None:
         check.wrong((), "no time", "how long to simulate", "add 'time: {duration: 1 s, sampling: 48 kHz}'")
     if study.compare is not None and study.cases:

@@ -66,6 +66,11 @@ def _animated(value: object) -> object:
     return tuple(None if one == PULSE else Quantity(("frequency",), above=0.0).read(one) for one in wanted)
 
 
+def _frequencies(value: object) -> object:
+    wanted = value if isinstance(value, list) and value else [value]
+    return tuple(Quantity(("frequency",), above=0.0).read(one) for one in wanted)
+
+
 def _standards(value: object) -> object:
     wanted = value if isinstance(value, list) and value else [value]
     for one in wanted:
@@ -187,6 +192,7 @@ class RoomSpec(Spec):
     coupling: one-way, the air does not push back, or two-way.
     animate: a frequency, `pulse`, or several, of which a moving picture is made.
     levels: standards by which what is heard of heavy blows is stated.
+    directivity: frequencies at which it is drawn where open air sends its sound, the loudest when left out.
     """
 
     one_of = (("under", "above", "below"),)
@@ -210,6 +216,7 @@ class RoomSpec(Spec):
     animate: Annotated[
         tuple[float | None, ...], read_by(_animated, Frequency | Literal["pulse"] | list[Frequency | Literal["pulse"]])
     ] = ()
+    directivity: Annotated[tuple[float, ...], read_by(_frequencies, Frequency | list[Frequency])] = ()
     levels: Annotated[tuple[str, ...], read_by(_standards, _Standard | list[_Standard])] = ()
 
     @property
@@ -228,6 +235,8 @@ class RoomSpec(Spec):
         if isinstance(value, dict):
             if "under" in value:
                 exactly_one(value, ("size", "mesh"))
+                if "directivity" in value:
+                    raise refuse("'directivity' beside 'under'", "open air, 'above' or 'below'", "a room sends back")
             if "size" in value and ("walls" in value) != ("modes" in value):
                 got, wanted = ("walls", "modes") if "walls" in value else ("modes", "walls")
                 do = (

@@ -48,16 +48,17 @@ class ModesSpec(Spec):
     count: Count | None = None
 
 
-FRF_KINDS = ("receptance", "mobility", "accelerance", "transmissibility", "pressure")
+FRF_KINDS = ("receptance", "mobility", "accelerance", "transmissibility", "pressure", "power")
 
 
 class FrfSpec(Spec):
-    """A frequency response; addresses are POINT.x, NAME.force or, of kind pressure, ROOM.RECEIVER.pressure."""
+    """A frequency response; addresses are POINT.x, NAME.force, of kind pressure ROOM.RECEIVER.pressure, or of kind
+    power, sound power over the mean square of the force, ROOM.power."""
 
     drive: Text
     response: Text
     kind: Annotated[
-        Literal["receptance", "mobility", "accelerance", "transmissibility", "pressure"],
+        Literal["receptance", "mobility", "accelerance", "transmissibility", "pressure", "power"],
         BeforeValidator(only(FRF_KINDS)),
     ]
     band: tuple[Annotated[float, Quantity(("frequency",), least=0.0)], Frequency]

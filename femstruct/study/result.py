@@ -18,6 +18,7 @@ from femstruct.impact.response import Response
 from femstruct.impact.shares import ModeEnergies
 from femstruct.modal.basis import ModalBasis
 from femstruct.model.model import Model
+from femstruct.power import PowerResponse, Radiated
 from femstruct.study.machine import Machine, Verdict
 from femstruct.study.study import Case, FrfRequest, Plan
 
@@ -35,12 +36,14 @@ class Channel:
 
 @dataclass(frozen=True, eq=False)
 class Frf:
-    """A frequency response: frequency [nf] [Hz], complex values [nf], unit."""
+    """A frequency response: frequency [nf] [Hz], complex values [nf], unit. sound : of a sound power, whose values are
+    real."""
 
     request: FrfRequest
     frequency_hz: Floats
     values: NDArray[complex128]
     unit: str
+    sound: PowerResponse | None = None
 
 
 @dataclass(frozen=True)
@@ -102,7 +105,8 @@ class CaseResult:
     """One case, every stage. `basis_key` names its basis in StudyResult.bases.
 
     response is None when nothing was simulated. channels by name ("O_s.z velocity", "box.mic pressure").
-    rooms and levels by "ROOM" and "ROOM.RECEIVER". rated : rooms rated by standards, by "ROOM".
+    rooms and levels by "ROOM" and "ROOM.RECEIVER". rated : rooms rated by standards,
+    radiated : sound energies of half spaces, by "ROOM".
     accuracy : None where the study asks for none.
     shares : the structure's energy by modes; errors : what the march leaves wrong in forces and end velocities; both
     None when nothing was simulated.
@@ -124,6 +128,7 @@ class CaseResult:
     rated: Mapping[str, RatedRoom] = field(default_factory=dict)
     drops: Mapping[str, Drop] = field(default_factory=dict)
     errors: ErrorEstimate | None = None
+    radiated: Mapping[str, Radiated] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

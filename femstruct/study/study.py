@@ -20,7 +20,7 @@ from femstruct.modal.damping import Damping
 from femstruct.model.parts import Pair, Vector
 from femstruct.study.structures import StructureModel
 
-FrfKind = Literal["receptance", "mobility", "accelerance", "transmissibility", "pressure"]
+FrfKind = Literal["receptance", "mobility", "accelerance", "transmissibility", "pressure", "power"]
 
 
 @dataclass(frozen=True)
@@ -28,7 +28,7 @@ class Spot:
     """A quantity with an address: a point's direction ("O_f", "z") or a force of the structure ("ground", "force").
 
     what : x y z rx ry rz n for a point; "force" (along z), "force_x", "force_y" or "force_z" for a spring,
-    foundation, support, joint or "ground"; "pressure" for a receiver, named ROOM.RECEIVER.
+    foundation, support, joint or "ground"; "pressure" for a receiver, named ROOM.RECEIVER; "power" for an open room.
     """
 
     name: str
@@ -212,6 +212,7 @@ class RoomPlan:
     t60_asked : reverberation times that its losses were made from {frequency [Hz]: [s]}, empty for other losses.
     levels : standards by which it is rated, of `acoustics.rated.STANDARDS`.
     animate : frequencies [Hz] of which a moving picture is made, None for the pulse.
+    directivity : frequencies [Hz] at which the directivity of a half space is shown, the loudest if empty.
     """
 
     name: str
@@ -224,6 +225,7 @@ class RoomPlan:
     t60_asked: Mapping[float, float] = field(default_factory=dict)
     levels: tuple[str, ...] = ()
     animate: tuple[float | None, ...] = ()
+    directivity: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -11,13 +11,14 @@ from femstruct.view.figures import file_name, save
 from femstruct.view.histories import contact_forces, energy, history, travels
 from femstruct.view.loudness import levels_over_time, rated_bands
 from femstruct.view.maps import pressure_maps
+from femstruct.view.power import power_directivity, room_directivity, sound_energy, sound_power
 from femstruct.view.spectra import frequency_response, sound
 from femstruct.view.vibration import spectrum
 
 
 def figures(result: StudyResult) -> dict[str, Figure]:
     """All figures of a study by file name: frequency responses, channels and their spectra, contacts, bodies, energy,
-    sound, levels over time, ratings, maps."""
+    sound, sound energy and where it goes, levels over time, ratings, maps."""
     cases = result.cases.values()
     responses = dict.fromkeys(name for case in cases for name in case.frf)
     channels = dict.fromkeys(name for case in cases for name in case.channels)
@@ -28,14 +29,20 @@ def figures(result: StudyResult) -> dict[str, Figure]:
         for receiver in response.receivers
     )
     rooms = dict.fromkeys(name for case in cases for name in case.rooms)
+    powers = [name for name in responses if any(name in case.frf and case.frf[name].sound for case in cases)]
+    open_rooms = dict.fromkeys(name for case in cases for name in case.radiated)
     made: dict[str, Figure | None] = {
-        **{file_name("frf", name): frequency_response(result, name) for name in responses},
+        **{file_name("frf", name): frequency_response(result, name) for name in responses if name not in powers},
+        **{file_name("frf", name): sound_power(result, name) for name in powers},
+        **{file_name("directivity", name): power_directivity(result, name) for name in powers},
         **{file_name("history", name): history(result, name) for name in channels},
         **{file_name("spectrum", name): spectrum(result, name) for name in channels},
         file_name("contact_forces"): contact_forces(result),
         file_name("bodies"): travels(result),
         file_name("energy"): energy(result),
         **{file_name("sound", name): sound(result, name) for name in receivers},
+        **{file_name("sound_energy", name): sound_energy(result, name) for name in open_rooms},
+        **{file_name("directivity", name): room_directivity(result, name) for name in open_rooms},
         **{file_name("level", name): levels_over_time(result, name) for name in rooms},
         **{file_name("rated", name): rated_bands(result, name) for name in rooms},
         **{file_name("pressure_map", name): pressure_maps(result, name) for name in rooms},

@@ -27,7 +27,7 @@ def frequency_response(result: StudyResult, name: str) -> Figure:
     Cases whose structure is the same share one line.
     """
     colours = case_colours(result.cases, result.plan.baseline)
-    lines = _distinct({case: item.frf[name] for case, item in result.cases.items() if name in item.frf})
+    lines = distinct({case: item.frf[name] for case, item in result.cases.items() if name in item.frf})
     frf = next(iter(lines.values()))
     request = frf.request
     figure = new_figure(9.0, 5.8, f"{name}: {request.kind}, {request.drive} to {request.response}")
@@ -125,7 +125,7 @@ def _pressure(result: StudyResult, case: str, receiver: str) -> tuple[float, Flo
     return None
 
 
-def _distinct(responses: dict[str, Frf]) -> dict[str, Frf]:
+def distinct(responses: dict[str, Frf]) -> dict[str, Frf]:
     """Responses by the cases that share them, joined by commas."""
     groups: list[tuple[list[str], Frf]] = []
     for name, frf in responses.items():

@@ -15,6 +15,7 @@ from femstruct.view.console import console, show_findings
 from femstruct.view.energies import energies, whither
 from femstruct.view.grid import Grid
 from femstruct.view.machine import limits, machine
+from femstruct.view.radiated import radiated
 from femstruct.view.rated import bands, first_drop, ratings
 from femstruct.view.trust import anything_meets, outcomes, trust
 
@@ -57,6 +58,7 @@ def study_tables(result: StudyResult) -> tuple[Grid, ...]:
         whither(result),
         arrays(result),
         _levels(result),
+        radiated(result),
         bands(result),
         _modes_db(result),
     )

@@ -190,7 +190,7 @@ def _try(study: Study, solved: Solved, basis: ModalBasis) -> None:
     scene(study, solved.places, basis)
     force_probes(study, solved.places)
     for request in study.frf:
-        if request.kind != "pressure":
+        if request.kind not in ("pressure", "power"):
             response_row(request.response, solved.places, basis, f"frf.{request.name}.response")
     for plan in study.rooms:
         room_coordinates(ceiling(plan, solved.places), plan.room, plan.offset, plan.name)
@@ -209,7 +209,7 @@ def _room_table(plan: RoomPlan) -> Table:
         return {
             "side": "above" if room.normal[2] > 0 else "below",
             "receivers_m": {receiver.name: receiver.position.tolist() for receiver in plan.receivers},
-        }
+        } | ({"directivity_hz": list(plan.directivity)} if plan.directivity else {})
     cells: Table = {}
     if isinstance(room, ShapedRoom):
         size, found = np.ptp(room.extent, axis=0), room.frequency_hz[1:]

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from acoustics.errors import Advice
+from acoustics.field import HalfSpace
 from femstruct.arrays import Floats
 from femstruct.assembly.assemble import assemble
 from femstruct.errors import InputError
@@ -18,6 +19,7 @@ from femstruct.modal.basis import ForceRow, ModalBasis
 from femstruct.modal.damping import Damping, with_damping
 from femstruct.modal.frf import KINDS, direct_frf, frf, frf_unit, moves
 from femstruct.model.probe import Probe
+from femstruct.power import power_per_force
 from femstruct.radiation import pressure_per_force
 from femstruct.study.result import Frf
 from femstruct.study.study import Extent, FrfRequest, RoomPlan, Spot, Study
@@ -42,6 +44,8 @@ def frequency_response(
     drive = places.point(request.drive.name, _asked(request, "drive")).probe(request.drive.what)
     if request.kind == "pressure":
         return _pressure(request, drive, places, basis, rooms, frequency)
+    if request.kind == "power":
+        return _power(request, drive, places, basis, rooms, frequency)
     response = response_row(request.response, places, basis, _asked(request, "response"))
     for end, spot, probe in (("drive", request.drive, drive), ("response", request.response, response)):
         if isinstance(probe, Probe) and not moves(basis, probe):
@@ -68,6 +72,21 @@ def _pressure(
     values, advice = pressure_per_force(basis, drive, surface, plan.room, [receiver], frequency, plan.offset, plan.name)
     unit = "Pa/(N m)" if request.drive.what.startswith("r") else "Pa/N"
     return Frf(request, frequency, values[0], unit), advice
+
+
+def _power(
+    request: FrfRequest, drive: Probe, places: Places, basis: ModalBasis, rooms: Sequence[RoomPlan], frequency: Floats
+) -> tuple[Frf, tuple[Advice, ...]]:
+    """Sound power into an open room, ROOM.power, over the mean square of the force."""
+    plans = {plan.name: plan for plan in rooms if isinstance(plan.room, HalfSpace)}
+    plan = plans.get(request.response.name)
+    if plan is None or not isinstance(plan.room, HalfSpace):
+        expected = " or ".join(f"{name}.power" for name in plans) or "an open room"
+        raise InputError(_asked(request, "response"), got=f"'{request.response}'", expected=expected)
+    surface = ceiling(plan, places)
+    sound, advice = power_per_force(basis, drive, surface, plan.room, frequency, plan.directivity, plan.name)
+    unit = "W/(N m)^2" if request.drive.what.startswith("r") else "W/N^2"
+    return Frf(request, frequency, sound.power.astype(np.complex128), unit, sound), advice
 
 
 def response_row(spot: Spot, places: Places, basis: ModalBasis, asked_by: str) -> Probe | ForceRow:
@@ -148,7 +167,7 @@ def _direct(request: FrfRequest, solved: Solved, damping: Damping, answer: Frf) 
     if not request.response.what.startswith("force"):
         response = solved.places.point(request.response.name, "--response").probe(request.response.what)
     drive = solved.places.point(request.drive.name, "--drive").probe(request.drive.what)
-    assert request.kind != "pressure"  # a model has no rooms
+    assert request.kind != "pressure" and request.kind != "power"  # a model has no rooms
     return direct_frf(assemble(solved.model), drive, response, answer.frequency_hz, damping, request.kind)
 
 

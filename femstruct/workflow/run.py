@@ -13,11 +13,13 @@ from functools import partial
 from importlib.metadata import version
 
 from acoustics.errors import Advice
+from acoustics.field import HalfSpace
 from femstruct.errors import Finding
 from femstruct.impact.shares import mode_energies
 from femstruct.impact.simulate import load_kernels
 from femstruct.modal.basis import ModalBasis
 from femstruct.model.facts import model_findings
+from femstruct.power import Radiated
 from femstruct.radiation import coupling_findings
 from femstruct.study.result import AccuracyCheck, CaseResult, StudyResult
 from femstruct.study.study import Case, Plan, Study
@@ -32,6 +34,7 @@ from femstruct.workflow.machine import machines
 from femstruct.workflow.meeting import meeting_findings
 from femstruct.workflow.rated import rate_rooms, rated_findings
 from femstruct.workflow.responses import frequency_response
+from femstruct.workflow.sound import sound_energies
 from femstruct.workflow.struck import Struck, strike, told_once
 
 Progress = Callable[[str], None]
@@ -125,9 +128,11 @@ def run_study(plan: Plan, progress: Progress = lambda line: None, command: str =
 def without_rooms(plan: Plan) -> Plan:
     """The same plan, impacts only: nobody listens, but air that pushes back still does."""
 
+    heard = ("pressure", "power")
+
     def deaf(study: Study) -> Study:
         rooms = tuple(replace(room, receivers=()) for room in study.rooms if room.coupling == "two-way")
-        return replace(study, rooms=rooms, frf=tuple(one for one in study.frf if one.kind != "pressure"))
+        return replace(study, rooms=rooms, frf=tuple(one for one in study.frf if one.kind not in heard))
 
     return replace(
         plan,
@@ -174,6 +179,7 @@ def run_case(
             responses[request.name], advised = frequency_response(request, own.places, basis, study.rooms)
             told += [(request.response.name, advice) for advice in advised]
     whole: Struck | None = None
+    radiated: dict[str, Radiated] = {}
     channels, shares, drops, rated = {}, None, {}, {}
     if study.time is not None:
         struck = strike(case.drops or {"": study}, study.time, own.places, basis, vacuo, partial(clock, case=case.name))
@@ -183,6 +189,10 @@ def run_case(
             shares = mode_energies(whole.response)
             channels = record(study, own.places, whole.response, whole.rooms)
             findings += aliased_findings(whole.response, acceleration_rows(study, own.places, basis))
+        if any(isinstance(plan.room, HalfSpace) for plan in study.rooms):
+            with clock("sound energy", case.name):
+                radiated, found_of_sound = sound_energies(study, own.places, whole.response)
+                told += found_of_sound
         findings += told_once({place: one.findings for place, one in struck.items()})
         rated = rate_rooms(study, [one.bands_db for one in struck.values()])
         for plan in study.rooms:
@@ -206,6 +216,7 @@ def run_case(
         rated=rated,
         drops=drops,
         errors=None if whole is None else whole.errors,
+        radiated=radiated,
     )
 
 

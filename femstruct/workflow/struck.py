@@ -7,6 +7,7 @@ from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
 
 from acoustics.errors import Advice
+from acoustics.field import HalfSpace
 from acoustics.levels import Levels, response_levels
 from acoustics.pressure import RoomResponse
 from femstruct.errors import Finding
@@ -136,7 +137,9 @@ def told_once(told: Mapping[str, Sequence[Finding]]) -> list[Finding]:
 def _rooms(study: Study, places: Places, responses: Mapping[str, Response]) -> dict[str, dict[str, RoomResponse]]:
     """What is heard in every room, by drop."""
     rooms = {}
-    for plan in (plan for plan in study.rooms if plan.receivers or plan.coupling == "one-way"):
+    for plan in study.rooms:
+        if not plan.receivers and (plan.coupling == "two-way" or isinstance(plan.room, HalfSpace)):
+            continue
         moving = surface_velocities(list(responses.values()), ceiling(plan, places), plan.room, plan.offset, plan.name)
         rooms[plan.name] = dict(zip(responses, heard(moving, plan.room, plan.receivers), strict=True))
     return rooms

@@ -18,7 +18,7 @@ LAYERS = [
     ["femstruct.assembly"],
     ["femstruct.modal"],
     ["femstruct.impact"],
-    ["femstruct.radiation", "femstruct.coupling"],
+    ["femstruct.radiation", "femstruct.power", "femstruct.coupling"],
     ["femstruct.study"],
     ["femstruct.language", "femstruct.files", "femstruct.view"],
     ["femstruct.workflow"],
@@ -65,7 +65,7 @@ ACOUSTICS = [
         "acoustics.sound_energy",
     ],
 ]
-HEARS_ACOUSTICS = {"radiation", "coupling", "study", "language", "files", "view", "workflow", "cli"}
+HEARS_ACOUSTICS = {"radiation", "power", "coupling", "study", "language", "files", "view", "workflow", "cli"}
 OPENS_FILES = {"h5py", "pyvista", "matplotlib", "pydantic", "ruamel", "meshio", "rich", "typer"}
 
 

@@ -1,0 +1,90 @@
+"""Sound energies, powers and directivities as tables, for JSON and the results file."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import h5py
+
+from acoustics.directivity import Directivity
+from acoustics.sound_energy import REFERENCE_J
+from femstruct.files.hdf5 import axis, group, put
+from femstruct.files.numbers import label, number
+from femstruct.power import PowerResponse, Radiated
+
+Table = dict[str, Any]
+
+
+def radiated_table(radiated: Radiated) -> Table:
+    """What a surface radiated into a half space; levels re 1 pJ, None in silence."""
+    energy = radiated.energy
+    return {
+        "energy_j": number(energy.energy_j),
+        "l_j_db": number(energy.level_db),
+        "energy_a_j": number(energy.weighted_j),
+        "l_ja_db": number(energy.weighted_db),
+        "efficiency": number(energy.efficiency),
+        "given_to_structure_j": number(radiated.given_j),
+        "share_of_given": number(radiated.share),
+        "last_tenth_share": number(energy.last_tenth),
+        "bands_j": _by_frequency(energy.bands_j),
+        "bands_db": _by_frequency(energy.bands_db),
+        "bands_efficiency": _by_frequency(energy.bands_efficiency),
+        "directivity": _pattern_table(radiated.pattern),
+    }
+
+
+def _pattern_table(pattern: Directivity) -> Table:
+    """By frequency [Hz]: how much louder the loudest direction is than the mean of the half sphere, and where it is."""
+    table = {}
+    for line, (frequency, index) in enumerate(zip(pattern.frequency_hz, pattern.index_db, strict=True)):
+        circle, angle = pattern.loudest(line)
+        table[label(frequency)] = {"index_db": number(index), "along": pattern.sides[circle], "angle_deg": angle}
+    return table
+
+
+def _by_frequency(values: Mapping[float, float]) -> Table:
+    return {label(frequency): number(value) for frequency, value in values.items()}
+
+
+def write_radiated(target: h5py.Group, radiated: Radiated) -> None:
+    """The same in the results file, with the density of the energy and the directivities."""
+    energy = radiated.energy
+    target.attrs.update(
+        energy_j=energy.energy_j,
+        l_j_db=energy.level_db,
+        energy_a_j=energy.weighted_j,
+        l_ja_db=energy.weighted_db,
+        efficiency=energy.efficiency,
+        given_to_structure_j=radiated.given_j,
+        share_of_given=radiated.share,
+        last_tenth_share=energy.last_tenth,
+        reference_j=REFERENCE_J,
+    )
+    frequency = axis(target, "frequency_hz", energy.frequency_hz, "Hz", "Frequency")
+    put(target, "density", energy.density, "J/Hz", "Sound energy, of positive frequencies", (frequency,))
+    plane = "That of plane waves of the same motion, rho c S <v^2>"
+    put(target, "plane_density", energy.plane, "J/Hz", plane, (frequency,))
+    band = axis(target, "band_hz", list(energy.bands_hz), "Hz", "Nominal centre of the third octave")
+    put(target, "band_energy", list(energy.bands_j.values()), "J", "Sound energy in the band", (band,))
+    put(target, "band_efficiency", list(energy.bands_efficiency.values()), "1", "Radiation efficiency of it", (band,))
+    write_pattern(group(target, "directivity", "Where the sound goes"), radiated.pattern, "Pa m/Hz")
+
+
+def write_power(target: h5py.Group, sound: PowerResponse, frequency: str, unit: str) -> None:
+    """What goes with a sound power over frequency: its efficiency, the power put in, directivities."""
+    put(target, "efficiency", sound.efficiency, "1", "Radiation efficiency", (frequency,))
+    put(target, "put_in", sound.put_in, unit, "Power that the force puts in", (frequency,))
+    pattern = group(target, "directivity", "Where the sound goes")
+    write_pattern(pattern, sound.pattern, "Pa/N" if unit.endswith("m)^2") else "Pa m/N")
+
+
+def write_pattern(target: h5py.Group, pattern: Directivity, unit: str) -> None:
+    """Far field on two half circles through the surface's normal."""
+    frequency = axis(target, "frequency_hz", pattern.frequency_hz, "Hz", "Frequency")
+    side = axis(target, "side", list(pattern.sides), "1", "Side of the surface along which the half circle lies")
+    angle = axis(target, "angle_deg", pattern.angle_deg, "deg", "From the normal, positive along the side")
+    put(target, "pressure", pattern.pressure, unit, "|p| times the distance, far away", (frequency, side, angle))
+    mean = "Root of its mean square over the half sphere"
+    put(target, "half_sphere", pattern.half_sphere, unit, mean, (frequency,))

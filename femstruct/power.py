@@ -1,0 +1,173 @@
+"""Sound power of a surface in the open: per force on the structure, and of what was put into it in a record."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from acoustics.directivity import Directivity, radiation_pattern
+from acoustics.errors import Advice
+from acoustics.field import POINTS_PER_WAVE, HalfSpace
+from acoustics.radiation import plane_wave_power, radiated_power
+from acoustics.sound_energy import TOLD, SoundEnergy, at_rest, loudest, radiated_energy
+from femstruct.arrays import Floats
+from femstruct.errors import Finding
+from femstruct.impact.response import Response
+from femstruct.modal.basis import ModalBasis
+from femstruct.modal.frf import modal_amplitudes
+from femstruct.model.probe import Probe, Surface
+from femstruct.radiation import ceiling_shapes, room_coordinates, surface_velocity
+
+SHOWN: Final = 3  # frequencies whose directivity is shown where none are asked for
+FELT: Final = (
+    0.1  # sound energy over the losses of the structure above which it damps the structure by 5 % in amplitude
+)
+
+
+@dataclass(frozen=True, eq=False)
+class PowerResponse:
+    """Sound power [nf] [W/N^2] of a surface over the mean square of a harmonic force, its radiation efficiency [nf],
+    the power [nf] [W/N^2] that the force puts in, and directivities at some frequencies."""
+
+    power: Floats
+    efficiency: Floats
+    put_in: Floats
+    pattern: Directivity
+
+
+@dataclass(frozen=True, eq=False)
+class Radiated:
+    """What a surface radiated into a half space in a record, and what was given to the structure until its end [J]:
+    what it started with, and the work of all that pushed it."""
+
+    energy: SoundEnergy
+    given_j: float
+    pattern: Directivity
+
+    @property
+    def share(self) -> float:
+        """What of the energy given to the structure became sound [1]; nan where nothing was given."""
+        return self.energy.energy_j / self.given_j if self.given_j > 0 else float("nan")
+
+
+def power_per_force(
+    basis: ModalBasis,
+    drive: Probe,
+    surface: Surface,
+    space: HalfSpace,
+    frequency_hz: Floats,
+    pattern_hz: Sequence[float] = (),
+    name: str = "",
+) -> tuple[PowerResponse, tuple[Advice, ...]]:
+    """Sound power of a baffled surface per unit of a harmonic force on the structure, and advice.
+
+    frequency_hz [nf] : above 0 [Hz]. pattern_hz : where the directivity is wanted, the loudest frequencies if left out.
+    name : of the room.
+
+    Raises InputError for a surface that does not face into the half space.
+
+    Notes
+    -----
+    A force of 1 N rms; of its peak value the power is half as much. The air takes nothing from the motion.
+    """
+    points, shapes, weights = (
+        room_coordinates(surface, space, name=name),
+        ceiling_shapes(basis, surface),
+        surface.weights,
+    )
+    moving = 2j * np.pi * frequency_hz * modal_amplitudes(basis, drive, frequency_hz)
+    plane = plane_wave_power(weights, shapes, moving, space.air)
+    power = radiated_power(points, weights, shapes, moving, frequency_hz, space.air)
+    shown = np.array(pattern_hz or loudest(frequency_hz, power, SHOWN))
+    rates = 2j * np.pi * shown * modal_amplitudes(basis, drive, shown) * np.sqrt(2)
+    answer = PowerResponse(
+        power=2 * power,
+        efficiency=np.divide(power, plane, out=np.full_like(power, np.nan), where=plane > 0),
+        put_in=(drive.of(basis.shapes) @ moving).real,
+        pattern=radiation_pattern(points, weights, shapes, rates, shown, space.air, surface.normal, surface.along),
+    )
+    return answer, (*_coarse(surface, space, float(frequency_hz.max())), *_beyond(basis, float(frequency_hz.max())))
+
+
+def radiated_by(
+    response: Response, surface: Surface, space: HalfSpace, pattern_hz: Sequence[float] = (), name: str = ""
+) -> tuple[Radiated, tuple[Advice | Finding, ...]]:
+    """What a surface radiates into a half space while a structure moves as simulated, and reasons to believe it less.
+
+    pattern_hz, name : as of `power_per_force`.
+    """
+    moving = surface_velocity(response, surface, space, name=name)
+    energy = radiated_energy(moving, space.air)
+    end = response.ledger.end
+    shown = np.array(pattern_hz or energy.loudest_hz(SHOWN))
+    kernel = moving.dt * np.exp(-2j * np.pi * np.outer(moving.t, shown))
+    rates = np.asarray(at_rest(moving.rates) @ kernel, dtype=np.complex128)
+    found = Radiated(
+        energy,
+        end.structure + end.lost_modes,
+        radiation_pattern(
+            moving.points, moving.weights, moving.shapes, rates, shown, space.air, surface.normal, surface.along
+        ),
+    )
+    return found, (*energy.findings, *_modes_missing(energy, response.basis), *_damps(energy, end.lost_modes))
+
+
+def _coarse(surface: Surface, space: HalfSpace, highest_hz: float) -> tuple[Advice, ...]:
+    apart = float(np.sqrt(surface.weights.max()))
+    wave = space.air.c / highest_hz
+    if wave >= POINTS_PER_WAVE * apart:
+        return ()
+    return (
+        Advice(
+            "power-points-coarse",
+            f"a wave in air at {highest_hz:.4g} Hz is {wave:.3g} m long and the points of the surface are {apart:.3g} "
+            f"m apart, {wave / apart:.1f} to a wave where {POINTS_PER_WAVE:g} are needed: use a finer mesh",
+            {"points_per_wave": wave / apart, "needed": POINTS_PER_WAVE},
+        ),
+    )
+
+
+def _beyond(basis: ModalBasis, highest_hz: float) -> tuple[Advice, ...]:
+    if highest_hz <= basis.complete_below_hz:
+        return ()
+    return (
+        Advice(
+            "power-beyond-modes",
+            f"the band ends at {highest_hz:.4g} Hz, the modes at {basis.complete_below_hz:.4g} Hz: the power above is "
+            "too low; use more modes",
+            {"highest_hz": highest_hz, "complete_below_hz": basis.complete_below_hz},
+        ),
+    )
+
+
+def _modes_missing(energy: SoundEnergy, basis: ModalBasis) -> tuple[Advice, ...]:
+    top = basis.complete_below_hz
+    share, weighted = (energy.share_above(top, kind) if np.isfinite(top) else 0.0 for kind in ("Z", "A"))
+    if max(share, weighted) <= TOLD:
+        return ()
+    return (
+        Advice(
+            "sound-energy-beyond-modes",
+            f"{100 * share:.2g} % of the sound energy, A-weighted {100 * weighted:.2g} %, lies above {top:.4g} Hz, "
+            "where modes are left out: do not believe the bands there; use more modes",
+            {"share": share, "share_a": weighted, "complete_below_hz": top, "allowed": TOLD},
+        ),
+    )
+
+
+def _damps(energy: SoundEnergy, lost_j: float) -> tuple[Advice, ...]:
+    """Sound is not taken from the structure: where it would be felt, it is too much."""
+    if energy.energy_j <= FELT * lost_j or not lost_j > 0:
+        return ()
+    ratio = energy.energy_j / lost_j
+    return (
+        Advice(
+            "sound-energy-not-taken",
+            f"the sound energy is {ratio:.2g} of what the structure lost in its own damping, and is not taken from it: "
+            f"above {FELT:g} motion and sound are too strong and last too long",
+            {"sound_over_losses": ratio, "allowed": FELT},
+        ),
+    )

@@ -1,0 +1,26 @@
+"""Sound energies: what the surfaces of a study send into the open in a record."""
+
+from __future__ import annotations
+
+from acoustics.errors import Advice
+from acoustics.field import HalfSpace
+from femstruct.errors import Finding
+from femstruct.impact.response import Response
+from femstruct.power import Radiated, radiated_by
+from femstruct.study.study import Study
+from femstruct.workflow.air import ceiling
+from femstruct.workflow.places import Places
+
+
+def sound_energies(
+    study: Study, places: Places, response: Response
+) -> tuple[dict[str, Radiated], list[tuple[str, Advice | Finding]]]:
+    """What was radiated into every half space, by name, and what is to be known of it, by name."""
+    radiated: dict[str, Radiated] = {}
+    told: list[tuple[str, Advice | Finding]] = []
+    for plan in study.rooms:
+        if isinstance(plan.room, HalfSpace):
+            surface = ceiling(plan, places)
+            radiated[plan.name], found = radiated_by(response, surface, plan.room, plan.directivity, plan.name)
+            told += [(plan.name, one) for one in found]
+    return radiated, told
