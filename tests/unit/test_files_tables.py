@@ -35,6 +35,7 @@ def test_layout_is_the_documented_one(result):
         "energy",
         "error_estimate",
         "levels",
+        "sound_energy",
         "limits",
         "machine",
         "findings",
