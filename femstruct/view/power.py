@@ -81,10 +81,10 @@ def sound_power(result: StudyResult, name: str) -> Figure:
         height_ratios=(2, 1),
     )  # fmt: skip
     peak, least = -np.inf, np.inf
-    for label, line in lines.items():
+    for cases, line in lines.items():
         if line.sound is None:
             continue
-        colour = colours.get(label.split(", ")[0], colours[result.plan.baseline])
+        colour, label = colours[cases[0]], ", ".join(cases)
         level = _level(line.sound.power)
         above.semilogx(line.frequency_hz, level, color=colour, linewidth=1.1, label=label)
         above.semilogx(line.frequency_hz, _level(line.sound.put_in), ":", color=colour, linewidth=0.9)

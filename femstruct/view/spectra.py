@@ -35,9 +35,8 @@ def frequency_response(result: StudyResult, name: str) -> Figure:
     (above,), (below,) = panels(
         figure, 2, 1, between=0.15, top=top, left=1.15, right=0.3, sharex=True, height_ratios=(2, 1)
     )
-    for label, line in lines.items():
-        case = label.split(", ")[0]
-        colour = colours.get(case, colours[result.plan.baseline])
+    for cases, line in lines.items():
+        colour, label = colours[cases[0]], ", ".join(cases)
         above.loglog(line.frequency_hz, np.abs(line.values), color=colour, linewidth=1.1, label=label)
         below.semilogx(line.frequency_hz, np.degrees(np.angle(line.values)), color=colour, linewidth=1.0)
     low, high = request.band
@@ -125,8 +124,8 @@ def _pressure(result: StudyResult, case: str, receiver: str) -> tuple[float, Flo
     return None
 
 
-def distinct(responses: dict[str, Frf]) -> dict[str, Frf]:
-    """Responses by the cases that share them, joined by commas."""
+def distinct(responses: dict[str, Frf]) -> dict[tuple[str, ...], Frf]:
+    """Responses by the cases that share them."""
     groups: list[tuple[list[str], Frf]] = []
     for name, frf in responses.items():
         for names, other in groups:
@@ -135,7 +134,7 @@ def distinct(responses: dict[str, Frf]) -> dict[str, Frf]:
                 break
         else:
             groups.append(([name], frf))
-    return {", ".join(names): frf for names, frf in groups}
+    return {tuple(names): frf for names, frf in groups}
 
 
 def shown_to(basis: ModalBasis, sampling: float) -> float:

@@ -37,6 +37,7 @@ supports: {edges: {on: plate, edge: all, fix: simple}}
 SHORT = {
     "bedroom": "60 ms",
     "l_room": "60 ms",
+    "lined_room": "60 ms",
     "slab_outdoors": "60 ms",
     "floor_tennis_ball": "60 ms",
     "floor_two_way": "30 ms",
@@ -54,6 +55,7 @@ MASS = {  # from the dimensions in the files [kg]
         "posts": 8 * 0.08 * 15.73e-3**2 * 7850,
     },
     "foam_hull": {"bottom": 0.45 * 0.1 * 0.0401 * 100, "sides": 2 * 0.45 * 1e-3 * 100, "ends": 2 * 0.1 * 1e-3 * 100},
+    "lined_room": {"deck": 3.6 * 2.7 * 0.16 * 450},
     "bedroom": {"slab": 5 * 4 * 0.18 * 2400},
     "small_plate": {"plate": 0.5 * 0.4 * 3e-3 * 7850},
     "portal": {"portal": 6.0 * TUBE * 7850},

@@ -7,6 +7,7 @@ from pathlib import Path
 import meshio
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 from acoustics.meshes import CavityMesh, box_mesh
 from acoustics.walls import AnyWall
@@ -233,6 +234,28 @@ def test_a_receiver_outside_the_mesh_is_told_with_its_line(folder: Path) -> None
         InputErrors, match=r"hit\.study\.yaml:9:.*receivers\.mic: got \[0\.1, 0\.1, 0\.4\] m, a point outside"
     ):
         read_study(path)
+
+
+def test_the_lined_room_does_what_its_file_says() -> None:
+    """A tube closed by the lining has modes where its reactance, omega m - s / omega, is rho c cot(omega L / c)."""
+    cases = run_study(read_study(MODELS / "lined_room.study.yaml", ("time.duration=2 ms",))).cases
+    mass, stiffness, length, c, rho = 18.0, 1.69e6, 3.6, 343.0, 1.21
+
+    def closed(f: float) -> float:
+        omega = 2 * np.pi * f
+        return omega * mass - stiffness / omega - rho * c / np.tan(omega * length / c)
+
+    found = cases["lined"].basis.frequency_hz
+    for low, high in ((30.0, 47.0), (49.0, 60.0)):
+        # 0.05 %: the ceiling and the modes left out move them
+        assert np.abs(found / brentq(closed, low, high) - 1).min() < 5e-4
+    frf = {name: 20 * np.log10(np.abs(case.frf["mic"].values)) for name, case in cases.items()}
+    f = cases["bare"].frf["mic"].frequency_hz
+    assert (frf["lined"] - frf["bare"])[np.abs(f - 47.75).argmin()] == pytest.approx(-6.3, abs=0.3)
+    meeting = (f > 60) & (f < 80)
+    assert frf["lined, one-way"][meeting].max() - frf["lined"][meeting].max() == pytest.approx(6.1, abs=0.3)
+    shifted = [mode for mode in cases["bare"].basis.frequency_hz if 60 < mode < 75]
+    assert shifted == pytest.approx([63.5, 67.1, 73.1], abs=0.05)
 
 
 def test_the_shipped_mesh_is_what_its_script_makes() -> None:

@@ -106,6 +106,18 @@ def test_equal_responses_share_a_line_and_others_do_not(result):
     np.testing.assert_allclose(lines[1].get_ydata(), 2 * lines[0].get_ydata())
 
 
+def test_names_with_commas_have_colours_of_their_own(result):
+    case = result.cases[BESIDE]
+    frf = case.frf["centre"]
+    named = {
+        name: replace(case, frf={"centre": replace(frf, values=factor * frf.values)})
+        for name, factor in (("without damper, hot", 2), ("without damper, cold", 3))
+    }
+    changed = replace(result, cases={"without damper": result.cases["without damper"], **named})
+    lines = [line for line in frequency_response(changed, "centre").axes[0].get_lines() if len(line.get_xdata()) > 2]
+    assert [line.get_color() for line in lines] == list(case_colours(changed.cases, "without damper").values())
+
+
 def test_a_band_from_zero_starts_at_its_step_and_a_ratio_has_no_unit(result):
     case = result.cases["without damper"]
     frf = case.frf["centre"]
