@@ -24,7 +24,7 @@ from femstruct.radiation import coupling_findings
 from femstruct.study.result import AccuracyCheck, CaseResult, StudyResult
 from femstruct.study.study import Case, Plan, Study
 from femstruct.workflow.accuracy import accuracy_findings, hold_accuracy
-from femstruct.workflow.air import ceiling, coupled, coupled_key
+from femstruct.workflow.air import ceiling, coupled, coupled_key, weight_on_air
 from femstruct.workflow.bases import Solved, damped, solve_all
 from femstruct.workflow.channels import acceleration_rows, record
 from femstruct.workflow.checks import aliased_findings, mesh_findings, room_findings
@@ -195,6 +195,7 @@ def run_case(
                 told += found_of_sound
         findings += told_once({place: one.findings for place, one in struck.items()})
         rated = rate_rooms(study, [one.bands_db for one in struck.values()])
+        told += weight_on_air(whole.response, vacuo, study.rooms)
         for plan in study.rooms:
             told += [(plan.name, found) for found in rated_findings(plan, study, vacuo, len(struck))]
             told += [(plan.name, one) for one in meeting_findings(plan, study, ceiling(plan, own.places), vacuo)]

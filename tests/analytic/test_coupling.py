@@ -39,6 +39,7 @@ from femstruct.model.mesher import mesh_structure
 from femstruct.model.parts import Structure
 from femstruct.model.probe import Surface
 from femstruct.radiation import heard, pressure_per_force, surface_velocity
+from femstruct.workflow.air import static_stiffness
 
 C, RHO, LX, LY, L = 340.0, 1.29, 0.58, 0.47, 0.1
 S, V, MASS, STIFFNESS = LX * LY, LX * LY * L, 29.68, 4.641e5
@@ -65,6 +66,15 @@ def piston(ratio: float = 0.0) -> ModalBasis:
 
 
 PLACE = oscillator(MASS, stiffness=STIFFNESS, axis="z")[1]["m"].probe("z")
+
+
+def test_static_stiffness_of_a_piston_is_that_of_its_springs() -> None:
+    sealed = with_cavity(piston(), underside(), box(), up_to_hz=1000.0)
+    assert static_stiffness(piston(), PLACE) == pytest.approx(STIFFNESS, rel=1e-12)
+    assert static_stiffness(sealed, PLACE) == pytest.approx(STIFFNESS + BULK * S / L, rel=1e-9)
+    leaking = with_cavity(piston(), underside(), box(), leak=Leak(20.0, 2000.0), up_to_hz=1000.0)
+    assert static_stiffness(leaking, PLACE) == pytest.approx(STIFFNESS, rel=1e-9)
+    assert static_stiffness(oscillator(MASS, frequency_hz=0.0, axis="z")[0], PLACE) == 0.0
 
 
 def column(s: np.ndarray, losses: Losses, z: float, height: float = L) -> np.ndarray:

@@ -14,6 +14,7 @@ import pytest
 from femstruct.files.results import write_results
 from femstruct.files.stored import read_results
 from femstruct.language import read_study
+from femstruct.model.probe import Probe
 from femstruct.study.result import StudyResult
 from femstruct.workflow.run import run_study, without_rooms
 
@@ -102,3 +103,35 @@ def test_results_keep_the_basis_that_the_motion_is_in(floor: StudyResult, tmp_pa
     assert len(set(keys.values())) == 3
     for name, case in floor.cases.items():
         assert np.array_equal(stored.bases[keys[name]].frequency_hz, case.basis.frequency_hz)
+
+
+def test_weight_at_rest_on_sealed_air_is_told() -> None:
+    """A ball that comes to rest on the slab: of foam of 2.1 m x 2.21e5 N/m^2 and of air of rho c^2 S^2 / V."""
+    lying = ("bodies.ball.drop_height=1 um", "bodies.ball.above=O_s", "contacts.ball on floor.between=[ball, O_s]")
+    sets = (*SHORT, "time.gravity=true", "time.duration=0.2 s", *lying)
+    found = {}
+    for case in ("without damper", "slit"):
+        result = run_study(read_study(STUDY, sets, only=case))
+        found[case] = result.cases[case], codes(result, case).get("weight-on-air")
+    sealed, told = found["without damper"]
+    foam, air = 2.1 * 2.21e5, 1.29 * 340**2 * (0.58 * 0.47) ** 2 / (0.58 * 0.47 * 0.1)
+    assert told is not None
+    with_air, without = told["with_air_n_m"], told["without_air_n_m"]
+    assert told["share"] == pytest.approx(1 - without / with_air)
+    # 3 %: the slab is 7e-8 m/N soft under the ball, 3 % of the foam's; a third of it on average, which counts twice
+    assert 1 / without - 1 / with_air == pytest.approx(1 / foam - 1 / (foam + air), rel=0.03)
+    assert without == pytest.approx(foam, rel=0.04)
+    weight = 0.054 * 9.80665
+    assert sealed.response is not None
+    contact = sealed.response.scene.contacts[0]
+    place = next(end for end in (contact.upper, contact.lower) if isinstance(end, Probe))
+    sunk = -sealed.response.displacement(place.of(sealed.basis.shapes))
+    # 5 %: it still swings about the place where it comes to rest
+    assert np.mean(sunk[len(sunk) // 2 :]) == pytest.approx(weight / told["with_air_n_m"], rel=0.05)
+    assert found["slit"][1] is None  # it lets the pressure go
+
+
+def test_sags_of_a_machine_are_those_without_sealed_air(floor: StudyResult) -> None:
+    """Under its own weight the structure has been for long enough that no room is tight."""
+    sags = {name: {sag.part: sag.sag for sag in row.sags} for name, row in floor.machine.items()}
+    assert sags["without damper"] == sags["one-way"]
