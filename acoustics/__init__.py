@@ -8,15 +8,15 @@ The way through this wing, each step a pure function or a frozen noun::
     cavity_pressure(...)               the same in rooms of any shape            cavity_pressure (fem, walls, together)
     sphere_pressures(...)              the sound of a striking ball itself       sphere (field)
     sound_levels(...) -> Levels        peaks, maxima, exposures, bands           levels (bands, weighting)
-    heavy_impact_level(...), ...       single numbers of the standards           ratings
+    heavy_impact_level(...), ...       single numbers of the standards           ratings grades
     rate_room(...) -> RatedRoom        a room as the standards state it          rated
     radiated_energy(...) -> SoundEnergy    what goes into the open air           sound_energy (radiation, directivity)
     force_exposure_levels(...)         how hard a source strikes                 exposure
 
 Layers, lowest first: ``errors arrays air room source walls | extension cavity meshes fem yielding shaped | orders
 judgement absorption together pressure cavity_pressure maps harmonic coupled coupled_fem field sphere sheet radiation
-directivity | bands weighting levels ratings decay exposure rated sound_energy``; a module imports from lower ones only.
-Nothing here knows of finite elements, opens a file or prints.
+directivity | bands weighting levels ratings grades decay exposure methods rated sound_energy``; a module imports from
+lower ones only. Nothing here knows of finite elements, opens a file or prints.
 
 Harmonic quantities are the real part of X exp(+j omega t). The surface's velocity is positive into the room, where it
 raises the pressure. Coordinates are the room's own: from its lower corner, z up, the ceiling at z = Lz.
@@ -53,6 +53,7 @@ if TYPE_CHECKING:
     from acoustics.exposure import force_exposure_levels
     from acoustics.fem import CavityModes, cavity_modes
     from acoustics.field import HalfSpace
+    from acoustics.grades import ImpactGrade, InverseALevel, impact_grade, inverse_a_level
     from acoustics.levels import Levels, equivalent_levels, level_history, level_spectrum, response_levels, sound_levels
     from acoustics.maps import PressureMap, pressure_map
     from acoustics.meshes import CavityMesh, box_mesh
@@ -82,6 +83,7 @@ _FETCHED = {
     "acoustics.exposure": ("force_exposure_levels",),
     "acoustics.fem": ("CavityModes", "cavity_modes"),
     "acoustics.field": ("HalfSpace",),
+    "acoustics.grades": ("ImpactGrade", "InverseALevel", "impact_grade", "inverse_a_level"),
     "acoustics.radiation": ("radiated_power", "radiation_efficiency", "radiation_impedance", "radiation_modes"),
     "acoustics.maps": ("PressureMap", "pressure_map"),
     "acoustics.meshes": ("CavityMesh", "box_mesh"),
@@ -121,7 +123,9 @@ __all__ = [
     "Directivity",
     "HalfSpace",
     "HeavyImpactRating",
+    "ImpactGrade",
     "ImpactRating",
+    "InverseALevel",
     "Levels",
     "Losses",
     "PressureMap",
@@ -145,6 +149,8 @@ __all__ = [
     "force_exposure_levels",
     "frequency_weighting",
     "heavy_impact_level",
+    "impact_grade",
+    "inverse_a_level",
     "level_history",
     "level_spectrum",
     "losses_from_beta",

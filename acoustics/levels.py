@@ -158,10 +158,11 @@ def _unsettled(record_s: float, centres: Mapping[float, float]) -> tuple[Advice,
     )
 
 
-def equivalent_levels(p: Floats, dt: float, since_s: float = 0.0) -> dict[float, float]:
+def equivalent_levels(p: Floats, dt: float, since_s: float = 0.0, fraction: Fraction = 3) -> dict[float, float]:
     """Levels of the mean square in third octaves {nominal centre [Hz]: [dB re 20 uPa]} of `p` [nt] [Pa] from a time on.
 
-    since_s : what comes before [s] runs through the filters and is not averaged: they start at rest.
+    since_s : what comes before [s] runs through the filters and is not averaged: they start at rest. fraction : 3, or 1
+        for octaves.
 
     Raises AcousticsError: a record that ends before.
 
@@ -176,8 +177,8 @@ def equivalent_levels(p: Floats, dt: float, since_s: float = 0.0) -> dict[float,
     first = ceil(since_s / positive("dt", dt, "s") - 1e-6)
     if not 0 <= first < len(p):
         raise AcousticsError("p", got=f"a record of {len(p) * dt:g} s", expected=f"more than {since_s:g} s")
-    centres = third_octave_bands(1 / dt)
-    heard = {nominal: sosfilt(band_filter(centre, 1 / dt), p)[first:] for nominal, centre in centres.items()}
+    centres = octave_bands(1 / dt) if fraction == 1 else third_octave_bands(1 / dt)
+    heard = {nominal: sosfilt(band_filter(centre, 1 / dt, fraction), p)[first:] for nominal, centre in centres.items()}
     return {nominal: _decibel(float(np.mean(one**2))) for nominal, one in heard.items()}
 
 

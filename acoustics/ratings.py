@@ -2,13 +2,13 @@
 
 The tables and examples were taken from public sources that quote the standards with their pages:
 https://github.com/jmrplens/phonometry (tests/reference_data.py, building/measurement/heavy_impact.py) and, for the
-reference curve again, https://github.com/ITA-Toolbox (ita_soundInsulationIndexImpact.m). JIS A 1419-2 and KS F 2863
-are absent: their grade curves were not found in a source that can be read and checked.
+reference curve again, https://github.com/ITA-Toolbox (ita_soundInsulationIndexImpact.m). The Japanese grades and the
+Korean level of the bang machine are in `acoustics.grades`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from math import floor, log10
 from typing import Final
@@ -104,23 +104,16 @@ def weighted_impact_level(levels_db: Mapping[float, float], *, step_db: float = 
     >>> weighted_impact_level(dict(zip(CURVE_THIRDS, bare)))
     ImpactRating(weighted_db=79.0, adaptation_db=-11.0, unfavourable_db=28.0, deciding_hz=3150.0)
     """
-    if step_db not in (1.0, 0.1):
-        raise AcousticsError("step", got=f"{step_db:g} dB", expected="1 or 0.1 dB")
     thirds = all(band in levels_db for band in CURVE_THIRDS)
     curve, allowed, offset = (CURVE_THIRDS, 32.0, 0.0) if thirds else (CURVE_OCTAVES, 10.0, -5.0)
-    measured = _tenths(_in_bands(levels_db, curve))
+    measured = tenths(in_bands(levels_db, curve))
     reference = np.array(list(curve.values()), dtype=np.float64)
-    # The sum falls with the shift, so the lowest shift that is allowed is the answer; a sum of 0 is always allowed.
-    top = int(np.ceil((measured - reference).max() / step_db))
-    bottom = int(np.floor((measured - reference).min() / step_db)) - int(np.ceil(allowed / step_db))
-    shifts = step_db * np.arange(bottom, top + 1)
-    sums = np.maximum(measured - reference - shifts[:, None], 0).sum(axis=1)
-    best = int(np.argmax(sums <= allowed + 1e-6))  # sums of tenths, but for rounding
-    weighted = float(shifts[best]) + curve[500.0] + offset
+    shift, excess = lowest_shift(measured, reference, allowed, step_of(step_db))
+    weighted = shift + curve[500.0] + offset
     summed = _energy_sum(measured[:15] if thirds else measured)
-    adaptation = _rounded(summed, step_db) - 15 - weighted
+    adaptation = nearest_step(summed, step_db) - 15 - weighted
     deciding = list(curve)[int(np.argmax(measured - reference))]
-    return ImpactRating(round(weighted, 6), round(adaptation, 6), round(float(sums[best]), 6), deciding)
+    return ImpactRating(round(weighted, 6), round(adaptation, 6), excess, deciding)
 
 
 def shifted_curve(weighted_db: float) -> dict[float, float]:
@@ -156,7 +149,7 @@ def heavy_impact_level(levels_db: Mapping[float, float]) -> HeavyImpactRating:
     HeavyImpactRating(rating_db=55, unrounded_db=55.35066..., deciding_hz=500.0)
     """
     table = A_THIRDS if all(band in levels_db for band in A_THIRDS) else A_OCTAVES
-    corrected = _in_bands(levels_db, table) + np.array(list(table.values()))
+    corrected = in_bands(levels_db, table) + np.array(list(table.values()))
     total = _energy_sum(corrected)
     return HeavyImpactRating(floor(total + 0.5), total, list(table)[int(np.argmax(corrected))])
 
@@ -222,7 +215,32 @@ def normalised_impact_level(
     }
 
 
-def _in_bands(levels_db: Mapping[float, float], bands: Mapping[float, float]) -> Floats:
+def lowest_shift(measured_db: Floats, reference_db: Floats, allowed_db: float, step_db: float) -> tuple[float, float]:
+    """The lowest shift of a reference curve [n], in steps, that levels [n] exceed by no more than is allowed in sum;
+    and that sum [dB].
+
+    >>> lowest_shift(np.array([83.0, 73.0]), np.array([80.0, 70.0]), 2.0, 1.0)
+    (2.0, 2.0)
+    """
+    # The sum falls with the shift, so the lowest shift that is allowed is the answer; a sum of 0 is always allowed.
+    top = int(np.ceil((measured_db - reference_db).max() / step_db))
+    bottom = int(np.floor((measured_db - reference_db).min() / step_db)) - int(np.ceil(allowed_db / step_db))
+    shifts = step_db * np.arange(bottom, top + 1)
+    sums = np.maximum(measured_db - reference_db - shifts[:, None], 0).sum(axis=1)
+    best = int(np.argmax(sums <= allowed_db + 1e-6))  # sums of tenths, but for rounding
+    return float(shifts[best]), round(float(sums[best]), 6)
+
+
+def step_of(step_db: float) -> float:
+    """A step of a shifted curve, 1 or 0.1 dB; AcousticsError for another."""
+    if step_db not in (1.0, 0.1):
+        raise AcousticsError("step", got=f"{step_db:g} dB", expected="1 or 0.1 dB")
+    return step_db
+
+
+def in_bands(levels_db: Mapping[float, float], bands_hz: Iterable[float]) -> Floats:
+    """Levels [n] of some bands out of {nominal centre [Hz]: [dB]}; AcousticsError where one is missing."""
+    bands = tuple(bands_hz)
     missing = [f"{band:g}" for band in bands if band not in levels_db]
     if missing:
         raise AcousticsError(
@@ -231,15 +249,16 @@ def _in_bands(levels_db: Mapping[float, float], bands: Mapping[float, float]) ->
     return frozen("levels", [levels_db[band] for band in bands], (len(bands),))
 
 
-def _energy_sum(levels_db: Floats) -> float:
-    return float(10 * np.log10(np.sum(10 ** (levels_db / 10))))
-
-
-def _tenths(levels_db: Floats) -> Floats:
+def tenths(levels_db: Floats) -> Floats:
     """Rounded to 0.1 dB, halves away from zero; a hair is added because 0.05 is no binary number."""
     rounded: Floats = np.sign(levels_db) * np.floor(np.abs(levels_db) * 10 + 0.5 + 1e-9) / 10
     return rounded
 
 
-def _rounded(level_db: float, step_db: float) -> float:
+def nearest_step(level_db: float, step_db: float) -> float:
+    """Rounded to steps, halves up."""
     return step_db * floor(level_db / step_db + 0.5)
+
+
+def _energy_sum(levels_db: Floats) -> float:
+    return float(10 * np.log10(np.sum(10 ** (levels_db / 10))))

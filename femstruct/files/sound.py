@@ -10,8 +10,7 @@ import numpy as np
 
 from acoustics.levels import REFERENCE_PA, Levels
 from acoustics.pressure import RoomResponse
-from acoustics.rated import RatedRoom, number_of
-from acoustics.ratings import ImpactRating
+from acoustics.rated import RatedRoom
 from femstruct.files.hdf5 import axis, put
 
 
@@ -45,36 +44,46 @@ def write_levels(target: h5py.Group, levels: Levels) -> None:
 
 def write_rated(target: h5py.Group, rated: RatedRoom) -> None:
     """A room as the standards state it, with the levels of every drop at every receiver that it is made of."""
+    method = rated.method
     target.attrs.update(
-        standards=", ".join(rated.standards),
-        blows=rated.blows,
-        quantity=rated.quantity,
-        band_quantity=rated.band_quantity,
+        standards=", ".join(method.standards),
+        blows=method.blows,
+        bands=method.bands,
+        band_quantity=method.band_quantity,
         drops=rated.drops,
         receivers=rated.receivers,
     )
-    if rated.rating is not None and rated.plain_rating is not None:
-        target.attrs.update(
-            rating_db=number_of(rated.rating),
-            unrounded_db=rated.unrounded_db,
-            plain_quantity=rated.plain_quantity,
-            plain_rating_db=number_of(rated.plain_rating),
-            deciding_hz=rated.rating.deciding_hz,
-            drops_spread_db=rated.drops_spread_db,
-            receivers_spread_db=rated.receivers_spread_db,
-        )
-        if isinstance(rated.rating, ImpactRating):
-            target.attrs.update(adaptation_db=rated.rating.adaptation_db)
     reference = f"dB re {REFERENCE_PA:g} Pa"
-    band = axis(target, "band_hz", list(rated.bands_db), "Hz", "Nominal centre of the third octave")
+    if rated.numbers:
+        _write_numbers(target, rated, reference)
+    band = axis(target, "band_hz", list(rated.bands_db), "Hz", f"Nominal centre of the {method.bands}")
     drop = axis(target, "drop", np.arange(1, rated.drops + 1), "1", "Place of the source, in the order of the study")
     receiver = axis(target, "receiver", np.arange(1, rated.receivers + 1), "1", "Receiver, in the order of the room")
-    averaged = f"{rated.band_quantity}, energy average over drops and receivers"
+    averaged = f"{method.band_quantity}, average over drops and receivers"
     put(target, "level", list(rated.bands_db.values()), reference, averaged, (band,))
     deviation = "Standard deviation over drops and receivers; nan for one"
     put(target, "spread", list(rated.spread_db.values()), "dB", deviation, (band,))
     each = "Level in the room, not standardised"
     put(target, "measured", rated.measured_db, reference, each, (drop, receiver, band))
-    put(target, "correction", rated.correction_db, "dB", "What ISO 16283-2 adds for volume and t60", (band,))
+    put(target, "correction", rated.correction_db, "dB", "What standardising adds for volume and t60", (band,))
     times = [time if isfinite(time) else np.nan for time in rated.t60_s.values()]
     put(target, "t60", times, "s", "Reverberation time of the room; nan without losses", (band,))
+
+
+def _write_numbers(target: h5py.Group, rated: RatedRoom, reference: str) -> None:
+    """The single numbers of a room along one axis, the first the one to state."""
+    numbers = rated.numbers
+    symbol = axis(target, "symbol", list(numbers), "1", "Single number")
+    for name, description in (
+        ("value_db", "Single number as its standard states it"),
+        ("unrounded_db", "The same as finely as it can be had"),
+        ("deciding_hz", "The band that decides it, nominal centre"),
+    ):
+        values = [getattr(one, name) for one in numbers.values()]
+        put(target, name, values, "Hz" if name == "deciding_hz" else reference, description, (symbol,))
+    for beside in dict.fromkeys(name for one in numbers.values() for name in one.beside):
+        values = [one.beside.get(beside, np.nan) for one in numbers.values()]
+        put(target, beside, values, "dB", "Stated with the single number; nan where its standard has none", (symbol,))
+    for name, spreads in (("drops", rated.drops_spread_db), ("receivers", rated.receivers_spread_db)):
+        told = f"Standard deviation of the number over {name}; nan for one"
+        put(target, f"{name}_spread_db", list(spreads.values()), "dB", told, (symbol,))

@@ -6,8 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from acoustics.levels import Levels
-from acoustics.rated import RatedRoom, number_of
-from acoustics.ratings import ImpactRating
+from acoustics.rated import RatedRoom
 from femstruct.errors import Finding
 from femstruct.files.arrays import array_tables
 from femstruct.files.machine import machine_table, verdict_tables
@@ -26,7 +25,8 @@ def summary(result: StudyResult) -> Table:
 
     In the comparison, `bands_db` and `modes_db` are those of the first receiver's pressure (without a room, of the
     first recorded channel); `bands_db_by_receiver` and `modes_db_by_channel` have all. Attenuations are positive where
-    the case is quieter than the baseline; `rated_db` is what a room's rating is above the baseline's, negative then.
+    the case is quieter than the baseline; `rated_db` is what a room's single numbers are above the baseline's, negative
+    then.
     """
     baseline = result.cases[result.comparison.baseline] if result.comparison.cases else None
     comparison = {
@@ -220,23 +220,24 @@ def _levels(levels: Levels) -> Table:
 
 
 def _rated(rated: RatedRoom) -> Table:
-    """A room as the standards state it: `quantity` is rating_db, `band_quantity` are bands_db; `plain_quantity` is
-    plain_rating_db, not standardised; adaptation_db is C_I of a tapping machine."""
-    rating, plain = rated.rating, rated.plain_rating
+    """A room as the standards state it: its single numbers by symbol, the first the one to state, and its bands."""
     return {
         "standards": list(rated.standards),
-        "blows": rated.blows,
-        "quantity": rated.quantity,
-        "rating_db": None if rating is None else number_of(rating),
-        "unrounded_db": number(rated.unrounded_db),
-        "adaptation_db": rating.adaptation_db if isinstance(rating, ImpactRating) else None,
-        "deciding_hz": None if rating is None else number(rating.deciding_hz),
-        "plain_quantity": rated.plain_quantity,
-        "plain_rating_db": None if plain is None else number_of(plain),
+        "blows": rated.method.blows,
+        "numbers": {
+            symbol: {
+                "value_db": number(one.value_db),
+                "unrounded_db": number(one.unrounded_db),
+                **{name: number(value) for name, value in one.beside.items()},
+                "deciding_hz": number(one.deciding_hz),
+                "drops_spread_db": number(rated.drops_spread_db[symbol]),
+                "receivers_spread_db": number(rated.receivers_spread_db[symbol]),
+            }
+            for symbol, one in rated.numbers.items()
+        },
         "drops": rated.drops,
         "receivers": rated.receivers,
-        "drops_spread_db": None if rating is None else number(rated.drops_spread_db),
-        "receivers_spread_db": None if rating is None else number(rated.receivers_spread_db),
+        "bands": rated.method.bands,
         "band_quantity": rated.band_quantity,
         "bands_db": _by_frequency(rated.bands_db),
         "spread_db": _by_frequency(rated.spread_db),
@@ -245,9 +246,13 @@ def _rated(rated: RatedRoom) -> Table:
 
 
 def _rated_beside(case: CaseResult, baseline: CaseResult | None) -> Table:
-    """By room, what its rating is above the baseline's, before rounding [dB]; None where they cannot be compared."""
+    """By room and symbol, what its single numbers are above the baseline's, before rounding [dB]."""
     before = {} if baseline is None else baseline.rated
-    return {room: number(rated.above(before[room])) for room, rated in case.rated.items() if room in before}
+    return {
+        room: {symbol: number(above) for symbol, above in rated.above(before[room]).items()}
+        for room, rated in case.rated.items()
+        if room in before
+    }
 
 
 def _drop(drop: Drop) -> Table:

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from acoustics.exposure import LEAST_SAMPLING_HZ
-from acoustics.rated import FIELD
+from acoustics.errors import AcousticsError
+from acoustics.methods import method_of, refuse_source
 from femstruct.impact.sources import BETWEEN_BLOWS, HAMMERS, TAPPING_MACHINE
 from femstruct.language.reader import Steps, nearest
 from femstruct.language.references import Checker
 from femstruct.language.schema_model import ModelSpec
 from femstruct.language.schema_rooms import RoomSpec
 from femstruct.language.schema_study import FrfSpec, StudySpec
-
-TAPPING_SAMPLING_HZ = 7600.0  # the third octave at 3150 Hz ends at 3548 Hz, .47 of it
 
 
 def check_rooms(check: Checker, study: StudySpec, model: ModelSpec) -> None:
@@ -119,21 +117,34 @@ def _check_mesh(check: Checker, name: str, room: RoomSpec) -> None:
 
 
 def _check_levels(check: Checker, study: StudySpec, name: str, room: RoomSpec) -> None:
-    """Levels need somebody who listens, a reverberation time to take out, and a sampling that has their bands."""
+    """Levels need standards that go together and rate what strikes, somebody who listens, a reverberation time to take
+    out, and a sampling that has their bands."""
     steps: Steps = ("rooms", name, "levels")
     if not room.levels:
         return
     if not room.receivers:
         check.wrong(steps, "levels without receivers", "somebody who listens", "add 'receivers: {mic: [x, y, z]}'")
-    if FIELD in room.levels and room.losses is None:
-        check.wrong(steps, f"{FIELD} in a room without losses", "its reverberation time", "add 'losses: {t60: 0.5 s}'")
+    tapping = any(body.source == TAPPING_MACHINE for body in study.bodies.values())
+    try:
+        method = method_of(room.levels, "tapping" if tapping else "heavy")
+        for body in study.bodies.values():
+            refuse_source(room.levels, body.source or "")
+    except AcousticsError as error:
+        check.wrong(steps, error.got, error.expected, error.do)
+        return
+    if method.correct is not None and room.losses is None:
+        check.wrong(
+            steps,
+            f"{method.measured_by} in a room without losses",
+            "its reverberation time",
+            "add 'losses: {t60: 0.5 s}'",
+        )
     if study.time is None:
         return
-    tapping = any(body.source == TAPPING_MACHINE for body in study.bodies.values())
-    least, highest = (TAPPING_SAMPLING_HZ, 3150) if tapping else (LEAST_SAMPLING_HZ, 630)
+    least, highest = method.least_sampling_hz, method.bands_hz[-1]
     if study.time.sampling < least:
         got = f"a sampling of {study.time.sampling:g} Hz"
-        check.wrong(steps, got, f"{least:g} Hz or more for the bands up to {highest} Hz", "sample faster")
+        check.wrong(steps, got, f"{least:g} Hz or more for the bands up to {highest:g} Hz", "sample faster")
     turn = HAMMERS * BETWEEN_BLOWS
     if tapping and study.time.duration < turn:
         got = f"a tapping machine for {study.time.duration:g} s"

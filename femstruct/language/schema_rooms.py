@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import BeforeValidator, Field, model_validator
 
-from acoustics.rated import STANDARDS
+from acoustics.methods import STANDARDS
 from acoustics.walls import MOST_ABSORBED
 from femstruct.language.schema_model import coordinates
 from femstruct.language.spec import (
@@ -26,7 +26,7 @@ from femstruct.language.spec import (
     refuse,
 )
 
-_Standard = Literal["ISO 16283-2", "ISO 717-2"]
+_Standard = Literal["ISO 16283-2", "ISO 717-2", "JIS A 1419-2", "KS F 2863-2"]  # those of STANDARDS
 
 
 class AirSpec(Spec):
@@ -191,7 +191,8 @@ class RoomSpec(Spec):
     at: where the surface's centre is in the ceiling, from the room's corner or in the mesh; the middle when left out.
     coupling: one-way, the air does not push back, or two-way.
     animate: a frequency, `pulse`, or several, of which a moving picture is made.
-    levels: standards by which what is heard of heavy blows is stated.
+    levels: standards by which what is heard of a standard source is stated: ISO 16283-2 and ISO 717-2, or JIS A 1419-2
+    and KS F 2863-2.
     directivity: frequencies at which it is drawn where open air sends its sound, the loudest when left out.
     """
 

@@ -210,7 +210,7 @@ class RoomPlan:
     offset : of the surface's centre from the ceiling's centre [m], room axes.
     coupling : one-way, the air does not push back, or two-way. leak : of a room that pushes back.
     t60_asked : reverberation times that its losses were made from {frequency [Hz]: [s]}, empty for other losses.
-    levels : standards by which it is rated, of `acoustics.rated.STANDARDS`.
+    levels : standards by which it is rated, of `acoustics.methods.STANDARDS`.
     animate : frequencies [Hz] of which a moving picture is made, None for the pulse.
     directivity : frequencies [Hz] at which the directivity of a half space is shown, the loudest if empty.
     """

@@ -7,15 +7,16 @@ from typing import Final
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.patheffects import withStroke
 
 from acoustics.levels import level_history
-from acoustics.rated import RatedRoom, number_of
-from acoustics.ratings import ImpactRating, equal_parts, shifted_curve
+from acoustics.rated import RatedRoom
 from femstruct.study.result import StudyResult
 from femstruct.view.figures import case_colours, finish, legend_above, new_figure, panels, thinned
-from femstruct.view.rated import struck_first
+from femstruct.view.rated import struck_first, told
 
 SHOWN_DB: Final = 50.0  # below the loudest that is drawn
+CURVES: Final = ("--", ":", "-.")  # of the single numbers in their order
 
 
 def levels_over_time(result: StudyResult, room: str) -> Figure | None:
@@ -59,21 +60,22 @@ def levels_over_time(result: StudyResult, room: str) -> Figure | None:
 
 
 def rated_bands(result: StudyResult, room: str) -> Figure | None:
-    """Third octaves of a rated room in all cases, with what they spread over drops and receivers (one standard
-    deviation to each side), and the rating as a curve; None if nobody rates it.
+    """Bands of a rated room in all cases, with what they spread over drops and receivers (one standard deviation to
+    each side), and what its single numbers hold them against as curves; None if nobody rates it.
 
-    The curve belongs to the baseline: of a tapping machine the reference curve of ISO 717-2, shifted to its rating; of
-    heavy blows the levels that would put equal parts into its rating, so that what exceeds them decides it.
+    The curves belong to the baseline: reference curves shifted to a number, the curve of a grade, or the levels that
+    would put equal parts into a sum, so that what exceeds them decides it. Cases with other bands are not drawn.
     """
     rated = {name: case.rated[room] for name, case in result.cases.items() if room in case.rated}
     if not rated:
         return None
     colours = case_colours(result.cases, result.plan.baseline)
     first = rated.get(result.plan.baseline) or next(iter(rated.values()))
-    shown = {name: one for name, one in rated.items() if one.band_quantity == first.band_quantity}
+    kind = (first.band_quantity, first.bands_hz)
+    shown = {name: one for name, one in rated.items() if (one.band_quantity, one.bands_hz) == kind}
     title = f"Impact sound in {room}: {', '.join(first.standards)}, {first.drops} drops x {first.receivers} receivers"
-    figure = new_figure(11.0, 4.6 + 0.155 * (len(shown) + 1), title)
-    ((axes,),) = panels(figure, 1, 1, between=0.5, top=0.55 + 0.155 * (len(shown) + 1))
+    figure = new_figure(11.0, 4.6 + 0.155 * (len(shown) + len(first.curves)), title)
+    ((axes,),) = panels(figure, 1, 1, between=0.5, top=0.55 + 0.155 * (len(shown) + len(first.curves)))
     width = 0.8 / len(shown)
     highest = max(max(one.bands_db.values()) for one in shown.values())
     lowest = min(min(one.bands_db.values()) for one in shown.values())
@@ -83,29 +85,20 @@ def rated_bands(result: StudyResult, room: str) -> Figure | None:
         levels, spread = (np.array(list(values.values())) for values in (one.bands_db, one.spread_db))
         bars = {"yerr": spread, "error_kw": {"ecolor": "0.45", "elinewidth": 0.8}} if np.isfinite(spread).all() else {}
         axes.bar(x, levels - floor, width, bottom=floor, color=colours[name], label=_label(name, one), **bars)
-    _rating_curve(axes, first)
+    for style, (symbol, rating) in zip(CURVES, first.curves.items(), strict=False):
+        curve, label = list(rating.curve_db.values()), f"baseline, {symbol}: {rating.curve}"
+        outlined = [withStroke(linewidth=2.5, foreground="white")]  # or it is lost on dark bars
+        look = {"color": "0.2", "linestyle": style, "linewidth": 1.1, "path_effects": outlined}
+        axes.plot(np.arange(len(curve)), curve, label=label, **look)
     axes.set_xticks(range(len(first.bands_hz)), [f"{band:g}" for band in first.bands_hz], fontsize=8)
     axes.set_xlim(-0.6, len(first.bands_hz) - 0.4)
     axes.set_ylim(floor, max(highest, *axes.get_ylim()) + 2.0)
-    finish(axes, "third octave, nominal centre in Hz", f"{first.band_quantity} in dB re 20 µPa")
+    finish(axes, f"{first.method.bands}, nominal centre in Hz", f"{first.band_quantity} in dB re 20 µPa")
     legend_above(axes)
     axes.grid(False, axis="x")
     return figure
 
 
 def _label(name: str, rated: RatedRoom) -> str:
-    if rated.rating is None:
-        return name
-    adaptation = f" (C_I {rated.rating.adaptation_db:+g})" if isinstance(rated.rating, ImpactRating) else ""
-    return f"{name}: {rated.quantity} {number_of(rated.rating):g} dB{adaptation}"
-
-
-def _rating_curve(axes: Axes, rated: RatedRoom) -> None:
-    if rated.rating is None:
-        return
-    if isinstance(rated.rating, ImpactRating):
-        curve, told = shifted_curve(rated.rating.weighted_db), "reference curve, shifted to its rating"
-    else:
-        curve, told = equal_parts(rated.rating.unrounded_db), "equal parts of its rating"
-    x = np.arange(len(curve))
-    axes.plot(x, list(curve.values()), color="0.2", linestyle="--", linewidth=1.1, label=f"baseline: {told}")
+    numbers = ", ".join(f"{symbol} {told(one)}" for symbol, one in rated.curves.items())
+    return f"{name}: {numbers}" if numbers else name

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from math import isfinite
 
-from acoustics.ratings import HeavyImpactRating, ImpactRating
+from acoustics.methods import SingleNumber
 from femstruct.study.result import CaseResult, StudyResult
 from femstruct.view.grid import Grid
 
@@ -12,38 +12,46 @@ ASSUMED = "the floor alone radiates, no flanking; walls and floor of the room ar
 
 
 def ratings(result: StudyResult) -> Grid:
-    """A row for every case and rated room: single numbers, difference to the baseline, spreads, deciding band."""
-    rooms = [(name, room, one) for name, case in result.cases.items() for room, one in case.rated.items()]
-    symbols = list(dict.fromkeys(symbol for _, _, one in rooms for symbol in (one.quantity, one.plain_quantity)))
-    baseline = result.comparison.baseline
+    """A row for every rated room, single number and case: the number and what is stated with it, difference to the
+    baseline, spreads, deciding band."""
+    rated = [(room, name, one) for name, case in result.cases.items() for room, one in case.rated.items()]
+    besides = list(
+        dict.fromkeys(name for _, _, one in rated for number in one.numbers.values() for name in number.beside)
+    )
     grid = Grid(
         f"impact sound by the standards ({ASSUMED})",
         (
-            "case",
             "room",
-            *(f"{symbol} [dB]" for symbol in symbols),
+            "single number",
+            "case",
+            "[dB]",
+            *besides,
             "difference [dB]",
             "spread over drops [dB]",
             "over receivers [dB]",
             "decided at [Hz]",
         ),
-        keys=2,
+        keys=3,
     )
-    for name, room, one in rooms:
-        if one.rating is None or one.plain_rating is None:
-            continue
-        numbers = {one.plain_quantity: _told(one.plain_rating), one.quantity: _told(one.rating)}
+    baseline = result.comparison.baseline
+    for room, symbol in dict.fromkeys((room, symbol) for room, _, one in rated for symbol in one.numbers):
         beside = result.cases[baseline].rated.get(room)
-        change = None if beside is None else one.above(beside)
-        grid.add(
-            name,
-            room,
-            *(numbers.get(symbol, "-") for symbol in symbols),
-            "" if name == baseline else "-" if change is None else f"{change:+.1f}",
-            f"{_number(one.drops_spread_db)} ({one.drops})",
-            f"{_number(one.receivers_spread_db)} ({one.receivers})",
-            f"{one.rating.deciding_hz:g}",
-        )
+        for there, name, one in rated:
+            if there != room or symbol not in one.numbers:
+                continue
+            change = None if beside is None else one.above(beside).get(symbol)
+            number = one.numbers[symbol]
+            grid.add(
+                room,
+                symbol,
+                name,
+                f"{number.value_db:g}",
+                *(f"{number.beside[other]:g}" if other in number.beside else "" for other in besides),
+                "" if name == baseline else "-" if change is None else f"{change:+z.1f}",
+                f"{_number(one.drops_spread_db[symbol])} ({one.drops})",
+                f"{_number(one.receivers_spread_db[symbol])} ({one.receivers})",
+                f"{number.deciding_hz:g}",
+            )
     return grid
 
 
@@ -61,32 +69,35 @@ def struck_first(result: StudyResult) -> str:
 
 
 def bands(result: StudyResult) -> Grid:
-    """Third octaves of every rated room and their spread over drops and receivers; rows only where there are any."""
-    grid = Grid(
-        "impact sound by third octave, re 20 uPa: average over drops and receivers (spread)", ("", *result.cases)
-    )
-    cases = result.cases.values()
-    for room in dict.fromkeys(room for case in cases for room in case.rated):
-        first = next(case.rated[room] for case in cases if room in case.rated)
-        for band in first.bands_db:
-            grid.add(f"{room} {first.band_quantity} {band:g} Hz [dB]", *(_band(case, room, band) for case in cases))
+    """Bands of every rated room and their spread over drops and receivers; rows only where there are any."""
+    rated = [(room, one.method) for case in result.cases.values() for room, one in case.rated.items()]
+    kinds = " and ".join(dict.fromkeys(method.bands for _, method in rated))
+    grid = Grid(f"impact sound by {kinds}, re 20 uPa: average over drops and receivers (spread)", ("", *result.cases))
+    for room, quantity, kind, band in dict.fromkeys(
+        (room, method.band_quantity, method.bands, band) for room, method in rated for band in method.bands_hz
+    ):
+        row = (_band(case, room, quantity, kind, band) for case in result.cases.values())
+        grid.add(f"{room} {quantity} {band:g} Hz [dB]", *row)
     return grid
 
 
-def _told(rating: HeavyImpactRating | ImpactRating) -> str:
-    """A single number; of a tapping machine's with C_I in brackets, as ISO 717-2 states it."""
-    if isinstance(rating, ImpactRating):
-        return f"{rating.weighted_db:g} ({rating.adaptation_db:+g})"
-    return f"{rating.rating_db}"
+def told(number: SingleNumber) -> str:
+    """A single number as its standard states it, with what goes with it in brackets.
+
+    >>> told(SingleNumber(72.0, 71.6, 1000.0, {}, "", {"C_I": -11.0}))
+    '72 dB (C_I -11)'
+    """
+    beside = ", ".join(f"{name} {value:g}" for name, value in number.beside.items())
+    return f"{number.value_db:g} dB" + (f" ({beside})" if beside else "")
 
 
 def _number(value: float) -> str:
     return f"{value:.1f}" if isfinite(value) else "-"
 
 
-def _band(case: CaseResult, room: str, band: float) -> str:
+def _band(case: CaseResult, room: str, quantity: str, kind: str, band: float) -> str:
     found = case.rated.get(room)
-    if found is None or band not in found.bands_db:
+    if found is None or (found.band_quantity, found.method.bands) != (quantity, kind) or band not in found.bands_db:
         return "-"
     spread = found.spread_db[band]
     return f"{found.bands_db[band]:.1f}" + (f" ({spread:.1f})" if isfinite(spread) else "")

@@ -3,14 +3,14 @@ the room; and rooms that the standard is not for."""
 
 from __future__ import annotations
 
-from math import isfinite, pi, sqrt
+from math import inf, isfinite, pi, sqrt
 from typing import Final
 
 import numpy as np
 
 from acoustics.cavity import cosines
 from acoustics.field import HalfSpace
-from acoustics.rated import BANDS, FIELD
+from acoustics.methods import Method
 from acoustics.room import Room, modal_damping_ratio, room_modes, t60_of
 from acoustics.shaped import ShapedRoom
 from femstruct.arrays import Floats
@@ -21,13 +21,12 @@ from femstruct.model.probe import Surface
 from femstruct.radiation import room_coordinates
 from femstruct.study.structures import StructureModel
 from femstruct.study.study import RoomPlan, Study
-from femstruct.workflow.rated import blows_of
+from femstruct.workflow.rated import method_for
 
 TOLD: Final = 5  # pairs that are named
 ALIKE: Final = 0.3  # of two shapes on the ceiling from which on one drives the other
 SINGLE_MODES: Final = 2000.0  # sqrt(m^3/s)/s: above 2000 sqrt(T / V) modes of a room overlap (Schroeder)
-# scope of ISO 16283-2: https://standards.iteh.ai/catalog/standards/sist/cace4e42-6d16-453c-81f2-2bc2bce32e99
-VOLUME_M3: Final = (10.0, 250.0)
+DECAY_HZ: Final = 100.0  # where a room's reverberation time is taken to tell up to where its modes stand alone
 
 
 def meeting_findings(plan: RoomPlan, study: Study, surface: Surface, basis: ModalBasis) -> tuple[Finding, ...]:
@@ -35,9 +34,10 @@ def meeting_findings(plan: RoomPlan, study: Study, surface: Surface, basis: Moda
 
     surface : the ceiling. basis : of the structure without the air, damped.
     """
-    if not (plan.levels and plan.receivers):
+    method = method_for(plan, study)
+    if method is None:
         return ()
-    found = [*_volume(plan), *floating(study.structure, BANDS[blows_of(study)])]
+    found = [*_volume(plan, method), *floating(study.structure, method.bands_hz)]
     pairs = meetings(plan, surface, basis)
     if pairs:
         told = ", ".join(
@@ -62,7 +62,7 @@ def meetings(plan: RoomPlan, surface: Surface, basis: ModalBasis) -> list[tuple[
     3240 (1996), doi:10.1121/1.414868). Likeness is the cosine of the angle between the two shapes on the ceiling.
     """
     room = plan.room
-    t60 = t60_of(room.losses, BANDS["heavy"][3])
+    t60 = t60_of(room.losses, DECAY_HZ)
     if isinstance(room, HalfSpace) or not isfinite(t60):
         return []
     top = SINGLE_MODES * sqrt(t60 / room.volume)
@@ -122,14 +122,14 @@ def floating(structure: StructureModel, bands_hz: tuple[float, ...]) -> list[Fin
     return found
 
 
-def _volume(plan: RoomPlan) -> list[Finding]:
-    low, high = VOLUME_M3
-    if FIELD not in plan.levels or low <= plan.room.volume <= high:
+def _volume(plan: RoomPlan, method: Method) -> list[Finding]:
+    low, high = method.volume_m3 or (0.0, inf)
+    if low <= plan.room.volume <= high:
         return []
     return [
         Finding(
             "rating-room-volume",
-            f"{FIELD} is for rooms of {low:g} to {high:g} m^3; this one has {plan.room.volume:.4g} m^3",
+            f"{method.measured_by} is for rooms of {low:g} to {high:g} m^3; this one has {plan.room.volume:.4g} m^3",
             {"volume_m3": plan.room.volume, "least_m3": low, "most_m3": high},
         )
     ]

@@ -10,16 +10,16 @@ from numpy import log10
 from acoustics.errors import Advice
 from acoustics.judgement import t60_missed
 from acoustics.levels import Levels, equivalent_levels
+from acoustics.methods import Blows, Method, method_of
 from acoustics.pressure import RoomResponse
-from acoustics.rated import BANDS, FIELD, Blows, RatedRoom, rate_room
+from acoustics.rated import RatedRoom, rate_room
+from acoustics.room import t60_of
 from femstruct.errors import Finding
 from femstruct.impact.sources import BETWEEN_BLOWS, HAMMERS, TAPPING_MACHINE
 from femstruct.modal.basis import ModalBasis
 from femstruct.study.study import RoomPlan, Study
 
-BALL: Final = "rubber ball"
 TURN_S: Final = HAMMERS * BETWEEN_BLOWS  # all hammers of a tapping machine once
-FEWEST: Final = 4  # places of the source, and of microphones, that measurements have; the text was not at hand
 BUILT_UP_DB: Final = 0.2  # what may be missing of a tapping machine's level when averaging begins
 
 
@@ -28,14 +28,21 @@ def blows_of(study: Study) -> Blows:
     return "tapping" if any(body.source == TAPPING_MACHINE for body in study.bodies) else "heavy"
 
 
-def band_levels(study: Study, response: RoomResponse, levels: Sequence[Levels]) -> list[Mapping[float, float]]:
-    """What the standards rate at every receiver of a room {nominal third octave [Hz]: [dB]}: the largest Fast levels,
-    of a tapping machine those of the mean square while it runs."""
-    if blows_of(study) == "heavy":
-        return [one.bands_db for one in levels]
+def method_for(plan: RoomPlan, study: Study) -> Method | None:
+    """How a room's standards rate a study's blows; None for a room that is not to be rated."""
+    return method_of(plan.levels, blows_of(study)) if plan.levels and plan.receivers else None
+
+
+def band_levels(
+    study: Study, method: Method, response: RoomResponse, levels: Sequence[Levels]
+) -> list[Mapping[float, float]]:
+    """What the standards rate at every receiver of a room {nominal band [Hz]: [dB]}: the largest Fast levels, of a
+    tapping machine those of the mean square while it runs."""
+    if method.blows == "heavy":
+        return [one.octaves_db if method.fraction == 1 else one.bands_db for one in levels]
     since, until = running(study)
     samples = round(until / response.dt)
-    return [equivalent_levels(p[:samples], response.dt, since) for p in response.p]
+    return [equivalent_levels(p[:samples], response.dt, since, method.fraction) for p in response.p]
 
 
 def running(study: Study) -> tuple[float, float]:
@@ -61,9 +68,10 @@ def rated_findings(plan: RoomPlan, study: Study, basis: ModalBasis, drops: int =
     drops : at how many places the source strikes.
     """
     found: list[Advice | Finding] = list(t60_missed(plan.room.losses, plan.t60_asked))
-    if not (plan.levels and plan.receivers):
+    method = method_for(plan, study)
+    if method is None:
         return tuple(found)
-    highest = BANDS[blows_of(study)][-1] * 10**0.05  # where the last third octave ends
+    highest = method.highest_hz
     if basis.complete_below_hz < highest:
         found.append(
             Finding(
@@ -73,22 +81,26 @@ def rated_findings(plan: RoomPlan, study: Study, basis: ModalBasis, drops: int =
                 {"highest_hz": highest, "complete_below_hz": basis.complete_below_hz},
             )
         )
-    if FIELD in plan.levels and min(drops, len(plan.receivers)) < FEWEST:
+    if min(drops, len(plan.receivers)) < method.fewest:
         found.append(
             Finding(
                 "rating-of-few-places",
-                f"measurements by {FIELD} have {FEWEST} or more places of the source and of microphones; here are "
-                f"{drops} and {len(plan.receivers)}",
-                {"drops": drops, "receivers": len(plan.receivers), "wanted": FEWEST},
+                f"measurements by {method.measured_by} have {method.fewest} or more places of the source and of "
+                f"microphones; here are {drops} and {len(plan.receivers)}",
+                {"drops": drops, "receivers": len(plan.receivers), "wanted": method.fewest},
             )
         )
-    return (*found, *_other_blows(plan, study), *(_building_up(plan, study) if blows_of(study) == "tapping" else ()))
+    return (
+        *found,
+        *_other_blows(method, study),
+        *(_building_up(plan, method, study) if method.blows == "tapping" else ()),
+    )
 
 
-def _other_blows(plan: RoomPlan, study: Study) -> tuple[Finding, ...]:
-    """A rating of something else than one rubber ball, or one tapping machine."""
-    tapping = blows_of(study) == "tapping"
-    wanted, count = (TAPPING_MACHINE, HAMMERS) if tapping else (BALL, 1)
+def _other_blows(method: Method, study: Study) -> tuple[Finding, ...]:
+    """A rating of something else than the one source that the standards rate."""
+    tapping = method.blows == "tapping"
+    wanted, count = method.source, HAMMERS if tapping else 1
     struck = [body for body in study.bodies if body.speed and body.side == "above"]
     others = [body.source or body.name for body in struck if body.source != wanted]
     here = len(struck) - len(others)
@@ -96,23 +108,22 @@ def _other_blows(plan: RoomPlan, study: Study) -> tuple[Finding, ...]:
     if not others and here == count and not pushed:
         return ()
     told = ", ".join(dict.fromkeys([*others, *pushed]))
-    one = "one tapping machine, five hammers" if tapping else "one rubber ball"
-    what = "hammers" if tapping else "rubber balls"
+    one = f"one {wanted}, five hammers" if tapping else f"one {wanted}"
+    what = "hammers" if tapping else f"{wanted}s"
     return (
         Finding(
             "rating-of-other-blows",
-            f"the levels of {' and '.join(plan.levels)} are those of {one}; here strike {here} {what}"
+            f"the levels of {' and '.join(method.standards)} are those of {one}; here strike {here} {what}"
             f"{' and ' + told if told else ''}",
             {what.replace(" ", "_"): here, "others": len(others) + len(pushed)},
         ),
     )
 
 
-def _building_up(plan: RoomPlan, study: Study) -> tuple[Finding, ...]:
+def _building_up(plan: RoomPlan, method: Method, study: Study) -> tuple[Finding, ...]:
     """A tapping machine that has not run long enough for the room to fill with sound before levels are averaged."""
     since, until = running(study)
-    slowest = rate_room([[dict.fromkeys(BANDS["tapping"], 0.0)]], plan.room, plan.levels, "tapping").t60_s
-    t60 = max(slowest.values())
+    t60 = max(t60_of(plan.room.losses, band) for band in method.bands_hz)
     missing = -10 * log10(1 - 10 ** (-6 * since / t60)) if since else float("inf")
     if missing <= BUILT_UP_DB:
         return ()

@@ -23,7 +23,7 @@ from femstruct.study.study import Study, TimePlan
 from femstruct.workflow.air import ceiling
 from femstruct.workflow.checks import impact_findings, room_findings
 from femstruct.workflow.places import Places
-from femstruct.workflow.rated import band_levels
+from femstruct.workflow.rated import band_levels, method_for
 from femstruct.workflow.sources import source_findings, walking_findings
 from femstruct.workflow.staging import scene
 
@@ -79,10 +79,10 @@ def strike(
             }
             bands = {
                 plan.name: band_levels(
-                    study, own[plan.name], [heard[f"{plan.name}.{one.name}"] for one in plan.receivers]
+                    study, method, own[plan.name], [heard[f"{plan.name}.{one.name}"] for one in plan.receivers]
                 )
                 for plan in study.rooms
-                if plan.levels and plan.receivers
+                if (method := method_for(plan, study)) is not None
             }
         findings = _findings(study, responses[drop], errors[drop], vacuo, own, heard)
         kept = own if drop == next(iter(studies)) else {}

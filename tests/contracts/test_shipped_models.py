@@ -35,6 +35,7 @@ parts: {plate: {type: plate, material: steel, thickness: 5 mm, origin: [0, 0, 0]
 supports: {edges: {on: plate, edge: all, fix: simple}}
 """
 SHORT = {
+    "bang_machine": "60 ms",
     "bedroom": "60 ms",
     "l_room": "60 ms",
     "lined_room": "60 ms",

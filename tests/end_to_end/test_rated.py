@@ -77,23 +77,26 @@ def test_terminal_tables_and_file_say_the_same(
     result: StudyResult, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     rated = result.cases["as is"].rated["bedroom"]
-    assert rated.rating is not None
+    symbol, plain = rated.numbers
+    assert (symbol, plain) == ("L'_iA,Fmax,V,T", "L_iA,Fmax")
     show_study(result, {})
-    shown = capsys.readouterr().out
-    assert "L'_iA,Fmax,V,T [dB]" in shown
-    row = next(line.split() for line in shown.splitlines() if line.startswith("as is") and "bedroom" in line)
-    assert rated.plain_rating is not None
-    assert row[3:5] == [str(rated.rating.rating_db), str(rated.plain_rating.rating_db)]
-    assert row[5:] == ["-", "(1)", f"{rated.receivers_spread_db:.1f}", "(2)", f"{rated.rating.deciding_hz:g}"]
+    rows = [line.split() for line in capsys.readouterr().out.splitlines() if line.startswith("bedroom")]
+    for name in (symbol, plain):
+        number, spread = rated.numbers[name], rated.receivers_spread_db[name]
+        row = next(row for row in rows if row[1:4] == [name, "as", "is"])
+        assert row[4:] == [f"{number.value_db:g}", "-", "(1)", f"{spread:.1f}", "(2)", f"{number.deciding_hz:g}"]
+    assert next(row for row in rows if row[1:3] == [plain, "plain"])[4] == "+0.0"  # the same levels, not standardised
+    assert not [row for row in rows if row[1:3] == [symbol, "plain"]]
     table = summary(result)["cases"]["as is"]["rated"]["bedroom"]
-    assert table["rating_db"] == rated.rating.rating_db
+    assert table["numbers"][symbol]["value_db"] == rated.numbers[symbol].value_db
     assert table["bands_db"]["63"] == rated.bands_db[63.0]
     assert table["receivers"] == 2
-    assert summary(result)["comparison"]["plain"]["rated_db"] == {"bedroom": None}  # of another quantity
+    assert summary(result)["comparison"]["plain"]["rated_db"] == {"bedroom": {plain: 0.0}}  # what both have
     write_results(tmp_path / "results.h5", result)
     with h5py.File(tmp_path / "results.h5") as file:
         stored = file["cases/as is/rated/bedroom"]
-        assert stored.attrs["rating_db"] == rated.rating.rating_db
+        assert stored["symbol"].asstr()[:].tolist() == [symbol, plain]
+        assert stored["value_db"][0] == rated.numbers[symbol].value_db
         assert stored["level"][:].tolist() == list(rated.bands_db.values())
         assert stored["t60"].attrs["unit"] == "s"
 
