@@ -25,7 +25,7 @@ from acoustics.weighting import FrequencyWeighting, frequency_weighting
 REFERENCE_J: Final = 1e-12
 LOWEST_HZ: Final = 10.0  # nominal centre of the first third octave
 FADED: Final = 0.1  # share of the record, its end, over which the motion is brought to rest
-FEWEST_POINTS: Final = 2.0  # to a wave in air, below which the sums over the points mean nothing
+FEWEST_POINTS: Final = 3.0  # to a wave in air, below which the sums over the points mean nothing
 TOLD: Final = 0.01  # share of the energy from which on what is missing is told
 _LEFT_OUT: Final = 1e-6  # share of the energy that lines beyond the last one may have
 _FAINT: Final = 1e-3  # of the largest peak of the density, below which a peak is not told
@@ -152,7 +152,7 @@ def radiated_energy(surface: SurfaceVelocity, air: Air) -> SoundEnergy:
     these peak values: two for positive and negative frequencies, two for peak and mean square. The motion is brought to
     rest over the last tenth of the record, then there is silence as long as sound takes across the surface, so that
     nothing wraps round. Lines beyond which there is less than 1e-6 of the energy are left out, and those at which the
-    points are fewer than two to a wave. The last tenth is heard through a Hann window over the last fifth.
+    points are fewer than three to a wave. The last tenth is heard through a Hann window over the last fifth.
 
     A piston of 1 cm^2 that is pushed and stops, beside rho S^2 / (2 pi c) int a^2 dt of a small one:
 
@@ -262,11 +262,11 @@ def _coarse(result: SoundEnergy, apart: float, air: Air, beyond_j: float) -> tup
 
 def _jump(surface: SurfaceVelocity) -> tuple[Advice, ...]:
     both = surface.shapes.T @ (surface.weights[:, None] * surface.shapes)
-    square = np.einsum("kt,kt->t", surface.rates, both @ surface.rates)
-    mean = float(square.mean())
-    if not (mean > 0 and square[0] > _JUMP * mean):
+    mean = float((both * (surface.rates @ surface.rates.T)).sum()) / surface.rates.shape[1]
+    start = float(surface.rates[:, 0] @ both @ surface.rates[:, 0])
+    if not (mean > 0 and start > _JUMP * mean):
         return ()
-    share = float(square[0]) / mean
+    share = start / mean
     return (
         Advice(
             "sound-energy-jump",

@@ -17,7 +17,8 @@ A contact is compressive: its force is positive or zero, and zero when it is ope
 contact is positive when closed; ``gap`` = -delta is positive when open. Velocity of a surface is positive into the
 room below or above it, where it raises the pressure.
 
-Levels of sound are 20 lg(rms / 20 uPa), and the reference is always printed.
+Levels of sound are 20 lg(rms / 20 uPa), of sound power 10 lg(W / 1 pW), of sound energy 10 lg(J / 1 pJ), and the
+reference is always printed.
 """
 
 from typing import Final

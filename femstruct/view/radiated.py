@@ -11,10 +11,11 @@ from femstruct.view.scales import scaled
 
 def radiated(result: StudyResult) -> Grid:
     """Levels re 1 pJ, energy, difference to the baseline, efficiency, share of what was put in, loudest band."""
-    rows = [(room, name, one) for name, case in result.cases.items() for room, one in case.radiated.items()]
+    rooms = dict.fromkeys(room for case in result.cases.values() for room in case.radiated)
+    rows = [(room, name, c.radiated[room]) for room in rooms for name, c in result.cases.items() if room in c.radiated]
     factor, unit = scaled("J", max((one.energy.energy_j for _, _, one in rows), default=0.0))
     grid = Grid(
-        "sound energy into the open, of the whole window",
+        "sound energy that surfaces send into the open, in the whole window",
         (
             "room",
             "case",
