@@ -105,11 +105,11 @@ def test_small_piston_radiates_its_acceleration() -> None:
 def test_disc_of_any_size_radiates_by_its_resistance() -> None:
     """E = 2 int rho c S (1 - J1(2ka)/ka) |V|^2 df; once it is large rho c S int v^2 dt."""
     radius, fs = 1.0, 12e3
-    r, share = gauss(radius, 24)
+    r, share = gauss(radius, 36)
     r = r + radius / 2
-    angle = 2 * pi * (np.arange(60) + 0.5) / 60
+    angle = 2 * pi * (np.arange(120) + 0.5) / 120
     points = np.stack([np.outer(r, np.cos(angle)), np.outer(r, np.sin(angle)), 0 * np.outer(r, angle)], axis=-1)
-    points, weights = points.reshape(-1, 3), np.outer(share * r, np.full(60, 2 * pi / 60)).ravel()
+    points, weights = points.reshape(-1, 3), np.outer(share * r, np.full(120, 2 * pi / 120)).ravel()
     t = np.arange(2400) / fs
     for length, large in ((20e-3, False), (4e-3, True)):
         carrier = np.sin(2 * pi * t * 4 / length)
