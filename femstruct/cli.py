@@ -139,7 +139,7 @@ def modes(
     model: ModelFile,
     count: Annotated[int | None, typer.Option("--count", min=1, help="how many modes")] = None,
     up_to: Annotated[
-        str, typer.Option("--up-to", metavar="F", help="all modes up to a frequency (default 3 kHz)")
+        str, typer.Option("--up-to", metavar="F", help="all modes up to a frequency (default: the first 30)")
     ] = "",
     set_: Sets = [],  # noqa: B006
     as_json: AsJson = False,

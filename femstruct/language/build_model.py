@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from itertools import pairwise
 from typing import Any
 
 from femstruct.errors import FemstructError
@@ -203,6 +204,9 @@ def _given_modes(spec: GivenModesSpec) -> ModesModel:
     ratios = spec.ratio if spec.ratio is not None else [0.0] * count
     if len(ratios) != count:
         raise FemstructError("structure.ratio", got=f"{len(ratios)} ratios", expected=f"{count}, one a frequency")
+    if any(later < former for former, later in pairwise(spec.frequency)):
+        told = ", ".join(f"{frequency:g}" for frequency in spec.frequency)
+        raise FemstructError("structure.frequency", got=f"[{told}] Hz", expected="frequencies that ascend")
     for name, point in spec.points.items():
         if len(point.shape) != count:
             raise FemstructError(

@@ -11,6 +11,7 @@ from femstruct.impact.walking import Walk, design_harmonics
 from femstruct.language.build import Builder
 from femstruct.language.build_laws import ends_of, law_of, start_speed
 from femstruct.language.build_rooms import room_of
+from femstruct.language.extents import as_many
 from femstruct.language.reader import Mistakes, Steps, Tree, dotted
 from femstruct.language.schema_study import SIDES, BodySpec, ContactSpec, LoadSpec, StudySpec
 from femstruct.language.tables import read_history
@@ -64,18 +65,19 @@ def study_of(
     )
     loads = builder.each("loads", study.loads, lambda n, s: _load(n, s, builder, sources))
     rooms = builder.each("rooms", study.rooms, lambda n, s: room_of(n, s, builder, sources, shaped))
-    if mistakes.lines:
+    extent = Extent(study.modes.up_to, study.modes.count) if study.modes is not None else Extent()
+    known = builder.make(("modes",), lambda: as_many(structure, extent))
+    if mistakes.lines or known is None:
         return None
     frf = tuple(
         FrfRequest(name, spot_of(one.drive), spot_of(one.response), one.kind, one.band, one.step)
         for name, one in study.frf.items()
     )
     records = tuple(Record(target, what) for target, wanted in study.record.items() for what in wanted)  # type: ignore[arg-type]
-    extent = Extent(study.modes.up_to, study.modes.count) if study.modes is not None else Extent()
     time, asked = study.time, study.accuracy
     return Study(
         title=title,
-        structure=structure,
+        structure=known,
         damping=damping,
         extent=extent,
         frf=frf,

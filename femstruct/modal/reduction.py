@@ -69,6 +69,7 @@ def modal_basis(
     extra: tuple[Kind, ...] = ("residual",)
     momentum: Floats = assembly.momentum @ shapes
     dashpots = projected(assembly.C, shapes)
+    complete_below_hz = float(np.sqrt(found.complete_below)) / (2.0 * np.pi)
     return ModalBasis(
         omega=np.sqrt(values),
         kind=rigid * found.n_rigid + elastic * (n_modes - found.n_rigid) + extra * n_extra,
@@ -81,10 +82,10 @@ def modal_basis(
         part_stiffness={name: projected(part, shapes) for name, part in assembly.part_stiffness.items()},
         loss_factors=dict(assembly.loss_factors),
         residual_norm=convergence(assembly.K, assembly.M, values, shapes),
-        complete_below_hz=float(np.sqrt(found.complete_below)) / (2.0 * np.pi),
+        complete_below_hz=complete_below_hz,
         momentum=momentum,
         total_mass=assembly.total_mass,
-        findings=_truncation(assembly, momentum[:, :n_modes] ** 2, found.eigenvalues),
+        findings=_truncation(assembly, momentum[:, :n_modes] ** 2, found.eigenvalues, complete_below_hz),
         grounded=assembly.grounded,
     )
 
@@ -103,8 +104,16 @@ def _dashpots(assembly: Assembly) -> Floats:
     return forces
 
 
-def _truncation(assembly: Assembly, modal_mass: Floats, eigenvalues: Floats) -> tuple[Finding, ...]:
-    """A finding if the modes carry little of the mass in a direction the structure can move in."""
+def _truncation(
+    assembly: Assembly, modal_mass: Floats, eigenvalues: Floats, complete_below_hz: float
+) -> tuple[Finding, ...]:
+    """A finding if the modes carry little of the mass in a direction the structure can move in, or there are none."""
+    if not len(eigenvalues):
+        message = (
+            f"The structure has no mode below {complete_below_hz:.4g} Hz: only its residual vectors "
+            "answer, which are meant for what the modes leave out. Ask for more modes; a plain number is in Hz."
+        )
+        return (Finding("no-modes", message, {"complete_below_hz": complete_below_hz, "modes": 0}, severe=True),)
     share = modal_mass.sum(axis=1) / assembly.total_mass if assembly.total_mass > 0 else np.ones(3)
     moves = np.abs(assembly.momentum).max(axis=1, initial=0.0) > 0.0
     short = moves & (share < _CAPTURED)

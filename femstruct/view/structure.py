@@ -64,7 +64,8 @@ def show_inspection(table: Row, picture: str = "") -> None:
     for sentence in table["damping"]:
         screen.print(sentence)
     for name, position in table["points_m"].items():
-        screen.print(f"point {name} at ({', '.join(f'{x:.4g}' for x in position)}) m")
+        where = "somewhere" if position is None else f"at ({', '.join(f'{x:.4g}' for x in position)}) m"
+        screen.print(f"point {name} {where}")
     for body, rest in table["rest"].items():
         screen.print(f"{body}: weight {rest['weight_n']:.4g} N sags {1e3 * rest['sag_m']:.3g} mm on its links")
     for part, sag in table["sags"].items():

@@ -14,6 +14,7 @@ from femstruct.impact.passed import on_the_ground, passed_on
 from femstruct.impact.response import Event, Response
 from femstruct.modal.basis import ForceRow, ModalBasis
 from femstruct.study.result import Channel
+from femstruct.study.structures import ModesModel
 from femstruct.study.study import PeakRule, Record, RoomPlan, Study
 from femstruct.workflow.places import Places
 from femstruct.workflow.rest import axis_of, planned_contacts
@@ -45,6 +46,27 @@ def record(study: Study, places: Places, response: Response, rooms: Mapping[str,
     return {
         name: _channel(name, values, unit, study.peaks, response, window) for name, (values, unit) in histories.items()
     }
+
+
+def refuse_absent_forces(study: Study, basis: ModalBasis) -> None:
+    """Raise InputError for a recorded force that nothing of the structure, its contacts and links has."""
+    pairs = {contact.name: contact.between for contact in planned_contacts(study)}
+    pairs |= {link.name: link.between for link in study.links}
+    on_ground = any(GROUND in between for between in pairs.values())
+    rows = {name.rpartition(".")[0] for name in basis.outputs}
+    for wanted in study.records:
+        target = wanted.target
+        if wanted.what != "force" or target in pairs or target in rows or (target == GROUND and on_ground):
+            continue
+        if target != GROUND:
+            expected, do = "a part, joint or support that carries a force", "record another one"
+        elif isinstance(study.structure, ModesModel):
+            expected = "given modes and a link or contact between one of their points and the ground"
+            do = "write what stands on the ground as a link, and give the modes of the structure without it"
+        else:
+            expected = "a support, spring, foundation, link or contact that stands on the ground"
+            do = "add one, or do not record it"
+        raise InputError(f"record.{target}", got=f"no force of '{target}'", expected=expected, do=do)
 
 
 def filter_sentence(rule: PeakRule) -> str:

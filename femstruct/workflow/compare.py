@@ -91,7 +91,12 @@ def _mode_attenuation(reference: CaseResult, before: Floats, result: CaseResult,
 
 
 def mode_table(reference: ModalBasis, basis: ModalBasis) -> dict[int, tuple[int, float, float]]:
-    """The mode most alike to each of the baseline's, its frequency [Hz] and the MAC; empty for the same basis."""
+    """The mode most alike to each of the baseline's, its frequency [Hz] and the MAC; empty for the same basis.
+
+    Empty, too, for a basis without a mode.
+    """
+    if not basis.modes.stop:
+        return {}
     if reference.omega.shape == basis.omega.shape and np.array_equal(reference.shapes, basis.shapes):
         return {}
     alike = mac(reference, basis)

@@ -24,9 +24,11 @@ from femstruct.model.facts import ModelFacts, model_facts
 from femstruct.model.model import Model
 from femstruct.radiation import room_coordinates
 from femstruct.study.machine import BlockMode, Sag
+from femstruct.study.structures import ModesModel
 from femstruct.study.study import Extent, RoomPlan, Study
 from femstruct.workflow.air import ceiling
 from femstruct.workflow.bases import Solved, solve
+from femstruct.workflow.channels import refuse_absent_forces
 from femstruct.workflow.positions import positioned
 from femstruct.workflow.responses import frequency_option, response_row
 from femstruct.workflow.rest import Rest, rest_states
@@ -42,7 +44,8 @@ Table = dict[str, Any]
 class Inspection:
     """What `check` tells of a file. model and facts are None for closed-form structures; study for a model file.
 
-    drops : places that a source strikes, where it strikes several.
+    drops : places that a source strikes, where it strikes several. positions : of points; None for one of given modes
+    that does not say where it is.
     """
 
     title: str
@@ -50,7 +53,7 @@ class Inspection:
     facts: ModelFacts | None
     degrees_of_freedom: int | None
     basis: ModalBasis
-    positions: Mapping[str, tuple[float, float, float]]
+    positions: Mapping[str, tuple[float, float, float] | None]
     damping: tuple[str, ...]
     rests: tuple[Rest, ...]
     sags: tuple[Sag, ...]
@@ -71,7 +74,9 @@ class Inspection:
             "degrees_of_freedom": self.degrees_of_freedom,
             "rigid_body_modes": self.basis.n_rigid,
             "first_frequencies_hz": [float(f) for f in self.basis.frequency_hz[self.basis.modes]],
-            "points_m": {name: list(position) for name, position in self.positions.items()},
+            "points_m": {
+                name: None if position is None else list(position) for name, position in self.positions.items()
+            },
             "damping": list(self.damping),
             "rest": {rest.body: {"weight_n": rest.weight, "sag_m": rest.sag} for rest in self.rests},
             "sags": {sag.part: {"sag_m": sag.sag, "tilt_rad": sag.tilt} for sag in self.sags},
@@ -115,8 +120,8 @@ def inspect_file(path: Path, overrides: tuple[str, ...] = ()) -> Inspection:
         facts=None if model is None else model_facts(model),
         degrees_of_freedom=None if model is None else assemble(model).K.shape[0],
         basis=basis,
-        positions={name: tuple(point.position.tolist()) for name, point in solved.places.points.items()},
-        damping=damping_sentences(damping),
+        positions=_positions(solved),
+        damping=damping_sentences(damping, given=isinstance(structure, ModesModel)),
         rests=() if study is None else rest_states(study),
         sags=under_weight,
         block_modes=() if model is None else block_modes(model, basis),
@@ -158,8 +163,16 @@ def modes_of(path: Path, extent: Extent, overrides: tuple[str, ...] = ()) -> Tab
     }
 
 
-def damping_sentences(damping: Damping) -> tuple[str, ...]:
-    """The damping of a file in both of its usual measures.
+def _positions(solved: Solved) -> dict[str, tuple[float, float, float] | None]:
+    """Where the points are; given modes know it along their axis only, and of the points that say so."""
+    structure, points = solved.structure, solved.places.points
+    if isinstance(structure, ModesModel):
+        return {name: (0.0, 0.0, structure.at[name]) if name in structure.at else None for name in points}
+    return {name: tuple(point.position.tolist()) for name, point in points.items()}
+
+
+def damping_sentences(damping: Damping, given: bool = False) -> tuple[str, ...]:
+    """The damping of a file in both of its usual measures; given : to modes that bring ratios of their own.
 
     >>> damping_sentences(Damping(Ratio(0.02)))
     ('damping: ratio 2 % = loss factor 4 %',)
@@ -178,6 +191,9 @@ def damping_sentences(damping: Damping) -> tuple[str, ...]:
         + _ratio_and_loss_factor(mode.ratio if mode.ratio is not None else (mode.loss_factor or 0.0) / 2.0)
         for mode in damping.modes
     )
+    if given:
+        none = damping.base == Ratio(0.0) and not damping.modes
+        base = "the ratios given with the modes" if none else f"{base}, added to the ratios given with the modes"
     return (f"damping: {base}", *exceptions)
 
 
@@ -188,6 +204,7 @@ def _ratio_and_loss_factor(ratio: float) -> str:
 def _try(study: Study, solved: Solved, basis: ModalBasis) -> None:
     """Raise what running the study would raise before anything is computed."""
     scene(study, solved.places, basis)
+    refuse_absent_forces(study, basis)
     force_probes(study, solved.places)
     for request in study.frf:
         if request.kind not in ("pressure", "power"):

@@ -26,7 +26,7 @@ from femstruct.study.study import Case, Plan, Study
 from femstruct.workflow.accuracy import accuracy_findings, hold_accuracy
 from femstruct.workflow.air import ceiling, coupled, coupled_key, weight_on_air
 from femstruct.workflow.bases import Solved, damped, solve_all
-from femstruct.workflow.channels import acceleration_rows, record
+from femstruct.workflow.channels import acceleration_rows, record, refuse_absent_forces
 from femstruct.workflow.checks import aliased_findings, mesh_findings, room_findings
 from femstruct.workflow.compare import compare
 from femstruct.workflow.limits import verdicts
@@ -182,6 +182,7 @@ def run_case(
     radiated: dict[str, Radiated] = {}
     channels, shares, drops, rated = {}, None, {}, {}
     if study.time is not None:
+        refuse_absent_forces(study, basis)
         struck = strike(case.drops or {"": study}, study.time, own.places, basis, vacuo, partial(clock, case=case.name))
         whole = next(iter(struck.values()))  # of the other drops only numbers are kept
         drops = {place: one.drop() for place, one in struck.items()} if case.drops else {}

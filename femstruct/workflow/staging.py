@@ -74,9 +74,8 @@ def force_probes(study: Study, places: Places) -> dict[str, Probe]:
         if plan.coupling == "two-way" and plan.under in places.surfaces:
             found[f"air of {plan.name}"] = places.surfaces[plan.under].pressure()
     for request in study.frf:
-        found[str(request.drive)] = places.point(request.drive.name, f"frf.{request.name}.drive").probe(
-            request.drive.what
-        )
+        asked_by = f"frf.{request.name}.drive" if request.name else "--drive"
+        found[str(request.drive)] = places.point(request.drive.name, asked_by).probe(request.drive.what)
     return found
 
 
