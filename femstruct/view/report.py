@@ -21,7 +21,7 @@ body { font: 15px/1.5 system-ui, sans-serif; margin: 2em auto; max-width: 72em; 
 h1 { font-size: 1.5em; } h2 { font-size: 1.1em; margin: 2em 0 .4em; }
 table { border-collapse: collapse; font-variant-numeric: tabular-nums; }
 th, td { padding: .15em .8em; text-align: right; white-space: pre-line; border-bottom: 1px solid #ddd; }
-th.key, td.key { text-align: left; padding-left: 0; }
+th.key, td.key { text-align: left; padding-left: 0; } td.key { white-space: pre; }
 .wide { overflow-x: auto; } img { max-width: 100%; } .severe { color: #b00020; } figcaption { color: #666; }
 """
 
