@@ -18,7 +18,8 @@ def test_slabs_have_the_grades_of_the_design_data(edges: str) -> None:
     """Architectural Institute of Japan, as http://www.dab.hi-ho.ne.jp/hirano-j/syaon_yuka.htm quotes it.
 
     Grades are in steps of 5 dB, and the data do not say what decides between neighbours: how the edges are held, which
-    room is below. So one grade to each side. 150 mm come out in the published grade, 200 mm one grade worse.
+    room is below. So one grade to each side. 150 mm come out in the published grade, 200 mm one grade worse;
+    against the other table in the study's comment, of slabs of the area here, all three are one grade worse.
     """
     result = run_study(read_study(MODELS / "bang_machine.study.yaml", (f"supports.walls.fix={edges}",)))
     grades = {name: case.rated["bedroom"].numbers["L_i,Fmax,r,H(1)"] for name, case in result.cases.items()}

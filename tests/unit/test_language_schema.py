@@ -8,6 +8,7 @@ from typing import Any
 
 import pytest
 
+from acoustics.methods import STANDARDS
 from femstruct.language import json_schema
 from femstruct.language.reader import read_yaml
 
@@ -56,6 +57,14 @@ def fits(schema: dict[str, Any], value: Any, root: dict[str, Any]) -> bool:
 def test_shipped_files_fit_the_schema(path: Path) -> None:
     schema = json_schema("study" if path.name.endswith(".study.yaml") else "model")
     assert fits(schema, read_yaml(path).value, schema)
+
+
+def test_all_standards_are_in_the_schema_and_no_other() -> None:
+    room = {"size": [5, 4, 2.5], "under": "ceiling", "receivers": {"mic": [1, 1, 1]}}
+    for levels, wanted in ((list(STANDARDS), True), *((one, True) for one in STANDARDS), ("ISO 717-1", False)):
+        schema = json_schema("study")
+        study = {"model": "m.yaml", "rooms": {"room": room | {"levels": levels}}}
+        assert fits(schema, study, schema) == wanted
 
 
 @pytest.mark.parametrize(
