@@ -17,7 +17,7 @@ must not be added; the sum over all modes would not even converge.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Final
 
 import numpy as np
@@ -68,7 +68,9 @@ class CoupledAir:
     frequency_hz [n] : of the cavity modes kept, ascending, without the uniform one.
     compression [1 + n, k + n] : rows of b_0 and B; the air's potential energy is |compression [q; y]|^2 / 2.
     mass [k + n, k + n] : of the air: unity for y, for q the added mass of the modes left out.
-    Walls that yield are coordinates between q and y, with their own mass, and a row of compression for each spring.
+    Walls that yield are coordinates between q and y, with their own mass, and each a last row of compression,
+    its spring.
+    walls [k + n] : what of the diagonal of `mass` is of walls themselves; zero if left out.
     viscous, hysteretic [k + n, k + n] : damping of the air, as - v . viscous v and, in frequency, + j hysteretic.
     complete_below_hz : no cavity mode is left out below it.
     """
@@ -79,6 +81,7 @@ class CoupledAir:
     viscous: Floats
     hysteretic: Floats
     complete_below_hz: float
+    walls: Floats = field(default_factory=lambda: np.zeros(0))
 
     def __post_init__(self) -> None:
         frequency_hz = frozen("coupled.frequency_hz", self.frequency_hz, (None,))
@@ -91,6 +94,7 @@ class CoupledAir:
             mass=frozen("coupled.mass", self.mass, square_of),
             viscous=frozen("coupled.viscous", self.viscous, square_of),
             hysteretic=frozen("coupled.hysteretic", self.hysteretic, square_of),
+            walls=frozen("coupled.walls", self.walls if np.size(self.walls) else np.zeros(square_of[0]), square_of[:1]),
         )
 
 

@@ -86,4 +86,5 @@ def _with_walls(air: CoupledAir, motion: WallMotion, at: slice, scale: Floats) -
         compression=np.vstack([air.compression, springs]),
         mass=air.mass + np.diag(own),
         viscous=air.viscous + np.diag(dashpots),
+        walls=own,
     )

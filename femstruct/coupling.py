@@ -9,15 +9,15 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import block_diag, eigh
 
-from acoustics.absorption import COUPLED, absorbed, coupling
 from acoustics.coupled import CoupledAir, Leak, coupled_air
 from acoustics.coupled_fem import coupled_cavity
 from acoustics.room import Enclosed, Room
 from acoustics.shaped import ShapedRoom
 from acoustics.walls import YieldingWall
 from femstruct.arrays import Floats
-from femstruct.errors import Finding, InputError
-from femstruct.modal.basis import ForceRow, Kind, ModalBasis
+from femstruct.coupling_findings import cut, of_walls, what_it_did
+from femstruct.errors import InputError
+from femstruct.modal.basis import ForceRow, Holder, Kind, ModalBasis
 from femstruct.modal.solve import signed
 from femstruct.model.probe import Surface
 from femstruct.radiation import ceiling_shapes, room_coordinates
@@ -64,7 +64,8 @@ def with_cavity(
     Damping couples the new modes. Where that makes less than 1e-3 of the structure's motion, and there is no leak and
     no resistance of a wall that yields, only the diagonal is kept, which costs less than a tenth in `simulate`; the
     finding ``two-way-coupling`` says which, and gives frequencies in vacuo and coupled.
-    The shapes are not orthonormal with the mass of the structure alone, but with that of structure and air.
+    The shapes are not orthonormal with the mass of the structure alone, but with that of structure and air; `holders`
+    has what of their energy is the structure's, the air's (with the plug of a leak) and that of walls that yield.
 
     Walls of a room of any shape that take up sound damp each of its modes by itself, with the rate c int beta P_n^2 / V
     of its energy; the finding ``walls-two-way`` tells where that is not enough. Walls that yield are exact.
@@ -142,13 +143,32 @@ def with_cavity(
         residual_norm=_left_over(omega, air, coupled, turn),
         complete_below_hz=min(basis.complete_below_hz / np.sqrt(1.0 + heavier), air.complete_below_hz),
         momentum=basis.momentum @ own,
+        holders=_holders(basis, air, turn, own, name, leak is not None),
         volumes={key: row @ own for key, row in basis.volumes.items()}
         | ({} if leak is None else {name: -turn[k] / np.sqrt(leak.inertance)}),
     )
-    told = (_told(basis, joined, own, air, (stray, kept), name), *_cut(air, reach))
+    told = (what_it_did(basis, joined, own, air, (stray, kept), name), *cut(air, reach))
     if isinstance(room, ShapedRoom):
-        told = (*told, *_of_walls(room, joined))
+        told = (*told, *of_walls(room, joined))
     return replace(joined, findings=(*basis.findings, *told))
+
+
+def _holders(
+    basis: ModalBasis, air: CoupledAir, turn: Floats, own: Floats, name: str, leaks: bool
+) -> dict[str, Holder]:
+    """Who holds the energy of the new modes: those who held it before, the air of the room, walls that yield."""
+    k, rows = len(basis.omega), 1 + len(air.frequency_hz)
+    before = basis.holders or {"structure": Holder(np.eye(k), np.diag(basis.omega**2))}
+    plug = np.zeros(len(turn))
+    plug[k : k + leaks] = 1.0
+    squeezed, sprung = air.compression[:rows] @ turn, air.compression[rows:] @ turn
+    moving = turn.T @ (air.mass + np.diag(plug - air.walls)) @ turn
+    walls = {f"walls of {name}": Holder((turn.T * air.walls) @ turn, sprung.T @ sprung)} if len(sprung) else {}
+    return {
+        **{key: holder.turned(own) for key, holder in before.items()},
+        f"air of {name}": Holder(moving, squeezed.T @ squeezed),
+        **walls,
+    }
 
 
 def _has_dashpots(room: Enclosed) -> bool:
@@ -224,75 +244,3 @@ def _left_over(omega: Floats, air: CoupledAir, coupled: Floats, turn: Floats) ->
     terms: Floats = np.sum(sizes, axis=0)
     share: Floats = np.divide(left, terms, out=np.zeros_like(left), where=terms > 0)
     return share
-
-
-def _cut(air: CoupledAir, asked_hz: float) -> tuple[Finding, ...]:
-    """A finding when cavity modes are added mass already below the frequency asked for."""
-    kept = air.complete_below_hz
-    if kept >= asked_hz:
-        return ()
-    return (
-        Finding(
-            "cavity-modes-cut",
-            f"The room's own {len(air.frequency_hz)} modes below {kept:.4g} Hz push back; from there to {asked_hz:.4g} "
-            "Hz, where the structure's modes go, its air is a mass only: resonances of the room there act on what is "
-            "heard, not on the structure",
-            {"cavity_modes_up_to_hz": kept, "asked_hz": asked_hz},
-        ),
-    )
-
-
-def _of_walls(room: ShapedRoom, joined: ModalBasis) -> tuple[Finding, ...]:
-    """A finding when what the walls take up is more than the damping of each mode by itself."""
-    taken = absorbed(room.modes, room.walls, room.air)
-    coupled = coupling(room.modes, taken, room.air)
-    rate = room.air.c * float(taken[0, 0])  # at which walls let go of uniform pressure [1/s]
-    elastic = joined.omega[np.array(joined.kind) == "elastic"]
-    lost = rate / float(elastic[0]) if elastic.size else 0.0
-    if coupled <= COUPLED and lost <= COUPLED:
-        return ()
-    return (
-        Finding(
-            "walls-two-way",
-            f"Walls couple two modes of the room by {coupled:.2g} of the distance of their frequencies and would take "
-            f"up uniform pressure with a loss factor of {lost:.2g} at the first mode, {elastic[0] / (2 * np.pi):.4g} "
-            f"Hz; above {COUPLED:g} two-way coupling is rough, as its walls damp each mode of the room by itself and "
-            "uniform pressure not at all. One-way coupling has all of it, but air that does not push back",
-            {"coupling": coupled, "uniform_loss_factor": lost, "allowed": COUPLED},
-        ),
-    )
-
-
-def _told(
-    basis: ModalBasis, joined: ModalBasis, own: Floats, air: CoupledAir, between: tuple[float, bool], name: str
-) -> Finding:
-    """What the coupling did: the mode that the air stiffens most, before and after.
-
-    between : what damping between modes makes of the motion, and whether it is kept.
-    """
-    stray, kept = between
-    added = air.compression[0, : len(basis.omega)][basis.modes] ** 2
-    share = np.divide(added, added + basis.omega[basis.modes] ** 2, out=np.zeros_like(added), where=added > 0)
-    stiffened = int(share.argmax())
-    partner = int((own[stiffened] ** 2)[joined.modes].argmax())
-    before, after = float(basis.frequency_hz[stiffened]), float(joined.frequency_hz[partner])
-    n = len(air.frequency_hz)
-    leaks = name in joined.volumes
-    closed, yielding = "with a leak" if leaks else "sealed", len(air.mass) - n - leaks - len(basis.omega)
-    also = f" and {yielding} shapes in which its walls yield" if yielding else ""
-    return Finding(
-        "two-way-coupling",
-        f"The air of the room ({closed}) pushes back, with {n} modes of its own below {air.complete_below_hz:.4g} "
-        f"Hz{also}, the others as added mass: mode {stiffened + 1}, {before:.2f} Hz in vacuo, is mode {partner + 1} at "
-        f"{after:.2f} Hz. Mode numbers, frequencies and the energy of the structure are those with the air. Damping "
-        f"between its modes makes {stray:.1e} of the structure's motion and is {'kept' if kept else 'left out'}",
-        {
-            "in_vacuo_hz": before,
-            "coupled_hz": after,
-            "in_vacuo_mode": stiffened + 1.0,
-            "coupled_mode": partner + 1.0,
-            "cavity_modes": float(n),
-            "cavity_modes_up_to_hz": air.complete_below_hz,
-            "damping_between_modes": stray,
-        },
-    )

@@ -257,6 +257,12 @@ def _write_energy(target: h5py.Group, response: Response, shares: ModeEnergies |
         if shares.at_separation is not None:
             parted = [part.energy for part in shares.at_separation]
             put(modes, "at_separation", parted, "J", "When the collision was over", (one,))
+    if shares is not None and shares.held_at_end:
+        parts = group(energy, "held_by", "The same by what holds it: structure, air of rooms, walls that yield")
+        one = axis(parts, "holder", list(shares.held_at_end), "1", "Name")
+        put(parts, "end", list(shares.held_at_end.values()), "J", "At the end of the window", (one,))
+        if shares.held_at_separation:
+            put(parts, "at_separation", list(shares.held_at_separation.values()), "J", "When it was over", (one,))
 
 
 def _write_lost(target: h5py.Group, ledger: EnergyLedger, shares: ModeEnergies | None) -> None:
@@ -281,7 +287,7 @@ def _write_lost(target: h5py.Group, ledger: EnergyLedger, shares: ModeEnergies |
 
 
 _TERMS: Final = {
-    "structure": "Kinetic and elastic energy of the structure",
+    "structure": "Kinetic and elastic energy of the structure, with the air that pushes back",
     "stored": "Elastic energy of contacts and links",
     "dissipated": "Lost in modes, contacts and links until now",
     "work": "Done by loads and gravity until now",

@@ -138,23 +138,27 @@ def growth(blows: Sequence[Blow]) -> float | None:
 
 
 def _energy(response: Response, shares: ModeEnergies | None) -> Table:
-    """The ledger; `modes` are the groups that "structure" is the sum of, `lost` the parts of "dissipated": in modes,
-    in the structure's own dashpots, in contacts and links."""
+    """The ledger; `modes` are the groups that "structure" is the sum of, `held_by` the same by what holds it where air
+    pushes back; `lost` are the parts of "dissipated": in modes, in the structure's own dashpots, in contacts and
+    links."""
     ledger = response.ledger
     separation = ledger.at_separation
     parted, end = (None, None) if shares is None else (shares.at_separation, shares.end)
     taken_then, taken = (None, 0.0) if shares is None else (shares.dashpots_at_separation, shares.dashpots_at_end)
+    held_then, held = ({}, {}) if shares is None else (shares.held_at_separation, shares.held_at_end)
     start = ledger.start
     stored = sum(start.bodies.values()) + start.structure + sum(start.contacts.values()) + sum(start.links.values())
     return {
         "input_j": number(stored + ledger.end.work + ledger.end.blows),
-        "at_separation": None if separation is None else _balance(separation, parted, taken_then or 0.0),
-        "end": _balance(ledger.end, end, taken),
+        "at_separation": None if separation is None else _balance(separation, parted, taken_then or 0.0, held_then),
+        "end": _balance(ledger.end, end, taken, held),
         "ledger_residual": number(ledger.residual),
     }
 
 
-def _balance(balance: EnergyBalance, groups: Sequence[EnergyGroup] | None, dashpots: float) -> Table:
+def _balance(
+    balance: EnergyBalance, groups: Sequence[EnergyGroup] | None, dashpots: float, held: Mapping[str, float]
+) -> Table:
     return {
         "t_s": number(balance.t),
         **{name: number(value) for name, value in balance.bodies.items()},
@@ -163,6 +167,7 @@ def _balance(balance: EnergyBalance, groups: Sequence[EnergyGroup] | None, dashp
             {"name": g.name, "from_hz": number(g.from_hz), "to_hz": number(g.to_hz), "energy_j": number(g.energy)}
             for g in groups or ()
         ],
+        "held_by": {name: number(energy) for name, energy in held.items()},
         "stored": number(sum(balance.contacts.values()) + sum(balance.links.values())),
         "dissipated": number(balance.dissipated),
         "lost": {

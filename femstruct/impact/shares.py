@@ -1,9 +1,9 @@
-"""Where the structure's energy is: by mode, in groups, at any instant of a run."""
+"""Where the structure's energy is: by mode, in groups, and by what holds it, at any instant of a run."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
 from scipy.integrate import solve_ivp
@@ -35,12 +35,18 @@ class EnergyGroup:
 @dataclass(frozen=True)
 class ModeEnergies:
     """The structure's term of the ledger by groups of modes, at the separation (None without one) and at the end; and
-    what of the losses in modes its own dashpots took until then [J]."""
+    what of the losses in modes its own dashpots took until then [J].
+
+    held_at_separation, held_at_end : the same term by what holds it [J], as structure and air of a room; empty where
+    all of it is the structure's.
+    """
 
     at_separation: tuple[EnergyGroup, ...] | None
     end: tuple[EnergyGroup, ...]
     dashpots_at_separation: float | None
     dashpots_at_end: float
+    held_at_separation: Mapping[str, float] = field(default_factory=dict)
+    held_at_end: Mapping[str, float] = field(default_factory=dict)
 
 
 def mode_energies(response: Response) -> ModeEnergies:
@@ -49,13 +55,41 @@ def mode_energies(response: Response) -> ModeEnergies:
     Notes: modes are normalised to the mass and share no energy, however they are damped: the groups add up to
     `EnergyBalance.structure`. From the last sample before the instant the motion is integrated to it, to 3e-14.
     """
-    separation, end = response.ledger.at_separation, response.ledger.end
-    compiled = compile_scene(response.basis, response.scene, response.clock)
+    basis, separation, end = response.basis, response.ledger.at_separation, response.ledger.end
+    compiled = compile_scene(basis, response.scene, response.clock)
+    then = None if separation is None else modes_at(response, compiled, separation.t)
+    last = modes_at(response, compiled, end.t)
     return ModeEnergies(
-        None if separation is None else grouped(response.basis, energy_by_mode(response, compiled, separation.t)),
-        grouped(response.basis, energy_by_mode(response, compiled, end.t)),
+        None if then is None else grouped(basis, _by_mode(basis, *then)),
+        grouped(basis, _by_mode(basis, *last)),
         *dashpot_losses(response),
+        {} if then is None else held(basis, *then),
+        held(basis, *last),
     )
+
+
+def held(basis: ModalBasis, q: Floats, qd: Floats) -> dict[str, float]:
+    """Energy of the modes by what holds it [J], of modal coordinates and velocities [k]; empty for one holder."""
+    return {name: float(holder.energy(q, qd)) for name, holder in basis.holders.items()}
+
+
+def held_over_time(response: Response, t: Floats) -> dict[str, Floats]:
+    """The same at the samples next to times [m] of the run: histories [m] [J], for pictures."""
+    if not response.basis.holders:
+        return {}
+    samples = np.clip(np.round(t * response.clock.sampling).astype(int), 0, len(response.t) - 1)
+    k = len(response.basis.omega)
+    q, qd = (
+        np.stack([state_at(response.motion, what, int(sample))[:k] for sample in samples], axis=1)
+        for what in (DISPLACEMENT, VELOCITY)
+    )
+    return {name: holder.energy(q, qd) for name, holder in response.basis.holders.items()}
+
+
+def _by_mode(basis: ModalBasis, q: Floats, qd: Floats) -> Floats:
+    """Kinetic and elastic energy of every mode [k] [J]."""
+    energy: Floats = 0.5 * (qd**2 + (basis.omega * q) ** 2)
+    return energy
 
 
 def grouped(basis: ModalBasis, energy: Floats) -> tuple[EnergyGroup, ...]:
@@ -79,8 +113,8 @@ def grouped(basis: ModalBasis, energy: Floats) -> tuple[EnergyGroup, ...]:
     )
 
 
-def energy_by_mode(response: Response, compiled: Compiled, t: float) -> Floats:
-    """Kinetic and elastic energy of every mode [k] at a time of the run [J]."""
+def modes_at(response: Response, compiled: Compiled, t: float) -> tuple[Floats, Floats]:
+    """Modal coordinates and velocities [k] at a time of the run."""
     system, sampling = compiled.system, response.clock.sampling
     sample = min(int(t * sampling), compiled.n_samples - 1)
     if sample / sampling > t:
@@ -94,8 +128,7 @@ def energy_by_mode(response: Response, compiled: Compiled, t: float) -> Floats:
         now = then
         if now < t:
             _renew(system, rest, now, z, v)
-    energy: Floats = 0.5 * (v**2 + (system.omega * z) ** 2)[: system.n_modes]
-    return energy
+    return z[: system.n_modes], v[: system.n_modes]
 
 
 def _rests(response: Response, compiled: Compiled, sample: int, z: Floats, v: Floats) -> Floats:

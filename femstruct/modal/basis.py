@@ -49,6 +49,30 @@ class ForceRow:
 
 
 @dataclass(frozen=True, eq=False)
+class Holder:
+    """What holds a share of the energy of the modes: q' . inertia q' / 2 + q . stiffness q / 2.
+
+    inertia [k, k] : of modal velocities [1]. stiffness [k, k] : of modal coordinates [rad^2/s^2].
+    """
+
+    inertia: Floats
+    stiffness: Floats
+
+    def __post_init__(self) -> None:
+        inertia = frozen("Holder inertia", self.inertia, (None, None))
+        freeze(self, inertia=inertia, stiffness=frozen("Holder stiffness", self.stiffness, inertia.shape))
+
+    def energy(self, q: Floats, qd: Floats) -> Floats:
+        """Energy it holds [...] [J] of modal coordinates and velocities [k, ...]."""
+        held: Floats = 0.5 * ((qd * (self.inertia @ qd)).sum(axis=0) + (q * (self.stiffness @ q)).sum(axis=0))
+        return held
+
+    def turned(self, modes: Floats) -> Holder:
+        """The same in other modes; modes [k, n] : those in terms of these."""
+        return Holder(modes.T @ self.inertia @ modes, modes.T @ self.stiffness @ modes)
+
+
+@dataclass(frozen=True, eq=False)
 class ModalBasis:
     """Mass-normalised modes and residual vectors: q_r'' + (viscous q')_r + omega_r^2 q_r = phi_r . f.
 
@@ -70,6 +94,8 @@ class ModalBasis:
     findings : what to know before believing it.
     volumes : volume that the air plug of a room's leak displaces into it [k] [m^3/sqrt(kg)], by room.
     dashpots [k, k] : what the permanent dashpots are of `viscous` [rad/s]; zero if left out.
+    holders : who holds the energy of modes that several share, as a structure and the air of a room; their sum is that
+        of the modes. Empty where all of it is the structure's.
 
     Raises FemstructError: arrays that do not fit each other, a negative frequency.
 
@@ -96,6 +122,7 @@ class ModalBasis:
     volumes: Mapping[str, Floats] = field(default_factory=dict)
     grounded: tuple[str, ...] = field(default=())
     dashpots: Floats = field(default_factory=lambda: np.zeros((0, 0)))
+    holders: Mapping[str, Holder] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         omega = frozen("ModalBasis omega", self.omega, (None,))

@@ -16,7 +16,7 @@ NOTHING = 1e-9  # share of the energy put in, below which a ledger holds the tai
 
 
 def energies(result: StudyResult) -> Grid:
-    """The ledger at the start, the separation and the end, bodies by name."""
+    """The ledger at the start, the separation and the end, bodies and what holds the modes' energy by name."""
     ledgers = [case.response.ledger for case in result.cases.values() if case.response is not None]
     factor, unit = scaled("J", max(map(_put_in, ledgers), default=0.0))
     grid = Grid(
@@ -27,8 +27,10 @@ def energies(result: StudyResult) -> Grid:
     for name, case in result.cases.items():
         if case.response is None:
             continue
-        ledger = case.response.ledger
-        for label, balance in (("start", ledger.start), ("separation", ledger.at_separation), ("end", ledger.end)):
+        ledger, shares = case.response.ledger, case.shares
+        then, last = ({}, {}) if shares is None else (shares.held_at_separation, shares.held_at_end)
+        instants = (("start", ledger.start), ("separation", ledger.at_separation), ("end", ledger.end))
+        for (label, balance), parts in zip(instants, ({}, then, last), strict=True):
             if balance is None and not case.response.contacts:
                 continue  # nothing meets, so nothing parts
             if balance is None:
@@ -46,12 +48,21 @@ def energies(result: StudyResult) -> Grid:
                 label,
                 f"{1e3 * balance.t:.3f}",
                 bodies,
-                tell(balance.structure),
+                ", ".join(_part(name, tell(energy)) for name, energy in parts.items()) or tell(balance.structure),
                 tell(stored),
                 tell(balance.dissipated),
                 f"{ledger.residual:.1e}" if label == "end" else "",
             )
     return grid
+
+
+def _part(name: str, energy: str) -> str:
+    """What of the column "structure" something holds.
+
+    >>> _part("structure", "12.3"), _part("air of box", "4.5")
+    ('12.3', 'air of box 4.5')
+    """
+    return energy if name == "structure" else f"{name} {energy}"
 
 
 def _put_in(ledger: EnergyLedger) -> float:

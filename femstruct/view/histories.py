@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Final
 
 import numpy as np
@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 
 from femstruct.arrays import Floats
 from femstruct.impact.response import BodyHistory, EnergyLedger, Response
+from femstruct.impact.shares import held_over_time
 from femstruct.study.result import CaseResult, StudyResult
 from femstruct.view.figures import case_colours, finish, legend_above, new_figure, panels, thinned
 from femstruct.view.scales import scaled
@@ -19,7 +20,13 @@ from femstruct.view.trust import anything_meets
 ZOOM_WITHOUT_RULE: Final = 0.05  # of the window, where no first-impact window is given
 AROUND: Final = 1.25  # times the first-impact window: what comes next is seen to begin
 RESTING: Final = 1e-6  # of its largest speed: a body that is told to be at rest
-ENERGY_COLOURS: Final = ("#0072b2", "#009e73", "#e69f00", "#bbbbbb")
+ENERGY_COLOURS: Final = {
+    "bodies": "#0072b2",
+    "structure": "#009e73",
+    "contacts, links": "#e69f00",
+    "dissipated": "#bbbbbb",
+}
+BESIDE_COLOURS: Final = ("#56b4e9", "#cc79a7", "#f0e442")  # of what holds energy of the modes beside the structure
 
 Row = tuple[str, str, Mapping[str, tuple[Floats, Floats]], Mapping[str, str]]  # ylabel, unit, by case (t, y), legend
 
@@ -76,17 +83,22 @@ def travels(result: StudyResult) -> Figure | None:
 
 
 def energy(result: StudyResult) -> Figure | None:
-    """The ledger of every case, stacked: bodies, structure, contacts and links, losses, up to what was put in."""
+    """The ledger of every case, stacked: bodies, structure, contacts and links, losses, up to what was put in.
+
+    Where air pushes back, that of rooms and of walls that yield stands beside the structure.
+    """
     responses = _responses(result)
     if not responses:
         return None
+    holders = dict.fromkeys(name for response in responses.values() for name in response.basis.holders)
+    beside = [name for name in holders if name != "structure"]
     figure = new_figure(10.0, 1.1 + 2.3 * len(responses), "Where the energy is")
     grid = panels(figure, len(responses), 2, between=0.75, top=0.65, sharey="row")
     for row, (name, response) in zip(grid, responses.items(), strict=True):
         ledger = response.ledger
         factor, unit = scaled("J", float(_input(ledger).max()))
         for axes, end in zip(row, (_zoom(result, response), float(ledger.t[-1])), strict=True):
-            _stack(axes, ledger, factor, end)
+            _stack(axes, response, factor, end, beside)
             time, time_unit = scaled_time(end)
             finish(axes, f"time in {time_unit}", "")
             axes.set_xlim(0.0, time * end)
@@ -99,7 +111,7 @@ def energy(result: StudyResult) -> Figure | None:
         bbox_to_anchor=(1.0, 1.0),
         borderaxespad=0.3,
         frameon=False,
-        ncols=5,
+        ncols=4 if beside else 5,
         columnspacing=1.0,
     )
     return figure
@@ -132,14 +144,27 @@ def scaled_time(end: float) -> tuple[float, str]:
     return (1e3, "ms") if end < 0.5 else (1.0, "s")
 
 
-def _stack(axes: Axes, ledger: EnergyLedger, factor: float, end: float) -> None:
+def _stack(axes: Axes, response: Response, factor: float, end: float, beside: Sequence[str]) -> None:
+    ledger, t = response.ledger, np.linspace(0.0, end, 500)
     bodies = np.sum(list(ledger.bodies.values()), axis=0) if ledger.bodies else np.zeros_like(ledger.t)
-    terms = (("bodies", bodies), ("structure", ledger.structure), ("contacts, links", ledger.stored))
-    t = np.linspace(0.0, end, 500)
+    structure, none = np.interp(t, ledger.t, ledger.structure), np.zeros_like(t)
+    held = held_over_time(response, t)
+    layers = {
+        "bodies": np.interp(t, ledger.t, bodies),
+        "structure": held.get("structure", structure),
+        **{name: held.get(name, none) for name in beside},
+        "contacts, links": np.interp(t, ledger.t, ledger.stored),
+        "dissipated": np.interp(t, ledger.t, ledger.dissipated),
+    }
+    colours = {**{name: BESIDE_COLOURS[i % len(BESIDE_COLOURS)] for i, name in enumerate(beside)}, **ENERGY_COLOURS}
     scale, _ = scaled_time(end)
-    layers = [factor * np.interp(t, ledger.t, term) for _, term in (*terms, ("", ledger.dissipated))]
-    labels = [*(name for name, _ in terms), "dissipated"]
-    axes.stackplot(scale * t, layers, labels=labels, colors=ENERGY_COLOURS, linewidth=0)
+    axes.stackplot(
+        scale * t,
+        [factor * layer for layer in layers.values()],
+        labels=list(layers),
+        colors=[colours[name] for name in layers],
+        linewidth=0,
+    )
     axes.plot(scale * t, factor * np.interp(t, ledger.t, _input(ledger)), "k--", linewidth=1.0, label="put in")
 
 

@@ -8,14 +8,18 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import h5py
 import numpy as np
 import pytest
 
 from femstruct.files.results import write_results
 from femstruct.files.stored import read_results
+from femstruct.files.tables import summary
 from femstruct.language import read_study
 from femstruct.model.probe import Probe
 from femstruct.study.result import StudyResult
+from femstruct.view.histories import energy as energy_figure
+from femstruct.view.terminal import show_study
 from femstruct.workflow.run import run_study, without_rooms
 
 STUDY = Path(__file__).parents[2] / "models" / "floor_two_way.study.yaml"
@@ -103,6 +107,30 @@ def test_results_keep_the_basis_that_the_motion_is_in(floor: StudyResult, tmp_pa
     assert len(set(keys.values())) == 3
     for name, case in floor.cases.items():
         assert np.array_equal(stored.bases[keys[name]].frequency_hz, case.basis.frequency_hz)
+
+
+def test_who_holds_the_energy(floor: StudyResult, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    table = summary(floor)["cases"]
+    write_results(tmp_path / "results.h5", floor)
+    with h5py.File(tmp_path / "results.h5") as file:
+        for name in floor.cases:
+            energy = table[name]["energy"]
+            for when in ("at_separation", "end"):
+                held = energy[when]["held_by"]
+                assert list(held) == ([] if name == "one-way" else ["structure", "air of box"])
+                if held:
+                    assert sum(held.values()) == pytest.approx(energy[when]["structure"], rel=1e-6)
+                    assert 0.0 < held["air of box"] < held["structure"]
+                    assert file[f"cases/{name}/energy/held_by/{when}"][:].tolist() == list(held.values())
+    show_study(floor, {})
+    assert "air of box" in capsys.readouterr().out
+    figure = energy_figure(floor)
+    assert figure is not None
+    first, last = (figure.axes[i].get_legend_handles_labels()[1] for i in (0, -1))
+    assert first == last == ["bodies", "structure", "air of box", "contacts, links", "dissipated", "put in"]
+    top = figure.axes[0].collections[-1].get_paths()[0].vertices[:, 1].max()
+    put_in = figure.axes[0].get_lines()[0].get_ydata()
+    assert top == pytest.approx(put_in.max(), rel=0.02)  # 2 %: between the steps of the ledger
 
 
 def test_weight_at_rest_on_sealed_air_is_told() -> None:

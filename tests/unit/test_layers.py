@@ -18,7 +18,7 @@ LAYERS = [
     ["femstruct.assembly"],
     ["femstruct.modal"],
     ["femstruct.impact"],
-    ["femstruct.radiation", "femstruct.power", "femstruct.coupling"],
+    ["femstruct.radiation", "femstruct.power", "femstruct.coupling_findings", "femstruct.coupling"],
     ["femstruct.study"],
     ["femstruct.language", "femstruct.files", "femstruct.view"],
     ["femstruct.workflow"],
@@ -67,7 +67,18 @@ ACOUSTICS = [
         "acoustics.sound_energy",
     ],
 ]
-HEARS_ACOUSTICS = {"radiation", "power", "coupling", "study", "language", "files", "view", "workflow", "cli"}
+HEARS_ACOUSTICS = {
+    "radiation",
+    "power",
+    "coupling",
+    "coupling_findings",
+    "study",
+    "language",
+    "files",
+    "view",
+    "workflow",
+    "cli",
+}
 OPENS_FILES = {"h5py", "pyvista", "matplotlib", "pydantic", "ruamel", "meshio", "rich", "typer"}
 
 

@@ -1,0 +1,84 @@
+"""What two-way coupling tells of itself: what it did, and where it is rough."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from acoustics.absorption import COUPLED, absorbed, coupling
+from acoustics.coupled import CoupledAir
+from acoustics.shaped import ShapedRoom
+from femstruct.arrays import Floats
+from femstruct.errors import Finding
+from femstruct.modal.basis import ModalBasis
+
+
+def cut(air: CoupledAir, asked_hz: float) -> tuple[Finding, ...]:
+    """A finding when cavity modes are added mass already below the frequency asked for."""
+    kept = air.complete_below_hz
+    if kept >= asked_hz:
+        return ()
+    return (
+        Finding(
+            "cavity-modes-cut",
+            f"The room's own {len(air.frequency_hz)} modes below {kept:.4g} Hz push back; from there to {asked_hz:.4g} "
+            "Hz, where the structure's modes go, its air is a mass only: resonances of the room there act on what is "
+            "heard, not on the structure",
+            {"cavity_modes_up_to_hz": kept, "asked_hz": asked_hz},
+        ),
+    )
+
+
+def of_walls(room: ShapedRoom, joined: ModalBasis) -> tuple[Finding, ...]:
+    """A finding when what the walls take up is more than the damping of each mode by itself."""
+    taken = absorbed(room.modes, room.walls, room.air)
+    coupled = coupling(room.modes, taken, room.air)
+    rate = room.air.c * float(taken[0, 0])  # at which walls let go of uniform pressure [1/s]
+    elastic = joined.omega[np.array(joined.kind) == "elastic"]
+    lost = rate / float(elastic[0]) if elastic.size else 0.0
+    if coupled <= COUPLED and lost <= COUPLED:
+        return ()
+    return (
+        Finding(
+            "walls-two-way",
+            f"Walls couple two modes of the room by {coupled:.2g} of the distance of their frequencies and would take "
+            f"up uniform pressure with a loss factor of {lost:.2g} at the first mode, {elastic[0] / (2 * np.pi):.4g} "
+            f"Hz; above {COUPLED:g} two-way coupling is rough, as its walls damp each mode of the room by itself and "
+            "uniform pressure not at all. One-way coupling has all of it, but air that does not push back",
+            {"coupling": coupled, "uniform_loss_factor": lost, "allowed": COUPLED},
+        ),
+    )
+
+
+def what_it_did(
+    basis: ModalBasis, joined: ModalBasis, own: Floats, air: CoupledAir, between: tuple[float, bool], name: str
+) -> Finding:
+    """What the coupling did: the mode that the air stiffens most, before and after.
+
+    between : what damping between modes makes of the motion, and whether it is kept.
+    """
+    stray, kept = between
+    added = air.compression[0, : len(basis.omega)][basis.modes] ** 2
+    share = np.divide(added, added + basis.omega[basis.modes] ** 2, out=np.zeros_like(added), where=added > 0)
+    stiffened = int(share.argmax())
+    partner = int((own[stiffened] ** 2)[joined.modes].argmax())
+    before, after = float(basis.frequency_hz[stiffened]), float(joined.frequency_hz[partner])
+    n = len(air.frequency_hz)
+    leaks = name in joined.volumes
+    closed, yielding = "with a leak" if leaks else "sealed", len(air.mass) - n - leaks - len(basis.omega)
+    also = f" and {yielding} shapes in which its walls yield" if yielding else ""
+    return Finding(
+        "two-way-coupling",
+        f"The air of the room ({closed}) pushes back, with {n} modes of its own below {air.complete_below_hz:.4g} "
+        f"Hz{also}, the others as added mass: mode {stiffened + 1}, {before:.2f} Hz in vacuo, is mode {partner + 1} at "
+        f"{after:.2f} Hz. Mode numbers, frequencies and the energy of the modes are those with the air. Damping "
+        f"between its modes makes {stray:.1e} of the structure's motion and is {'kept' if kept else 'left out'}",
+        {
+            "in_vacuo_hz": before,
+            "coupled_hz": after,
+            "in_vacuo_mode": stiffened + 1.0,
+            "coupled_mode": partner + 1.0,
+            "cavity_modes": float(n),
+            "cavity_modes_up_to_hz": air.complete_below_hz,
+            "damping_between_modes": stray,
+        },
+    )
