@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from math import isfinite
 from typing import Any
 
 import h5py
@@ -12,6 +13,7 @@ from acoustics.sound_energy import REFERENCE_J
 from femstruct.files.hdf5 import axis, group, put
 from femstruct.files.numbers import label, number
 from femstruct.power import PowerResponse, Radiated
+from femstruct.study.result import CaseResult
 
 Table = dict[str, Any]
 
@@ -32,6 +34,16 @@ def radiated_table(radiated: Radiated) -> Table:
         "bands_db": _by_frequency(energy.bands_db),
         "bands_efficiency": _by_frequency(energy.bands_efficiency),
         "directivity": _pattern_table(radiated.pattern),
+    }
+
+
+def radiated_beside(case: CaseResult, baseline: CaseResult | None) -> Table:
+    """By half space, what the level of the sound energy is above the baseline's [dB]; None in silence."""
+    before = {} if baseline is None else baseline.radiated
+    return {
+        room: number(one.energy.level_db - before[room].energy.level_db)
+        for room, one in case.radiated.items()
+        if room in before and isfinite(before[room].energy.level_db)
     }
 
 

@@ -11,7 +11,7 @@ from femstruct.errors import Finding
 from femstruct.files.arrays import array_tables
 from femstruct.files.machine import machine_table, verdict_tables
 from femstruct.files.numbers import label, number
-from femstruct.files.radiated import radiated_table
+from femstruct.files.radiated import radiated_beside, radiated_table
 from femstruct.files.trust import accuracy_table, error_table
 from femstruct.impact.response import Blow, EnergyBalance, Response
 from femstruct.impact.shares import EnergyGroup, ModeEnergies
@@ -26,11 +26,15 @@ def summary(result: StudyResult) -> Table:
     In the comparison, `bands_db` and `modes_db` are those of the first receiver's pressure (without a room, of the
     first recorded channel); `bands_db_by_receiver` and `modes_db_by_channel` have all. Attenuations are positive where
     the case is quieter than the baseline; `rated_db` is what a room's single numbers are above the baseline's, negative
-    then.
+    then, `sound_energy_db` the same of the sound energy into the open.
     """
     baseline = result.cases[result.comparison.baseline] if result.comparison.cases else None
     comparison = {
-        name: _comparison(result.cases[name], beside) | {"rated_db": _rated_beside(result.cases[name], baseline)}
+        name: _comparison(result.cases[name], beside)
+        | {
+            "rated_db": _rated_beside(result.cases[name], baseline),
+            "sound_energy_db": radiated_beside(result.cases[name], baseline),
+        }
         for name, beside in result.comparison.cases.items()
     }
     cases = {

@@ -218,6 +218,23 @@ def test_nobody_needs_to_listen(case: CaseResult, folder: Path) -> None:
     assert not impact.study.rooms and not impact.study.frf
 
 
+def test_cases_are_compared(folder: Path) -> None:
+    """Twice the force on the same plate: 6.02 dB more, in the tables and on the screen."""
+    path = folder / "twice.study.yaml"
+    path.write_text(STUDY + "cases: {once: {}, twice: {loads.push.half_sine.amplitude: -20 N}}\n", encoding="utf-8")
+    both = run_study(read_study(path))
+    assert summary(both)["comparison"]["twice"]["sound_energy_db"] == pytest.approx(
+        {"open": 20 * np.log10(2), "roof": 20 * np.log10(2)}, abs=1e-6
+    )
+    (grid,) = (one for one in study_tables(both) if one.title.startswith("sound energy"))
+    assert [(row[0], row[1], row[4]) for row in grid.rows] == [
+        ("open", "once", ""),
+        ("open", "twice", "+6.0"),
+        ("roof", "once", ""),
+        ("roof", "twice", "+6.0"),
+    ]
+
+
 def test_reasons_to_believe_it_less(folder: Path) -> None:
     """Few modes, a short record, air that matters; each with its numbers."""
     text = STUDY.replace("up_to: 2 kHz", "up_to: 150 Hz").replace("500 ms", "40 ms").replace("60.5 Hz", "900 Hz")
