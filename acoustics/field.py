@@ -148,7 +148,7 @@ def field_pressures(
     above = np.cumsum(size[::-1])[::-1]
     last = int(np.count_nonzero(above > NEGLIGIBLE * above[0]))
     p = np.zeros((len(surfaces), len(places), len(s)), dtype=np.complex128)
-    for row, place in enumerate(places):
+    for row, place in enumerate(places if last else ()):  # of a surface that is still there is nothing to sum
         sums = _sums(space, first, place, s[:last])
         for one, spectrum in enumerate(spectra):
             p[one, row, :last] = (sums * spectrum[:, :last].T).sum(axis=1)

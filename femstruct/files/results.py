@@ -6,7 +6,7 @@
     /summary            the numbers of all cases and their comparison (JSON)
     /bases/KEY          modes, damping, shapes, force rows
     /cases/NAME         @basis; damping, channels, contacts, bodies, links, events, energy, error_estimate, accuracy,
-                        limits, frf, rooms, levels, sound_energy, rated, drops, modal
+                        limits, frf, rooms, levels, own_levels, total_levels, sound_energy, rated, drops, modal
     /comparison/CASE    modes by MAC, beside the baseline's
     /VTKHDF             mode shapes of the baseline, opened by ParaView as they are
 
@@ -32,7 +32,7 @@ from femstruct.files.blows import write_blows
 from femstruct.files.hdf5 import axis, group, put, put_text
 from femstruct.files.machine import write_verdicts
 from femstruct.files.radiated import write_power, write_radiated
-from femstruct.files.sound import write_levels, write_rated, write_room
+from femstruct.files.sound import write_levels, write_own, write_own_levels, write_rated, write_room
 from femstruct.files.tables import finding_table, findings_by_case, summary
 from femstruct.files.trust import write_accuracy, write_errors
 from femstruct.files.vtkhdf import write_vtkhdf
@@ -162,11 +162,16 @@ def _write_case(cases: h5py.Group, name: str, case: CaseResult, verdicts: Sequen
     if case.rooms:
         rooms = group(target, "rooms", "Sound in the rooms")
         for label, room in case.rooms.items():
-            write_room(group(rooms, label, "Pressure at the receivers"), room)
+            place = group(rooms, label, "Pressure at the receivers")
+            write_room(place, room)
+            if label in case.heard.own:
+                write_own(place, case.heard.own[label], case.heard.total[label])
     if case.levels:
         levels = group(target, "levels", "Levels at the receivers, ROOM.RECEIVER")
         for label, level in case.levels.items():
             write_levels(group(levels, label, "Levels at one receiver"), level)
+    if case.heard.total_levels:
+        write_own_levels(target, case.heard)
     if case.radiated:
         sound = group(target, "sound_energy", "Sound energy into the open, ROOM")
         for label, radiated in case.radiated.items():
@@ -183,6 +188,8 @@ def _write_case(cases: h5py.Group, name: str, case: CaseResult, verdicts: Sequen
             )
             for receiver, level in drop.levels.items():
                 write_levels(group(place, receiver, "Levels at one receiver"), level)
+            for receiver, level in drop.total_levels.items():
+                write_levels(group(place, f"{receiver} total", "Levels of structure and bodies together"), level)
 
 
 def _write_response(target: h5py.Group, case: CaseResult, response: Response) -> None:

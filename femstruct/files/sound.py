@@ -11,7 +11,8 @@ import numpy as np
 from acoustics.levels import REFERENCE_PA, Levels
 from acoustics.pressure import RoomResponse
 from acoustics.rated import RatedRoom
-from femstruct.files.hdf5 import axis, put
+from femstruct.files.hdf5 import axis, group, put
+from femstruct.study.result import OwnSound
 
 
 def write_room(target: h5py.Group, response: RoomResponse) -> None:
@@ -24,6 +25,22 @@ def write_room(target: h5py.Group, response: RoomResponse) -> None:
     put(target, "position", places, "m", "Where the receivers are", (receiver, direction))
     put(target, "pressure", response.p, "Pa", "Pressure, positive when compressed", (receiver, time))
     put(target, "spectrum", response.spectrum, "Pa/Hz", "dt rfft(pressure), no window", (receiver, frequency))
+
+
+def write_own(target: h5py.Group, own: RoomResponse, total: RoomResponse) -> None:
+    """Beside the pressure that the structure radiates, that of the striking bodies themselves, and the sum."""
+    both = ("receiver", "time")
+    put(target, "own_pressure", own.p, "Pa", "Pressure that the striking bodies make themselves", both)
+    put(target, "total_pressure", total.p, "Pa", "Sum of pressure and own_pressure: all that is heard", both)
+
+
+def write_own_levels(target: h5py.Group, heard: OwnSound) -> None:
+    """Levels of the striking bodies themselves, and of all that is heard."""
+    own = group(target, "own_levels", "Levels of the striking bodies themselves, ROOM.RECEIVER")
+    total = group(target, "total_levels", "Levels of structure and striking bodies together, ROOM.RECEIVER")
+    for place, found in ((own, heard.own_levels), (total, heard.total_levels)):
+        for label, levels in found.items():
+            write_levels(group(place, label, "Levels at one receiver"), levels)
 
 
 def write_levels(target: h5py.Group, levels: Levels) -> None:

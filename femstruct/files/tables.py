@@ -26,7 +26,8 @@ def summary(result: StudyResult) -> Table:
     In the comparison, `bands_db` and `modes_db` are those of the first receiver's pressure (without a room, of the
     first recorded channel); `bands_db_by_receiver` and `modes_db_by_channel` have all. Attenuations are positive where
     the case is quieter than the baseline; `rated_db` is what a room's single numbers are above the baseline's, negative
-    then, `sound_energy_db` the same of the sound energy into the open.
+    then, `sound_energy_db` the same of the sound energy into the open. `levels` are those of what the structure
+    radiates; where striking bodies are heard themselves, `own_levels` are theirs and `total_levels` those of all.
     """
     baseline = result.cases[result.comparison.baseline] if result.comparison.cases else None
     comparison = {
@@ -84,6 +85,8 @@ def _case(case: CaseResult) -> Table:
         "energy": None if response is None else _energy(response, case.shares),
         "levels": {name: _levels(levels) for name, levels in case.levels.items()},
         "sound_energy": {name: radiated_table(radiated) for name, radiated in case.radiated.items()},
+        "own_levels": {name: _levels(levels) for name, levels in case.heard.own_levels.items()},
+        "total_levels": {name: _levels(levels) for name, levels in case.heard.total_levels.items()},
         "rated": {name: _rated(rated) for name, rated in case.rated.items()},
         "drops": {place: _drop(drop) for place, drop in case.drops.items()},
         "accuracy": None if case.accuracy is None else accuracy_table(case.accuracy),
@@ -270,4 +273,5 @@ def _drop(drop: Drop) -> Table:
         "outcome": drop.outcome,
         "peak_force_n": {name: number(force) for name, force in drop.peak_force.items()},
         "levels": {name: _levels(levels) for name, levels in drop.levels.items()},
+        "total_levels": {name: _levels(levels) for name, levels in drop.total_levels.items()},
     }

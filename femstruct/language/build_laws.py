@@ -29,10 +29,12 @@ from femstruct.language.tables import read_curve
 @dataclass(frozen=True)
 class Ends:
     """What a restitution needs to know of two ends: the mass that meets [kg], that of a body alone or the reduced mass
-    of two, None without a body; the speed they meet with [m/s], None where the file does not tell it."""
+    of two, None without a body; the speed they meet with [m/s], None where the file does not tell it; their radii [m],
+    infinite for what is no body, None where a body has none."""
 
     mass: float | None
     speed: float | None
+    radii: tuple[float, float] | None
 
 
 def ends_of(study: StudySpec, a: str, b: str) -> Ends:
@@ -44,7 +46,10 @@ def ends_of(study: StudySpec, a: str, b: str) -> Ends:
     moving = [name for name, body in bodies.items() if start_speed(body)]
     placed = [name for name in moving if bodies[name].target == (b if name == a else a)]
     speed = start_speed(bodies[placed[0]]) if len(moving) == len(placed) == 1 else None
-    return Ends(mass, speed)
+    radii = [inf if name not in bodies else bodies[name].radius for name in (a, b)]
+    first, second = radii
+    round_ = first is not None and second is not None and min(first, second) < inf
+    return Ends(mass, speed, (first, second) if round_ else None)  # type: ignore[arg-type]
 
 
 def start_speed(body: BodySpec) -> float:
@@ -63,9 +68,16 @@ def law_of(spec: LawSpec, ends: Ends, builder: Builder, steps: Steps, sources: d
 def _law(spec: LawSpec, ends: Ends, builder: Builder, steps: Steps, sources: dict[str, str]) -> Law | None:
     if isinstance(spec, HertzSpec):
         stiffness = spec.stiffness
-        if spec.radius is not None and spec.E is not None and spec.nu is not None:
-            first, *second = spec.radius
-            stiffness = Hertz.of_spheres((first, second[0] if second else inf), spec.E, spec.nu).stiffness
+        if spec.E is not None and spec.nu is not None:
+            radii = ends.radii
+            if spec.radius is not None:
+                first, *second = spec.radius
+                radii = (first, second[0] if second else inf)
+            if radii is None:
+                got, do = "a hertz law without a radius", "add 'radius: 5 mm', or the radius of the body"
+                builder.mistakes.add(builder.tree.position(steps), dotted(steps), got=got, expected="one", do=do)
+                return None
+            stiffness = Hertz.of_spheres(radii, spec.E, spec.nu).stiffness
         assert stiffness is not None
         return Hertz(stiffness, spec.damping, spec.tensile)
     if isinstance(spec, LinearSpec):

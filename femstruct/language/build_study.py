@@ -117,7 +117,8 @@ def _body(name: str, spec: BodySpec, study: StudySpec, builder: Builder, sources
     dropped = spec.drop_height is not None
     blows = Repeat(spec.blows.count, spec.blows.every, spec.blows.first) if spec.blows is not None else None
     speed = start_speed(spec)
-    return PlacedBody(name, spec.mass, side, spec.target, speed, dropped, law, blows, spec.source)  # type: ignore[arg-type]
+    radius, source = spec.radius, spec.source
+    return PlacedBody(name, spec.mass, side, spec.target, speed, dropped, law, blows, source, radius)  # type: ignore[arg-type]
 
 
 def _contact(

@@ -8,8 +8,9 @@ from femstruct.language.limits import check_limits
 from femstruct.language.reader import Mistakes, Steps, Tree, nearest
 from femstruct.language.references import Checker, Names
 from femstruct.language.references_rooms import check_power, check_pressure, check_rooms
+from femstruct.language.schema_laws import HertzSpec
 from femstruct.language.schema_model import ModelSpec
-from femstruct.language.schema_study import SIDES, StudySpec, TimeSpec
+from femstruct.language.schema_study import SIDES, BodySpec, StudySpec, TimeSpec
 
 MOST_SAMPLES = 20_000_000
 
@@ -65,6 +66,7 @@ def check_study(study: StudySpec, tree: Tree, model: ModelSpec, mistakes: Mistak
             check.wrong(("links", name), "no stiffness and no damping", "one of them", of_key=True)
     _check_contacts(check, study)
     _check_blows(check, study)
+    _check_radii(check, study)
     _check_drops(check, study, names)
     _check_loads(check, study, names, model, each)
     for address in study.initial.velocity or {}:
@@ -165,6 +167,30 @@ def _check_blows(check: Checker, study: StudySpec) -> None:
         if contact.preload and held:
             got = f"a preload on '{held[0]}', which is lifted off at every blow"
             check.wrong(("contacts", name, "preload"), got, "none", "remove it, or the blows")
+
+
+def _check_radii(check: Checker, study: StudySpec) -> None:
+    """The radius of a body is that of what is heard on its side, or of a hertz law without its own."""
+    for name, body in study.bodies.items():
+        heard = [
+            room for room in study.rooms.values() if room.receivers and getattr(room, _side(body), None) is not None
+        ]
+        laws = [one.law for one in study.contacts.values() if name in one.between]
+        if body.contact is not None:
+            laws.append(body.contact)
+        touches = any(isinstance(law, HertzSpec) and law.stiffness is None and law.radius is None for law in laws)
+        if body.radius is not None and not heard and not touches:
+            if _side(body) in ("above", "below"):
+                do = f"add 'rooms.open: {{{_side(body)}: SURFACE, receivers: {{mic: [x, y, z]}}}}', or remove it"
+            else:
+                do = "remove it: what moves along x is not heard itself"
+            got = f"a radius, and nobody who listens {_side(body)} a surface"
+            expected = "open air on the body's side, or a hertz law without a radius"
+            check.wrong(("bodies", name, "radius"), got, expected, do)
+
+
+def _side(body: BodySpec) -> str:
+    return next(side for side in SIDES if getattr(body, side) is not None)
 
 
 def _check_drops(check: Checker, study: StudySpec, names: Names) -> None:

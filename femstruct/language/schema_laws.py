@@ -27,10 +27,11 @@ def _radii(value: object) -> object:
 
 
 class HertzSpec(Spec):
-    """f = k d^1.5 + c d^0.5 d', two rounded bodies: their stiffness, or radius (one, or two), E and nu of both."""
+    """f = k d^1.5 + c d^0.5 d', two rounded bodies: their stiffness, or E and nu of both and the radius (one, or two)
+    where they touch, that of the bodies themselves when left out."""
 
-    one_of = (("stiffness", "radius"),)
-    needs = (("radius", ("E", "nu")), ("E", ("radius",)), ("nu", ("radius",)))
+    one_of = (("stiffness", "E"),)
+    needs = (("radius", ("E", "nu")), ("E", ("nu",)), ("nu", ("E",)))
 
     type: Literal["hertz"]
     stiffness: Annotated[float, Quantity(("hertz stiffness",), above=0.0)] | None = None

@@ -181,7 +181,7 @@ class RoomSpec(Spec):
     """A room under a surface, and who listens in it: a rectangular one by its size, any other by its mesh.
 
     above, below: no room but open air on that side of a surface, which moves in a rigid baffle without end; receivers
-    are then measured from the surface's centre, global axes.
+    are then measured from the surface's centre, global axes. A body on that side is heard itself if it has a radius.
 
     mesh: a file of tetrahedra or hexahedra [m] with named surfaces, its own coordinates, z up.
     ceiling: the surface of the mesh that moves, or part of which does.

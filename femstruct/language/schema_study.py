@@ -18,6 +18,7 @@ from femstruct.language.spec import (
     Frequency,
     Gap,
     Instant,
+    Length,
     MassKg,
     Measured,
     Quantity,
@@ -88,6 +89,8 @@ class BodySpec(Spec):
 
     A source brings its mass, drop height and contact law, the hammers of a tapping machine their turns in place of a
     law: they are filled in before the keys are read.
+    radius: of a rigid sphere that moves as the body does; it is heard itself in the half space on its side, and touches
+    with this radius where a hertz law has none of its own.
     """
 
     one_of = (SIDES,)
@@ -103,6 +106,7 @@ class BodySpec(Spec):
     drop_height: Gap | None = None
     speed: DropSpeed | None = None
     contact: LawSpec | None = None
+    radius: Length | None = None
     blows: BlowsSpec | None = None
 
     @model_validator(mode="before")

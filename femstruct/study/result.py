@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Final
 
 from numpy import complex128
 from numpy.typing import NDArray
@@ -91,13 +92,31 @@ class AccuracyCheck:
 
 
 @dataclass(frozen=True, eq=False)
+class OwnSound:
+    """Striking bodies that are heard themselves, in the open air of some rooms.
+
+    own : the pressures they make, by "ROOM"; total : with what the structure radiates, by "ROOM". own_levels,
+    total_levels : by "ROOM.RECEIVER".
+    """
+
+    own: Mapping[str, RoomResponse]
+    total: Mapping[str, RoomResponse]
+    own_levels: Mapping[str, Levels]
+    total_levels: Mapping[str, Levels]
+
+
+SILENT: Final = OwnSound({}, {}, {}, {})
+
+
+@dataclass(frozen=True, eq=False)
 class Drop:
     """What is kept of one blow of a source that strikes several places: how it ended (a sentence), peak forces of the
-    contacts [N] by name, levels by "ROOM.RECEIVER"."""
+    contacts [N] by name, levels by "ROOM.RECEIVER", total_levels where the source is heard itself."""
 
     outcome: str
     peak_force: Mapping[str, float]
     levels: Mapping[str, Levels]
+    total_levels: Mapping[str, Levels] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,8 +124,8 @@ class CaseResult:
     """One case, every stage. `basis_key` names its basis in StudyResult.bases.
 
     response is None when nothing was simulated. channels by name ("O_s.z velocity", "box.mic pressure").
-    rooms and levels by "ROOM" and "ROOM.RECEIVER". rated : rooms rated by standards,
-    radiated : sound energies of half spaces, by "ROOM".
+    rooms and levels by "ROOM" and "ROOM.RECEIVER", of what the structure radiates; heard : of striking bodies
+    themselves, and in total. rated : rooms rated by standards, radiated : sound energies of half spaces, by "ROOM".
     accuracy : None where the study asks for none.
     shares : the structure's energy by modes; errors : what the march leaves wrong in forces and end velocities; both
     None when nothing was simulated.
@@ -129,6 +148,7 @@ class CaseResult:
     drops: Mapping[str, Drop] = field(default_factory=dict)
     errors: ErrorEstimate | None = None
     radiated: Mapping[str, Radiated] = field(default_factory=dict)
+    heard: OwnSound = SILENT
 
 
 @dataclass(frozen=True)

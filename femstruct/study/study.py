@@ -74,7 +74,8 @@ class PlacedBody:
     speed is sqrt(2 g h) of a drop height h; `dropped` says that it falls (its weight acts when there is gravity).
     law : of its own contact, None where a named contact or nothing joins them.
     blows : when it is given this start again; None for a body that strikes once. See `femstruct.impact.bodies.Blows`.
-    source : the standard source it is, None for any other body.
+    source : the standard source it is, None for any other body. radius : of a rigid sphere that is heard itself [m],
+    None for a body that is not.
     """
 
     name: str
@@ -86,6 +87,7 @@ class PlacedBody:
     law: Law | None = None
     blows: Repeat | None = None
     source: str | None = None
+    radius: float | None = None
 
 
 @dataclass(frozen=True)

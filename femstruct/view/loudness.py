@@ -21,7 +21,7 @@ CURVES: Final = ("--", ":", "-.")  # of the single numbers in their order
 
 def levels_over_time(result: StudyResult, room: str) -> Figure | None:
     """L_AF(t) at every receiver of a room in all cases, a panel each; the legend gives the largest. None if nobody
-    hears it.
+    hears it. Dashed: with the sound of striking bodies themselves.
 
     Where a source strikes several places it is the first of them.
     """
@@ -32,7 +32,7 @@ def levels_over_time(result: StudyResult, room: str) -> Figure | None:
     names = list(dict.fromkeys(one.name for case in cases.values() for one in case.rooms[room].receivers))
     rows = -(-len(names) // 2)
     columns = min(2, len(names))
-    legend = 0.155 * len(cases)  # inches
+    legend = 0.155 * (len(cases) + sum(room in case.heard.total for case in cases.values()))  # inches
     where = f", source at {place}" if (place := struck_first(result)) else ""
     figure = new_figure(11.0, 0.9 + rows * (2.3 + legend), f"Level over time in {room}: A-weighted, Fast{where}")
     grid = panels(figure, rows, columns, between=0.55 + legend, top=0.5 + legend, sharex=True, sharey=True)
@@ -40,13 +40,17 @@ def levels_over_time(result: StudyResult, room: str) -> Figure | None:
     loudest = -np.inf
     for axes, receiver in zip(panes, names, strict=False):
         for name, case in cases.items():
-            response = case.rooms[room]
-            for p, one in zip(response.p, response.receivers, strict=True):
-                if one.name == receiver:
-                    level = level_history(p, response.dt)
-                    label = f"{name}: largest {level.max():.1f} dB"
-                    axes.plot(*thinned(response.t, level), color=colours[name], linewidth=1.0, label=label)
-                    loudest = max(loudest, float(level.max()))
+            drawn = [(case.rooms[room], name, "-")]
+            if room in case.heard.total:
+                drawn.append((case.heard.total[room], f"{name} with the bodies' own sound", "--"))
+            for response, who, style in drawn:
+                for p, one in zip(response.p, response.receivers, strict=True):
+                    if one.name == receiver:
+                        level = level_history(p, response.dt)
+                        x, y = thinned(response.t, level)
+                        label = f"{who}: largest {level.max():.1f} dB"
+                        axes.plot(x, y, color=colours[name], linestyle=style, linewidth=1.0, label=label)
+                        loudest = max(loudest, float(level.max()))
         finish(axes, "", f"{receiver}: L_AF in dB re 20 µPa")
         legend_above(axes)
     for axes in panes[len(names) :]:

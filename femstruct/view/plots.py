@@ -11,6 +11,7 @@ from femstruct.view.figures import file_name, save
 from femstruct.view.histories import contact_forces, energy, history, travels
 from femstruct.view.loudness import levels_over_time, rated_bands
 from femstruct.view.maps import pressure_maps
+from femstruct.view.own_sound import own_sounds
 from femstruct.view.power import power_directivity, room_directivity, sound_energy, sound_power
 from femstruct.view.spectra import frequency_response, sound
 from femstruct.view.vibration import spectrum
@@ -18,7 +19,7 @@ from femstruct.view.vibration import spectrum
 
 def figures(result: StudyResult) -> dict[str, Figure]:
     """All figures of a study by file name: frequency responses, channels and their spectra, contacts, bodies, energy,
-    sound, sound energy and where it goes, levels over time, ratings, maps."""
+    sound, sound energy and where it goes, levels over time, the sound of striking bodies themselves, ratings, maps."""
     cases = result.cases.values()
     responses = dict.fromkeys(name for case in cases for name in case.frf)
     channels = dict.fromkeys(name for case in cases for name in case.channels)
@@ -44,6 +45,7 @@ def figures(result: StudyResult) -> dict[str, Figure]:
         **{file_name("sound_energy", name): sound_energy(result, name) for name in open_rooms},
         **{file_name("directivity", name): room_directivity(result, name) for name in open_rooms},
         **{file_name("level", name): levels_over_time(result, name) for name in rooms},
+        **{file_name("own_sound", name): own_sounds(result, name) for name in rooms},
         **{file_name("rated", name): rated_bands(result, name) for name in rooms},
         **{file_name("pressure_map", name): pressure_maps(result, name) for name in rooms},
     }

@@ -45,7 +45,8 @@ def report(result: StudyResult, pictures: Sequence[str] = (), sounds: Sequence[s
     parts = [f"<h1>{title}</h1>", _outcomes(result), _findings(result)]
     parts += [_table(grid) for grid in study_tables(result) if grid.rows]
     if sounds:
-        cases = ", ".join(name for name, case in result.cases.items() if case.rooms)
+        heard = [(name, case) for name, case in result.cases.items() if case.rooms]
+        cases = ", ".join(f"{name}, {name} with the bodies' own sound" if c.heard.total else name for name, c in heard)
         parts.append(f"<h2>To listen to, in turn and at one scale: {escape(cases)}</h2>")
     parts += [_sound(name) for name in sounds]
     parts += [_picture(name) for name in pictures]

@@ -13,11 +13,22 @@ from acoustics.levels import level_spectrum
 from femstruct.arrays import Floats
 from femstruct.modal.basis import ModalBasis
 from femstruct.study.result import Frf, StudyResult
-from femstruct.view.figures import case_colours, finish, legend_above, mode_lines, new_figure, panels, readable, thinned
+from femstruct.view.figures import (
+    COLOURS,
+    case_colours,
+    finish,
+    legend_above,
+    mode_lines,
+    new_figure,
+    panels,
+    readable,
+    thinned,
+)
 from femstruct.view.rated import struck_first
 
 DYNAMIC_RANGE_DB: Final = 90.0
 LOWEST_HZ: Final = 5.0
+WITH_OWN: Final = " with the bodies' own sound"
 BEYOND_GIVEN: Final = 2.0  # times the highest of modes that are given, which are complete to no frequency
 
 
@@ -66,16 +77,20 @@ def sound(result: StudyResult, receiver: str) -> Figure | None:
     basis = result.cases[result.plan.baseline].basis
     dt, first = next(iter(heard.values()))
     top = shown_to(basis, 1.0 / dt)
-    legend = 0.155 * len(heard)  # inches
+    totals = {name: found for name in heard if (found := _pressure(result, name, receiver, total=True)) is not None}
+    legend = 0.155 * (len(heard) + len(totals))  # inches
     where = f", source at {place}" if (place := struck_first(result)) else ""
     figure = new_figure(11.0, 6.8 + 2 * legend, f"Sound at {receiver}{where}")
     (above,), (below,) = panels(figure, 2, 1, between=0.75 + legend, top=0.55 + legend)
     peak = -np.inf
-    for name, (step, p) in heard.items():
+    for name, (step, p), style, after in (
+        *((name, found, "-", "") for name, found in heard.items()),
+        *((name, found, "--", WITH_OWN) for name, found in totals.items()),
+    ):
         frequency, level = level_spectrum(p, step)
         shown = (frequency >= LOWEST_HZ) & (frequency <= top)
         x, y = thinned(frequency[shown], level[shown], most=3000)
-        above.semilogx(x, y, color=colours[name], linewidth=0.9, label=name)
+        above.semilogx(x, y, color=colours[name], linestyle=style, linewidth=0.9, label=f"{name}{after}")
         peak = max(peak, float(level[shown].max(initial=-np.inf)))
     above.set_xlim(LOWEST_HZ, top)
     if np.isfinite(peak):
@@ -107,6 +122,12 @@ def _bands(axes: Axes, result: StudyResult, receiver: str, top: float) -> None:
         level = levels[name]
         label = f"{name}: L_peak {level.l_peak_db:.1f} dB, L_AFmax {level.l_afmax_db:.1f} dB"
         axes.bar(x, np.asarray(row) - floor, width, bottom=floor, color=colours[name], label=label)
+        total = result.cases[name].heard.total_levels.get(receiver)
+        if total is not None:
+            row = [total.bands_db[centre] for centre in centres]
+            highest = max(highest, max(row, default=0.0))
+            label = f"{name}{WITH_OWN}: L_peak {total.l_peak_db:.1f} dB, L_AFmax {total.l_afmax_db:.1f} dB"
+            axes.hlines(row, x - 0.5 * width, x + 0.5 * width, color=COLOURS[1], linewidth=2.0, label=label)
     axes.set_xticks(range(len(centres)), [f"{centre:g}" for centre in centres], fontsize=8)
     axes.set_xlim(-0.6, len(centres) - 0.4)
     axes.set_ylim(floor, highest + 4.0)
@@ -115,9 +136,9 @@ def _bands(axes: Axes, result: StudyResult, receiver: str, top: float) -> None:
     axes.grid(False, axis="x")
 
 
-def _pressure(result: StudyResult, case: str, receiver: str) -> tuple[float, Floats] | None:
-    """Sampling interval [s] and pressure [nt] [Pa] at ROOM.NAME."""
-    for room, response in result.cases[case].rooms.items():
+def _pressure(result: StudyResult, case: str, receiver: str, *, total: bool = False) -> tuple[float, Floats] | None:
+    """Sampling interval [s] and pressure [nt] [Pa] at ROOM.NAME, of the structure or with the bodies themselves."""
+    for room, response in (result.cases[case].heard.total if total else result.cases[case].rooms).items():
         for row, item in zip(response.p, response.receivers, strict=True):
             if f"{room}.{item.name}" == receiver:
                 return response.dt, row

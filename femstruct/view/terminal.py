@@ -15,6 +15,7 @@ from femstruct.view.console import console, show_findings
 from femstruct.view.energies import energies, whither
 from femstruct.view.grid import Grid
 from femstruct.view.machine import limits, machine
+from femstruct.view.own_sound import add_totals
 from femstruct.view.radiated import radiated
 from femstruct.view.rated import bands, first_drop, ratings
 from femstruct.view.trust import anything_meets, outcomes, trust
@@ -103,11 +104,13 @@ def _contacts(result: StudyResult) -> Grid:
 
 
 def _levels(result: StudyResult) -> Grid:
-    grid = Grid("levels re 20 uPa", ("receiver", *result.cases))
+    told = "; total: with the bodies' own sound" if any(c.heard.total for c in result.cases.values()) else ""
+    grid = Grid(f"levels re 20 uPa{told}", ("receiver", *result.cases))
     names = list(dict.fromkeys(name for case in result.cases.values() for name in case.levels))
     for name in names:
         grid.add(f"{name} L_peak [dB]", *(_level(case, name, "l_peak_db") for case in result.cases.values()))
         grid.add(f"{name} L_AFmax [dB]", *(_level(case, name, "l_afmax_db") for case in result.cases.values()))
+    add_totals(grid, result)
     return grid
 
 

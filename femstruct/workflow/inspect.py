@@ -29,6 +29,7 @@ from femstruct.study.study import Extent, RoomPlan, Study
 from femstruct.workflow.air import ceiling
 from femstruct.workflow.bases import Solved, solve
 from femstruct.workflow.channels import refuse_absent_forces
+from femstruct.workflow.own_sound import spheres_before
 from femstruct.workflow.positions import positioned
 from femstruct.workflow.responses import frequency_option, response_row
 from femstruct.workflow.rest import Rest, rest_states
@@ -211,6 +212,7 @@ def _try(study: Study, solved: Solved, basis: ModalBasis) -> None:
             response_row(request.response, solved.places, basis, f"frf.{request.name}.response")
     for plan in study.rooms:
         room_coordinates(ceiling(plan, solved.places), plan.room, plan.offset, plan.name)
+        spheres_before(plan, study, solved.places)
 
 
 def _damped_as_far_as_solved(basis: ModalBasis, damping: Damping) -> ModalBasis:

@@ -5,9 +5,11 @@ from __future__ import annotations
 import json
 import re
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
+from femstruct.arrays import Floats
 from femstruct.files.atomic import replacing
 from femstruct.files.audio import listening_scale, write_sequence, write_wav
 from femstruct.files.belongings import owning
@@ -61,38 +63,52 @@ def _write(result: StudyResult, folder: Path, clock: Stopwatch) -> str:
         for plan in result.cases[result.plan.baseline].case.study.rooms:
             write_room_modes(plan, (folder / file_name("room_modes", plan.name)).with_suffix(".vtu"))
     with clock("report"):
-        first = sorted(pictures, key=lambda path: not path.name.startswith(("rated", "level")))
+        first = sorted(pictures, key=lambda path: not path.name.startswith(("rated", "level", "own_sound")))
         shown = [path.name for path in (*first, *moving, *shapes)]
         write_report(result, folder / "report.html", shown, sounds)
     return left_out
 
 
+class _Heard(NamedTuple):
+    """A pressure history at ROOM.RECEIVER in a case: of what the structure radiates, or with the bodies themselves."""
+
+    case: str
+    total: bool
+    receiver: str
+    p: Floats
+    sampling: float
+
+
 def _write_sounds(result: StudyResult, folder: Path) -> list[str]:
     """A WAV for every receiver and case, and for every receiver one of all cases in turn, for listening: their names.
 
-    All are at one scale, the latter a decibel below it. Cases of another sampling than the baseline's cannot follow it
-    in one file: they are not in the sequence.
+    Where striking bodies are heard themselves there are two of a case: of what the structure radiates, as elsewhere,
+    and CASE.ROOM.RECEIVER.total.wav, which follows it in the sequence. All are at one scale, the sequence a decibel
+    below it. Cases of another sampling than the baseline's cannot follow it in one file: they are not in the sequence.
     """
     heard = [
-        (case, f"{plan.name}.{receiver.name}", item.rooms[plan.name].p[i], item.case.study.time)
+        _Heard(case, total, f"{room}.{receiver.name}", p, item.case.study.time.sampling)
         for case, item in result.cases.items()
-        for plan in item.case.study.rooms
-        if plan.name in item.rooms
-        for i, receiver in enumerate(plan.receivers)
+        if item.case.study.time is not None
+        for room, borne in item.rooms.items()
+        for i, receiver in enumerate(borne.receivers)
+        for total, of in ((False, item.rooms), (True, item.heard.total))
+        if room in of
+        for p in (of[room].p[i],)
     ]
-    loudest = max((float(np.abs(p).max()) for _, _, p, _ in heard), default=0.0)
+    loudest = max((float(np.abs(one.p).max()) for one in heard), default=0.0)
     if not loudest > 0.0:
         return []
-    for case, receiver, p, time in heard:
-        if time is not None:
-            write_wav(folder / _sound_name(case, receiver), p, time.sampling, full_scale=loudest)
+    for one in heard:
+        name = _sound_name(one.case, one.receiver, *(["total"] if one.total else []))
+        write_wav(folder / name, one.p, one.sampling, full_scale=loudest)
     baseline = result.cases[result.plan.baseline].case.study.time
     names = []
-    for receiver in dict.fromkeys(receiver for _, receiver, _, _ in heard):
+    for receiver in dict.fromkeys(one.receiver for one in heard):
         sounds = {
-            case: p
-            for case, there, p, time in heard
-            if there == receiver and time is not None and baseline is not None and time.sampling == baseline.sampling
+            f"{one.case}{', total' if one.total else ''}": one.p
+            for one in heard
+            if one.receiver == receiver and baseline is not None and one.sampling == baseline.sampling
         }
         if sounds and baseline is not None:
             names.append(_sound_name("listen", receiver))

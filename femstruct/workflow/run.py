@@ -21,7 +21,7 @@ from femstruct.modal.basis import ModalBasis
 from femstruct.model.facts import model_findings
 from femstruct.power import Radiated
 from femstruct.radiation import coupling_findings
-from femstruct.study.result import AccuracyCheck, CaseResult, StudyResult
+from femstruct.study.result import SILENT, AccuracyCheck, CaseResult, StudyResult
 from femstruct.study.study import Case, Plan, Study
 from femstruct.workflow.accuracy import accuracy_findings, hold_accuracy
 from femstruct.workflow.air import ceiling, coupled, coupled_key, weight_on_air
@@ -219,6 +219,7 @@ def run_case(
         drops=drops,
         errors=None if whole is None else whole.errors,
         radiated=radiated,
+        heard=SILENT if whole is None else whole.heard,
     )
 
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 from acoustics.errors import Advice
 from acoustics.field import HalfSpace
-from acoustics.levels import Levels, response_levels
+from acoustics.levels import Levels
 from acoustics.pressure import RoomResponse
 from femstruct.errors import Finding
 from femstruct.impact.bodies import Clock
@@ -18,10 +18,11 @@ from femstruct.impact.simulate import simulate
 from femstruct.impact.unresolved import unresolved_findings
 from femstruct.modal.basis import ModalBasis
 from femstruct.radiation import heard, surface_velocities
-from femstruct.study.result import Drop
+from femstruct.study.result import Drop, OwnSound
 from femstruct.study.study import Study, TimePlan
 from femstruct.workflow.air import ceiling
 from femstruct.workflow.checks import impact_findings, room_findings
+from femstruct.workflow.own_sound import heard_themselves, levels_by_receiver, own_findings
 from femstruct.workflow.places import Places
 from femstruct.workflow.rated import band_levels, method_for
 from femstruct.workflow.sources import source_findings, walking_findings
@@ -33,7 +34,8 @@ Stopwatch = Callable[[str], AbstractContextManager[None]]
 @dataclass(frozen=True, eq=False)
 class Struck:
     """One simulation: the motion and what the march leaves it wrong by, the pressures, the levels by "ROOM.RECEIVER",
-    the levels of every room that is to be rated {room: [receivers: {band: [dB]}]}, and reasons to believe it less."""
+    the levels of every room that is to be rated {room: [receivers: {band: [dB]}]}, reasons to believe it less, and what
+    striking bodies are heard themselves."""
 
     response: Response
     errors: ErrorEstimate
@@ -41,11 +43,12 @@ class Struck:
     levels: Mapping[str, Levels]
     bands_db: Mapping[str, Sequence[Mapping[float, float]]]
     findings: tuple[Finding, ...]
+    heard: OwnSound
 
     def drop(self) -> Drop:
         """What is kept of a blow at one of several places: numbers, no histories."""
         peaks = {name: contact.peak_force for name, contact in self.response.contacts.items()}
-        return Drop(self.response.outcome.value, peaks, self.levels)
+        return Drop(self.response.outcome.value, peaks, self.levels, self.heard.total_levels)
 
 
 def strike(
@@ -72,11 +75,7 @@ def strike(
     for drop, study in studies.items():
         with stage("levels"):
             own = {name: by_drop.pop(drop) for name, by_drop in rooms.items()}
-            heard = {
-                f"{room}.{receiver}": found
-                for room, pressures_there in own.items()
-                for receiver, found in response_levels(pressures_there).items()
-            }
+            heard = levels_by_receiver(own)
             bands = {
                 plan.name: band_levels(
                     study, method, own[plan.name], [heard[f"{plan.name}.{one.name}"] for one in plan.receivers]
@@ -84,9 +83,13 @@ def strike(
                 for plan in study.rooms
                 if (method := method_for(plan, study)) is not None
             }
-        findings = _findings(study, responses[drop], errors[drop], vacuo, own, heard)
+            bodies = heard_themselves(study, places, responses[drop], own)
+        findings = (
+            *_findings(study, responses[drop], errors[drop], vacuo, own, heard),
+            *room_findings(own_findings(study, places, responses[drop], bodies)),
+        )
         kept = own if drop == next(iter(studies)) else {}
-        struck[drop] = Struck(responses[drop], errors[drop], kept, heard, bands, findings)
+        struck[drop] = Struck(responses[drop], errors[drop], kept, heard, bands, findings, bodies)
     return struck
 
 

@@ -178,3 +178,9 @@ def test_what_is_no_half_space_is_refused():
         )
     with pytest.raises(AcousticsError, match="a unit vector"):
         HalfSpace(AIR, [0, 0, 2])
+
+
+def test_a_surface_that_stands_still_is_silent() -> None:
+    still = SurfaceVelocity([[0, 0, 0]], [1e-4], [[1]], [np.zeros(100)], dt=1e-4)
+    (heard,) = field_pressures([still], HalfSpace(AIR), [Receiver("mic", [0, 0, 1])])
+    assert not heard.p.any()

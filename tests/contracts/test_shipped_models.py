@@ -40,6 +40,7 @@ SHORT = {
     "l_room": "60 ms",
     "lined_room": "60 ms",
     "slab_outdoors": "60 ms",
+    "click_and_ring": "10 ms",
     "floor_tennis_ball": "60 ms",
     "floor_two_way": "30 ms",
     "floor_acrylic_ball": "60 ms",
@@ -59,6 +60,7 @@ MASS = {  # from the dimensions in the files [kg]
     "lined_room": {"deck": 3.6 * 2.7 * 0.16 * 450},
     "bedroom": {"slab": 5 * 4 * 0.18 * 2400},
     "small_plate": {"plate": 0.5 * 0.4 * 3e-3 * 7850},
+    "click_plate": {"plate": 0.3 * 0.25 * 12e-3 * 7850},
     "portal": {"portal": 6.0 * TUBE * 7850},
     "forging_hammer": {"block": 45e3, "anvil": 25e3},
     "press": {

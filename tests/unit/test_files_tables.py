@@ -35,6 +35,8 @@ def test_layout_is_the_documented_one(result):
         "energy",
         "error_estimate",
         "levels",
+        "own_levels",
+        "total_levels",
         "sound_energy",
         "limits",
         "machine",

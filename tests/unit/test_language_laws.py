@@ -109,9 +109,9 @@ WRONG = {  # law: what stands where the message points, the message
     "{type: linear, restitution: 0.5}": ("{type", "got none of stiffness, duration, expected exactly one"),
     "{type: linear, stiffness: 1, restitution: 1.2}": ("1.2", "restitution: got 1.2, expected a ratio of at most 1"),
     "{type: linear, stiffness: 1, restitution: 0}": ("0}", "restitution: got 0, expected a positive value: a ratio"),
-    "{type: hertz, stiffness: 1e8, radius: 5 mm, E: [1, 1], nu: [0, 0]}": ("{type", "got both stiffness and radius"),
+    "{type: hertz, stiffness: 1e8, radius: 5 mm, E: [1, 1], nu: [0, 0]}": ("{type", "got both stiffness and E"),
     "{type: hertz, radius: 5 mm, E: [1 GPa, 1 GPa]}": ("{type", "got radius without nu"),
-    "{type: hertz, stiffness: 1e8, nu: [0.3, 0.3]}": ("{type", "got nu without radius"),
+    "{type: hertz, stiffness: 1e8, nu: [0.3, 0.3]}": ("{type", "got nu without E"),
     "{type: hertz, radius: 5 mm, E: [1 GPa, 1 GPa], nu: [0.3, 0.6]}": ("{type", "got 0.3 and 0.6, expected values"),
     "{type: hertz, radius: [1, 2, 3], E: [1 GPa, 1 GPa], nu: [0.3, 0.3]}": ("[1, 2, 3]", "got 3 values, expected 2"),
     "{type: hunt-crossley, stiffness: 1e8 N/m}": ("1e8", "stiffness: got '1e8 N/m', which is a stiffness, expected a "
