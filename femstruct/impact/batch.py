@@ -62,20 +62,21 @@ def simulate_batch(
     window = replace(clock, duration=max(round(clock.duration * clock.sampling), 1) / clock.sampling)
     window = replace(window, sampling=1.0 / window.duration)
     fleet = Fleet.of(basis, varied, window)
-    table = np.empty((varied.runs, fleet.columns.width))
+    table, stop = np.empty((varied.runs, fleet.columns.width)), np.zeros(1, dtype=np.int64)
     workers, done = threads or os.cpu_count() or 1, 0
     chunk = min(EXACT_CHUNK, -(-varied.runs // workers))
     if not fleet.exact:
         chunk = min(CHUNK, -(-varied.runs // (CHUNKS * workers)))
     starts = range(0, varied.runs, chunk)
     with ThreadPoolExecutor(workers) as pool:
-        jobs = {pool.submit(run_some, fleet, start, table[start : start + chunk]): start for start in starts}
+        jobs = {pool.submit(run_some, fleet, start, table[start : start + chunk], stop): start for start in starts}
         try:
             for job in as_completed(jobs):
                 job.result()
                 done += len(table[jobs[job] : jobs[job] + chunk])
                 progress(done, varied.runs)
         except BaseException:
+            stop[0] = 1
             pool.shutdown(cancel_futures=True)
             raise
     return batch_of(basis, clock, varied, fleet, table)

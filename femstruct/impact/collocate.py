@@ -8,10 +8,13 @@ from femstruct.impact.forces import State
 from femstruct.impact.march import ERROR_BUDGET, levels_for, longest_coupled, march, march_room
 from femstruct.impact.rule import collocation_rule
 from femstruct.impact.sampling import Record
-from femstruct.impact.system import Compiled
+from femstruct.impact.system import Compiled, System
 from femstruct.impact.tables import Tables
 
 MAX_STEPS = 20_000_000
+PACED = 200_000  # steps tried between two looks at the progress, at least: enough for thousands of closings
+PACED_WORK = 5e7  # and their number times SELF + n: some 4 s where the modes are not thousands
+SELF = 30  # what a step costs beside its coordinates, 2.1 us against 0.07 us for each of them
 LEDGER_ROWS = 2048  # at most, while nothing acts
 
 Ended = tuple[int, float, int, int]  # how, when [s], ledger rows, events
@@ -55,4 +58,15 @@ def collocate(
         top_level,
         tolerance * ERROR_BUDGET,
         MAX_STEPS,
+        paced(system),
     )
+
+
+def paced(system: System) -> int:
+    """Steps tried between two looks at the progress of a run alone: at a pace at which MAX_STEPS are too few it ends.
+
+    One look takes some seconds, so that a run which gets nowhere does not take minutes to say so; a burst of collisions
+    may still be that slow for a hundredth of the window or more.
+    """
+    size = SELF + len(system.omega) + len(system.coupling) ** 2 // 2
+    return max(int(PACED_WORK / size), PACED)

@@ -13,13 +13,15 @@ from typing import NamedTuple
 import numpy as np
 
 from femstruct.arrays import Floats
+from femstruct.impact.aside import run_aside
 from femstruct.impact.bodies import Scene
+from femstruct.impact.closings import CERTAIN, CLOSES, settle_events
 from femstruct.impact.collocate import MAX_STEPS, collocate, state_at_start
 from femstruct.impact.energy import TIME
 from femstruct.impact.exact.choice import largest_rate, takes_exact_march
 from femstruct.impact.exact.march import exact_march
 from femstruct.impact.exact.rule import THETA, exact_room, exact_rule
-from femstruct.impact.march import CLOSES, DONE, levels_for
+from femstruct.impact.march import DONE, TOO_MANY_EVENTS, levels_for
 from femstruct.impact.response import Response
 from femstruct.impact.sampling import MOST_EVENTS, Record, room_for
 from femstruct.impact.system import Compiled, compile_scene
@@ -170,32 +172,50 @@ class _Again:
         return whole._replace(first=whole.peak)
 
     def _march(self, events: int) -> _Run:
-        """To the end, or until there is no room for another event."""
+        """To the end, or until there is no room for another event that counts."""
+        slots = events
+        while True:
+            run, missing = self._marched(slots, events)
+            if missing <= 0:
+                return run
+            slots += missing
+
+    def _marched(self, slots: int, events: int) -> tuple[_Run, int]:
+        """With as many slots for events; and how many of those that count it stops short of."""
         compiled, system = self.compiled, self.compiled.system
         state = state_at_start(compiled)
         record = room_for(system, 0 if self.tolerance is None else compiled.n_samples)
-        record = record._replace(events=record.events[:events], event_rows=record.event_rows[:events])
+        record = record._replace(events=record.events[:slots], event_rows=record.event_rows[:slots])
         if self.tolerance is None:
             end = compiled.n_samples * 2.0**compiled.halvings * system.tick
             longest = self.shorter * THETA / max(largest_rate(system), THETA / end)
-            ended = exact_march(
-                system, state, exact_rule(), exact_room(system), record, end, np.inf, longest, np.inf, MAX_STEPS
+            room = exact_room(system)
+            ended = run_aside(
+                lambda: exact_march(system, state, exact_rule(), room, record, end, np.inf, longest, MAX_STEPS),
+                record.stop,
             )
         else:
-            ended = collocate(compiled, self.tolerance, self.tables, state, record, self.finer)
+            tolerance = self.tolerance
+            ended = run_aside(
+                lambda: collocate(compiled, tolerance, self.tables, state, record, self.finer), record.stop
+            )
         names = {a: name for name, rows in compiled.contacts.items() for a in rows}
-        k = system.n_modes
-        return _Run(
+        k, count = system.n_modes, ended[3]
+        if ended[0] == TOO_MANY_EVENTS:
+            record.events[record.newest[record.newest >= 0], 3] = CERTAIN  # what they lead to is not marched
+            count = settle_events(record, count, len(system.interfaces))
+        run = _Run(
             ended=ended[0] == DONE,
             peak={name: _peak(record, rows) for name, rows in compiled.contacts.items()},
             velocity=state.v[k:] / compiled.scale[k:],
             log=[
                 (float(row[TIME]), names[int(a)], bool(what == CLOSES))
-                for (a, what, _), row in zip(record.events[: ended[3]], record.event_rows, strict=False)
+                for (a, what, _, _), row in zip(record.events[:count], record.event_rows, strict=False)
             ],
             until=None,
             first={},
         )
+        return run, events - count if ended[0] == TOO_MANY_EVENTS else 0
 
 
 def _peak(record: Record, rows: Sequence[int]) -> tuple[float, float]:

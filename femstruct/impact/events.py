@@ -13,7 +13,7 @@ import numpy as np
 
 from femstruct.arrays import Floats
 from femstruct.impact.compiled import kernel
-from femstruct.impact.forces import AWAY, CLAMPED, CLOSED, OPEN, ROUNDING, State, sense
+from femstruct.impact.forces import AWAY, CLAMPED, CLOSED, OPEN, PRELOAD, ROUNDING, State, law, sense
 from femstruct.impact.propagate import Trial
 from femstruct.impact.rule import PLACES, STAGES, Rule
 from femstruct.impact.system import LINK, System
@@ -148,9 +148,17 @@ def watch(h: float, system: System, state: State, rule: Rule, trial: Trial, boun
             values[PLACES - 1] = side * _ends(trial.forces[a], rule.at_end)
             for p in range(STAGES):
                 values[p + 1] = side * trial.forces[a, p]
-            code, where = excursion(values, 1e-9 * system.interfaces[a]["preload"], 0.0, rule)
+            code, where = excursion(values, least_excess(system, bounds, a), 0.0, rule)
             answer, part = _first(answer, part, code, where)
     return answer, part
+
+
+@kernel
+def least_excess(system: System, bounds: Floats, a: int) -> float:
+    """What the force of a preloaded contact must differ from its preload by for its sign to be known."""
+    _, by_place, by_rate = law(system, a, system.interfaces[a]["offset"], 0.0)
+    rounding = by_place * bounds[a, 2] + by_rate * bounds[a, 3]
+    return float(max(PRELOAD * system.interfaces[a]["preload"], rounding))
 
 
 @kernel

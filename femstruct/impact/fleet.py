@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from femstruct.arrays import Floats
+from femstruct.arrays import Floats, Integers
 from femstruct.errors import InputError
 from femstruct.impact.bodies import Clock
 from femstruct.impact.energy import ledger_width
@@ -25,6 +25,7 @@ from femstruct.impact.vary import Variation
 from femstruct.modal.basis import ModalBasis
 
 MAX_STEPS = 2_000_000  # of a run
+PACED = 50_000  # steps tried between two looks at its progress: a tenth of a second or more
 SURVEYED = 4096  # runs looked at together for the tick
 LEAST_HALVINGS = 12
 FIELDS = {"damping": "closing", "dissipation": "closing", "exponent": "shape", "cubic": "shape"}
@@ -100,11 +101,11 @@ class Fleet:
         return Fleet(varied, window, compiled, shared, modes, exact, top_level, late, at)
 
 
-def run_some(fleet: Fleet, first: int, out: Floats) -> None:
-    """Fill the rows of the runs from `first` on; all it changes is its own."""
+def run_some(fleet: Fleet, first: int, out: Floats, stop: Integers) -> None:
+    """Fill the rows of the runs from `first` on; all it changes is its own. stop [1] : not zero to end at once."""
     system, tables = fleet.compiled.system, fleet.tables
     r, m, n = len(system.rows), len(system.interfaces), len(system.omega)
-    record = room_for(system, 0)
+    record = room_for(system, 0)._replace(stop=stop)
     record.late_at[0] = fleet.late
     run_many(
         system._replace(rows=system.rows.copy(), mobility=system.mobility.copy(), over=system.over.copy()),
@@ -121,6 +122,7 @@ def run_some(fleet: Fleet, first: int, out: Floats) -> None:
             duration=fleet.clock.duration,
             quiet=fleet.clock.quiet,
             max_steps=MAX_STEPS,
+            paced=PACED,
             halvings=fleet.compiled.halvings,
             top_level=fleet.top_level,
             tolerance=fleet.clock.tolerance * ERROR_BUDGET,

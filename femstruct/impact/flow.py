@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from femstruct.arrays import Floats
 from femstruct.impact.compiled import kernel
+from femstruct.impact.forces import move_to
 from femstruct.impact.rule import STAGES
 from femstruct.impact.system import System
 from femstruct.impact.tables import Tables
@@ -47,6 +48,5 @@ def advance(level: int, system: System, tables: Tables, forces: Floats, modal: F
     taken = 0.0
     for i in range(n):
         taken += work[STAGES, i]
-    for i in range(n):
-        z[i], v[i] = work[basis, i], work[basis + 1, i]
+    move_to(z, v, work[basis], work[basis + 1])
     return taken

@@ -12,6 +12,8 @@ from femstruct.impact.system import CONSTANT, CUBIC, HALF_SINE, HERTZ, LINEAR, L
 
 OPEN, CLOSED, CLAMPED = 0, 1, 2  # a contact without force; with force; indented, its dashpot out of force
 ROUNDING = 4e-15  # relative to the terms a displacement is summed from
+PRELOAD = 1e-9  # of a preload: what a force must exceed it by, or fall short of it; its rounding if that is more
+TINY = 1e-100  # of a coordinate and its rate: no motion
 AWAY = 3  # one that waits for the first blow of its body: never closed by motion
 
 
@@ -173,6 +175,18 @@ def copy_to(out: Floats, values: Floats) -> None:
     """Values into an array that may be longer."""
     for i in range(len(values)):
         out[i] = values[i]
+
+
+@kernel
+def move_to(z: Floats, v: Floats, coordinates: Floats, rates: Floats) -> None:
+    """Put the state where it is next, what neither is anywhere nor moves at rest.
+
+    What bounces between two stops halves for ever. Where squares of its numbers leave the range of floating point each
+    operation takes a hundred times as long, and rounding is no longer relative.
+    """
+    for i in range(len(z)):
+        moves = abs(coordinates[i]) > TINY or abs(rates[i]) > TINY
+        z[i], v[i] = (coordinates[i], rates[i]) if moves else (0.0, 0.0)
 
 
 @kernel

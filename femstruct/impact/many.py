@@ -11,12 +11,13 @@ from typing import NamedTuple
 import numpy as np
 
 from femstruct.arrays import Floats, Integers
+from femstruct.impact.closings import CLOSES
 from femstruct.impact.compiled import released
 from femstruct.impact.energy import TIME
 from femstruct.impact.exact.march import exact_march
 from femstruct.impact.exact.rule import ExactRoom, ExactRule
 from femstruct.impact.forces import State, copy_to
-from femstruct.impact.march import CLOSES, DONE, Room, march
+from femstruct.impact.march import DONE, Room, march
 from femstruct.impact.rule import POINTS, STAGES, Rule
 from femstruct.impact.sampling import Record
 from femstruct.impact.strikes import HELD, SINCE, lies
@@ -85,12 +86,14 @@ class Runs(NamedTuple):
 
 class Marches(NamedTuple):
     """What both marches need. exact : whether it is the exact one, which needs no tables; duration [s] and quiet [s];
-    halvings, top_level, tolerance : of the march by collocation."""
+    halvings, top_level, tolerance, and paced, the steps tried between two looks at the progress : of the march by
+    collocation."""
 
     exact: bool
     duration: float
     quiet: float
     max_steps: int
+    paced: int
     halvings: int
     top_level: int
     tolerance: float
@@ -128,12 +131,12 @@ def run_many(frame: System, shared: Shared, tables: Tables, runs: Runs, marches:
         if marches.exact:
             status, _, rows, events = exact_march(
                 system, state, marches.exact_rule, marches.exact_room, record, marches.duration, np.inf, np.inf,
-                np.inf, marches.max_steps,
+                marches.max_steps,
             )  # fmt: skip
         else:
             status, _, rows, events = march(
                 system, state, marches.rule, tables, marches.room, record, marches.halvings, marches.top_level,
-                marches.tolerance, marches.max_steps,
+                marches.tolerance, marches.max_steps, marches.paced,
             )  # fmt: skip
         end = record.history[rows - 1 if marches.exact else rows]  # collocation counts it with samples only
         _measure(system, state, record, status, events, end, runs.mass[i], shared.gravity, marches.quiet, at, out[i])

@@ -10,12 +10,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from femstruct.arrays import Floats, Integers
-from femstruct.impact.compiled import kernel
+from femstruct.arrays import Floats
+from femstruct.impact.closings import CERTAIN, CLOSES, DOUBTFUL, LIFTED, OPENS, confirm, log_event, settle_events
+from femstruct.impact.compiled import kernel, released
 from femstruct.impact.energy import TIME, integrate_losses, take_stock
-from femstruct.impact.events import CHANGES, SHARP, UNCERTAIN, strays, switch, watch
+from femstruct.impact.events import CHANGES, SHARP, UNCERTAIN, least_excess, strays, switch, watch
 from femstruct.impact.flow import advance
-from femstruct.impact.forces import AWAY, CLOSED, OPEN, State, copy_to, load_at, net_force, rows_now
+from femstruct.impact.forces import AWAY, CLOSED, OPEN, ROUNDING, State, copy_to, load_at, net_force, rows_now
 from femstruct.impact.propagate import LONGER, Trial, trial_room, try_step
 from femstruct.impact.rule import LONGEST_DOUBLINGS, PLACES, STAGES, Rule
 from femstruct.impact.sampling import Record, keep, peaks, peaks_at_start, travels
@@ -23,9 +24,7 @@ from femstruct.impact.strikes import first_strike, strike, touch
 from femstruct.impact.system import CONSTANT, LINK, System
 from femstruct.impact.tables import Tables, tabulate
 
-DONE, TOO_MANY_STEPS, NO_FORCES, TOO_MANY_EVENTS, STICKS, STALLS = 0, 1, 2, 3, 4, 5
-OPENS, CLOSES = 0, 1
-PACED = 50_000  # steps tried between two looks at the progress: a second or two
+DONE, TOO_MANY_STEPS, NO_FORCES, TOO_MANY_EVENTS, STICKS, STALLS, STOPPED = 0, 1, 2, 3, 4, 5, 6
 ERROR_BUDGET = 0.1  # share of the tolerance that a step may spend
 TROUBLE = {
     TOO_MANY_STEPS: "too many steps",
@@ -66,20 +65,22 @@ def march_room(system: System) -> Room:
     )
 
 
-@kernel
+@released
 def march(system: System, state: State, rule: Rule, tables: Tables, room: Room, record: Record, halvings: int,
-          top_level: int, tolerance: float, max_steps: int) -> tuple[int, float, int, int]:  # fmt: skip
+          top_level: int, tolerance: float, max_steps: int, paced: int) -> tuple[int, float, int, int]:  # fmt: skip
     """Run to the end; returns how it ended, when, and the numbers of ledger rows and events in the record.
 
-    A record without samples is of one interval of 2^halvings ticks, and keeps the first and the last ledger row only.
+    paced : steps tried between two looks at the progress. A record without samples is of one interval of 2^halvings
+    ticks, and keeps the first and the last ledger row only.
     """
-    history, events, event_rows = record.history, record.events, record.event_rows
+    history, event_rows = record.history, record.event_rows
     m, samples = len(system.interfaces), len(record.at)
     per_sample = 1 << halvings
     end = max(samples, 1) * per_sample
     trial, lost, bounds, place, rate = room.trial, room.lost, room.bounds, room.place, room.rate
     loaded, closed_at = room.loaded, room.closed_at
     lost[:], loaded[:], closed_at[:] = 0.0, 0.0, 0.0
+    record.newest[:], record.size[:] = -1, 0.0
     n_events = 0
     rows_now(system, state.z, state.v, place, rate)
     _start(system, state, place, rate, loaded)
@@ -89,7 +90,7 @@ def march(system: System, state: State, rule: Rule, tables: Tables, room: Room, 
     for a in range(m):
         record.totals[4 + a] = loaded[a]
         if loaded[a] > 0.0:
-            _log(events, event_rows, n_events, a, CLOSES, 0, history[0])
+            log_event(record, n_events, a, CLOSES, DOUBTFUL, history[0])
             n_events += 1
     stride = max(end // 2048, 1)
     while samples > 0 and top_level > 0 and (1 << top_level) > 4 * stride:  # a ledger row is the end of a step
@@ -104,8 +105,10 @@ def march(system: System, state: State, rule: Rule, tables: Tables, room: Room, 
             return TOO_MANY_STEPS, t * system.tick, n_history, n_events
         record.totals[1] += 1.0
         tried += 1
-        if tried == PACED:
-            if t - seen < PACED * (per_sample / max_steps):  # at this pace all steps were gone before the next sample
+        if record.stop[0] != 0:
+            return STOPPED, t * system.tick, n_history, n_events
+        if tried == paced:
+            if t - seen < paced * (end / max_steps):  # at this pace all steps are gone before the end
                 return STALLS, t * system.tick, n_history, n_events
             tried, seen = 0, t
         limit = end
@@ -146,6 +149,7 @@ def march(system: System, state: State, rule: Rule, tables: Tables, room: Room, 
             keep(t // per_sample, max(level - halvings, 0), state, trial, record)
         peaks(now, h, system, state, rule, trial, record)
         travels(h, system, state, rule, trial, record)
+        _confirm_step(system, state, trial, bounds, record)
         integrate_losses(h, system, state, rule, trial, lost)
         lost[m] += advance(level, system, tables, trial.forces, trial.modal, state.z, state.v, room.work)
         t += ticks
@@ -167,11 +171,9 @@ def march(system: System, state: State, rule: Rule, tables: Tables, room: Room, 
                 if system.interfaces[a]["kind"] != LINK:
                     before = loaded[a]
                     state.status[a] = switch(system, state, trial, bounds, a)
-                    loaded[a] = _is_loaded(system, state, a, place[a], rate[a], before)
+                    loaded[a] = _is_loaded(system, state, a, place[a], rate[a], least_excess(system, bounds, a), before)
                     changed = changed or loaded[a] != before
                     closed_at[a] = moment if loaded[a] > before else closed_at[a]
-                    if loaded[a] < before:
-                        record.shortest[a] = min(record.shortest[a], moment - closed_at[a])
         struck = blow < len(system.strikes) and system.strikes[blow]["tick"] <= t
         if struck:
             take_stock(now, system, state, place, lost, history[n_history])
@@ -185,10 +187,9 @@ def march(system: System, state: State, rule: Rule, tables: Tables, room: Room, 
                     and record.latest[a] >= 0
                     and system.strikes[record.latest[a]]["tick"] == t
                 ):
-                    if n_events == len(events):
+                    if n_events == len(record.events):
                         return TOO_MANY_EVENTS, now, n_history, n_events
-                    all_open = 1 if _total(loaded) == 0.0 else 0
-                    _log(events, event_rows, n_events, a, OPENS, all_open, history[n_history - 1])
+                    log_event(record, n_events, a, OPENS, LIFTED, history[n_history - 1])
                     n_events += 1
                     record.totals[4 + a] = 0.0
             changed, moment = True, now
@@ -208,11 +209,11 @@ def march(system: System, state: State, rule: Rule, tables: Tables, room: Room, 
         if changed:
             for a in range(m):
                 if system.interfaces[a]["kind"] != LINK and loaded[a] != record.totals[4 + a]:
-                    all_open = 1 if _total(loaded) == 0.0 else 0
                     what = CLOSES if loaded[a] > 0.0 else OPENS
-                    if n_events == len(events):
+                    if n_events == len(record.events):
                         return TOO_MANY_EVENTS, now, n_history, n_events
-                    _log(events, event_rows, n_events, a, what, all_open, history[n_history])
+                    counts = CERTAIN if system.interfaces[a]["preload"] > 0.0 else DOUBTFUL
+                    log_event(record, n_events, a, what, counts, history[n_history])
                     event_rows[n_events, TIME] = moment
                     n_events += 1
         for a in range(m):
@@ -224,7 +225,7 @@ def march(system: System, state: State, rule: Rule, tables: Tables, room: Room, 
         record.totals[0] += 1.0
         if error < LONGER:
             level += 1
-    return DONE, end * system.tick, n_history, n_events
+    return DONE, end * system.tick, n_history, settle_events(record, n_events, m)
 
 
 @kernel
@@ -275,23 +276,31 @@ def _start(system: System, state: State, place: Floats, rate: Floats, loaded: Fl
 
 
 @kernel
-def _is_loaded(system: System, state: State, a: int, place: float, rate: float, before: float) -> float:
+def _is_loaded(system: System, state: State, a: int, place: float, rate: float, least: float, before: float) -> float:
     """Whether a contact counts as closed: it has a force, or one above its preload."""
     if state.status[a] != CLOSED:
         return 0.0
     if system.interfaces[a]["preload"] == 0.0:
         return 1.0
     excess = net_force(system, state, a, place, rate)
-    if abs(excess) <= 1e-9 * system.interfaces[a]["preload"]:
+    if abs(excess) <= least:
         return before
     return 1.0 if excess > 0.0 else 0.0
 
 
 @kernel
-def _log(events: Integers, rows: Floats, count: int, a: int, what: int, all_open: int, row: Floats) -> None:
-    events[count, 0], events[count, 1], events[count, 2] = a, what, all_open
-    for i in range(len(row)):
-        rows[count, i] = row[i]
+def _confirm_step(system: System, state: State, trial: Trial, bounds: Floats, record: Record) -> None:
+    """Let the events count whose contacts move beyond rounding in this step."""
+    for a in range(len(system.interfaces)):
+        if system.interfaces[a]["kind"] == LINK:
+            continue
+        offset = system.interfaces[a]["offset"]
+        record.size[a, 0] = max(record.size[a, 0], bounds[a, 2] / ROUNDING + abs(offset))
+        record.size[a, 1] = max(record.size[a, 1], bounds[a, 3] / ROUNDING)
+        if record.newest[a] >= 0:
+            for p in range(PLACES):
+                if confirm(system, state, a, trial.place[a, p] + offset, trial.rate[a, p], record):
+                    break
 
 
 def levels_for(halvings: int) -> int:

@@ -28,10 +28,13 @@ class Record(NamedTuple):
     peak [m, 2] : force and its time; deepest [m] : indentation; shortest [m] : least time from closing to
     opening [s].
     totals : [0] steps, [1] trials, [2] largest |total - start|, [3] largest |work|, then whether each contact counts
-    as closed. history : ledger rows; events : interface, what, whether all are open then; event_rows : their ledger
-    rows. strikes [s, 4] : of every blow (see `femstruct.impact.strikes`); latest [m] : number of the last blow of a
-    body at an interface, -1 before any; strike_peak [s + 1, m, 2] : peaks after every blow, in the last row before any.
+    as closed. history : ledger rows; events : interface, what, whether all are open then, whether it counts (see
+    `femstruct.impact.closings`); event_rows : their ledger rows. newest [m] : the last event of each contact while it
+    does not count, else -1; size [m, 2] : the most that its displacement and speed were summed from. strikes [s, 4] :
+    of every blow (see `femstruct.impact.strikes`); latest [m] : number of the last blow of a body at an interface, -1
+    before any; strike_peak [s + 1, m, 2] : peaks after every blow, in the last row before any.
     late [n] : the rates at the end of the first step that reaches the tick late_at [1], negative for none.
+    stop [1] : not zero when the march shall end at once.
     """
 
     at: Integers
@@ -51,11 +54,14 @@ class Record(NamedTuple):
     history: Floats
     events: Integers
     event_rows: Floats
+    newest: Integers
+    size: Floats
     strikes: Floats
     latest: Integers
     strike_peak: Floats
     late_at: Integers
     late: Floats
+    stop: Integers
 
 
 def room_for(system: System, n_samples: int) -> Record:
@@ -82,13 +88,16 @@ def room_for(system: System, n_samples: int) -> Record:
         travel=np.zeros(n - system.n_modes),
         totals=np.zeros(4 + m),
         history=np.empty((n_samples + 2100 + 2 * blows, width)),
-        events=np.empty((MOST_EVENTS, 3), dtype=np.int64),
+        events=np.empty((MOST_EVENTS, 4), dtype=np.int64),
         event_rows=np.empty((MOST_EVENTS, width)),
+        newest=np.full(m, -1, dtype=np.int64),
+        size=np.zeros((m, 2)),
         strikes=np.zeros((blows, 4)),
         latest=np.full(m, -1, dtype=np.int64),
         strike_peak=np.zeros((blows + 1, m, 2)),
         late_at=np.full(1, -1, dtype=np.int64),
         late=np.zeros(n),
+        stop=np.zeros(1, dtype=np.int64),
     )
 
 

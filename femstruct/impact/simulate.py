@@ -8,9 +8,11 @@ import numpy as np
 
 from femstruct.arrays import Floats, Integers
 from femstruct.errors import Finding, NotConverged
+from femstruct.impact.aside import run_aside
 from femstruct.impact.blows import blow_findings, blow_table
 from femstruct.impact.bodies import GROUND, Body, Clock, Contact, Scene
-from femstruct.impact.collocate import MAX_STEPS, Ended, collocate, state_at_start
+from femstruct.impact.closings import CLOSES
+from femstruct.impact.collocate import MAX_STEPS, Ended, collocate, paced, state_at_start
 from femstruct.impact.energy import TIME, ledger
 from femstruct.impact.exact.choice import takes_exact_march
 from femstruct.impact.exact.march import exact_march
@@ -19,10 +21,8 @@ from femstruct.impact.forces import State
 from femstruct.impact.judgement import Measured, decay_findings, run_findings, sampling_findings
 from femstruct.impact.laws import Hertz, Linear
 from femstruct.impact.march import (
-    CLOSES,
     DONE,
     NO_FORCES,
-    PACED,
     STALLS,
     STICKS,
     TOO_MANY_EVENTS,
@@ -80,14 +80,14 @@ def simulate(basis: ModalBasis, scene: Scene, clock: Clock) -> Response:
     record = room_for(system, nt)
     exact = takes_exact_march(system, nt / clock.sampling)
     run = _exactly if exact else _by_collocation
-    (status, when, n_history, n_events), motion = run(compiled, clock, state, record)
+    (status, when, n_history, n_events), motion = run_aside(lambda: run(compiled, clock, state, record), record.stop)
     if status != DONE:
         trouble = {
             TOO_MANY_STEPS: f"{MAX_STEPS} steps by t = {when:g} s",
             TOO_MANY_EVENTS: f"{n_events} closings and openings by t = {when:g} s: a contact chatters",
             NO_FORCES: f"no contact force at t = {when:g} s",
             STICKS: f"contacts or one-way dashpots that switch without end at t = {when:g} s",
-            STALLS: f"no progress in {PACED} steps at t = {when:g} s",
+            STALLS: f"t = {when:g} s after the last {paced(system)} steps: at their pace {MAX_STEPS} are too few",
         }
         raise NotConverged(
             "impact",
@@ -99,7 +99,7 @@ def simulate(basis: ModalBasis, scene: Scene, clock: Clock) -> Response:
     names = {a: name for name, rows in compiled.contacts.items() for a in rows}
     log = tuple(
         Event(float(row[TIME]), names[int(a)], "closes" if what == CLOSES else "opens")
-        for (a, what, _), row in zip(events, event_rows, strict=True)
+        for (a, what, _, _), row in zip(events, event_rows, strict=True)
     )
     for a, number in enumerate(record.latest):  # peaks since the last blow join those of the blows before
         record.strike_peak[number, a] = record.peak[a]
@@ -155,7 +155,6 @@ def _exactly(compiled: Compiled, clock: Clock, state: State, record: Record) -> 
         end,
         1.0 / clock.sampling,
         end / LEDGER_ROWS,
-        np.inf,
         MAX_STEPS,
     )
     return ended, sampled_motion(record.z[: record.kept[0]].T, record.v[: record.kept[0]].T)
@@ -195,7 +194,7 @@ def _separation(events: Integers, rows: Floats, clock: Clock) -> Floats | None:
     """Ledger row of the first instant, after the first closing, with all contacts open and none closing again within
     `quiet`; the window must be long enough to show that."""
     closings = rows[events[:, 1] == CLOSES, TIME]
-    for (_, what, all_open), row in zip(events, rows, strict=True):
+    for (_, what, all_open, _), row in zip(events, rows, strict=True):
         if what == CLOSES or not all_open:
             continue
         again = closings[closings > row[TIME]]

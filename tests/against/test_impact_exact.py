@@ -23,7 +23,7 @@ from femstruct.impact.response import EnergyBalance, Response
 from femstruct.impact.sampling import room_for
 from femstruct.impact.simulate import simulate
 from femstruct.impact.system import compile_scene
-from femstruct.modal.analytic import given_modes, oscillator
+from femstruct.modal.analytic import given_modes
 from femstruct.modal.basis import ModalBasis
 
 CASES = json.loads((Path(__file__).parents[1] / "data" / "impact_exact.json").read_text())["cases"]
@@ -205,14 +205,14 @@ def test_collocation_says_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
             assert value == pytest.approx(getattr(other.ledger.end, word)[name], rel=1e-7, abs=1e-9), (word, name)
 
 
-def marched(response: Response, z: np.ndarray, v: np.ndarray, quiet: float = np.inf) -> tuple[tuple, State]:
+def marched(response: Response, z: np.ndarray, v: np.ndarray) -> tuple[tuple, State]:
     """The kernel itself, from any state, without samples."""
     compiled = compile_scene(response.basis, response.scene, response.clock)
     system, m = compiled.system, len(compiled.system.interfaces)
     state = State(z.copy(), v.copy(), np.zeros(m, dtype=np.int64), np.zeros(m), np.zeros(len(system.rows)), np.zeros(m))
     record = room_for(system, 0)
     ended = exact_march(
-        system, state, exact_rule(), exact_room(system), record, response.clock.duration, 1.0, np.inf, quiet, 10**6
+        system, state, exact_rule(), exact_room(system), record, response.clock.duration, 1.0, np.inf, 10**6
     )
     return ended, state
 
@@ -233,19 +233,6 @@ def test_time_reversed() -> None:
     assert status == again == DONE
     assert np.abs(back.z - compiled.start[0]).max() < 1e-10 * np.abs(there.z).max()
     assert np.abs(back.v + compiled.start[1]).max() < 1e-10 * np.abs(there.v).max()
-
-
-def test_stops_at_separation() -> None:
-    """Without samples the kernel stops where all contacts are open, at the instant the whole run reports."""
-    basis, points = oscillator(1.0, stiffness=1.0, axis="z")
-    scene = Scene((Body("ball", 0.5, -1.0),), (Contact("c", "ball", points["m"].probe("z"), Linear(450.0), gap=0.1),))
-    response = simulate(basis, scene, Clock(4.0, 100.0))
-    start = compile_scene(basis, scene, response.clock).start
-    assert response.ledger.at_separation is not None
-    for quiet in (0.0, 0.25):
-        (status, when, rows, events), _ = marched(response, start[0], start[1], quiet)
-        assert (status, rows, events) == (DONE, 2, 2)
-        assert when == pytest.approx(response.ledger.at_separation.t + quiet, rel=1e-15)
 
 
 def test_a_one_way_dashpot_at_rest_does_not_chatter() -> None:

@@ -34,7 +34,7 @@ def one_step(length: float) -> tuple[np.ndarray, float]:
     system, state, record = compiled.system, state_at_start(compiled), room_for(compiled.system, 0)
     tables, level = empty_tables(system, levels_for(compiled.halvings)), compiled.halvings
     ended = march(
-        system, state, collocation_rule(), tables, march_room(system), record, level, level, np.inf, 10
+        system, state, collocation_rule(), tables, march_room(system), record, level, level, np.inf, 10, 10
     )  # fmt: skip
     assert (ended[0], record.totals[0]) == (DONE, 1.0)
     return np.concatenate((state.z, state.v)), float(record.peak[0, 0])

@@ -4,47 +4,49 @@ from __future__ import annotations
 
 import numpy as np
 
-from femstruct.impact.compiled import inlined, kernel
+from femstruct.impact.closings import CERTAIN, CLOSES, DOUBTFUL, OPENS, confirm, log_event, settle_events
+from femstruct.impact.compiled import inlined, released
 from femstruct.impact.energy import take_stock
 from femstruct.impact.exact.ledger import integrate_step, peaks_of_step, travels_of_step
 from femstruct.impact.exact.regime import coupling_bound, evaluate, expand, fastest, load_series, settle, shorten
-from femstruct.impact.exact.roots import NEVER
-from femstruct.impact.exact.rule import ORDER, SHORT, THETA, ExactRoom, ExactRule
+from femstruct.impact.exact.roots import NEVER, value_of
+from femstruct.impact.exact.rule import ORDER, PROBES, SHORT, THETA, ExactRoom, ExactRule
 from femstruct.impact.exact.watch import switch, watch
-from femstruct.impact.forces import CLAMPED, CLOSED, OPEN, State, copy_to, load_at
-from femstruct.impact.march import CLOSES, DONE, NO_FORCES, OPENS, STICKS, TOO_MANY_EVENTS, TOO_MANY_STEPS
+from femstruct.impact.forces import CLAMPED, CLOSED, OPEN, State, copy_to, load_at, move_to
+from femstruct.impact.march import DONE, NO_FORCES, STICKS, STOPPED, TOO_MANY_EVENTS, TOO_MANY_STEPS
 from femstruct.impact.sampling import Record
 from femstruct.impact.system import CONSTANT, HALF_SINE, LINK, System
 
 
-@kernel
+@released
 def exact_march(system: System, state: State, rule: ExactRule, room: ExactRoom, record: Record, end: float,
-                interval: float, longest: float, quiet: float,
-                max_steps: int) -> tuple[int, float, int, int]:  # fmt: skip
+                interval: float, longest: float, max_steps: int) -> tuple[int, float, int, int]:  # fmt: skip
     """Run to the end; returns how it ended, when, and the numbers of ledger rows and events in the record.
 
     end [s]; interval [s] : of the samples, and the longest step while a load acts; longest [s] : the longest step, and
-    how far apart ledger rows may be otherwise. quiet [s] : stop when all contacts have been open that long after a
-    closing (infinite: never). A record without samples keeps the first and the last ledger row only.
+    how far apart ledger rows may be otherwise. A record without samples keeps the first and the last ledger row only.
     """
     history, m, samples = record.history, len(system.interfaces), len(record.at)
     coupling, damped = coupling_bound(system), len(system.coupling) > 0
     for i in range(system.n_modes):
         damped = damped or system.damping[i] > 0.0
     _begin(system, state, room)
+    record.newest[:], record.size[:] = -1, 0.0
     initial = take_stock(0.0, system, state, room.here[:, 0], room.lost, history[0])
     kept, n_events, kink, at_once = 1, 0, 0, 0
     late = record.late_at[0] * system.tick if record.late_at[0] >= 0 else np.inf
-    t, last, before, earlier, open_since = 0.0, 0.0, 0.0, 0.0, np.inf
+    t, last, before, earlier = 0.0, 0.0, 0.0, 0.0
     while t < end:
         if record.totals[1] >= max_steps:
             return TOO_MANY_STEPS, t, kept, n_events
         record.totals[1] += 1.0
+        if record.stop[0] != 0:
+            return STOPPED, t, kept, n_events
         settle(system, state, room)
         bound, stiffness = fastest(system, room, coupling)
         while kink < len(system.kinks) and system.kinks[kink] * system.tick <= t:
             kink += 1
-        limit = min(end, open_since + quiet)
+        limit = end
         if kink < len(system.kinks):
             limit = min(limit, system.kinks[kink] * system.tick)
         h, acting = limit - t, False
@@ -90,9 +92,9 @@ def exact_march(system: System, state: State, rule: ExactRule, room: ExactRoom, 
             integrate_step(system, state, part * h, order, damped, rule, room)
             peaks_of_step(system, state, t, part * h, order, rule, room, record)
             travels_of_step(system, order, rule, room, record)
+            _confirm_step(system, state, order, rule, room, record)
             evaluate(room, part * h, order, 1.0)
-            copy_to(state.z, room.q)
-            copy_to(state.v, room.v)
+            move_to(state.z, state.v, room.q, room.v)
             room.fresh[:] = 0
             before, earlier = h, stiff
         at_once = at_once + 1 if now == t else 0
@@ -110,7 +112,7 @@ def exact_march(system: System, state: State, rule: ExactRule, room: ExactRoom, 
         for a in range(m):
             touching += room.loaded[a]
             changed = changed or room.loaded[a] != record.totals[4 + a]
-        if samples or changed or t >= min(end, open_since + quiet):
+        if samples or changed or t >= end:
             total = take_stock(t, system, state, room.here[:, 0], room.lost, history[kept])
             if not np.isfinite(total):
                 return NO_FORCES, t, kept, n_events
@@ -122,21 +124,15 @@ def exact_march(system: System, state: State, rule: ExactRule, room: ExactRoom, 
                 record.totals[4 + a] = room.loaded[a]
                 if n_events == len(record.events):
                     return TOO_MANY_EVENTS, t, kept, n_events
-                _log(record, n_events, a, room.loaded[a] > 0.0, touching == 0.0, kept)
+                what = CLOSES if room.loaded[a] > 0.0 else OPENS
+                counts = CERTAIN if system.interfaces[a]["preload"] > 0.0 else DOUBTFUL
+                log_event(record, n_events, a, what, counts, history[kept])
                 n_events += 1
-                if room.loaded[a] > 0.0:
-                    room.closed_at[a], open_since = t, np.inf
-                else:
-                    record.shortest[a] = min(record.shortest[a], t - room.closed_at[a])
-                    open_since = t if touching == 0.0 else np.inf
-        over = t >= end or t >= open_since + quiet
         busy = (acting or touching > 0.0) and t - last >= interval * (1.0 - 1e-9)
-        if over or (samples and (busy or t - last >= 0.5 * longest)):
+        if t >= end or (samples and (busy or t - last >= 0.5 * longest)):
             kept += 1
             last = t
-        if over:
-            break
-    return DONE, t, kept, n_events
+    return DONE, t, kept, settle_events(record, n_events, m)
 
 
 @inlined
@@ -146,7 +142,6 @@ def _begin(system: System, state: State, room: ExactRoom) -> None:
     indentation says so."""
     room.lost[:] = 0.0
     room.loaded[:] = 0.0
-    room.closed_at[:] = 0.0
     room.fresh[:] = 0
     for a in range(len(system.interfaces)):
         state.status[a] = OPEN
@@ -184,9 +179,19 @@ def _release(system: System, state: State, room: ExactRoom, t: float) -> None:
 
 
 @inlined
-def _log(record: Record, count: int, a: int, closes: bool, all_open: bool, row: int) -> None:
-    record.events[count, 0] = a
-    record.events[count, 1] = CLOSES if closes else OPENS
-    record.events[count, 2] = 1 if all_open else 0
-    for i in range(record.history.shape[1]):
-        record.event_rows[count, i] = record.history[row, i]
+def _confirm_step(system: System, state: State, order: int, rule: ExactRule, room: ExactRoom, record: Record) -> None:
+    """Let the events count whose contacts move beyond rounding in this step; room.terms has what they are summed from
+    at its start."""
+    for a in range(len(system.interfaces)):
+        if system.interfaces[a]["kind"] == LINK:
+            continue
+        offset = system.interfaces[a]["offset"]
+        record.size[a, 0] = max(record.size[a, 0], room.terms[a, 0] + abs(offset))
+        record.size[a, 1] = max(record.size[a, 1], room.terms[a, 1])
+        if record.newest[a] >= 0:
+            for p in range(1, PROBES + 1):
+                place = value_of(room.place[a], order, rule.at_probes[p])
+                record.size[a, 0] = max(record.size[a, 0], abs(place))  # these steps are long
+                speed = value_of(room.rate[a], order, rule.at_probes[p])
+                if confirm(system, state, a, place + offset, speed, record):
+                    break

@@ -71,12 +71,12 @@ class ExactRoom(NamedTuple):
     z [ORDER + 1, n] : power series of the coordinates over the step, in parts of it. place, rate, force [r, ORDER + 1]
     : of the rows' displacements, velocities [1/s] and forces as they act. spring, dash, held [m] : force of an
     interface in the present regime = spring place + dash rate + held. way [m] : sign of a link's speed. fresh [m, 3] :
-    whether a contact's indentation, its force, a link's speed is zero by an event at this very instant. loaded,
-    closed_at [m]. lost [m + 3] : dissipated by interfaces, by modes; work; nothing by blows. here [r, 2] :
-    displacement and velocity. watched [ORDER + 1] : a polynomial. boxes [DEPTH, ORDER + 1], spans [DEPTH, 2] : its
-    Bernstein coefficients on parts of the step. terms [m, 3] : sizes of what the
-    interfaces' displacements and velocities are summed from, and the roots of their mobilities. q, v [n] : coordinates
-    and rates somewhere in the step.
+    whether a contact's indentation, its force, a link's speed is zero by an event at this very instant. loaded [m] :
+    whether a contact has a force. lost [m + 3] : dissipated by interfaces, by modes; work; nothing by blows.
+    here [r, 2] : displacement and velocity. watched [ORDER + 1] : a polynomial. boxes [DEPTH, ORDER + 1],
+    spans [DEPTH, 2] : its Bernstein coefficients on parts of the step. terms [m, 3] : sizes of what the interfaces'
+    displacements and velocities are summed from, and the roots of their mobilities. q, v [n] : coordinates and rates
+    somewhere in the step.
     """
 
     z: Floats
@@ -89,7 +89,6 @@ class ExactRoom(NamedTuple):
     way: Integers
     fresh: Integers
     loaded: Floats
-    closed_at: Floats
     lost: Floats
     here: Floats
     watched: Floats
@@ -114,7 +113,6 @@ def exact_room(system: System) -> ExactRoom:
         way=np.zeros(m, dtype=np.int64),
         fresh=np.zeros((m, 3), dtype=np.int64),
         loaded=np.zeros(m),
-        closed_at=np.zeros(m),
         lost=np.zeros(m + 3),
         here=np.zeros((r, 2)),
         watched=np.zeros(size),

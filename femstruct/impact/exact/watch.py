@@ -15,13 +15,12 @@ from femstruct.impact.compiled import inlined, kernel
 from femstruct.impact.exact.regime import inner_product
 from femstruct.impact.exact.roots import NEVER, first_descent, magnitude, stays_positive
 from femstruct.impact.exact.rule import ExactRoom, ExactRule
-from femstruct.impact.forces import CLAMPED, CLOSED, OPEN, State
+from femstruct.impact.forces import CLAMPED, CLOSED, OPEN, PRELOAD, State
 from femstruct.impact.system import LINK, System
 
 INDENTATION, FORCE, SPEED, EXCESS = 0, 1, 2, 3  # what crossed zero; the first three are columns of fresh
 ROUNDING = 4e-15  # of a row's displacement, relative to the terms it is summed from
 AT_ONCE = 1e-20  # of a step: less than a place in it, or the time, can tell from its start
-PRELOAD = 1e-9  # of the preload: what a force must exceed it by, or fall short of it; its rounding if that is more
 
 
 @kernel
