@@ -182,6 +182,18 @@ def test_a_stiff_light_wall_is_rigid_and_a_light_dashpot_is_an_impedance():
     assert np.abs(light - plain).max() < 1e-3 * np.abs(plain).max()  # omega m / r = 1.2e-3 at 400 Hz
 
 
+@pytest.mark.parametrize("law", ["none", "both"])
+def test_walls_without_mass_from_no_wall_at_all_to_a_rigid_one(law):
+    f = np.linspace(5.0, 400.0, 50)
+    s = 2j * np.pi * f
+    for stiffness in (1e-3, 1e6, 1e15):
+        for resistance in (0.0, 1e-3, 1e7):
+            end = YieldingWall(0.0, stiffness, resistance)
+            (found,) = piston_tone(tube({"z0": end}, LAWS[law]), f, (0.7,))
+            exact = column(s, LAWS[law], impedance(end, s), 0.7, TUBE[2])
+            assert np.abs(found - exact).max() < 1e-3 * np.abs(exact).max()  # modes beyond 800 Hz
+
+
 @pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize("end", [SPRING, SOFT], ids=["spring", "spring and dashpot"])
 def test_a_wall_without_mass_is_the_limit_of_a_light_one(end, law):

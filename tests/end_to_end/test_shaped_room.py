@@ -140,13 +140,11 @@ def test_walls_of_a_room_with_a_size_are_those_of_its_mesh(folder: Path) -> None
     found = []
     for room, name in ((MESHED, "left"), (BOX, "x0")):
         path = study(folder, f"{room}, walls: {{{name}: {{{wall}}}}}, modes: {{up_to: 650 Hz}}")
-        found.append(run_study(read_study(path, ("time.duration=30 ms",))))
-    for name, ours in found[0].cases.items():
-        theirs = found[1].cases[name]
-        p, wanted = ours.rooms["air"].p[0], theirs.rooms["air"].p[0]
-        assert np.abs(p - wanted).max() < 1e-9 * np.abs(wanted).max()
-        heard = [one.frf["mic"].values for one in (ours, theirs)]
-        assert heard[0] == pytest.approx(heard[1], rel=1e-7)
+        found.append(run_study(read_study(path, ("time.duration=30 ms",), only="two-way")).cases["two-way"])
+    p, wanted = (case.rooms["air"].p[0] for case in found)
+    assert np.abs(p - wanted).max() < 1e-9 * np.abs(wanted).max()
+    heard = [case.frf["mic"].values for case in found]
+    assert heard[0] == pytest.approx(heard[1], rel=1e-7)
 
 
 def test_bases_of_other_walls_have_other_names(folder: Path) -> None:
