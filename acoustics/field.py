@@ -146,7 +146,7 @@ def field_pressures(
     spectra = [np.fft.rfft(extended(one.rates, whole), length, axis=1) for one in surfaces]
     size = np.sum([np.abs(one).max(axis=0) for one in spectra], axis=0)
     above = np.cumsum(size[::-1])[::-1]
-    last = int(np.count_nonzero(above > NEGLIGIBLE * above[0]))
+    last = max(1, int(np.count_nonzero(above > NEGLIGIBLE * above[0])))  # in silence none
     p = np.zeros((len(surfaces), len(places), len(s)), dtype=np.complex128)
     for row, place in enumerate(places if last else ()):  # of a surface that is still there is nothing to sum
         sums = _sums(space, first, place, s[:last])

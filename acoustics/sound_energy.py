@@ -107,13 +107,16 @@ class SoundEnergy:
 
 
 def loudest(frequency_hz: Floats, density: Floats, count: int) -> list[float]:
-    """Frequencies of the highest peaks [Hz], ascending: a third octave apart, no less than 1e-3 of the highest.
+    """Frequencies of the highest peaks [Hz], ascending: a third octave apart, no less than 1e-3 of the highest; of the
+    largest value where there is no peak; none in silence.
 
     >>> loudest(np.array([10.0, 20, 30, 40, 50]), np.array([0, 3.0, 1, 2, 0]), 2)
     [20.0, 40.0]
     """
     inner = (density[1:-1] >= density[:-2]) & (density[1:-1] > density[2:])
     heights = np.where(np.r_[False, inner, False], density, 0.0)
+    if not heights.any():
+        return [float(frequency_hz[density.argmax()])] if density.max() > 0 else []
     found: list[float] = []
     for line in np.argsort(-heights).tolist():
         f = float(frequency_hz[line])

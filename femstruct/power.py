@@ -112,7 +112,7 @@ def radiated_by(
             moving.points, moving.weights, moving.shapes, rates, shown, space.air, surface.normal, surface.along
         ),
     )
-    return found, (*energy.findings, *_modes_missing(energy, response.basis), *_damps(energy, end.lost_modes))
+    return found, (*energy.findings, *_modes_missing(energy, response.basis))
 
 
 def _coarse(surface: Surface, space: HalfSpace, highest_hz: float) -> tuple[Advice, ...]:
@@ -158,16 +158,17 @@ def _modes_missing(energy: SoundEnergy, basis: ModalBasis) -> tuple[Advice, ...]
     )
 
 
-def _damps(energy: SoundEnergy, lost_j: float) -> tuple[Advice, ...]:
-    """Sound is not taken from the structure: where it would be felt, it is too much."""
-    if energy.energy_j <= FELT * lost_j or not lost_j > 0:
+def not_taken(energy_j: float, lost_j: float) -> tuple[Advice, ...]:
+    """Advice where the sound energy [J] of all surfaces, which is not taken from the structure, would be felt beside
+    what it lost in its own damping [J]."""
+    if energy_j <= FELT * lost_j or not lost_j > 0:
         return ()
-    ratio = energy.energy_j / lost_j
+    ratio = energy_j / lost_j
     return (
         Advice(
             "sound-energy-not-taken",
-            f"the sound energy is {ratio:.2g} of what the structure lost in its own damping, and is not taken from it: "
-            f"above {FELT:g} motion and sound are too strong and last too long",
+            f"the sound energy into the open is {ratio:.2g} of what the structure lost in its own damping, and is not "
+            f"taken from it: above {FELT:g} motion and sound are too strong and last too long",
             {"sound_over_losses": ratio, "allowed": FELT},
         ),
     )

@@ -6,7 +6,7 @@ from acoustics.errors import Advice
 from acoustics.field import HalfSpace
 from femstruct.errors import Finding
 from femstruct.impact.response import Response
-from femstruct.power import Radiated, radiated_by
+from femstruct.power import Radiated, not_taken, radiated_by
 from femstruct.study.study import Study
 from femstruct.workflow.air import ceiling
 from femstruct.workflow.places import Places
@@ -23,4 +23,6 @@ def sound_energies(
             surface = ceiling(plan, places)
             radiated[plan.name], found = radiated_by(response, surface, plan.room, plan.directivity, plan.name)
             told += [(plan.name, one) for one in found]
+    everywhere = sum(one.energy.energy_j for one in radiated.values())
+    told += [(name, one) for one in not_taken(everywhere, response.ledger.end.lost_modes) for name in radiated]
     return radiated, told

@@ -17,7 +17,7 @@ from femstruct.language import read_study
 from femstruct.radiation import pressure_per_force
 from femstruct.study.result import CaseResult, StudyResult
 from femstruct.view.plots import figures
-from femstruct.view.power import room_directivity
+from femstruct.view.power import room_directivity, sound_energy
 from femstruct.view.report import report
 from femstruct.view.terminal import study_tables
 from femstruct.workflow.bases import solve_all
@@ -240,13 +240,31 @@ def test_reasons_to_believe_it_less(folder: Path) -> None:
     text = STUDY.replace("up_to: 2 kHz", "up_to: 150 Hz").replace("500 ms", "40 ms").replace("60.5 Hz", "900 Hz")
     path = folder / "little.study.yaml"
     path.write_text(text.replace("open: {below: low", "open: {air: {rho: 500}, below: low"), encoding="utf-8")
-    told = {one.code: one for one in run_study(read_study(path)).cases["as given"].findings}
+    case = run_study(read_study(path)).cases["as given"]
+    told = {one.code: one for one in case.findings}
     assert told["sound-energy-beyond-modes"].values["complete_below_hz"] == 150.0
     assert told["sound-energy-beyond-modes"].values["share"] > 0.01
     assert told["sound-energy-record-short"].values["last_tenth"] > 0.01
-    assert told["sound-energy-not-taken"].values["sound_over_losses"] > 0.1
+    assert case.response is not None
+    both = sum(one.energy.energy_j for one in case.radiated.values())  # of both sides of the plate
+    ratio = both / case.response.ledger.end.lost_modes
+    assert ratio > 0.1
+    assert told["sound-energy-not-taken"].values["sound_over_losses"] == pytest.approx(ratio)
     assert told["power-beyond-modes"].values == {"highest_hz": 700.0, "complete_below_hz": 150.0}
-    assert "open" in told["sound-energy-not-taken"].message
+    assert told["sound-energy-not-taken"].message.startswith("open, roof: ")
+
+
+def test_silence(folder: Path, tmp_path: Path) -> None:
+    """Nothing moves: no level, no picture, and nothing that fails."""
+    path = folder / "silent.study.yaml"
+    path.write_text(STUDY.replace("amplitude: -10 N", "amplitude: 0 N"), encoding="utf-8")
+    silent = run_study(read_study(path))
+    write_results(tmp_path / "results.h5", silent)
+    table = summary(silent)["cases"]["as given"]["sound_energy"]
+    assert table["open"]["l_j_db"] is None and table["open"]["energy_j"] == 0.0
+    assert table["roof"]["directivity"] == {}
+    assert sound_energy(silent, "open") is None and room_directivity(silent, "roof") is None
+    assert "sound energy" in report(silent)
 
 
 @pytest.mark.parametrize(
