@@ -274,7 +274,7 @@ def _write_energy(target: h5py.Group, response: Response, shares: ModeEnergies |
 
 def _write_lost(target: h5py.Group, ledger: EnergyLedger, shares: ModeEnergies | None) -> None:
     """Losses in the modes, in the structure's own dashpots, and in those of every contact and link, until the
-    separation and until the end."""
+    separation and until the end; and over time, where modes and dashpots of the structure are one."""
 
     def lost(balance: EnergyBalance | None, dashpots: float) -> list[float]:
         if balance is None:
@@ -291,6 +291,11 @@ def _write_lost(target: h5py.Group, ledger: EnergyLedger, shares: ModeEnergies |
     parted = lost(ledger.at_separation, then)
     put(target, "at_separation", parted, "J", "When the collision was over; nan if never", (taker,))
     put(target, "end", lost(end, at_end), "J", "At the end of the window", (taker,))
+    histories = [ledger.lost_modes, *ledger.lost_contacts.values(), *ledger.lost_links.values()]
+    where = ["structure", *ledger.lost_contacts, *ledger.lost_links]
+    place = axis(target, "place", where, "1", "The structure with its dashpots, a contact or a link")
+    target["time"] = target.parent["time"]
+    put(target, "until_now", np.array(histories), "J", "Lost until now", (place, "time"))
 
 
 _TERMS: Final = {

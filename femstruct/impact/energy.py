@@ -143,6 +143,7 @@ def ledger(
     residual [J] : largest change of the total; largest_work [J] : largest |work| + |energy brought by blows|.
     """
     m, at = len(compiled.system.interfaces), BODIES + len(scene.bodies)
+    lost = history[:, at + m + 1 : at + 2 * m + 1]
     start, end = balance(history[0], scene, compiled), balance(history[-1], scene, compiled)
     scale = max(abs(start.total), largest_work)
     return EnergyLedger(
@@ -153,7 +154,9 @@ def ledger(
         bodies={body.name: history[:, BODIES + i].copy() for i, body in enumerate(scene.bodies)},
         structure=history[:, STRUCTURE].copy(),
         stored=history[:, at : at + m].sum(axis=1),
-        dissipated=history[:, at + m : at + 2 * m + 1].sum(axis=1),
+        lost_modes=history[:, at + m].copy(),
+        lost_contacts={name: lost[:, rows].sum(axis=1) for name, rows in compiled.contacts.items()},
+        lost_links={name: lost[:, a].copy() for name, a in compiled.links.items()},
         work=history[:, at + 2 * m + 1].copy(),
         blows=history[:, at + 2 * m + 2].copy(),
         residual=residual / scale if scale > 0.0 else 0.0,

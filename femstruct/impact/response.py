@@ -131,8 +131,8 @@ class EnergyLedger:
 
     start, end : balances at t = 0 and at the end. at_separation : at the end of the collision (the first instant after
     the first closing at which all contacts are open and none closes again within `quiet`), None if never.
-    t [m] and the histories [m] are for pictures: bodies, structure, stored (contacts and links), dissipated, work,
-    blows. At a blow there are two rows, before and after.
+    t [m] and the histories [m] are for pictures: bodies, structure, stored (contacts and links), lost_modes,
+    lost_contacts and lost_links by name, work, blows. At a blow there are two rows, before and after.
     residual : largest |total(t) - total(0)| over the larger of the starting energy and what work and blows
     brought [1].
     """
@@ -144,10 +144,17 @@ class EnergyLedger:
     bodies: Mapping[str, Floats]
     structure: Floats
     stored: Floats
-    dissipated: Floats
+    lost_modes: Floats
+    lost_contacts: Mapping[str, Floats]
+    lost_links: Mapping[str, Floats]
     work: Floats
     blows: Floats
     residual: float
+
+    @property
+    def dissipated(self) -> Floats:
+        """All losses until then [m] [J]."""
+        return np.sum([self.lost_modes, *self.lost_contacts.values(), *self.lost_links.values()], axis=0)
 
 
 @dataclass(frozen=True, eq=False)

@@ -20,13 +20,11 @@ from femstruct.view.trust import anything_meets
 ZOOM_WITHOUT_RULE: Final = 0.05  # of the window, where no first-impact window is given
 AROUND: Final = 1.25  # times the first-impact window: what comes next is seen to begin
 RESTING: Final = 1e-6  # of its largest speed: a body that is told to be at rest
-ENERGY_COLOURS: Final = {
-    "bodies": "#0072b2",
-    "structure": "#009e73",
-    "contacts, links": "#e69f00",
-    "dissipated": "#bbbbbb",
-}
+HELD_COLOURS: Final = {"bodies": "#0072b2", "structure": "#009e73", "contacts, links": "#e69f00"}
 BESIDE_COLOURS: Final = ("#56b4e9", "#cc79a7", "#f0e442")  # of what holds energy of the modes beside the structure
+LOST_COLOURS: Final = ("#e7b5ce", "#bcdff5", "#eab38a", "#f7f0a8", "#c9b8dd")  # pale: what is lost no longer moves
+NOBODYS_COLOUR: Final = "#bbbbbb"  # of losses in the structure and all that is too little to be named
+NAMED: Final = 0.01  # share of what was put in, from which on a loss has a colour of its own
 
 Row = tuple[str, str, Mapping[str, tuple[Floats, Floats]], Mapping[str, str]]  # ylabel, unit, by case (t, y), legend
 
@@ -83,7 +81,8 @@ def travels(result: StudyResult) -> Figure | None:
 
 
 def energy(result: StudyResult) -> Figure | None:
-    """The ledger of every case, stacked: bodies, structure, contacts and links, losses, up to what was put in.
+    """The ledger of every case, stacked: bodies, structure, contacts and links, what each contact and link took, other
+    losses; up to what was put in.
 
     Where air pushes back, that of rooms and of walls that yield stands beside the structure.
     """
@@ -92,13 +91,15 @@ def energy(result: StudyResult) -> Figure | None:
         return None
     holders = dict.fromkeys(name for response in responses.values() for name in response.basis.holders)
     beside = [name for name in holders if name != "structure"]
-    figure = new_figure(10.0, 1.1 + 2.3 * len(responses), "Where the energy is")
-    grid = panels(figure, len(responses), 2, between=0.75, top=0.65, sharey="row")
+    takers = _takers([response.ledger for response in responses.values()])
+    above = 0.17 * ((len(beside) + len(takers) + 4) // 5)  # inches of further rows of the legend
+    figure = new_figure(10.0, 1.1 + above + 2.3 * len(responses), "Where the energy is")
+    grid = panels(figure, len(responses), 2, between=0.75, top=0.65 + above, sharey="row")
     for row, (name, response) in zip(grid, responses.items(), strict=True):
         ledger = response.ledger
         factor, unit = scaled("J", float(_input(ledger).max()))
         for axes, end in zip(row, (_zoom(result, response), float(ledger.t[-1])), strict=True):
-            _stack(axes, response, factor, end, beside)
+            _stack(axes, response, factor, end, beside, takers)
             time, time_unit = scaled_time(end)
             finish(axes, f"time in {time_unit}", "")
             axes.set_xlim(0.0, time * end)
@@ -144,25 +145,53 @@ def scaled_time(end: float) -> tuple[float, str]:
     return (1e3, "ms") if end < 0.5 else (1.0, "s")
 
 
-def _stack(axes: Axes, response: Response, factor: float, end: float, beside: Sequence[str]) -> None:
+def _losses(ledger: EnergyLedger) -> dict[str, Floats]:
+    """What contacts and links took until now [m] [J]; an array of contacts, "NAME.1" and on, as one."""
+    taken: dict[str, Floats] = {}
+    for name, lost in (*ledger.lost_contacts.items(), *ledger.lost_links.items()):
+        array = name.rpartition(".")[0] or name
+        taken[array] = taken[array] + lost if array in taken else lost
+    return taken
+
+
+def _takers(ledgers: Sequence[EnergyLedger]) -> tuple[str, ...]:
+    """The contacts and links that take most, as many as there are colours, in their own order."""
+    share: dict[str, float] = {}
+    for ledger in ledgers:
+        for name, lost in _losses(ledger).items():
+            share[name] = max(share.get(name, 0.0), float(lost[-1] / max(_input(ledger)[-1], np.finfo(float).tiny)))
+    most = sorted(share, key=lambda name: -share[name])[: len(LOST_COLOURS)]
+    return tuple(name for name in share if name in most and share[name] >= NAMED)
+
+
+def _stack(
+    axes: Axes, response: Response, factor: float, end: float, beside: Sequence[str], takers: Sequence[str]
+) -> None:
     ledger, t = response.ledger, np.linspace(0.0, end, 500)
     bodies = np.sum(list(ledger.bodies.values()), axis=0) if ledger.bodies else np.zeros_like(ledger.t)
     structure, none = np.interp(t, ledger.t, ledger.structure), np.zeros_like(t)
-    held = held_over_time(response, t)
+    held, taken = held_over_time(response, t), _losses(ledger)
+    lost = {f"lost in {name}": np.interp(t, ledger.t, taken[name]) if name in taken else none for name in takers}
+    rest = np.interp(t, ledger.t, ledger.dissipated) - np.sum(list(lost.values()), axis=0)
     layers = {
         "bodies": np.interp(t, ledger.t, bodies),
         "structure": held.get("structure", structure),
         **{name: held.get(name, none) for name in beside},
         "contacts, links": np.interp(t, ledger.t, ledger.stored),
-        "dissipated": np.interp(t, ledger.t, ledger.dissipated),
+        **lost,
+        "lost elsewhere" if takers else "dissipated": rest,
     }
-    colours = {**{name: BESIDE_COLOURS[i % len(BESIDE_COLOURS)] for i, name in enumerate(beside)}, **ENERGY_COLOURS}
+    colours = {
+        **{name: BESIDE_COLOURS[i % len(BESIDE_COLOURS)] for i, name in enumerate(beside)},
+        **HELD_COLOURS,
+        **dict(zip(lost, LOST_COLOURS, strict=False)),
+    }
     scale, _ = scaled_time(end)
     axes.stackplot(
         scale * t,
         [factor * layer for layer in layers.values()],
         labels=list(layers),
-        colors=[colours[name] for name in layers],
+        colors=[colours.get(name, NOBODYS_COLOUR) for name in layers],
         linewidth=0,
     )
     axes.plot(scale * t, factor * np.interp(t, ledger.t, _input(ledger)), "k--", linewidth=1.0, label="put in")
