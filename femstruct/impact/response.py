@@ -154,7 +154,10 @@ class EnergyLedger:
     @property
     def dissipated(self) -> Floats:
         """All losses until then [m] [J]."""
-        return np.sum([self.lost_modes, *self.lost_contacts.values(), *self.lost_links.values()], axis=0)
+        total = self.lost_modes.copy()
+        for lost in (*self.lost_contacts.values(), *self.lost_links.values()):
+            total += lost
+        return total
 
 
 @dataclass(frozen=True, eq=False)

@@ -144,6 +144,12 @@ def test_losses_are_booked_apart(result, path):
             lost = file[f"cases/{key(name)}/energy/lost"]
             assert lost["end"][:].sum() == pytest.approx(end.dissipated, abs=0)
             assert lost["taker"].asstr()[:].tolist() == ["modes", "dashpots", *end.lost_contacts, *end.lost_links]
+            assert lost["place"].asstr()[:].tolist() == ["structure", *end.lost_contacts, *end.lost_links]
+            ledger = case.response.ledger
+            assert (
+                lost["until_now"].shape == (len(lost["place"]), len(ledger.t)) and lost["time"].shape == ledger.t.shape
+            )
+            assert lost["until_now"][:].sum(axis=0) == pytest.approx(ledger.dissipated, rel=1e-12)
 
 
 def test_no_response_no_room_no_frf(result, tmp_path):

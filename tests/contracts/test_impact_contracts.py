@@ -16,7 +16,7 @@ from femstruct.impact.laws import Hertz, Linear, Stop
 from femstruct.impact.response import Outcome, Response
 from femstruct.impact.simulate import simulate
 from femstruct.modal.analytic import given_modes, oscillator, rod
-from femstruct.model.probe import Point
+from femstruct.model.probe import Point, Probe
 
 NONE = given_modes([], [], {})[0]
 
@@ -67,6 +67,31 @@ def test_every_term_of_the_ledger_counts(floor: Response) -> None:
     assert end.lost_contacts["damper"] == 0.0
     middle = floor.ledger.stored.max()
     assert middle > 0.1 * start  # contacts do store energy on the way
+
+
+def test_losses_over_time_end_as_the_ledger_does(floor: Response) -> None:
+    """And the link's is what its dashpot takes of the speed between its ends, summed over the samples."""
+    ledger, end = floor.ledger, floor.ledger.end
+    for histories, ends in ((ledger.lost_contacts, end.lost_contacts), (ledger.lost_links, end.lost_links)):
+        assert histories.keys() == ends.keys()
+        for name, history in histories.items():
+            assert history[0] == 0.0
+            assert history[-1] == pytest.approx(ends[name], rel=1e-12, abs=0.0)
+    assert ledger.lost_modes[-1] == pytest.approx(end.lost_modes, rel=1e-12)
+    assert ledger.dissipated[-1] == pytest.approx(end.dissipated, rel=1e-12)
+    moving = points_apart(floor)
+    power = 40.0 * np.minimum(moving, 0.0) ** 2  # while the damper and the slab move apart
+    taken = np.concatenate(([0.0], np.cumsum(power[1:] + power[:-1]) / (2.0 * floor.clock.sampling)))
+    seen = np.interp(floor.t, ledger.t, ledger.lost_links["link"])
+    # trapezoids between samples of 50 us, and rows of the ledger as far apart while nothing touches
+    assert np.abs(seen - taken).max() < 1e-2 * taken[-1]
+
+
+def points_apart(floor: Response) -> np.ndarray:
+    """Speed at which the ends of the link approach, at the samples [nt] [m/s]."""
+    link = floor.scene.links[0]
+    assert isinstance(link.lower, Probe)
+    return np.asarray(link.lower.of(floor.basis.shapes) @ floor.qd - floor.bodies["damper"].velocity)
 
 
 def test_halving_the_tolerance_moves_nothing(floor: Response) -> None:

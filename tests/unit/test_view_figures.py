@@ -170,6 +170,24 @@ def test_energy_layers_reach_what_was_put_in(result):
     assert top == pytest.approx(put_in, rel=1e-12) == 120.0  # mJ, made by hand
 
 
+def test_the_energy_picture_says_who_lost_it(result):
+    figure = energy(result)
+    taken, rest = figure.axes[0].collections[-2:]
+    assert [taken.get_label(), rest.get_label()] == ["lost in ball on floor", "lost elsewhere"]
+    corners = taken.get_paths()[0].vertices[:, 1]
+    assert corners.max() - corners[corners < corners.max() - 1.0].max() <= 20.0  # mJ, made by hand
+    assert len({tuple(layer.get_facecolor()[0]) for layer in figure.axes[0].collections}) == 5
+
+
+def test_losses_too_small_to_be_seen_are_not_named(result):
+    case = next(iter(result.cases.values()))
+    ledger = case.response.ledger
+    small = replace(ledger, lost_contacts={"ball on floor": 1e-3 * ledger.lost_contacts["ball on floor"]})
+    cases = {name: replace(case, response=replace(case.response, ledger=small)) for name in result.cases}
+    labels = energy(replace(result, cases=cases)).axes[0].get_legend_handles_labels()[1]
+    assert "dissipated" in labels and not [label for label in labels if label.startswith("lost")]
+
+
 def test_contacts_that_are_not_recorded_are_drawn_too(result):
     assert contact_forces(result) is None
     fewer = {
