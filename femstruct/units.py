@@ -16,7 +16,7 @@ from typing import Final, NamedTuple
 
 from femstruct.errors import InputError
 
-Exponents = tuple[Fraction, ...]  # of kg, m, s, rad and cycle
+Exponents = tuple[Fraction, ...]  # of kg, m, s, rad, cycle and decibel
 
 
 class QuantityError(InputError, ValueError):
@@ -35,8 +35,8 @@ class _Dimension(NamedTuple):
     exponents: Exponents
 
 
-def _powers(kg: float = 0, m: float = 0, s: float = 0, rad: float = 0, cycle: float = 0) -> Exponents:
-    return tuple(Fraction(power) for power in (kg, m, s, rad, cycle))
+def _powers(kg: float = 0, m: float = 0, s: float = 0, rad: float = 0, cycle: float = 0, db: float = 0) -> Exponents:
+    return tuple(Fraction(power) for power in (kg, m, s, rad, cycle, db))
 
 
 _PI: Final = Decimal("3.14159265358979323846264338327950288")
@@ -61,6 +61,7 @@ _SYMBOLS: Final = {  # symbol: (its prefixes, factor, exponents)
     "bar": (("", "m"), Decimal(100000), _powers(kg=1, m=-1, s=-2)),
     "J": (("", "m", "k"), Decimal(1), _powers(kg=1, m=2, s=-2)),
     "%": (("",), Decimal("1e-2"), _powers()),
+    "dB": (("",), Decimal(1), _powers(db=1)),  # a number of its own: no ratio
 }  # fmt: skip
 _UNITS: Final = {
     prefix + symbol: _Unit(_PREFIX[prefix] * factor, exponents)
@@ -80,6 +81,7 @@ DIMENSIONS: Final = {
     "inertia": _Dimension("a moment of inertia", "kg*m^2", "60 kg*m^2", _powers(kg=1, m=2)),
     "density": _Dimension("a density", "kg/m^3", "7850 kg/m^3", _powers(kg=1, m=-3)),
     "time": _Dimension("a time", "s", "20 ms", _powers(s=1)),
+    "level": _Dimension("a level", "dB", "53 dB", _powers(db=1)),
     "rate": _Dimension("a rate", "1/s", "12 1/s", _powers(s=-1)),
     "frequency": _Dimension("a frequency", "Hz", "19.9 Hz", _powers(s=-1, cycle=1)),
     "angular speed": _Dimension("an angular speed", "rad/s", "3 rad/s", _powers(s=-1, rad=1)),
@@ -249,7 +251,7 @@ def _symbol(symbol: str, shown: str, expected: str) -> tuple[_Unit, ...]:
 
 def _accepted(name: str, exponents: Exponents) -> tuple[Exponents, ...]:
     if name in _WITHOUT_RAD:
-        return exponents, (*exponents[:3], Fraction(0), exponents[4])
+        return exponents, (*exponents[:3], Fraction(0), *exponents[4:])
     return (exponents,)
 
 
@@ -258,7 +260,9 @@ def _words(exponents: Exponents) -> str:
         if dimension.exponents == exponents:
             return dimension.words
     parts = [
-        f"{unit}^{power}" for unit, power in zip(("kg", "m", "s", "rad", "cycle"), exponents, strict=True) if power
+        f"{unit}^{power}"
+        for unit, power in zip(("kg", "m", "s", "rad", "cycle", "dB"), exponents, strict=True)
+        if power
     ]
     return f"in {' '.join(parts)}".replace("^1 ", " ").removesuffix("^1")
 

@@ -26,7 +26,8 @@ def verdict_word(verdict: Verdict) -> str:
 
 
 def verdict_tables(verdicts: Sequence[Verdict]) -> Table:
-    """By name of the limit: value, limit, margin (negative where exceeded) and the verdict."""
+    """By name of the limit: value, limit, margin (negative where exceeded), the verdict, and of several drops the place
+    of the worst."""
     return {
         one.name: {
             "value": one.value,
@@ -34,6 +35,7 @@ def verdict_tables(verdicts: Sequence[Verdict]) -> Table:
             "margin": one.margin,
             "unit": one.unit,
             "verdict": verdict_word(one),
+            "at": one.at or None,
         }
         for one in verdicts
     }
@@ -49,6 +51,7 @@ def write_verdicts(target: h5py.Group, verdicts: Sequence[Verdict]) -> None:
         ("margin", [one.margin for one in verdicts], "What is left up to that, negative beyond"),
     ):
         put(target, name, [np.nan if one is None else one for one in values], "see limit_unit", what, (limit,))
+    put(target, "at", [one.at for one in verdicts], "1", "Place of the worst drop, where there are several", (limit,))
     put(target, "verdict", [verdict_word(one) for one in verdicts], "1", "met, exceeded or not seen", (limit,))
 
 

@@ -148,8 +148,8 @@ def spread(study: StudySpec, names: Names, drop: int = 0) -> StudySpec:
 
 
 def _dropped(study: StudySpec, names: Names, drop: int) -> StudySpec:
-    """The study with a source that is dropped at one of its places, and records of its contact there."""
-    bodies, record = dict(study.bodies), dict(study.record)
+    """The study with a source that is dropped at one of its places, and records and limits of its contact there."""
+    bodies, record, limits = dict(study.bodies), dict(study.record), dict(study.limits)
     for name in drop_counts(study, names):
         body = study.bodies[name]
         if body.source not in DROPPED:
@@ -158,4 +158,8 @@ def _dropped(study: StudySpec, names: Names, drop: int) -> StudySpec:
         bodies[name] = body.model_copy(update={"above": place})
         own = f"{name} on {body.target}"
         record = {f"{name} on {place}" if target == own else target: what for target, what in record.items()}
-    return study.model_copy(update={"bodies": bodies, "record": record})
+        limits = {
+            f"{name} on {place} {limited.rpartition(' ')[2]}" if limited.rpartition(" ")[0] == own else limited: limit
+            for limited, limit in limits.items()
+        }
+    return study.model_copy(update={"bodies": bodies, "record": record, "limits": limits})

@@ -12,6 +12,7 @@ from femstruct.language.build import Builder
 from femstruct.language.build_laws import ends_of, law_of, start_speed
 from femstruct.language.build_rooms import room_of
 from femstruct.language.extents import as_many
+from femstruct.language.limits import limited_room
 from femstruct.language.reader import Mistakes, Steps, Tree, dotted
 from femstruct.language.schema_study import SIDES, BodySpec, ContactSpec, LoadSpec, StudySpec
 from femstruct.language.tables import read_history
@@ -91,7 +92,7 @@ def study_of(
         time=TimePlan(time.duration, time.sampling, time.gravity, study.quiet) if time is not None else None,
         peaks=PeakRule(study.peaks.first_impact, study.peaks.lowpass),
         rooms=tuple(rooms.values()),
-        limits=tuple(Limit(name, one.value) for name, one in study.limits.items()),
+        limits=tuple(Limit(name, one.value, limited_room(name)) for name, one in study.limits.items()),
         save_modal=study.save == "modal",
         accuracy=AccuracyRule(asked.within, asked.band, asked.up_to) if asked is not None else None,
     )

@@ -188,7 +188,7 @@ class Patch:
                     gone.add(other)
         if study is None or kind in ("materials", "sections", "frf", "cases"):
             return
-        dropped = {name} if kind == "record" else set()
+        dropped = {name} if kind in ("record", "rooms") else set()
         for target in list(_mapping(study.value, "record")):
             owner = target.rpartition(".")[0] or target
             if owner in gone or target in gone or (kind == "bodies" and target.startswith(f"{name} on ")):

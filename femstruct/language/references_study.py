@@ -194,16 +194,12 @@ def _side(body: BodySpec) -> str:
 
 
 def _check_drops(check: Checker, study: StudySpec, names: Names) -> None:
-    """One source goes from place to place; limits and contacts by name are those of one run."""
+    """One source goes from place to place."""
     counts = drop_counts(study, names)
     for name in list(counts)[1:]:
         first = next(iter(counts))
         got = f"a second source of several places (the first is '{first}')"
         check.wrong(("bodies", name, "above"), got, "one", f"give '{name}' one place")
-    for name in counts:
-        for limited in study.limits:
-            got = f"a limit, while '{name}' is dropped at {counts[name]} places"
-            check.wrong(("limits", limited), got, "a limit of one run", f"drop '{name}' at one place", of_key=True)
 
 
 def _check_loads(check: Checker, study: StudySpec, names: Names, model: ModelSpec, each: list[str]) -> None:

@@ -76,8 +76,15 @@ def _mass_or_source(schema: dict[str, Any]) -> None:
     schema["required"] = [name for name in schema["required"] if name != "mass"]
 
 
+def _every_or_source(schema: dict[str, Any]) -> None:
+    schema["required"] = [name for name in schema["required"] if name != "every"]
+
+
 class BlowsSpec(Spec):
-    """A body that strikes several times: at first, first + every, ... it is given its starting state again."""
+    """A body that strikes several times: at first, first + every, ... it is given its starting state again. A tapping
+    machine brings its own every."""
+
+    model_config = ConfigDict(json_schema_extra=_every_or_source)
 
     count: Count
     every: Duration
@@ -269,7 +276,7 @@ def _changes(value: object) -> object:
     return value
 
 
-LIMITED = ("length", "speed", "acceleration", "force", "time", "angle", "angular speed")
+LIMITED = ("length", "speed", "acceleration", "force", "time", "angle", "angular speed", "level")
 LimitValue = Annotated[Measured, Quantity(LIMITED, above=0.0, which=True)]
 
 

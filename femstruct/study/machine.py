@@ -11,7 +11,8 @@ class Verdict:
     """A limit and what came of it, both in `unit`.
 
     value : None where there is none: a structure that is not at rest in time; `seen` is then for how long it was looked
-    at [s]. met : None where that is too short to tell.
+    at [s]. met : None where that is too short to tell. at : the place whose drop is the worst, where a source strikes
+    several; "" for one.
     """
 
     name: str
@@ -20,6 +21,7 @@ class Verdict:
     unit: str
     met: bool | None
     seen: float | None = None
+    at: str = ""
 
     @property
     def margin(self) -> float | None:

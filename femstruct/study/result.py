@@ -111,12 +111,14 @@ SILENT: Final = OwnSound({}, {}, {}, {})
 @dataclass(frozen=True, eq=False)
 class Drop:
     """What is kept of one blow of a source that strikes several places: how it ended (a sentence), peak forces of the
-    contacts [N] by name, levels by "ROOM.RECEIVER", total_levels where the source is heard itself."""
+    contacts [N] by name, levels by "ROOM.RECEIVER", total_levels where the source is heard itself, and what came of the
+    limits on channels and the time to rest."""
 
     outcome: str
     peak_force: Mapping[str, float]
     levels: Mapping[str, Levels]
     total_levels: Mapping[str, Levels] = field(default_factory=dict)
+    verdicts: tuple[Verdict, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)

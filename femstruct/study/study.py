@@ -197,10 +197,14 @@ class AccuracyRule:
 @dataclass(frozen=True)
 class Limit:
     """What should not be exceeded: by the largest |value| of a recorded channel ("die.z displacement"), in its unit,
-    or by the time to rest ("settled") [s]."""
+    by the time to rest ("settled") [s], or by the rating of a room ("bedroom rating") [dB].
+
+    room : whose rating it is; "" for the others.
+    """
 
     name: str
     value: float
+    room: str = ""
 
 
 @dataclass(frozen=True)

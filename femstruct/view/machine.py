@@ -34,17 +34,18 @@ def _verdict(verdict: Verdict | None, with_limit: bool) -> str:
     if verdict is None:
         return "-"
     of = f" of {_amount(verdict.limit, verdict.unit)}" if with_limit else ""
+    of += f" at {verdict.at}" if verdict.at else ""
     if verdict.value is None:
         seen = f"not in {verdict.seen:.4g} s{of}"
         return f"exceeded\n{seen}" if verdict.met is False else f"not seen\n{seen}"
     margin = abs(verdict.limit - verdict.value)
-    share = f"{100.0 * margin / verdict.limit:.3g} %"
+    share = "" if verdict.unit == "dB" else f" ({100.0 * margin / verdict.limit:.3g} %)"  # of a level it means nothing
     told = f"{_amount(verdict.value, verdict.unit)}{of}"
     if verdict.met is None:
         return f"not seen\n{told}"
     if verdict.met:
-        return f"met\n{told}, {_amount(margin, verdict.unit)} ({share}) left"
-    return f"exceeded by {_amount(margin, verdict.unit)} ({share})\n{told}"
+        return f"met\n{told}, {_amount(margin, verdict.unit)}{share} left"
+    return f"exceeded by {_amount(margin, verdict.unit)}{share}\n{told}"
 
 
 def _amount(value: float, unit: str) -> str:

@@ -60,7 +60,8 @@ def first_drop(result: StudyResult) -> str:
     count = max((len(case.drops) for case in result.cases.values()), default=0)
     if not count:
         return ""
-    return f"the source strikes {count} places; ratings are of all, the rest is of the first, {struck_first(result)}"
+    whole = "ratings are of all" if not any(result.verdicts.values()) else "ratings are of all, limits of the worst"
+    return f"the source strikes {count} places; {whole}, the rest is of the first, {struck_first(result)}"
 
 
 def struck_first(result: StudyResult) -> str:

@@ -2,31 +2,87 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
 import numpy as np
 
+from acoustics.rated import RatedRoom, number_of
 from femstruct.impact.blows import AT_REST, structure_energy
 from femstruct.impact.response import Response
 from femstruct.language.limits import SETTLED
 from femstruct.study.machine import Verdict
-from femstruct.study.result import CaseResult
-from femstruct.study.study import Limit
-from femstruct.workflow.channels import closings
+from femstruct.study.result import CaseResult, Channel, Drop
+from femstruct.study.study import Limit, Study
+from femstruct.workflow.channels import closings, record
+from femstruct.workflow.places import Places
 
 SAME = 1e-9  # relative rounding of an interval that is a difference of two times
 
 
 def verdicts(case: CaseResult) -> tuple[Verdict, ...]:
-    """What came of every limit of a case: peaks are those of the whole window, through the filter of `peaks`."""
+    """What came of every limit of a case: peaks are those of the whole window, through the filter of `peaks`.
+
+    Where a source strikes several places, of each limit the worst over the drops; ratings are of all drops together.
+    """
     if case.response is None:
         return ()
-    response = case.response
+    limits = case.case.study.limits
+    own = _of_one_run(limits, case.channels, case.response) if not case.drops else _worst(case.drops)
+    found = iter(own)
+    return tuple(_rating(limit, case.rated[limit.room]) if limit.room else next(found) for limit in limits)
+
+
+def judged(study: Study, places: Places, response: Response) -> tuple[Verdict, ...]:
+    """What came of the limits of one drop of several, but for those of ratings."""
+    if not any(not limit.room for limit in study.limits):
+        return ()
+    return _of_one_run(study.limits, record(study, places, response, {}), response)
+
+
+def _of_one_run(limits: Sequence[Limit], channels: Mapping[str, Channel], response: Response) -> tuple[Verdict, ...]:
+    """Without those of ratings, which are of all drops."""
     return tuple(
-        _settled(limit, response) if limit.name == SETTLED else _peak(limit, case) for limit in case.case.study.limits
+        _settled(limit, response) if limit.name == SETTLED else _peak(limit, channels[limit.name])
+        for limit in limits
+        if not limit.room
     )
 
 
-def _peak(limit: Limit, case: CaseResult) -> Verdict:
-    channel = case.channels[limit.name]
+def _worst(drops: Mapping[str, Drop]) -> tuple[Verdict, ...]:
+    """Of every limit the verdict of the drop that meets it least, with its place."""
+    by_limit = zip(*(drop.verdicts for drop in drops.values()), strict=True)
+    found = []
+    for several in by_limit:
+        place, worst = max(zip(drops, several, strict=True), key=lambda pair: _badness(pair[1]))
+        found.append(replace(worst, name=_common([one.name for one in several]), at=place))
+    return tuple(found)
+
+
+def _badness(verdict: Verdict) -> tuple[int, float]:
+    """Exceeded is worse than not seen, and that than met; then the larger value is, and most of all none."""
+    rank = 2 if verdict.met is False else 1 if verdict.met is None else 0
+    return rank, np.inf if verdict.value is None else verdict.value
+
+
+def _common(names: Sequence[str]) -> str:
+    """What a limit is called for all drops.
+
+    >>> _common(["ball on drops.1 force", "ball on drops.2 force"])
+    'ball on drops force'
+    """
+    words = zip(*(name.split(" ") for name in names), strict=True)
+    return " ".join(one[0] if len(set(one)) == 1 else one[0].rpartition(".")[0] for one in words)
+
+
+def _rating(limit: Limit, room: RatedRoom) -> Verdict:
+    """In whole decibels, as the standard states it and a building code asks for it."""
+    assert room.rating is not None
+    value = number_of(room.rating)
+    return Verdict(limit.name, value, limit.value, "dB", value <= limit.value)
+
+
+def _peak(limit: Limit, channel: Channel) -> Verdict:
     return Verdict(limit.name, channel.whole, limit.value, channel.unit, channel.whole <= limit.value)
 
 

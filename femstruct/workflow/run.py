@@ -29,7 +29,7 @@ from femstruct.workflow.bases import Solved, damped, solve_all
 from femstruct.workflow.channels import acceleration_rows, record, refuse_absent_forces
 from femstruct.workflow.checks import aliased_findings, mesh_findings, room_findings
 from femstruct.workflow.compare import compare
-from femstruct.workflow.limits import verdicts
+from femstruct.workflow.limits import judged, verdicts
 from femstruct.workflow.machine import machines
 from femstruct.workflow.meeting import meeting_findings
 from femstruct.workflow.rated import rate_rooms, rated_findings
@@ -109,7 +109,7 @@ def run_study(plan: Plan, progress: Progress = lambda line: None, command: str =
     with clock("comparison"):
         finished = {case.name: results[case.name] for case in plan.cases if case.name in results}
         comparison = compare(plan.baseline, finished)
-        judged = {name: verdicts(result) for name, result in finished.items()}
+        kept = {name: verdicts(result) for name, result in finished.items()}
         machine = machines(plan.baseline, finished, solved)
     return StudyResult(
         plan=plan,
@@ -120,7 +120,7 @@ def run_study(plan: Plan, progress: Progress = lambda line: None, command: str =
         findings=interrupted,
         timings=clock.seconds,
         provenance=provenance(command),
-        verdicts=judged,
+        verdicts=kept,
         machine=machine,
     )
 
@@ -132,7 +132,8 @@ def without_rooms(plan: Plan) -> Plan:
 
     def deaf(study: Study) -> Study:
         rooms = tuple(replace(room, receivers=()) for room in study.rooms if room.coupling == "two-way")
-        return replace(study, rooms=rooms, frf=tuple(one for one in study.frf if one.kind not in heard))
+        frf = tuple(one for one in study.frf if one.kind not in heard)
+        return replace(study, rooms=rooms, frf=frf, limits=tuple(limit for limit in study.limits if not limit.room))
 
     return replace(
         plan,
@@ -185,7 +186,10 @@ def run_case(
         refuse_absent_forces(study, basis)
         struck = strike(case.drops or {"": study}, study.time, own.places, basis, vacuo, partial(clock, case=case.name))
         whole = next(iter(struck.values()))  # of the other drops only numbers are kept
-        drops = {place: one.drop() for place, one in struck.items()} if case.drops else {}
+        drops = {
+            place: struck[place].drop(judged(of_drop, own.places, struck[place].response))
+            for place, of_drop in case.drops.items()
+        }
         with clock("levels", case.name):
             shares = mode_energies(whole.response)
             channels = record(study, own.places, whole.response, whole.rooms)

@@ -18,6 +18,7 @@ from femstruct.impact.simulate import simulate
 from femstruct.impact.unresolved import unresolved_findings
 from femstruct.modal.basis import ModalBasis
 from femstruct.radiation import heard, surface_velocities
+from femstruct.study.machine import Verdict
 from femstruct.study.result import Drop, OwnSound
 from femstruct.study.study import Study, TimePlan
 from femstruct.workflow.air import ceiling
@@ -45,10 +46,10 @@ class Struck:
     findings: tuple[Finding, ...]
     heard: OwnSound
 
-    def drop(self) -> Drop:
+    def drop(self, verdicts: tuple[Verdict, ...]) -> Drop:
         """What is kept of a blow at one of several places: numbers, no histories."""
         peaks = {name: contact.peak_force for name, contact in self.response.contacts.items()}
-        return Drop(self.response.outcome.value, peaks, self.levels, self.heard.total_levels)
+        return Drop(self.response.outcome.value, peaks, self.levels, self.heard.total_levels, verdicts)
 
 
 def strike(

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from acoustics import heavy_impact_level, rate_room
+from acoustics.rated import number_of
 from femstruct.errors import InputErrors
 from femstruct.files.results import write_results
 from femstruct.files.tables import summary
@@ -20,7 +21,7 @@ from femstruct.view.spectra import sound
 from femstruct.view.structure import show_inspection
 from femstruct.view.terminal import show_study
 from femstruct.workflow.inspect import inspect_file
-from femstruct.workflow.run import run_study
+from femstruct.workflow.run import run_study, without_rooms
 
 MODEL = """
 materials: {concrete: {E: 30 GPa, nu: 0.2, rho: 2400}}
@@ -143,7 +144,7 @@ def test_a_tapping_machine_has_positions_of_five_hammers(tmp_path: Path) -> None
     """Ten places are two positions; levels are those of the mean square over the later half of its turns."""
     model = MODEL.replace("points: {drops:", f"points: {{feet: {{on: slab, at: {FEET}}}, drops:")
     study = STUDY.replace("{source: rubber ball, above: drops}", HAMMERS).replace(
-        "record: {ball on drops: force}\n", ""
+        "record: {ball on drops: force}", "record: {ball on feet: force}\nlimits: {ball on feet force: 1 kN}"
     )
     study = study.replace("duration: 0.4 s, sampling: 4 kHz", "duration: 1 s, sampling: 7.6 kHz")
     study = study.replace("[[0.8, 0.7, 1.2], [2.1, 1.1, 1.5]]", "[0.8, 0.7, 1.2]")
@@ -153,7 +154,14 @@ def test_a_tapping_machine_has_positions_of_five_hammers(tmp_path: Path) -> None
     bodies = case.drops["feet.6-10"].bodies
     assert [body.target for body in bodies] == [f"feet.{i}" for i in range(6, 11)]
     assert [body.blows.first for body in bodies if body.blows] == pytest.approx([0.1 * i for i in range(5)])
-    found = run_study(plan).cases["as given"]
+    result = run_study(plan)
+    found = result.cases["as given"]
+    forces = [max(drop.peak_force.values()) for drop in found.drops.values()]
+    judged = result.verdicts["as given"]
+    assert [one.name for one in judged] == [f"ball.{i} on feet force" for i in range(1, 6)]
+    # samples of a half sine of 1.6 ms at 7.6 kHz miss 1 - cos(pi / 24) of its peak at most
+    assert max(one.value or 0.0 for one in judged) == pytest.approx(max(forces), rel=1e-2)
+    assert {one.at for one in judged} <= set(found.drops)
     rated = found.rated["bedroom"]
     assert (rated.method.blows, next(iter(rated.numbers)), rated.measured_db.shape) == (
         "tapping",
@@ -170,6 +178,55 @@ def test_a_tapping_machine_has_positions_of_five_hammers(tmp_path: Path) -> None
     assert "rating-of-other-blows" not in codes
 
 
+LIMITED = "limits: {ball on drops force: FORCE, settled: 0.3 s, bedroom rating: LEVEL}\nrecord:"
+
+
+def test_limits_are_of_the_worst_drop_and_of_the_rating(
+    result: StudyResult, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The forces of the drops, each alone, decide; the rating is of both. Half a decibel below it is exceeded."""
+    before = result.cases["as given"]
+    peaks = {place: drop.peak_force[f"ball on {place}"] for place, drop in before.drops.items()}
+    rating = before.rated["bedroom"].rating
+    assert rating is not None
+    between = 0.5 * sum(peaks.values())  # met at one place, exceeded at the other
+    level = number_of(rating)
+    text = LIMITED.replace("FORCE", f"{between} N").replace("LEVEL", f"{level - 0.5} dB")
+    limited = run_study(read(tmp_path, STUDY.replace("record:", text)))
+    force, settled, rated = limited.verdicts["as given"]
+    worst = max(peaks, key=peaks.__getitem__)
+    assert (force.name, force.at, force.met) == ("ball on drops force", worst, False)
+    # samples at 4 kHz see a little less than the peak
+    assert force.value == pytest.approx(peaks[worst], rel=5e-3)
+    rests = {place: drop.verdicts[1].value for place, drop in limited.cases["as given"].drops.items()}
+    assert (settled.name, settled.value) == ("settled", max(one for one in rests.values() if one is not None))
+    assert rests[settled.at] == settled.value
+    assert (rated.name, rated.at, rated.unit) == ("bedroom rating", "", "dB")
+    assert (rated.value, rated.limit, rated.met) == (level, level - 0.5, False)
+    show_study(limited, {})
+    shown = capsys.readouterr().out
+    assert f"at {worst}" in shown
+    assert "exceeded by 0.5 dB" in shown
+    assert "ratings are of all, limits of the worst, the rest is of the first" in shown
+    table = summary(limited)["cases"]["as given"]["limits"]
+    assert (table["ball on drops force"]["at"], table["bedroom rating"]["at"]) == (worst, None)
+    assert table["bedroom rating"]["verdict"] == "exceeded"
+    write_results(tmp_path / "results.h5", limited)
+    with h5py.File(tmp_path / "results.h5") as file:
+        assert list(file["cases/as given/limits/at"].asstr()) == [worst, settled.at, ""]
+    deaf = run_study(without_rooms(read_study(tmp_path / "one.study.yaml")))
+    assert [one.name for one in deaf.verdicts["as given"]] == ["ball on drops force", "settled"]
+
+
+def test_a_room_that_is_removed_takes_its_limit_along(tmp_path: Path) -> None:
+    text = STUDY.replace("record:", "limits: {bedroom rating: 53 dB}\nrecord:")
+    plan = read(tmp_path, text + "cases: {all: {limits.bedroom rating: 50}, none: {remove: [rooms.bedroom]}}\n")
+    assert [[(one.name, one.value, one.room) for one in case.study.limits] for case in plan.cases] == [
+        [("bedroom rating", 50.0, "bedroom")],
+        [],
+    ]
+
+
 def test_check_names_the_places(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     read(tmp_path)
     table = inspect_file(tmp_path / "one.study.yaml").table()
@@ -183,7 +240,7 @@ def test_check_names_the_places(tmp_path: Path, capsys: pytest.CaptureFixture[st
     ("old", "new", "told"),
     [
         ("bodies: {", "bodies: {second: {source: bang machine, above: other}, ", "a second source of several places"),
-        ("record:", "limits: {ball on drops force: 1 kN}\nrecord:", "got a limit, while 'ball' is dropped at 2 places"),
+        ("record:", "limits: {ball on drops.1 force: 1 kN}\nrecord:", "did you mean 'ball on drops force'"),
         ("source: rubber ball, above: drops", "source: rubber ball, above: dropss", "did you mean 'drops"),
     ],
 )

@@ -157,6 +157,7 @@ def test_tables_files_and_terminal(hammer: StudyResult, tmp_path: Path, capsys: 
         "margin": 600e3 - table["peaks"]["ground force"]["whole"],
         "unit": "N",
         "verdict": "met",
+        "at": None,
     }
     assert set(table["machine"]) == {
         "ground_force", "travel_m", "sags", "block_modes", "rest", "companions", "energy", "energy_growth",

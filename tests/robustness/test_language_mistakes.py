@@ -126,7 +126,8 @@ MISTAKES = {
     "t60 of no band": (STUDY, "{beta: 1.16 %, at: 293 Hz}", "{t60: {}}", "{}",
         r"rooms\.box\.losses\.t60: got no band, expected a reverberation time for one band or more"),
     "limit of nothing recorded": (STUDY, "compare:", "limits: {ground force: 600 kN}\ncompare:", "ground force",
-        r"limits\.ground force: got 'ground force', expected a recorded channel, TARGET QUANTITY, or settled; .*"
+        r"limits\.ground force: got 'ground force', expected a recorded channel, TARGET QUANTITY, a rated room, "
+        r"ROOM rating, or settled; .*"
         r"add 'ground: force' under 'record:'"),
     "misspelt limit": (STUDY, "compare:", "limits: {setled: 1 s}\ncompare:", "setled",
         r"limits\.setled: got 'setled', .*did you mean 'settled'\?"),
@@ -134,6 +135,15 @@ MISTAKES = {
         r"limits\.O_s\.z velocity: got a length, expected a speed \[m/s\]; write it like 1\.2 m/s"),
     "limit of time in another dimension": (STUDY, "compare:", "limits: {settled: 5 kN}\ncompare:", "5 kN}",
         r"limits\.settled: got a force, expected a time \[s\]"),
+    "limit of a room that is not rated": (STUDY, "compare:", "limits: {box rating: 53 dB}\ncompare:", "box rating",
+        r"limits\.box rating: got a limit of the rating of 'box', which is not rated, expected a rated room; "
+        r"add 'levels: \[ISO 16283-2, ISO 717-2\]' under 'rooms\.box'"),
+    "limit of no room": (STUDY, "compare:", "limits: {bax rating: 53 dB}\ncompare:", "bax rating",
+        r"limits\.bax rating: got 'bax rating', expected a recorded channel, TARGET QUANTITY, a rated room"),
+    "limit in decibels": (STUDY, "compare:", "limits: {settled: 53 dB}\ncompare:", "53 dB}",
+        r"limits\.settled: got a level, expected a time \[s\]"),
+    "decibels for a ratio": (STUDY, "{beta: 1.16 %, at: 293 Hz}", "{beta: 1.16 dB, at: 293 Hz}", "1.16 dB",
+        r"rooms\.box\.losses\.beta: got '1\.16 dB', which is a level, expected a ratio"),
     "negative limit": (STUDY, "compare:", "limits: {settled: -5 s}\ncompare:", "-5 s}",
         r"limits\.settled: got '-5 s', expected a positive value"),
     "three sides of a patch": (MODEL, "at: [0.3, 0.24]", "at: [0.3, 0.24], patch: [1 cm, 2 cm, 3 cm]", "[1 cm",
