@@ -18,6 +18,7 @@ from femstruct.view.scales import scaled
 from femstruct.view.trust import anything_meets
 
 ZOOM_WITHOUT_RULE: Final = 0.05  # of the window, where no first-impact window is given
+BEFORE: Final = 0.05  # of the panel of what begins late: a little of what was before
 AROUND: Final = 1.25  # times the first-impact window: what comes next is seen to begin
 RESTING: Final = 1e-6  # of its largest speed: a body that is told to be at rest
 HELD_COLOURS: Final = {"bodies": "#0072b2", "structure": "#009e73", "contacts, links": "#e69f00"}
@@ -219,28 +220,44 @@ def _rows_of(
 
 
 def _figure(result: StudyResult, title: str, rows: list[Row]) -> Figure:
-    """Rows of two panels: the first impact, and the whole window."""
+    """Rows of two panels: the first impact, or of what begins after it its own beginning, and the whole window."""
     colours = case_colours(result.cases, result.plan.baseline)
     above = 0.12 + 0.155 * max(len(legend) for *_, legend in rows)  # inches a legend takes
     figure = new_figure(11.0, 0.8 + (2.8 + 0.55 + above) * len(rows) - 0.55, title)
     grid = panels(figure, len(rows), 2, between=0.55 + above, top=0.3 + above, width_ratios=(3, 2))
     response = next(iter(_responses(result).values()))
-    ends = (_zoom(result, response), float(response.t[-1]))
+    window = _zoom(result, response)
     for row, (label, unit, curves, legend) in zip(grid, rows, strict=True):
         said = ""  # beside it the same label would only take room
-        for axes, end in zip(row, ends, strict=True):
-            shown = {name: (t[t <= end], y[t <= end]) for name, (t, y) in curves.items()}
+        begin = _begin(curves, window)
+        for axes, (start, end) in zip(row, ((begin, begin + window), (0.0, float(response.t[-1]))), strict=True):
+            within = {name: (t >= start) & (t <= end) for name, (t, _) in curves.items()}
+            shown = {name: (t[within[name]], y[within[name]]) for name, (t, y) in curves.items()}
             factor, named = scaled(unit, max(float(np.abs(y).max()) for _, y in shown.values()))
             time, time_unit = scaled_time(end)
             for name, (t, y) in shown.items():
                 x, values = thinned(t, y)
                 axes.plot(time * x, factor * values, color=colours[name], linewidth=1.0, label=legend[name])
-            axes.set_xlim(0.0, time * end)
+            axes.set_xlim(time * start, time * end)
             text = f"{label} in {named}"
             finish(axes, f"time in {time_unit}", "" if text == said else text)
             said = text
         legend_above(row[0])
     return figure
+
+
+def _begin(curves: Mapping[str, tuple[Floats, Floats]], window: float) -> float:
+    """Where the panel of the first impact begins [s]: at 0, but of a row in which all is still 0 at the panel's end a
+    little before it is not: the second hammer of a tapping machine strikes late.
+
+    >>> t = np.linspace(0.0, 1.0, 11)
+    >>> round(_begin({"late": (t, np.where(t > 0.45, 1.0, 0.0))}, 0.2), 6), _begin({"soon": (t, t)}, 0.2)
+    (0.49, 0.0)
+    """
+    first = min((float(t[np.argmax(y != 0.0)]) for t, y in curves.values() if y.any()), default=0.0)
+    if first < window:
+        return 0.0
+    return min(first - BEFORE * window, max(float(t[-1]) for t, _ in curves.values()) - window)
 
 
 def _responses(result: StudyResult) -> dict[str, Response]:

@@ -252,6 +252,22 @@ def test_a_label_is_not_said_twice_side_by_side(result):
     assert left.get_ylabel() and right.get_ylabel() != left.get_ylabel()
 
 
+def test_what_strikes_late_is_drawn_from_its_own_beginning(result):
+    """The first panel of a contact that closes after the first impact shows it; that of an early one starts at 0."""
+    case = result.cases["without damper"]
+    t, contact = case.response.t, case.response.contacts["ball on floor"]
+    later = np.where(t > 0.6 * t[-1], np.interp(t - 0.6 * t[-1], t, contact.force), 0.0)
+    contacts = {"late": replace(contact, force=later), "soon": contact}
+    changed = replace(case, response=replace(case.response, contacts=contacts))
+    late, whole, soon, _ = contact_forces(replace(result, cases={"without damper": changed})).axes
+    assert late.get_xlim()[0] > 0.5 * whole.get_xlim()[1]
+    assert np.ptp(late.get_lines()[0].get_ydata()) > 0.0
+    assert soon.get_xlim()[0] == whole.get_xlim()[0] == 0.0
+    assert soon.get_xlabel() == "time in ms"
+    late_s = np.diff(late.get_xlim()) * (1e-3 if late.get_xlabel() == "time in ms" else 1.0)
+    assert late_s == pytest.approx(1e-3 * np.diff(soon.get_xlim()))
+
+
 def test_a_study_of_modes_only_has_no_histories(result):
     bare = {name: replace(case, response=None, channels={}, rooms={}, levels={}) for name, case in result.cases.items()}
     assert set(figures(replace(result, cases=bare))) == {"frf_centre.png"}
