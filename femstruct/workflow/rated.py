@@ -110,11 +110,11 @@ def _other_blows(method: Method, study: Study) -> tuple[Finding, ...]:
     told = ", ".join(dict.fromkeys([*others, *pushed]))
     one = f"one {wanted}, five hammers" if tapping else f"one {wanted}"
     what = "hammers" if tapping else f"{wanted}s"
+    here_are = f"strike {here} {what}{' and ' + told if told else ''}" if here else f"it is {told or 'nothing'}"
     return (
         Finding(
             "rating-of-other-blows",
-            f"the levels of {' and '.join(method.standards)} are those of {one}; here strike {here} {what}"
-            f"{' and ' + told if told else ''}",
+            f"the levels of {' and '.join(method.standards)} are those of {one}; here {here_are}",
             {what.replace(" ", "_"): here, "others": len(others) + len(pushed)},
         ),
     )

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
+from typing import Final
 
 from acoustics.errors import Advice
 from acoustics.field import HalfSpace
@@ -25,9 +27,13 @@ from femstruct.workflow.air import ceiling
 from femstruct.workflow.checks import impact_findings, room_findings
 from femstruct.workflow.own_sound import heard_themselves, levels_by_receiver, own_findings
 from femstruct.workflow.places import Places
-from femstruct.workflow.rated import band_levels, method_for
+from femstruct.workflow.rated import band_levels, blows_of, method_for
 from femstruct.workflow.sources import source_findings, walking_findings
 from femstruct.workflow.staging import scene
+
+STEADY: Final = ("not-at-rest", "not-decayed", "record-not-decayed")  # so it should be of a machine that runs on
+NUMBER: Final = re.compile(r"\d+(?:\.\d+)?(?:e[+-]?\d+)?")
+MEMBER: Final = re.compile(r"\w\.\d+\b")  # of an array: hammer.2
 
 Stopwatch = Callable[[str], AbstractContextManager[None]]
 
@@ -110,7 +116,7 @@ def _findings(
         (name, advice) for name, one in rooms.items() for advice in one.findings
     ]
     told += [(name, advice) for name, levels in heard.items() for advice in levels.findings]
-    return (
+    found = (
         *response.findings,
         *impact_findings(vacuo, response),
         *source_findings(study, response),
@@ -118,6 +124,7 @@ def _findings(
         *unresolved_findings(errors, None if study.accuracy is None else study.accuracy.within),
         *room_findings(told),
     )
+    return tuple(one for one in found if blows_of(study) != "tapping" or one.code not in STEADY)
 
 
 def told_once(told: Mapping[str, Sequence[Finding]]) -> list[Finding]:
@@ -131,11 +138,29 @@ def told_once(told: Mapping[str, Sequence[Finding]]) -> list[Finding]:
     found: list[Finding] = []
     known: dict[str, bool] = {}  # code: whether it was severe
     for place, findings in told.items():
+        findings = members_once(findings)
         new = [one for one in findings if one.code not in known or (one.severe and not known[one.code])]
         known |= {one.code: one.severe or known.get(one.code, False) for one in new}
         after = f" (dropped at {place})" if len(told) > 1 else ""
         found += [replace(one, message=one.message + after) for one in new]
     return found
+
+
+def members_once(findings: Sequence[Finding]) -> list[Finding]:
+    """Findings that say the same of every member of an array, but for its number and numbers, told of the first.
+
+    >>> told = [Finding("a", f"hammer.{i} lasts {3 + i} ms") for i in (1, 2, 3)]
+    >>> [found.message for found in members_once(told)]
+    ['hammer.1 lasts 4 ms (and 2 more like it)']
+    """
+    alike: dict[tuple[str, bool, str], list[Finding]] = {}
+    for one in findings:
+        what = NUMBER.sub("#", one.message) if MEMBER.search(one.message) else one.message
+        alike.setdefault((one.code, one.severe, what), []).append(one)
+    return [
+        replace(one, message=f"{one.message} (and {len(more)} more like it)") if more else one
+        for one, *more in alike.values()
+    ]
 
 
 def _rooms(study: Study, places: Places, responses: Mapping[str, Response]) -> dict[str, dict[str, RoomResponse]]:

@@ -104,4 +104,4 @@ def test_terminal_tables_and_file_say_the_same(
 def test_few_modes_and_another_blow_are_told(tmp_path: Path) -> None:
     findings = {one.code: one for one in run(tmp_path, "300 Hz", OTHER).cases["as is"].findings}
     assert findings["rating-beyond-modes"].values["complete_below_hz"] == pytest.approx(300.0)
-    assert "here strike 0 rubber balls and ball" in findings["rating-of-other-blows"].message
+    assert "are those of one rubber ball; here it is ball" in findings["rating-of-other-blows"].message

@@ -11,6 +11,7 @@ from femstruct.language import read_study
 from femstruct.modal.analytic import given_modes
 from femstruct.study.study import Study
 from femstruct.workflow.rated import rated_findings, running
+from femstruct.workflow.run import run_study, without_rooms
 
 MODEL = """
 materials: {concrete: {E: 30 GPa, nu: 0.2, rho: 2400}}
@@ -59,3 +60,46 @@ def test_a_room_that_fills_slowly_is_told(tmp_path: Path, count: int, t60: str, 
     assert ("tapping-not-steady" in codes) == bool(told)
     if told:
         assert told in codes["tapping-not-steady"].message
+
+
+def test_what_hammers_keep_of_their_speed_is_told(tmp_path: Path) -> None:
+    """On a spring and dashpot of ratio 0.2, with a slab a thousand times heavier: the closed form for a spring that
+    cannot pull. The range is that of 1 + e from 1 to 2."""
+    damping = 0.2 * 2 * np.sqrt(0.5 * 2e6)
+    text = STUDY.replace("stiffness: 2 MN/m", f"stiffness: 2 MN/m, damping: {damping}").replace("COUNT", "1")
+    text = text.replace("LENGTH", "0.5 s").replace("T60", "0.5 s").replace(", levels: ISO 717-2", "")
+    (tmp_path / "model.yaml").write_text(MODEL.replace("0.15 m", "0.4 m"), encoding="utf-8")
+    (tmp_path / "one.study.yaml").write_text(text, encoding="utf-8")
+    case = run_study(without_rooms(read_study(tmp_path / "one.study.yaml"))).cases["as given"]
+    told = [found for found in case.findings if found.code == "hammers-rebound"]
+    assert len(told) == 1
+    assert told[0].message.startswith("h: the hammers leave this floor with ")
+    found = told[0].values
+    # let go where the force is zero: e = exp(-zeta / sqrt(1 - zeta^2) atan2(...)), Brilliantov and Poeschel (2005)
+    root = np.sqrt(1 - 0.2**2)
+    wanted = np.exp(-0.2 / root * (np.pi + np.arctan2(-2 * 0.2 * root, 1 - 2 * 0.2**2)))
+    assert found["restitution"] == pytest.approx(wanted, abs=0.02)  # what the slab takes: 2 zeta_plate, m / Z T = 1 %
+    assert found["lower_db"] + found["higher_db"] == pytest.approx(20 * np.log10(2))
+    assert found["lower_db"] == pytest.approx(20 * np.log10(1 + found["restitution"]))
+
+
+@pytest.mark.parametrize(
+    ("what", "told"),
+    [
+        ("bodies: {b: {source: bang machine, above: feet.1}}", "here it is bang machine (JIS A 1419-2 rates a bang"),
+        ("loads: {w: {along: feet.1, walking: {mass: 75 kg, pace: 2 Hz, steps: 4}}}", "here it is w"),
+        ("bodies: {b: {source: rubber ball, above: feet.1}}", ""),
+    ],
+)
+def test_a_rating_of_a_bang_machine_or_a_walker_is_told(tmp_path: Path, what: str, told: str) -> None:
+    """Numbers of ISO 717-2 are of the rubber ball and the tapping machine; of other blows they are only comparable."""
+    study(tmp_path, 1, "1 s")  # writes the model
+    lines = [what if line.startswith("bodies") else line for line in STUDY.splitlines()]
+    text = "\n".join(lines).replace("LENGTH", "1 s").replace("T60", "0.5 s")
+    (tmp_path / "other.study.yaml").write_text(text, encoding="utf-8")
+    one = read_study(tmp_path / "other.study.yaml").cases[0].study
+    basis, _ = given_modes((5000.0,), (0.01,), {"p": (1.0,)})
+    codes = {found.code: found for found in rated_findings(one.rooms[0], one, basis)}
+    assert ("rating-of-other-blows" in codes) == bool(told)
+    if told:
+        assert told in codes["rating-of-other-blows"].message

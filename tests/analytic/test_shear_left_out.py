@@ -1,0 +1,61 @@
+"""What a thin plate leaves out of the modes of a thick one, and the finding that tells it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+
+from femstruct.language import read_model_file
+from femstruct.model.material import Material
+from femstruct.model.mesher import mesh_structure
+from femstruct.model.parts import Structure
+from femstruct.workflow.checks import bending_wavelength, mesh_findings, with_shear
+
+CONCRETE = Material("concrete", 30e9, 0.2, 2400.0)
+MODEL = """
+materials: {concrete: {E: 30 GPa, nu: 0.2, rho: 2400}}
+parts: {slab: {type: plate, material: concrete, thickness: 140 mm, origin: [0, 0, 0], size: [4, 3], mesh: 85 mm}}
+"""
+
+
+def mindlin(omega: float, h: float) -> float:
+    """Wavenumber at which Mindlin's two equations for deflection and rotation have a solution, by their determinant."""
+    shear = 5 / 6 * CONCRETE.E / 2 / (1 + CONCRETE.nu) * h
+    bending, mass = CONCRETE.E * h**3 / 12 / (1 - CONCRETE.nu**2), CONCRETE.rho * h
+
+    def determinant(k: float) -> float:
+        deflection = shear * k**2 - mass * omega**2
+        rotation = bending * k**2 + shear - mass * h**2 / 12 * omega**2
+        return deflection * rotation - (shear * k) ** 2
+
+    return float(brentq(determinant, 1e-6, 1e3, xtol=1e-12, rtol=1e-14))
+
+
+@pytest.mark.parametrize(("h", "frequency_hz"), [(0.14, 100.0), (0.14, 3150.0), (0.2, 3150.0), (0.06, 3600.0)])
+def test_shear_shortens_waves_and_crowds_modes(h: float, frequency_hz: float) -> None:
+    """N(f) = S k^2 / 4 pi: modes are as dense as k^2 grows, here by a central difference."""
+    omega, step = 2 * np.pi * frequency_hz, 1e-4
+    thin = np.sqrt(12 * (1 - CONCRETE.nu**2) * CONCRETE.rho / CONCRETE.E) / h  # k^2 = omega sqrt(rho h / D)
+    shorter, denser = with_shear(CONCRETE, h, frequency_hz)
+    assert shorter == pytest.approx(mindlin(omega, h) / np.sqrt(omega * thin), rel=1e-9)
+    up, down = (mindlin(omega * (1 + sign * step), h) ** 2 for sign in (1, -1))
+    assert denser == pytest.approx((up - down) / (2 * step * omega) / thin, rel=1e-6)
+
+
+def test_a_thick_slab_is_told_with_its_numbers(tmp_path: Path) -> None:
+    (tmp_path / "slab.yaml").write_text(MODEL, encoding="utf-8")
+    structure = read_model_file(tmp_path / "slab.yaml").structure
+    assert isinstance(structure, Structure)
+    model = mesh_structure(structure)
+    (told,) = (found for found in mesh_findings(model, 3150.0) if found.code == "shear-left-out")
+    wave = bending_wavelength(model.plates["slab"], 3150.0)
+    assert told.values["wavelength_m"] == wave == pytest.approx(3.85 * 0.14, rel=1e-3)
+    assert told.values["thickness_m"] == 0.14
+    assert told.values["density_ratio"] == with_shear(CONCRETE, 0.14, 3150.0)[1]
+    assert "3.9 times as long as the plate is thick" in told.message
+    assert "2 times as dense there, and blows put up to 2.9 dB more into them" in told.message
+    # ten thicknesses to a wave: 100 / 0.14 ... lambda goes as 1 / sqrt(f)
+    assert not [found for found in mesh_findings(model, 3150.0 * (0.384) ** 2) if found.code == "shear-left-out"]
