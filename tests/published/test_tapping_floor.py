@@ -1,4 +1,4 @@
-"""A tapping machine on a bare slab, from the hammers' contact to the rating, against EN 12354-2."""
+"""The tapping machine of models/tapping.study.yaml, from the hammers' contact to the rating, against EN ISO 12354-2."""
 
 from __future__ import annotations
 
@@ -7,51 +7,69 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from acoustics import energy_average, normalised_impact_level, weighted_impact_level
+from acoustics import normalised_impact_level, weighted_impact_level
+from acoustics.rated import RatedRoom, number_of
+from acoustics.ratings import ImpactRating
 from femstruct.language import read_study
+from femstruct.study.result import StudyResult
 from femstruct.workflow.run import run_study
 
-MODEL = """
-materials: {concrete: {E: 30 GPa, nu: 0.2, rho: 2400}}
-parts: {slab: {type: plate, material: concrete, thickness: 180 mm, origin: [0, 0, 2.5], size: [5, 4], mesh: 100 mm}}
-supports: {walls: {on: slab, edge: all, fix: simple}}
-points: {feet: {on: slab, at: [[2, 1.5], [2.07, 1.57], [2.14, 1.64], [2.21, 1.71], [2.28, 1.78]]}}
-surfaces: {ceiling: {on: slab, side: below}}
-damping: {loss_factor: 5 %}
-"""
-STUDY = """model: model.yaml
-modes: {up_to: 3600 Hz}
-bodies:
-  hammer:
-    source: tapping machine
-    above: feet
-    contact: {type: hertz, radius: 0.5 m, E: [210 GPa, 30 GPa], nu: [0.3, 0.2]}
-    blows: {count: 2}
-time: {duration: 1 s, sampling: 16 kHz}
-rooms:
-  below:
-    size: [5, 4, 2.5]
-    under: ceiling
-    losses: {t60: 0.5 s}
-    receivers: {mic: [[1, 0.8, 1.2], [3.9, 1, 1.2]]}
-    levels: [ISO 16283-2, ISO 717-2]
-"""
+STUDY = Path(__file__).parents[2] / "models" / "tapping.study.yaml"
+VOLUME = 4.2 * 3.1 * 2.5
 
 
-@pytest.mark.stress  # two to three minutes of CPU time, nearly all for the room up to 3.5 kHz
-def test_a_bare_slab_is_as_loud_as_its_mass_says(tmp_path: Path) -> None:
+@pytest.fixture(scope="module")
+def result() -> StudyResult:
+    return run_study(read_study(STUDY))
+
+
+def rated(result: StudyResult, case: str) -> RatedRoom:
+    return result.cases[case].rated["bedroom"]
+
+
+def normalised(room: RatedRoom) -> ImpactRating:
+    """L_n,w: of L_nT with 10 lg(0.032 V) added in every band."""
+    in_bands = {band: level + 10 * np.log10(0.032 * VOLUME) for band, level in room.bands_db.items()}
+    plain = dict(zip(room.bands_hz, 10 * np.log10(np.mean(10 ** (room.measured_db / 10), axis=(0, 1))), strict=True))
+    assert in_bands == pytest.approx(normalised_impact_level(plain, VOLUME, room.t60_s))
+    return weighted_impact_level(in_bands, step_db=0.1)
+
+
+@pytest.mark.stress  # some 70 s of CPU time for the study; all tests here share it
+@pytest.mark.parametrize(("case", "thickness"), [("bare", 0.14), ("200 mm", 0.2)])
+def test_a_bare_slab_is_as_loud_as_its_mass_says(result: StudyResult, case: str, thickness: float) -> None:
     """L_n,w = 164 - 35 lg(m' / 1 kg/m^2), EN 12354-2 annex B, for homogeneous floors of 100 to 600 kg/m^2, as quoted in
     https://github.com/jmrplens/phonometry (tests/reference_data.py)."""
-    (tmp_path / "model.yaml").write_text(MODEL, encoding="utf-8")
-    (tmp_path / "one.study.yaml").write_text(STUDY, encoding="utf-8")
-    case = run_study(read_study(tmp_path / "one.study.yaml")).cases["as given"]
-    rated = case.rated["below"]
-    plain = energy_average(rated.measured_db.reshape(-1, len(rated.bands_hz)))
-    in_bands = dict(zip(rated.bands_hz, plain.tolist(), strict=True))
-    normalised = weighted_impact_level(normalised_impact_level(in_bands, 50.0, rated.t60_s))
-    wanted = 164 - 35 * np.log10(0.18 * 2400)
-    # one place, two microphones, one damping for all frequencies, a plate without shear: 71.8 wanted, 73 found
-    assert normalised.weighted_db == pytest.approx(wanted, abs=3.0)
+    found = normalised(rated(result, case))
+    wanted = 164 - 35 * np.log10(thickness * 2400)
+    # Elastic hammers hand over 1.96 m v, real ones between 1 and 2 m v: up to 3 dB above the middle, where we take the
+    # formula to be; 1 dB for a loss factor that is the same at all frequencies. Found: 1.6 and 2.5 dB above
+    assert -1.0 < found.weighted_db - wanted < 4.0
     # bare concrete: all bands alike, so that the highest decides and C_I is near the -11 dB of ISO 717-2's bare floor
-    assert normalised.deciding_hz >= 2000.0
-    assert normalised.adaptation_db == pytest.approx(-11.0, abs=3.0)
+    assert found.deciding_hz >= 2000.0
+    assert found.adaptation_db == pytest.approx(-11.0, abs=3.0)
+
+
+@pytest.mark.stress  # with the one above
+def test_a_floating_screed_improves_it_as_the_standard_says(result: StudyResult) -> None:
+    """Delta L_w = 13 lg m' - 14.2 lg s' + 20.8 for cement screeds, EN ISO 12354-2 annex C, as quoted by several public
+    codes; m' in kg/m^2, s' in MN/m^3."""
+    wanted = 13 * np.log10(0.06 * 2000) - 14.2 * np.log10(10.0) + 20.8
+    # the standard's is of a reference floor and of measured screeds, with a scatter of 3 dB or so; found 32.5
+    change = rated(result, "floating screed").above(rated(result, "bare"))
+    assert change == pytest.approx(-wanted, abs=4.0)
+
+
+@pytest.mark.stress  # with those above
+def test_the_numbers_of_the_shipped_study_and_its_verdicts(result: StudyResult) -> None:
+    expected = {"bare": (77, -9), "carpet": (61, 2), "200 mm": (72, -8), "floating screed": (44, 4)}
+    for case, (weighted, adaptation) in expected.items():
+        rating = rated(result, case).rating
+        assert isinstance(rating, ImpactRating)
+        assert (rating.weighted_db, rating.adaptation_db) == (weighted, adaptation), case
+        (verdict,) = result.verdicts[case]
+        assert (verdict.value, verdict.limit, verdict.met) == (number_of(rating), 62.0, weighted <= 62), case
+    codes = {found.code: found for found in result.cases["bare"].findings}
+    # the fall from 40 mm onto 140 mm of concrete, by the test of statistical energies: 1.959 m v
+    assert codes["hammers-rebound"].values["restitution"] == pytest.approx(0.959, abs=0.01)
+    assert codes["shear-left-out"].values["density_ratio"] == pytest.approx(2.1, abs=0.05)
