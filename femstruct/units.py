@@ -140,7 +140,7 @@ def power_stiffness(value: object, exponent: float) -> float:
     (7962.143411, 7962.143411)
     """
     unit = f"N/m^{exponent:g}" if exponent != 1.0 else "N/m"
-    powers = (Fraction(1), 1 - Fraction(str(float(exponent))), Fraction(-2), Fraction(0), Fraction(0))
+    powers = (Fraction(1), 1 - Fraction(str(float(exponent))), Fraction(-2), *_powers()[3:])
     return _read(value, {"stiffness of a power": _Dimension("a stiffness", unit, f"1e6 {unit}", powers)})[0]
 
 
