@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from acoustics.rated import RATING
+from acoustics.methods import FIELD, RATING
 from femstruct.language.reader import Steps, nearest
 from femstruct.language.references import Checker
 from femstruct.language.schema_study import QUANTITIES, StudySpec
@@ -21,14 +21,14 @@ _TURNING: Final = {"displacement": "angle", "velocity": "angular speed"}
 def check_limits(check: Checker, study: StudySpec) -> None:
     """Every limit is of something that is recorded or rated, or of the time to rest, and in its dimension."""
     recorded = [f"{target} {what}" for target, wanted in study.record.items() for what in wanted]
-    rated = [f"{name} {RATED}" for name, room in study.rooms.items() if RATING in room.levels and room.receivers]
+    rated = [f"{name} {RATED}" for name, room in study.rooms.items() if room.receivers and set(room.levels) - {FIELD}]
     for name, limit in study.limits.items():
         here: Steps = ("limits", name)
         room = limited_room(name)
         if room in study.rooms and name not in rated:
             deaf = not study.rooms[room].receivers
             got = f"a limit of the rating of '{room}', {'where nobody listens' if deaf else 'which is not rated'}"
-            add = "receivers: {..}" if deaf else f"levels: [ISO 16283-2, {RATING}]"
+            add = "receivers: {..}" if deaf else f"levels: [{FIELD}, {RATING}]"
             check.wrong(here, got, "a rated room", f"add '{add}' under 'rooms.{room}'", of_key=True)
             continue
         if name != SETTLED and name not in recorded and name not in rated:

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from acoustics.rated import RatedRoom, number_of
+from acoustics.rated import RatedRoom
 from femstruct.impact.blows import AT_REST, structure_energy
 from femstruct.impact.response import Response
 from femstruct.language.limits import SETTLED
@@ -76,9 +76,9 @@ def _common(names: Sequence[str]) -> str:
 
 
 def _rating(limit: Limit, room: RatedRoom) -> Verdict:
-    """In whole decibels, as the standard states it and a building code asks for it."""
+    """The number that the room's standards state, as a building code asks for it."""
     assert room.rating is not None
-    value = number_of(room.rating)
+    value = room.rating.value_db
     return Verdict(limit.name, value, limit.value, "dB", value <= limit.value)
 
 
