@@ -54,6 +54,11 @@ _REFUSED: Final = {  # (standard, source): (expected, why)
     (INVERSE, BALL): ("a bang machine", _OF_BALL),
     (INVERSE, TAPPING_MACHINE): ("a bang machine", f"KS F 2863-1 {_NOT_FOUND}: write {GRADES} or {RATING}"),
 }  # fmt: skip
+_RATED_BY: Final = {  # source: standards that make a number of it
+    BALL: (RATING,),
+    BANG_MACHINE: (GRADES, INVERSE),
+    TAPPING_MACHINE: (RATING, GRADES),
+}
 _SYMBOLS: Final = {  # (blows, standardised): of the bands, of the single number
     ("heavy", True): ("L'_i,Fmax,V,T", "L'_iA,Fmax,V,T"),
     ("heavy", False): ("L_i,Fmax", "L_iA,Fmax"),
@@ -169,6 +174,15 @@ def refuse_source(standards: Sequence[str], source: str) -> None:
         if (standard, source) in _REFUSED:
             expected, why = _REFUSED[standard, source]
             raise AcousticsError("levels", got=f"a {source} by {standard}", expected=expected, do=why)
+
+
+def rating_of(source: str) -> tuple[str, ...]:
+    """The standards that make a single number of what a source makes heard; none of what is no standard source.
+
+    >>> rating_of("bang machine")
+    ('JIS A 1419-2', 'KS F 2863-2')
+    """
+    return _RATED_BY.get(source, ())
 
 
 def _by_thirds(standards: tuple[str, ...], blows: Blows) -> Method:

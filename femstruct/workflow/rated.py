@@ -10,7 +10,7 @@ from numpy import log10
 from acoustics.errors import Advice
 from acoustics.judgement import t60_missed
 from acoustics.levels import Levels, equivalent_levels
-from acoustics.methods import BANG_MACHINE, GRADES, Blows, Method, method_of
+from acoustics.methods import Blows, Method, method_of, rating_of
 from acoustics.pressure import RoomResponse
 from acoustics.rated import RatedRoom, rate_room
 from acoustics.room import t60_of
@@ -111,7 +111,8 @@ def _other_blows(method: Method, study: Study) -> tuple[Finding, ...]:
     one = f"one {wanted}, five hammers" if tapping else f"one {wanted}"
     what = "hammers" if tapping else f"{wanted}s"
     here_are = f"strike {here} {what}{' and ' + told if told else ''}" if here else f"it is {told or 'nothing'}"
-    here_are += f": {GRADES} rates that" if others == [BANG_MACHINE] and GRADES not in method.standards else ""
+    elsewhere = rating_of(others[0]) if len(others) == 1 and not here else ()
+    here_are += f", for {' or '.join(elsewhere)}" if elsewhere and not set(elsewhere) & set(method.standards) else ""
     return (
         Finding(
             "rating-of-other-blows",

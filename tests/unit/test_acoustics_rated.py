@@ -22,7 +22,7 @@ from acoustics import (
     weighted_impact_level,
 )
 from acoustics.grades import HEAVY_OCTAVES
-from acoustics.methods import STANDARDS, method_of, refuse_source
+from acoustics.methods import STANDARDS, method_of, rating_of, refuse_source
 from acoustics.ratings import A_THIRDS, CURVE_THIRDS, equal_parts, shifted_curve
 
 ROOM = Room([5.0, 4.0, 2.5], losses=losses_from_t60(0.5))  # 50 m^3, .5 s: what levels are standardised to
@@ -218,6 +218,12 @@ def test_what_is_not_known_of_a_source_is_said():
             refuse_source([standard], "rubber ball")
         refuse_source([standard], "bang machine")
     refuse_source(["ISO 717-2"], "bang machine")  # a finding tells that it is for the ball
+    for source in ("rubber ball", "bang machine", "tapping machine"):
+        for standard in rating_of(source):
+            refuse_source([standard], source)
+            method = method_of([standard], "tapping" if source == "tapping machine" else "heavy")
+            assert method.source == source
+            assert method.numbers
 
 
 def test_equivalent_levels_of_octaves_hold_those_of_their_thirds():
