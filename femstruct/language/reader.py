@@ -149,9 +149,16 @@ def _read_text(path: Path, at: Position, asked_path: str, mistakes: Mistakes) ->
     except FileNotFoundError:
         raise refuse(f"no file '{path}'", "a YAML file", nearest(path.name, _siblings(path))) from None
     except UnicodeDecodeError as error:
-        raise refuse(f"binary data (byte {error.start})", "text in UTF-8") from None
+        raise refuse(_not_text(error), "text in UTF-8", "save it as UTF-8") from None
     except (OSError, ValueError) as error:
         raise refuse(f"'{path}', which cannot be read ({error})", "a YAML file") from None
+
+
+def _not_text(error: UnicodeDecodeError) -> str:
+    before = error.object[: error.start]
+    if b"\0" in error.object:
+        return f"binary data (byte {error.start})"
+    return f"a character in another encoding (line {before.count(10) + 1}, byte 0x{error.object[error.start]:02x})"
 
 
 def _siblings(path: Path) -> list[str]:
@@ -187,7 +194,9 @@ def _compose(text: str, file: str, mistakes: Mistakes) -> Node | None:
         mark = error.problem_mark or error.context_mark
         at = Position(file, mark.line + 1, mark.column + 1) if mark else Position(file, 1, 1)
         told = " ".join(str(part) for part in (error.context, error.problem) if part)
-        mistakes.add(at, "", got=f"broken YAML ({told})", expected="YAML", do="check brackets, quotes and indents")
+        tab = "found character '\\t'" in told
+        do = "indent with spaces: YAML has no tabs" if tab else "check brackets, quotes and indents"
+        mistakes.add(at, "", got=f"broken YAML ({told})", expected="YAML", do=do)
         return None
     except YAMLError:
         mistakes.add(Position(file, 1, 1), "", got="characters that are not text", expected="a text file")

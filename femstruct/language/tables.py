@@ -105,7 +105,7 @@ def _read_columns(
                 "",
                 got=f"{len(cells)} columns",
                 expected=f"two: {_WORDS[dimensions[0]]}",
-                do="separate them by a comma",
+                do="separate them by a comma, and write decimals with a point",
             )
             return None
         try:
@@ -125,6 +125,9 @@ def _read_columns(
         header = False
         firsts.append(pair[0] * scales[0])
         seconds.append(pair[1] * scales[1])
+    if len(firsts) < 2:
+        mistakes.add(asked_at, asked_path, got=f"{len(firsts)} lines of numbers in '{path}'", expected="two or more")
+        return None
     return firsts, seconds
 
 

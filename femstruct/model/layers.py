@@ -69,7 +69,7 @@ def _between(part: Foundation, first: Solid, second: Solid, tolerance: float) ->
     where = f"parts.{part.name}.between"
     if first.name == second.name:
         raise InputError(where, got=f"'{first.name}' twice", expected="two parts")
-    corner, axes, size = _body(first)
+    corner, axes, size = body_box(first)
     low, high, across = _seen_from(where, first, second)
     apart = np.maximum(low - size, -high)
     overlap = np.minimum(high, size) - np.maximum(low, 0.0)
@@ -112,7 +112,7 @@ def _between(part: Foundation, first: Solid, second: Solid, tolerance: float) ->
     return Layer(corner + middle * axes[axis], axes[[*along, axis]], box)
 
 
-def _body(solid: Solid) -> tuple[Floats, Floats, Floats]:
+def body_box(solid: Solid) -> tuple[Floats, Floats, Floats]:
     """Corner [3], axes [3, 3] and size [3] of the box that a plate or a block fills."""
     origin = np.asarray(solid.origin, dtype=np.float64)
     if isinstance(solid, Block):
@@ -127,8 +127,8 @@ def _seen_from(where: str, first: Solid, second: Solid) -> tuple[Floats, Floats,
     Also the one of these axes that the sides of the second part face along, None for a block, whose sides face along
     all.
     """
-    corner, axes, _ = _body(first)
-    other, others, size = _body(second)
+    corner, axes, _ = body_box(first)
+    other, others, size = body_box(second)
     turn = others @ axes.T
     if np.abs(np.abs(turn) - np.round(np.abs(turn))).max() > PARALLEL:
         raise InputError(

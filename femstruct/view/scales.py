@@ -22,5 +22,7 @@ def scaled(unit: str, largest: float) -> tuple[float, str]:
     (1000.0, 'mm')
     """
     scales = _SCALES.get(unit, ((1.0, unit),))
-    size, name = next((scale for scale in scales if largest >= scale[0]), scales[-1] if largest else scales[0])
+    if not largest:
+        return 1.0, unit
+    size, name = next((scale for scale in scales if largest >= scale[0]), scales[-1])
     return 1.0 / size, name

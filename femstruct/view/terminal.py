@@ -21,6 +21,7 @@ from femstruct.view.rated import bands, first_drop, ratings
 from femstruct.view.trust import anything_meets, outcomes, trust
 
 SPOKEN_RECEIVERS = 2  # of a room
+SPOKEN_MODES = 12  # of a channel
 SPOKEN_HZ = 500.0  # modes above it are in summary.json; a terminal shows those that floors and presses are judged by
 
 
@@ -130,17 +131,20 @@ def _modes_db(result: StudyResult) -> Grid:
     moving = [name for name in reference.channels if name.endswith("velocity") or _only_accelerates(reference, name)]
     pressures = [name for name in reference.channels if name.endswith(" pressure")]
     heard = [*moving, *_first_receivers(pressures)]
-    if left := len(pressures) + len(moving) - len(heard):
-        grid = replace(grid, title=f"{grid.title} ({left} more receivers in summary.json)")
     forces = [name for name in reference.channels if name.startswith("net force") and _changes(result, name)]
     modes = {name: {mode for beside in others.values() for mode in beside.modes_db.get(name, {})} for name in heard}
     spoken = set().union(*modes.values())
+    unspoken = 0
     for channel in (*heard, *forces):
-        for mode in sorted(modes.get(channel, spoken)):
+        numbers = sorted(modes.get(channel, spoken))
+        shown = [mode for mode in numbers if reference.basis.frequency_hz[mode - 1] <= SPOKEN_HZ][:SPOKEN_MODES]
+        unspoken = max(unspoken, len(numbers) - len(shown))
+        for mode in shown:
             frequency = reference.basis.frequency_hz[mode - 1]
-            if frequency <= SPOKEN_HZ:
-                grid.add(channel, str(mode), f"{frequency:.1f}", *(_mode_db(c, channel, mode) for c in others.values()))
-    return grid
+            grid.add(channel, str(mode), f"{frequency:.1f}", *(_mode_db(c, channel, mode) for c in others.values()))
+    left = len(pressures) + len(moving) - len(heard)
+    more = [f"{count} more {word}" for count, word in ((left, "receivers"), (unspoken, "modes")) if count]
+    return replace(grid, title=f"{grid.title} ({' and '.join(more)} in summary.json)") if more else grid
 
 
 def _only_accelerates(case: CaseResult, name: str) -> bool:

@@ -10,15 +10,21 @@ from acoustics.errors import Advice
 from femstruct.arrays import Floats
 from femstruct.elements.plate import rigidity
 from femstruct.errors import Finding
+from femstruct.impact.bodies import HalfSine, Table
 from femstruct.impact.response import Response
+from femstruct.impact.sources import TAPPING_MACHINE
 from femstruct.modal.basis import ModalBasis
 from femstruct.model.material import Material
 from femstruct.model.model import Model, PlateMesh
 from femstruct.model.probe import Probe
+from femstruct.study.study import PlannedLoad, Study
+from femstruct.workflow.places import Places
 
 CELLS_PER_WAVE = 6.0  # bending wavelengths of bfs16 and acm12 are right to about 1 % with six cells
 SLENDER = 10.0  # bending wavelength over thickness below which shear takes more than about 3 % off a frequency
 ALIASED = 0.05  # share of an acceleration's rms that modes above half the sampling may have
+HAMMERS_APART, HAMMERS_WITHIN = 0.1, 0.003  # of a tapping machine, ISO 10140-5 annex E [m]
+CUT = 0.01  # share of a load's impulse outside the window that is told
 CONTENT = 0.01  # share of a contact force's spectrum beyond the last mode that a basis may miss
 
 
@@ -111,6 +117,59 @@ def impact_findings(basis: ModalBasis, response: Response) -> tuple[Finding, ...
                 )
             )
     return tuple(found)
+
+
+def load_findings(loads: Iterable[PlannedLoad], duration: float) -> tuple[Finding, ...]:
+    """Force histories of which a part comes before t = 0 or after the end of the window [s], where nothing is."""
+    found = []
+    for load in loads:
+        again = load.repeat
+        begins = again.first + again.every * np.arange(again.count)
+        t, size = _sizes(load.history)
+        passed = np.concatenate([[0.0], np.cumsum(0.5 * (size[1:] + size[:-1]) * np.diff(t))])
+        whole = float(again.count * passed[-1])
+        inside = float((np.interp(duration - begins, t, passed) - np.interp(-begins, t, passed)).sum())
+        if whole - inside > CUT * whole:
+            unit = "Pa s" if load.kind == "surface" else "N s"
+            found.append(
+                Finding(
+                    "load-cut",
+                    f"{load.name}: of its {whole:.4g} {unit} only {inside:.4g} {unit} come between 0 and "
+                    f"{duration:g} s; the rest is left out. Shift its times, or simulate longer",
+                    {"whole": whole, "inside": inside, "duration_s": duration},
+                    severe=inside <= CUT * whole,
+                )
+            )
+    return tuple(found)
+
+
+def _sizes(history: HalfSine | Table) -> tuple[Floats, Floats]:
+    """Times and magnitudes of a history; a half sine by as many straight lines as leave 1e-4 of its impulse."""
+    if isinstance(history, Table):
+        return history.times, np.abs(history.values)
+    t = np.linspace(0.0, 0.5 / history.frequency, 101)
+    return t, np.abs(history.amplitude * np.sin(2.0 * np.pi * history.frequency * t))
+
+
+def hammer_findings(study: Study, places: Places) -> tuple[Finding, ...]:
+    """Hammers of a tapping machine that do not stand beside each other, as those of the standard's one machine."""
+    hammers = [body for body in study.bodies if body.source == TAPPING_MACHINE]
+    if len(hammers) < 2:
+        return ()
+    at = np.array([places.point(body.target, f"bodies.{body.name}").position for body in hammers])
+    apart = np.linalg.norm(np.diff(at, axis=0), axis=1)
+    worst = float(apart[np.abs(apart - HAMMERS_APART).argmax()])
+    if abs(worst - HAMMERS_APART) <= HAMMERS_WITHIN:
+        return ()
+    return (
+        Finding(
+            "hammers-apart",
+            f"{hammers[0].name} to {hammers[-1].name} are the hammers of one tapping machine and strike up to "
+            f"{worst:.3g} m apart; the standard's stand in a line, {HAMMERS_APART:g} m apart. Five places are one "
+            "position of the machine: several positions are five places each",
+            {"apart_m": worst, "standard_m": HAMMERS_APART},
+        ),
+    )
 
 
 def aliased_findings(response: Response, accelerations: Mapping[str, Floats]) -> tuple[Finding, ...]:

@@ -19,6 +19,7 @@ from femstruct.impact.shares import mode_energies
 from femstruct.impact.simulate import load_kernels
 from femstruct.modal.basis import ModalBasis
 from femstruct.model.facts import model_findings
+from femstruct.model.plausible import plausible_findings
 from femstruct.power import Radiated
 from femstruct.radiation import coupling_findings
 from femstruct.study.result import SILENT, AccuracyCheck, CaseResult, StudyResult
@@ -27,7 +28,7 @@ from femstruct.workflow.accuracy import accuracy_findings, hold_accuracy
 from femstruct.workflow.air import ceiling, coupled, coupled_key, weight_on_air
 from femstruct.workflow.bases import Solved, damped, solve_all
 from femstruct.workflow.channels import acceleration_rows, record, refuse_absent_forces
-from femstruct.workflow.checks import aliased_findings, mesh_findings, room_findings
+from femstruct.workflow.checks import aliased_findings, hammer_findings, load_findings, mesh_findings, room_findings
 from femstruct.workflow.compare import compare
 from femstruct.workflow.limits import judged, verdicts
 from femstruct.workflow.machine import machines
@@ -198,6 +199,8 @@ def run_case(
             with clock("sound energy", case.name):
                 radiated, found_of_sound = sound_energies(study, own.places, whole.response)
                 told += found_of_sound
+        findings += hammer_findings(study, own.places)
+        findings += load_findings(study.loads, study.time.duration)
         findings += told_once({place: one.findings for place, one in struck.items()})
         rated = rate_rooms(study, [one.bands_db for one in struck.values()])
         told += weight_on_air(whole.response, vacuo, study.rooms)
@@ -237,7 +240,12 @@ def structure_findings(solved: Solved, basis: ModalBasis) -> tuple[Finding, ...]
     found = basis.findings
     if solved.model is not None:
         top = basis.complete_below_hz
-        found = (*model_findings(solved.model), *found, *mesh_findings(solved.model, top))
+        found = (
+            *model_findings(solved.model),
+            *plausible_findings(solved.model),
+            *found,
+            *mesh_findings(solved.model, top),
+        )
     return found
 
 
