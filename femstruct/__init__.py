@@ -34,9 +34,11 @@ if TYPE_CHECKING:
     from femstruct.impact.bodies import Body as Body
     from femstruct.impact.bodies import Clock as Clock
     from femstruct.impact.bodies import Contact as Contact
+    from femstruct.impact.bodies import HalfSine as HalfSine
     from femstruct.impact.bodies import Link as Link
     from femstruct.impact.bodies import Load as Load
     from femstruct.impact.bodies import Scene as Scene
+    from femstruct.impact.bodies import Table as Table
     from femstruct.impact.factored import Cubic as Cubic
     from femstruct.impact.factored import HuntCrossley as HuntCrossley
     from femstruct.impact.factored import LankaraniNikravesh as LankaraniNikravesh
@@ -49,14 +51,27 @@ if TYPE_CHECKING:
     from femstruct.impact.simulate import simulate as simulate
     from femstruct.language import read_model as read_model
     from femstruct.language import read_study as read_study
+    from femstruct.modal.analytic import beam as beam
+    from femstruct.modal.analytic import given_modes as given_modes
+    from femstruct.modal.analytic import oscillator as oscillator
+    from femstruct.modal.analytic import rod as rod
     from femstruct.modal.basis import ModalBasis as ModalBasis
     from femstruct.modal.damping import Damping as Damping
+    from femstruct.modal.damping import LossFactor as LossFactor
+    from femstruct.modal.damping import Ratio as Ratio
     from femstruct.modal.damping import with_damping as with_damping
     from femstruct.modal.frf import frf as frf
     from femstruct.modal.reduction import modal_basis as modal_basis
+    from femstruct.model.material import Material as Material
     from femstruct.model.mesher import mesh_structure as mesh_structure
     from femstruct.model.model import Model as Model
+    from femstruct.model.parts import Frame as Frame
+    from femstruct.model.parts import Joint as Joint
+    from femstruct.model.parts import PlaceOn as PlaceOn
+    from femstruct.model.parts import Plate as Plate
     from femstruct.model.parts import Structure as Structure
+    from femstruct.model.parts import Support as Support
+    from femstruct.model.parts import SurfaceOn as SurfaceOn
     from femstruct.radiation import surface_velocity as surface_velocity
     from femstruct.study.result import StudyResult as StudyResult
     from femstruct.study.study import Plan as Plan
@@ -72,20 +87,22 @@ _NAMES = {
     "files.results": ("write_results",),
     "files.stored": ("read_results",),
     "impact.batch": ("simulate_batch",),
-    "impact.bodies": ("GROUND", "Body", "Clock", "Contact", "Link", "Load", "Scene"),
+    "impact.bodies": ("GROUND", "Body", "Clock", "Contact", "HalfSine", "Link", "Load", "Scene", "Table"),
     "impact.factored": ("Cubic", "HuntCrossley", "LankaraniNikravesh", "Tabulated"),
     "impact.laws": ("Hertz", "Linear", "Stop"),
     "impact.metrics": ("Batch",),
     "impact.response": ("Response",),
     "impact.simulate": ("simulate",),
     "language": ("read_model", "read_study"),
+    "modal.analytic": ("beam", "given_modes", "oscillator", "rod"),
     "modal.basis": ("ModalBasis",),
-    "modal.damping": ("Damping", "with_damping"),
+    "modal.damping": ("Damping", "LossFactor", "Ratio", "with_damping"),
     "modal.frf": ("frf",),
     "modal.reduction": ("modal_basis",),
+    "model.material": ("Material",),
     "model.mesher": ("mesh_structure",),
     "model.model": ("Model",),
-    "model.parts": ("Structure",),
+    "model.parts": ("Frame", "Joint", "PlaceOn", "Plate", "Structure", "Support", "SurfaceOn"),
     "radiation": ("surface_velocity",),
     "study.result": ("StudyResult",),
     "study.study": ("Plan", "Study"),

@@ -22,6 +22,9 @@ class Hertz:
     """f = k delta^1.5 + c delta^0.5 delta': two rounded bodies.
 
     stiffness k [N/m^1.5]; damping c [N s/m^1.5]; tensile : let the dashpot pull while it opens (False clamps f >= 0).
+
+    >>> round(Hertz(1e6).indentation(1000.0), 6)
+    0.01
     """
 
     stiffness: float
@@ -65,6 +68,9 @@ class Linear:
     stiffness k [N/m]; damping c [N s/m]; tensile : let the dashpot pull while it opens (False clamps f >= 0). With
     damping the force jumps to c times the meeting speed at the first touch. Without tension the contact ends when the
     force is zero, the spring still indented by c / k times the parting speed: what it holds is lost in the dashpot.
+
+    >>> Linear(2e6, damping=100.0).indentation(1000.0)
+    0.0005
     """
 
     stiffness: float

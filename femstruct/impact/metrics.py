@@ -72,6 +72,9 @@ class Batch:
     end_velocity [m/s], travel [m] : of the bodies; travel is the largest displacement either way.
     residual : of the energy ledger, as in `EnergyLedger`. lifts : by body that strikes several times.
     flags [runs] by the code of a finding: for which runs it holds; "failed" is that of a run with a status.
+
+    What is said against run i is `findings(i)`; `simulate(batch.basis, batch.scene(i), batch.clock)` has its histories.
+    The example of `simulate_batch` reads one.
     """
 
     basis: ModalBasis

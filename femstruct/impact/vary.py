@@ -48,8 +48,10 @@ def variation(scene: Scene, vary: Mapping[str, ArrayLike]) -> Variation:
     columns: dict[str, Floats] = {}
     for name, values in vary.items():
         if name not in places:
-            near = difflib.get_close_matches(name, places, n=1, cutoff=0.0)
-            raise InputError(f"vary.{name}", got="an unknown name", expected=near[0] if near else "a scene with names")
+            near = difflib.get_close_matches(name, places, n=1)
+            do = f"did you mean '{near[0]}'?" if near else ""
+            expected = f"one of {', '.join(places)}" if places else "a scene with names"
+            raise InputError(f"vary.{name}", got="an unknown name", expected=expected, do=do)
         columns[name] = frozen(f"vary.{name}", values, (None,))
     lengths = {name: len(column) for name, column in columns.items()}
     if not lengths or not min(lengths.values()):

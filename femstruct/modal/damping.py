@@ -20,14 +20,22 @@ _ALIKE = 0.5  # the least MAC at which two shapes count as the same mode
 
 @dataclass(frozen=True)
 class Ratio:
-    """The same damping ratio zeta of every elastic mode [1]: viscous 2 zeta omega."""
+    """The same damping ratio zeta of every elastic mode [1]: viscous 2 zeta omega.
+
+    >>> Damping(Ratio(0.02)).base.value  # 2 %
+    0.02
+    """
 
     value: float
 
 
 @dataclass(frozen=True)
 class LossFactor:
-    """One loss factor eta of the whole structure [1]: K (1 + j eta)."""
+    """One loss factor eta of the whole structure [1]: K (1 + j eta).
+
+    >>> Damping(LossFactor(0.04)).base.value  # at resonance as a ratio of 2 %
+    0.04
+    """
 
     value: float
 
@@ -74,7 +82,7 @@ class Damping:
 
     base : Ratio, LossFactor, Rayleigh or FromMaterials. modes : exceptions by mode number.
 
-    Raises InputError: a negative value, a mode named twice.
+    Raises InputError: a number alone, a negative value, a mode named twice.
 
     >>> Damping(LossFactor(0.04), (ModeDamping(4, near_hz=19.9, ratio=0.06),)).modes[0].number
     4
@@ -84,6 +92,9 @@ class Damping:
     modes: tuple[ModeDamping, ...] = ()
 
     def __post_init__(self) -> None:
+        if not isinstance(self.base, Ratio | LossFactor | Rayleigh | FromMaterials):
+            expected = "Ratio, LossFactor, Rayleigh or FromMaterials"
+            raise InputError("damping", got=f"{self.base!r}", expected=expected, do=f"Ratio({self.base!r})?")
         values = [getattr(self.base, name) for name in ("value", "alpha", "beta") if hasattr(self.base, name)]
         for value in values:
             _check("damping", value)

@@ -7,14 +7,20 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Literal, get_args
 
+import numpy as np
+
+from femstruct.conventions import DIRECTIONS
+from femstruct.errors import InputError
 from femstruct.model.material import Material
 from femstruct.model.section import Section
 
 Vector = tuple[float, float, float]
 Pair = tuple[float, float]
 Side = Literal["above", "below"]
+Fix = Literal["simple", "clamped"]
+Edge = Literal["x0", "x1", "y0", "y1", "all"]
 Six = tuple[float, float, float, float, float, float]  # x y z rx ry rz, global axes
 NO_STIFFNESS: Six = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
@@ -38,6 +44,10 @@ class Plate:
     """A flat rectangular plate; `origin` is a corner of its mid-surface, `size` runs along x_direction and normal x it.
 
     mesh : largest element side [m], or the least number of divisions (nx, ny).
+
+    >>> steel = Material("steel", E=210e9, nu=0.3, rho=7850.0)
+    >>> Plate("floor", steel, thickness=5e-3, origin=(0.0, 0.0, 0.0), size=(0.4, 0.3), mesh=0.05).element
+    'bfs16'
     """
 
     name: str
@@ -49,6 +59,12 @@ class Plate:
     element: Literal["hermite12", "acm12", "bfs16"] = "bfs16"
     normal: Vector = (0.0, 0.0, 1.0)
     x_direction: Vector | None = None
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.material, Material):
+            raise InputError(f"parts.{self.name}.material", got=f"{self.material!r}", expected="a Material")
+        if not isinstance(self.mesh, tuple | float | int):
+            raise InputError(f"parts.{self.name}.mesh", got=f"{self.mesh!r}", expected="a size or a tuple (nx, ny)")
 
 
 @dataclass(frozen=True)
@@ -182,6 +198,11 @@ class PlaceOn:
     global ones for a frame.
     patch : on a plate, a point that is the mean of a disc of this radius or a rectangle of these sides [m] around it;
     what pushes it is spread evenly over the patch.
+
+    One place is a tuple of one; a model has its point as `model.points["drop"]`:
+
+    >>> PlaceOn("drop", "floor", at=((0.2, 0.1),)).side
+    'above'
     """
 
     name: str
@@ -189,6 +210,12 @@ class PlaceOn:
     at: tuple[tuple[float, ...], ...]
     side: Side = "above"
     patch: float | Pair | None = None
+
+    def __post_init__(self) -> None:
+        _refuse_unless_one_of(f"points.{self.name}.side", self.side, get_args(Side))
+        if not len(self.at) or any(np.ndim(place) != 1 for place in self.at):
+            expected = "a tuple of places: ((x, y),) for one on a plate"
+            raise InputError(f"points.{self.name}.at", got=f"{self.at}", expected=expected)
 
 
 @dataclass(frozen=True)
@@ -200,6 +227,9 @@ class SurfaceOn:
     side: Side = "above"
     region: Region = Region("whole")
 
+    def __post_init__(self) -> None:
+        _refuse_unless_one_of(f"surfaces.{self.name}.side", self.side, get_args(Side))
+
 
 @dataclass(frozen=True)
 class Support:
@@ -208,14 +238,27 @@ class Support:
     fix : "simple", "clamped" or directions out of x y z rx ry rz. On a plate's edge or line, `simple` holds the
     deflection and the slope along the edge and the plate in its own plane, `clamped` also the slope across and the
     twist; at a point `simple` holds x y z and `clamped` all six.
+
+    >>> Support("walls", "simple", on="floor", edge="all").fix, Support("foot", ("z",), at="corner").fix
+    ('simple', ('z',))
     """
 
     name: str
-    fix: Literal["simple", "clamped"] | tuple[str, ...]
+    fix: Fix | tuple[str, ...]
     on: str | None = None
-    edge: Literal["x0", "x1", "y0", "y1", "all"] | None = None
+    edge: Edge | None = None
     line: tuple[Pair, Pair] | None = None
     at: str | None = None
+
+    def __post_init__(self) -> None:
+        where = f"supports.{self.name}"
+        if self.edge is not None:
+            _refuse_unless_one_of(f"{where}.edge", self.edge, get_args(Edge))
+        if self.fix in get_args(Fix):
+            return
+        if not isinstance(self.fix, tuple) or not self.fix or not set(self.fix) <= set(DIRECTIONS):
+            expected = f"simple, clamped, or a tuple of {', '.join(DIRECTIONS)}"
+            raise InputError(f"{where}.fix", got=f"{self.fix!r}", expected=expected)
 
 
 Part = Plate | Frame | Block | Foundation | Spring | Mass
@@ -242,3 +285,8 @@ class Structure:
     points: tuple[PlaceOn, ...] = ()
     surfaces: tuple[SurfaceOn, ...] = ()
     supports: tuple[Support, ...] = ()
+
+
+def _refuse_unless_one_of(where: str, word: str, known: tuple[str, ...]) -> None:
+    if word not in known:
+        raise InputError(where, got=f"{word!r}", expected=" or ".join(known))
