@@ -11,7 +11,7 @@ from typing import Any, Final
 
 import numpy as np
 from scipy.linalg import eigh
-from scipy.sparse import csc_array
+from scipy.sparse import coo_array, csc_array
 from scipy.sparse.linalg import LinearOperator, eigsh, splu
 from scipy.spatial import cKDTree
 
@@ -228,17 +228,24 @@ def probe(mesh: CavityMesh, points: Floats) -> Any:
     """
     basis = mesh.basis
     middles = mesh.points[mesh.cells].mean(axis=1)
-    tree = cKDTree(middles)
-    _, near = tree.query(points)
-    try:
-        return basis.probes((points + _SHRINK * (middles[near] - points)).T).tocsr()
-    except ValueError as error:
+    _, near = cKDTree(middles).query(points)
+    inward = points + _SHRINK * (middles[near] - points)
+    cells = mesh.cell_of(inward)
+    if (far := np.flatnonzero(cells < 0)).size:  # in cells of very unequal sizes, or outside
+        cells[far] = mesh.cell_of(inward[far], near=len(mesh.cells))
+    if (cells < 0).any():
         low, high = mesh.points.min(axis=0), mesh.points.max(axis=0)
         raise AcousticsError(
             "points",
             got="a point outside the cavity",
             expected=f"points inside, within {low.tolist()} to {high.tolist()} m",
-        ) from error
+        )
+    # as scikit-fem's Basis.probes, which looks for every point in every cell that is near to any
+    local = basis.mapping.invF(inward.T[:, :, None], tind=cells)
+    values = [basis.elem.gbasis(basis.mapping, local, k, tind=cells)[0][:, 0] for k in range(basis.Nbfun)]
+    rows = np.tile(np.arange(len(points)), basis.Nbfun)
+    columns = basis.element_dofs[:, cells].ravel()
+    return coo_array((np.concatenate(values), (rows, columns)), shape=(len(points), basis.N)).tocsr()
 
 
 def _factor(matrix: csc_array) -> Any:

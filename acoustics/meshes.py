@@ -19,6 +19,7 @@ from acoustics.errors import AcousticsError
 
 HEX_OF_MESHIO: Final = (0, 4, 3, 1, 7, 5, 2, 6)  # scikit-fem's corner i is meshio's corner HEX_OF_MESHIO[i]
 _SIX: Final = np.array([[0, 1, 2, 6], [0, 2, 3, 6], [0, 3, 7, 6], [0, 7, 4, 6], [0, 4, 5, 6], [0, 5, 1, 6]])
+NEAR: Final = 48  # cells next to a point that it is looked for in
 _EDGE: Final = 1e-9  # share of a cell by which a point on its side may be outside
 _BENT: Final = 0.94  # cosine of 20 degrees
 EXACT: Final = 5  # order of quadrature: products of two functions on parallelepipeds and straight tetrahedra
@@ -127,17 +128,25 @@ class CavityMesh:
         return float(np.ptp(corners, axis=1).max())
 
     def contains(self, points: Floats) -> NDArray[np.bool_]:
-        """Whether points [p, 3] lie in one of the 48 cells next to them, with straight sides [p]."""
+        """Whether points [p, 3] lie in one of the cells next to them, with straight sides [p]."""
+        return self.cell_of(points) >= 0
+
+    def cell_of(self, points: Floats, near: int = NEAR) -> Integers:
+        """The cell that each of points [p, 3] lies in, of the `near` next to it, sides taken as straight [p]; or -1."""
         own = self.cells if self.cells.shape[1] == 4 else self.cells[:, _SIX].reshape(-1, 4)
         corners = self.points[own].reshape(len(self.cells), -1, 4, 3)
         inverse = np.linalg.inv(corners[:, :, 1:] - corners[:, :, :1])
-        _, near = cKDTree(self.points[self.cells].mean(axis=1)).query(points, k=min(48, len(self.cells)))
-        inside = np.zeros(len(points), dtype=bool)
-        for cells in near.reshape(len(points), -1).T:
-            away = points[:, None] - corners[cells, :, 0]
+        _, next_to = cKDTree(self.points[self.cells].mean(axis=1)).query(points, k=min(near, len(self.cells)))
+        found = np.full(len(points), -1)
+        left = np.arange(len(points))
+        for candidates in next_to.reshape(len(points), -1).T:
+            cells = candidates[left]
+            away = points[left, None] - corners[cells, :, 0]
             share = np.einsum("pti,ptij->ptj", away, inverse[cells])
-            inside |= ((share.min(axis=2) > -_EDGE) & (share.sum(axis=2) < 1 + _EDGE)).any(axis=1)
-        return inside
+            inside = ((share.min(axis=2) > -_EDGE) & (share.sum(axis=2) < 1 + _EDGE)).any(axis=1)
+            found[left[inside]] = cells[inside]
+            left = left[~inside]
+        return found
 
     def facets(self, wall: str) -> Integers:
         """Numbers of a wall's facets in scikit-fem's mesh.

@@ -21,7 +21,7 @@ from acoustics.judgement import one_way, source_advice, truncation
 from acoustics.orders import ENOUGH, audible, moved, not_in, order_blocks, square, undriven
 from acoustics.room import Receiver, Room, inside, positions
 from acoustics.source import SurfaceVelocity, alike, on_ceiling
-from acoustics.sums import Sums, energy_of
+from acoustics.sums import Heard, added, energies, energy_of, pressure_of, silence
 
 SILENT: Final = 1e-9  # share of the velocity below which a cosine is not driven: symmetry, but for rounding
 NEGLIGIBLE: Final = 1e-9  # share of the summed velocity spectrum above the highest frequency that is evaluated
@@ -135,16 +135,16 @@ def pressures(
     top = max(highest_hz)
     products = [moved(surface) for surface in surfaces] if orders is None else []
     motion = _motion(surfaces, room)
-    sums = [Sums(places, first.rates.shape[1]) for _ in surfaces]
+    sums = [silence(places) for _ in surfaces]
     done, shares = np.zeros((0, 2), dtype=np.int64), [0.0] * len(surfaces)
     for block in order_blocks(room, orders, top):
         new = not_in(block, done)
         coefficients = project(first, room, new)
         chosen = _driven(surfaces, coefficients)
         if orders is None and len(done):
-            chosen &= audible(coefficients, products, room, new, [heard.energies().min() for heard in sums])
+            chosen &= audible(coefficients, products, room, new, [energies(heard).min() for heard in sums])
         told = orders is None or len(done) + len(new) == orders**2  # of fewer cosines than asked for nobody hears
-        shares = _synthesise(motion, room, new[chosen], coefficients[chosen], sums, told)
+        sums, shares = _with_cosines(motion, room, new[chosen], coefficients[chosen], sums, told)
         done = np.concatenate([done, new])
         more = len(done) > len(new) and max(shares) < ENOUGH
         if orders is None and more and undriven(surfaces, room, done, top):
@@ -152,16 +152,17 @@ def pressures(
     found = []
     for surface, heard, share, highest in zip(surfaces, sums, shares, highest_hz, strict=True):
         findings = (*source_advice(surface, room, done, highest), *truncation(share, done), *one_way(room))
-        found.append(RoomResponse(tuple(receivers), surface.t, heard.pressure(), findings))
+        found.append(RoomResponse(tuple(receivers), surface.t, pressure_of(heard, len(surface.t)), findings))
     return found
 
 
 @dataclass(frozen=True, eq=False)
 class _Motion:
-    """Motions of one ceiling in frequency: s [nf] and weights [length] of the transform, the spectra [k, nf] of each
-    one's rates up to the last frequency that carries anything, and where s lies on the frequency axis the sums over the
-    samples of each one's displacements [k], else none."""
+    """Motions of one ceiling of nt samples in frequency: s [nf] and weights [length] of the transform, the spectra
+    [k, nf] of each one's rates up to the last frequency that carries anything, and where s lies on the frequency axis
+    the sums over the samples of each one's displacements [k], else none."""
 
+    nt: int
     s: Complexes
     weight: Floats
     spectra: tuple[Complexes, ...]
@@ -190,7 +191,7 @@ def _motion(surfaces: Sequence[SurfaceVelocity], room: Room) -> _Motion:
         spectra.append(spectrum)
     above = np.cumsum(size[::-1])[::-1]
     last = int(np.count_nonzero(above > NEGLIGIBLE * above[0]))
-    return _Motion(s, weight, tuple(one[:, :last] for one in spectra), tuple(displaced))
+    return _Motion(first.rates.shape[1], s, weight, tuple(one[:, :last] for one in spectra), tuple(displaced))
 
 
 def _driven(surfaces: Sequence[SurfaceVelocity], coefficients: Floats) -> NDArray[np.bool_]:
@@ -202,34 +203,37 @@ def _driven(surfaces: Sequence[SurfaceVelocity], coefficients: Floats) -> NDArra
     return driven
 
 
-def _synthesise(
-    motion: _Motion, room: Room, orders: Integers, coefficients: Floats, sums: Sequence[Sums], told: bool
-) -> list[float]:
-    """Add what the cosines `orders` of the ceiling make to the sums of every motion; returns their shares of them.
+def _with_cosines(
+    motion: _Motion, room: Room, orders: Integers, coefficients: Floats, sums: Sequence[Heard], told: bool
+) -> tuple[list[Heard], list[float]]:
+    """What is heard of every motion with what the cosines `orders` of the ceiling make, and their shares of it.
 
     coefficients [n, k] : of the modes in the cosines. told : whether the shares are wanted; 0 where not.
     """
-    length, nt = len(motion.weight), sums[0].nt
+    length, nt = len(motion.weight), motion.nt
     inwards = np.argsort(horizontal_wavenumber(room, orders), kind="stable")
     orders, coefficients = orders[inwards], coefficients[inwards]
-    heights = sums[0].heights
+    places = [plane.places for plane in sums[0]]
+    heights = np.array([there[0, 2] for there in places])
     batch = max(1, _MEMORY // (len(motion.s) * max(1, len(heights)) * len(sums)))
-    if max(map(len, sums[0].rows)) < batch:
+    if max(map(len, places)) < batch:
         batch = max(1, len(orders))  # few listeners: no spectrum of a cosine is kept
-    added = [np.zeros(len(sums[0].places)) for _ in sums]
+    sums = list(sums)
+    made = [np.zeros(sum(map(len, places))) for _ in sums]  # energies of what is added
     for start in range(0, len(orders), batch):
         chosen = orders[start : start + batch]
-        at_places = cosines(room, chosen, sums[0].places)
-        mixes = [at_places[rows] for rows in sums[0].rows]
+        mixes = [cosines(room, chosen, there) for there in places]
         found = _through(motion, room, chosen, coefficients[start : start + batch], heights, mixes)
-        for own, energy, parts in zip(sums, added, found, strict=True):
-            for height, (part, mix) in enumerate(zip(parts, mixes, strict=True)):
+        for number, (heard, energy, parts) in enumerate(zip(sums, made, found, strict=True)):
+            planes = []
+            for plane, part, mix in zip(heard, parts, mixes, strict=True):
                 history = np.fft.irfft(part, length, axis=1)[:, :nt] / motion.weight[:nt]
                 shared = None if _few(mix) else mix
-                own.add(height, shared, history)
+                planes.append(added(plane, shared, history))
                 if told:
-                    energy[own.rows[height]] += energy_of(shared, history)
-    return [_worst_share(part, heard.energies()) if told else 0.0 for part, heard in zip(added, sums, strict=True)]
+                    energy[plane.rows] += energy_of(shared, history)
+            sums[number] = tuple(planes)
+    return sums, [_worst_share(part, energies(heard)) if told else 0.0 for part, heard in zip(made, sums, strict=True)]
 
 
 def _worst_share(of_part: Floats, of_all: Floats) -> float:

@@ -2,67 +2,79 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
-from acoustics.arrays import Floats
+from acoustics.arrays import Floats, Integers
 from acoustics.orders import SEEN
 
 
-class Sums:
-    """Pressure at places, as it grows cosine by cosine.
+@dataclass(frozen=True, eq=False)
+class Plane:
+    """What the listeners at one height hear so far: histories [n_here, nt], those of cosines not yet mixed.
 
-    Where cosines are fewer than listeners at a height, their histories are kept and mixed only once, at the end: a
-    thousand histories are too much to be added up again and again.
+    rows : which of all listeners. places : theirs [n_here, 3] [m]. own : a part of what they hear, None for nothing.
+    mixes, histories : the other parts, each mix [n_here, n] times histories [n, nt] of cosines. Where cosines are
+        fewer than listeners they are mixed only once, at the end: a thousand histories are too much to be added up
+        again and again.
     """
 
-    def __init__(self, places: Floats, nt: int) -> None:
-        self.places, self.nt = places, nt
-        self.heights, plane = np.unique(places[:, 2], return_inverse=True)
-        self.rows = [np.flatnonzero(plane == height) for height in range(len(self.heights))]
-        self._mixes: list[list[Floats]] = [[] for _ in self.rows]
-        self._histories: list[list[Floats]] = [[] for _ in self.rows]
-        self._plain: list[Floats | None] = [None] * len(self.rows)
+    rows: Integers
+    places: Floats
+    own: Floats | None = None
+    mixes: tuple[Floats, ...] = ()
+    histories: tuple[Floats, ...] = ()
 
-    def add(self, height: int, mix: Floats | None, history: Floats) -> None:
-        """Add histories [n, nt] of cosines, mixed by mix [n_here, n]; of the listeners themselves where it is None."""
-        before = self._plain[height]
-        if mix is None:
-            self._plain[height] = history if before is None else before + history
-        else:
-            self._mixes[height].append(mix)
-            self._histories[height].append(history)
 
-    def energies(self) -> Floats:
-        """Energy at every place [n], sums of squares."""
-        energy = np.zeros(len(self.places))
-        for height, rows in enumerate(self.rows):
-            plain = self._plain[height]
-            if plain is None and self._mixes[height]:
-                energy[rows] = energy_of(np.hstack(self._mixes[height]), np.vstack(self._histories[height]))
-            elif plain is not None:
-                whole = self._whole(height)
-                energy[rows] = energy_of(None, whole)
-        return energy
+Heard = tuple[Plane, ...]  # at all heights, from the lowest
 
-    def pressure(self) -> Floats:
-        """Pressure at every place [n, nt], read-only."""
-        wholes = [self._whole(height) for height in range(len(self.rows))]
-        p = wholes[0]
-        if len(wholes) > 1:
-            p = np.empty((len(self.places), self.nt))
-            for rows, whole in zip(self.rows, wholes, strict=True):
-                p[rows] = whole
-        p.flags.writeable = False
-        return p
 
-    def _whole(self, height: int) -> Floats:
-        plain = self._plain[height]
-        if not self._mixes[height]:
-            return np.zeros((len(self.rows[height]), self.nt)) if plain is None else plain
-        mixed: Floats = np.hstack(self._mixes[height]) @ np.vstack(self._histories[height])
-        if plain is not None:
-            mixed += plain
-        return mixed
+def silence(places: Floats) -> Heard:
+    """Listeners at places [n, 3] [m] by their heights, who hear nothing yet."""
+    heights, plane = np.unique(places[:, 2], return_inverse=True)
+    rows = [np.flatnonzero(plane == number) for number in range(len(heights))]
+    return tuple(Plane(here, places[here]) for here in rows)
+
+
+def added(plane: Plane, mix: Floats | None, history: Floats) -> Plane:
+    """With histories [n, nt] of cosines, mixed by mix [n_here, n]; of the listeners themselves where it is None."""
+    if mix is None:
+        own = history if plane.own is None else plane.own + history
+        return Plane(plane.rows, plane.places, own, plane.mixes, plane.histories)
+    return Plane(plane.rows, plane.places, plane.own, (*plane.mixes, mix), (*plane.histories, history))
+
+
+def energies(heard: Heard) -> Floats:
+    """Energy at every listener [n], sums of squares."""
+    energy = np.zeros(sum(len(plane.rows) for plane in heard))
+    for plane in heard:
+        if plane.own is None and plane.mixes:
+            energy[plane.rows] = energy_of(np.hstack(plane.mixes), np.vstack(plane.histories))
+        elif plane.own is not None:
+            energy[plane.rows] = energy_of(None, _mixed(plane, plane.own.shape[1]))
+    return energy
+
+
+def pressure_of(heard: Heard, nt: int) -> Floats:
+    """Pressure at every listener [n, nt], read-only."""
+    wholes = [_mixed(plane, nt) for plane in heard]
+    p = wholes[0]
+    if len(wholes) > 1:
+        p = np.empty((sum(map(len, wholes)), nt))
+        for plane, whole in zip(heard, wholes, strict=True):
+            p[plane.rows] = whole
+    p.flags.writeable = False
+    return p
+
+
+def _mixed(plane: Plane, nt: int) -> Floats:
+    if not plane.mixes:
+        return np.zeros((len(plane.rows), nt)) if plane.own is None else plane.own
+    mixed: Floats = np.hstack(plane.mixes) @ np.vstack(plane.histories)
+    if plane.own is not None:
+        mixed += plane.own
+    return mixed
 
 
 def energy_of(mix: Floats | None, history: Floats) -> Floats:

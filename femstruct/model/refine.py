@@ -48,10 +48,11 @@ class Refined:
         return moved.reshape(len(self.points), 3, count)
 
 
-def refined(model: Model, divisions: int = 4) -> Refined:
+def refined(model: Model, divisions: int = 4, along: int | None = None) -> Refined:
     """The model with every cell side and every bar divided into equal pieces; blocks are boxes.
 
-    divisions : pieces a side. Raises InputError when there is not at least one.
+    divisions : pieces a side. along : pieces of a bar, as many if nothing is said. Raises InputError when there is not
+    at least one.
     """
     if divisions < 1:
         raise InputError("divisions", got=f"{divisions}", expected="at least 1")
@@ -70,7 +71,7 @@ def refined(model: Model, divisions: int = 4) -> Refined:
             places, motion, cells = _of_block(model.blocks[name], model.mesh.n_nodes)
             quads.append(first + cells)
         else:
-            places, motion, cells = _of_frame(model.frames[name], divisions, model.mesh.n_nodes)
+            places, motion, cells = _of_frame(model.frames[name], along or divisions, model.mesh.n_nodes)
             lines.append(first + cells)
         points.append(places)
         rows.append(motion)

@@ -23,6 +23,8 @@ from femstruct.power import PowerResponse, Radiated
 from femstruct.study.machine import Machine, Verdict
 from femstruct.study.study import Case, FrfRequest, Plan
 
+NET_FORCE: Final = "net force on "  # begins the names of channels that no study asks for
+
 
 @dataclass(frozen=True, eq=False)
 class Channel:

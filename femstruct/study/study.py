@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from math import inf
 from typing import Literal
 
 from acoustics.coupled import Leak
@@ -232,6 +233,11 @@ class RoomPlan:
     levels: tuple[str, ...] = ()
     animate: tuple[float | None, ...] = ()
     directivity: tuple[float, ...] = ()
+
+    @property
+    def complete_below_hz(self) -> float:
+        """Where the room's own modes end [Hz]; of a box or the half space there is no end."""
+        return self.room.up_to_hz or self.room.carried_hz if isinstance(self.room, ShapedRoom) else inf
 
 
 @dataclass(frozen=True)

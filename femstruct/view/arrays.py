@@ -5,6 +5,7 @@ from __future__ import annotations
 from femstruct.files.arrays import TERMS, array_tables
 from femstruct.study.result import StudyResult
 from femstruct.view.grid import Grid
+from femstruct.view.scales import digits
 
 
 def arrays(result: StudyResult) -> Grid:
@@ -18,7 +19,7 @@ def arrays(result: StudyResult) -> Grid:
                 grid.add(
                     f"{array}, all" if peak is None else name,
                     case_name,
-                    "" if peak is None else f"{peak:.4g}",
+                    "" if peak is None else digits(peak),
                     *(f"{1e3 * row[term]:.4g}" for term in TERMS),
                 )
     return grid

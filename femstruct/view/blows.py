@@ -5,6 +5,7 @@ from __future__ import annotations
 from femstruct.files.tables import growth
 from femstruct.study.result import StudyResult
 from femstruct.view.grid import Grid
+from femstruct.view.scales import digits
 
 SHOWN_BLOWS = 5  # at each end of a row of blows
 
@@ -29,7 +30,7 @@ def blows(result: StudyResult) -> Grid:
                     case_name,
                     f"{blow.number} of {len(mine)}",
                     f"{1e3 * blow.t:.3f}",
-                    f"{blow.peak_force:.4g}",
+                    digits(blow.peak_force),
                     str(blow.closings),
                     f"{1e3 * blow.largest_energy:.4g}{change}",
                     rest if blow.rest_after is None else f"{1e3 * blow.rest_after:.4g}",

@@ -12,6 +12,8 @@ from femstruct.view.scales import scaled
 
 SMALLEST = 1e-6  # share of the energy that is told in percent
 TOLD = 0.01  # share of the energy from which on a terminal names what has it
+SEEN = 5e-4  # share of the energy that the sum of a column misses visibly
+OTHERS = f"others, below {100 * TOLD:g} % each"
 NOTHING = 1e-9  # share of the energy put in, below which a ledger holds the tail of a decay and rounding
 
 
@@ -96,8 +98,14 @@ def whither(result: StudyResult) -> Grid:
     parted = any(first for first, _ in moments.values())  # nowhere: nothing meets, or what met stays together
     grid = Grid(f"where the energy went [% {'at the separation / ' if parted else ''}at the end]", ("", *moments))
     told = [share for both in moments.values() for shares_then in both for share in shares_then.items()]
-    for holder in dict.fromkeys(what for what, share in told if share >= TOLD):
-        texts = [[_share(then.get(holder)) for then in (both if parted else both[1:])] for both in moments.values()]
+    named = dict.fromkeys(what for what, share in told if share >= TOLD)
+    rest = {
+        name: [{OTHERS: 1.0 - sum(abs(then.get(what, 0.0)) for what in named)} if then else {} for then in both]
+        for name, both in moments.items()
+    }
+    left = any(share >= SEEN for both in rest.values() for then in both for share in then.values())
+    for holder, of_cases in (*((one, moments) for one in named), *([(OTHERS, rest)] if left else [])):
+        texts = [[_share(then.get(holder)) for then in (both if parted else both[1:])] for both in of_cases.values()]
         grid.add(holder, *(" / ".join(both) for both in texts))
     return grid
 

@@ -17,8 +17,12 @@ from femstruct.arrays import Floats
 from femstruct.files.atomic import replacing
 
 BASELINE: Final = "#222222"
-COLOURS: Final = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#8c564b", "#7f7f7f")
-"""Okabe and Ito's colours, told apart by colour-blind readers."""
+COLOURS: Final = ("#0072b2", "#e69f00", "#009e73", "#56b4e9", "#d55e00", "#cc79a7", "#8c564b", "#7f7f7f")
+"""Okabe and Ito's colours, told apart by colour-blind readers; each pair also in grey."""
+DASHES: Final[tuple[Any, ...]] = ("-", (0, (6, 1.5)), (0, (2, 1)), (0, (6, 1.5, 1.5, 1.5)))
+TOTAL: Final[dict[str, Any]] = {"linestyle": "--", "linewidth": 1.6}  # of what is heard with the bodies' own sound
+PAIR: Final = 2  # so many other cases have the same dashes
+CHARACTER: Final = 0.0085  # of a figure's width, that a digit of a mode's number takes
 
 
 def new_figure(width: float, height: float, title: str) -> Figure:
@@ -36,8 +40,8 @@ def panels(
     *,
     between: float,
     top: float = 0.62,
-    left: float = 0.78,
-    right: float = 0.15,
+    left: float = 0.95,
+    right: float = 0.3,
     **options: Any,
 ) -> NDArray[np.object_]:
     """Axes [rows, columns] with margins in inches: `between` the rows, `top` above the first, `left`, `right`.
@@ -75,6 +79,19 @@ def case_colours(names: Iterable[str], baseline: str) -> dict[str, str]:
     """
     others = [name for name in names if name != baseline]
     return {baseline: BASELINE} | {name: COLOURS[number % len(COLOURS)] for number, name in enumerate(others)}
+
+
+def case_lines(names: Iterable[str], baseline: str) -> dict[str, dict[str, Any]]:
+    """How the lines of a case are drawn: its colour, and dashes that tell it in grey and let equal lines be seen below.
+
+    >>> case_lines(["a", "b"], baseline="a")["b"]
+    {'color': '#0072b2', 'linestyle': '-'}
+    """
+    colours = case_colours(names, baseline)  # the baseline first
+    return {
+        name: {"color": colour, "linestyle": DASHES[max(0, number - 1) // PAIR % len(DASHES)]}
+        for number, (name, colour) in enumerate(colours.items())
+    }
 
 
 def thinned(t: Floats, values: Floats, most: int = 1500) -> tuple[Floats, Floats]:
@@ -120,8 +137,10 @@ def readable(unit: str) -> str:
     return unit.replace("^2", "²")
 
 
-def mode_lines(axes: Axes, frequency_hz: Mapping[int, float], low: float, high: float, *, numbers: bool = True) -> None:
+def mode_lines(axes: Axes, frequency_hz: Mapping[int, float], low: float, high: float, *, numbers: bool = True) -> str:
     """Dotted lines at natural frequencies inside a band, with the modes' numbers on top.
+
+    Returns the label of the frequencies, which tells what the numbers are.
 
     A number is left out where it would cover the one before.
     """
@@ -131,15 +150,17 @@ def mode_lines(axes: Axes, frequency_hz: Mapping[int, float], low: float, high: 
         linestyle=":", zorder=0,
     )  # fmt: skip
     logarithmic = axes.get_xscale() == "log"
-    last = -np.inf
+    taken = -np.inf
     for mode, frequency in inside.items() if numbers else ():
         along = np.log(frequency / low) / np.log(high / low) if logarithmic else (frequency - low) / (high - low)
-        if along - last > 0.022:
+        half = 0.5 * CHARACTER * len(str(mode))
+        if along - half > taken:
             axes.annotate(
                 str(mode), (frequency, 1.0), xycoords=("data", "axes fraction"), xytext=(0, 2),
                 textcoords="offset points", fontsize=7, color="0.4", ha="center",
             )  # fmt: skip
-            last = along
+            taken = along + half + 0.3 * CHARACTER
+    return "frequency in Hz" + ("   (numbers: modes of the baseline)" if inside else "")
 
 
 def file_name(*words: str) -> str:

@@ -13,18 +13,23 @@ from femstruct.arrays import Floats
 from femstruct.impact.response import BodyHistory, EnergyLedger, Response
 from femstruct.impact.shares import held_over_time
 from femstruct.study.result import CaseResult, StudyResult
-from femstruct.view.figures import case_colours, finish, legend_above, new_figure, panels, thinned
-from femstruct.view.scales import scaled
+from femstruct.view.figures import case_lines, finish, legend_above, new_figure, panels, thinned
+from femstruct.view.scales import digits, scaled
 from femstruct.view.trust import anything_meets
 
 ZOOM_WITHOUT_RULE: Final = 0.05  # of the window, where no first-impact window is given
 BEFORE: Final = 0.05  # of the panel of what begins late: a little of what was before
-AROUND: Final = 1.25  # times the first-impact window: what comes next is seen to begin
+AROUND: Final = 1.25  # times the first-impact window, or the time that a force acts in it: what comes next begins
+NEARLY: Final = 0.8  # of the window: a panel of the first impact that is hardly shorter would show the same again
+FADED: Final = 1e-3  # of its largest: a force that is over
+FEWEST: Final = 10  # samples in a panel
+MARGIN: Final = 0.01  # of the whole window, shown before its start: what begins with a peak is not under the axis
+LEGIBLE: Final = 0.1  # of a unit: numbers are read in the unit of the whole window down to this
 RESTING: Final = 1e-6  # of its largest speed: a body that is told to be at rest
 HELD_COLOURS: Final = {"bodies": "#0072b2", "structure": "#009e73", "contacts, links": "#e69f00"}
 BESIDE_COLOURS: Final = ("#56b4e9", "#cc79a7", "#f0e442")  # of what holds energy of the modes beside the structure
 LOST_COLOURS: Final = ("#e7b5ce", "#bcdff5", "#eab38a", "#f7f0a8", "#c9b8dd")  # pale: what is lost no longer moves
-NOBODYS_COLOUR: Final = "#bbbbbb"  # of losses in the structure and all that is too little to be named
+NOBODYS_COLOUR: Final = "#dddddd"  # of losses in the structure and all that is too little to be named
 NAMED: Final = 0.01  # share of what was put in, from which on a loss has a colour of its own
 
 Row = tuple[str, str, Mapping[str, tuple[Floats, Floats]], Mapping[str, str]]  # ylabel, unit, by case (t, y), legend
@@ -38,8 +43,8 @@ def history(result: StudyResult, channel: str) -> Figure:
     factor, unit = scaled(first.unit, max(case.channels[channel].whole for case in cases.values()))
     legend = {
         name: f"{name}: peak "
-        + (f"{factor * case.channels[channel].first_impact:.4g} {unit} in the first impact, " if met else "")
-        + f"{factor * case.channels[channel].whole:.4g} {unit} in all"
+        + (f"{digits(factor * case.channels[channel].first_impact)} {unit} in the first impact, " if met else "")
+        + f"{digits(factor * case.channels[channel].whole)} {unit} in all"
         for name, case in cases.items()
     }
     curves = {name: (_times(case), case.channels[channel].values) for name, case in cases.items()}
@@ -95,11 +100,13 @@ def energy(result: StudyResult) -> Figure | None:
     takers = _takers([response.ledger for response in responses.values()])
     above = 0.17 * ((len(beside) + len(takers) + 4) // 5)  # inches of further rows of the legend
     figure = new_figure(10.0, 1.1 + above + 2.3 * len(responses), "Where the energy is")
-    grid = panels(figure, len(responses), 2, between=0.75, top=0.65 + above, sharey="row")
+    zooms = {name: _zoom(result, float(response.t[-1])) for name, response in responses.items()}
+    columns = 2 if any(_apart(zooms[name], float(response.t[-1])) for name, response in responses.items()) else 1
+    grid = panels(figure, len(responses), columns, between=0.75, top=0.65 + above, sharey="row")
     for row, (name, response) in zip(grid, responses.items(), strict=True):
         ledger = response.ledger
         factor, unit = scaled("J", float(_input(ledger).max()))
-        for axes, end in zip(row, (_zoom(result, response), float(ledger.t[-1])), strict=True):
+        for axes, end in zip(row, (zooms[name], float(ledger.t[-1]))[-columns:], strict=True):
             _stack(axes, response, factor, end, beside, takers)
             time, time_unit = scaled_time(end)
             finish(axes, f"time in {time_unit}", "")
@@ -107,7 +114,7 @@ def energy(result: StudyResult) -> Figure | None:
             axes.set_ylim(0.0, 1.08 * factor * float(_input(ledger).max()))
         row[0].set_ylabel(f"energy in {unit}")
         row[0].set_title(f"{name}   (ledger residual {ledger.residual:.1e})", fontsize=9, loc="left")
-    grid[0, 1].legend(
+    grid[0, -1].legend(
         fontsize=8,
         loc="lower right",
         bbox_to_anchor=(1.0, 1.0),
@@ -126,7 +133,7 @@ def _amount(unit: str, value: float) -> str:
     '586.5 kN'
     """
     factor, shown = scaled(unit, abs(value))
-    return f"{factor * value:.4g} {shown}"
+    return f"{digits(factor * value)} {shown}"
 
 
 def _ending(body: BodyHistory) -> str:
@@ -220,24 +227,30 @@ def _rows_of(
 
 
 def _figure(result: StudyResult, title: str, rows: list[Row]) -> Figure:
-    """Rows of two panels: the first impact, or of what begins after it its own beginning, and the whole window."""
-    colours = case_colours(result.cases, result.plan.baseline)
+    """Rows of two panels: the first impact, or of what begins after it its own beginning, and the whole window; of one
+    where these are hardly apart in any row."""
+    drawn = case_lines(result.cases, result.plan.baseline)
     above = 0.12 + 0.155 * max(len(legend) for *_, legend in rows)  # inches a legend takes
     figure = new_figure(11.0, 0.8 + (2.8 + 0.55 + above) * len(rows) - 0.55, title)
-    grid = panels(figure, len(rows), 2, between=0.55 + above, top=0.3 + above, width_ratios=(3, 2))
-    response = next(iter(_responses(result).values()))
-    window = _zoom(result, response)
-    for row, (label, unit, curves, legend) in zip(grid, rows, strict=True):
+    duration = max(float(response.t[-1]) for response in _responses(result).values())
+    firsts = [_first_panel(unit, curves, _zoom(result, duration)) for _, unit, curves, _ in rows]
+    columns = 2 if any(_apart(end - start, duration) for start, end in firsts) else 1
+    ratios = (3, 2)[:columns]
+    grid = panels(figure, len(rows), columns, between=0.55 + above, top=0.3 + above, width_ratios=ratios)
+    for row, first, (label, unit, curves, legend) in zip(grid, firsts, rows, strict=True):
         said = ""  # beside it the same label would only take room
-        begin = _begin(curves, window)
-        for axes, (start, end) in zip(row, ((begin, begin + window), (0.0, float(response.t[-1]))), strict=True):
+        in_all = max(float(np.abs(y).max()) for _, y in curves.values())
+        for axes, (start, end) in zip(row, (first, (-MARGIN * duration, duration))[-columns:], strict=True):
             within = {name: (t >= start) & (t <= end) for name, (t, _) in curves.items()}
             shown = {name: (t[within[name]], y[within[name]]) for name, (t, y) in curves.items()}
-            factor, named = scaled(unit, max(float(np.abs(y).max()) for _, y in shown.values()))
+            factor, named = scaled(unit, in_all)
+            largest = max(float(np.abs(y).max(initial=0.0)) for _, y in shown.values())
+            if factor * largest < LEGIBLE:
+                factor, named = scaled(unit, largest)
             time, time_unit = scaled_time(end)
             for name, (t, y) in shown.items():
                 x, values = thinned(t, y)
-                axes.plot(time * x, factor * values, color=colours[name], linewidth=1.0, label=legend[name])
+                axes.plot(time * x, factor * values, **drawn[name], linewidth=1.0, label=legend[name])
             axes.set_xlim(time * start, time * end)
             text = f"{label} in {named}"
             finish(axes, f"time in {time_unit}", "" if text == said else text)
@@ -268,8 +281,33 @@ def _times(case: CaseResult) -> Floats:
     return np.empty(0) if case.response is None else case.response.t
 
 
-def _zoom(result: StudyResult, response: Response) -> float:
+def _zoom(result: StudyResult, duration: float) -> float:
     """End of the panel of the first impact [s]; without an impact, of the beginning."""
     window = next(iter(result.cases.values())).case.study.peaks.first_impact if anything_meets(result) else None
-    duration = float(response.t[-1])
     return min(duration, AROUND * window if window else ZOOM_WITHOUT_RULE * duration)
+
+
+def _first_panel(unit: str, curves: Mapping[str, tuple[Floats, Floats]], window: float) -> tuple[float, float]:
+    """Start and end of the panel of the first impact of a row [s]: the window, of forces while they act in it."""
+    begin = _begin(curves, window)
+    if unit != "N":
+        return begin, begin + window
+    acting = []
+    for t, y in curves.values():
+        inside = (t >= begin) & (t <= begin + window)
+        force = np.abs(y[inside])
+        acting.append(t[inside][force > FADED * force.max(initial=0.0)])
+    times = np.concatenate(acting)
+    if not times.size:
+        return begin, begin + window
+    fewest = FEWEST * min(float(t[1] - t[0]) for t, _ in curves.values())
+    length = min(window, max(AROUND * float(np.ptp(times)), fewest))
+    if begin:
+        begin = float(times.min()) - BEFORE * length
+        return begin, begin + length
+    return 0.0, min(window, float(times.min()) + length)
+
+
+def _apart(zoom: float, duration: float) -> bool:
+    """Whether a panel of the first impact [s] shows more than one of the whole window."""
+    return zoom < NEARLY * duration

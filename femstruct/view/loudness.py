@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -10,9 +10,10 @@ from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 
 from acoustics.levels import level_history
+from acoustics.pressure import RoomResponse
 from acoustics.rated import RatedRoom
 from femstruct.study.result import StudyResult
-from femstruct.view.figures import case_colours, finish, legend_above, new_figure, panels, thinned
+from femstruct.view.figures import TOTAL, case_colours, case_lines, finish, legend_above, new_figure, panels, thinned
 from femstruct.view.rated import struck_first, told
 
 SHOWN_DB: Final = 50.0  # below the loudest that is drawn
@@ -28,7 +29,7 @@ def levels_over_time(result: StudyResult, room: str) -> Figure | None:
     cases = {name: case for name, case in result.cases.items() if room in case.rooms and case.rooms[room].receivers}
     if not cases:
         return None
-    colours = case_colours(result.cases, result.plan.baseline)
+    looks = case_lines(result.cases, result.plan.baseline)
     names = list(dict.fromkeys(one.name for case in cases.values() for one in case.rooms[room].receivers))
     rows = -(-len(names) // 2)
     columns = min(2, len(names))
@@ -40,16 +41,16 @@ def levels_over_time(result: StudyResult, room: str) -> Figure | None:
     loudest = -np.inf
     for axes, receiver in zip(panes, names, strict=False):
         for name, case in cases.items():
-            drawn = [(case.rooms[room], name, "-")]
+            drawn: list[tuple[RoomResponse, str, dict[str, Any]]] = [(case.rooms[room], name, {"linewidth": 1.0})]
             if room in case.heard.total:
-                drawn.append((case.heard.total[room], f"{name} with the bodies' own sound", "--"))
-            for response, who, style in drawn:
+                drawn.append((case.heard.total[room], f"{name} with the bodies' own sound", TOTAL))
+            for response, who, look in drawn:
                 for p, one in zip(response.p, response.receivers, strict=True):
                     if one.name == receiver:
                         level = level_history(p, response.dt)
                         x, y = thinned(response.t, level)
                         label = f"{who}: largest {level.max():.1f} dB"
-                        axes.plot(x, y, color=colours[name], linestyle=style, linewidth=1.0, label=label)
+                        axes.plot(x, y, **(looks[name] | look), label=label)
                         loudest = max(loudest, float(level.max()))
         finish(axes, "", f"{receiver}: L_AF in dB re 20 µPa")
         legend_above(axes)

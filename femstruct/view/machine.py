@@ -94,7 +94,7 @@ def machine(result: StudyResult) -> Grid:
     for name, row in cells.items():
         for i in same if name != result.comparison.baseline else ():
             row[i] = "as baseline" if row[i] == cells[result.comparison.baseline][i] != "-" else row[i]
-    kept = [i for i in range(len(columns)) if any(set(row[i]) - set("-\n 0") for row in cells.values())]
+    kept = [i for i in range(len(columns)) if any(set(row[i]) - set("-\n 0.") for row in cells.values())]
     grid = Grid("machine (energies: when the first contact ends, and at the end)", ("", *(columns[i][0] for i in kept)))
     for name, row in cells.items():
         grid.add(name, *(row[i] for i in kept))

@@ -7,6 +7,7 @@ from typing import Final
 
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.patheffects import withStroke
 from scipy.signal import find_peaks
 
 from acoustics.field import HalfSpace
@@ -21,6 +22,7 @@ MOST: Final = 4
 PROMINENT: Final = 6.0  # dB a peak stands above the valleys beside it
 SILENCE: Final = 1e-6  # share of the loudest line below which there are no peaks, only rounding
 NEAR: Final = 0.02
+RIM: Final = (withStroke(linewidth=2.5, foreground="white"),)  # to be read on any colour
 
 
 def pressure_maps(result: StudyResult, room: str) -> Figure | None:
@@ -49,7 +51,8 @@ def pressure_maps(result: StudyResult, room: str) -> Figure | None:
 def heard_peaks(result: StudyResult, room: str) -> dict[str, float]:
     """The loudest peaks of the baseline's sound at a room's first receiver: names and frequencies [Hz].
 
-    Only those that stand out of what is beside them, and none above the modal basis, where the answer is not complete.
+    Only those that stand out of what is beside them, and none above the modal basis or the room's own modes, where the
+    answer is not complete.
     A peak within 2 % of a mode of the structure carries that mode's number, any other is one of the room's or of the
     force.
     """
@@ -58,7 +61,8 @@ def heard_peaks(result: StudyResult, room: str) -> dict[str, float]:
     spectrum = np.abs(heard.spectrum[0])
     level = 20.0 * np.log10(np.maximum(spectrum, SILENCE * spectrum.max(initial=0.0)) + np.finfo(float).tiny)
     tops, _ = find_peaks(level, prominence=PROMINENT)
-    tops = tops[heard.frequency_hz[tops] <= case.basis.complete_below_hz]
+    ends = [plan.complete_below_hz for plan in case.case.study.rooms if plan.name == room]
+    tops = tops[heard.frequency_hz[tops] <= min(case.basis.complete_below_hz, *ends)]
     chosen = np.sort(tops[np.argsort(-level[tops])[:MOST]])
     elastic = np.flatnonzero([kind == "elastic" for kind in case.basis.kind])
     named = {}
@@ -94,8 +98,10 @@ def draw_map(drawn: PressureMap, names: Sequence[str], receivers: Sequence[Recei
         axes.set_ylim(*ends[1])
         images.append(image)
         for receiver in receivers:
-            axes.plot(*receiver.position[:2], "k+", markersize=9)
-            axes.annotate(receiver.name, receiver.position[:2], (5, 5), textcoords="offset points", fontsize=8)
+            axes.plot(*receiver.position[:2], "k+", markersize=9, path_effects=RIM)
+            axes.annotate(
+                receiver.name, receiver.position[:2], (5, 5), textcoords="offset points", fontsize=8, path_effects=RIM
+            )  # fmt: skip
         axes.set_aspect("equal")
         axes.set_title(f"{name}\n{level.min():.0f} to {level.max():.0f} dB re 20 µPa/Hz", fontsize=8)
         axes.set_xlabel("x in m")

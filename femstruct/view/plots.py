@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
 from matplotlib.figure import Figure
 
-from femstruct.study.result import StudyResult
+from femstruct.study.result import NET_FORCE, StudyResult
 from femstruct.view.figures import file_name, save
 from femstruct.view.histories import contact_forces, energy, history, travels
 from femstruct.view.loudness import levels_over_time, rated_bands
@@ -36,7 +37,7 @@ def figures(result: StudyResult) -> dict[str, Figure]:
         **{file_name("frf", name): frequency_response(result, name) for name in responses if name not in powers},
         **{file_name("frf", name): sound_power(result, name) for name in powers},
         **{file_name("directivity", name): power_directivity(result, name) for name in powers},
-        **{file_name("history", name): history(result, name) for name in channels},
+        **{file_name("history", name): history(result, name) for name in channels if not _drawn_already(result, name)},
         **{file_name("spectrum", name): spectrum(result, name) for name in channels},
         file_name("contact_forces"): contact_forces(result),
         file_name("bodies"): travels(result),
@@ -50,6 +51,21 @@ def figures(result: StudyResult) -> dict[str, Figure]:
         **{file_name("pressure_map", name): pressure_maps(result, name) for name in rooms},
     }
     return {name: figure for name, figure in made.items() if figure is not None}
+
+
+def _drawn_already(result: StudyResult, channel: str) -> bool:
+    """Whether a net force is that of a single contact in every case, which has a picture of its own."""
+    if not channel.startswith(NET_FORCE):
+        return False
+    forces = {
+        name: [np.abs(one.force) for one in case.response.contacts.values()]
+        for name, case in result.cases.items()
+        if channel in case.channels and case.response is not None
+    }
+    return all(
+        any(np.array_equal(np.abs(result.cases[name].channels[channel].values), force) for force in of_contacts)
+        for name, of_contacts in forces.items()
+    )
 
 
 def plot_all(result: StudyResult, folder: str | Path) -> list[Path]:

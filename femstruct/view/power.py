@@ -99,10 +99,10 @@ def sound_power(result: StudyResult, name: str) -> Figure:
     below.axhline(1.0, color="0.6", linewidth=0.8)
     modes = numbered(result.cases[result.plan.baseline].basis)
     mode_lines(above, modes, low, high)
-    mode_lines(below, modes, low, high, numbers=False)
+    label = mode_lines(below, modes, low, high, numbers=False)
     finish(above, "", f"L_W in dB re 1 pW/{per}")
     legend_above(above, up=12)
-    finish(below, "frequency in Hz   (numbers: modes of the baseline)", "radiation efficiency")
+    finish(below, label, "radiation efficiency")
     plain_ticks(below)
     _plain(below)
     return figure

@@ -73,7 +73,7 @@ def bands(result: StudyResult) -> Grid:
     """Bands of every rated room and their spread over drops and receivers; rows only where there are any."""
     rated = [(room, one.method) for case in result.cases.values() for room, one in case.rated.items()]
     kinds = " and ".join(dict.fromkeys(method.bands for _, method in rated))
-    grid = Grid(f"impact sound by {kinds}, re 20 uPa: average over drops and receivers (spread)", ("", *result.cases))
+    grid = Grid(f"impact sound by {kinds}, re 20 µPa: average over drops and receivers (spread)", ("", *result.cases))
     for room, quantity, kind, band in dict.fromkeys(
         (room, method.band_quantity, method.bands, band) for room, method in rated for band in method.bands_hz
     ):

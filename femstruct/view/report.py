@@ -21,8 +21,10 @@ body { font: 15px/1.5 system-ui, sans-serif; margin: 2em auto; max-width: 72em; 
 h1 { font-size: 1.5em; } h2 { font-size: 1.1em; margin: 2em 0 .4em; }
 table { border-collapse: collapse; font-variant-numeric: tabular-nums; }
 th, td { padding: .15em .8em; text-align: right; white-space: pre-line; border-bottom: 1px solid #ddd; }
-th.key, td.key { text-align: left; padding-left: 0; } td.key { white-space: pre; }
-.wide { overflow-x: auto; } img { max-width: 100%; } .severe { color: #b00020; } figcaption { color: #666; }
+td { white-space: pre; } /* a number is not broken; what is too wide is scrolled */
+th.key, td.key { text-align: left; padding-left: 0; }
+.wide { overflow-x: auto; } figure { margin: 1em 0; }
+img { max-width: 100%; } .severe { color: #b00020; } figcaption { color: #666; }
 """
 
 
@@ -51,7 +53,8 @@ def report(result: StudyResult, pictures: Sequence[str] = (), sounds: Sequence[s
     parts += [_sound(name) for name in sounds]
     parts += [_picture(name) for name in pictures]
     told = ", ".join(f"{name} {value}" for name, value in result.provenance.items() if value)
-    head = f'<meta charset="utf-8"><title>{title}</title><style>{_STYLE}</style>'
+    screen = '<meta name="viewport" content="width=device-width, initial-scale=1">'  # a telephone's own width
+    head = f'<meta charset="utf-8">{screen}<title>{title}</title><style>{_STYLE}</style>'
     body = "\n".join(part for part in parts if part)
     return (
         f'<!doctype html>\n<html lang="en"><head>{head}</head>\n<body>\n{body}\n<p>{escape(told)}</p>\n</body></html>\n'

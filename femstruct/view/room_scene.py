@@ -178,7 +178,7 @@ def _write(
     for number, plane in enumerate(planes):
         plotter.add_mesh(
             plane, scalars=unit, cmap="RdBu_r", clim=(-largest, largest), show_scalar_bar=number == 0,
-            scalar_bar_args=_BAR | {"fmt": "%.2g"}, lighting=False, copy_mesh=False,
+            scalar_bar_args=_BAR | {"fmt": "%.2g", "title": f"{unit}\n"}, lighting=False, copy_mesh=False,
         )  # fmt: skip
     _furnish(plotter, cells, plan.receivers)
     plotter.set_background("white")

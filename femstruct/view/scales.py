@@ -15,6 +15,15 @@ _SCALES: Final = {  # unit: (how much of the unit, shown unit), the largest firs
 }
 
 
+def digits(value: float) -> str:
+    """Four significant digits, without an exponent up to a million.
+
+    >>> digits(17553.2), digits(0.0123456), digits(2.5e7)
+    ('17550', '0.01235', '2.5e+07')
+    """
+    return f"{float(f'{value:.4g}'):.0f}" if 1e4 <= abs(value) < 1e6 else f"{value:.4g}"
+
+
 def scaled(unit: str, largest: float) -> tuple[float, str]:
     """A factor and a unit in which `largest` is a number near 1..1000 to read.
 

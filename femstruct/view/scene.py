@@ -23,6 +23,7 @@ from femstruct.view.opengl import NoOpenGL, require_opengl
 MOST_MODES: Final = 12
 PANE: Final = (340, 300)  # pixels of one mode
 DIVISIONS: Final = 3
+ALONG: Final = 8  # pieces of a bar, which is curved more than a cell of a plate
 MOST_TICKS: Final = 5
 THIN: Final = 0.08  # of the largest extent: no room for ticks
 TITLE: Final = 34  # pixels above the panes
@@ -38,17 +39,17 @@ def shapes_all(result: StudyResult, folder: str | Path) -> tuple[list[Path], str
     OpenGL cannot draw, a structure in closed form has no shape to draw. Of no structure nothing is left out.
     """
     paths: list[Path] = []
-    drawn: dict[str, str] = {}
-    for name in (result.plan.baseline, *result.cases):
-        drawn.setdefault(result.cases[name].basis_key, name)
-    for key, name in drawn.items():
+    alike: dict[str, list[str]] = {}
+    for name in dict.fromkeys((result.plan.baseline, *result.cases)):
+        alike.setdefault(result.cases[name].basis_key, []).append(name)
+    for key, (name, *others) in alike.items():
         model = result.models.get(key)
         if model is None:
             continue
         words = ("mode_shapes",) if name == result.plan.baseline else ("mode_shapes", name)
         path = Path(folder) / file_name(*words)
         try:
-            picture_modes(model, result.cases[name].basis, path, name)
+            picture_modes(model, result.cases[name].basis, path, ", ".join((name, *others)))
         except NoOpenGL as error:
             return paths, str(error)
         paths.append(path)
@@ -70,7 +71,7 @@ def picture_modes(model: Model, basis: ModalBasis, path: str | Path, title: str 
     require_opengl()
     import pyvista
 
-    fine = refined(model, DIVISIONS)
+    fine = refined(model, DIVISIONS, ALONG)
     moved = fine.displacement(basis.shapes[:, :, modes])
     columns = min(4, len(modes))
     rows = -(-len(modes) // columns)
@@ -137,13 +138,13 @@ def add_scales(plotter: Any) -> None:
     low, high = np.reshape(plotter.bounds, (3, 2)).T
     largest = float((high - low).max()) or 1.0
     share = (high - low) / largest
-    decimals = max(0, 2 - int(np.floor(np.log10(3.0 * largest))))
+    decimals = max(0, 3 - int(np.floor(np.log10(3.0 * largest))))
     scales: dict[str, Any] = {}
     for axis, start, end, part in zip("xyz", low, high, share, strict=True):
         thin = part < THIN
         scales[f"{axis}title"] = f"{axis} {start:.{decimals}f} to {end:.{decimals}f} m" if thin else f"{axis} in m"
         scales[f"show_{axis}labels"] = not thin
-        scales[f"n_{axis}labels"] = int(min(1 + np.ceil(6.0 * part), MOST_TICKS))
+        scales[f"n_{axis}labels"] = int(min(1 + np.ceil(4.0 * part), MOST_TICKS))
     plotter.show_bounds(grid=False, location="outer", font_size=11, color="#444444", fmt=f"%.{decimals}f", **scales)
 
 

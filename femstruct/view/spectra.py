@@ -14,8 +14,9 @@ from femstruct.arrays import Floats
 from femstruct.modal.basis import ModalBasis
 from femstruct.study.result import Frf, StudyResult
 from femstruct.view.figures import (
-    COLOURS,
+    TOTAL,
     case_colours,
+    case_lines,
     finish,
     legend_above,
     mode_lines,
@@ -29,6 +30,8 @@ from femstruct.view.rated import struck_first
 DYNAMIC_RANGE_DB: Final = 90.0
 LOWEST_HZ: Final = 5.0
 WITH_OWN: Final = " with the bodies' own sound"
+OVER_BARS: Final = "#d62728"
+HALF_BAND: Final = 2 ** (1 / 6)  # from the middle of a third octave to its upper end
 BEYOND_GIVEN: Final = 2.0  # times the highest of modes that are given, which are complete to no frequency
 
 
@@ -37,19 +40,17 @@ def frequency_response(result: StudyResult, name: str) -> Figure:
 
     Cases whose structure is the same share one line.
     """
-    colours = case_colours(result.cases, result.plan.baseline)
+    drawn = case_lines(result.cases, result.plan.baseline)
     lines = distinct({case: item.frf[name] for case, item in result.cases.items() if name in item.frf})
     frf = next(iter(lines.values()))
     request = frf.request
     figure = new_figure(9.0, 5.8, f"{name}: {request.kind}, {request.drive} to {request.response}")
     top = 0.55 + 0.155 * len(lines)
-    (above,), (below,) = panels(
-        figure, 2, 1, between=0.15, top=top, left=1.15, right=0.3, sharex=True, height_ratios=(2, 1)
-    )
+    (above,), (below,) = panels(figure, 2, 1, between=0.15, top=top, left=1.15, sharex=True, height_ratios=(2, 1))
     for cases, line in lines.items():
-        colour, label = colours[cases[0]], ", ".join(cases)
-        above.loglog(line.frequency_hz, np.abs(line.values), color=colour, linewidth=1.1, label=label)
-        below.semilogx(line.frequency_hz, np.degrees(np.angle(line.values)), color=colour, linewidth=1.0)
+        look, label = drawn[cases[0]], ", ".join(cases)
+        above.loglog(line.frequency_hz, np.abs(line.values), **look, linewidth=1.1, label=label)
+        below.semilogx(line.frequency_hz, np.degrees(np.angle(line.values)), **look, linewidth=1.0)
     low, high = request.band
     low = low or min(request.step, 0.1 * high)  # 0 Hz has no place on a logarithmic axis
     above.set_xlim(low, high)
@@ -57,10 +58,10 @@ def frequency_response(result: StudyResult, name: str) -> Figure:
     below.set_yticks([-180, -90, 0, 90, 180])
     modes = numbered(result.cases[result.plan.baseline].basis)
     mode_lines(above, modes, low, high)
-    mode_lines(below, modes, low, high, numbers=False)
+    frequencies = mode_lines(below, modes, low, high, numbers=False)
     finish(above, "", f"|{request.kind}|" + ("" if frf.unit == "1" else f" in {readable(frf.unit)}"))
     legend_above(above, up=12)
-    finish(below, "frequency in Hz   (numbers: modes of the baseline)", "phase in degrees")
+    finish(below, frequencies, "phase in degrees")
     plain_ticks(below)
     return figure
 
@@ -68,38 +69,39 @@ def frequency_response(result: StudyResult, name: str) -> Figure:
 def sound(result: StudyResult, receiver: str) -> Figure | None:
     """Spectrum and third octaves of the pressure at a receiver ("ROOM.NAME") in all cases; None if nobody hears it.
 
-    Frequencies end where the modal basis does: above, the structure's answer is not complete.
+    Frequencies end where the modal basis or the modes of the room do: above, the answer is not complete. With the
+    bodies' own sound a line is thicker and dashed.
     """
-    colours = case_colours(result.cases, result.plan.baseline)
+    drawn = case_lines(result.cases, result.plan.baseline)
     heard = {name: found for name in result.cases if (found := _pressure(result, name, receiver)) is not None}
     if not heard:
         return None
     basis = result.cases[result.plan.baseline].basis
     dt, first = next(iter(heard.values()))
-    top = shown_to(basis, 1.0 / dt)
+    rooms = [plan for case in result.cases.values() for plan in case.case.study.rooms]
+    ends = [plan.complete_below_hz for plan in rooms if receiver.startswith(f"{plan.name}.")]
+    top = min(shown_to(basis, 1.0 / dt), *ends)
     totals = {name: found for name in heard if (found := _pressure(result, name, receiver, total=True)) is not None}
     legend = 0.155 * (len(heard) + len(totals))  # inches
     where = f", source at {place}" if (place := struck_first(result)) else ""
     figure = new_figure(11.0, 6.8 + 2 * legend, f"Sound at {receiver}{where}")
     (above,), (below,) = panels(figure, 2, 1, between=0.75 + legend, top=0.55 + legend)
     peak = -np.inf
-    for name, (step, p), style, after in (
-        *((name, found, "-", "") for name, found in heard.items()),
-        *((name, found, "--", WITH_OWN) for name, found in totals.items()),
+    for name, (step, p), look, after in (
+        *((name, found, {"linewidth": 0.9}, "") for name, found in heard.items()),
+        *((name, found, TOTAL, WITH_OWN) for name, found in totals.items()),
     ):
         frequency, level = level_spectrum(p, step)
         shown = (frequency >= LOWEST_HZ) & (frequency <= top)
         x, y = thinned(frequency[shown], level[shown], most=3000)
-        above.semilogx(x, y, color=colours[name], linestyle=style, linewidth=0.9, label=f"{name}{after}")
+        above.semilogx(x, y, **(drawn[name] | look), label=f"{name}{after}")
         peak = max(peak, float(level[shown].max(initial=-np.inf)))
     above.set_xlim(LOWEST_HZ, top)
     if np.isfinite(peak):
         above.set_ylim(peak - DYNAMIC_RANGE_DB, peak + 6)
-    mode_lines(above, numbered(basis), LOWEST_HZ, top)
+    label = mode_lines(above, numbered(basis), LOWEST_HZ, top)
     resolution = 1.0 / (dt * len(first))
-    finish(
-        above, "frequency in Hz   (numbers: modes of the baseline)", f"lines {resolution:.3g} Hz apart, dB re 20 µPa"
-    )
+    finish(above, label, f"lines {resolution:.3g} Hz apart, dB re 20 µPa")
     legend_above(above, up=12)
     plain_ticks(above)
     _bands(below, result, receiver, top)
@@ -111,7 +113,7 @@ def _bands(axes: Axes, result: StudyResult, receiver: str, top: float) -> None:
     levels = {name: case.levels[receiver] for name, case in result.cases.items() if receiver in case.levels}
     if not levels:
         return
-    centres = [centre for centre in next(iter(levels.values())).bands_db if centre <= top]
+    centres = [centre for centre in next(iter(levels.values())).bands_db if centre * HALF_BAND <= top]
     width = 0.8 / len(levels)
     values = {name: [level.bands_db[centre] for centre in centres] for name, level in levels.items()}
     highest = max((max(row, default=0.0) for row in values.values()), default=0.0)
@@ -127,7 +129,7 @@ def _bands(axes: Axes, result: StudyResult, receiver: str, top: float) -> None:
             row = [total.bands_db[centre] for centre in centres]
             highest = max(highest, max(row, default=0.0))
             label = f"{name}{WITH_OWN}: L_peak {total.l_peak_db:.1f} dB, L_AFmax {total.l_afmax_db:.1f} dB"
-            axes.hlines(row, x - 0.5 * width, x + 0.5 * width, color=COLOURS[1], linewidth=2.0, label=label)
+            axes.hlines(row, x - 0.5 * width, x + 0.5 * width, color=OVER_BARS, linewidth=2.0, label=label)
     axes.set_xticks(range(len(centres)), [f"{centre:g}" for centre in centres], fontsize=8)
     axes.set_xlim(-0.6, len(centres) - 0.4)
     axes.set_ylim(floor, highest + 4.0)

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from rich.console import Console
+
 from femstruct.errors import Finding
 from femstruct.view.console import console, show_findings
 from femstruct.view.grid import Grid
@@ -49,6 +51,8 @@ def show_inspection(table: Row, picture: str = "") -> None:
     """What `check` found: masses, box, degrees of freedom, rigid modes, damping, sags, blocks, rooms, findings."""
     screen = console()
     screen.print(table["title"], style="bold")
+    if "cases" in table:
+        _show_happening(screen, table)
     if table["masses_kg"]:
         grid = Grid("masses", ("part", "mass [kg]"))
         for name, mass in table["masses_kg"].items():
@@ -60,8 +64,8 @@ def show_inspection(table: Row, picture: str = "") -> None:
         screen.print(", ".join(f"{count} {name}" for name, count in table["counts"].items()))
     if table["degrees_of_freedom"] is not None:
         screen.print(f"{table['degrees_of_freedom']} degrees of freedom")
-    screen.print(f"{table['rigid_body_modes']} rigid-body modes; first frequencies [Hz]: " + _first(table))
-    for sentence in table["damping"]:
+    screen.print(_modes_told(table))
+    for sentence in table["damping"] if table["first_frequencies_hz"] else ():
         screen.print(sentence)
     for name, position in table["points_m"].items():
         where = "somewhere" if position is None else f"at ({', '.join(f'{x:.4g}' for x in position)}) m"
@@ -80,7 +84,7 @@ def show_inspection(table: Row, picture: str = "") -> None:
         if "side" in room:
             screen.print(f"{name}: open air {room['side']} the surface, in a rigid baffle without end")
             continue
-        ratios = ", ".join(f"{100 * ratio:.3g} % at {f} Hz" for f, ratio in room["damping_ratio"].items())
+        ratios = ", ".join(f"{100 * ratio:.3g} % at {float(f):.4g} Hz" for f, ratio in room["damping_ratio"].items())
         first = ", ".join(f"{f:.1f}" for f in room["first_modes_hz"])
         screen.print(f"room {name}: {room['coupling']} coupling; first modes {first} Hz; damping {ratios}")
         if "largest_cell_m" in room:
@@ -93,9 +97,33 @@ def show_inspection(table: Row, picture: str = "") -> None:
         screen.print(f"picture: {picture}")
 
 
-def _first(table: Row) -> str:
-    elastic = [f"{f:.2f}" for f in table["first_frequencies_hz"][table["rigid_body_modes"] :]]
-    return ", ".join(elastic[:6])
+def _show_happening(screen: Console, table: Row) -> None:
+    """Cases, bodies and window of a study."""
+    baseline = f"; below is the baseline, {table['baseline']}" if len(table["cases"]) > 1 else ""
+    screen.print(f"{_counted(len(table['cases']), 'case')}: {', '.join(table['cases'])}{baseline}", soft_wrap=True)
+    for name, body in table["bodies"].items():
+        speed = f", towards it at {body['speed_m_s']:.4g} m/s" if body["speed_m_s"] else ""
+        screen.print(f"{name}: {body['mass_kg']:.4g} kg, {body['side']} {body['target']}{speed}")
+    if time := table["time"]:
+        screen.print(f"window of {time['duration_s']:.4g} s, sampled at {time['sampling_hz']:.6g} Hz")
+
+
+def _modes_told(table: Row) -> str:
+    """How many rigid modes there are, and the first others.
+
+    >>> _modes_told({"rigid_body_modes": 1, "first_frequencies_hz": [0.0, 68.012, 220.4]})
+    '1 rigid-body mode; first frequencies [Hz]: 68.01, 220.40'
+    """
+    rigid = table["rigid_body_modes"]
+    elastic = ", ".join(f"{f:.2f}" for f in table["first_frequencies_hz"][rigid:][:6])
+    if not rigid and not elastic:
+        return "no modes: bodies alone"
+    others = f"first frequencies [Hz]: {elastic}" if elastic else "no others"
+    return f"{_counted(rigid, 'rigid-body mode')}; {others}"
+
+
+def _counted(count: int, what: str) -> str:
+    return f"{count} {what}" + ("" if count == 1 else "s")
 
 
 def _completeness(below_hz: float | None) -> str:

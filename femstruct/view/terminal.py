@@ -8,7 +8,7 @@ from dataclasses import replace
 from rich.console import Console
 
 from femstruct.files.tables import findings_by_case
-from femstruct.study.result import CaseComparison, CaseResult, StudyResult
+from femstruct.study.result import NET_FORCE, CaseComparison, CaseResult, StudyResult
 from femstruct.view.arrays import arrays
 from femstruct.view.blows import blows
 from femstruct.view.console import console, show_findings
@@ -18,6 +18,7 @@ from femstruct.view.machine import limits, machine
 from femstruct.view.own_sound import add_totals
 from femstruct.view.radiated import radiated
 from femstruct.view.rated import bands, first_drop, ratings
+from femstruct.view.scales import digits
 from femstruct.view.trust import anything_meets, outcomes, trust
 
 SPOKEN_RECEIVERS = 2  # of a room
@@ -82,7 +83,7 @@ def _peak(result: StudyResult, case: str, name: str) -> str:
         return "-"
     beside = result.comparison.cases.get(case)
     change = beside.peaks.get(name) if beside else None
-    texts = [[f"{channel.first_impact:.4g}", f"{channel.whole:.4g}"]]
+    texts = [[digits(channel.first_impact), digits(channel.whole)]]
     if change is not None:
         texts.append([_percent(change.first_impact_percent), _percent(change.whole_percent)])
     start = 0 if anything_meets(result) else 1
@@ -94,19 +95,23 @@ def _percent(value: float | None) -> str:
 
 
 def _contacts(result: StudyResult) -> Grid:
-    grid = Grid("contacts", ("", "case", "peak force [N]", "closings", "first opens [ms]"), keys=2)
+    grid = Grid(
+        "contacts (peak forces at any instant, between samples too)",
+        ("", "case", "peak force [N]", "closings", "first opens [ms]"),
+        keys=2,
+    )
     for case_name, case in result.cases.items():
         if case.response is None:
             continue
         for name, contact in case.response.contacts.items():
             opens = "never" if contact.first_open is None else f"{1e3 * contact.first_open:.3f}"
-            grid.add(name, case_name, f"{contact.peak_force:.4g}", str(contact.closings), opens)
+            grid.add(name, case_name, digits(contact.peak_force), str(contact.closings), opens)
     return grid
 
 
 def _levels(result: StudyResult) -> Grid:
     told = "; total: with the bodies' own sound" if any(c.heard.total for c in result.cases.values()) else ""
-    grid = Grid(f"levels re 20 uPa{told}", ("receiver", *result.cases))
+    grid = Grid(f"levels re 20 µPa{told}", ("receiver", *result.cases))
     names = list(dict.fromkeys(name for case in result.cases.values() for name in case.levels))
     for name in names:
         grid.add(f"{name} L_peak [dB]", *(_level(case, name, "l_peak_db") for case in result.cases.values()))
@@ -131,7 +136,7 @@ def _modes_db(result: StudyResult) -> Grid:
     moving = [name for name in reference.channels if name.endswith("velocity") or _only_accelerates(reference, name)]
     pressures = [name for name in reference.channels if name.endswith(" pressure")]
     heard = [*moving, *_first_receivers(pressures)]
-    forces = [name for name in reference.channels if name.startswith("net force") and _changes(result, name)]
+    forces = [name for name in reference.channels if name.startswith(NET_FORCE) and _changes(result, name)]
     modes = {name: {mode for beside in others.values() for mode in beside.modes_db.get(name, {})} for name in heard}
     spoken = set().union(*modes.values())
     unspoken = 0
@@ -187,4 +192,4 @@ def _in_cases(names: Sequence[str]) -> str:
 
 def _show_timings(screen: Console, seconds: Mapping[str, float]) -> None:
     told = ", ".join(f"{stage} {spent:.2f}" for stage, spent in seconds.items())
-    screen.print(f"CPU seconds: {told}")
+    screen.print(f"CPU seconds: {told}", soft_wrap=True)

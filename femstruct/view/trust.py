@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Final
 
 from femstruct.impact.estimate import ErrorEstimate, Resolved
+from femstruct.impact.response import Outcome, Response
 from femstruct.study.result import AccuracyCheck, StudyResult
 
 RESOLVED: Final = 1e-6  # share from which on an estimated error is of interest to whom measures to 1 %
@@ -19,9 +20,14 @@ def anything_meets(result: StudyResult) -> bool:
 def outcomes(result: StudyResult) -> list[str]:
     """How the cases ended, those that ended alike on one line."""
     return _together(
-        {name: case.response.outcome.value for name, case in result.cases.items() if case.response is not None},
+        {name: _outcome(case.response) for name, case in result.cases.items() if case.response is not None},
         len(result.cases),
     )
+
+
+def _outcome(response: Response) -> str:
+    preloaded = response.outcome is Outcome.SEPARATED and any(one.preload > 0.0 for one in response.scene.contacts)
+    return response.outcome.value + (" A preloaded one is open below its preload." if preloaded else "")
 
 
 def trust(result: StudyResult) -> list[str]:

@@ -13,7 +13,7 @@ from femstruct.errors import InputError
 from femstruct.impact.passed import on_the_ground, passed_on
 from femstruct.impact.response import Event, Response
 from femstruct.modal.basis import ForceRow, ModalBasis
-from femstruct.study.result import Channel
+from femstruct.study.result import NET_FORCE, Channel
 from femstruct.study.structures import ModesModel
 from femstruct.study.study import PeakRule, Record, RoomPlan, Study
 from femstruct.workflow.places import Places
@@ -27,7 +27,6 @@ SETTLED = 10.0  # periods of a band's lowest edge after which a filter of order 
 DUST = 1e-9  # share of the largest value below which a peak is rounding, or a filter's tail
 GROUND = "ground"
 SIDEWAYS = 1e-6  # of the largest: the eigen solver leaves shapes a residual of 1e-9, their forces some 1e-7
-NET_FORCE = "net force on "  # begins the names of channels that no study asks for
 
 
 def record(study: Study, places: Places, response: Response, rooms: Mapping[str, RoomResponse]) -> dict[str, Channel]:

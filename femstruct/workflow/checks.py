@@ -38,7 +38,7 @@ def mesh_findings(model: Model, up_to_hz: float) -> tuple[Finding, ...]:
             found.append(
                 Finding(
                     "coarse-mesh",
-                    f"{name}: a bending wave of {up_to_hz:g} Hz is {1e3 * wave:.0f} mm long and the largest cell "
+                    f"{name}: a bending wave of {up_to_hz:.4g} Hz is {1e3 * wave:.0f} mm long and the largest cell "
                     f"{1e3 * cell:.0f} mm, {wave / cell:.1f} cells a wave where {CELLS_PER_WAVE:g} are needed",
                     {"wavelength_m": wave, "cell_m": cell},
                 )
@@ -48,8 +48,8 @@ def mesh_findings(model: Model, up_to_hz: float) -> tuple[Finding, ...]:
             found.append(
                 Finding(
                     "shear-left-out",
-                    f"{name}: a bending wave of {up_to_hz:g} Hz is {wave / plate.part.thickness:.1f} times as long as "
-                    f"the plate is thick; below {SLENDER:g} the plate without shear is too stiff: with it (Mindlin) "
+                    f"{name}: a bending wave of {up_to_hz:.4g} Hz is {wave / plate.part.thickness:.1f} times as long "
+                    f"as the plate is thick; below {SLENDER:g} the plate without shear is too stiff: with it (Mindlin) "
                     f"modes are {denser:.2g} times as dense there, and blows put up to "
                     f"{10 * np.log10(denser):.1f} dB more into them",
                     {"wavelength_m": wave, "thickness_m": plate.part.thickness, "density_ratio": denser},

@@ -9,8 +9,8 @@ import numpy as np
 from femstruct.arrays import Floats
 from femstruct.modal.basis import ModalBasis
 from femstruct.modal.likeness import mac
-from femstruct.study.result import CaseComparison, CaseResult, Channel, Comparison, PeakChange
-from femstruct.workflow.channels import NET_FORCE, filter_sentence
+from femstruct.study.result import NET_FORCE, CaseComparison, CaseResult, Channel, Comparison, PeakChange
+from femstruct.workflow.channels import filter_sentence
 
 NEAR = 0.02  # a spectral peak belongs to a mode within 2 % of its frequency
 FINENESS = 0.2  # Hz between spectral lines at most, so that 2 % of the lowest modes holds some, ...
@@ -66,8 +66,8 @@ def _mode_attenuation(reference: CaseResult, before: Floats, result: CaseResult,
 
     A mode is listed when the baseline's spectrum has a local maximum within 2 % of its frequency; a net force, which
     has no peaks at modes, is compared at the frequency of every mode. A record shorter than one period of a mode does
-    not show it. The spectrum is that of the whole record, not windowed; of repeated blows it is a comb of their
-    interval, and no mode is listed.
+    not show it, nor does a room above its own modes. The spectrum is that of the whole record, not windowed; of
+    repeated blows it is a comb of their interval, and no mode is listed.
     """
     if reference.response is None or result.response is None or reference.response.blows or result.response.blows:
         return {}
@@ -77,13 +77,15 @@ def _mode_attenuation(reference: CaseResult, before: Floats, result: CaseResult,
     sampling = reference.response.clock.sampling
     step = sampling / (2.0 * (len(before) - 1))
     slowest = sampling / len(reference.channels[channel].values)  # one period in the record
+    rooms = reference.case.study.rooms
+    highest = min((plan.complete_below_hz for plan in rooms if channel.startswith(f"{plan.name}.")), default=np.inf)
     top = np.flatnonzero((before[1:-1] > before[:-2]) & (before[1:-1] >= before[2:])) + 1
     table = {}
     for number, (kind, frequency) in enumerate(zip(reference.basis.kind, reference.basis.frequency_hz, strict=True), 1):
         near = top[np.abs(top * step - frequency) <= NEAR * frequency]
         if channel.startswith(NET_FORCE):
             near = np.array([round(frequency / step)])
-        if kind == "elastic" and frequency >= slowest and near.size and near[-1] < len(before):
+        if kind == "elastic" and slowest <= frequency <= highest and near.size and near[-1] < len(before):
             peak = near[before[near].argmax()]
             if before[peak] > 0.0 and after[peak] > 0.0:
                 table[number] = float(20.0 * np.log10(before[peak] / after[peak]))

@@ -25,7 +25,7 @@ from femstruct.model.model import Model
 from femstruct.radiation import room_coordinates
 from femstruct.study.machine import BlockMode, Sag
 from femstruct.study.structures import ModesModel
-from femstruct.study.study import Extent, RoomPlan, Study
+from femstruct.study.study import Extent, Plan, RoomPlan, Study
 from femstruct.workflow.air import ceiling
 from femstruct.workflow.bases import Solved, solve
 from femstruct.workflow.channels import refuse_absent_forces
@@ -43,13 +43,14 @@ Table = dict[str, Any]
 
 @dataclass(frozen=True, eq=False)
 class Inspection:
-    """What `check` tells of a file. model and facts are None for closed-form structures; study for a model file.
+    """What `check` tells of a file. model and facts are None for closed-form structures; plan for a model file.
 
     drops : places that a source strikes, where it strikes several. positions : of points; None for one of given modes
     that does not say where it is.
     """
 
     title: str
+    plan: Plan | None
     model: Model | None
     facts: ModelFacts | None
     degrees_of_freedom: int | None
@@ -68,6 +69,7 @@ class Inspection:
         facts = self.facts
         return {
             "title": self.title,
+            **({} if self.plan is None else _study_table(self.plan)),
             "masses_kg": {} if facts is None else facts.masses,
             "mass_kg": self.basis.total_mass,
             "box_m": None if facts is None else [facts.low.tolist(), facts.high.tolist()],
@@ -97,7 +99,8 @@ class Inspection:
 
 
 def inspect_file(path: Path, overrides: tuple[str, ...] = ()) -> Inspection:
-    """Read a model or a study, mesh it, and solve for its first modes; of a study, its baseline is inspected.
+    """Read a model or a study, mesh it, and solve for its modes, the first 30 of a model; of a study, its baseline is
+    inspected.
 
     Raises InputError as reading, meshing and staging do, so that what passes here can be run.
     """
@@ -109,7 +112,8 @@ def inspect_file(path: Path, overrides: tuple[str, ...] = ()) -> Inspection:
         title, structure, damping = source.title, case.study.structure, case.study.damping
     study = None if case is None else case.study
     with positioned(source):
-        solved = solve(structure, Extent(count=DEFAULT_MODES), () if case is None else case.studies)
+        extent = Extent(count=DEFAULT_MODES) if case is None else case.study.extent
+        solved = solve(structure, extent, () if case is None else case.studies)
         basis = _damped_as_far_as_solved(solved.basis, damping)
         for one in () if case is None else case.studies:
             _try(one, solved, basis)
@@ -117,6 +121,7 @@ def inspect_file(path: Path, overrides: tuple[str, ...] = ()) -> Inspection:
     under_weight = () if model is None else sags(model, basis)
     return Inspection(
         title=title,
+        plan=None if isinstance(source, ModelFile) else source,
         model=model,
         facts=None if model is None else model_facts(model),
         degrees_of_freedom=None if model is None else assemble(model).K.shape[0],
@@ -219,6 +224,21 @@ def _damped_as_far_as_solved(basis: ModalBasis, damping: Damping) -> ModalBasis:
     """Damping of the modes there are; ratios of modes beyond the ones asked for have nothing to act on yet."""
     known = len(basis.kind[basis.modes])
     return with_damping(basis, Damping(damping.base, tuple(mode for mode in damping.modes if mode.number <= known)))
+
+
+def _study_table(plan: Plan) -> Table:
+    """What happens to the structure, in the baseline."""
+    study = next(case.study for case in plan.cases if case.name == plan.baseline)
+    time = study.time
+    return {
+        "cases": [case.name for case in plan.cases],
+        "baseline": plan.baseline,
+        "bodies": {
+            body.name: {"mass_kg": body.mass, "side": body.side, "target": body.target, "speed_m_s": body.speed}
+            for body in study.bodies
+        },
+        "time": None if time is None else {"duration_s": time.duration, "sampling_hz": time.sampling},
+    }
 
 
 def _room_table(plan: RoomPlan) -> Table:

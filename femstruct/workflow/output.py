@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import json
 import re
+from collections.abc import Sequence
 from pathlib import Path
-from typing import NamedTuple
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -23,6 +24,8 @@ from femstruct.view.report import write_report
 from femstruct.view.room_scene import room_pictures
 from femstruct.view.scene import shapes_all
 from femstruct.workflow.run import Progress, Stopwatch
+
+NAMED: Final = 4  # files of those that are removed
 
 
 def write_all(
@@ -42,8 +45,18 @@ def write_all(
     clock = Stopwatch(progress)
     with owning(folder, finished=len(result.cases) == len(result.plan.cases)) as removed:
         left_out = _write(result, folder, clock)
-    cleared = f"removed, as this run does not make them: {', '.join(removed)}" if removed else ""
-    return clock.seconds, "\n".join(filter(None, (left_out, cleared)))
+    return clock.seconds, "\n".join(filter(None, (left_out, _cleared(removed))))
+
+
+def _cleared(removed: Sequence[str]) -> str:
+    """What is said of files that are no longer there.
+
+    >>> _cleared(["a.wav", "b.wav"]), _cleared([])
+    ('removed what an earlier run left and this one does not make: a.wav, b.wav', '')
+    """
+    more = f" and {len(removed) - NAMED} more" if len(removed) > NAMED else ""
+    names = ", ".join(removed[:NAMED])
+    return f"removed what an earlier run left and this one does not make: {names}{more}" if removed else ""
 
 
 def _write(result: StudyResult, folder: Path, clock: Stopwatch) -> str:

@@ -1,0 +1,30 @@
+"""What `check` says of a file is what the file says."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from femstruct.view.structure import show_inspection
+from femstruct.workflow.inspect import inspect_file
+
+MODELS = Path(__file__).parents[2] / "models"
+
+
+def test_a_study_tells_its_cases_bodies_and_window(capsys: pytest.CaptureFixture[str]) -> None:
+    table = inspect_file(MODELS / "contact_laws.study.yaml").table()
+    show_inspection(table)
+    shown = capsys.readouterr().out
+    assert table["bodies"] == {"ball": {"mass_kg": 0.1, "side": "above", "target": "ground", "speed_m_s": 2.0}}
+    assert "8 cases: hunt-crossley, published" in shown and "ball: 0.1 kg, above ground, towards it at 2 m/s" in shown
+    assert "no modes: bodies alone" in shown and "damping" not in shown
+    assert "cases" not in inspect_file(MODELS / "bodies_only.yaml").table()
+
+
+def test_a_study_is_checked_with_its_own_modes() -> None:
+    """So its findings are those of its run: modes up to 2.5 kHz, not the 30 that are solved for of a model."""
+    study, model = (inspect_file(MODELS / name) for name in ("press_clamped.study.yaml", "press_clamped.yaml"))
+    assert study.basis.complete_below_hz == pytest.approx(2500.0)
+    assert model.basis.complete_below_hz > 4000.0
+    assert any("a bending wave of 2500 Hz" in finding.message for finding in study.findings)
