@@ -13,7 +13,11 @@ from acoustics.errors import Advice
 from acoustics.room import Losses, Room, t60_of
 from acoustics.source import SurfaceVelocity
 
-SAMPLES_PER_PERIOD: Final = 30.0  # of the source's highest frequency: gives 1e-6
+# Of the source's highest frequency. Measured by leaving out samples of shipped studies, a bang machine and two balls on
+# a floor. At 30, 15, 7.5, 4 and 2 samples the worst of them misses 6e-5, 2e-3, 2e-3, 7e-3 and 7e-2 of the pressure's
+# peak, 0.0001, 0.0015, 0.016, 0.11 and 0.6 dB of the A-weighted Fast level, 0.001, 0.006, 0.05, 0.2 and 2 dB of a third
+# octave. From 10 on a level of one decimal is right
+SAMPLES_PER_PERIOD: Final = 10.0
 TRUNCATED: Final = 1e-3
 DECAYED: Final = 1e-3
 COARSE: Final = 0.05
@@ -29,7 +33,8 @@ def source_advice(surface: SurfaceVelocity, room: Room, orders: Integers, highes
             Advice(
                 "sampling-low",
                 f"the surface moves up to {highest_hz:.0f} Hz (all but 1e-6 of its energy), sampled at "
-                f"{sampling_hz:.0f} Hz: 1e-6 accuracy needs {SAMPLES_PER_PERIOD * highest_hz:.0f} Hz",
+                f"{sampling_hz:.0f} Hz: from {SAMPLES_PER_PERIOD * highest_hz:.0f} Hz on levels are right to some "
+                "0.02 dB, at half of that third octaves may miss 0.1 dB",
                 {"source_highest_hz": highest_hz, "sampling_hz": sampling_hz},
             )
         )

@@ -145,13 +145,34 @@ def test_orders_are_added_until_they_do_not_matter():
 
 def test_advice_on_the_record():
     t = np.arange(2400) / 24e3
-    codes = {a.code for a in pressure(surface(rates=np.cos(2 * np.pi * 1000 * t)), BOX, [MIC], orders=2).findings}
+    codes = {a.code for a in pressure(surface(rates=np.cos(2 * np.pi * 4000 * t)), BOX, [MIC], orders=2).findings}
     assert {"starts-moving", "record-not-decayed", "sampling-low"} <= codes
     assert pressure(surface(), BOX, [MIC], orders=2).findings == ()
     codes = {a.code for a in pressure(surface(shape=lambda g: g[:, :1]), BOX, [MIC], orders=13).findings}
     assert "surface-coarse" in codes
     short = sound_levels(np.sin(2 * np.pi * 100 * t), 1 / 24e3)
     assert [a.code for a in short.findings] == ["band-not-settled"]
+
+
+def test_sampling_is_called_low_before_levels_miss_anything_that_is_told():
+    """A push that begins with a kink, as impacts do, with 82, 13 and 2 samples in a period of its highest frequency."""
+    fine, tau = 1 / 96e3, 1e-2
+    since = np.maximum(np.arange(28800) * fine - 0.02, 0) / tau
+    rates = since * np.exp(1 - since)
+    found = []
+    for every in (1, 6, 64):
+        heard = pressure(surface(rates=rates[::every], dt=every * fine), BOX, [MIC], orders=2)
+        low = [finding for finding in heard.findings if finding.code == "sampling-low"]
+        found.append((heard.p[0], low, sound_levels(heard.p[0], every * fine)))
+    (truth, no, whole), (enough, none, near), (few, told, far) = found
+    assert not no and not none and len(told) == 1
+    peak = np.abs(truth).max()
+    missed = [np.abs(p - truth[::every]).max() / peak for p, every in ((enough, 6), (few, 64))]
+    assert missed[0] < 2e-3 and missed[1] > 10.0 * missed[0]
+    assert abs(near.l_afmax_db - whole.l_afmax_db) < 0.02
+    assert abs(far.l_afmax_db - whole.l_afmax_db) > 0.02
+    assert told[0].values["sampling_hz"] == pytest.approx(1500.0)
+    assert 2.0 <= 1500.0 / told[0].values["source_highest_hz"] < 10.0
 
 
 def test_a_still_surface_is_silent():
