@@ -46,7 +46,8 @@ class Spec(BaseModel):
             for names in cls.at_most_one_of:
                 exactly_one(value, names, or_none=True)
             for key, others in cls.needs:
-                missing = [other for other in others if key in value and other not in value]
+                given = value.get(key) is not None
+                missing = [other for other in others if given and value.get(other) is None]
                 if missing:
                     do = f"add '{missing[0]}: ...', or remove '{key}'"
                     raise refuse(f"{key} without {missing[0]}", f"'{missing[0]}' beside '{key}'", do)
@@ -168,8 +169,8 @@ def only(words: Sequence[str], later: Sequence[str] = ()) -> Callable[[object], 
 
 
 def exactly_one(spec: Mapping[str, object], names: Sequence[str], or_none: bool = False) -> None:
-    """Refuse a mapping with several of these keys, or with none of them."""
-    given = [name for name in names if name in spec]
+    """Refuse a mapping with several of these keys, or with none of them; a key without a value is not given."""
+    given = [name for name in names if spec.get(name) is not None]
     if len(given) > 1 or not (given or or_none):
         got = f"both {' and '.join(given)}" if given else f"none of {', '.join(names)}"
         raise refuse(got, f"exactly one of {', '.join(names)}", "remove all but one" if given else "add one")

@@ -172,6 +172,8 @@ def test_what_is_not_heard_is_said(tmp_path: Path) -> None:
             r"hit\.study\.yaml:4:30: bodies\.ball\.radius: got a radius, and nobody who listens above a surface",
         ),
         (BALL.replace("hertz,", "hertz, radius: 10 mm,"), "open: {above: top}", "nobody who listens above"),
+        (BALL.replace("above: hit", "above: null"), OPEN, "got none of above, below, before, after, expected exactly"),
+        (BALL, OPEN.replace("above: top", "above: null"), "got none of under, above, below, expected exactly one"),
         (BALL.replace("10 mm", "0 mm"), OPEN, "expected a positive value: a length"),
         (BALL.replace(" radius: 10 mm,", ""), OPEN, "got a hertz law without a radius, expected one; add"),
         (BALL, OPEN.replace("[0, 0, 0.3]", "[-0.05, 0.02, 0.012]"), r"inside a sphere of 0\.01 m"),

@@ -112,6 +112,8 @@ WRONG = {  # law: what stands where the message points, the message
     "{type: hertz, stiffness: 1e8, radius: 5 mm, E: [1, 1], nu: [0, 0]}": ("{type", "got both stiffness and E"),
     "{type: hertz, radius: 5 mm, E: [1 GPa, 1 GPa]}": ("{type", "got radius without nu"),
     "{type: hertz, stiffness: 1e8, nu: [0.3, 0.3]}": ("{type", "got nu without E"),
+    "{type: hertz, stiffness: null}": ("{type", "got none of stiffness, E, expected exactly one of stiffness, E"),
+    "{type: hertz, radius: 5 mm, E: [1 GPa, 1 GPa], nu: null}": ("{type", "got radius without nu"),
     "{type: hertz, radius: 5 mm, E: [1 GPa, 1 GPa], nu: [0.3, 0.6]}": ("{type", "got 0.3 and 0.6, expected values"),
     "{type: hertz, radius: [1, 2, 3], E: [1 GPa, 1 GPa], nu: [0.3, 0.3]}": ("[1, 2, 3]", "got 3 values, expected 2"),
     "{type: hunt-crossley, stiffness: 1e8 N/m}": ("1e8", "stiffness: got '1e8 N/m', which is a stiffness, expected a "
