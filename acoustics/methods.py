@@ -202,7 +202,9 @@ def _by_thirds(standards: tuple[str, ...], blows: Blows) -> Method:
         numbers=tuple(Number(_SYMBOLS[blows, one][1], one, rate) for one in stated),
         correct=(standardised_maximum_level if heavy else _standardised) if measured else None,
         measured_by=FIELD if measured else "",
-        fewest=4 if measured else 0,  # the text was not at hand
+        # of the ball "quattro o più posizioni differenti": https://www.sonorasrl.com, La palla in gomma; of microphones
+        # the text was not at hand
+        fewest=4 if measured else 0,
         # scope: https://standards.iteh.ai/catalog/standards/sist/cace4e42-6d16-453c-81f2-2bc2bce32e99
         volume_m3=(10.0, 250.0) if measured else None,
     )
