@@ -79,6 +79,19 @@ def refuse_missing_folder(path: Path) -> None:
 
 def refuse_unwritable(folder: Path) -> None:
     """Raise InputError when a folder cannot be made or written to: better before the work than after it."""
+    try:
+        _try_to_make(folder)
+    except OSError as error:
+        raise InputError(
+            str(folder),
+            got=f"a folder that cannot be made ({error.strerror})",
+            expected="a folder to write to",
+            do="choose another one with -o",
+        ) from None
+
+
+def _try_to_make(folder: Path) -> None:
+    """Make a folder and remove it again; refuse what exists and cannot be written to."""
     existing = next(place for place in (folder, *folder.absolute().parents) if place.exists())
     if not existing.is_dir() or not os.access(existing, os.W_OK | os.X_OK):
         raise InputError(
@@ -87,6 +100,13 @@ def refuse_unwritable(folder: Path) -> None:
             expected="a folder to write to",
             do="choose another one with -o",
         )
+    missing = [place for place in (folder, *folder.absolute().parents) if not place.exists()]
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    finally:
+        for place in missing:
+            with suppress(OSError):  # it was not made
+                place.rmdir()
 
 
 def _sweep(path: Path) -> None:
