@@ -27,6 +27,7 @@ from femstruct.model.touching import lines_under, stretch_inside
 RELATIVE_TOLERANCE = 1e-6
 """Places closer than this share of the structure's extent are one place."""
 MOST_DIVISIONS = 2000
+MOST_CELLS = 300_000  # of a plate: 1.6 million of them were killed by a machine of some gigabytes
 """Of a side of a plate."""
 MOST_BARS = 100_000
 """Of a frame; more of either is a slip of a unit, and does not fit into memory."""
@@ -48,6 +49,7 @@ class Plan:
         for name, plate in self.plates.items():
             for direction in (0, 1):
                 self.grids[name, direction] = Axis(plate.size[direction], _plate_size(plate, direction), self.tolerance)
+            _refuse_many_cells(plate)
         for name, frame in self.frames.items():
             size = frame.mesh if frame.mesh is not None else inf
             if not size > 0:
@@ -247,6 +249,21 @@ class Plan:
                 expected="parts that touch: an end or a line of a frame on the mid-surface of a plate or on a frame",
                 do="move one of them",
             )
+
+
+def _refuse_many_cells(plate: Plate) -> None:
+    """A mesh that fills the memory of most machines is stopped here: there, the system kills it without a word."""
+    cells = 1.0
+    for direction in (0, 1):
+        cells *= plate.size[direction] / _plate_size(plate, direction)
+    if cells > MOST_CELLS * (1.0 + 1e-9):
+        side = (plate.size[0] * plate.size[1] / MOST_CELLS) ** 0.5
+        raise InputError(
+            f"parts.{plate.name}.mesh",
+            got=f"{cells:.3g} cells",
+            expected=f"at most {MOST_CELLS}",
+            do=f"use cells of {side:.2g} m or more",
+        )
 
 
 def _plate_size(plate: Plate, direction: int) -> float:

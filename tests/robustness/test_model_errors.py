@@ -62,6 +62,14 @@ FAULTS = {
         replace(BASE, parts=(replace(FLOOR, mesh=(4, 2001)),)),
         r"parts.floor.mesh: got 2001 divisions, expected 1 to 2000",
     ),
+    "too many cells": (
+        replace(BASE, parts=(replace(FLOOR, mesh=(1000, 1000)),)),
+        r"parts.floor.mesh: got 1e\+06 cells, expected at most 300000; use cells of 0.00063 m or more",
+    ),
+    "too many cells by size": (
+        replace(BASE, parts=(replace(FLOOR, mesh=5e-4),)),  # 800 x 600
+        r"parts.floor.mesh: got 4.8e\+05 cells, expected at most 300000",
+    ),
     "too many bars": (
         replace(BASE, parts=(FLOOR, replace(POST, mesh=1e-6))),
         r"parts.post.mesh: got 1e-06 m, 3.8e\+05 bars, expected at most 100000 bars; use 3.8e-06 m or more",
