@@ -138,10 +138,6 @@ FAULTS = {
         r"parts.post.lines\[0\]: got two points 0 m apart",
     ),
     "nothing": (Structure("m", ()), r"parts: got no plate, frame or block"),
-    "direction": (
-        replace(BASE, supports=(Support("s", ("z", "w"), "floor", edge="x0"),)),
-        r"supports.s: got \('z', 'w'\), expected directions out of x, y, z",
-    ),
 }
 
 
