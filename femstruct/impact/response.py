@@ -40,7 +40,7 @@ class Event:
 @dataclass(frozen=True, eq=False)
 class ContactHistory:
     """One contact over the window: force [nt] [N], indentation [nt] [m] (negative when open), both at the samples;
-    peak_force [N] and peak_time [s] from the dense solution; closings; first_open [s] or None."""
+    peak_force [N] and peak_time [s] from the dense solution; closings beyond rounding; first_open [s] or None."""
 
     force: Floats
     indentation: Floats

@@ -58,8 +58,9 @@ def simulate(basis: ModalBasis, scene: Scene, clock: Clock) -> Response:
 
     Notes: a contact is never missed: see `femstruct.impact.events` and `femstruct.impact.exact.roots`. A contact that
     touches without speed closes when the leading derivative of its indentation is positive. Damping of the modes is
-    `basis.time_damping`; off its diagonal collocation iterates it within each step, which costs about ten times the
-    diagonal case.
+    `basis.time_damping`; off its diagonal collocation iterates it within each step, which costs sixty times the
+    diagonal case with 225 modes. Closings and openings within rounding are not told (`femstruct.impact.closings`). The
+    march runs beside the thread that waits for it, so that Ctrl-C ends it at once.
 
     A ball of 1 kg meets a wall through a spring of pi^2 N/m: half a period of contact, 1 s.
 
