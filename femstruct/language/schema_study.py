@@ -192,7 +192,8 @@ def _along(value: object) -> object:
 
 class LoadSpec(Spec):
     """A force history on a point's direction or a body, or a pressure history on a surface; maybe several times. Or
-    somebody who walks along places."""
+    somebody who walks along places. A force is positive along its direction: downwards it is negative. A file has two
+    columns, time and value, separated by a comma; what comes before t = 0 is left out."""
 
     one_of = (("at", "body", "on", "along"), ("half_sine", "file", "walking"))
     needs = (("along", ("walking",)), ("walking", ("along",)))
