@@ -94,7 +94,7 @@ def test_terminal_tables_and_file_say_the_same(
     thin, thick = (result.cases[name].rated["bedroom"] for name in ("thin", "thick"))
     show_study(result, {})
     shown = capsys.readouterr().out
-    assert "impact sound by octave, re 20 uPa" in shown
+    assert "impact sound by octave, re 20 µPa" in shown
     for symbol in SYMBOLS:
         row = next(line.split() for line in shown.splitlines() if line.split()[:3] == ["bedroom", symbol, "thick"])
         number = thick.numbers[symbol]
