@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from base64 import b64encode
+from collections.abc import Mapping, Sequence
 from html import escape
 from pathlib import Path
+from types import MappingProxyType
 from typing import Final
-from urllib.parse import quote
 
 from femstruct.files.atomic import replacing
 from femstruct.files.tables import findings_by_case
@@ -26,14 +27,19 @@ th.key, td.key { text-align: left; padding-left: 0; }
 .wide { overflow-x: auto; } figure { margin: 1em 0; }
 img { max-width: 100%; } .severe { color: #b00020; } figcaption { color: #666; }
 """
+_KINDS: Final = {".png": "image/png", ".gif": "image/gif", ".wav": "audio/wav"}
+_NOTHING: Final[Mapping[str, bytes]] = MappingProxyType({})
 
 
 def write_report(
-    result: StudyResult, path: str | Path, pictures: Sequence[str] = (), sounds: Sequence[str] = ()
+    result: StudyResult,
+    path: str | Path,
+    pictures: Mapping[str, bytes] = _NOTHING,
+    sounds: Mapping[str, bytes] = _NOTHING,
 ) -> Path:
-    """Write the page to a path, in one step: what the terminal shows, pictures and sounds by the names of their files.
+    """Write the page to a path, in one step: what the terminal shows, and the files of pictures and sounds by name.
 
-    The page asks nothing of a network; without the pictures it is readable all the same.
+    All is inside the page: it asks nothing of a network or of its folder, and can be sent as one file.
     """
     path = Path(path)
     with replacing(path) as temporary:
@@ -41,8 +47,10 @@ def write_report(
     return path
 
 
-def report(result: StudyResult, pictures: Sequence[str] = (), sounds: Sequence[str] = ()) -> str:
-    """The page as HTML."""
+def report(
+    result: StudyResult, pictures: Mapping[str, bytes] = _NOTHING, sounds: Mapping[str, bytes] = _NOTHING
+) -> str:
+    """The page as HTML, with the files of pictures (png, gif) and sounds (wav) by name."""
     title = escape(result.plan.title)
     parts = [f"<h1>{title}</h1>", _outcomes(result), _findings(result)]
     parts += [_table(grid) for grid in study_tables(result) if grid.rows]
@@ -50,8 +58,8 @@ def report(result: StudyResult, pictures: Sequence[str] = (), sounds: Sequence[s
         heard = [(name, case) for name, case in result.cases.items() if case.rooms]
         cases = ", ".join(f"{name}, {name} with the bodies' own sound" if c.heard.total else name for name, c in heard)
         parts.append(f"<h2>To listen to, in turn and at one scale: {escape(cases)}</h2>")
-    parts += [_sound(name) for name in sounds]
-    parts += [_picture(name) for name in pictures]
+    parts += [_sound(name, file) for name, file in sounds.items()]
+    parts += [_picture(name, file) for name, file in pictures.items()]
     told = ", ".join(f"{name} {value}" for name, value in result.provenance.items() if value)
     screen = '<meta name="viewport" content="width=device-width, initial-scale=1">'  # a telephone's own width
     head = f'<meta charset="utf-8">{screen}<title>{title}</title><style>{_STYLE}</style>'
@@ -89,10 +97,16 @@ def _table(grid: Grid) -> str:
     return f'<h2>{escape(grid.title)}</h2>\n<div class="wide"><table>{row(grid.columns, "th")}{rows}</table></div>'
 
 
-def _picture(name: str) -> str:
-    return f'<figure><img src="{quote(name)}" alt="{escape(name)}"><figcaption>{escape(name)}</figcaption></figure>'
+def _picture(name: str, file: bytes) -> str:
+    image = f'<img src="{_inside(name, file)}" alt="{escape(name)}">'
+    return f"<figure>{image}<figcaption>{escape(name)}</figcaption></figure>"
 
 
-def _sound(name: str) -> str:
-    player = f'<audio controls preload="metadata" src="{quote(name)}"></audio>'
+def _sound(name: str, file: bytes) -> str:
+    player = f'<audio controls preload="metadata" src="{_inside(name, file)}"></audio>'
     return f"<figure>{player}<figcaption>{escape(name)}</figcaption></figure>"
+
+
+def _inside(name: str, file: bytes) -> str:
+    """A file as its own address."""
+    return f"data:{_KINDS[Path(name).suffix]};base64,{b64encode(file).decode('ascii')}"

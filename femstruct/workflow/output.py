@@ -78,7 +78,8 @@ def _write(result: StudyResult, folder: Path, clock: Stopwatch) -> str:
     with clock("report"):
         first = sorted(pictures, key=lambda path: not path.name.startswith(("rated", "level", "own_sound")))
         shown = [path.name for path in (*first, *moving, *shapes)]
-        write_report(result, folder / "report.html", shown, sounds)
+        inside = [{name: (folder / name).read_bytes() for name in names} for names in (shown, sounds)]
+        write_report(result, folder / "report.html", *inside)
     return left_out
 
 

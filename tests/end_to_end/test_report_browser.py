@@ -33,7 +33,7 @@ document.getElementById("page").onload = () => {
   }))).then(() => {
     document.getElementById("seen").textContent = JSON.stringify({
       title: page.title,
-      pictures: [...page.images].map(one => [one.getAttribute("src"), one.naturalWidth]),
+      pictures: [...page.images].map(one => [one.alt, one.naturalWidth]),
       sounds: sounds.map(one => one.duration),
       tables: page.querySelectorAll("table").length,
       wide: page.documentElement.scrollWidth,
@@ -70,6 +70,9 @@ def test_the_page_in_a_browser(tmp_path: Path) -> None:
     (tmp_path / "one.study.yaml").write_text(STUDY)
     folder = tmp_path / "results"
     write_all(run_study(read_study(tmp_path / "one.study.yaml")), folder)
+    (tmp_path / "sent").mkdir()
+    (folder / "report.html").rename(tmp_path / "sent" / "report.html")  # alone, as by mail
+    folder = tmp_path / "sent"
     (folder / "watcher.html").write_text(WATCHER)
     ran = subprocess.run(
         [str(CHROMIUM), *FLAGS, f"--user-data-dir={tmp_path / 'browser'}", (folder / "watcher.html").as_uri()],

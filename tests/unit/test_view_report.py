@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import runpy
+from base64 import b64encode
 from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
@@ -49,9 +50,11 @@ def result():
 
 
 def test_every_cell_of_every_table_is_on_the_page(result):
-    page = Page(report(result, ["energy.png", "a b&c.png"], ["listen.box.mic #2.wav"]))
+    page = Page(report(result, {"energy.png": b"one", "a b&c.gif": b"two"}, {"listen.box.mic #2.wav": b"three"}))
     assert page.open == []
-    assert page.sources == ["listen.box.mic%20%232.wav", "energy.png", "a%20b%26c.png"]
+    kinds = ("audio/wav", b"three"), ("image/png", b"one"), ("image/gif", b"two")
+    assert page.sources == [f"data:{kind};base64,{b64encode(file).decode()}" for kind, file in kinds]
+    assert "a b&c.gif" in page.words
     words = set(page.words)
     grids = [grid for grid in study_tables(result) if grid.rows]
     assert len(grids) > 3
