@@ -14,7 +14,7 @@ import numpy as np
 from femstruct.arrays import Floats, Integers
 from femstruct.impact.compiled import kernel
 from femstruct.impact.dense import solve_dense
-from femstruct.impact.forces import CLOSED, ROUNDING, State, law, load_at, net_force
+from femstruct.impact.forces import CLOSED, ROUNDING, State, dot, law, load_at, net_force
 from femstruct.impact.rule import PLACES, POINTS, STAGES, Rule
 from femstruct.impact.system import HALF_SINE, LINK, System
 from femstruct.impact.tables import Tables
@@ -218,9 +218,7 @@ def _couple(level: int, system: System, state: State, tables: Tables, trial: Tri
     change, size = 0.0, 0.0
     for p in range(STAGES):
         for i in range(k):
-            force = 0.0
-            for j in range(k):
-                force -= system.coupling[i, j] * speeds[p, j]
+            force = -dot(system.coupling[i], speeds[p])
             change, size = max(change, abs(force - trial.modal[p, i])), max(size, abs(force))
             trial.modal[p, i] = force
     return change, size
