@@ -108,12 +108,12 @@ class RatedRoom:
     @cached_property
     def drops_spread_db(self) -> Mapping[str, float]:
         """Standard deviation over the drops of their own single numbers, before rounding {symbol: [dB]}."""
-        return self._spreads([one[None] for one in self.measured_db])
+        return _deviations(self._own(self._at_drops))
 
     @cached_property
     def receivers_spread_db(self) -> Mapping[str, float]:
         """Standard deviation over the receivers of their own single numbers, before rounding {symbol: [dB]}."""
-        return self._spreads([one[:, None] for one in np.swapaxes(self.measured_db, 0, 1)])
+        return _deviations(self._own([one[:, None] for one in np.swapaxes(self.measured_db, 0, 1)]))
 
     def above(self, other: RatedRoom) -> dict[str, float]:
         """What the numbers are above those of another room, before rounding {symbol: [dB]}; only those that both
@@ -124,17 +124,29 @@ class RatedRoom:
             if symbol in other.numbers
         }
 
+    def above_spread_db(self, other: RatedRoom) -> Mapping[str, float]:
+        """Standard deviation over the drops of what `above` says, each drop against the same one there {symbol: [dB]};
+        nan for one drop, or where the other room has not as many."""
+        mine, theirs = self._own(self._at_drops), other._own(other._at_drops)
+        both = [symbol for symbol in mine if symbol in theirs]
+        if self.drops != other.drops:
+            return MappingProxyType(dict.fromkeys(both, float("nan")))
+        return _deviations({symbol: mine[symbol] - theirs[symbol] for symbol in both})
+
+    @property
+    def _at_drops(self) -> list[Floats]:
+        """Levels of one drop each [1, receivers, b]."""
+        return [one[None] for one in self.measured_db]
+
     def _rated(self, number: Number, levels_db: Floats) -> SingleNumber:
         """A number of levels [drops, receivers, b] in the room."""
         return number.rate(energy_average(levels_db + self.correction_db * number.standardised, axis=1))
 
-    def _spreads(self, parts: Sequence[Floats]) -> Mapping[str, float]:
-        return MappingProxyType(
-            {
-                one.symbol: float(_deviation(np.array([self._rated(one, part).unrounded_db for part in parts])))
-                for one in self.method.numbers
-            }
-        )
+    def _own(self, parts: Sequence[Floats]) -> dict[str, Floats]:
+        """Single numbers of parts of the levels, before rounding {symbol: [parts]}."""
+        return {
+            one.symbol: np.array([self._rated(one, part).unrounded_db for part in parts]) for one in self.method.numbers
+        }
 
     def _by_band(self, values: Floats) -> Mapping[float, float]:
         return MappingProxyType(dict(zip(self.bands_hz, values.tolist(), strict=True)))
@@ -197,6 +209,10 @@ def rate_room(
         correction_db=np.array(list(correction.values())),
         t60_s=t60,
     )
+
+
+def _deviations(values: Mapping[str, Floats]) -> Mapping[str, float]:
+    return MappingProxyType({name: float(_deviation(one)) for name, one in values.items()})
 
 
 def _deviation(values: Floats) -> Floats:

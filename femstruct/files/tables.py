@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from acoustics.levels import Levels
@@ -26,14 +26,16 @@ def summary(result: StudyResult) -> Table:
     In the comparison, `bands_db` and `modes_db` are those of the first receiver's pressure (without a room, of the
     first recorded channel); `bands_db_by_receiver` and `modes_db_by_channel` have all. Attenuations are positive where
     the case is quieter than the baseline; `rated_db` is what a room's single numbers are above the baseline's, negative
-    then, `sound_energy_db` the same of the sound energy into the open. `levels` are those of what the structure
-    radiates; where striking bodies are heard themselves, `own_levels` are theirs and `total_levels` those of all.
+    then, `rated_spread_db` what that spreads over the drops, `sound_energy_db` what the sound energy into the open is
+    above the baseline's. `levels` are those of what the structure radiates; where striking bodies are heard themselves,
+    `own_levels` are theirs and `total_levels` those of all.
     """
     baseline = result.cases[result.comparison.baseline] if result.comparison.cases else None
     comparison = {
         name: _comparison(result.cases[name], beside)
         | {
-            "rated_db": _rated_beside(result.cases[name], baseline),
+            "rated_db": _rated_beside(result.cases[name], baseline, RatedRoom.above),
+            "rated_spread_db": _rated_beside(result.cases[name], baseline, RatedRoom.above_spread_db),
             "sound_energy_db": radiated_beside(result.cases[name], baseline),
         }
         for name, beside in result.comparison.cases.items()
@@ -257,11 +259,13 @@ def _rated(rated: RatedRoom) -> Table:
     }
 
 
-def _rated_beside(case: CaseResult, baseline: CaseResult | None) -> Table:
-    """By room and symbol, what its single numbers are above the baseline's, before rounding [dB]."""
+def _rated_beside(
+    case: CaseResult, baseline: CaseResult | None, told: Callable[[RatedRoom, RatedRoom], Mapping[str, float]]
+) -> Table:
+    """By room and symbol, what is told of its single numbers beside the baseline's [dB]."""
     before = {} if baseline is None else baseline.rated
     return {
-        room: {symbol: number(above) for symbol, above in rated.above(before[room]).items()}
+        room: {symbol: number(value) for symbol, value in told(rated, before[room]).items()}
         for room, rated in case.rated.items()
         if room in before
     }

@@ -5,6 +5,7 @@ from __future__ import annotations
 from math import isfinite
 
 from acoustics.methods import SingleNumber
+from acoustics.rated import RatedRoom
 from femstruct.study.result import CaseResult, StudyResult
 from femstruct.view.grid import Grid
 
@@ -26,7 +27,7 @@ def ratings(result: StudyResult) -> Grid:
             "case",
             "[dB]",
             *besides,
-            "difference [dB]",
+            "difference (its spread over drops) [dB]",
             "spread over drops [dB]",
             "over receivers [dB]",
             "decided at [Hz]",
@@ -39,7 +40,7 @@ def ratings(result: StudyResult) -> Grid:
         for there, name, one in rated:
             if there != room or symbol not in one.numbers:
                 continue
-            change = None if beside is None else one.above(beside).get(symbol)
+            change = "" if name == baseline else _change(one, beside, symbol)
             number = one.numbers[symbol]
             grid.add(
                 room,
@@ -47,7 +48,7 @@ def ratings(result: StudyResult) -> Grid:
                 name,
                 f"{number.value_db:g}",
                 *(f"{number.beside[other]:g}" if other in number.beside else "" for other in besides),
-                "" if name == baseline else "-" if change is None else f"{change:+z.1f}",
+                change,
                 f"{_number(one.drops_spread_db[symbol])} ({one.drops})",
                 f"{_number(one.receivers_spread_db[symbol])} ({one.receivers})",
                 f"{number.deciding_hz:g}",
@@ -90,6 +91,15 @@ def told(number: SingleNumber) -> str:
     """
     beside = ", ".join(f"{name} {value:g}" for name, value in number.beside.items())
     return f"{number.value_db:g} dB" + (f" ({beside})" if beside else "")
+
+
+def _change(rated: RatedRoom, baseline: RatedRoom | None, symbol: str) -> str:
+    """What a single number is above the baseline's, and what that spreads over the drops."""
+    above = {} if baseline is None else rated.above(baseline)
+    if baseline is None or symbol not in above:
+        return "-"
+    spread = rated.above_spread_db(baseline)[symbol]
+    return f"{above[symbol]:+z.1f}" + (f" ({spread:.1f})" if isfinite(spread) else "")
 
 
 def _number(value: float) -> str:

@@ -101,6 +101,7 @@ def test_terminal_tables_and_file_say_the_same(
         stated = [number.value_db, *number.beside.values()]
         assert row[3:][: len(stated)] == [f"{one:g}" for one in stated]
         assert f"{thick.above(thin)[symbol]:+z.1f}" in row
+        assert f"({thick.above_spread_db(thin)[symbol]:.1f})" in row
     table = summary(result)
     found = table["cases"]["thick"]["rated"]["bedroom"]
     assert list(found["numbers"]) == SYMBOLS
@@ -108,6 +109,7 @@ def test_terminal_tables_and_file_say_the_same(
     assert "L number" not in found["numbers"][SYMBOLS[1]]
     assert (found["bands"], list(found["bands_db"])) == ("octave", ["63", "125", "250", "500"])
     assert table["comparison"]["thick"]["rated_db"]["bedroom"] == thick.above(thin)
+    assert table["comparison"]["thick"]["rated_spread_db"]["bedroom"] == dict(thick.above_spread_db(thin))
     write_results(tmp_path / "results.h5", result)
     with h5py.File(tmp_path / "results.h5") as file:
         stored = file["cases/thick/rated/bedroom"]

@@ -84,6 +84,17 @@ def test_a_louder_band_at_one_place_never_lowers_the_rating(rows, place, band, l
     assert rated_table(more).rating.unrounded_db > rated_table(rows).rating.unrounded_db
 
 
+def test_a_difference_spreads_less_than_its_drops_where_they_differ_alike():
+    """Drops of 60 and 70 dB, and 3 and 5 dB less: a drop's rating moves as its bands do, by 3 and 5, 1.4 about 4."""
+    before = rate_room([[heard(60.0)], [heard(70.0)]], ROOM)
+    after = rate_room([[heard(57.0)], [heard(65.0)]], ROOM)
+    assert before.drops_spread_db[PLAIN] == pytest.approx(10 / np.sqrt(2))
+    assert dict(after.above_spread_db(before)) == pytest.approx({STANDARDISED: np.sqrt(2), PLAIN: np.sqrt(2)})
+    for other in (rate_room([[heard(60.0)]], ROOM), rate_room([[heard(60.0)], [heard(60.0)], [heard(61.0)]], ROOM)):
+        assert np.isnan(list(after.above_spread_db(other).values())).all()
+    assert list(after.above_spread_db(rate_room([[heard(60.0)]], ROOM, ["ISO 717-2"]))) == [PLAIN]
+
+
 def test_half_the_volume_takes_3_db():
     """10 lg(V / 50 m^3): ISO 16283-2 formula 4; the unstandardised levels do not know the volume."""
     small = Room([5.0, 2.0, 2.5], losses=losses_from_t60(0.5))
