@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 
 from acoustics.air import Air
-from acoustics.arrays import Complexes, Floats
+from acoustics.arrays import Complexes, Floats, freeze, frozen
 from acoustics.radiation import radiated_power
 
 ANGLES_DEG: Final = np.arange(-90.0, 91.0)
@@ -30,6 +30,18 @@ class Directivity:
     along: Floats
     pressure: Floats
     half_sphere: Floats
+
+    def __post_init__(self) -> None:
+        frequency_hz = frozen("pattern.frequency_hz", self.frequency_hz, (None,))
+        angle_deg, lines = frozen("pattern.angle_deg", self.angle_deg, (None,)), len(frequency_hz)
+        freeze(
+            self,
+            frequency_hz=frequency_hz,
+            angle_deg=angle_deg,
+            along=frozen("pattern.along", self.along, (2, 3)),
+            pressure=frozen("pattern.pressure", self.pressure, (lines, 2, len(angle_deg))),
+            half_sphere=frozen("pattern.half_sphere", self.half_sphere, (lines,)),
+        )
 
     @property
     def sides(self) -> tuple[str, str]:

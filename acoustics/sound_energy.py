@@ -1,19 +1,21 @@
 """Energy that a moving surface sends into the open air during a record: as a level, by third octaves, its efficiency.
 
-Sound energy and its level L_J = 10 lg(J / 1 pJ) as ISO 3741:2010 and ISO 3744:2010 define them for a single event: the
-time integral of the sound power over the record.
+Sound energy is the time integral of the sound power over the record, its level L_J = 10 lg(J / 1 pJ): the names of
+ISO 3741 and ISO 3744 for a single event, whose clause was not at hand.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from math import log10, nan
+from types import MappingProxyType
 from typing import Final
 
 import numpy as np
 
 from acoustics.air import Air
-from acoustics.arrays import Complexes, Floats
+from acoustics.arrays import Complexes, Floats, freeze, frozen
 from acoustics.bands import band_edges, third_octave_bands
 from acoustics.errors import Advice
 from acoustics.extension import fast_length
@@ -46,11 +48,22 @@ class SoundEnergy:
     frequency_hz: Floats
     density: Floats
     plane: Floats
-    bands_hz: dict[float, float]
+    bands_hz: Mapping[float, float]
     weighted_j: float
     last_tenth: float
     spacing_hz: float
-    findings: tuple[Advice, ...]
+    findings: tuple[Advice, ...] = ()
+
+    def __post_init__(self) -> None:
+        frequency_hz = frozen("energy.frequency_hz", self.frequency_hz, (None,))
+        lines = (len(frequency_hz),)
+        freeze(
+            self,
+            frequency_hz=frequency_hz,
+            density=frozen("energy.density", self.density, lines),
+            plane=frozen("energy.plane", self.plane, lines),
+            bands_hz=MappingProxyType(dict(self.bands_hz)),
+        )
 
     @property
     def energy_j(self) -> float:
@@ -189,10 +202,8 @@ def radiated_energy(surface: SurfaceVelocity, air: Air) -> SoundEnergy:
         weighted_j=float(weights @ density) * float(frequency[1]),
         last_tenth=late / energy if energy > 0 else 0.0,
         spacing_hz=air.c / (POINTS_PER_WAVE * apart),
-        findings=(),
     )
-    findings = (*_short(result), *_coarse(result, apart, air, beyond), *_jump(surface))
-    return SoundEnergy(**{**result.__dict__, "findings": findings})
+    return replace(result, findings=(*_short(result), *_coarse(result, apart, air, beyond), *_jump(surface)))
 
 
 def _densities(
@@ -228,7 +239,7 @@ def _until(density: Floats, step_hz: float, frequency_hz: Floats) -> Floats:
     return below
 
 
-def _by_band(density: Floats, step_hz: float, bands_hz: dict[float, float]) -> dict[float, float]:
+def _by_band(density: Floats, step_hz: float, bands_hz: Mapping[float, float]) -> dict[float, float]:
     edges = np.array([band_edges(exact) for exact in bands_hz.values()]).reshape(-1, 2)
     parts = np.diff(_until(density, step_hz, edges), axis=1)[:, 0]
     return dict(zip(bands_hz, parts.tolist(), strict=True))

@@ -22,9 +22,8 @@ from femstruct.model.probe import Probe, Surface
 from femstruct.radiation import ceiling_shapes, room_coordinates, surface_velocity
 
 SHOWN: Final = 3  # frequencies whose directivity is shown where none are asked for
-FELT: Final = (
-    0.1  # sound energy over the losses of the structure above which it damps the structure by 5 % in amplitude
-)
+# sound energy over the losses of the structure above which it damps the structure by 5 % in amplitude
+FELT: Final = 0.1
 
 
 @dataclass(frozen=True, eq=False)
