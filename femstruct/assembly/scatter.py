@@ -41,7 +41,7 @@ def frame_matrices(mesh: FrameMesh, dofs: RawDofs, first_node: int) -> tuple[csr
     )
     of_bars = dofs.of_nodes[part.name][mesh.bars - first_node].reshape(len(mesh.bars), -1)
     at_nodes = [
-        placement.with_offsets(placement.to_global(matrix, mesh.axes), mesh.arms[:, 0], mesh.arms[:, 1])
+        placement.with_offsets(placement.to_global(matrix, mesh.axes), *np.moveaxis(mesh.arms, 1, 0))
         for matrix in local
     ]
     return scattered(at_nodes[0], at_nodes[1], of_bars, dofs.count)

@@ -1,9 +1,13 @@
-"""Straight frame elements with 12 DOFs in space: Euler-Bernoulli or Timoshenko bending, St-Venant torsion.
+"""Straight frame elements in space: Euler-Bernoulli or Timoshenko bending, St-Venant torsion.
 
-The DOFs are UX UY UZ RX RY RZ at end i, then at end j; local x runs from i to j. Bending in the x-y plane has EIz and
-RZ = +dv/dx, bending in the x-z plane EIy and RY = -dw/dx. One set of polynomials serves both kinds: with the shear
-parameter phi = 12 E I / (k G A L^2), the shape functions are exact for a Timoshenko beam loaded at its ends, and
-phi = 0 gives the cubic Hermite polynomials of the Euler beam.
+The DOFs are UX UY UZ RX RY RZ at end i, then at end j, then in the middle for the kind that has a node there; local x
+runs from i to j. Bending in the x-y plane has EIz and RZ = +dv/dx, bending in the x-z plane EIy and RY = -dw/dx.
+
+"euler" and "timoshenko" have two nodes and one set of polynomials: with the shear parameter
+phi = 12 E I / (k G A L^2), the shape functions are exact for a Timoshenko beam loaded at its ends, and phi = 0 gives
+the cubic Hermite polynomials of the Euler beam. Frequencies of bending converge with h^4 for "euler"; for
+"timoshenko" with h^2 where shear and rotary inertia matter, since its shear strain is constant in an element; those of
+stretch and torsion with h^2 for both. "timoshenko18" has three nodes (`femstruct.elements.linked`): all with h^4.
 
 The section is symmetric about local y and z with its shear centre at the centroid; torsion is St-Venant's with free
 warping, J the torsion constant (the polar moment for circles only).
@@ -21,16 +25,29 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from femstruct.arrays import Floats
-from femstruct.elements.polynomials import HERMITE_SLOPE, HERMITE_VALUE, LINEAR, derivative, integral, positive, powers
+from femstruct.elements import linked
+from femstruct.elements.members import block, densities, outer, property_arrays
+from femstruct.elements.polynomials import HERMITE_SLOPE, HERMITE_VALUE, LINEAR, derivative, integral, powers
 from femstruct.errors import InputError
 
-KINDS: Final = ("euler", "timoshenko")
-N_DOFS: Final = 12
+KINDS: Final = ("euler", "timoshenko", "timoshenko18")
+N_DOFS: Final = 12  # of the kinds with two nodes
 
 _AXIAL: Final = [0, 6]
 _TORSION: Final = [3, 9]
 _BENDING_Y: Final = [1, 5, 7, 11]  # v and RZ
 _BENDING_Z: Final = [2, 4, 8, 10]  # w and RY = -dw/dx
+
+
+def nodes_per_bar(kind: str) -> int:
+    """Number of nodes of a bar: two, or three with one in the middle; InputError for an unknown kind.
+
+    >>> nodes_per_bar("euler"), nodes_per_bar("timoshenko18")
+    (2, 3)
+    """
+    if kind not in KINDS:
+        raise InputError("element", got=repr(kind), expected=" or ".join(KINDS))
+    return 3 if kind == "timoshenko18" else 2
 
 
 def stiffness(
@@ -47,30 +64,32 @@ def stiffness(
 ) -> Floats:
     """Stiffness matrices of frame elements in local axes.
 
-    kind : "euler" or "timoshenko"; each of the others [n] or one value: length [m]; E, G moduli [Pa]; A area [m^2];
-    Iy, Iz second moments about local y and z [m^4]; J torsion constant [m^4]; ky, kz shear coefficients, the shear
-    areas along y and z being ky A and kz A (not used by "euler").
+    kind : "euler", "timoshenko" or "timoshenko18"; each of the others [n] or one value: length [m]; E, G moduli [Pa];
+    A area [m^2]; Iy, Iz second moments about local y and z [m^4]; J torsion constant [m^4]; ky, kz shear coefficients,
+    the shear areas along y and z being ky A and kz A (not used by "euler").
 
-    Returns [n, 12, 12], exactly symmetric, exact for loads at the ends. Raises InputError for an unknown kind or
-    a value that is not positive.
+    Returns [n, 12, 12] or [n, 18, 18], exactly symmetric, exact for loads at the nodes. Raises InputError for an
+    unknown kind or a value that is not positive.
 
     >>> K = stiffness("euler", 2.0, 200e9, 77e9, 1e-4, 1e-9, 1e-9, 2e-9, 1.0, 1.0)
     >>> round(float(K[0, 0, 0] / 200e9 / 1e-4), 12)
     0.5
     """
-    length, E, G, A, Iy, Iz, J = _arrays(length=length, E=E, G=G, A=A, Iy=Iy, Iz=Iz, J=J)
+    if nodes_per_bar(kind) == 3:
+        return linked.stiffness(*property_arrays(length=length, E=E, G=G, A=A, Iy=Iy, Iz=Iz, J=J, ky=ky, kz=kz))
+    length, E, G, A, Iy, Iz, J = property_arrays(length=length, E=E, G=G, A=A, Iy=Iy, Iz=Iz, J=J)
     phi_y, phi_z = shear_parameters(kind, length, E, G, A, Iy, Iz, ky, kz)
     matrices = np.zeros((len(length), N_DOFS, N_DOFS))
     rod = np.array([[1.0, -1.0], [-1.0, 1.0]])
-    matrices[_block(_AXIAL)] = (E * A / length)[:, None, None] * rod
-    matrices[_block(_TORSION)] = (G * J / length)[:, None, None] * rod
+    matrices[block(_AXIAL)] = (E * A / length)[:, None, None] * rod
+    matrices[block(_TORSION)] = (G * J / length)[:, None, None] * rod
     bend, shear = _energy_integrals()
     for dofs, sign, inertia, phi in ((_BENDING_Y, 1.0, Iz, phi_y), (_BENDING_Z, -1.0, Iy, phi_z)):
         # The shear strain is phi times a constant, so its energy 12 EI / (phi L^3) gamma^2 has no division by phi.
         terms = np.stack([np.ones_like(phi), phi, phi**2], axis=1) @ bend.reshape(3, -1)
         terms += 12.0 * phi[:, None] * shear.reshape(1, -1)
         terms *= (E * inertia / length**3 / (1.0 + phi) ** 2)[:, None]
-        matrices[_block(dofs)] = terms.reshape(-1, 4, 4) * _outer(_dof_scale(length, sign))
+        matrices[block(dofs)] = terms.reshape(-1, 4, 4) * outer(_dof_scale(length, sign))
     return matrices
 
 
@@ -90,34 +109,34 @@ def mass(
 
     Arguments as `stiffness`, with rho the density [kg/m^3], zero allowed.
 
-    Returns [n, 12, 12], exactly symmetric.
+    Returns [n, 12, 12] or [n, 18, 18], exactly symmetric.
 
     Notes
     -----
-    Translation, and torsion with rho (Iy + Iz), whatever J is. "timoshenko" adds the rotary inertia rho I of
-    bending and uses the shape functions its stiffness has; "euler" leaves rotary inertia in bending out, so a rigid
+    Translation, and torsion with rho (Iy + Iz), whatever J is. The Timoshenko kinds add the rotary inertia rho I of
+    bending and use the shape functions their stiffness has; "euler" leaves rotary inertia in bending out, so a rigid
     rotation of an Euler element about local y or z has the inertia of a line of mass.
 
     >>> M = mass("euler", 2.0, 1000.0, 1e-2, 1e-5, 1e-5, 1.0, 1.0, 1e9, 4e8)
     >>> round(float(M[0, [0, 6]][:, [0, 6]].sum()), 12)
     20.0
     """
-    length, A, Iy, Iz, E, G = _arrays(length=length, A=A, Iy=Iy, Iz=Iz, E=E, G=G)
-    density = np.broadcast_to(np.asarray(rho, dtype=np.float64), length.shape)
-    if not (np.isfinite(density) & (density >= 0)).all():
-        raise InputError("rho", got=str(density.min()), expected="finite values, zero or above")
+    length, A, Iy, Iz, E, G = property_arrays(length=length, A=A, Iy=Iy, Iz=Iz, E=E, G=G)
+    density = densities(rho, length)
+    if nodes_per_bar(kind) == 3:
+        return linked.mass(length, density, A, Iy, Iz)
     phi_y, phi_z = shear_parameters(kind, length, E, G, A, Iy, Iz, ky, kz)
     matrices = np.zeros((len(length), N_DOFS, N_DOFS))
     rod = integral(LINEAR, LINEAR)
-    matrices[_block(_AXIAL)] = (density * A * length)[:, None, None] * rod
-    matrices[_block(_TORSION)] = (density * (Iy + Iz) * length)[:, None, None] * rod
+    matrices[block(_AXIAL)] = (density * A * length)[:, None, None] * rod
+    matrices[block(_TORSION)] = (density * (Iy + Iz) * length)[:, None, None] * rod
     translation, rotation = _inertia_integrals()
     for dofs, sign, inertia, phi in ((_BENDING_Y, 1.0, Iz, phi_y), (_BENDING_Z, -1.0, Iy, phi_z)):
         in_phi = np.stack([np.ones_like(phi), phi, phi**2], axis=1) / (1.0 + phi[:, None]) ** 2
         terms = (density * A * length)[:, None] * (in_phi @ translation.reshape(3, -1))
         if kind == "timoshenko":
             terms += (density * inertia / length)[:, None] * (in_phi @ rotation.reshape(3, -1))
-        matrices[_block(dofs)] = terms.reshape(-1, 4, 4) * _outer(_dof_scale(length, sign))
+        matrices[block(dofs)] = terms.reshape(-1, 4, 4) * outer(_dof_scale(length, sign))
     return matrices
 
 
@@ -137,16 +156,18 @@ def interpolate(
 
     xi [m] : place from 0 at end i to 1 at end j; the others as `stiffness`, [m] or one value.
 
-    Returns [m, 6, 12]: displacement of the axis and rotation of the cross-section, which for "timoshenko" is not the
-    slope of the axis.
+    Returns [m, 6, 12] or [m, 6, 18]: displacement of the axis and rotation of the cross-section, which for the
+    Timoshenko kinds is not the slope of the axis.
 
     >>> rows = interpolate("euler", 2.0, [0.5], 1e9, 4e8, 1e-2, 1e-5, 1e-5, 1.0, 1.0)
     >>> rows[0, 1, [1, 5, 7, 11]]
     array([ 0.5 ,  0.25,  0.5 , -0.25])
     """
     place, length, E, G, A, Iy, Iz = np.broadcast_arrays(
-        np.atleast_1d(np.asarray(xi, dtype=np.float64)), *_arrays(length=length, E=E, G=G, A=A, Iy=Iy, Iz=Iz)
+        np.atleast_1d(np.asarray(xi, dtype=np.float64)), *property_arrays(length=length, E=E, G=G, A=A, Iy=Iy, Iz=Iz)
     )
+    if nodes_per_bar(kind) == 3:
+        return linked.interpolate(length, place)
     phi_y, phi_z = shear_parameters(kind, length, E, G, A, Iy, Iz, ky, kz)
     rows = np.zeros((len(place), 6, N_DOFS))
     s = powers(place)
@@ -177,25 +198,11 @@ def shear_parameters(
     >>> shear_parameters("timoshenko", 1.0, 2.0, 1.0, 1.0, 0.5, 0.25, 1.0, 1.0)
     (array([6.]), array([12.]))
     """
-    if kind not in KINDS:
-        raise InputError("element", got=repr(kind), expected=" or ".join(KINDS))
-    length, E, G, A, Iy, Iz, ky, kz = _arrays(length=length, E=E, G=G, A=A, Iy=Iy, Iz=Iz, ky=ky, kz=kz)
+    length, E, G, A, Iy, Iz, ky, kz = property_arrays(length=length, E=E, G=G, A=A, Iy=Iy, Iz=Iz, ky=ky, kz=kz)
     if kind == "euler":
         return np.zeros_like(length), np.zeros_like(length)
     per_inertia = 12.0 * E / (G * A * length**2)
     return per_inertia * Iz / ky, per_inertia * Iy / kz
-
-
-def _arrays(**values: ArrayLike) -> list[Floats]:
-    return list(np.broadcast_arrays(*(np.atleast_1d(positive(name, value)) for name, value in values.items())))
-
-
-def _block(dofs: list[int]) -> tuple[slice, list[list[int]], list[int]]:
-    return slice(None), [[dof] for dof in dofs], dofs
-
-
-def _outer(scale: Floats) -> Floats:
-    return scale[:, :, None] * scale[:, None, :]
 
 
 def _dof_scale(length: Floats, sign: float) -> Floats:

@@ -1,4 +1,4 @@
-"""Where a frame element stands: its local axes, their rotation to global ones, and rigid arms at its ends."""
+"""Where a frame element stands: its local axes, their rotation to global ones, and rigid arms at its nodes."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from femstruct.arrays import Floats
-from femstruct.elements.frame import N_DOFS
 from femstruct.errors import InputError
 
+PER_NODE: Final = 6
 VERTICAL: Final = 1e-3
 """Sine of the angle to global z below which a member counts as vertical for the default orientation."""
 PARALLEL: Final = 1e-6
@@ -53,55 +53,56 @@ def directions(start: ArrayLike, end: ArrayLike, orientation: ArrayLike | None =
     return np.stack([x, y, np.cross(x, y)], axis=1)
 
 
-def rotation(R: ArrayLike) -> Floats:
-    """diag(R, R, R, R): global DOFs of an element -> local ones; [n, 3, 3] -> [n, 12, 12]."""
+def rotation(R: ArrayLike, nodes: int = 2) -> Floats:
+    """diag(R, R, ...), R twice for every node: global DOFs of an element -> local ones; [n, 3, 3] -> [n, 12, 12]."""
     axes = np.asarray(R, dtype=np.float64)
-    turn = np.zeros((*axes.shape[:-2], N_DOFS, N_DOFS))
-    for first in range(0, N_DOFS, 3):
+    count = PER_NODE * nodes
+    turn = np.zeros((*axes.shape[:-2], count, count))
+    for first in range(0, count, 3):
         turn[..., first : first + 3, first : first + 3] = axes
     return turn
 
 
 def to_global(matrix: ArrayLike, R: ArrayLike) -> Floats:
-    """Element matrices [n, 12, 12] from local axes (rows of R [n, 3, 3]) to global ones: T^T matrix T.
+    """Element matrices [n, nd, nd] from local axes (rows of R [n, 3, 3]) to global ones: T^T matrix T.
 
     >>> K = to_global(np.eye(12)[None], directions([[0, 0, 0]], [[1, 2, 3]]))
     >>> bool(np.allclose(K, np.eye(12)))
     True
     """
-    return _congruent(matrix, rotation(R))
+    return _congruent(matrix, rotation(R, np.shape(matrix)[-1] // PER_NODE))
 
 
-def rigid_arms(arm_i: ArrayLike, arm_j: ArrayLike) -> Floats:
-    """Motion of the two ends of an element from that of its two nodes: [n, 12, 12].
+def rigid_arms(*arms: ArrayLike) -> Floats:
+    """Motion of the flexible part of an element from that of its nodes: [n, 12, 12] for two, [n, 18, 18] for three.
 
-    arm_i, arm_j [n, 3] : rigid arm from the node to the end of the flexible part [m], global axes.
+    arms : for every node in turn the rigid arm from it to the flexible part [n, 3] [m], global axes.
 
-    The end moves by u + r x arm and turns with the node.
+    The end of an arm moves by u + r x arm and turns with the node.
 
     >>> rigid_arms([[0, 2.0, 3.0]], [[0, 0, 0]])[0, 0, :6]
     array([ 1.,  0.,  0.,  0.,  3., -2.])
     """
-    at_i, at_j = (np.atleast_2d(np.asarray(arm, dtype=np.float64)) for arm in (arm_i, arm_j))
-    arms = np.stack(np.broadcast_arrays(at_i, at_j))
-    motion = np.tile(np.eye(N_DOFS), (arms.shape[1], 1, 1))
-    for first, (x, y, z) in zip((0, 6), np.moveaxis(arms, 2, 1), strict=True):
+    stacked = np.stack(np.broadcast_arrays(*(np.atleast_2d(np.asarray(arm, dtype=np.float64)) for arm in arms)))
+    motion = np.tile(np.eye(PER_NODE * len(stacked)), (stacked.shape[1], 1, 1))
+    for node, (x, y, z) in enumerate(np.moveaxis(stacked, 2, 1)):
+        first = PER_NODE * node
         motion[:, first, first + 4], motion[:, first, first + 5] = z, -y
         motion[:, first + 1, first + 3], motion[:, first + 1, first + 5] = -z, x
         motion[:, first + 2, first + 3], motion[:, first + 2, first + 4] = y, -x
     return motion
 
 
-def with_offsets(matrix: ArrayLike, arm_i: ArrayLike, arm_j: ArrayLike) -> Floats:
-    """Element matrices [n, 12, 12] in global axes, carried from the flexible ends to nodes at the foot of rigid arms.
+def with_offsets(matrix: ArrayLike, *arms: ArrayLike) -> Floats:
+    """Element matrices [n, nd, nd] in global axes, carried from the flexible part to nodes at the foot of rigid arms.
 
-    arm_i, arm_j [n, 3] : arm from the node to the end of the flexible part [m], global axes.
+    arms : for every node in turn the arm from it to the flexible part [n, 3] [m], global axes.
 
     Notes
     -----
     The arms have no mass and no flexibility; the mass of the flexible part follows exactly.
     """
-    return _congruent(matrix, rigid_arms(arm_i, arm_j))
+    return _congruent(matrix, rigid_arms(*arms))
 
 
 def _congruent(matrix: ArrayLike, motion: Floats) -> Floats:

@@ -36,6 +36,9 @@ HERMITE_VALUE: Final = _constant([[1, 0, -3, 2], [0, 0, 3, -2]])
 HERMITE_SLOPE: Final = _constant([[0, 1, -2, 1], [0, 0, -1, 1]])
 """s (1 - s)^2 and -(1 - s) s^2: unit slope at one end, no value at either."""
 
+QUADRATIC: Final = _constant([[1, -3, 2, 0], [0, -1, 2, 0], [0, 4, -4, 0]])
+"""Value at 0, at 1 and in the middle."""
+
 
 def derivative(coefficients: Floats, axis: int = -1) -> Floats:
     """Coefficients of the derivative along one axis of coefficients, the array keeping its shape.

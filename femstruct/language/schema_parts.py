@@ -175,7 +175,8 @@ class OffsetsSpec(Spec):
 
 
 class FrameSpec(Spec):
-    """Bars along polylines of global points."""
+    """Bars along polylines of global points; element: timoshenko18, bars of three nodes, or the bars of two nodes
+    timoshenko, which needs more of them where shear matters, and euler, which has neither shear nor rotary inertia."""
 
     type: Literal["frame"]
     material: Text
@@ -183,7 +184,9 @@ class FrameSpec(Spec):
     lines: Annotated[list[Annotated[list[Position3], Field(min_length=2)]], Field(min_length=1)]
     mesh: Length | None = None
     orientation: Direction3 | None = None
-    element: Annotated[Literal["timoshenko", "euler"], BeforeValidator(only(("timoshenko", "euler")))] = "timoshenko"
+    element: Annotated[
+        Literal["timoshenko18", "timoshenko", "euler"], BeforeValidator(only(("timoshenko18", "timoshenko", "euler")))
+    ] = "timoshenko18"
     offsets: OffsetsSpec = OffsetsSpec()
 
 

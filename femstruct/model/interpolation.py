@@ -51,11 +51,11 @@ def plate_rows(mesh: PlateMesh, places: Floats) -> tuple[Integers, Floats]:
 
 
 def frame_rows(mesh: FrameMesh, bars: Integers, places: Floats) -> tuple[Integers, Floats]:
-    """Motion of places along bars from the components of their end nodes.
+    """Motion of places along bars from the components of their nodes.
 
     bars [p] : which; places [p] : from 0 at the start to 1 at the end of the flexible part.
 
-    Returns nodes [p, 2] and rows [p, 6, 2, 7]: three displacements and three rotations, global axes.
+    Returns nodes [p, k] and rows [p, 6, k, 7], k nodes a bar: three displacements and three rotations, global axes.
     """
     part, material, section = mesh.part, mesh.part.material, mesh.part.section
     local = frame.interpolate(
@@ -70,11 +70,12 @@ def frame_rows(mesh: FrameMesh, bars: Integers, places: Floats) -> tuple[Integer
         section.ky,
         section.kz,
     )
-    turn = placement.rotation(mesh.axes[bars])
-    arms = placement.rigid_arms(mesh.arms[bars, 0], mesh.arms[bars, 1])
+    k = mesh.bars.shape[1]
+    turn = placement.rotation(mesh.axes[bars], k)
+    arms = placement.rigid_arms(*np.moveaxis(mesh.arms[bars], 1, 0))
     rows = np.swapaxes(turn[:, :6, :6], -1, -2) @ local @ turn @ arms
-    padded = np.zeros((len(bars), 6, 2, N_COMPONENTS))
-    padded[..., :6] = rows.reshape(len(bars), 6, 2, 6)
+    padded = np.zeros((len(bars), 6, k, N_COMPONENTS))
+    padded[..., :6] = rows.reshape(len(bars), 6, k, 6)
     return mesh.bars[bars], padded
 
 

@@ -10,6 +10,7 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import KDTree
 
 from femstruct.arrays import Floats, Integers
+from femstruct.elements.frame import nodes_per_bar
 from femstruct.elements.placement import directions
 from femstruct.errors import InputError
 from femstruct.model.attachments import foundation, lumped_mass, spread_mass, springs
@@ -72,7 +73,7 @@ def mesh_structure(structure: Structure) -> Model:
     mesh = Mesh(
         np.concatenate(points),
         quads=np.concatenate([np.empty((0, 4), np.int64), *(plate.cells for plate in plates.values())]),
-        bars=np.concatenate([np.empty((0, 2), np.int64), *(frame.bars for frame in frames.values())]),
+        bars=np.concatenate([np.empty((0, 2), np.int64), *(frame.bars[:, :2] for frame in frames.values())]),
         nodes=nodes,
         cells=cells,
     )
@@ -113,24 +114,31 @@ def _mesh_plate(part: Plate, axes: Floats, grids: Mapping[Key, Floats], first: i
 def _mesh_frame(
     part: Frame, segments: tuple[Segment, ...], grids: Mapping[Key, Floats], first: int, tolerance: float
 ) -> tuple[FrameMesh, Floats]:
-    """Bars of every segment between nodes; where they have a rigid arm the node is the foot of the arm."""
-    tips, feet = [], []
+    """Bars of every segment between nodes; where they have a rigid arm the node is the foot of the arm. Middle nodes of
+    bars of three come after all ends."""
+    tips, feet, middles = [], [], []
     for segment in segments:
         share = (grids[segment.key] / grids[segment.key][-1])[:, None]
         places = (1.0 - share) * segment.start + share * segment.end
         stands = places - ((1.0 - share) * segment.arms[0] + share * segment.arms[1])
+        middles.append((stands[:-1] + stands[1:]) / 2.0)
         line = part.lines[int(segment.key[1])]
         stands[0], stands[-1] = line[int(segment.key[2])], line[int(segment.key[2]) + 1]
         tips.append(np.stack([places[:-1], places[1:]], axis=1))
         feet.append(np.stack([stands[:-1], stands[1:]], axis=1))
     ends, stands = np.concatenate(tips), np.concatenate(feet)
     points, numbers = _merged(stands.reshape(-1, 3), tolerance)
-    bars = first + numbers.reshape(-1, 2)
+    bars, arms = first + numbers.reshape(-1, 2), ends - stands
+    if nodes_per_bar(part.element) == 3:
+        middle = np.concatenate(middles)
+        bars = np.column_stack([bars, first + len(points) + np.arange(len(bars))])
+        points = np.concatenate([points, middle])
+        arms = np.concatenate([arms, (ends.mean(axis=1) - middle)[:, None]], axis=1)
     try:
         axes = directions(ends[:, 0], ends[:, 1], part.orientation)
     except InputError as error:
         raise InputError(f"parts.{part.name}.{error.where}", got=error.got, expected=error.expected) from error
-    return FrameMesh(part, bars, ends[:, 0], ends[:, 1], ends - stands, axes), points
+    return FrameMesh(part, bars, ends[:, 0], ends[:, 1], arms, axes), points
 
 
 def _merged(places: Floats, tolerance: float) -> tuple[Floats, Integers]:

@@ -10,6 +10,7 @@ from scipy.sparse import csr_array
 
 from femstruct.arrays import Floats, Integers, freeze, frozen, frozen_integers
 from femstruct.conventions import N_COMPONENTS
+from femstruct.elements.frame import nodes_per_bar
 from femstruct.errors import FemstructError
 from femstruct.model.mesh import Mesh
 from femstruct.model.parts import Block, Frame, Plate, Structure
@@ -63,8 +64,9 @@ class PlateMesh:
 class FrameMesh:
     """A frame as bars.
 
-    bars [b, 2] : end nodes. start, end [b, 3] : ends of the flexible bars, at the tips of the rigid arms [m].
-    arms [b, 2, 3] : from the end nodes to these ends, global axes [m]. axes [b, 3, 3] : rows are local x, y, z.
+    bars [b, k] : the two end nodes, then the middle one of bars of three. start, end [b, 3] : ends of the flexible
+    bars, at the tips of the rigid arms [m]. arms [b, k, 3] : from the nodes to the flexible bar, global axes [m].
+    axes [b, 3, 3] : rows are local x, y, z.
     """
 
     part: Frame
@@ -76,14 +78,15 @@ class FrameMesh:
 
     def __post_init__(self) -> None:
         where = f"parts.{self.part.name}"
-        bars = frozen_integers(f"{where} bars", self.bars, (None, 2))
+        k = nodes_per_bar(self.part.element)
+        bars = frozen_integers(f"{where} bars", self.bars, (None, k))
         n = len(bars)
         freeze(
             self,
             bars=bars,
             start=frozen(f"{where} start", self.start, (n, 3)),
             end=frozen(f"{where} end", self.end, (n, 3)),
-            arms=frozen(f"{where} arms", self.arms, (n, 2, 3)),
+            arms=frozen(f"{where} arms", self.arms, (n, k, 3)),
             axes=frozen(f"{where} axes", self.axes, (n, 3, 3)),
         )
 

@@ -74,6 +74,8 @@ class Frame:
     mesh : largest element length [m], None for one element a segment; a line that lies in a plate it is joined to takes
     the plate's nodes instead. orientation : a vector the section's local z
     (its height) points along as nearly as it can.
+    element : timoshenko18, a bar of three nodes whose frequencies converge with the fourth power of its length;
+    timoshenko, of two, with the second where shear matters; euler, without shear and rotary inertia.
     start_offset, end_offset : rigid arms from the first and last point of every line to the ends of the flexible bar,
     global axes [m]. Where both are the same the whole line is eccentric: its nodes stay on the line, joined there to
     what it touches, and every bar hangs beside it on arms at both ends, as a rib under a plate does. Two different
@@ -87,7 +89,7 @@ class Frame:
     lines: tuple[tuple[Vector, ...], ...]
     mesh: float | None = None
     orientation: Vector | None = None
-    element: Literal["timoshenko", "euler"] = "timoshenko"
+    element: Literal["timoshenko18", "timoshenko", "euler"] = "timoshenko18"
     start_offset: Vector = (0.0, 0.0, 0.0)
     end_offset: Vector = (0.0, 0.0, 0.0)
 

@@ -177,8 +177,9 @@ def test_rigid_motion_of_a_free_structure_strains_nothing() -> None:
     )
     model = mesh_structure(replace(structure, parts=parts))
     legs = model.frames["legs"]
-    assert legs.arms[0] == pytest.approx(np.array([[0.01, 0.02, 0.01], [0.0, 0.005, -0.02]]))  # one bar a leg
-    assert model.mesh.points[legs.bars[0]] == pytest.approx(np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 0.1]]))
+    arms = [[0.01, 0.02, 0.01], [0.0, 0.005, -0.02], [0.005, 0.0125, 0.0]]  # in the middle: across the leg alone
+    assert legs.arms[0] == pytest.approx(np.array(arms))  # one bar a leg
+    assert model.mesh.points[legs.bars[0]] == pytest.approx(np.array([[0, 0, 0.0], [0, 0, 0.1], [0, 0, 0.045]]))
     assembly = assemble(model)
     motion = rigid_motion(assembly)
     residual = np.linalg.norm(assembly.K @ motion, axis=0)

@@ -74,7 +74,7 @@ def model_by_hand(divisions=8):
     lines = (tuple(tuple(map(float, p)) for p in post),)
     axes = np.tile(np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]]), (2, 1, 1))
     frame = FrameMesh(
-        Frame("post", steel, circle("round", 0.01), lines),
+        Frame("post", steel, circle("round", 0.01), lines, element="timoshenko"),
         bars,
         points[bars[:, 0]],
         points[bars[:, 1]],

@@ -137,7 +137,7 @@ def test_the_model_of_the_cases_is_one(tennis: Plan) -> None:
 
 def test_sources_are_verbatim_and_positions_are_kept(tennis: Plan) -> None:
     assert tennis.sources == {str(path): path.read_text(encoding="utf-8") for path in (TENNIS, FLOOR)}
-    assert tennis.positions["points.O_f"][:2] == (str(FLOOR), 41)
+    assert tennis.positions["points.O_f"][:2] == (str(FLOOR), 43)
     assert tennis.positions["bodies.damper.mass"][:2] == (str(TENNIS), 9)
 
 
