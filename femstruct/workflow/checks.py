@@ -14,8 +14,9 @@ from femstruct.impact.bodies import HalfSine, Table
 from femstruct.impact.response import Response
 from femstruct.impact.sources import TAPPING_MACHINE
 from femstruct.modal.basis import ModalBasis
+from femstruct.model.frame_waves import frame_waves
 from femstruct.model.material import Material
-from femstruct.model.model import Model, PlateMesh
+from femstruct.model.model import FrameMesh, Model, PlateMesh
 from femstruct.model.probe import Probe
 from femstruct.study.study import PlannedLoad, Study
 from femstruct.workflow.places import Places
@@ -29,8 +30,11 @@ CONTENT = 0.01  # share of a contact force's spectrum beyond the last mode that 
 
 
 def mesh_findings(model: Model, up_to_hz: float) -> tuple[Finding, ...]:
-    """Plates whose cells are too large, or that are too thick, for the bending waves of the highest frequency."""
+    """Plates and frames whose cells and bars are too long, and plates that are too thick, for the waves of the highest
+    frequency."""
     found = []
+    for frame in model.frames.values() if 0.0 < up_to_hz < np.inf else ():
+        found += _long_bars(frame, up_to_hz)
     for name, plate in model.plates.items():
         wave = bending_wavelength(plate, up_to_hz)
         cell = float(max(np.diff(plate.x).max(), np.diff(plate.y).max()))
@@ -58,6 +62,25 @@ def mesh_findings(model: Model, up_to_hz: float) -> tuple[Finding, ...]:
     return tuple(found)
 
 
+def _long_bars(frame: FrameMesh, up_to_hz: float) -> list[Finding]:
+    """The kind of wave that a frame has the fewest bars for, beside what it takes."""
+    longest = float(frame.lengths.max())
+    waves = [wave for wave in frame_waves(frame) if wave.length(up_to_hz) < wave.needed * longest]
+    if not waves:
+        return []
+    worst = min(waves, key=lambda wave: wave.length(up_to_hz) / wave.needed)
+    length = worst.length(up_to_hz)
+    return [
+        Finding(
+            "coarse-mesh",
+            f"{frame.part.name}: a {worst.kind} wave of {up_to_hz:.4g} Hz is {1e3 * length:.0f} mm long and the "
+            f"longest bar {1e3 * longest:.0f} mm, {length / longest:.1f} bars a wave where {frame.part.element} needs "
+            f"{worst.needed:g}",
+            {"wavelength_m": length, "bar_m": longest},
+        )
+    ]
+
+
 def with_shear(material: Material, thickness: float, frequency_hz: float) -> tuple[float, float]:
     """Wavenumber and density of modes of a Mindlin plate (shear factor 5/6) over those of a thin one at a frequency.
 
@@ -77,8 +100,10 @@ def with_shear(material: Material, thickness: float, frequency_hz: float) -> tup
 
 
 def carried_hz(model: Model) -> float:
-    """The highest frequency that all plates have cells enough for [Hz]; infinite without plates."""
+    """The highest frequency that all plates and frames have cells and bars enough for [Hz]; infinite without any."""
     carried = [np.inf]
+    for frame in model.frames.values():
+        carried += [wave.carried_hz(float(frame.lengths.max())) for wave in frame_waves(frame)]
     for plate in model.plates.values():
         cell = float(max(np.diff(plate.x).max(), np.diff(plate.y).max()))
         carried.append((bending_wavelength(plate, 1.0) / (CELLS_PER_WAVE * cell)) ** 2)
@@ -86,8 +111,10 @@ def carried_hz(model: Model) -> float:
 
 
 def bending_wavelength(plate: PlateMesh, frequency_hz: float) -> float:
-    """Length of a free bending wave of a thin plate [m]: 2 pi (D / rho h omega^2)^(1/4)."""
+    """Length of a free bending wave of a thin plate [m]: 2 pi (D / rho h omega^2)^(1/4); infinite without mass."""
     part = plate.part
+    if part.material.rho == 0.0:
+        return np.inf
     stiffness = rigidity(part.material.E, part.material.nu, part.thickness)[0, 0]
     omega = 2.0 * np.pi * frequency_hz
     return float(2.0 * np.pi * (stiffness / (part.material.rho * part.thickness * omega**2)) ** 0.25)
