@@ -11,12 +11,15 @@ from femstruct.language.schema_model import ModelSpec
 from femstruct.language.schema_rooms import RoomSpec
 from femstruct.language.schema_study import FrfSpec, StudySpec
 
+DENSEST_GAS, SLOWEST_LIQUID = 200.0, 500.0  # kg/m^3: nitrogen at 170 bar; m/s: fluorinated liquids have 550
+
 
 def check_rooms(check: Checker, study: StudySpec, model: ModelSpec) -> None:
     """Every room is beside a surface that is there, and its keys agree with each other and with the study's."""
     for name, room in study.rooms.items():
         check.known(("rooms", name, room.beside), room.surface, "surface", model.surfaces)
         _check_mesh(check, name, room)
+        _check_air(check, name, room)
         if room.losses is not None and room.losses.t60 is not None and room.form == "source":
             check.wrong(
                 ("rooms", name, "form"), "the source's form with t60", "beta or loss_factor", "leave out 'form'"
@@ -90,6 +93,24 @@ def _check_receivers(check: Checker, name: str, room: RoomSpec) -> None:
                 steps: Steps = ("rooms", name, "receivers", receiver)
                 size = " x ".join(f"{length:g}" for length in room.size)
                 check.wrong(steps, f"{list(place)} m", f"a point of the room, {size} m", "from its lower corner")
+
+
+def _check_air(check: Checker, name: str, room: RoomSpec) -> None:
+    """A fluid is a gas or a liquid; sound of a box goes from wall to wall at least once while it dies away."""
+    if room.air.rho > DENSEST_GAS and room.air.c < SLOWEST_LIQUID:
+        got = f"{room.air.rho:g} kg/m^3 beside a speed of sound of {room.air.c:g} m/s"
+        expected = f"a gas below {DENSEST_GAS:g} kg/m^3, or a liquid above {SLOWEST_LIQUID:g} m/s"
+        check.wrong(("rooms", name, "air", "rho"), got, expected, "air has 1.21 kg/m^3 and 343 m/s")
+    t60 = room.losses.t60 if room.losses is not None else None
+    if room.size is None or t60 is None:
+        return
+    x, y, z = room.size
+    between = 4.0 * x * y * z / (2.0 * (x * y + y * z + z * x)) / room.air.c
+    shortest = min(t60.values()) if isinstance(t60, dict) else t60
+    if shortest < between:
+        got = f"{1e3 * shortest:g} ms, less than sound takes from wall to wall, {1e3 * between:.2g} ms"
+        do = f"did you mean {1e3 * shortest:g} s?"
+        check.wrong(("rooms", name, "losses", "t60"), got, "a reverberation time: sound falls by 60 dB in it", do)
 
 
 def _check_coupling(check: Checker, study: StudySpec, name: str, room: RoomSpec) -> None:

@@ -12,8 +12,8 @@ from femstruct.language.spec import (
     Direction3,
     Factor,
     Length,
-    LossFactor,
     MassKg,
+    MaterialLossFactor,
     Measured,
     Position2,
     Position3,
@@ -46,7 +46,7 @@ class MaterialSpec(Spec):
     E: Modulus
     nu: AnyRatio
     rho: Density
-    loss_factor: LossFactor = 0.0
+    loss_factor: MaterialLossFactor = 0.0
 
 
 class RectangleSpec(Spec):
@@ -218,7 +218,7 @@ class FoundationSpec(Spec):
     between: tuple[Text, Text] | None = None
     region: Region = RegionSpec()
     stiffness: SpreadSpec
-    loss_factor: LossFactor = 0.0
+    loss_factor: MaterialLossFactor = 0.0
 
 
 class SixStiffnesses(Spec):

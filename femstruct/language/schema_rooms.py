@@ -29,14 +29,34 @@ from femstruct.language.spec import (
 _Standard = Literal["ISO 16283-2", "ISO 717-2", "JIS A 1419-2", "KS F 2863-2"]  # those of STANDARDS
 
 
+_IN_AIR = "air has 343 m/s and 1.21 kg/m^3"
+_Sound = Quantity(("speed",), above=0.0, least=50.0, most=2000.0, too_small=_IN_AIR, too_large=_IN_AIR)
+"""From the heaviest gases (sulphur hexafluoride 134 m/s) to hydrogen, 1300 m/s, and water, 1480 m/s."""
+_Fluid = Quantity(("density",), above=0.0, least=0.01, most=2000.0, too_small=_IN_AIR, too_large=_IN_AIR)
+"""From air at a hundredth of an atmosphere to the heaviest liquids but metals."""
+
+
 class AirSpec(Spec):
     """Speed of sound and density."""
 
-    c: Annotated[float, Quantity(("speed",), above=0.0)] = 343.0
-    rho: Annotated[float, Quantity(("density",), above=0.0)] = 1.21
+    c: Annotated[float, _Sound] = 343.0
+    rho: Annotated[float, _Fluid] = 1.21
 
 
-_Seconds = Quantity(("time",), above=0.0)
+_Seconds = Quantity(
+    ("time",),
+    above=0.0,
+    least=1e-3,
+    most=120.0,
+    too_small="a plain number is in seconds: did you mean {thousandfold:g} s?",
+    too_large="a plain number is in seconds: did you mean {number:g} ms?",
+)
+"""The longest reverberation known is 112 s at 125 Hz, in an oil tank under a hill (T. J. Cox, A. G. Kilpatrick,
+J. Acoust. Soc. Am. 137 (2015) 1602, doi:10.1121/1.4908218); in a millisecond sound has gone 0.3 m."""
+RoomSide = Annotated[
+    float,
+    Quantity(("length",), above=0.0, most=1000.0, too_large="a plain number is in metres: did you mean {number:g} mm?"),
+]
 
 
 def _t60(value: object) -> object:
@@ -199,7 +219,7 @@ class RoomSpec(Spec):
     one_of = (("under", "above", "below"),)
     needs = (("mesh", ("ceiling",)), ("ceiling", ("mesh",)))
 
-    size: tuple[Length, Length, Length] | None = None
+    size: tuple[RoomSide, RoomSide, RoomSide] | None = None
     mesh: Text | None = None
     ceiling: Text | None = None
     walls: dict[str, WallSpec] = Field(default_factory=dict)

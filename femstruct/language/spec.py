@@ -17,6 +17,7 @@ from pydantic import (
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
 from femstruct.language.reader import nearest
+from femstruct.model.material import MOST_LOSSES
 from femstruct.units import DIMENSIONS, QuantityError, quantity_of, shown_as
 
 LATER: Final = "not yet in this version"
@@ -68,7 +69,11 @@ def refuse(got: object, expected: str, do: str = "") -> PydanticCustomError:
 
 @dataclass(frozen=True)
 class Quantity:
-    """Annotation of a field that holds a quantity of one of these dimensions, within limits."""
+    """Annotation of a field that holds a quantity of one of these dimensions, within limits.
+
+    too_small, too_large : what to do about a value beyond `least` or `most`; {number} in it is the value in SI units,
+    {thousandfold} a thousand times that.
+    """
 
     dimensions: tuple[str, ...]
     above: float | None = None
@@ -76,6 +81,8 @@ class Quantity:
     below: float | None = None
     most: float | None = None
     which: bool = False
+    too_small: str = "remove the sign"
+    too_large: str = ""
 
     def read(self, value: object) -> Any:
         """The value in SI units, or a Measured when `which` is set."""
@@ -87,14 +94,20 @@ class Quantity:
         if self.above is not None and not number > self.above:
             raise refuse(shown_as(value), f"a positive value: {named.words}", f"write it like {named.example}")
         if self.least is not None and not number >= self.least:
-            raise refuse(shown_as(value), f"{named.words} of at least {self.least:g}", "remove the sign")
+            do = self.too_small.format(number=number, thousandfold=1e3 * number)
+            raise refuse(shown_as(value), f"{named.words} of at least {self._shown(self.least)}", do)
         if self.below is not None and not number < self.below:
             raise refuse(
                 shown_as(value), f"{named.words} below {self.below:g}", f"2 % is 0.02: did you mean {number:g} %?"
             )
         if self.most is not None and not number <= self.most:
-            raise refuse(shown_as(value), f"{named.words} of at most {self.most:g}")
+            do = self.too_large.format(number=number, thousandfold=1e3 * number)
+            raise refuse(shown_as(value), f"{named.words} of at most {self._shown(self.most)}", do)
         return Measured(number, dimension) if self.which else number
+
+    def _shown(self, limit: float) -> str:
+        unit = DIMENSIONS[self.dimensions[0]].unit
+        return f"{limit:g}" if unit == "1" or not limit else f"{limit:g} {unit}"
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         return core_schema.no_info_plain_validator_function(self.read)
@@ -135,7 +148,9 @@ Count = Annotated[int, BeforeValidator(_count)]
 Ratio = Annotated[float, Quantity(("ratio",), least=0.0, below=1.0)]
 AnyRatio = Annotated[float, Quantity(("ratio",))]
 Factor = Annotated[float, Quantity(("ratio",), above=0.0)]
-LossFactor = Annotated[float, Quantity(("ratio",), least=0.0, below=2.0)]
+_PERCENT = "2 % is 0.02: did you mean {number:g} %?"
+LossFactor = Annotated[float, Quantity(("ratio",), least=0.0, most=1.0, too_large=_PERCENT)]
+MaterialLossFactor = Annotated[float, Quantity(("ratio",), least=0.0, most=MOST_LOSSES, too_large=_PERCENT)]
 Coordinate = Annotated[float, Quantity(("length",))]
 Component = Annotated[float, Quantity(("ratio",))]
 Length = Annotated[float, Quantity(("length",), above=0.0)]

@@ -11,8 +11,8 @@ from femstruct.elements.plate import twist_excess
 from femstruct.errors import Finding
 from femstruct.model.model import Model, PlateMesh
 
-NOTABLE_SHEAR = 0.005
-"""Estimated error of a plate's first frequency from here on is worth a finding."""
+NOTABLE_SHEAR, GROSS_SHEAR = 0.005, 0.5
+"""Estimated error of a plate's first frequency from here on is worth a finding; from there on it is no plate."""
 
 
 def part_masses(model: Model) -> dict[str, float]:
@@ -72,6 +72,7 @@ def model_findings(model: Model) -> tuple[Finding, ...]:
                     f"{name} is {ratio:.2g} of its shorter side thick; without shear and rotary inertia its first "
                     f"frequency is about {100 * excess:.1f} % too high, shorter waves more",
                     {"thickness_to_side": ratio, "first_frequency_excess": excess},
+                    severe=excess > GROSS_SHEAR,
                 )
             )
     return tuple(found)

@@ -6,12 +6,20 @@ from dataclasses import dataclass
 
 from femstruct.errors import FemstructError
 
+DENSEST = 23_000.0
+"""Density [kg/m^3] that no solid exceeds: osmium has 22 600."""
+IMPOSSIBLE = 1e5  # kg/m^3: beyond it a density is none, not even that of a sheet that stands for what it carries
+MOST_LOSSES = 1.5  # of rubbers at their glass transition; a few reach 2 in a narrow band, which one number is not
+
 
 @dataclass(frozen=True)
 class Material:
     """Linear elastic isotropic material.
 
     E : Young's modulus [Pa]. nu : Poisson's ratio [1]. rho : density [kg/m^3]. loss_factor : eta in K (1 + j eta) [1].
+
+    Raises FemstructError for values that cannot be: E not above zero, nu not between -1 and 0.5, a density below zero
+    or beyond 1e5 kg/m^3, a loss factor below zero or beyond 1.5.
 
     >>> round(Material("steel", E=210e9, nu=0.3, rho=7850.0).G / 1e9, 2)
     80.77
@@ -31,8 +39,20 @@ class Material:
             raise FemstructError(f"{where}.nu", got=f"{self.nu:g}", expected="a Poisson's ratio between -1 and 0.5")
         if not self.rho >= 0:
             raise FemstructError(f"{where}.rho", got=f"{self.rho:g} kg/m^3", expected="a density >= 0")
-        if not self.loss_factor >= 0:
-            raise FemstructError(f"{where}.loss_factor", got=f"{self.loss_factor:g}", expected="a loss factor >= 0")
+        if not self.rho <= IMPOSSIBLE:
+            raise FemstructError(
+                f"{where}.rho",
+                got=f"{self.rho:g} kg/m^3",
+                expected=f"a density; the densest solid has {DENSEST:.0f} kg/m^3",
+                do="plain numbers are kg/m^3" + (f": {self.rho / 1e3:g}?" if self.rho <= 1e3 * DENSEST else ""),
+            )
+        if not 0 <= self.loss_factor <= MOST_LOSSES:
+            raise FemstructError(
+                f"{where}.loss_factor",
+                got=f"{self.loss_factor:g}",
+                expected=f"a loss factor from 0 to {MOST_LOSSES:g}",
+                do=f"2 % is 0.02: did you mean {self.loss_factor:g} %?" if self.loss_factor > 0 else "remove the sign",
+            )
 
     @property
     def G(self) -> float:

@@ -65,6 +65,15 @@ class Plate:
             raise InputError(f"parts.{self.name}.material", got=f"{self.material!r}", expected="a Material")
         if not isinstance(self.mesh, tuple | float | int):
             raise InputError(f"parts.{self.name}.mesh", got=f"{self.mesh!r}", expected="a size or a tuple (nx, ny)")
+        side = min(self.size)
+        if self.thickness > side > 0:
+            meant = f"plain numbers are metres: {self.thickness:g} mm?"
+            raise InputError(
+                f"parts.{self.name}.thickness",
+                got=f"{self.thickness:g} m",
+                expected=f"at most the plate's shorter side, {side:g} m",
+                do=meant if self.thickness > 1.0 else "what is thicker than wide is a frame or a block",
+            )
 
 
 @dataclass(frozen=True)

@@ -19,7 +19,8 @@ from femstruct.impact.shares import mode_energies
 from femstruct.impact.simulate import load_kernels
 from femstruct.modal.basis import ModalBasis
 from femstruct.model.facts import model_findings
-from femstruct.model.plausible import plausible_findings
+from femstruct.model.overhang import overhang_findings
+from femstruct.model.plausibility import plausibility_findings
 from femstruct.power import Radiated
 from femstruct.radiation import coupling_findings
 from femstruct.study.result import SILENT, AccuracyCheck, CaseResult, StudyResult
@@ -242,7 +243,8 @@ def structure_findings(solved: Solved, basis: ModalBasis) -> tuple[Finding, ...]
         top = basis.complete_below_hz
         found = (
             *model_findings(solved.model),
-            *plausible_findings(solved.model),
+            *plausibility_findings(solved.model.structure.parts),
+            *overhang_findings(solved.model),
             *found,
             *mesh_findings(solved.model, top),
         )

@@ -1,0 +1,197 @@
+"""Numbers that are physically possible, or nearly, and surely not meant: units that were forgotten or mistaken.
+
+All of it is judged by what materials, plates, bars and blocks there are; nothing needs a mesh. What cannot mean
+anything at all is refused where it is written (`Material`, `Plate`, the schemas of the language).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from femstruct.conventions import GRAVITY
+from femstruct.errors import Finding
+from femstruct.model.geometry import plate_axes
+from femstruct.model.material import DENSEST, Material
+from femstruct.model.parts import Block, Foundation, Frame, Part, Plate
+
+# sqrt(E / rho) [m/s]. M. F. Ashby, Materials Selection in Mechanical Design, chart of modulus and density: foams and
+# rubbers from 30 m/s on, gelatine (10 kPa) 3; beryllium 12.5 km/s, diamond 18 km/s.
+SLOWEST, FASTEST = 2.0, 20e3
+# What is denser than DENSE and no rubber (nu from RUBBER on): polyethylene and PTFE 430 m/s, asphalt 650, lead 1100,
+# concrete 3500. Below SLOWEST_HARD lie loose soils, and 30 MPa for concrete (112 m/s), 210 MPa for steel (164 m/s).
+DENSE, RUBBER, SLOWEST_HARD = 1100.0, 0.4, 300.0
+LIGHTEST = 1.0  # kg/m^3: less than the air in its pores; aerogels have 3 kg/m^3
+LIGHTEST_BLOCK = 5.0  # kg/m^3: a rigid body of less is a balloon
+THINNEST = 1e-4  # of the shorter side: sheet metal of 0.5 mm that spans 5 m; foils are held by their tension
+SAGGING = 0.05  # of its shorter side that a plate sags under its own weight; floors sag by 1/1000, sheets by 1/50
+STOUT = 200.0  # shorter side over thickness: beyond it sheets do sag by more
+LONGEST_BAR = 3e4  # length over radius of gyration: a wire of 4 mm over 30 m
+# Side of a section over the length of its line: stubs between two parts reach 5; of walls and piers, which are larger
+# than LARGE [m], 1.
+THICKEST_BAR, THICKEST_LARGE, LARGE = 10.0, 2.0, 1.0
+PROPORTIONS = (1e-5, 1e2)  # second moment over area squared: a strip of 1:8000, a tube of a wall of 1:1000
+SLIPS = (1e3, 1e-3, 1.0 / GRAVITY, 1e6, 1e-6, 1e9, 1e-9)  # 1 / g: a weight given for a mass
+
+
+def plausibility_findings(parts: Sequence[Part]) -> tuple[Finding, ...]:
+    """Materials no solid has, plates and bars too thin, too thick or too soft, and blocks too light or too heavy."""
+    materials = {part.material.name: part.material for part in parts if isinstance(part, Plate | Frame)}
+    lying = {name for part in parts if isinstance(part, Foundation) for name in (part.on, part.to)}
+    found: list[Finding] = []
+    for material in materials.values():
+        found += material_findings(material)
+    for part in parts:
+        if isinstance(part, Plate):
+            found += _of_plate(part, lies=part.name in lying)
+        elif isinstance(part, Frame):
+            found += _of_frame(part)
+        elif isinstance(part, Block):
+            found += _of_block(part)
+    return tuple(found)
+
+
+def material_findings(material: Material) -> tuple[Finding, ...]:
+    """A density or a modulus that no solid has, with the one that was probably meant; none without mass."""
+    E, rho, nu, name = material.E, material.rho, material.nu, material.name
+    if rho == 0.0:
+        return ()
+    speed = float(np.sqrt(E / rho))
+    if rho > DENSEST:
+        told = f"{name}: rho {rho:.4g} kg/m^3, the densest solid has {DENSEST:.0f}"
+    elif rho < LIGHTEST:
+        told = f"{name}: rho {rho:.4g} kg/m^3, no solid is so light (rho: 0 is a part without mass)"
+    elif SLOWEST <= speed <= FASTEST and (speed >= SLOWEST_HARD or rho <= DENSE or nu >= RUBBER):
+        return ()
+    else:
+        known = "gelatine has 3 m/s, diamond 18000 m/s"
+        if SLOWEST <= speed < SLOWEST_HARD:
+            known = f"beyond {DENSE:.0f} kg/m^3 only rubbers (nu from {RUBBER:g} on) have less than {SLOWEST_HARD:.0f}"
+        told = (
+            f"{name}: with E {_pressure(E)} and rho {rho:.4g} kg/m^3 sound runs along a bar of it at {speed:.3g} m/s; "
+            f"{known}"
+        )
+    stiffer = _meant(E, lambda other: _is_ordinary(other, rho, nu))
+    denser = _meant(rho, lambda other: _is_ordinary(E, other, nu))
+    if DENSEST >= rho >= LIGHTEST and stiffer is not None:
+        told += f". E {_pressure(stiffer)}?"
+    elif denser is not None:
+        told += f". rho {denser:.4g} kg/m^3?"
+    values = {"wave_speed_m_s": speed, "E_pa": E, "rho_kg_m3": rho}
+    return (Finding("implausible-material", told, values, severe=True),)
+
+
+def _is_ordinary(E: float, rho: float, nu: float) -> bool:
+    """Whether most solids people build with are like this: the middle of Ashby's chart."""
+    speed = np.sqrt(E / rho)
+    slowest = SLOWEST_HARD if rho > DENSE and nu < RUBBER else 30.0
+    return bool(10.0 <= rho <= DENSEST and slowest <= speed <= 13e3)
+
+
+def _meant(value: float, good: Callable[[float], bool]) -> float | None:
+    """What a number would be without the slip of a unit; None where no usual slip explains it."""
+    return next((value * factor for factor in SLIPS if good(value * factor)), None)
+
+
+def _pressure(value: float) -> str:
+    for unit, size in (("GPa", 1e9), ("MPa", 1e6), ("kPa", 1e3)):
+        if value >= size:
+            return f"{value / size:.4g} {unit}"
+    return f"{value:.4g} Pa"
+
+
+def _length(value: float) -> str:
+    return f"{value:.4g} m" if value >= 1.0 else f"{1e3 * value:.4g} mm"
+
+
+def _of_plate(part: Plate, lies: bool) -> list[Finding]:
+    """A film for a plate, or one that would hang through; lies : on an elastic layer, which carries it."""
+    side, h, material = min(part.size), part.thickness, part.material
+    if h < THINNEST * side:
+        meant = _meant(h, lambda other: side / 300.0 <= other <= side / 5.0)
+        asked = "" if meant is None else f". {_length(meant)}?"
+        return [
+            Finding(
+                "implausible-thickness",
+                f"{part.name}: {_length(h)} thick, 1/{side / h:.0f} of its shorter side of {_length(side)}: a foil, "
+                f"which its tension would hold{asked}",
+                {"thickness_m": h, "side_m": side},
+                severe=True,
+            )
+        ]
+    flat = abs(float(plate_axes(part)[2, 2])) > np.sqrt(0.5)
+    sag = sag_of(part)
+    if not flat or lies or material.nu >= RUBBER or side / h > STOUT or sag <= SAGGING * side:
+        return []
+    return [
+        Finding(
+            "implausible-stiffness",
+            f"{part.name}: {_length(h)} thick and simply supported over its shorter side of {_length(side)} it would "
+            f"sag by {_length(sag)} under its own weight, {100 * sag / side:.0f} %; floors sag by 0.1 %. Check E "
+            f"{_pressure(material.E)}, rho {material.rho:.4g} kg/m^3, the thickness and the size",
+            {"sag_m": sag, "side_m": side},
+            severe=True,
+        )
+    ]
+
+
+def sag_of(part: Plate) -> float:
+    """Sag of a plate under its own weight over its shorter side, simply supported at both ends [m].
+
+    5 q a^4 / (384 D) with q = rho g h and D = E h^3 / 12 (1 - nu^2).
+    """
+    material, a = part.material, min(part.size)
+    return 60.0 * (1.0 - material.nu**2) * material.rho * GRAVITY * a**4 / (384.0 * material.E * part.thickness**2)
+
+
+def _of_frame(part: Frame) -> list[Finding]:
+    """A section that does not fit the lines it runs along, or itself."""
+    section = part.section
+    lines = [np.asarray(line, dtype=np.float64) for line in part.lines if len(line) > 1]
+    pieces = [np.linalg.norm(np.diff(line, axis=0), axis=1) for line in lines]
+    if not pieces:
+        return []
+    longest_piece = max(float(lengths.max()) for lengths in pieces)
+    longest_line = max(float(lengths.sum()) for lengths in pieces)
+    side, gyration = np.sqrt(section.A), np.sqrt(min(section.Iy, section.Iz) / section.A)
+    told = ""
+    if side > (THICKEST_LARGE if side > LARGE else THICKEST_BAR) * longest_line:
+        told = f"an area of {section.A:.4g} m^2, {_length(side)} square, on a line of {_length(longest_line)}"
+    elif gyration < longest_piece / LONGEST_BAR:
+        told = f"a radius of gyration of {gyration:.3g} m on a straight piece of {_length(longest_piece)}"
+    else:
+        for name, moment in (("Iy", section.Iy), ("Iz", section.Iz)):
+            low, high = PROPORTIONS
+            if not low <= moment / section.A**2 <= high:
+                told = (
+                    f"A {section.A:.4g} m^2 and {name} {moment:.4g} m^4, {moment / section.A**2:.3g} of A^2; a square "
+                    f"has 0.083, others {low:g} to {high:g}"
+                )
+    if not told:
+        return []
+    return [
+        Finding(
+            "implausible-section",
+            f"{part.name}: its section {section.name} has {told}. Plain numbers are m, m^2 and m^4",
+            {"area_m2": section.A, "radius_of_gyration_m": float(gyration), "length_m": longest_piece},
+            severe=True,
+        )
+    ]
+
+
+def _of_block(part: Block) -> list[Finding]:
+    """A rigid body denser than any solid, or lighter than what has a shape."""
+    density = part.mass / float(np.prod(part.size))
+    if LIGHTEST_BLOCK <= density <= DENSEST:
+        return []
+    sides = " x ".join(f"{side:.4g}" for side in part.size)
+    return [
+        Finding(
+            "implausible-mass",
+            f"{part.name}: {part.mass:.4g} kg in {sides} m is {density:.3g} kg/m^3; solids and machines have "
+            f"{LIGHTEST_BLOCK:g} to {DENSEST:.0f}",
+            {"density_kg_m3": density, "mass_kg": part.mass},
+            severe=True,
+        )
+    ]
