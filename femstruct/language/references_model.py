@@ -53,6 +53,11 @@ def check_model(model: ModelSpec, tree: Tree, mistakes: Mistakes) -> None:
             check.known(("joints", name, "connect", number), part_name, "part", bodily)
         if joint.connect[0] == joint.connect[1]:
             check.wrong(("joints", name, "connect"), f"'{joint.connect[0]}' twice", "two different parts")
+        for direction in sorted(joint.stiffness.model_fields_set):
+            if not getattr(joint.stiffness, direction):
+                where = ("joints", name, "stiffness", direction)
+                do = "leave the direction out: it is rigid then; 'kind: pinned' lets the parts turn"
+                check.wrong(where, "0", "a positive stiffness", do)
     for name, point in model.points.items():
         _check_point(check, ("points", name), point, model, bodily)
     for name, surface in model.surfaces.items():

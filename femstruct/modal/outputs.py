@@ -41,12 +41,22 @@ def projected(matrix: csc_array, shapes: Floats) -> Floats:
     return 0.5 * (product + product.T)
 
 
+def unit_diagonal(K: csc_array) -> Floats:
+    """Scale [n] that makes the diagonal of K one; what has no stiffness takes that of the softest degree of freedom."""
+    diagonal = K.diagonal()
+    stiff = diagonal > 0.0
+    scale: Floats = 1.0 / np.sqrt(
+        np.where(stiff, diagonal, diagonal[stiff].min(initial=np.inf) if stiff.any() else 1.0)
+    )
+    return scale
+
+
 def convergence(K: csc_array, M: csc_array, eigenvalues: Floats, shapes: Floats) -> Floats:
     """|K phi - omega^2 M phi| of each shape over |K| |phi|, both scaled by the diagonal of K [k].
 
     Rounding (1e-16) for modes; for residual pseudo-modes, which are not modes, up to one.
     """
-    scale = 1.0 / np.sqrt(K.diagonal().clip(np.finfo(float).tiny))[:, None]
+    scale = unit_diagonal(K)[:, None]
     left_over = np.linalg.norm(scale * (K @ shapes - (M @ shapes) * eigenvalues), axis=0)
     terms = np.linalg.norm(scale * (abs(K) @ np.abs(shapes)), axis=0)
     share: Floats = np.divide(left_over, terms, out=np.zeros_like(terms), where=terms > 0)

@@ -8,6 +8,7 @@ from scipy.sparse import csc_array
 
 from femstruct.arrays import Floats
 from femstruct.errors import NotConverged
+from femstruct.modal.outputs import unit_diagonal
 from femstruct.modal.solve import Modes, orthonormalise, signed
 
 _SAME = 1e-10  # of its length: a static residual this close to the others is one of them (two probes at one place)
@@ -32,7 +33,7 @@ def residual_vectors(K: csc_array, M: csc_array, found: Modes, loads: Floats) ->
     Source: R. J. Craig, A. J. Kurdila, Fundamentals of Structural Dynamics (2006), section 11.2 (static part); Krylov
     vectors after E. L. Wilson, M. W. Yuan, J. M. Dickens, Earthquake Eng. Struct. Dyn. 10 (1982) 813-821.
     """
-    scale = 1.0 / np.sqrt(K.diagonal().clip(np.finfo(float).tiny))
+    scale = unit_diagonal(K)
     left = loads - (M @ found.shapes) @ (found.shapes.T @ loads)
     answered = np.linalg.norm(scale[:, None] * left, axis=0) <= _SAME * np.linalg.norm(scale[:, None] * loads, axis=0)
     if answered.all():  # no probe, held probes, or a basis that holds every mode

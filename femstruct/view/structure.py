@@ -34,7 +34,7 @@ def show_modes(table: Row) -> None:
     grid.show(screen)
     if table["mass_kg"]:
         screen.print(f"mass {table['mass_kg']:.4g} kg")
-    if told := _completeness(table["complete_below_hz"]):
+    if told := _completeness(table["complete_below_hz"], table["rigid_in_plane"]):
         screen.print(told)
     show_findings(screen, _read(table["findings"]))
 
@@ -126,15 +126,22 @@ def _counted(count: int, what: str) -> str:
     return f"{count} {what}" + ("" if count == 1 else "s")
 
 
-def _completeness(below_hz: float | None) -> str:
-    """Which modes are proven to be here: below a frequency, all of them (None), or none (0).
+def _completeness(below_hz: float | None, rigid_in_plane: Sequence[str] = ()) -> str:
+    """Which modes are proven to be here: below a frequency, all of them (None), or none (0); and which the model of the
+    structure cannot have.
 
     >>> _completeness(None), _completeness(0.0), _completeness(512.0)
-    ('all modes of the structure are here', '', 'no mode is missing below 512 Hz')
+    ('all modes of this model are here', '', 'no mode of this model is missing below 512 Hz')
+    >>> _completeness(512.0, ["floor"])
+    'no mode of this model is missing below 512 Hz; its plates (floor) have none in their own planes'
     """
-    if below_hz is None:
-        return "all modes of the structure are here"
-    return f"no mode is missing below {below_hz:.5g} Hz" if below_hz > 0.0 else ""
+    if below_hz is not None and not below_hz > 0.0:
+        return ""
+    told = "all modes of this model are here"
+    if below_hz is not None:
+        told = f"no mode of this model is missing below {below_hz:.5g} Hz"
+    names = ", ".join(rigid_in_plane[:3]) + (", ..." if len(rigid_in_plane) > 3 else "")
+    return f"{told}; its plates ({names}) have none in their own planes" if names else told
 
 
 def _percentage(part: float, whole: float) -> str:

@@ -133,7 +133,8 @@ def inspect_file(path: Path, overrides: tuple[str, ...] = ()) -> Inspection:
         block_modes=() if model is None else block_modes(model, basis),
         rooms=() if study is None else study.rooms,
         drops=() if case is None else tuple(case.drops),
-        findings=structure_findings(solved, basis) + weight_findings(under_weight),
+        findings=structure_findings(solved, basis, () if case is None else case.studies)
+        + weight_findings(under_weight),
     )
 
 
@@ -164,6 +165,7 @@ def modes_of(path: Path, extent: Extent, overrides: tuple[str, ...] = ()) -> Tab
         "modal_mass_kg": {axis: basis.modal_mass[i, true].tolist() for i, axis in enumerate("xyz")},
         "rigid_body_modes": basis.n_rigid,
         "complete_below_hz": number(basis.complete_below_hz),
+        "rigid_in_plane": [] if solved.model is None else list(solved.model.plates),
         "mass_kg": basis.total_mass,
         "findings": [finding_table(finding) for finding in structure_findings(solved, basis)],
     }

@@ -5,7 +5,7 @@ from __future__ import annotations
 import platform
 import sys
 import time
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from datetime import UTC, datetime
@@ -18,9 +18,6 @@ from femstruct.errors import Finding
 from femstruct.impact.shares import mode_energies
 from femstruct.impact.simulate import load_kernels
 from femstruct.modal.basis import ModalBasis
-from femstruct.model.facts import model_findings
-from femstruct.model.overhang import overhang_findings
-from femstruct.model.plausibility import plausibility_findings
 from femstruct.power import Radiated
 from femstruct.radiation import coupling_findings
 from femstruct.study.result import SILENT, AccuracyCheck, CaseResult, StudyResult
@@ -29,7 +26,7 @@ from femstruct.workflow.accuracy import accuracy_findings, hold_accuracy
 from femstruct.workflow.air import ceiling, coupled, coupled_key, weight_on_air
 from femstruct.workflow.bases import Solved, damped, solve_all
 from femstruct.workflow.channels import acceleration_rows, record, refuse_absent_forces
-from femstruct.workflow.checks import aliased_findings, hammer_findings, load_findings, mesh_findings, room_findings
+from femstruct.workflow.checks import aliased_findings, hammer_findings, load_findings, room_findings
 from femstruct.workflow.compare import compare
 from femstruct.workflow.limits import judged, verdicts
 from femstruct.workflow.machine import machines
@@ -38,6 +35,11 @@ from femstruct.workflow.rated import rate_rooms, rated_findings
 from femstruct.workflow.responses import frequency_response
 from femstruct.workflow.sound import sound_energies
 from femstruct.workflow.struck import Struck, strike, told_once
+from femstruct.workflow.structure_findings import (
+    structure_findings_after,
+    structure_findings_before,
+    worst_first,
+)
 
 Progress = Callable[[str], None]
 
@@ -169,7 +171,10 @@ def run_case(
     study, own = case.study, solved[case.name]
     with clock("damping", case.name):
         basis = damped(case, solved, baseline)
-    findings = [*structure_findings(own, basis), *(accuracy_findings(accuracy) if accuracy is not None else ())]
+    findings = [
+        *structure_findings(own, basis, case.studies),
+        *(accuracy_findings(accuracy) if accuracy is not None else ()),
+    ]
     told: list[tuple[str, Advice | Finding]] = []
     vacuo = basis
     if any(plan.coupling == "two-way" for plan in study.rooms):
@@ -236,19 +241,14 @@ def distinct(findings: Iterable[Finding]) -> tuple[Finding, ...]:
     return tuple({(finding.code, finding.message): finding for finding in findings}.values())
 
 
-def structure_findings(solved: Solved, basis: ModalBasis) -> tuple[Finding, ...]:
-    """What to know of a structure and its basis before anything hits it."""
-    found = basis.findings
-    if solved.model is not None:
-        top = basis.complete_below_hz
-        found = (
-            *model_findings(solved.model),
-            *plausibility_findings(solved.model.structure.parts),
-            *overhang_findings(solved.model),
-            *found,
-            *mesh_findings(solved.model, top),
+def structure_findings(solved: Solved, basis: ModalBasis, studies: Sequence[Study] = ()) -> tuple[Finding, ...]:
+    """What to know of a structure and its basis before anything hits it, severe findings first."""
+    return worst_first(
+        (
+            *structure_findings_before(solved.structure, solved.model, studies),
+            *structure_findings_after(solved.model, basis, studies),
         )
-    return found
+    )
 
 
 def provenance(command: str) -> dict[str, str]:

@@ -25,16 +25,22 @@ def sags(model: Model, basis: ModalBasis) -> tuple[Sag, ...]:
     The sum over the modes of the basis, each by what of the weight it carries: exact for blocks on springs where all
     modes are found, a little too small for plates and frames.
     """
+    if falling(basis):
+        return ()
     pulled = basis.momentum[2]
     free = basis.omega == 0.0
-    if (pulled[free] ** 2).sum() > _FALLS * basis.total_mass:
-        return ()
     moved: Floats = basis.shapes[:, :, ~free] @ (-GRAVITY * pulled[~free] / basis.omega[~free] ** 2)
     found = []
     for name, nodes in model.mesh.nodes.items():
         leaning = float(np.hypot(*moved[nodes[0], 3:5])) if name in model.blocks else None
         found.append(Sag(name, float(-moved[nodes, 2].min()), leaning))
     return tuple(found)
+
+
+def falling(basis: ModalBasis) -> bool:
+    """Whether a mode without frequency moves up and down: weight sets it in motion, and nothing holds it."""
+    free = basis.omega == 0.0
+    return bool((basis.momentum[2][free] ** 2).sum() > _FALLS * basis.total_mass)
 
 
 def block_modes(model: Model, basis: ModalBasis) -> tuple[BlockMode, ...]:

@@ -51,10 +51,17 @@ def test_findings_of_some_cases_name_them(capsys):
 
 
 @pytest.mark.parametrize(
-    ("below_hz", "told"), [(None, "all modes of the structure"), (0.0, ""), (99.0, "no mode is missing below 99 Hz")]
+    ("below_hz", "plates", "told"),
+    [
+        (None, [], "all modes of this model are here\n"),
+        (0.0, ["floor"], ""),
+        (99.0, [], "no mode of this model is missing below 99 Hz\n"),
+        (99.0, ["floor", "slab"], "missing below 99 Hz; its plates (floor, slab) have none in their own planes\n"),
+        (None, ["floor"], "all modes of this model are here; its plates (floor) have none in their own planes\n"),
+    ],
 )
-def test_modes_without_a_mass(capsys, below_hz, told):
-    structure.show_modes({**MODES, "complete_below_hz": below_hz})
+def test_modes_without_a_mass(capsys, below_hz, plates, told):
+    structure.show_modes({**MODES, "complete_below_hz": below_hz, "rigid_in_plane": plates})
     printed = capsys.readouterr().out
     assert printed.splitlines()[2].split()[-3:] == ["-", "-", "-"]
     assert "mass 0" not in printed and "inf" not in printed

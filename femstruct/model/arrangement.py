@@ -1,0 +1,122 @@
+"""How a structure is put together: what nothing joins, what nothing holds up, what cannot move, what is there twice."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from femstruct.arrays import Floats
+from femstruct.errors import Finding
+from femstruct.model.connections import Piece, held_directions, pieces, place_of_touch
+from femstruct.model.facts import part_masses
+from femstruct.model.model import Model
+
+DOMINATES = 1e6  # of the rest: a mass of that share is ground, or a slip of a unit
+ROUNDING = 1e-9
+
+
+def arrangement_findings(
+    model: Model, joined: Iterable[tuple[str, str]] = (), gravity: bool = False
+) -> tuple[Finding, ...]:
+    """Pieces that nothing joins or holds up, parts that cannot move, and a mass beside which the rest is nothing.
+
+    joined : pairs of points that contacts and links of a study hold together. gravity : whether it has gravity.
+    """
+    found = pieces(model, joined)
+    return (*_unjoined(model, found), *_falling(found, gravity), *_held(model), *_dominating(model))
+
+
+def _names(piece: Piece) -> str:
+    return ", ".join(piece.parts[:6]) + (f" and {len(piece.parts) - 6} more" if len(piece.parts) > 6 else "")
+
+
+def _unjoined(model: Model, found: tuple[Piece, ...]) -> list[Finding]:
+    told = []
+    for number, piece in enumerate(found[1:], start=1):
+        others = (*found[:number], *found[number + 1 :])
+        touched = next(
+            ((other, at) for other in others if (at := place_of_touch(model, piece, other)) is not None), None
+        )
+        free = len(piece.free) > 0
+        rest = f"the rest ({_names(found[0])})" if len(found) == 2 else f"{_names(found[0])} and others"
+        where = model.mesh.points[piece.nodes[0]]
+        some = [name for name in piece.parts if not np.isin(model.mesh.nodes[name], piece.nodes).all()]
+        which = _names(piece)
+        if some:
+            which += f" (of {', '.join(some)} what is at {_place(where)} m)"
+        message = f"{which}: nothing joins it to {rest}"
+        if touched is not None:
+            message += f", which it touches at {_place(touched[1])} m: is a joint missing?"
+        message += "; it can move freely" if free else "; each vibrates by itself"
+        told.append(
+            Finding(
+                "parts-not-joined",
+                f"{message}. Joints, layers and springs join, and so do contacts and links of a study",
+                {"pieces": len(found), "free_motions": len(piece.free), "mass_kg": piece.mass},
+                severe=free or touched is not None or len(found[0].free) > 0,
+            )
+        )
+    return told
+
+
+def _falling(found: tuple[Piece, ...], gravity: bool) -> list[Finding]:
+    return [
+        Finding(
+            "nothing-carries-weight",
+            f"{_names(piece)}: the study has gravity, and no support, layer or spring holds {piece.mass:.4g} kg up; "
+            "it falls or tips over as soon as something pushes it. Hold it, or set gravity: false",
+            {"mass_kg": piece.mass, "free_motions": len(piece.free)},
+            severe=True,
+        )
+        for piece in (found if gravity else ())
+        if piece.falls
+    ]
+
+
+def _held(model: Model) -> list[Finding]:
+    """Parts of which every node is held: of a plate its deflection, of frames and blocks all three displacements."""
+    held = held_directions(model)
+    told = []
+    for name, nodes in model.mesh.nodes.items():
+        if name in model.plates:
+            normal = model.plates[name].axes[2]
+            share = np.einsum("i,nij,j->n", normal, held[nodes], normal)
+            what = "the deflection of every node"
+        else:
+            share = np.linalg.eigvalsh(held[nodes])[:, 0]
+            what = "every node"
+        if share.min(initial=1.0) > ROUNDING:
+            told.append(
+                Finding(
+                    "nothing-moves",
+                    f"{name}: supports hold {what} of it ({len(nodes)}), so that it moves between them at most. Is the "
+                    "mesh too coarse, or too much held?",
+                    {"nodes": len(nodes)},
+                    severe=True,
+                )
+            )
+    return told
+
+
+def _dominating(model: Model) -> list[Finding]:
+    masses = part_masses(model)
+    if len(masses) < 2:
+        return []
+    name = max(masses, key=lambda one: masses[one])
+    rest = sum(masses.values()) - masses[name]
+    if masses[name] <= DOMINATES * rest:
+        return []
+    return [
+        Finding(
+            "one-mass-dominates",
+            f"{name} has {masses[name]:.4g} kg, all the rest {rest:.4g} kg, {masses[name] / rest:.1g} times less: it "
+            "stands still beside it. Check the units, or hold the rest by a support",
+            {"mass_kg": masses[name], "rest_kg": rest},
+            severe=True,
+        )
+    ]
+
+
+def _place(at: Floats) -> str:
+    return "(" + ", ".join(f"{value:.4g}" for value in at) + ")"

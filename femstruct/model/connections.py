@@ -1,0 +1,190 @@
+"""What holds together and what is held: the pieces of a structure that nothing joins, and how each can still move."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import coo_array, csr_array, vstack
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import KDTree
+
+from femstruct.arrays import Floats, Integers, freeze, frozen, frozen_integers
+from femstruct.conventions import N_COMPONENTS
+from femstruct.model.geometry import distance_to_rectangle, to_plate
+from femstruct.model.model import Model
+
+FREE = 1e-6  # of what the supports resist most: a rigid motion they resist by less is free
+TOUCHING = 1e-6  # of the structure's size
+
+
+@dataclass(frozen=True, eq=False)
+class Piece:
+    """A part of a structure, or several, that joints, layers or springs hold together.
+
+    parts : their names, in order. nodes [n] : of the mesh. mass [kg].
+    free [f, 6] : its rigid motions that no support resists: translations along x, y, z, and rotations about them about
+    the middle of the structure, of as much displacement at its size. weight [6] : what each of these motions along with
+    the weight of the piece does, in kg.
+    """
+
+    parts: tuple[str, ...]
+    nodes: Integers
+    mass: float
+    free: Floats
+    weight: Floats
+
+    def __post_init__(self) -> None:
+        freeze(
+            self,
+            nodes=frozen_integers("Piece nodes", self.nodes, (None,)),
+            free=frozen("Piece free", self.free, (None, 6)),
+            weight=frozen("Piece weight", self.weight, (6,)),
+        )
+
+    @property
+    def falls(self) -> bool:
+        """Whether its own weight sets it in motion, since the supports cannot balance it."""
+        return bool(np.linalg.norm(self.free @ self.weight) > FREE * np.linalg.norm(self.weight))
+
+
+def pieces(model: Model, joined: Iterable[tuple[str, str]] = ()) -> tuple[Piece, ...]:
+    """The pieces of a model, the heaviest first.
+
+    joined : pairs of points by name that something else holds together, as contacts and links of a study do.
+
+    >>> from femstruct.model.material import Material
+    >>> from femstruct.model.mesher import mesh_structure
+    >>> from femstruct.model.parts import Plate, Structure, Support
+    >>> steel = Material("steel", E=210e9, nu=0.3, rho=8000.0)
+    >>> one = Plate("one", steel, 0.003, origin=(0.0, 0.0, 0.0), size=(0.5, 0.4), mesh=(2, 2))
+    >>> two = Plate("two", steel, 0.002, origin=(0.0, 0.0, 0.3), size=(0.5, 0.4), mesh=(2, 2))
+    >>> held = Support("edge", "clamped", on="one", edge="x0")
+    >>> model = mesh_structure(Structure("two", (one, two), supports=(held,)))
+    >>> [(piece.parts, len(piece.free)) for piece in pieces(model)]
+    [(('one',), 0), (('two',), 6)]
+    """
+    n_nodes = model.mesh.n_nodes
+    labels = _labels(model, joined)
+    motion = _rigid_motions(model)
+    resisted = [tie.rows for tie in model.ties if tie.grounded]
+    resisted += [spring.rows[np.flatnonzero(spring.stiffness > 0)] for spring in model.elastics if spring.grounded]
+    held = csr_array(vstack([csr_array((0, n_nodes * N_COMPONENTS)), *resisted]))
+    held = held[np.flatnonzero(np.diff(held.indptr))]
+    owner = labels[held.indices[held.indptr[:-1]] // N_COMPONENTS]
+    directions = held @ motion
+    weights = _weights(model, motion)
+    found = []
+    for label in range(int(labels.max()) + 1):
+        nodes = np.flatnonzero(labels == label)
+        parts = tuple(name for name, numbers in model.mesh.nodes.items() if (labels[numbers] == label).any())
+        weight = np.array(weights[nodes].sum(axis=0))
+        found.append(Piece(parts, nodes, float(weight[2]), _null(directions[owner == label]), weight))
+    return tuple(sorted(found, key=lambda piece: -piece.mass))
+
+
+def place_of_touch(model: Model, one: Piece, other: Piece) -> Floats | None:
+    """A place [3] where nodes of one of two pieces lie on the other; None where none do."""
+    within = TOUCHING * _size(model)
+    for here, there in ((one, other), (other, one)):
+        places = model.mesh.points[here.nodes]
+        distances = np.asarray(KDTree(model.mesh.points[there.nodes]).query(places)[0])
+        for plate in (model.plates[name] for name in there.parts if name in model.plates):
+            local = to_plate(plate.part, plate.axes, places)
+            distances = np.minimum(distances, distance_to_rectangle(local, plate.part.size))
+        if distances.min() <= within:
+            nearest: Floats = places[int(np.argmin(distances))]
+            return nearest
+    return None
+
+
+def held_directions(model: Model) -> Floats:
+    """Sum of d d^T over the unit directions d in which supports hold each node [n_nodes, 3, 3]."""
+    found = np.zeros((model.mesh.n_nodes, 3, 3))
+    for tie in model.ties:
+        if not tie.grounded:
+            continue
+        rows = tie.rows.tocoo()
+        node, component = np.divmod(rows.col, N_COMPONENTS)
+        turning = np.zeros(tie.rows.shape[0], dtype=bool)
+        turning[rows.row[component >= 3]] = True
+        first = np.full(tie.rows.shape[0], -1)
+        first[rows.row] = node
+        several = np.zeros(tie.rows.shape[0], dtype=bool)
+        several[rows.row[first[rows.row] != node]] = True
+        kept = ~(turning | several) & (first >= 0)
+        directions = np.zeros((tie.rows.shape[0], 3))
+        straight = component < 3
+        directions[rows.row[straight], component[straight]] = rows.data[straight]
+        directions = directions[kept]
+        np.add.at(found, first[kept], directions[:, :, None] * directions[:, None, :])
+    return found
+
+
+def _labels(model: Model, joined: Iterable[tuple[str, str]]) -> Integers:
+    """The piece of every node [n_nodes], from a graph of the nodes and of all that has a part in several of them."""
+    n_nodes = model.mesh.n_nodes
+    groups = [plate.nodes.ravel() for plate in model.plates.values()]
+    groups += [bar for frame in model.frames.values() for bar in frame.bars]
+    groups += [np.concatenate([place.nodes for name in pair for place in model.places(name)]) for pair in joined]
+    numbers = np.repeat(np.arange(len(groups)), [len(group) for group in groups])
+    nodes = np.concatenate([np.zeros(0, np.int64), *groups])
+    for rows in (*(tie.rows for tie in model.ties), *(elastic.rows for elastic in model.elastics)):
+        entries = rows.tocoo()
+        first = int(numbers[-1]) + 1 if len(numbers) else 0
+        numbers = np.concatenate([numbers, first + entries.row])
+        nodes = np.concatenate([nodes, entries.col // N_COMPONENTS])
+    size = n_nodes + (int(numbers.max()) + 1 if len(numbers) else 0)
+    graph = coo_array((np.ones(len(nodes), dtype=np.int8), (nodes, n_nodes + numbers)), shape=(size, size))
+    labels = connected_components(graph, directed=False)[1][:n_nodes]
+    _, found = np.unique(labels, return_inverse=True)
+    return found.astype(np.int64)
+
+
+def _size(model: Model) -> float:
+    corners = [model.mesh.points, *(block.corners for block in model.blocks.values())]
+    return float(np.ptp(np.concatenate(corners), axis=0).max())
+
+
+def _rigid_motions(model: Model) -> Floats:
+    """Six rigid motions of all nodal components [n_nodes * 7, 6]; a rotation moves what is a size away by one."""
+    points, size = model.mesh.points, _size(model) or 1.0
+    arms = (points - (points.min(axis=0) + points.max(axis=0)) / 2.0) / size
+    motion = np.zeros((len(points), N_COMPONENTS, 6))
+    for axis, unit in enumerate(np.eye(3)):
+        motion[:, axis, axis] = 1.0
+        motion[:, :3, 3 + axis] = np.cross(unit, arms)
+        motion[:, 3 + axis, 3 + axis] = 1.0 / size
+    return motion.reshape(-1, 6)
+
+
+def _weights(model: Model, motion: Floats) -> Floats:
+    """Mass times the rise of every rigid motion, at the nodes [n_nodes, 6] [kg]."""
+    lumps = np.zeros(model.mesh.n_nodes)
+    for plate in model.plates.values():
+        a, b = plate.cell_sizes
+        np.add.at(lumps, plate.cells, (plate.part.material.rho * plate.part.thickness * a * b / 4.0)[:, None])
+    for frame in model.frames.values():
+        half = frame.part.material.rho * frame.part.section.A * frame.lengths / 2.0
+        np.add.at(lumps, frame.bars[:, :2], half[:, None])
+    for block in model.blocks.values():
+        lumps[block.node] += block.part.mass
+    weights = lumps[:, None] * motion.reshape(-1, N_COMPONENTS, 6)[:, 2]
+    for inert in model.inerts:
+        upwards = csr_array(inert.rows[2::3])
+        upwards = upwards[np.flatnonzero(np.diff(upwards.indptr))]
+        at = upwards.indices[upwards.indptr[:-1]] // N_COMPONENTS
+        np.add.at(weights, at, inert.mass[2::3][: len(at), None] * (upwards @ motion))
+    return weights
+
+
+def _null(directions: Floats) -> Floats:
+    """Orthonormal motions [f, 6] that the rows [m, 6] do not feel."""
+    sizes = np.linalg.norm(directions, axis=1)
+    rows = directions[sizes > 0.0]
+    if not len(rows):
+        return np.eye(6)
+    _, values, vectors = np.linalg.svd(rows, full_matrices=True)
+    rank = int((values > FREE * values[0]).sum())
+    return vectors[rank:]

@@ -1,0 +1,152 @@
+"""What is in one place twice: plates and blocks that fill the same space, lines and masses that are given again."""
+
+from __future__ import annotations
+
+from itertools import combinations
+
+import numpy as np
+
+from femstruct.arrays import Floats
+from femstruct.errors import Finding
+from femstruct.model.extent import extent
+from femstruct.model.layers import body_box
+from femstruct.model.parts import Block, Foundation, Frame, Mass, Part, Plate, Spring, Structure
+
+SAME = 1e-6  # of the structure's size: places closer are one
+REACHES = 0.01  # of the thinner part: less is a rounded dimension
+INSIDE = 0.5  # of the thinner part: from here on it is in the other's place
+MOST_LINES = 3000  # straight pieces compared each with each
+
+
+def twice_findings(structure: Structure) -> tuple[Finding, ...]:
+    """Two parts in one place, a line given twice, and a mass, spring or layer given again; all with their names."""
+    size = extent(structure)
+    solids = [part for part in structure.parts if isinstance(part, Plate | Block)]
+    joined = {frozenset((joint.a, joint.b)) for joint in structure.joints}
+    found: list[Finding] = []
+    for one, other in combinations(solids, 2):
+        found += _in_one_place(one, other, SAME * size, frozenset((one.name, other.name)) in joined)
+    found += _lines(structure, SAME * size, joined)
+    found += _given_again(structure)
+    return tuple(found)
+
+
+def _in_one_place(one: Plate | Block, other: Plate | Block, tolerance: float, joined: bool) -> list[Finding]:
+    """Two plates with parallel faces, or two blocks, of which one reaches into the other."""
+    if type(one) is not type(other) or (isinstance(one, Block) and joined):  # joined blocks may be made of boxes
+        return []
+    corner, axes, sides = body_box(one)
+    second, others, second_sides = body_box(other)
+    turn = others @ axes.T
+    if np.abs(np.abs(turn) - np.round(np.abs(turn))).max() > SAME or abs(turn[2, 2]) < 0.5:
+        return []
+    start = (second - corner) @ axes.T
+    end = start + second_sides @ np.round(turn)
+    shared = np.minimum(np.maximum(start, end), sides) - np.maximum(np.minimum(start, end), 0.0)
+    if shared[:2].min() <= tolerance or shared[2] <= REACHES * min(sides[2], second_sides[2]):
+        return []
+    share = float(shared[2] / min(sides[2], second_sides[2]))
+    area = " x ".join(f"{side:.4g}" for side in shared[:2])
+    return [
+        Finding(
+            "two-in-one-place",
+            f"{one.name} and {other.name} fill the same {area} m over {1e3 * shared[2]:.4g} mm, {100 * share:.0f} % of "
+            "the thinner one: mass and stiffness count twice there. The origin of a plate is on its mid-surface",
+            {"depth_m": float(shared[2]), "share": share},
+            severe=share > INSIDE,
+        )
+    ]
+
+
+def _lines(structure: Structure, tolerance: float, joined: set[frozenset[str]]) -> list[Finding]:
+    """Straight pieces of frames that lie on each other."""
+    names, pieces = [], []
+    for part in structure.parts:
+        if isinstance(part, Frame):
+            for line in part.lines:
+                points = np.asarray(line, dtype=np.float64)
+                names += [part.name] * (len(points) - 1)
+                pieces.append(np.stack([points[:-1], points[1:]], axis=1) + np.asarray(part.start_offset))
+    if not names:
+        return []
+    ends = np.concatenate(pieces)
+    told: dict[tuple[str, str], tuple[Floats, float, int]] = {}
+    for first, second, shared in _overlapping(ends, tolerance):
+        key = (names[first], names[second])
+        middle = ends[second].mean(axis=0)
+        at, length, count = told.get(key, (middle, 0.0, 0))
+        told[key] = (at, length + shared, count + 1)
+    return [_line_twice(*key, at, length, count, frozenset(key) in joined) for key, (at, length, count) in told.items()]
+
+
+def _line_twice(one: str, other: str, at: Floats, length: float, count: int, joined: bool) -> Finding:
+    which = f"{one} has a line twice" if one == other else f"{one} and {other} have a line in one place"
+    place = ", ".join(f"{value:.4g}" for value in at)
+    return Finding(
+        "line-twice",
+        f"{which}, {count} straight piece{'s' if count > 1 else ''} of {length:.4g} m, the first near ({place}) m: "
+        "mass and stiffness count twice there" + ("; a bar made of two is joined like that" if joined else ""),
+        {"length_m": length, "pieces": count},
+        severe=one == other or not joined,
+    )
+
+
+def _overlapping(ends: Floats, tolerance: float) -> list[tuple[int, int, float]]:
+    """Pairs of straight pieces [n, 2, 3] that share more than a point, and the length they share [m]."""
+    found = []
+    start, along = ends[:, 0], ends[:, 1] - ends[:, 0]
+    length = np.linalg.norm(along, axis=1)
+    unit = along / np.where(length > 0.0, length, 1.0)[:, None]
+    for first in range(min(len(ends), MOST_LINES) - 1):
+        rest = slice(first + 1, MOST_LINES)
+        place = np.stack([(ends[rest, i] - start[first]) @ unit[first] for i in (0, 1)], axis=1)
+        off = np.stack(
+            [np.linalg.norm(ends[rest, i] - start[first] - place[:, i, None] * unit[first], axis=1) for i in (0, 1)],
+            axis=1,
+        )
+        shared = np.minimum(place.max(axis=1), length[first]) - np.maximum(place.min(axis=1), 0.0)
+        others = np.flatnonzero((off.max(axis=1) <= tolerance) & (shared > 10.0 * tolerance))
+        found += [(first, first + 1 + int(other), float(shared[other])) for other in others]
+    return found
+
+
+def _given_again(structure: Structure) -> list[Finding]:
+    """Masses, springs and layers that are equal in all but their names."""
+    places = {point.name: (point.on, point.at) for point in structure.points}
+    numbered = {
+        f"{point.name}.{number}": (point.on, (at,))
+        for point in structure.points
+        for number, at in enumerate(point.at, 1)
+    }
+    seen: dict[object, str] = {}
+    found = []
+    for part in structure.parts:
+        said = _said(part, {**numbered, **places})
+        if said is None:
+            continue
+        if said in seen:
+            kind = "mass" if isinstance(part, Mass) else "spring" if isinstance(part, Spring) else "layer"
+            found.append(
+                Finding(
+                    "given-twice",
+                    f"{seen[said]} and {part.name} are one {kind} in one place, given twice: remove one, or write the "
+                    "sum of both as one",
+                    {"times": 2},
+                    severe=True,
+                )
+            )
+        seen.setdefault(said, part.name)
+    return found
+
+
+def _said(part: Part, places: dict[str, tuple[str, tuple[tuple[float, ...], ...]]]) -> object:
+    """All that is said of a mass, spring or layer but its name; None for other parts."""
+    if isinstance(part, Mass):
+        where = places.get(part.at, part.at) if part.at is not None else (part.on, part.region)
+        return "mass", part.mass, part.per, where
+    if isinstance(part, Spring):
+        ends = frozenset(str(places.get(end, end)) for end in (part.a, part.b) if end is not None)
+        return "spring", part.stiffness, part.damping, ends
+    if isinstance(part, Foundation):
+        return "layer", part.on, part.to, part.region, part.normal, part.shear
+    return None
