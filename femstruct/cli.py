@@ -134,7 +134,7 @@ def check(
         from femstruct.view.structure import show_inspection
 
         show_inspection(inspection.table(), str(picture or ""))
-    return GOOD
+    return NOT_TRUSTED if any(finding.severe for finding in inspection.findings) else GOOD
 
 
 @_command

@@ -12,7 +12,7 @@ from femstruct.assembly.forces import force_rows, grounded
 from femstruct.assembly.matrices import Assembly, DofMap
 from femstruct.assembly.scatter import block_matrix, elastic_matrices, frame_matrices, inert_matrix, plate_matrices
 from femstruct.assembly.ties import Elimination, eliminate
-from femstruct.errors import SingularSystem
+from femstruct.errors import InputError, SingularSystem
 from femstruct.model.facts import part_masses
 from femstruct.model.model import Model
 
@@ -23,7 +23,7 @@ def assemble(model: Model) -> Assembly:
     """Mass, stiffness and damping matrices of a model on its free degrees of freedom.
 
     Joints and supports are eliminated, not penalised. Raises SingularSystem for a degree of freedom with neither
-    stiffness nor mass, naming part, node and component.
+    stiffness nor mass, naming part, node and component; InputError where supports hold all of them.
 
     Notes
     -----
@@ -61,6 +61,13 @@ def assemble(model: Model) -> Assembly:
     total, damping, mass = (_sum(terms, dofs.count) for terms in (list(stiffness.values()), dashpots, masses))
     equations, owners = _equations(model, dofs)
     solved = eliminate(equations)
+    if not len(solved.free):
+        raise InputError(
+            "supports",
+            got=f"every motion of {', '.join(model.mesh.nodes)} held ({model.mesh.n_nodes} nodes)",
+            expected="something that can move",
+            do="hold less, or use a finer mesh",
+        )
     labels = DofLabels(model, dofs, solved.free)
     part_stiffness = {
         name: _without_rounding(_on_free(matrix, solved), matrix, solved) for name, matrix in stiffness.items()

@@ -14,6 +14,7 @@ from femstruct.model.model import Model
 
 DOMINATES = 1e6  # of the rest: a mass of that share is ground, or a slip of a unit
 ROUNDING = 1e-9
+MOST_PIECES = 10  # of which it is looked whether they touch
 
 
 def arrangement_findings(
@@ -32,32 +33,37 @@ def _names(piece: Piece) -> str:
 
 
 def _unjoined(model: Model, found: tuple[Piece, ...]) -> list[Finding]:
-    told = []
-    for number, piece in enumerate(found[1:], start=1):
-        others = (*found[:number], *found[number + 1 :])
-        touched = next(
-            ((other, at) for other in others if (at := place_of_touch(model, piece, other)) is not None), None
-        )
-        free = len(piece.free) > 0
-        rest = f"the rest ({_names(found[0])})" if len(found) == 2 else f"{_names(found[0])} and others"
-        where = model.mesh.points[piece.nodes[0]]
-        some = [name for name in piece.parts if not np.isin(model.mesh.nodes[name], piece.nodes).all()]
-        which = _names(piece)
-        if some:
-            which += f" (of {', '.join(some)} what is at {_place(where)} m)"
-        message = f"{which}: nothing joins it to {rest}"
-        if touched is not None:
-            message += f", which it touches at {_place(touched[1])} m: is a joint missing?"
-        message += "; it can move freely" if free else "; each vibrates by itself"
-        told.append(
-            Finding(
-                "parts-not-joined",
-                f"{message}. Joints, layers and springs join, and so do contacts and links of a study",
-                {"pieces": len(found), "free_motions": len(piece.free), "mass_kg": piece.mass},
-                severe=free or touched is not None or len(found[0].free) > 0,
-            )
-        )
-    return told
+    """A finding for every piece beside the heaviest; pieces of the same parts, as loose legs of a frame, share one."""
+    alike: dict[tuple[str, ...], list[Piece]] = {}
+    for piece in found[1:]:
+        alike.setdefault(piece.parts, []).append(piece)
+    return [_loose(model, found, pieces_of) for pieces_of in alike.values()]
+
+
+def _loose(model: Model, found: tuple[Piece, ...], alike: list[Piece]) -> Finding:
+    touches = [
+        at
+        for piece in alike[:MOST_PIECES]
+        for other in found[:MOST_PIECES]
+        if other is not piece and (at := place_of_touch(model, piece, other)) is not None
+    ]
+    piece = next((one for one in alike if len(one.free)), alike[0])
+    free = len(piece.free) > 0
+    which = _names(piece)
+    if len(alike) > 1:
+        which += f" ({len(alike)} pieces of it)"
+    elif any(not np.isin(model.mesh.nodes[name], piece.nodes).all() for name in piece.parts):
+        which += f" (what of it is at {_place(model.mesh.points[piece.nodes[0]])} m)"
+    message = f"{which}: nothing joins it to {_names(found[0])}"
+    if touches:
+        message += f", though parts touch at {_place(touches[0])} m: is a joint missing?"
+    message += "; it can move freely" if free else "; each vibrates by itself"
+    return Finding(
+        "parts-not-joined",
+        f"{message}. Joints, layers and springs join, and so do contacts and links of a study",
+        {"pieces": len(found), "free_motions": len(piece.free), "mass_kg": sum(one.mass for one in alike)},
+        severe=free or bool(touches) or len(found[0].free) > 0,
+    )
 
 
 def _falling(found: tuple[Piece, ...], gravity: bool) -> list[Finding]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from math import gcd
 
 import numpy as np
 from scipy.sparse import coo_array, csr_array, vstack
@@ -14,9 +15,11 @@ from femstruct.arrays import Floats, Integers, freeze, frozen, frozen_integers
 from femstruct.conventions import N_COMPONENTS
 from femstruct.model.geometry import distance_to_rectangle, to_plate
 from femstruct.model.model import Model
+from femstruct.model.parts import Foundation
 
 FREE = 1e-6  # of what the supports resist most: a rigid motion they resist by less is free
 TOUCHING = 1e-6  # of the structure's size
+MOST_ROWS = 1000
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,8 +72,11 @@ def pieces(model: Model, joined: Iterable[tuple[str, str]] = ()) -> tuple[Piece,
     labels = _labels(model, joined)
     motion = _rigid_motions(model)
     resisted = [tie.rows for tie in model.ties if tie.grounded]
-    resisted += [spring.rows[np.flatnonzero(spring.stiffness > 0)] for spring in model.elastics if spring.grounded]
+    resisted += [
+        _some(spring.rows[np.flatnonzero(spring.stiffness > 0)]) for spring in model.elastics if spring.grounded
+    ]
     held = csr_array(vstack([csr_array((0, n_nodes * N_COMPONENTS)), *resisted]))
+    held.eliminate_zeros()
     held = held[np.flatnonzero(np.diff(held.indptr))]
     owner = labels[held.indices[held.indptr[:-1]] // N_COMPONENTS]
     directions = held @ motion
@@ -105,7 +111,7 @@ def held_directions(model: Model) -> Floats:
     for tie in model.ties:
         if not tie.grounded:
             continue
-        rows = tie.rows.tocoo()
+        rows = _nonzero(tie.rows)
         node, component = np.divmod(rows.col, N_COMPONENTS)
         turning = np.zeros(tie.rows.shape[0], dtype=bool)
         turning[rows.row[component >= 3]] = True
@@ -128,10 +134,16 @@ def _labels(model: Model, joined: Iterable[tuple[str, str]]) -> Integers:
     groups = [plate.nodes.ravel() for plate in model.plates.values()]
     groups += [bar for frame in model.frames.values() for bar in frame.bars]
     groups += [np.concatenate([place.nodes for name in pair for place in model.places(name)]) for pair in joined]
+    layers = {part.name: part for part in model.structure.parts if isinstance(part, Foundation)}
+    groups += [
+        np.concatenate([model.mesh.nodes[name][:1] for name in (layer.on, layer.to) if name is not None])
+        for layer in layers.values()
+    ]
     numbers = np.repeat(np.arange(len(groups)), [len(group) for group in groups])
     nodes = np.concatenate([np.zeros(0, np.int64), *groups])
-    for rows in (*(tie.rows for tie in model.ties), *(elastic.rows for elastic in model.elastics)):
-        entries = rows.tocoo()
+    springs = [elastic.rows for elastic in model.elastics if elastic.name not in layers]
+    for rows in (*(tie.rows for tie in model.ties), *springs):
+        entries = _nonzero(rows)
         first = int(numbers[-1]) + 1 if len(numbers) else 0
         numbers = np.concatenate([numbers, first + entries.row])
         nodes = np.concatenate([nodes, entries.col // N_COMPONENTS])
@@ -140,6 +152,21 @@ def _labels(model: Model, joined: Iterable[tuple[str, str]]) -> Integers:
     labels = connected_components(graph, directed=False)[1][:n_nodes]
     _, found = np.unique(labels, return_inverse=True)
     return found.astype(np.int64)
+
+
+def _some(rows: csr_array) -> csr_array:
+    """A thousand or so of the rows of a layer, spread over all of it: they resist the same rigid motions."""
+    step = max(1, rows.shape[0] // MOST_ROWS)
+    while gcd(step, 6) > 1:  # a place has one to three rows, of different directions: all of them have their turn
+        step += 1
+    return csr_array(rows[::step])
+
+
+def _nonzero(rows: csr_array) -> coo_array:
+    """The entries of a matrix that are not zero; zeros may be stored in it."""
+    entries = coo_array(rows)
+    used = entries.data != 0.0
+    return coo_array((entries.data[used], (entries.row[used], entries.col[used])), shape=rows.shape)
 
 
 def _size(model: Model) -> float:
@@ -173,9 +200,10 @@ def _weights(model: Model, motion: Floats) -> Floats:
     weights = lumps[:, None] * motion.reshape(-1, N_COMPONENTS, 6)[:, 2]
     for inert in model.inerts:
         upwards = csr_array(inert.rows[2::3])
-        upwards = upwards[np.flatnonzero(np.diff(upwards.indptr))]
-        at = upwards.indices[upwards.indptr[:-1]] // N_COMPONENTS
-        np.add.at(weights, at, inert.mass[2::3][: len(at), None] * (upwards @ motion))
+        upwards.eliminate_zeros()
+        some = np.flatnonzero(np.diff(upwards.indptr))
+        at = upwards.indices[upwards.indptr[some]] // N_COMPONENTS
+        np.add.at(weights, at, inert.mass[2::3][some, None] * (upwards @ motion)[some])
     return weights
 
 
