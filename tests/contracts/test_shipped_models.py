@@ -47,6 +47,7 @@ SHORT = {
     "steel_ball": "100 ms",
     "walking": "3 s",
 }
+SEVERE = {"foam_hull_wave": {"eccentric-bars"}}  # its walls stand beside the mid-surface of the bottom, as it says
 FEWER = {"tapping": ("modes.up_to=400 Hz", "time.duration=0.5 s")}  # its other cases are those of a minute
 COLUMNS = 4 * 0.2 * np.pi / 4 * 0.0123**2 * 7850
 TUBE = np.pi / 4 * (0.060**2 - 0.054**2)
@@ -139,10 +140,11 @@ def test_studies_run_with_closed_ledgers(path: Path) -> None:
     plan = read_study(path, changes)
     result = run_study(read_study(path, changes, only=plan.baseline) if name in FEWER else plan)
     assert not result.findings
+    severe = SEVERE.get(name, set())
     for name, case in result.cases.items():
         assert case.response is not None, name
         assert case.response.ledger.residual <= 1e-8, name
-        assert not [finding.message for finding in case.findings if finding.severe], name
+        assert {finding.code for finding in case.findings if finding.severe} == severe, name
         for channel in case.channels.values():
             assert np.isfinite(channel.values).all(), (name, channel.name)
             assert channel.whole > 0, (name, channel.name)
