@@ -74,7 +74,7 @@ def test_what_nothing_holds_up_has_no_sag(tmp_path: Path) -> None:
     path.write_text(LEANING.replace(", z: 1 MN/m", ""))
     table = told(path)
     assert table["sags"] == {}
-    path.write_text("parts: {stone: {type: block, mass: 1, origin: [0, 0, 0], size: [1, 1, 1]}}")
+    path.write_text("parts: {stone: {type: block, mass: 2000, origin: [0, 0, 0], size: [1, 1, 1]}}")
     table = told(path)
     assert table["sags"] == {}
     assert table["rigid_body_modes"] == 6
