@@ -23,7 +23,7 @@ from femstruct.model.twice import twice_findings
 from femstruct.study.structures import RodModel, StructureModel
 from femstruct.study.study import Study
 from femstruct.workflow.checks import mesh_findings
-from femstruct.workflow.rest import weighs
+from femstruct.workflow.rest import planned_contacts, weighs
 from femstruct.workflow.weight import falling, sags
 
 HIGH_DROP, FAST = 10.0, 50.0  # m and m/s: from here on air counts, or a unit was mistaken
@@ -96,11 +96,23 @@ def _of_frequencies(model: Model, up_to_hz: float) -> tuple[Finding, ...]:
 
 
 def _joined(model: Model, studies: Sequence[Study]) -> set[tuple[str, str]]:
-    """Pairs of points that contacts and links of studies hold together."""
+    """Pairs of points that contacts and links of studies hold together, directly or through bodies between them."""
     known = {point.name for point in model.structure.points} | set(model.points)
-    between = [item.between for study in studies for item in study.contacts]
-    between += [item.between for study in studies for item in study.links]
-    return {ends for ends in between if known.issuperset(ends)}
+    pairs: set[tuple[str, str]] = set()
+    for study in studies:
+        between = [item.between for item in planned_contacts(study)] + [item.between for item in study.links]
+        beside: dict[str, set[str]] = {}
+        for a, b in between:
+            beside.setdefault(a, set()).add(b)
+            beside.setdefault(b, set()).add(a)
+        for start in known & beside.keys():
+            reached, ahead = {start}, [start]
+            while ahead:
+                new = {name for name in beside[ahead.pop()] if name != "ground"} - reached
+                reached |= new
+                ahead += [name for name in new if name not in known]  # a body hands on, a point is of a part
+            pairs |= {(start, other) for other in reached & known if other > start}
+    return pairs
 
 
 def _hasty(study: Study) -> list[Finding]:

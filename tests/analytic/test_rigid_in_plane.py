@@ -172,6 +172,11 @@ def test_pinned_ribs_do_not_resist_twist_and_soft_joints_slide() -> None:
     assert all(one < other for one, other in pairwise([1.0, *soft, welded]))
     assert soft[0] == pytest.approx(1.0, abs=1e-4)
     assert soft[-1] == pytest.approx(welded, rel=1e-4)
+    # springs of 10 MN/m every 0.1 m slide like an area of k L^2 / (pi^2 s): the gamma method of timber beams, L = 1 m
+    slide, rib, board = np.pi**2 * 0.1 / 1e7, 1 / (210e9 * 6e-4), 1 / (210e9 * 0.008 * 0.8)
+    alone = 210e9 * (0.8 * 0.008**3 / 12 / (1 - 0.3**2) + 0.01 * 0.06**3 / 12)
+    expected = (alone + 0.034**2 / (rib + slide)) / (alone + 0.034**2 / (rib + board + slide))
+    assert soft[1] == pytest.approx(expected, rel=1e-9)
 
 
 def test_a_layer_as_stiff_as_glue_between_plates_is_told() -> None:

@@ -187,6 +187,23 @@ def test_what_cannot_mean_anything_leaves_with_2_and_its_line(name: str, tmp_pat
     assert "Traceback" not in done.stderr
 
 
+def test_a_study_joins_parts_by_its_contacts_and_by_bodies_between_them(tmp_path: Path) -> None:
+    """A lid that a damper's spring and contact hold on the slab: through the body, and no longer without it."""
+    lid = "  lid: {type: plate, material: steel, thickness: 20 mm, origin: [0, 0, 1], size: [5, 4], mesh: 1 m}\n"
+    study = files(tmp_path, MORE, lid)
+    text = (tmp_path / "slab.yaml").read_text(encoding="utf-8")
+    points = "points:\n  under: {on: lid, at: center, side: below}\n"
+    (tmp_path / "slab.yaml").write_text(text.replace("points:\n", points), encoding="utf-8")
+    damper = "bodies:\n  damper: {mass: 10 kg, above: middle}\n"
+    links = "links: {spring: {between: [damper, under], stiffness: 1 kN/m}}\n"
+    contact = "contacts: {rest: {between: [damper, middle], law: {type: linear, stiffness: 1 MN/m}}}\n"
+    rest = "model: slab.yaml\nmodes: {up_to: 200 Hz}\nrecord: {middle.z: velocity}\n"
+    rest += "time: {duration: 1 ms, sampling: 8 kHz}\n"
+    for extra, loose in ((links + contact, False), (links, True), (contact, True)):
+        study.write_text(rest + damper + extra, encoding="utf-8")
+        assert bool(told(before(study), "parts-not-joined")) == loose
+
+
 @pytest.mark.parametrize(
     ("body", "code"),
     [("drop_height: 12 m", "high-drop"), ("speed: 60 m/s", "fast-body"), ("drop_height: 9 m", ""), ("speed: 40", "")],

@@ -236,6 +236,15 @@ def test_masses_springs_and_layers_given_twice() -> None:
     assert "m and n are one mass" in the(twice(TOP, *spread)).message
 
 
+@pytest.mark.parametrize(("normal", "shear", "free"), [(1e6, 1e6, 0), (1e6, 0.0, 3), (0.0, 1e6, 3)])
+def test_a_layer_resists_along_its_normal_and_in_its_plane(normal: float, shear: float, free: int) -> None:
+    """24 000 displacements of 500 cells, of which some thousand are looked at: all three directions are among them."""
+    bed = Foundation("bed", "top", Region("whole"), normal, shear)
+    (piece,) = pieces(mesh_structure(Structure("s", (replace(TOP, mesh=(20, 25)), bed))))
+    assert len(piece.free) == free
+    assert piece.falls == (normal == 0.0)
+
+
 def test_pieces_of_a_large_model_cost_little() -> None:
     """A graph, no pairs of nodes: 40 000 of them within a second or so."""
     model = mesh_structure(Structure("s", (replace(TOP, mesh=(200, 200)),)))
