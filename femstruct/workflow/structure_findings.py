@@ -143,12 +143,13 @@ def _hasty(study: Study) -> list[Finding]:
 
 def _mechanisms(model: Model, basis: ModalBasis, studies: Sequence[Study], gravity: bool) -> list[Finding]:
     """Rigid modes beyond those of the pieces as wholes: parts that slide or turn on each other without resistance."""
-    found = pieces(model)
-    joined = pieces(model, _joined(model, studies))
-    extra = basis.n_rigid - sum(len(piece.free) for piece in found)
+    if not basis.n_rigid:
+        return []
+    extra = basis.n_rigid - sum(len(piece.free) for piece in pieces(model))
     if extra <= 0:
         return []
-    falls = gravity and falling(basis) and not any(piece.falls for piece in joined)
+    told_before = any(piece.falls for piece in pieces(model, _joined(model, studies)))
+    falls = gravity and falling(basis) and not told_before
     return [
         Finding(
             "mechanism",
