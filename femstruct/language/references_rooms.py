@@ -11,7 +11,7 @@ from femstruct.language.schema_model import ModelSpec
 from femstruct.language.schema_rooms import RoomSpec
 from femstruct.language.schema_study import FrfSpec, StudySpec
 
-DENSEST_GAS, SLOWEST_LIQUID = 200.0, 500.0  # kg/m^3: nitrogen at 170 bar; m/s: fluorinated liquids have 550
+DENSEST_GAS, SLOWEST_LIQUID = 1000.0, 500.0  # kg/m^3: carbon dioxide at 700 bar; m/s: fluorinated liquids have 550
 
 
 def check_rooms(check: Checker, study: StudySpec, model: ModelSpec) -> None:

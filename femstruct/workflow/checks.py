@@ -14,7 +14,7 @@ from femstruct.impact.bodies import HalfSine, Table
 from femstruct.impact.response import Response
 from femstruct.impact.sources import TAPPING_MACHINE
 from femstruct.modal.basis import ModalBasis
-from femstruct.model.frame_waves import frame_waves
+from femstruct.model.findings.frame_waves import frame_waves
 from femstruct.model.material import Material
 from femstruct.model.model import FrameMesh, Model, PlateMesh
 from femstruct.model.probe import Probe

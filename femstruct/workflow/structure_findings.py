@@ -9,17 +9,17 @@ import numpy as np
 from femstruct.conventions import GRAVITY
 from femstruct.errors import Finding
 from femstruct.modal.basis import ModalBasis
-from femstruct.model.arrangement import arrangement_findings
-from femstruct.model.connections import pieces
-from femstruct.model.eccentric import eccentric_findings
 from femstruct.model.facts import model_findings
-from femstruct.model.folded import folded_findings
+from femstruct.model.findings.arrangement import arrangement_findings
+from femstruct.model.findings.connections import pieces
+from femstruct.model.findings.eccentric import eccentric_findings
+from femstruct.model.findings.folded import folded_findings
+from femstruct.model.findings.overhang import overhang_findings
+from femstruct.model.findings.plausibility import material_findings, plausibility_findings
+from femstruct.model.findings.twice import twice_findings
 from femstruct.model.material import Material
 from femstruct.model.model import Model
-from femstruct.model.overhang import overhang_findings
 from femstruct.model.parts import Structure
-from femstruct.model.plausibility import material_findings, plausibility_findings
-from femstruct.model.twice import twice_findings
 from femstruct.study.structures import RodModel, StructureModel
 from femstruct.study.study import Study
 from femstruct.workflow.checks import mesh_findings
@@ -44,9 +44,9 @@ def structure_findings_before(
 
     Notes
     -----
-    Materials, sections and thicknesses (`femstruct.model.plausibility`), theories that do not fit (thick plates, ribs
-    beside plates, folded plates), parts that nothing joins or holds up, that cannot move or are there twice, and drops
-    no laboratory has.
+    Materials, sections and thicknesses, theories that do not fit (thick plates, ribs beside plates, folded plates),
+    parts that nothing joins or holds up, that cannot move or are there twice, and drops no laboratory has; see
+    `femstruct.model.findings`.
     """
     found: list[Finding] = []
     if isinstance(structure, RodModel):

@@ -7,7 +7,7 @@ import pytest
 
 from femstruct.assembly.assemble import assemble
 from femstruct.modal.reduction import modal_basis
-from femstruct.model.frame_waves import frame_waves
+from femstruct.model.findings.frame_waves import frame_waves
 from femstruct.model.material import Material
 from femstruct.model.mesher import mesh_structure
 from femstruct.model.parts import Frame, PlaceOn, Structure, Support

@@ -16,8 +16,8 @@ import pytest
 
 from femstruct.assembly.assemble import assemble
 from femstruct.modal.reduction import modal_basis
-from femstruct.model.eccentric import RibError, eccentric_findings, rib_errors
-from femstruct.model.folded import folded_findings, in_plane_limit
+from femstruct.model.findings.eccentric import RibError, eccentric_findings, rib_errors
+from femstruct.model.findings.folded import folded_findings, in_plane_limit
 from femstruct.model.material import Material
 from femstruct.model.mesher import mesh_structure
 from femstruct.model.model import Model

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from femstruct.errors import Finding
-from femstruct.model.arrangement import arrangement_findings
-from femstruct.model.connections import pieces
+from femstruct.model.findings.arrangement import arrangement_findings
+from femstruct.model.findings.connections import pieces
+from femstruct.model.findings.twice import twice_findings
 from femstruct.model.material import Material
 from femstruct.model.mesher import mesh_structure
 from femstruct.model.parts import (
@@ -27,7 +28,6 @@ from femstruct.model.parts import (
     Support,
 )
 from femstruct.model.section import rectangle
-from femstruct.model.twice import twice_findings
 
 STEEL = Material("steel", E=210e9, nu=0.3, rho=7850.0)
 SECTION = rectangle("bar", 0.02, 0.02)

@@ -8,11 +8,11 @@ import pytest
 
 from femstruct.errors import FemstructError, Finding, InputError
 from femstruct.model.facts import model_findings
+from femstruct.model.findings.overhang import overhang_findings
+from femstruct.model.findings.plausibility import material_findings, plausibility_findings, sag_of
 from femstruct.model.material import Material
 from femstruct.model.mesher import mesh_structure
-from femstruct.model.overhang import overhang_findings
 from femstruct.model.parts import Block, Foundation, Frame, Part, Plate, Region, Structure
-from femstruct.model.plausibility import material_findings, plausibility_findings, sag_of
 from femstruct.model.section import Section, circle, rectangle, tube
 
 CONCRETE = Material("concrete", E=30e9, nu=0.2, rho=2400.0)

@@ -27,9 +27,9 @@ class Piece:
     """A part of a structure, or several, that joints, layers or springs hold together.
 
     parts : their names, in order. nodes [n] : of the mesh. mass [kg].
-    free [f, 6] : its rigid motions that no support resists: translations along x, y, z, and rotations about them about
-    the middle of the structure, of as much displacement at its size. weight [6] : what each of these motions along with
-    the weight of the piece does, in kg.
+    free [f, 6] : its rigid motions that no support resists, in terms of six: shifts along x, y, z, and rotations about
+    the middle of the structure, scaled to move what is as far away as it is large by one. weight [6] : mass times rise
+    in each of the six [kg].
     """
 
     parts: tuple[str, ...]

@@ -8,8 +8,8 @@ import numpy as np
 
 from femstruct.arrays import Floats
 from femstruct.errors import Finding
-from femstruct.model.connections import Piece, held_directions, pieces, place_of_touch
 from femstruct.model.facts import part_masses
+from femstruct.model.findings.connections import Piece, held_directions, pieces, place_of_touch
 from femstruct.model.model import Model
 
 DOMINATES = 1e6  # of the rest: a mass of that share is ground, or a slip of a unit

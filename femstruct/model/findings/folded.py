@@ -22,7 +22,7 @@ from scipy.spatial import KDTree
 
 from femstruct.arrays import Floats
 from femstruct.errors import Finding, InputError
-from femstruct.model.connections import held_directions
+from femstruct.model.findings.connections import held_directions
 from femstruct.model.geometry import meeting_line
 from femstruct.model.model import Model, PlateMesh
 
