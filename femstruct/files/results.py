@@ -10,7 +10,8 @@
     /comparison/CASE    modes by MAC, beside the baseline's
     /VTKHDF             mode shapes of the baseline, opened by ParaView as they are
 
-Every dataset has a unit, a description and a checksum; histories, spectra and modes have named axes, so that
+Behind the last byte of HDF5 stands a checksum of all of them (files.seal), compared before HDF5 opens the file again.
+Every dataset has a unit, a description and a checksum of its own; histories, spectra and modes have named axes, so that
 ``xarray.open_dataset("results.h5", group="cases/NAME/channels")`` is a labelled table.
 """
 
@@ -32,6 +33,7 @@ from femstruct.files.blows import write_blows
 from femstruct.files.hdf5 import axis, group, put, put_text
 from femstruct.files.machine import write_verdicts
 from femstruct.files.radiated import write_power, write_radiated
+from femstruct.files.seal import seal
 from femstruct.files.sound import write_levels, write_own, write_own_levels, write_rated, write_room
 from femstruct.files.tables import finding_table, findings_by_case, summary
 from femstruct.files.trust import write_accuracy, write_errors
@@ -42,7 +44,7 @@ from femstruct.study.machine import Verdict
 from femstruct.study.result import CaseComparison, CaseResult, StudyResult
 
 FORMAT: Final = "femstruct results"
-FORMAT_VERSION: Final = 1
+FORMAT_VERSION: Final = 2
 LIBVER: Final = ("earliest", "v110")  # what the HDF5 of ParaView, VTK and older viewers can read
 
 
@@ -81,8 +83,9 @@ def write_results(path: str | Path, result: StudyResult) -> None:
         _write(file, result)
         file.flush()
         file.attrs["complete"] = True
-    with replacing(path) as temporary:
-        temporary.write_bytes(image.getbuffer())
+    with replacing(path) as temporary, temporary.open("wb") as written:
+        written.write(image.getbuffer())
+        written.write(seal(image.getbuffer()))
 
 
 def _write(file: h5py.File, result: StudyResult) -> None:

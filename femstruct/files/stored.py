@@ -15,6 +15,7 @@ from femstruct.arrays import Floats
 from femstruct.errors import InputError
 from femstruct.files.hdf5 import digest, key
 from femstruct.files.results import FORMAT, FORMAT_VERSION
+from femstruct.files.seal import refuse_broken_seal
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,17 +55,18 @@ class StoredResults:
 def read_results(path: str | Path) -> StoredResults:
     """The tables, channels and modes of a results file; the example of `write_results` reads one.
 
-    Raises InputError for a file that is not there, not of this format, incomplete, or damaged: every value read is
-    checked against its checksum.
+    Raises InputError for a file that is not there, not of this format, incomplete, or damaged: the whole file is
+    compared with the checksum at its end before anything else reads it.
     """
     path = Path(path)
     if not path.is_file():
         raise InputError(str(path), got="no such file", expected="a results file", do="run the study first")
     try:
+        refuse_broken_seal(path)
         with h5py.File(path, "r") as file:
             _check(path, file)
             return _read(path, file)
-    except (OSError, KeyError, RuntimeError, UnicodeDecodeError) as error:
+    except (OSError, KeyError, RuntimeError, ValueError) as error:
         raise InputError(
             str(path), got=f"a damaged file ({error})", expected="a complete results file", do="run the study again"
         ) from error

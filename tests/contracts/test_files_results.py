@@ -13,6 +13,7 @@ from femstruct.conventions import COMPONENTS
 from femstruct.errors import InputError
 from femstruct.files.hdf5 import key
 from femstruct.files.results import write_results
+from femstruct.files.seal import seal
 from femstruct.files.stored import read_results
 from femstruct.files.tables import summary
 from femstruct.language import read_study
@@ -63,7 +64,7 @@ def test_every_axis_outside_vtkhdf_is_named(path):
 def test_complete_and_readable_by_older_hdf5(path):
     with h5py.File(path, "r") as file:
         assert file.attrs["complete"]
-        assert file.attrs["format_version"] == 1
+        assert file.attrs["format_version"] == 2
     # superblock version, byte 8: below 3, which HDF5 1.8 reads too; "latest" of HDF5 2 is read by no VTK yet
     assert path.read_bytes()[8] < 3
 
@@ -163,23 +164,35 @@ def test_no_response_no_room_no_frf(result, tmp_path):
     assert stored.cases["without damper"].outcome is None and not stored.cases["without damper"].channels
 
 
+def sealed_anew(path):
+    """A file that somebody wrote on purpose, with the checksum that belongs to it."""
+    data = path.read_bytes()
+    path.write_bytes(data + seal(memoryview(data)))
+
+
 def test_incomplete_other_and_missing_files_are_refused(path, tmp_path):
     half = tmp_path / "half.h5"
     half.write_bytes(path.read_bytes())
     with h5py.File(half, "r+") as file:
         file.attrs["complete"] = False
-    with pytest.raises(InputError, match="incomplete"):
+    sealed_anew(half)
+    with pytest.raises(InputError, match="an incomplete file"):
         read_results(half)
     with h5py.File(half, "r+") as file:
         del file.attrs["complete"]
-    with pytest.raises(InputError, match="incomplete"):
+    sealed_anew(half)
+    with pytest.raises(InputError, match="an incomplete file"):
         read_results(half)
     with h5py.File(tmp_path / "other.h5", "w") as file:
         file.attrs["complete"] = True
+    with pytest.raises(InputError, match="without its checksum"):
+        read_results(tmp_path / "other.h5")
+    sealed_anew(tmp_path / "other.h5")
     with pytest.raises(InputError, match="another kind"):
         read_results(tmp_path / "other.h5")
     (tmp_path / "text.h5").write_text("not HDF5")
-    with pytest.raises(InputError, match="damaged"):
+    sealed_anew(tmp_path / "text.h5")
+    with pytest.raises(InputError, match="a damaged file"):
         read_results(tmp_path / "text.h5")
     with pytest.raises(InputError, match="no such file"):
         read_results(tmp_path / "none.h5")

@@ -61,6 +61,36 @@ except FemstructError as error:
 """
 
 
+DAMAGED = """
+import pathlib, random, sys
+from femstruct.errors import InputError
+from femstruct.files.stored import read_results
+path = pathlib.Path(sys.argv[1])
+whole, chance, step = path.read_bytes(), random.Random(1), int(sys.argv[2])
+def refused(data):
+    path.write_bytes(data)
+    try:
+        read_results(path)
+    except InputError as error:
+        assert len(str(error).splitlines()) == 1, error
+        return
+    raise AssertionError("read")
+for start in range(0, len(whole), step):
+    sector = whole[start : start + 512]
+    if sector.strip(bytes(1)):
+        refused(whole[:start] + bytes(len(sector)) + whole[start + 512 :])
+for _ in range(100):
+    data = bytearray(whole)
+    data[chance.randrange(len(data))] ^= 1 << chance.randrange(8)
+    refused(bytes(data))
+    refused(whole[: chance.randrange(len(whole))])
+refused(whole[:-90])  # as an older version wrote it
+refused(whole + b"more")
+path.write_bytes(whole)
+assert read_results(path).title
+"""
+
+
 def test_killed_at_random_it_is_old_or_new(tmp_path):
     """Ten kills of a process that writes two kinds of results in turn; read_results refuses what is not complete."""
     command = [sys.executable, "-c", KILLER, str(DATA), str(tmp_path / "results.h5")]
@@ -142,6 +172,15 @@ def test_a_truncated_file_is_refused(tmp_path):
         path.write_bytes(whole[: int(share * len(whole))])
         with pytest.raises(InputError):
             read_results(path)
+
+
+def test_a_damaged_file_is_refused_and_never_hangs(tmp_path):
+    """Zeroed sectors made HDF5 follow addresses in a circle for ever: the reader compares a checksum first."""
+    path = tmp_path / "results.h5"
+    write_results(path, BY_HAND["study_by_hand"]())
+    command = [sys.executable, "-c", DAMAGED, str(path), str(512 * 3)]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=120)
+    assert done.returncode == 0, done.stderr
 
 
 def flip(path, offset):
