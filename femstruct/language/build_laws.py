@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from math import inf, sqrt
-from pathlib import Path
 
 from femstruct.conventions import GRAVITY
 from femstruct.impact.factored import Cubic, HuntCrossley, LankaraniNikravesh, Tabulated
 from femstruct.impact.laws import Hertz, Law, Linear, Stop
 from femstruct.impact.restitution import dissipation_for
 from femstruct.language.build import Builder
+from femstruct.language.opening import beside
 from femstruct.language.reader import Steps, dotted
 from femstruct.language.schema_laws import (
     CubicSpec,
@@ -121,5 +121,7 @@ def _curve(spec: TableSpec, builder: Builder, steps: Steps, sources: dict[str, s
             lambda: Tabulated([d for d, _ in points], [f for _, f in points]),  # type: ignore[arg-type]
         )
     where = (*steps, "file")
-    path = Path(builder.tree.file).parent / (spec.file or "")
+    path = builder.make(where, lambda: beside(builder.tree.file, spec.file or ""))
+    if path is None:
+        return None
     return read_curve(path, builder.tree.position(where), dotted(where), builder.mistakes, sources)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 
 from acoustics.air import Air
@@ -25,6 +23,7 @@ from acoustics.shaped import ShapedRoom, cut_box
 from acoustics.walls import AnyWall, Wall, YieldingWall, absorbing
 from femstruct.language.build import Builder
 from femstruct.language.meshes import read_mesh
+from femstruct.language.opening import beside
 from femstruct.language.reader import Steps, dotted, nearest
 from femstruct.language.schema_rooms import RoomSpec, WallSpec
 from femstruct.study.study import RoomPlan
@@ -76,7 +75,9 @@ def _meshed(
         mesh = builder.make(("rooms", name, "modes", "up_to"), lambda: cut_box(size, most, air))
     else:
         steps: Steps = ("rooms", name, "mesh")
-        path = Path(builder.tree.file).parent / (spec.mesh or "")
+        path = builder.make(steps, lambda: beside(builder.tree.file, spec.mesh or ""))
+        if path is None:
+            return None
         mesh = read_mesh(path, builder.tree.position(steps), dotted(steps), builder.mistakes, sources)
     if mesh is None:
         return None

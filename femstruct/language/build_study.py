@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Literal
 
 from acoustics.shaped import ShapedRoom
@@ -13,6 +12,7 @@ from femstruct.language.build_laws import ends_of, law_of, start_speed
 from femstruct.language.build_rooms import room_of
 from femstruct.language.extents import as_many
 from femstruct.language.limits import limited_room
+from femstruct.language.opening import beside
 from femstruct.language.reader import Mistakes, Steps, Tree, dotted
 from femstruct.language.schema_study import SIDES, BodySpec, ContactSpec, LoadSpec, StudySpec
 from femstruct.language.tables import read_history
@@ -145,7 +145,9 @@ def _load(name: str, spec: LoadSpec, builder: Builder, sources: dict[str, str]) 
         history = HalfSine(spec.half_sine.amplitude.value, spec.half_sine.frequency)
     else:
         steps: Steps = ("loads", name, "file")
-        path = Path(builder.tree.file).parent / (spec.file or "")
+        path = builder.make(steps, lambda: beside(builder.tree.file, spec.file or ""))
+        if path is None:
+            return None
         what = "pressure" if spec.on is not None else "force"
         at = builder.tree.position(steps)
         history = read_history(path, what, at, dotted(steps), builder.mistakes, sources)

@@ -10,7 +10,7 @@ from typing import Any, Literal
 from pydantic import BaseModel
 
 from acoustics.shaped import ShapedRoom
-from femstruct.errors import InputErrors
+from femstruct.errors import InputError, InputErrors
 from femstruct.language.arrays import drops, spread
 from femstruct.language.build_study import study_of
 from femstruct.language.models import (
@@ -22,6 +22,7 @@ from femstruct.language.models import (
     refuse_kind,
     title_of,
 )
+from femstruct.language.opening import beside
 from femstruct.language.patch import MODEL_KEYS, STUDY_KEYS, Patch
 from femstruct.language.reader import Mistakes, Position, Tree, dotted, nearest, read_yaml
 from femstruct.language.references import Names, check_names
@@ -199,11 +200,14 @@ def _model_tree(study: Tree, name: Any, at: Position, asked_path: str, mistakes:
         mistakes.add(at, asked_path, got=shown_as(name), expected="the name of a model file")
         return None
     try:
-        tree = read_yaml(Path(study.file).parent / name, at, asked_path)
+        tree = read_yaml(beside(study.file, name), at, asked_path)
         refuse_kind(tree, "model", MODEL_KEYS, STUDY_KEYS)
     except InputErrors as errors:
         for line in errors.errors:
             mistakes.note(line)
+        return None
+    except InputError as error:
+        mistakes.add(at, asked_path, got=error.got, expected=error.expected, do=error.do)
         return None
     return tree
 

@@ -14,9 +14,13 @@ import numpy as np
 from acoustics.arrays import Integers
 from acoustics.errors import AcousticsError
 from acoustics.meshes import CavityMesh
+from femstruct.errors import InputError
+from femstruct.language.opening import content
 from femstruct.language.reader import Mistakes, Position
 
 LARGEST: Final = 50_000_000  # bytes
+_NAMELESS: Final = (".med", ".h5m", ".hmf", ".cgns", ".xdmf", ".xmf", ".e", ".ex2", ".exo")
+_EXPECTED: Final = "a mesh of one kind that meshio reads, as of Gmsh"
 _CELLS: Final = {"tetra": 4, "tetra10": 4, "hexahedron": 8, "hexahedron20": 8, "hexahedron27": 8}
 _FACETS: Final = {"triangle": 3, "triangle6": 3, "quad": 4, "quad8": 4, "quad9": 4}
 
@@ -31,19 +35,22 @@ def read_mesh(
     """
 
     refuse = partial(_refuse, asked_at, asked_path, mistakes)
+    if path.suffix.lower() in _NAMELESS:  # HDF5 may hang on a damaged one, and XDMF names files of its own
+        refuse(f"'{path.name}', of which meshio reads no named surfaces", "a mesh with named surfaces, as of Gmsh")
+        return None
     try:
-        if path.stat().st_size > LARGEST:
-            refuse("a file of more than 50 MB", "a coarser mesh")
-            return None
-        digest = hashlib.sha256(path.read_bytes()).hexdigest()
-    except OSError:
-        refuse(f"no file '{path}'", "a mesh file, named from the study's folder")
+        digest = hashlib.sha256(content(path, LARGEST, "a mesh file, named from the study's folder")).hexdigest()
+    except InputError as error:
+        refuse(error.got, error.expected, error.do)
         return None
     try:
         mesh = _read(path)
         cells, points = _cells(mesh), np.asarray(mesh.points, dtype=np.float64)
-    except (Exception, SystemExit) as error:  # meshio tells of files it cannot read in all these ways
-        refuse(f"'{path.name}', which is no mesh ({error})", "a mesh of one kind that meshio reads, as of Gmsh")
+    except InputError as error:
+        refuse(f"'{path.name}', which is no mesh ({error.got})", error.expected)
+        return None
+    except (Exception, SystemExit):  # meshio tells of files it cannot read in all these ways, and quotes them
+        refuse(f"'{path.name}', which is no mesh", _EXPECTED)
         return None
     used: Integers = np.unique(cells)
     number = np.full(len(points), -1)
@@ -73,7 +80,8 @@ def _cells(mesh: Any) -> Integers:
     """Corners of the cells of the one kind there is [m, 4 or 8]."""
     kinds = {_CELLS[block.type] for block in mesh.cells if block.type in _CELLS}
     if len(kinds) != 1:
-        raise ValueError("tetrahedra and hexahedra" if kinds else "neither tetrahedra nor hexahedra")
+        got = "tetrahedra and hexahedra" if kinds else "neither tetrahedra nor hexahedra"
+        raise InputError("", got=got, expected=_EXPECTED)
     (corners,) = kinds
     blocks = [block.data[:, :corners] for block in mesh.cells if block.type in _CELLS]
     return np.concatenate(blocks).astype(np.int64)

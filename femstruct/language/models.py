@@ -9,7 +9,7 @@ from pathlib import Path
 from femstruct.errors import FemstructError, InputErrors
 from femstruct.language.build_model import damping_of, structure_of
 from femstruct.language.patch import MODEL_KEYS, STUDY_KEYS, Patch
-from femstruct.language.reader import Mistakes, Position, Tree, dotted, parse_value, read_yaml
+from femstruct.language.reader import Mistakes, Position, Tree, dotted, near_name, parse_value, read_yaml
 from femstruct.language.references import check_names
 from femstruct.language.references_model import check_model
 from femstruct.language.schema_model import ModelSpec
@@ -138,6 +138,9 @@ def refuse_kind(tree: Tree, wanted: str, own: frozenset[str], other: frozenset[s
         first = next(key for key in tree.value if key in other)
         at = tree.position((first,), of_key=True)
         raise InputErrors((f"{at}: {first}: got a {found} file, expected a {wanted} file",))
+    if keys and not keys & (own | other | {"title"}) and not any(near_name(key, own | other) for key in keys):
+        at, do = tree.position((), of_key=True), f"a {wanted} has {', '.join(sorted(own)[:4])}, ..."
+        raise InputErrors((f"{at}: got a file without a key of the language, expected a {wanted} file; {do}",))
 
 
 def title_of(tree: Tree) -> str:

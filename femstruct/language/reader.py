@@ -14,8 +14,8 @@ from ruamel.yaml import YAML
 from ruamel.yaml.error import MarkedYAMLError, YAMLError
 from ruamel.yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
 
-from femstruct.errors import InputErrors
-from femstruct.units import shown_as
+from femstruct.errors import InputError, InputErrors
+from femstruct.language.opening import content
 
 Steps = tuple[str | int, ...]  # from the root to a value: keys and list indices
 
@@ -24,6 +24,7 @@ LARGEST_TREE: Final = 100_000  # values, aliases followed
 DEEPEST: Final = 40
 _WHOLE: Final = re.compile(r"[-+]?[0-9]{1,18}")
 _REAL: Final = re.compile(r"[-+]?(?:\.[0-9]+|[0-9]+(?:\.[0-9]*)?)(?:[eE][-+]?[0-9]+)?")
+_NO_TEXT: Final = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\ud800-\udfff\ufffe\uffff]")
 _NOT_NUMBERS: Final = {".nan": "nan", ".inf": "inf", "+.inf": "inf", "-.inf": "-inf"}
 
 
@@ -119,7 +120,8 @@ def parse_yaml(text: str, file: str, mistakes: Mistakes) -> Tree:
     walk = _Walk(file, mistakes)
     value = walk.value(node, ()) if node is not None else {}
     if node is not None and not isinstance(value, dict):
-        mistakes.add(walk.values[()], "", got=shown_as(value), expected="a mapping", do="begin with 'title: ...'")
+        got = "a list" if isinstance(value, list) else "text"  # of whose file, nobody knows: it is not quoted
+        mistakes.add(walk.values[()], "", got=got, expected="a mapping", do="begin with 'title: ...'")
         value = {}
     return Tree(file, value, walk.keys, walk.values, text)
 
@@ -135,23 +137,18 @@ def parse_value(text: str, file: str, mistakes: Mistakes) -> Tree:
 
 
 def _read_text(path: Path, at: Position, asked_path: str, mistakes: Mistakes) -> str:
-    def refuse(got: str, expected: str, do: str = "") -> InputErrors:
-        mistakes.add(at, asked_path, got=got, expected=expected, do=do)
-        return InputErrors(tuple(mistakes.lines))
-
     try:
-        if path.is_dir():
-            raise refuse(f"the folder '{path}'", "a YAML file", "name a file in it")
-        size = path.stat().st_size
-        if size > LARGEST_FILE:
-            raise refuse(f"a file of {size} bytes", f"at most {LARGEST_FILE}", "put large tables into CSV files")
-        return path.read_bytes().decode("utf-8-sig")
-    except FileNotFoundError:
-        raise refuse(f"no file '{path}'", "a YAML file", nearest(path.name, _siblings(path))) from None
+        return content(path, LARGEST_FILE, "a YAML file").decode("utf-8-sig")
     except UnicodeDecodeError as error:
-        raise refuse(_not_text(error), "text in UTF-8", "save it as UTF-8") from None
-    except (OSError, ValueError) as error:
-        raise refuse(f"'{path}', which cannot be read ({error})", "a YAML file") from None
+        got, expected, do = _not_text(error), "text in UTF-8", "save it as UTF-8"
+    except InputError as error:
+        got, expected, do = error.got, error.expected, error.do
+        if got.startswith("no file"):
+            do = nearest(path.name, _siblings(path))
+        elif got.startswith("a file of"):
+            do = "put large tables into CSV files"
+    mistakes.add(at, asked_path, got=got, expected=expected, do=do)
+    raise InputErrors(tuple(mistakes.lines))
 
 
 def _not_text(error: UnicodeDecodeError) -> str:
@@ -163,8 +160,8 @@ def _not_text(error: UnicodeDecodeError) -> str:
 
 def _siblings(path: Path) -> list[str]:
     try:
-        return [entry.name for entry in path.parent.iterdir()]
-    except OSError:
+        return [entry.name for entry in path.parent.iterdir() if entry.suffix in (".yaml", ".yml")]
+    except (OSError, ValueError):
         return []
 
 
@@ -262,6 +259,8 @@ class _Walk:
                 self.mistakes.add(at, dotted(steps), got="a list or mapping as a key", expected="a name")
                 continue
             key = str(key_node.value)
+            if self.is_no_text(key, at, steps):
+                continue
             if key in found:
                 first = self.keys[*steps, key]
                 self.mistakes.add(
@@ -276,6 +275,14 @@ class _Walk:
             found[key] = self.value(value_node, (*steps, key))
         return found
 
+    def is_no_text(self, text: str, at: Position, steps: Steps) -> bool:
+        """Note what no system can print, write or use in a name: NUL and its like, halves of characters."""
+        found = _NO_TEXT.search(text)
+        if found:
+            got = f"a character that is no text (U+{ord(found[0]):04X})"
+            self.mistakes.add(at, dotted(steps), got=got, expected="text", do="remove it")
+        return found is not None
+
     def scalar(self, node: ScalarNode, steps: Steps) -> Any:
         text = str(node.value)
         tag = str(node.tag or "")
@@ -283,6 +290,8 @@ class _Walk:
             self.mistakes.add(
                 self.at(node), dotted(steps), got=f"the tag {tag}", expected="a plain value", do="remove the tag"
             )
+            return None
+        if self.is_no_text(text, self.at(node), steps):
             return None
         if node.style:  # quoted or block: always a text
             return text

@@ -7,11 +7,12 @@ import io
 from pathlib import Path
 from typing import Final
 
-from femstruct.errors import FemstructError
+from femstruct.errors import FemstructError, InputError
 from femstruct.impact.bodies import Table
 from femstruct.impact.factored import Tabulated
+from femstruct.language.opening import content
 from femstruct.language.reader import Mistakes, Position
-from femstruct.units import QuantityError, quantity
+from femstruct.units import QuantityError, quantity, shown_as
 
 LARGEST: Final = 50_000_000  # bytes
 
@@ -79,22 +80,20 @@ def _read_columns(
     scales its column. Lines that are empty or begin with # are skipped.
     """
     try:
-        if path.stat().st_size > LARGEST:
-            mistakes.add(asked_at, asked_path, got="a file of more than 50 MB", expected="a shorter table")
-            return None
-        text = path.read_text(encoding="utf-8-sig")
-    except FileNotFoundError:
-        mistakes.add(asked_at, asked_path, got=f"no file '{path}'", expected="a CSV file beside the study")
+        text = content(path, LARGEST, "a CSV file beside the study").decode("utf-8-sig")
+        rows = list(csv.reader(io.StringIO(text)))
+    except InputError as error:
+        mistakes.add(asked_at, asked_path, got=error.got, expected=error.expected, do=error.do)
         return None
-    except (OSError, ValueError) as error:
-        mistakes.add(asked_at, asked_path, got=f"'{path}' ({error})", expected="a CSV file of text")
+    except (UnicodeDecodeError, csv.Error):
+        mistakes.add(asked_at, asked_path, got=f"'{path}', which is no table", expected="a CSV file of text in UTF-8")
         return None
     sources[str(path)] = text
     scales = [1.0, 1.0]
     firsts: list[float] = []
     seconds: list[float] = []
     header = True
-    for number, row in enumerate(csv.reader(io.StringIO(text)), start=1):
+    for number, row in enumerate(rows, start=1):
         cells = [cell.strip() for cell in row]
         if not any(cells) or cells[0].startswith("#"):
             continue
@@ -111,11 +110,11 @@ def _read_columns(
         try:
             pair = [quantity(float(cell), "ratio") for cell in cells]
         except QuantityError:
-            mistakes.add(at, "", got=f"'{', '.join(cells)}'", expected="finite numbers")
+            mistakes.add(at, "", got=shown_as(", ".join(cells)), expected="finite numbers")
             return None
         except ValueError:
             if not header:
-                mistakes.add(at, "", got=f"'{', '.join(cells)}'", expected="two numbers")
+                mistakes.add(at, "", got=shown_as(", ".join(cells)), expected="two numbers")
                 return None
             found = _scales(cells, dimensions, at, mistakes)
             if found is None:
@@ -138,6 +137,6 @@ def _scales(cells: list[str], dimensions: tuple[str, str], at: Position, mistake
         try:
             scales.append(quantity(f"1 {unit}", dimension) if unit else 1.0)
         except QuantityError as error:
-            mistakes.add(at, "", got=f"'{cell}'", expected=error.expected, do=error.do)
+            mistakes.add(at, "", got=shown_as(cell), expected=error.expected, do=error.do)
             return None
     return scales

@@ -297,7 +297,7 @@ FILES = {
     "binary": (bytes(range(256)), r":1:1: got binary data"),
     "control characters": (b"title: \x00\x01", r":1:1: got characters that are not text"),
     "a list": (b"- 1\n- 2\n", r":1:1: got a list, expected a mapping"),
-    "a word": (b"hello\n", r":1:1: got 'hello', expected a mapping"),
+    "a word": (b"hello\n", r":1:1: got text, expected a mapping"),
     "two documents": (b"title: a\n---\ntitle: b\n", r":2:1: got broken YAML"),
     "tabs": (b"parts:\n\tfloor: 1\n", r":2:1: got broken YAML"),
     "unknown alias": (b"parts: *nothing\n", r":1:8: got broken YAML"),
