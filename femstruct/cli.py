@@ -5,7 +5,6 @@ from __future__ import annotations
 import functools
 import json
 import os
-import signal
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -13,11 +12,11 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
+from femstruct.exits import GOOD, INTERRUPTED, NOT_TRUSTED, leave_with, refuse_unreadable_words
+
 if TYPE_CHECKING:
     from femstruct.study.result import StudyResult
     from femstruct.study.study import Plan
-
-GOOD, OUR_BUG, BAD_INPUT, NOT_TRUSTED, INTERRUPTED = 0, 1, 2, 3, 130
 
 app = typer.Typer(
     help="Impact vibration of structures and the sound it makes in a room.",
@@ -44,12 +43,7 @@ def main() -> None:
     """
     for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
         os.environ.setdefault(name, "1")  # two threads are slower on the small blocks of an eigensolution
-    if hasattr(signal, "SIGPIPE"):
-        signal.signal(signal.SIGPIPE, signal.SIG_DFL)  # `| head` has seen enough: no bug of ours, which exit 1 says
-    try:
-        app()
-    except Exception as error:
-        sys.exit(_told(error))
+    sys.exit(leave_with(app))
 
 
 def _command(function: Callable[..., int]) -> Callable[..., None]:
@@ -57,6 +51,7 @@ def _command(function: Callable[..., int]) -> Callable[..., None]:
 
     @functools.wraps(function)
     def command(*args: Any, **options: Any) -> None:
+        refuse_unreadable_words(options)
         try:
             code = function(*args, **options)
         except KeyboardInterrupt:
@@ -274,21 +269,3 @@ def _progress() -> Any:
 
 def _print_json(table: Any) -> None:
     print(json.dumps(table, indent=1, allow_nan=False))
-
-
-def _told(error: Exception) -> int:
-    """Say what went wrong on stderr, and with which exit code to leave."""
-    from acoustics.errors import AcousticsError
-    from femstruct.errors import FemstructError, NotConverged
-
-    if isinstance(error, NotConverged):
-        print(f"not converged: {error}", file=sys.stderr)
-        return NOT_TRUSTED
-    if isinstance(error, FemstructError | AcousticsError):
-        print(error, file=sys.stderr)
-        return BAD_INPUT
-    import traceback
-
-    traceback.print_exception(error)
-    print("This is a bug in femstruct, not in your input; please report the lines above.", file=sys.stderr)
-    return OUR_BUG

@@ -2,8 +2,41 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
+from typing import Final
+
+LONGEST: Final = 300  # characters of what was got, expected or meant: more is not read
+MOST_LINES: Final = 40  # mistakes told at once
+MOST_NAMES: Final = 8
+
+
+def cut(text: str, most: int = LONGEST) -> str:
+    """A text without its middle where it is too long to be read.
+
+    >>> cut("a" * 1000, 30), cut("short")
+    ('aaaaaaaaaaaaaaa ... aaaaaaaaaa', 'short')
+    """
+    half = most // 2
+    return text if len(text) <= most else f"{text[:half]} ... {text[half + 5 - most :]}"
+
+
+def some_of(names: Iterable[object], most: int = MOST_NAMES) -> str:
+    """Names in a sentence, the first of them where they are many.
+
+    >>> some_of("abc"), some_of(range(100), 3)
+    ('a, b, c', '0, 1, 2 and 97 more')
+    """
+    shown = [str(name) for name in names]
+    more = f" and {len(shown) - most} more" if len(shown) > most else ""
+    return ", ".join(cut(name, 60) for name in shown[:most]) + more
+
+
+def sentence(where: str, got: str = "", expected: str = "", do: str = "") -> str:
+    """``where: got this, expected that; do this``, each part cut where it is too long to be read."""
+    told = ", ".join(f"{word} {cut(text)}" for word, text in (("got", got), ("expected", expected)) if text)
+    whole = ": ".join(text for text in (cut(where), told) if text)
+    return f"{whole}; {cut(do)}" if do else whole
 
 
 class FemstructError(Exception):
@@ -15,8 +48,7 @@ class FemstructError(Exception):
 
     def __init__(self, where: str, *, got: str = "", expected: str = "", do: str = "") -> None:
         self.where, self.got, self.expected, self.do = where, got, expected, do
-        told = ", ".join(f"{word} {text}" for word, text in (("got", got), ("expected", expected)) if text)
-        super().__init__("; ".join(text for text in (f"{where}: {told}" if told else where, do) if text))
+        super().__init__(sentence(where, got, expected, do))
 
 
 class InputError(FemstructError):
@@ -27,8 +59,13 @@ class InputErrors(InputError):
     """All the mistakes of one pass over the input, a line each."""
 
     def __init__(self, errors: tuple[str, ...]) -> None:
+        super().__init__("")
         self.errors = errors
-        super().__init__("\n".join(errors))
+
+    def __str__(self) -> str:
+        lines = [cut(line, 4 * LONGEST) for line in self.errors[:MOST_LINES]]
+        more = len(self.errors) - MOST_LINES
+        return "\n".join([*lines, f"and {more} more mistakes"] if more > 0 else lines)
 
 
 class SingularSystem(InputError):

@@ -12,7 +12,7 @@ from femstruct.assembly.forces import force_rows, grounded
 from femstruct.assembly.matrices import Assembly, DofMap
 from femstruct.assembly.scatter import block_matrix, elastic_matrices, frame_matrices, inert_matrix, plate_matrices
 from femstruct.assembly.ties import Elimination, eliminate
-from femstruct.errors import InputError, SingularSystem
+from femstruct.errors import InputError, SingularSystem, some_of
 from femstruct.model.facts import part_masses
 from femstruct.model.model import Model
 
@@ -64,7 +64,7 @@ def assemble(model: Model) -> Assembly:
     if not len(solved.free):
         raise InputError(
             "supports",
-            got=f"every motion of {', '.join(model.mesh.nodes)} held ({model.mesh.n_nodes} nodes)",
+            got=f"every motion of {some_of(model.mesh.nodes)} held ({model.mesh.n_nodes} nodes)",
             expected="something that can move",
             do="hold less, or use a finer mesh",
         )

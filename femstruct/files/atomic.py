@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+import hashlib
 import os
 import socket
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from contextvars import ContextVar
 from pathlib import Path
+from typing import Final
 
 from femstruct.errors import FemstructError, InputError
 
 _MARK = ".part-"
+DEEPEST: Final = 100  # folders; no path of so many is meant
+_LONGEST: Final = 150  # bytes of a file's name, of which most systems take 255, for a temporary one, too
 _COMPLETED: ContextVar[list[Path] | None] = ContextVar("completed", default=None)
 
 
@@ -24,6 +28,19 @@ def completed() -> Iterator[list[Path]]:
         yield paths
     finally:
         _COMPLETED.reset(before)
+
+
+def short(stem: str) -> str:
+    """The name of a file without its suffix, the end of a long one replaced by what tells it from others.
+
+    >>> short("history"), len(short("x" * 1000)), short("x" * 1000) == short("x" * 999)
+    ('history', 150, False)
+    """
+    whole = stem.encode()
+    if len(whole) <= _LONGEST:
+        return stem
+    told = "_" + hashlib.sha256(whole).hexdigest()[:10]
+    return whole[: _LONGEST - len(told)].decode(errors="ignore") + told
 
 
 @contextmanager
@@ -44,7 +61,7 @@ def replacing(path: str | Path) -> Iterator[Path]:
     ('complete', 1)
     """
     path = Path(path)
-    refuse_missing_folder(path)
+    refuse_unwritable_file(path)
     temporary = path.with_name(f".{path.stem}{_MARK}{socket.gethostname()}-{os.getpid()}{path.suffix}")
     try:
         _sweep(path)
@@ -66,19 +83,33 @@ def replacing(path: str | Path) -> Iterator[Path]:
             temporary.unlink()
 
 
-def refuse_missing_folder(path: Path) -> None:
-    """Raise InputError when the folder of a file to be written is not there."""
-    if not path.parent.is_dir():
+def refuse_unwritable_file(path: Path) -> None:
+    """Raise InputError when the folder of a file to be written is not there, or something else has its name."""
+    if not os.path.isdir(path.parent):  # noqa: PTH112 (False, where pathlib raises)
         raise InputError(
             str(path),
             got=f"no folder '{path.parent}'",
             expected="a folder that is there",
             do="make it, or correct the name",
         )
+    if os.path.exists(path) and not os.path.isfile(path):  # noqa: PTH110, PTH113
+        raise InputError(
+            str(path),
+            got=f"{'a folder' if path.is_dir() else 'a pipe or a device'} of that name",
+            expected="a name for a file",
+            do="choose another name",
+        )
 
 
 def refuse_unwritable(folder: Path) -> None:
     """Raise InputError when a folder cannot be made or written to: better before the work than after it."""
+    if len(folder.parts) > DEEPEST:
+        raise InputError(
+            str(folder),
+            got=f"a path of {len(folder.parts)} folders",
+            expected=f"at most {DEEPEST}",
+            do="choose another one with -o",
+        )
     try:
         _try_to_make(folder)
     except OSError as error:

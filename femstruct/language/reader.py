@@ -14,7 +14,7 @@ from ruamel.yaml import YAML
 from ruamel.yaml.error import MarkedYAMLError, YAMLError
 from ruamel.yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
 
-from femstruct.errors import InputError, InputErrors
+from femstruct.errors import InputError, InputErrors, sentence, some_of
 from femstruct.language.opening import content
 
 Steps = tuple[str | int, ...]  # from the root to a value: keys and list indices
@@ -48,9 +48,7 @@ class Mistakes:
 
     def add(self, position: Position, path: str, *, got: str = "", expected: str = "", do: str = "") -> None:
         """Note one mistake as ``file:line:column: path: got, expected; do``."""
-        told = ", ".join(f"{word} {text}" for word, text in (("got", got), ("expected", expected)) if text)
-        line = ": ".join(part for part in (str(position), path, told) if part)
-        self.note(f"{line}; {do}" if do else line)
+        self.note(": ".join(part for part in (str(position), sentence(path, got, expected, do)) if part))
 
     def note(self, line: str) -> None:
         """Note a mistake that is already a sentence."""
@@ -171,7 +169,7 @@ def nearest(name: str, known: Iterable[object]) -> str:
     if near:
         return f"did you mean '{near}'?"
     names = sorted({str(one) for one in known})
-    return f"known here: {', '.join(names)}" if 0 < len(names) <= 20 else ""
+    return f"known here: {some_of(names)}" if names else ""
 
 
 def near_name(name: str, known: Iterable[object]) -> str:

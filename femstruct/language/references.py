@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import Any, Final
 
 from femstruct.conventions import DIRECTIONS
 from femstruct.language.reader import Mistakes, Steps, Tree, dotted, nearest
@@ -11,6 +13,7 @@ from femstruct.language.schema_model import ModelSpec, PointSpec
 
 POINT_DIRECTIONS = (*DIRECTIONS, "n")
 FORCES = ("force", "force_x", "force_y", "force_z")
+LONGEST_NAME: Final = 80  # characters
 _NAMESPACE = ("parts", "joints", "points", "surfaces", "supports", "bodies", "contacts", "links", "loads", "rooms")
 _ALL_NAMED = (*_NAMESPACE, "materials", "sections", "frf")
 
@@ -44,6 +47,19 @@ class Checker:
 
     def wrong(self, steps: Steps, got: str, expected: str, do: str = "", of_key: bool = False) -> None:
         self.mistakes.add(self.tree.position(steps, of_key), dotted(steps), got=got, expected=expected, do=do)
+
+    def is_name(self, steps: Steps, name: str) -> bool:
+        """Whether a name can be read in a line and used for a file; notes where it cannot."""
+        if len(name) > LONGEST_NAME:
+            got = f"a name of {len(name)} characters"
+            self.wrong(steps, got, f"at most {LONGEST_NAME}", "shorten it", of_key=True)
+        elif "\n" in name or "\t" in name:
+            self.wrong(steps, "a name with a tab or a new line", "a name in one line", of_key=True)
+        elif name.startswith("_"):  # legends of pictures leave such lines out
+            self.wrong(steps, f"the name '{name}'", "a name that does not begin with _", "rename it", of_key=True)
+        else:
+            return True
+        return False
 
     def known(self, steps: Steps, name: str, kind: str, known: Iterable[str]) -> bool:
         names = list(known)
@@ -89,9 +105,30 @@ class Checker:
         self.wrong(steps, f"'{text}'", "a direction of a point", nearest(name, known) or "there are no points", of_key)
 
 
+def _check_dotted_names(study: Tree, check: Checker) -> None:
+    """The names of cases and receivers, which become names of groups and files."""
+    groups: list[tuple[Steps, Any]] = [(("cases",), study.value.get("cases"))]
+    rooms = study.value.get("rooms")
+    for room, one in rooms.items() if isinstance(rooms, dict) else ():
+        if isinstance(one, dict):
+            groups.append((("rooms", room, "receivers"), one.get("receivers")))
+    for place, named in groups:
+        files: dict[str, str] = {}
+        for name in named if isinstance(named, dict) else ():
+            file = re.sub(r"\W+", "_", name).lower()
+            if files.setdefault(file, name) != name:
+                got = f"'{name}' and '{files[file]}', whose files would have one name"
+                check.wrong((*place, name), got, "names that differ in letters or digits", "rename one", of_key=True)
+            if check.is_name((*place, name), name) and not name.strip(". "):
+                got = f"the name '{name}'"
+                check.wrong((*place, name), got, "a name with a letter or a digit", of_key=True)
+
+
 def check_names(model: Tree | None, study: Tree | None, mistakes: Mistakes) -> None:
-    """Names contain no dots, and no two things share one."""
+    """Names contain no dots, and no two things share one. Cases and receivers may have dots: `damper 0.6`."""
     seen: dict[str, str] = {}
+    if study is not None:
+        _check_dotted_names(study, Checker(study, mistakes))
     for tree in (model, study):
         if tree is None:
             continue
@@ -100,6 +137,8 @@ def check_names(model: Tree | None, study: Tree | None, mistakes: Mistakes) -> N
             named = tree.value.get(group)
             for name in named if isinstance(named, dict) else ():
                 steps = (group, name)
+                if not check.is_name(steps, name):
+                    continue
                 if "." in name or "[" in name or not name.strip():
                     clean = name.replace(".", "_").replace("[", "_") or "a name"
                     check.wrong(steps, f"the name '{name}'", "a name without dots", f"write {clean}", of_key=True)

@@ -9,7 +9,7 @@ from scipy.sparse import csr_array
 
 from femstruct.arrays import Floats
 from femstruct.conventions import DIRECTIONS, N_COMPONENTS
-from femstruct.errors import InputError
+from femstruct.errors import InputError, some_of
 from femstruct.model.geometry import to_plate
 from femstruct.model.interpolation import block_rows, carried, plate_rows, sparse_rows
 from femstruct.model.layers import Layer
@@ -26,14 +26,14 @@ def places_of(where: str, name: str, model: Model) -> tuple[Point, ...]:
     """The places of a named point; InputError when there is none of that name."""
     known = {point.name for point in model.structure.points} | set(model.points)
     if name not in known:
-        raise InputError(where, got=f"'{name}'", expected=f"a point: {', '.join(sorted(known)) or 'there is none'}")
+        raise InputError(where, got=f"'{name}'", expected=f"a point: {some_of(sorted(known)) or 'there is none'}")
     return model.places(name)
 
 
 def plate_of(where: str, name: str, model: Model) -> PlateMesh:
     """The plate of that name; InputError when there is none."""
     if name not in model.plates:
-        raise InputError(where, got=f"'{name}'", expected=f"a plate: {', '.join(model.plates) or 'there is none'}")
+        raise InputError(where, got=f"'{name}'", expected=f"a plate: {some_of(model.plates) or 'there is none'}")
     return model.plates[name]
 
 

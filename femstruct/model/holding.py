@@ -8,7 +8,7 @@ from scipy.spatial import KDTree
 
 from femstruct.arrays import Floats, Integers
 from femstruct.conventions import DIRECTIONS, N_COMPONENTS, TWIST
-from femstruct.errors import InputError
+from femstruct.errors import InputError, some_of
 from femstruct.model.anchors import listed, places_of, plate_of, point_rows
 from femstruct.model.interpolation import node_rows
 from femstruct.model.model import Elastic, Model, PlateMesh, Tie
@@ -32,7 +32,7 @@ def support(item: Support, model: Model, tolerance: float) -> Tie:
     n_nodes = model.mesh.n_nodes
     if item.edge is None and item.line is None:
         if name not in model.mesh.nodes:
-            raise InputError(f"{where}.on", got=f"'{name}'", expected=f"a part: {', '.join(model.mesh.nodes)}")
+            raise InputError(f"{where}.on", got=f"'{name}'", expected=f"a part: {some_of(model.mesh.nodes)}")
         named = {"simple": DIRECTIONS[:3], "clamped": DIRECTIONS}.get(str(item.fix), item.fix)
         components = np.eye(N_COMPONENTS)[listed(where, named)]
         if item.fix == "clamped" and name in model.plates:

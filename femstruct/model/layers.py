@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from femstruct.arrays import Floats, freeze, frozen
-from femstruct.errors import InputError
+from femstruct.errors import InputError, some_of
 from femstruct.model.geometry import PARALLEL, plate_axes
 from femstruct.model.parts import Block, Foundation, Plate
 from femstruct.model.regions import Box, region_box
@@ -53,7 +53,7 @@ def layer_of(part: Foundation, solids: Mapping[str, Solid], tolerance: float) ->
     key = "on" if part.to is None else "between"
     for name in (part.on, part.to):
         if name is not None and name not in solids:
-            known = ", ".join(solids) or "there is none"
+            known = some_of(solids) or "there is none"
             raise InputError(f"{where}.{key}", got=f"'{name}'", expected=f"a plate or a block: {known}")
     solid = solids[part.on]
     if part.to is None:

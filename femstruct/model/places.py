@@ -8,7 +8,7 @@ import numpy as np
 
 from femstruct.arrays import Floats
 from femstruct.conventions import N_COMPONENTS
-from femstruct.errors import InputError
+from femstruct.errors import InputError, some_of
 from femstruct.model.geometry import distance_to_rectangle, distance_to_segments, from_plate
 from femstruct.model.interpolation import block_rows, frame_rows, plate_rows, sparse_rows
 from femstruct.model.mesh import Mesh
@@ -50,7 +50,7 @@ def locate_points(
             elif place.on in blocks:
                 points[name] = _point_of_block(name, place, position, blocks[place.on], tolerance)
             else:
-                expected = ", ".join([*plates, *frames, *blocks])
+                expected = some_of([*plates, *frames, *blocks])
                 raise InputError(
                     f"points.{name}.on", got=f"'{place.on}'", expected=f"a plate, frame or block: {expected}"
                 )
@@ -64,7 +64,7 @@ def locate_surface(surface: SurfaceOn, mesh: Mesh, plates: Mapping[str, PlateMes
     """
     where = f"surfaces.{surface.name}"
     if surface.on not in plates:
-        raise InputError(f"{where}.on", got=f"'{surface.on}'", expected=f"a plate: {', '.join(plates)}")
+        raise InputError(f"{where}.on", got=f"'{surface.on}'", expected=f"a plate: {some_of(plates)}")
     if surface.region.kind not in ("whole", "rectangle"):
         raise InputError(f"{where}.region", got=surface.region.kind, expected="whole or a rectangle")
     plate = plates[surface.on]

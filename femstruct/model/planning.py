@@ -7,7 +7,7 @@ from math import inf
 import numpy as np
 
 from femstruct.arrays import Floats
-from femstruct.errors import InputError
+from femstruct.errors import InputError, some_of
 from femstruct.model.extent import extent
 from femstruct.model.geometry import (
     clip,
@@ -107,7 +107,7 @@ class Plan:
 
     def _region(self, where: str, name: str, region: Region) -> None:
         if name not in self.plates:
-            raise InputError(where, got=f"'{name}'", expected=f"a plate: {', '.join(self.plates) or 'there is none'}")
+            raise InputError(where, got=f"'{name}'", expected=f"a plate: {some_of(self.plates) or 'there is none'}")
         x0, x1, y0, y1 = region_box(where, name, self.plates[name].size, region, self.tolerance)
         self.grids[name, 0].require(x0, x1)
         self.grids[name, 1].require(y0, y1)

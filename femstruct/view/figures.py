@@ -14,7 +14,8 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from femstruct.arrays import Floats
-from femstruct.files.atomic import replacing
+from femstruct.files.atomic import replacing, short
+from femstruct.view.texts import as_written
 
 BASELINE: Final = "#222222"
 COLOURS: Final = ("#0072b2", "#e69f00", "#009e73", "#56b4e9", "#d55e00", "#cc79a7", "#8c564b", "#7f7f7f")
@@ -64,7 +65,7 @@ def panels(
 def save(figure: Figure, path: str | Path) -> Path:
     """Write a figure in one step: nobody sees half a picture. The suffix of the path chooses the format."""
     path = Path(path)
-    with replacing(path) as temporary:
+    with replacing(path) as temporary, as_written(figure):
         form = path.suffix.removeprefix(".") or "png"
         options: dict[str, Any] = {"pil_kwargs": {"compress_level": 2}} if form == "png" else {}
         figure.savefig(temporary, format=form, **options)
@@ -169,4 +170,4 @@ def file_name(*words: str) -> str:
     >>> file_name("history", "ball on floor force")
     'history_ball_on_floor_force.png'
     """
-    return re.sub(r"[^\w.+-]+", "_", "_".join(words)) + ".png"
+    return short(re.sub(r"[^\w.+-]+", "_", "_".join(words))) + ".png"

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from femstruct.arrays import Floats
 from femstruct.errors import InputError
-from femstruct.files.atomic import refuse_missing_folder
+from femstruct.files.atomic import refuse_unwritable_file
 from femstruct.view.figures import BASELINE, COLOURS, finish, legend_above, new_figure, panels
 from femstruct.view.scales import scaled
 
@@ -20,7 +20,7 @@ def refuse_picture(path: Path) -> None:
     """Raise InputError for a name that is no picture's, or a folder that is not there."""
     if path.suffix.lower() not in SUFFIXES:
         raise InputError("--picture", got=f"'{path.suffix}'", expected=f"a name that ends in {', '.join(SUFFIXES)}")
-    refuse_missing_folder(path)
+    refuse_unwritable_file(path)
 
 
 def fit_figure(t: Floats, measured: Floats, computed: Floats, channel: str, unit: str) -> Figure:

@@ -10,7 +10,7 @@ import numpy as np
 
 from femstruct.arrays import Floats
 from femstruct.errors import InputError
-from femstruct.files.atomic import refuse_missing_folder, replacing
+from femstruct.files.atomic import refuse_unwritable_file, replacing
 from femstruct.modal.basis import ModalBasis
 from femstruct.model.model import Model
 from femstruct.model.refine import Refined, refined
@@ -109,7 +109,7 @@ def picture_model(model: Model | None, rooms: Sequence[RoomPlan], path: str | Pa
         raise InputError("--picture", got="a structure in closed form", expected="a model with parts")
     if (suffix := Path(path).suffix.lower()) not in (".png", ".jpg", ".jpeg", ".tif"):
         raise InputError("--picture", got=f"'{suffix}'", expected="a name that ends in .png, .jpg or .tif")
-    refuse_missing_folder(Path(path))
+    refuse_unwritable_file(Path(path))
     require_opengl()
     import pyvista
 

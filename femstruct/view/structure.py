@@ -7,7 +7,7 @@ from typing import Any
 
 from rich.console import Console
 
-from femstruct.errors import Finding
+from femstruct.errors import Finding, some_of
 from femstruct.view.console import console, show_findings
 from femstruct.view.grid import Grid
 
@@ -91,7 +91,7 @@ def show_inspection(table: Row, picture: str = "") -> None:
             cells, most = f"{room['largest_cell_m']:.3g} m", f"{room['own_modes_up_to_hz']:.4g} Hz"
             screen.print(f"  cells of {cells} at most; modes of its own, as of rigid walls, up to {most}")
     if table["drops"]:
-        screen.print(f"the source strikes {', '.join(table['drops'])}: a simulation each")
+        screen.print(f"the source strikes {some_of(table['drops'])}: a simulation each")
     show_findings(screen, _read(table["findings"]))
     if picture:
         screen.print(f"picture: {picture}")
@@ -100,7 +100,7 @@ def show_inspection(table: Row, picture: str = "") -> None:
 def _show_happening(screen: Console, table: Row) -> None:
     """Cases, bodies and window of a study."""
     baseline = f"; below is the baseline, {table['baseline']}" if len(table["cases"]) > 1 else ""
-    screen.print(f"{_counted(len(table['cases']), 'case')}: {', '.join(table['cases'])}{baseline}", soft_wrap=True)
+    screen.print(f"{_counted(len(table['cases']), 'case')}: {some_of(table['cases'])}{baseline}", soft_wrap=True)
     for name, body in table["bodies"].items():
         speed = f", towards it at {body['speed_m_s']:.4g} m/s" if body["speed_m_s"] else ""
         screen.print(f"{name}: {body['mass_kg']:.4g} kg, {body['side']} {body['target']}{speed}")
@@ -140,7 +140,7 @@ def _completeness(below_hz: float | None, rigid_in_plane: Sequence[str] = ()) ->
     told = "all modes of this model are here"
     if below_hz is not None:
         told = f"no mode of this model is missing below {below_hz:.5g} Hz"
-    names = ", ".join(rigid_in_plane[:3]) + (", ..." if len(rigid_in_plane) > 3 else "")
+    names = some_of(rigid_in_plane, 3)
     return f"{told}; its plates ({names}) have none in their own planes" if names else told
 
 

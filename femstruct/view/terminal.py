@@ -7,6 +7,7 @@ from dataclasses import replace
 
 from rich.console import Console
 
+from femstruct.errors import some_of
 from femstruct.files.tables import findings_by_case
 from femstruct.study.result import NET_FORCE, CaseComparison, CaseResult, StudyResult
 from femstruct.view.arrays import arrays
@@ -187,7 +188,7 @@ def _in_cases(names: Sequence[str]) -> str:
     >>> _in_cases(["light", "heavy"])
     ' (cases light, heavy)'
     """
-    return f" (case{'s' if len(names) > 1 else ''} {', '.join(names)})"
+    return f" (case{'s' if len(names) > 1 else ''} {some_of(names)})"
 
 
 def _show_timings(screen: Console, seconds: Mapping[str, float]) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Final
 
+from femstruct.errors import some_of
 from femstruct.impact.estimate import ErrorEstimate, Resolved
 from femstruct.impact.response import Outcome, Response
 from femstruct.study.result import AccuracyCheck, StudyResult
@@ -79,8 +80,7 @@ def _together(told: Mapping[str, str], count: int) -> list[str]:
     for name, sentence in told.items():
         cases.setdefault(sentence, []).append(name)
     return [
-        f"{'all cases' if 1 < count == len(names) else ', '.join(names)}: {sentence}"
-        for sentence, names in cases.items()
+        f"{'all cases' if 1 < count == len(names) else some_of(names)}: {sentence}" for sentence, names in cases.items()
     ]
 
 

@@ -14,7 +14,7 @@ from acoustics.shaped import ShapedRoom
 from acoustics.walls import YieldingWall
 from femstruct.arrays import Floats
 from femstruct.coupling import with_cavity
-from femstruct.errors import Finding, InputError
+from femstruct.errors import Finding, InputError, some_of
 from femstruct.impact.response import Response
 from femstruct.modal.basis import ModalBasis
 from femstruct.model.probe import Probe, Surface
@@ -32,7 +32,7 @@ def ceiling(plan: RoomPlan, places: Places) -> Surface:
     """
     if plan.under not in places.surfaces:
         raise InputError(
-            f"rooms.{plan.name}.under", got=f"'{plan.under}'", expected=", ".join(places.surfaces) or "a surface"
+            f"rooms.{plan.name}.under", got=f"'{plan.under}'", expected=some_of(places.surfaces) or "a surface"
         )
     return places.surfaces[plan.under]
 

@@ -9,7 +9,7 @@ import numpy as np
 from acoustics.errors import Advice
 from femstruct.arrays import Floats
 from femstruct.elements.plate import rigidity
-from femstruct.errors import Finding
+from femstruct.errors import Finding, some_of
 from femstruct.impact.bodies import HalfSine, Table
 from femstruct.impact.response import Response
 from femstruct.impact.sources import TAPPING_MACHINE
@@ -247,7 +247,7 @@ def room_findings(told: Iterable[tuple[str, Advice | Finding]]) -> list[Finding]
     return [
         Finding(
             found.code,
-            f"{', '.join(names[key])}: {found.message}",
+            f"{some_of(names[key])}: {found.message}",
             found.values,
             severe=isinstance(found, Finding) and found.severe,
         )

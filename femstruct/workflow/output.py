@@ -11,7 +11,8 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from femstruct.arrays import Floats
-from femstruct.files.atomic import replacing
+from femstruct.errors import some_of
+from femstruct.files.atomic import replacing, short
 from femstruct.files.audio import listening_scale, write_sequence, write_wav
 from femstruct.files.belongings import owning
 from femstruct.files.results import write_results
@@ -54,9 +55,8 @@ def _cleared(removed: Sequence[str]) -> str:
     >>> _cleared(["a.wav", "b.wav"]), _cleared([])
     ('removed what an earlier run left and this one does not make: a.wav, b.wav', '')
     """
-    more = f" and {len(removed) - NAMED} more" if len(removed) > NAMED else ""
-    names = ", ".join(removed[:NAMED])
-    return f"removed what an earlier run left and this one does not make: {names}{more}" if removed else ""
+    names = some_of(removed, NAMED)
+    return f"removed what an earlier run left and this one does not make: {names}" if removed else ""
 
 
 def _write(result: StudyResult, folder: Path, clock: Stopwatch) -> str:
@@ -137,4 +137,4 @@ def _sound_name(*words: str) -> str:
     >>> _sound_name("damper 0.6 / new", "box.mic")
     'damper 0.6 _ new.box.mic.wav'
     """
-    return re.sub(r'[/\\:*?"<>|]', "_", ".".join(words)) + ".wav"
+    return short(re.sub(r'[/\\:*?"<>|]', "_", ".".join(words))) + ".wav"

@@ -13,7 +13,7 @@ from acoustics.levels import Levels, response_levels
 from acoustics.pressure import RoomResponse
 from acoustics.sphere import TOUCHING, refuse_inside, sphere_pressures
 from femstruct.arrays import Floats
-from femstruct.errors import Finding, InputError
+from femstruct.errors import Finding, InputError, some_of
 from femstruct.impact.response import Response
 from femstruct.own_sound import moved_advice, sphere_of
 from femstruct.study.result import OwnSound
@@ -100,7 +100,7 @@ def own_findings(
                     plan.name,
                     Finding(
                         "own-sound-left-out",
-                        f"{', '.join(silent)} {verb} from the side where somebody listens: only what the surface "
+                        f"{some_of(silent)} {verb} from the side where somebody listens: only what the surface "
                         "radiates is heard, not the bodies' own sound, which may be louder at high frequencies; give "
                         "what is like a sphere its 'radius'",
                         {"bodies": len(silent)},
@@ -112,7 +112,7 @@ def own_findings(
         if body.radius is not None and body.name not in sounding and listening:
             finding = Finding(
                 "radius-not-heard",
-                f"{body.name} is not in front of the surface of {', '.join(plan.name for plan in listening)}: its "
+                f"{body.name} is not in front of the surface of {some_of(plan.name for plan in listening)}: its "
                 f"radius of {1e3 * body.radius:g} mm makes no sound there",
                 {"radius_m": body.radius},
             )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from femstruct.errors import InputError
+from femstruct.errors import InputError, some_of
 from femstruct.model.probe import Point, Surface
 
 
@@ -27,7 +27,7 @@ class Places:
         raise InputError(
             asked_by,
             got=f"'{name}'" + (f", which has {len(several)} places" if several else ""),
-            expected=f"one of {', '.join(several or sorted(self.points)) or 'no points: the structure has none'}",
+            expected=f"one of {some_of(several or sorted(self.points)) or 'no points: the structure has none'}",
             do="name one place" if several else "",
         )
 

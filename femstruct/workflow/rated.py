@@ -14,7 +14,7 @@ from acoustics.methods import Blows, Method, method_of, rating_of
 from acoustics.pressure import RoomResponse
 from acoustics.rated import RatedRoom, rate_room
 from acoustics.room import t60_of
-from femstruct.errors import Finding
+from femstruct.errors import Finding, some_of
 from femstruct.impact.sources import BETWEEN_BLOWS, HAMMERS, TAPPING_MACHINE
 from femstruct.modal.basis import ModalBasis
 from femstruct.study.study import RoomPlan, Study
@@ -107,7 +107,7 @@ def _other_blows(method: Method, study: Study) -> tuple[Finding, ...]:
     pushed = [load.name for load in study.loads] + [walker.name for walker in study.walks]
     if not others and here == count and not pushed:
         return ()
-    told = ", ".join(dict.fromkeys([*others, *pushed]))
+    told = some_of(dict.fromkeys([*others, *pushed]))
     one = f"one {wanted}, five hammers" if tapping else f"one {wanted}"
     what = "hammers" if tapping else f"{wanted}s"
     here_are = f"strike {here} {what}{' and ' + told if told else ''}" if here else f"it is {told or 'nothing'}"

@@ -13,7 +13,7 @@ from acoustics.errors import Advice
 from acoustics.field import HalfSpace
 from femstruct.arrays import Floats
 from femstruct.assembly.assemble import assemble
-from femstruct.errors import InputError
+from femstruct.errors import InputError, some_of
 from femstruct.language import read_model_file
 from femstruct.modal.basis import ForceRow, ModalBasis
 from femstruct.modal.damping import Damping, with_damping
@@ -102,7 +102,7 @@ def response_row(spot: Spot, places: Places, basis: ModalBasis, asked_by: str) -
         raise InputError(
             asked_by,
             got=f"'{spot}'",
-            expected=f"a force of {', '.join(forces) or 'nothing'}",
+            expected=f"a force of {some_of(forces) or 'nothing'}",
         )
     return basis.outputs[key]
 

@@ -28,7 +28,7 @@ LAYERS = [
     ["femstruct.study"],
     ["femstruct.language", "femstruct.files", "femstruct.view"],
     ["femstruct.workflow"],
-    ["femstruct.cli"],
+    ["femstruct.exits", "femstruct.cli"],
     ["femstruct.__main__"],
 ]
 ACOUSTICS = [
@@ -85,6 +85,7 @@ HEARS_ACOUSTICS = {
     "files",
     "view",
     "workflow",
+    "exits",
     "cli",
 }
 OPENS_FILES = {"h5py", "pyvista", "matplotlib", "pydantic", "ruamel", "meshio", "rich", "typer"}

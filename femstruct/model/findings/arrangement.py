@@ -7,7 +7,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from femstruct.arrays import Floats
-from femstruct.errors import Finding
+from femstruct.errors import Finding, some_of
 from femstruct.model.facts import part_masses
 from femstruct.model.findings.connections import Piece, held_directions, pieces, place_of_touch
 from femstruct.model.model import Model
@@ -29,7 +29,7 @@ def arrangement_findings(
 
 
 def _names(piece: Piece) -> str:
-    return ", ".join(piece.parts[:6]) + (f" and {len(piece.parts) - 6} more" if len(piece.parts) > 6 else "")
+    return some_of(piece.parts)
 
 
 def _unjoined(model: Model, found: tuple[Piece, ...]) -> list[Finding]:

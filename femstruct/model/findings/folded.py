@@ -21,7 +21,7 @@ import numpy as np
 from scipy.spatial import KDTree
 
 from femstruct.arrays import Floats
-from femstruct.errors import Finding, InputError
+from femstruct.errors import Finding, InputError, some_of
 from femstruct.model.findings.connections import held_directions
 from femstruct.model.geometry import meeting_line
 from femstruct.model.model import Model, PlateMesh
@@ -62,7 +62,7 @@ def folded_findings(model: Model, up_to_hz: float) -> tuple[Finding, ...]:
     limit = in_plane_limit(model)
     if limit is None or not up_to_hz >= NEAR * limit.frequency_hz:
         return ()
-    names = ", ".join(limit.plates)
+    names = some_of(limit.plates)
     there = up_to_hz >= limit.frequency_hz
     asked = f"modes up to {up_to_hz:.4g} Hz" if np.isfinite(up_to_hz) else "all modes"
     return (

@@ -1,0 +1,124 @@
+"""Strange names, places and streams: one clear line and exit 2, before the work."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from femstruct.errors import InputError, InputErrors
+from femstruct.files.atomic import refuse_unwritable, replacing
+from femstruct.language import read_model_file, read_study
+
+MODELS = Path(__file__).parents[2] / "models"
+OSCILLATOR, STUDY = str(MODELS / "oscillator.yaml"), str(MODELS / "three_bodies.study.yaml")
+MODEL = "structure: {type: oscillator, mass: 1 kg, stiffness: 100 N/m}\npoints: {m: {}}\n"
+COMMANDS = {
+    "check": ["check", OSCILLATOR],
+    "check --json": ["check", OSCILLATOR, "--json"],
+    "modes": ["modes", OSCILLATOR],
+    "frf": ["frf", OSCILLATOR, "--drive", "m.x", "--response", "m.x", "--band", "1:10"],
+    "schema": ["schema", "model"],
+    "help": ["--help"],
+}
+
+
+def left(words: list[str | bytes], **options: object) -> tuple[int, str]:
+    """Exit code and stderr of a command."""
+    done = subprocess.run([sys.executable, "-m", "femstruct", *words], stderr=subprocess.PIPE, timeout=120, **options)
+    return done.returncode, done.stderr.decode()
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="a device that is always full")
+@pytest.mark.parametrize("command", COMMANDS)
+def test_a_full_output_is_one_line(command: str) -> None:
+    with Path("/dev/full").open("w") as full:
+        code, told = left(COMMANDS[command], stdout=full)
+    assert (code, told) == (2, "printing: got No space left on device, expected room for what is printed\n")
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="a device that is always full")
+def test_nobody_who_reads_errors_changes_the_code() -> None:
+    with Path("/dev/full").open("w") as full:
+        done = subprocess.run([sys.executable, "-m", "femstruct", "check", "nowhere.yaml"], stderr=full, timeout=60)
+    assert done.returncode == 2
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="descriptors that are closed")
+def test_a_closed_output_is_no_bug() -> None:
+    assert left(COMMANDS["check"], preexec_fn=lambda: os.close(1)) == (0, "")
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="names of bytes")
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["check", b"caf\xe9.yaml"],
+        ["run", STUDY, "-o", b"\xe9"],
+        ["run", STUDY, "-o", b"a\nb"],
+        ["check", OSCILLATOR, "--picture", b"\xe9.png"],
+        ["check", OSCILLATOR, "--set", b"title=\xe9"],
+        ["identify", STUDY, "--measured", b"\xff.csv", "--channel", "x", "--fit", "a=1"],
+    ],
+)
+def test_words_that_are_no_text_are_one_line(words: list[str | bytes], tmp_path: Path) -> None:
+    code, told = left(words, cwd=tmp_path)
+    assert code == 2
+    assert told.startswith("the command line, ") and told.count("\n") == 1 and "UTF-8" in told
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_folder_in_thousands_of_folders_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"got a path of 2\d\d\d folders, expected at most 100") as refused:
+        refuse_unwritable(tmp_path.joinpath(*["d"] * 2000))
+    assert len(str(refused.value)) < 1000
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_what_is_in_the_way_of_a_file_stays(tmp_path: Path) -> None:
+    (tmp_path / "folder").mkdir()
+    os.mkfifo(tmp_path / "pipe")
+    for name, told in (("folder", "a folder of that name"), ("pipe", "a pipe or a device of that name")):
+        with pytest.raises(InputError, match=told), replacing(tmp_path / name):
+            pass
+    assert (tmp_path / "folder").is_dir() and (tmp_path / "pipe").is_fifo()
+
+
+@pytest.mark.parametrize(
+    ("cases", "told"),
+    [
+        ('{"": {}}', "the name ''"),
+        ('{".": {}}', r"the name '\.'"),
+        ('{" .. ": {}}', r"the name ' \.\. '"),
+        ('{"a\\nb": {}}', "a name with a tab or a new line"),
+        ('{"a\\ud800": {}}', r"no text \(U\+D800\)"),
+        ("{_a: {}}", "a name that does not begin with _"),
+        (f"{{{'x' * 81}: {{}}}}", "a name of 81 characters, expected at most 80"),
+        ("{a/b: {}, a b: {}}", "'a b' and 'a/b', whose files would have one name"),
+    ],
+)
+def test_names_of_cases_become_names_of_files(cases: str, told: str, tmp_path: Path) -> None:
+    (tmp_path / "model.yaml").write_text(MODEL, encoding="utf-8")
+    (tmp_path / "a.study.yaml").write_text(f"model: model.yaml\ncases: {cases}\n", encoding="utf-8")
+    with pytest.raises(InputErrors, match=told):
+        read_study(tmp_path / "a.study.yaml")
+
+
+def test_lists_and_names_in_messages_are_cut(tmp_path: Path) -> None:
+    names = ", ".join(f"point_{n}: {{}}" for n in range(300))
+    (tmp_path / "model.yaml").write_text(MODEL.replace("m: {}", names), encoding="utf-8")
+    (tmp_path / "a.study.yaml").write_text("model: model.yaml\nrecord: {x.z: velocity}\n", encoding="utf-8")
+    with pytest.raises(InputErrors) as refused:
+        read_study(tmp_path / "a.study.yaml")
+    assert "292 more" in str(refused.value) and len(str(refused.value)) < 700
+    (tmp_path / "many.yaml").write_text(MODEL + "".join(f"k{n}: 1\n" for n in range(1000)), encoding="utf-8")
+    with pytest.raises(InputErrors) as refused:
+        read_model_file(tmp_path / "many.yaml")
+    assert len(str(refused.value).splitlines()) == 41 and str(refused.value).endswith("and 960 more mistakes")
+    (tmp_path / "long.yaml").write_text(MODEL + f"{'k' * 100_000}: 1\n", encoding="utf-8")
+    with pytest.raises(InputErrors) as refused:
+        read_model_file(tmp_path / "long.yaml")
+    assert len(str(refused.value)) < 1500
