@@ -14,8 +14,10 @@ Complexes = NDArray[np.complex128]
 Integers = NDArray[np.int64]
 
 
-def frozen(name: str, values: ArrayLike, shape: tuple[int | None, ...]) -> Floats:
+def frozen(name: str, values: ArrayLike, shape: tuple[int | None, ...], *, blanks: bool = False) -> Floats:
     """Read-only float64 array of `values`; None in `shape` accepts any length.
+
+    blanks : whether nan may stand where a value is not known.
 
     Copies, unless the array is read-only down to the memory it looks at (then nobody else can change it).
 
@@ -27,7 +29,7 @@ def frozen(name: str, values: ArrayLike, shape: tuple[int | None, ...]) -> Float
     array = np.asarray(values, dtype=np.float64)
     if len(array.shape) != len(shape) or any(e is not None and g != e for g, e in zip(array.shape, shape, strict=True)):
         raise AcousticsError(name, got=f"shape {array.shape}", expected=f"shape {shape}".replace("None", "any"))
-    if not np.isfinite(array).all():
+    if not (np.isfinite(array) | (blanks & np.isnan(array))).all():
         raise AcousticsError(name, got="nan or infinity", expected="finite numbers")
     if not _sealed(array):
         array = array.copy()

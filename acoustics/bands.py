@@ -15,6 +15,7 @@ from acoustics.arrays import Floats
 LOWEST_HZ: Final = 25.0
 Fraction = Literal[1, 3]
 _HALF: Final = {1: 0.15, 3: 0.05}  # decades from a centre to its edges
+THIRD_EDGE: Final = 10**0.05  # upper edge of a third octave over its centre
 _NOMINAL: Final = (1.0, 1.25, 1.6, 2.0, 2.5, 3.15, 4.0, 5.0, 6.3, 8.0)  # IEC 61260-1 annex E, one decade
 _SIN_PI_8: Final = sin(pi / 8)
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from math import ceil, log10
+from math import ceil, inf, log10, nan
 from types import MappingProxyType
 from typing import Final
 
@@ -16,6 +16,7 @@ from scipy.signal import sosfilt
 
 from acoustics.arrays import Floats, freeze, frozen, positive
 from acoustics.bands import Fraction, band_filter, octave_bands, ringing_time, third_octave_bands
+from acoustics.ending import shown
 from acoustics.errors import AcousticsError, Advice
 from acoustics.extension import faded
 from acoustics.pressure import RoomResponse
@@ -36,7 +37,8 @@ class Levels:
     bands_db : {nominal centre [Hz]: largest Fast level in the third octave, L_Fmax}, what the impact-sound standards
         of heavy blows use. octaves_db : the same of octaves.
     exposure_db : {nominal centre [Hz]: unweighted sound exposure level in the third octave}.
-    findings : advice; reference_pa : p0 [Pa].
+    findings : advice; reference_pa : p0 [Pa]. complete_below_hz : where the sound ends; bands with an upper edge above
+    it are nan, single numbers are of the sound below.
     """
 
     peak_pa: float
@@ -52,6 +54,7 @@ class Levels:
     exposure_db: Mapping[float, float]
     findings: tuple[Advice, ...] = ()
     reference_pa: float = REFERENCE_PA
+    complete_below_hz: float = inf
 
     def __post_init__(self) -> None:
         for name in ("bands_db", "octaves_db", "exposure_db"):
@@ -64,11 +67,16 @@ class Levels:
         return {name: getattr(self, name) for name in names}
 
 
-def response_levels(response: RoomResponse) -> dict[str, Levels]:
-    """Levels of every receiver of a room response, by name; see `sound_levels`."""
-    filters = _Filters.at(1 / response.dt)
-    rows = zip(response.receivers, response.p, strict=True)
-    return {receiver.name: _levels(p, response.dt, filters) for receiver, p in rows}
+def response_levels(response: RoomResponse, bands_of: RoomResponse | None = None) -> dict[str, Levels]:
+    """Levels of every receiver of a room response, by name; see `sound_levels`.
+
+    bands_of : the same before it was ended at `response.complete_below_hz`: of a band whose upper edge lies just below,
+        what its filter hears from beyond the edge is up to 0.1 dB.
+    """
+    end = response.complete_below_hz
+    filters = _Filters.at(1 / response.dt, end)
+    rows = zip(response.receivers, response.p, (bands_of or response).p, strict=True)
+    return {receiver.name: _levels(p, whole, response.dt, filters, end) for receiver, p, whole in rows}
 
 
 def sound_levels(p: Floats, dt: float) -> Levels:
@@ -88,30 +96,36 @@ def sound_levels(p: Floats, dt: float) -> Levels:
     >>> round(tone.l_afmax_db, 2), round(tone.bands_db[1000.0], 2), round(tone.l_peak_db, 2), round(tone.l_ae_db, 2)
     (93.98, 93.98, 96.99, 96.99)
     """
-    return _levels(frozen("p", p, (None,)), dt, _Filters.at(1 / positive("dt", dt, "s")))
+    p = frozen("p", p, (None,))
+    return _levels(p, p, dt, _Filters.at(1 / positive("dt", dt, "s"), inf), inf)
 
 
 @dataclass(frozen=True, eq=False)
 class _Filters:
-    """Band filters of one sampling, which are dear to design: {nominal: exact centre} [Hz] and {nominal: sections} of
-    octaves (1) and third octaves (3)."""
+    """Band filters of one sampling, which are dear to design: {nominal: exact centre} [Hz] of octaves (1) and third
+    octaves (3), and {nominal: sections} of those that lie below where the sound ends."""
 
     centres: Mapping[Fraction, Mapping[float, float]]
     sections: Mapping[Fraction, Mapping[float, Floats]]
 
     @classmethod
-    def at(cls, sampling_hz: float) -> _Filters:
+    def at(cls, sampling_hz: float, end_hz: float) -> _Filters:
         centres: dict[Fraction, dict[float, float]] = {1: octave_bands(sampling_hz), 3: third_octave_bands(sampling_hz)}
         sections = {
-            fraction: {nominal: band_filter(centre, sampling_hz, fraction) for nominal, centre in bands.items()}
+            fraction: {
+                nominal: band_filter(centre, sampling_hz, fraction)
+                for nominal, centre in bands.items()
+                if shown(centre, end_hz, fraction)
+            }
             for fraction, bands in centres.items()
         }
         return cls(centres, sections)
 
 
-def _levels(p: Floats, dt: float, filters: _Filters) -> Levels:
-    """Levels of a history `p` [nt] with filters of its sampling."""
-    bands, exposures = _band_levels(p, dt, filters, 3)
+def _levels(p: Floats, whole: Floats, dt: float, filters: _Filters, end_hz: float) -> Levels:
+    """Levels of a history `p` [nt] that ends at a frequency, its bands of the `whole` one, with filters of its
+    sampling."""
+    bands, exposures = _band_levels(whole, dt, filters, 3)
     square = weighted(p, dt, "A") ** 2
     peak, total = float(np.abs(p).max()), float(square.sum()) * dt
     return Levels(
@@ -124,20 +138,23 @@ def _levels(p: Floats, dt: float, filters: _Filters) -> Levels:
         l_aeq_db=_decibel(total / (len(p) * dt)),
         l_ae_db=_decibel(total),
         bands_db=bands,
-        octaves_db=_band_levels(p, dt, filters, 1)[0],
+        octaves_db=_band_levels(whole, dt, filters, 1)[0],
         exposure_db=exposures,
         findings=_unsettled(len(p) * dt, filters.centres[3]),
+        complete_below_hz=end_hz,
     )
 
 
 def _band_levels(
     p: Floats, dt: float, filters: _Filters, fraction: Fraction
 ) -> tuple[dict[float, float], dict[float, float]]:
-    """({nominal: largest Fast level}, {nominal: exposure level}) of octaves (1) or third octaves (3) [Hz]."""
-    largest, exposures = {}, {}
-    for nominal, centre in filters.centres[fraction].items():
-        tail = ceil(ringing_time(centre, fraction) / dt)
-        heard = sosfilt(filters.sections[fraction][nominal], faded(p, tail))
+    """({nominal: largest Fast level}, {nominal: exposure level}) of octaves (1) or third octaves (3) [Hz], nan beyond
+    the sound's end."""
+    centres = filters.centres[fraction]
+    largest, exposures = dict.fromkeys(centres, nan), dict.fromkeys(centres, nan)
+    for nominal, sections in filters.sections[fraction].items():
+        tail = ceil(ringing_time(centres[nominal], fraction) / dt)
+        heard = sosfilt(sections, faded(p, tail))
         largest[nominal] = _decibel(float(time_weighted(heard**2, dt, "F").max()))
         exposures[nominal] = _decibel(float(heard @ heard) * dt)
     return largest, exposures
@@ -158,11 +175,13 @@ def _unsettled(record_s: float, centres: Mapping[float, float]) -> tuple[Advice,
     )
 
 
-def equivalent_levels(p: Floats, dt: float, since_s: float = 0.0, fraction: Fraction = 3) -> dict[float, float]:
+def equivalent_levels(
+    p: Floats, dt: float, since_s: float = 0.0, fraction: Fraction = 3, complete_below_hz: float = inf
+) -> dict[float, float]:
     """Levels of the mean square in third octaves {nominal centre [Hz]: [dB re 20 uPa]} of `p` [nt] [Pa] from a time on.
 
     since_s : what comes before [s] runs through the filters and is not averaged: they start at rest. fraction : 3, or 1
-        for octaves.
+        for octaves. complete_below_hz : bands with an upper edge above it are nan.
 
     Raises AcousticsError: a record that ends before.
 
@@ -178,8 +197,12 @@ def equivalent_levels(p: Floats, dt: float, since_s: float = 0.0, fraction: Frac
     if not 0 <= first < len(p):
         raise AcousticsError("p", got=f"a record of {len(p) * dt:g} s", expected=f"more than {since_s:g} s")
     centres = octave_bands(1 / dt) if fraction == 1 else third_octave_bands(1 / dt)
-    heard = {nominal: sosfilt(band_filter(centre, 1 / dt, fraction), p)[first:] for nominal, centre in centres.items()}
-    return {nominal: _decibel(float(np.mean(one**2))) for nominal, one in heard.items()}
+    found = dict.fromkeys(centres, nan)
+    for nominal, centre in centres.items():
+        if shown(centre, complete_below_hz, fraction):
+            heard = sosfilt(band_filter(centre, 1 / dt, fraction), p)[first:]
+            found[nominal] = _decibel(float(np.mean(heard**2)))
+    return found
 
 
 def level_history(p: Floats, dt: float, frequency: FrequencyWeighting = "A", time: TimeWeighting = "F") -> Floats:

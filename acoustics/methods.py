@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
-from math import ceil, log10
+from math import ceil, log10, nan
 from types import MappingProxyType
 from typing import Final, Literal
 
@@ -47,6 +47,7 @@ Blows = Literal["heavy", "tapping"]
 BALL: Final = "rubber ball"
 BANG_MACHINE: Final = "bang machine"
 TAPPING_MACHINE: Final = "tapping machine"
+_SILENCE_DB: Final = -200.0  # of a band that is not known, for the least that a number can be
 _NOT_FOUND: Final = "was not found in a source that can be read and checked"
 _OF_BALL: Final = f"what it makes of a rubber ball {_NOT_FOUND}: write {RATING}"
 _REFUSED: Final = {  # (standard, source): (expected, why)
@@ -74,6 +75,8 @@ class SingleNumber:
     value_db : as the standard states it [dB]. unrounded_db : the same as finely as it can be had, for differences.
     deciding_hz : the band that decides it [Hz]. curve_db : levels {nominal [Hz]: [dB]} that the bands are held against,
     and curve : what they are. beside : what is stated with it, {name: [dB]}.
+    blank_hz : bands that it is made of and that are not known [Hz]. The values are then lower bounds, as if nothing
+    were heard there, and nothing is stated with them; they are nan where no band is known.
     """
 
     value_db: float
@@ -82,9 +85,15 @@ class SingleNumber:
     curve_db: Mapping[float, float]
     curve: str
     beside: Mapping[str, float] = field(default_factory=dict)
+    blank_hz: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
         freeze(self, curve_db=MappingProxyType(dict(self.curve_db)), beside=MappingProxyType(dict(self.beside)))
+
+    @property
+    def known_db(self) -> float:
+        """The number as finely as it can be had [dB], nan where it is but a bound."""
+        return nan if self.blank_hz else self.unrounded_db
 
 
 @dataclass(frozen=True)
@@ -183,6 +192,24 @@ def rating_of(source: str) -> tuple[str, ...]:
     ('JIS A 1419-2', 'KS F 2863-2')
     """
     return _RATED_BY.get(source, ())
+
+
+def single_number(number: Number, bands_hz: Sequence[float], places_db: Floats) -> SingleNumber:
+    """A number of levels [places of the blow, bands] in the bands of its method; nan is a level that is not known.
+
+    Notes
+    -----
+    All numbers here grow with the level of every band, so that silence in what is not known gives the least that they
+    can be.
+    """
+    unknown = np.isnan(places_db.sum(axis=0))
+    if not unknown.any():
+        return number.rate(places_db)
+    blank = tuple(band for band, missing in zip(bands_hz, unknown.tolist(), strict=True) if missing)
+    if unknown.all():
+        return SingleNumber(nan, nan, nan, {}, "", blank_hz=blank)
+    least = number.rate(np.where(unknown, _SILENCE_DB, places_db))
+    return SingleNumber(least.value_db, least.unrounded_db, nan, {}, "", blank_hz=blank)
 
 
 def _by_thirds(standards: tuple[str, ...], blows: Blows) -> Method:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import inf
 from typing import Final
 
 import numpy as np
@@ -39,6 +40,7 @@ class RoomResponse:
     t : [nt], times from 0, equally spaced [s].
     p : [n_receivers, nt], pressure, positive when compressed [Pa].
     findings : advice on how far to believe it.
+    complete_below_hz : there is no sound above it, since what makes it is not known there; see `acoustics.ending`.
 
     Notes
     -----
@@ -50,6 +52,7 @@ class RoomResponse:
     t: Floats
     p: Floats
     findings: tuple[Advice, ...] = ()
+    complete_below_hz: float = inf
 
     def __post_init__(self) -> None:
         t = frozen("response.t", self.t, (None,))

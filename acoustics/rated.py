@@ -14,7 +14,7 @@ import numpy as np
 from acoustics.arrays import Floats, freeze, frozen
 from acoustics.bands import octave_bands
 from acoustics.errors import AcousticsError
-from acoustics.methods import FIELD, RATING, Blows, Method, Number, SingleNumber, method_of
+from acoustics.methods import FIELD, RATING, Blows, Method, Number, SingleNumber, method_of, single_number
 from acoustics.ratings import energy_average
 from acoustics.room import Enclosed, t60_of
 
@@ -25,9 +25,9 @@ _OCTAVES: Final = frozenset(octave_bands(1e6))  # nominal centres [Hz] of all th
 class RatedRoom:
     """What is heard of standard blows in one room, by band, and the single numbers made of it.
 
-    method : how the standards rate these blows. measured_db : levels in the room [drops, receivers, b] [dB].
-    correction_db : what standardising adds to them for the room's volume and reverberation time [b] [dB], 0 where
-    nothing is standardised. t60_s : reverberation times {nominal centre [Hz]: [s]}.
+    method : how the standards rate these blows. measured_db : levels in the room [drops, receivers, b] [dB], nan in
+    bands that are not known. correction_db : what standardising adds to them for the room's volume and reverberation
+    time [b] [dB], 0 where nothing is standardised. t60_s : reverberation times {nominal centre [Hz]: [s]}.
 
     Notes
     -----
@@ -45,7 +45,7 @@ class RatedRoom:
         bands = len(self.bands_hz)
         freeze(
             self,
-            measured_db=frozen("measured levels", self.measured_db, (None, None, bands)),
+            measured_db=frozen("measured levels", self.measured_db, (None, None, bands), blanks=True),
             correction_db=frozen("correction", self.correction_db, (bands,)),
             t60_s=MappingProxyType(dict(self.t60_s)),
         )
@@ -59,6 +59,12 @@ class RatedRoom:
     def bands_hz(self) -> tuple[float, ...]:
         """Nominal centres [Hz]."""
         return self.method.bands_hz
+
+    @property
+    def blank_hz(self) -> tuple[float, ...]:
+        """Nominal centres [Hz] of the bands that are not known."""
+        unknown = np.isnan(self.measured_db.sum(axis=(0, 1)))
+        return tuple(self.bands_hz[i] for i in np.flatnonzero(unknown))
 
     @property
     def band_quantity(self) -> str:
@@ -117,9 +123,9 @@ class RatedRoom:
 
     def above(self, other: RatedRoom) -> dict[str, float]:
         """What the numbers are above those of another room, before rounding {symbol: [dB]}; only those that both
-        have."""
+        have, nan where either is not known but for a bound."""
         return {
-            symbol: one.unrounded_db - other.numbers[symbol].unrounded_db
+            symbol: one.known_db - other.numbers[symbol].known_db
             for symbol, one in self.numbers.items()
             if symbol in other.numbers
         }
@@ -140,12 +146,13 @@ class RatedRoom:
 
     def _rated(self, number: Number, levels_db: Floats) -> SingleNumber:
         """A number of levels [drops, receivers, b] in the room."""
-        return number.rate(energy_average(levels_db + self.correction_db * number.standardised, axis=1))
+        places = energy_average(levels_db + self.correction_db * number.standardised, axis=1)
+        return single_number(number, self.bands_hz, places)
 
     def _own(self, parts: Sequence[Floats]) -> dict[str, Floats]:
         """Single numbers of parts of the levels, before rounding {symbol: [parts]}."""
         return {
-            one.symbol: np.array([self._rated(one, part).unrounded_db for part in parts]) for one in self.method.numbers
+            one.symbol: np.array([self._rated(one, part).known_db for part in parts]) for one in self.method.numbers
         }
 
     def _by_band(self, values: Floats) -> Mapping[float, float]:
@@ -162,7 +169,8 @@ def rate_room(
 
     levels_db : by drop and receiver, {nominal centre [Hz]: [dB]}, in the bands of the standards, third octaves of ISO,
         octaves of JIS and KS: `Levels.bands_db` or `Levels.octaves_db` of heavy blows, `equivalent_levels` of a tapping
-        machine; bands beyond those rated are not looked at. Octaves are not made of third octaves: maxima do not add.
+        machine; bands beyond those rated are not looked at. Octaves are not made of third octaves: maxima do not
+        add. nan is a level that is not known: numbers that need it are lower bounds.
     standards : ISO 16283-2 and ISO 717-2, or JIS A 1419-2 and KS F 2863-2; see `acoustics.methods`.
 
     Raises AcousticsError: nobody who listens, standards that `acoustics.methods.method_of` refuses, third octaves for

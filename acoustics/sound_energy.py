@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from math import log10, nan
+from math import inf, isnan, log10, nan
 from types import MappingProxyType
 from typing import Final
 
@@ -17,6 +17,7 @@ import numpy as np
 from acoustics.air import Air
 from acoustics.arrays import Complexes, Floats, freeze, frozen
 from acoustics.bands import band_edges, third_octave_bands
+from acoustics.ending import shown
 from acoustics.errors import Advice
 from acoustics.extension import fast_length
 from acoustics.field import POINTS_PER_WAVE
@@ -42,7 +43,8 @@ class SoundEnergy:
     plane [nf] : that of a plane wave of the same motion, rho c S times the density of <v^2>, where counted [J/Hz].
     bands_hz {nominal: exact} : third octaves, from 10 Hz, that are wider than a line.
     weighted_j : the energy, A-weighted [J]. last_tenth : what the last tenth of the record has of it [1].
-    spacing_hz : frequency at which the points are six to a wave [Hz].
+    spacing_hz : frequency at which the points are six to a wave [Hz]. complete_below_hz : where the motion ends; bands
+    that reach above it are nan.
     """
 
     frequency_hz: Floats
@@ -53,6 +55,7 @@ class SoundEnergy:
     last_tenth: float
     spacing_hz: float
     findings: tuple[Advice, ...] = ()
+    complete_below_hz: float = inf
 
     def __post_init__(self) -> None:
         frequency_hz = frozen("energy.frequency_hz", self.frequency_hz, (None,))
@@ -94,7 +97,11 @@ class SoundEnergy:
     @property
     def bands_j(self) -> dict[float, float]:
         """Energy of the third octaves {nominal: [J]}."""
-        return _by_band(self.density, self.step_hz, self.bands_hz)
+        energies = _by_band(self.density, self.step_hz, self.bands_hz)
+        return {
+            band: energy if shown(self.bands_hz[band], self.complete_below_hz) else nan
+            for band, energy in energies.items()
+        }
 
     @property
     def bands_db(self) -> dict[float, float]:
@@ -149,12 +156,12 @@ def at_rest(rates: Floats) -> Floats:
 
 
 def level(energy_j: float) -> float:
-    """Sound energy level [dB re 1 pJ]; -inf of none.
+    """Sound energy level [dB re 1 pJ]; -inf of none, nan of what is not known.
 
     >>> round(level(2e-9), 2)
     33.01
     """
-    return 10 * log10(energy_j / REFERENCE_J) if energy_j > 0 else -np.inf
+    return energy_j if isnan(energy_j) else 10 * log10(energy_j / REFERENCE_J) if energy_j > 0 else -np.inf
 
 
 def radiated_energy(surface: SurfaceVelocity, air: Air) -> SoundEnergy:
@@ -204,6 +211,20 @@ def radiated_energy(surface: SurfaceVelocity, air: Air) -> SoundEnergy:
         spacing_hz=air.c / (POINTS_PER_WAVE * apart),
     )
     return replace(result, findings=(*_short(result), *_coarse(result, apart, air, beyond), *_jump(surface)))
+
+
+def ended_energy(energy: SoundEnergy, complete_below_hz: float) -> SoundEnergy:
+    """What of the energy lies below a frequency [Hz], above which the motion is not known."""
+    below = energy.frequency_hz <= complete_below_hz
+    density = np.where(below, energy.density, 0.0)
+    weights = np.abs(frequency_weighting(energy.frequency_hz, "A")) ** 2
+    return replace(
+        energy,
+        density=density,
+        plane=np.where(below, energy.plane, 0.0),
+        weighted_j=float(weights @ density) * energy.step_hz,
+        complete_below_hz=complete_below_hz,
+    )
 
 
 def _densities(

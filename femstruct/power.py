@@ -12,7 +12,7 @@ from acoustics.directivity import Directivity, radiation_pattern
 from acoustics.errors import Advice
 from acoustics.field import POINTS_PER_WAVE, HalfSpace
 from acoustics.radiation import plane_wave_power, radiated_power
-from acoustics.sound_energy import TOLD, SoundEnergy, at_rest, loudest, radiated_energy
+from acoustics.sound_energy import TOLD, SoundEnergy, at_rest, ended_energy, loudest, radiated_energy
 from femstruct.arrays import Floats
 from femstruct.errors import Finding
 from femstruct.impact.response import Response
@@ -99,7 +99,8 @@ def radiated_by(
     pattern_hz, name : as of `power_per_force`.
     """
     moving = surface_velocity(response, surface, space, name=name)
-    energy = radiated_energy(moving, space.air)
+    whole = radiated_energy(moving, space.air)
+    energy = ended_energy(whole, response.basis.complete_below_hz)
     end = response.ledger.end
     shown = np.array(pattern_hz or energy.loudest_hz(SHOWN))
     kernel = moving.dt * np.exp(-2j * np.pi * np.outer(moving.t, shown))
@@ -111,7 +112,7 @@ def radiated_by(
             moving.points, moving.weights, moving.shapes, rates, shown, space.air, surface.normal, surface.along
         ),
     )
-    return found, (*energy.findings, *_modes_missing(energy, response.basis))
+    return found, (*energy.findings, *_modes_missing(whole, response.basis))
 
 
 def _coarse(surface: Surface, space: HalfSpace, highest_hz: float) -> tuple[Advice, ...]:
@@ -151,7 +152,7 @@ def _modes_missing(energy: SoundEnergy, basis: ModalBasis) -> tuple[Advice, ...]
         Advice(
             "sound-energy-beyond-modes",
             f"{100 * share:.2g} % of the sound energy, A-weighted {100 * weighted:.2g} %, lies above {top:.4g} Hz, "
-            "where modes are left out: do not believe the bands there; use more modes",
+            "where modes are left out: it is not counted, and bands there are blank; use more modes",
             {"share": share, "share_a": weighted, "complete_below_hz": top, "allowed": TOLD},
         ),
     )

@@ -22,7 +22,8 @@ def verdict_word(verdict: Verdict) -> str:
     >>> verdict_word(Verdict("ground force", 7.0, 6.0, "N", False))
     'exceeded'
     """
-    return "not seen" if verdict.met is None else "met" if verdict.met else "exceeded"
+    unknown = "not known" if verdict.least else "not seen"
+    return unknown if verdict.met is None else "met" if verdict.met else "exceeded"
 
 
 def verdict_tables(verdicts: Sequence[Verdict]) -> Table:
@@ -35,6 +36,7 @@ def verdict_tables(verdicts: Sequence[Verdict]) -> Table:
             "margin": one.margin,
             "unit": one.unit,
             "verdict": verdict_word(one),
+            "at_least": one.least,
             "at": one.at or None,
         }
         for one in verdicts
@@ -46,13 +48,20 @@ def write_verdicts(target: h5py.Group, verdicts: Sequence[Verdict]) -> None:
     limit = axis(target, "limit", [one.name for one in verdicts], "1", "What is limited")
     put(target, "limit_unit", [one.unit for one in verdicts], "1", "Unit of value, most and margin", (limit,))
     for name, values, what in (
-        ("value", [one.value for one in verdicts], "What came out; nan where it is not at rest in time"),
+        ("value", [one.value for one in verdicts], "What came out; nan where it is not at rest in time, or not known"),
         ("most", [one.limit for one in verdicts], "What it should not exceed"),
         ("margin", [one.margin for one in verdicts], "What is left up to that, negative beyond"),
     ):
         put(target, name, [np.nan if one is None else one for one in values], "see limit_unit", what, (limit,))
     put(target, "at", [one.at for one in verdicts], "1", "Place of the worst drop, where there are several", (limit,))
-    put(target, "verdict", [verdict_word(one) for one in verdicts], "1", "met, exceeded or not seen", (limit,))
+    put(
+        target,
+        "verdict",
+        [verdict_word(one) for one in verdicts],
+        "1",
+        "met, exceeded, not seen, not known",
+        (limit,),
+    )
 
 
 def machine_table(machine: Machine) -> Table:

@@ -23,6 +23,7 @@ def write_room(target: h5py.Group, response: RoomResponse) -> None:
     direction = axis(target, "direction", ["x", "y", "z"], "1", "Axis of the room, from its lower corner")
     places = np.array([item.position for item in response.receivers])
     put(target, "position", places, "m", "Where the receivers are", (receiver, direction))
+    target.attrs["complete_below_hz"] = response.complete_below_hz  # the sound ends there
     put(target, "pressure", response.p, "Pa", "Pressure, positive when compressed", (receiver, time))
     put(target, "spectrum", response.spectrum, "Pa/Hz", "dt rfft(pressure), no window", (receiver, frequency))
 
@@ -50,6 +51,7 @@ def write_levels(target: h5py.Group, levels: Levels) -> None:
         peak_pa=levels.peak_pa,
         **levels.single_numbers,
         reference_pa=levels.reference_pa,
+        complete_below_hz=levels.complete_below_hz,  # the sound ends there, bands that reach above are nan
         findings=json.dumps([[advice.code, advice.message] for advice in levels.findings]),
     )
     band = axis(target, "band_hz", list(levels.bands_db), "Hz", "Nominal centre of the third octave")
@@ -98,6 +100,8 @@ def _write_numbers(target: h5py.Group, rated: RatedRoom, reference: str) -> None
     ):
         values = [getattr(one, name) for one in numbers.values()]
         put(target, name, values, "Hz" if name == "deciding_hz" else reference, description, (symbol,))
+    least = [bool(one.blank_hz) for one in numbers.values()]
+    put(target, "at_least", least, "1", "Whether bands are blank and the number is a lower bound", (symbol,))
     for beside in dict.fromkeys(name for one in numbers.values() for name in one.beside):
         values = [one.beside.get(beside, np.nan) for one in numbers.values()]
         put(target, beside, values, "dB", "Stated with the single number; nan where its standard has none", (symbol,))

@@ -28,7 +28,8 @@ def summary(result: StudyResult) -> Table:
     the case is quieter than the baseline; `rated_db` is what a room's single numbers are above the baseline's, negative
     then, `rated_spread_db` what that spreads over the drops, `sound_energy_db` what the sound energy into the open is
     above the baseline's. `levels` are those of what the structure radiates; where striking bodies are heard themselves,
-    `own_levels` are theirs and `total_levels` those of all.
+    `own_levels` are theirs and `total_levels` those of all. A sound ends at its `complete_below_hz`, where its modes
+    do; bands that reach above it are None, and a single number that needs them is what it is `at_least`.
     """
     baseline = result.cases[result.comparison.baseline] if result.comparison.cases else None
     comparison = {
@@ -228,6 +229,7 @@ def _levels(levels: Levels) -> Table:
     return {
         "peak_pa": number(levels.peak_pa),
         **{name: number(value) for name, value in levels.single_numbers.items()},
+        "complete_below_hz": number(levels.complete_below_hz),
         "bands_db": _by_frequency(levels.bands_db),
         "octaves_db": _by_frequency(levels.octaves_db),
     }
@@ -242,6 +244,7 @@ def _rated(rated: RatedRoom) -> Table:
             symbol: {
                 "value_db": number(one.value_db),
                 "unrounded_db": number(one.unrounded_db),
+                "at_least": bool(one.blank_hz),
                 **{name: number(value) for name, value in one.beside.items()},
                 "deciding_hz": number(one.deciding_hz),
                 "drops_spread_db": number(rated.drops_spread_db[symbol]),
@@ -254,6 +257,7 @@ def _rated(rated: RatedRoom) -> Table:
         "bands": rated.method.bands,
         "band_quantity": rated.band_quantity,
         "bands_db": _by_frequency(rated.bands_db),
+        "blank_hz": list(rated.blank_hz),
         "spread_db": _by_frequency(rated.spread_db),
         "t60_s": _by_frequency(rated.t60_s),
     }

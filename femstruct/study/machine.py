@@ -12,7 +12,7 @@ class Verdict:
 
     value : None where there is none: a structure that is not at rest in time; `seen` is then for how long it was looked
     at [s]. met : None where that is too short to tell. at : the place whose drop is the worst, where a source strikes
-    several; "" for one.
+    several; "" for one. least : whether the value is a lower bound, of a rating some of whose bands are blank.
     """
 
     name: str
@@ -22,11 +22,12 @@ class Verdict:
     met: bool | None
     seen: float | None = None
     at: str = ""
+    least: bool = False
 
     @property
     def margin(self) -> float | None:
-        """What is left up to the limit, negative beyond it."""
-        return None if self.value is None else self.limit - self.value
+        """What is left up to the limit, negative beyond it; None where that is not known."""
+        return None if self.value is None or self.least else self.limit - self.value
 
 
 @dataclass(frozen=True)

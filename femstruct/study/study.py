@@ -234,6 +234,10 @@ class RoomPlan:
     animate: tuple[float | None, ...] = ()
     directivity: tuple[float, ...] = ()
 
+    def heard_to_hz(self, complete_below_hz: float) -> float:
+        """Where what is heard of a structure ends [Hz] whose modes are complete below a frequency."""
+        return min(complete_below_hz, self.complete_below_hz)
+
     @property
     def complete_below_hz(self) -> float:
         """Where the room's own modes end [Hz]; of a box or the half space there is no end."""

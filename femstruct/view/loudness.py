@@ -69,7 +69,8 @@ def rated_bands(result: StudyResult, room: str) -> Figure | None:
     each side), and what its single numbers hold them against as curves; None if nobody rates it.
 
     The curves belong to the baseline: reference curves shifted to a number, the curve of a grade, or the levels that
-    would put equal parts into a sum, so that what exceeds them decides it. Cases with other bands are not drawn.
+    would put equal parts into a sum, so that what exceeds them decides it; a number that is but a bound has none. Cases
+    with other bands are not drawn, nor are bands beyond the modes.
     """
     rated = {name: case.rated[room] for name, case in result.cases.items() if room in case.rated}
     if not rated:
@@ -82,15 +83,18 @@ def rated_bands(result: StudyResult, room: str) -> Figure | None:
     figure = new_figure(11.0, 4.6 + 0.155 * (len(shown) + len(first.curves)), title)
     ((axes,),) = panels(figure, 1, 1, between=0.5, top=0.55 + 0.155 * (len(shown) + len(first.curves)))
     width = 0.8 / len(shown)
-    highest = max(max(one.bands_db.values()) for one in shown.values())
-    lowest = min(min(one.bands_db.values()) for one in shown.values())
+    heard = [level for one in shown.values() for level in one.bands_db.values() if np.isfinite(level)] or [0.0]
+    highest, lowest = max(heard), min(heard)
     floor = 10.0 * np.floor((max(lowest, highest - SHOWN_DB) - 3.0) / 10.0)
     for number, (name, one) in enumerate(shown.items()):
         x = np.arange(len(one.bands_hz)) + (number - (len(shown) - 1) / 2) * width
         levels, spread = (np.array(list(values.values())) for values in (one.bands_db, one.spread_db))
+        known = np.isfinite(levels)
+        x, levels, spread = x[known], levels[known], spread[known]
         bars = {"yerr": spread, "error_kw": {"ecolor": "0.45", "elinewidth": 0.8}} if np.isfinite(spread).all() else {}
         axes.bar(x, levels - floor, width, bottom=floor, color=colours[name], label=_label(name, one), **bars)
-    for style, (symbol, rating) in zip(CURVES, first.curves.items(), strict=False):
+    drawn = {symbol: rating for symbol, rating in first.curves.items() if rating.curve_db}
+    for style, (symbol, rating) in zip(CURVES, drawn.items(), strict=False):
         curve, label = list(rating.curve_db.values()), f"baseline, {symbol}: {rating.curve}"
         outlined = [withStroke(linewidth=2.5, foreground="white")]  # or it is lost on dark bars
         look = {"color": "0.2", "linestyle": style, "linewidth": 1.1, "path_effects": outlined}

@@ -35,6 +35,9 @@ def _verdict(verdict: Verdict | None, with_limit: bool) -> str:
         return "-"
     of = f" of {_amount(verdict.limit, verdict.unit)}" if with_limit else ""
     of += f" at {verdict.at}" if verdict.at else ""
+    if verdict.least:
+        told = "-" if verdict.value is None else f"at least {_amount(verdict.value, verdict.unit)}"
+        return f"{'not known' if verdict.met is None else 'exceeded'}\n{told}{of}"
     if verdict.value is None:
         seen = f"not in {verdict.seen:.4g} s{of}"
         return f"exceeded\n{seen}" if verdict.met is False else f"not seen\n{seen}"
@@ -110,9 +113,11 @@ def _weighed(value: float | None, factor: float) -> str:
 
 
 def _judged(verdicts: Sequence[Verdict]) -> str:
-    """The limits a case exceeds, a line each, and those that the window is too short for."""
+    """The limits a case exceeds, a line each, and those that the window or the modes are too short for."""
     told = [f"{verdict.name} exceeded" for verdict in verdicts if verdict.met is False]
-    told += [f"{verdict.name} not seen" for verdict in verdicts if verdict.met is None]
+    told += [
+        f"{verdict.name} not {'known' if verdict.least else 'seen'}" for verdict in verdicts if verdict.met is None
+    ]
     return "\n".join(told) or ("met" if verdicts else "-")
 
 

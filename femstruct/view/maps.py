@@ -61,8 +61,7 @@ def heard_peaks(result: StudyResult, room: str) -> dict[str, float]:
     spectrum = np.abs(heard.spectrum[0])
     level = 20.0 * np.log10(np.maximum(spectrum, SILENCE * spectrum.max(initial=0.0)) + np.finfo(float).tiny)
     tops, _ = find_peaks(level, prominence=PROMINENT)
-    ends = [plan.complete_below_hz for plan in case.case.study.rooms if plan.name == room]
-    tops = tops[heard.frequency_hz[tops] <= min(case.basis.complete_below_hz, *ends)]
+    tops = tops[heard.frequency_hz[tops] <= min(case.basis.complete_below_hz, heard.complete_below_hz)]
     chosen = np.sort(tops[np.argsort(-level[tops])[:MOST]])
     elastic = np.flatnonzero([kind == "elastic" for kind in case.basis.kind])
     named = {}

@@ -31,17 +31,17 @@ def sound_energy(result: StudyResult, room: str) -> Figure | None:
     if not any(energy.energy_j > 0 for energy in cases.values()):
         return None
     colours = case_colours(result.cases, result.plan.baseline)
-    top = result.cases[result.plan.baseline].basis.complete_below_hz
     bands = [
         band
-        for band, exact in next(iter(cases.values())).bands_hz.items()
-        if exact <= top and any(isfinite(energy.bands_db.get(band, -np.inf)) for energy in cases.values())
+        for band in next(iter(cases.values())).bands_hz
+        if any(isfinite(energy.bands_db.get(band, -np.inf)) for energy in cases.values())
     ]
     legend = 0.155 * len(cases)
     where = f", source at {place}" if (place := struck_first(result)) else ""
     figure = new_figure(11.0, 6.8 + legend, f"Sound energy into {room}{where}")
     (above,), (below,) = panels(figure, 2, 1, between=0.75, top=0.55 + legend)
-    levels = {name: np.array([e.bands_db.get(band, -np.inf) for band in bands]) for name, e in cases.items()}
+    known = {name: np.array([e.bands_db.get(band, -np.inf) for band in bands]) for name, e in cases.items()}
+    levels = {name: np.where(np.isnan(row), -np.inf, row) for name, row in known.items()}
     highest = max(float(row.max()) for row in levels.values())
     lowest = min(float(row[np.isfinite(row)].min(initial=highest)) for row in levels.values())
     floor = 10.0 * np.floor((max(lowest, highest - DYNAMIC_RANGE_DB) - 3.0) / 10.0)

@@ -33,7 +33,7 @@ def radiated(result: StudyResult) -> Grid:
     for room, name, one in rows:
         energy = one.energy
         first = baseline.get(room)
-        bands = energy.bands_j
+        bands = {band: one for band, one in energy.bands_j.items() if isfinite(one)}
         change = energy.level_db - first.energy.level_db if first is not None else float("nan")
         grid.add(
             room,

@@ -9,6 +9,7 @@ from acoustics.rated import RatedRoom
 from femstruct.study.result import CaseResult, StudyResult
 from femstruct.view.grid import Grid
 
+BLANK = "blank"  # of a band that reaches beyond the modes
 ASSUMED = "the floor alone radiates, no flanking; walls and floor of the room are rigid but for its reverberation time"
 
 
@@ -46,12 +47,12 @@ def ratings(result: StudyResult) -> Grid:
                 room,
                 symbol,
                 name,
-                f"{number.value_db:g}",
+                bounded(number),
                 *(f"{number.beside[other]:g}" if other in number.beside else "" for other in besides),
                 change,
                 f"{_number(one.drops_spread_db[symbol])} ({one.drops})",
                 f"{_number(one.receivers_spread_db[symbol])} ({one.receivers})",
-                f"{number.deciding_hz:g}",
+                f"{number.deciding_hz:g}" if isfinite(number.deciding_hz) else "-",
             )
     return grid
 
@@ -74,7 +75,10 @@ def bands(result: StudyResult) -> Grid:
     """Bands of every rated room and their spread over drops and receivers; rows only where there are any."""
     rated = [(room, one.method) for case in result.cases.values() for room, one in case.rated.items()]
     kinds = " and ".join(dict.fromkeys(method.bands for _, method in rated))
-    grid = Grid(f"impact sound by {kinds}, re 20 µPa: average over drops and receivers (spread)", ("", *result.cases))
+    blank = any(one.blank_hz for case in result.cases.values() for one in case.rated.values())
+    why = f"; {BLANK}: beyond the modes" if blank else ""
+    about = f"impact sound by {kinds}, re 20 µPa: average over drops and receivers (spread){why}"
+    grid = Grid(about, ("", *result.cases))
     for room, quantity, kind, band in dict.fromkeys(
         (room, method.band_quantity, method.bands, band) for room, method in rated for band in method.bands_hz
     ):
@@ -90,7 +94,18 @@ def told(number: SingleNumber) -> str:
     '72 dB (C_I -11)'
     """
     beside = ", ".join(f"{name} {value:g}" for name, value in number.beside.items())
-    return f"{number.value_db:g} dB" + (f" ({beside})" if beside else "")
+    return f"{bounded(number)} dB" + (f" ({beside})" if beside else "")
+
+
+def bounded(number: SingleNumber) -> str:
+    """A single number without its unit, "at least" one some of whose bands are blank, "-" where all of them are.
+
+    >>> bounded(SingleNumber(51.0, 51.2, 80.0, {}, "", blank_hz=(250.0, 315.0)))
+    'at least 51'
+    """
+    if not isfinite(number.value_db):
+        return "-"
+    return f"{'at least ' if number.blank_hz else ''}{number.value_db:g}"
 
 
 def _change(rated: RatedRoom, baseline: RatedRoom | None, symbol: str) -> str:
@@ -99,6 +114,8 @@ def _change(rated: RatedRoom, baseline: RatedRoom | None, symbol: str) -> str:
     if baseline is None or symbol not in above:
         return "-"
     spread = rated.above_spread_db(baseline)[symbol]
+    if not isfinite(above[symbol]):
+        return "-"
     return f"{above[symbol]:+z.1f}" + (f" ({spread:.1f})" if isfinite(spread) else "")
 
 
@@ -110,5 +127,7 @@ def _band(case: CaseResult, room: str, quantity: str, kind: str, band: float) ->
     found = case.rated.get(room)
     if found is None or (found.band_quantity, found.method.bands) != (quantity, kind) or band not in found.bands_db:
         return "-"
+    if not isfinite(found.bands_db[band]):
+        return BLANK
     spread = found.spread_db[band]
     return f"{found.bands_db[band]:.1f}" + (f" ({spread:.1f})" if isfinite(spread) else "")

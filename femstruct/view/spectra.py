@@ -31,7 +31,6 @@ DYNAMIC_RANGE_DB: Final = 90.0
 LOWEST_HZ: Final = 5.0
 WITH_OWN: Final = " with the bodies' own sound"
 OVER_BARS: Final = "#d62728"
-HALF_BAND: Final = 2 ** (1 / 6)  # from the middle of a third octave to its upper end
 BEYOND_GIVEN: Final = 2.0  # times the highest of modes that are given, which are complete to no frequency
 
 
@@ -77,22 +76,20 @@ def sound(result: StudyResult, receiver: str) -> Figure | None:
     if not heard:
         return None
     basis = result.cases[result.plan.baseline].basis
-    dt, first = next(iter(heard.values()))
-    rooms = [plan for case in result.cases.values() for plan in case.case.study.rooms]
-    ends = [plan.complete_below_hz for plan in rooms if receiver.startswith(f"{plan.name}.")]
-    top = min(shown_to(basis, 1.0 / dt), *ends)
+    dt, first, _ = next(iter(heard.values()))
+    top = min(max(end for _, _, end in heard.values()), shown_to(basis, 1.0 / dt))
     totals = {name: found for name in heard if (found := _pressure(result, name, receiver, total=True)) is not None}
     legend = 0.155 * (len(heard) + len(totals))  # inches
     where = f", source at {place}" if (place := struck_first(result)) else ""
     figure = new_figure(11.0, 6.8 + 2 * legend, f"Sound at {receiver}{where}")
     (above,), (below,) = panels(figure, 2, 1, between=0.75 + legend, top=0.55 + legend)
     peak = -np.inf
-    for name, (step, p), look, after in (
+    for name, (step, p, end), look, after in (
         *((name, found, {"linewidth": 0.9}, "") for name, found in heard.items()),
         *((name, found, TOTAL, WITH_OWN) for name, found in totals.items()),
     ):
         frequency, level = level_spectrum(p, step)
-        shown = (frequency >= LOWEST_HZ) & (frequency <= top)
+        shown = (frequency >= LOWEST_HZ) & (frequency <= min(top, end))
         x, y = thinned(frequency[shown], level[shown], most=3000)
         above.semilogx(x, y, **(drawn[name] | look), label=f"{name}{after}")
         peak = max(peak, float(level[shown].max(initial=-np.inf)))
@@ -104,30 +101,34 @@ def sound(result: StudyResult, receiver: str) -> Figure | None:
     finish(above, label, f"lines {resolution:.3g} Hz apart, dB re 20 µPa")
     legend_above(above, up=12)
     plain_ticks(above)
-    _bands(below, result, receiver, top)
+    _bands(below, result, receiver)
     return figure
 
 
-def _bands(axes: Axes, result: StudyResult, receiver: str, top: float) -> None:
+def _bands(axes: Axes, result: StudyResult, receiver: str) -> None:
     colours = case_colours(result.cases, result.plan.baseline)
     levels = {name: case.levels[receiver] for name, case in result.cases.items() if receiver in case.levels}
     if not levels:
         return
-    centres = [centre for centre in next(iter(levels.values())).bands_db if centre * HALF_BAND <= top]
+    known = [level.bands_db for level in levels.values()]
+    centres = [centre for centre in known[0] if any(np.isfinite(one.get(centre, np.nan)) for one in known)]
     width = 0.8 / len(levels)
-    values = {name: [level.bands_db[centre] for centre in centres] for name, level in levels.items()}
-    highest = max((max(row, default=0.0) for row in values.values()), default=0.0)
-    lowest = max(min((min(row, default=0.0) for row in values.values()), default=0.0), highest - DYNAMIC_RANGE_DB)
+    values = {name: np.array([one.bands_db.get(c, np.nan) for c in centres]) for name, one in levels.items()}
+    heard = [level for row in values.values() for level in row.tolist() if np.isfinite(level)] or [0.0]
+    highest = max(heard)
+    lowest = max(min(heard), highest - DYNAMIC_RANGE_DB)
     floor = 10.0 * np.floor((lowest - 3.0) / 10.0)
     for number, (name, row) in enumerate(values.items()):
         x = np.arange(len(centres)) + (number - (len(levels) - 1) / 2) * width
         level = levels[name]
         label = f"{name}: L_peak {level.l_peak_db:.1f} dB, L_AFmax {level.l_afmax_db:.1f} dB"
-        axes.bar(x, np.asarray(row) - floor, width, bottom=floor, color=colours[name], label=label)
+        here = np.isfinite(row)
+        axes.bar(x[here], row[here] - floor, width, bottom=floor, color=colours[name], label=label)
         total = result.cases[name].heard.total_levels.get(receiver)
         if total is not None:
-            row = [total.bands_db[centre] for centre in centres]
-            highest = max(highest, max(row, default=0.0))
+            row = np.array([total.bands_db[centre] for centre in centres])[here]
+            x = x[here]
+            highest = max(highest, row.max(initial=0.0))
             label = f"{name}{WITH_OWN}: L_peak {total.l_peak_db:.1f} dB, L_AFmax {total.l_afmax_db:.1f} dB"
             axes.hlines(row, x - 0.5 * width, x + 0.5 * width, color=OVER_BARS, linewidth=2.0, label=label)
     axes.set_xticks(range(len(centres)), [f"{centre:g}" for centre in centres], fontsize=8)
@@ -138,12 +139,15 @@ def _bands(axes: Axes, result: StudyResult, receiver: str, top: float) -> None:
     axes.grid(False, axis="x")
 
 
-def _pressure(result: StudyResult, case: str, receiver: str, *, total: bool = False) -> tuple[float, Floats] | None:
-    """Sampling interval [s] and pressure [nt] [Pa] at ROOM.NAME, of the structure or with the bodies themselves."""
+def _pressure(
+    result: StudyResult, case: str, receiver: str, *, total: bool = False
+) -> tuple[float, Floats, float] | None:
+    """Sampling interval [s], pressure [nt] [Pa] at ROOM.NAME, of the structure or with the bodies themselves, and where
+    it ends [Hz]."""
     for room, response in (result.cases[case].heard.total if total else result.cases[case].rooms).items():
         for row, item in zip(response.p, response.receivers, strict=True):
             if f"{room}.{item.name}" == receiver:
-                return response.dt, row
+                return response.dt, row, response.complete_below_hz
     return None
 
 

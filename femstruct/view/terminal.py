@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from math import isfinite
 
 from rich.console import Console
 
@@ -112,6 +113,14 @@ def _contacts(result: StudyResult) -> Grid:
 
 def _levels(result: StudyResult) -> Grid:
     told = "; total: with the bodies' own sound" if any(c.heard.total for c in result.cases.values()) else ""
+    ends = dict.fromkeys(
+        levels.complete_below_hz
+        for case in result.cases.values()
+        for levels in case.levels.values()
+        if isfinite(levels.complete_below_hz)
+    )
+    if ends:
+        told += f"; of sound up to {', '.join(f'{end:.4g}' for end in ends)} Hz, where the modes end"
     grid = Grid(f"levels re 20 µPa{told}", ("receiver", *result.cases))
     names = list(dict.fromkeys(name for case in result.cases.values() for name in case.levels))
     for name in names:

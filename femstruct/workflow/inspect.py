@@ -28,7 +28,9 @@ from femstruct.study.structures import ModesModel
 from femstruct.study.study import Extent, Plan, RoomPlan, Study
 from femstruct.workflow.air import ceiling
 from femstruct.workflow.bases import Solved, solve
+from femstruct.workflow.blank_bands import blanks_before
 from femstruct.workflow.channels import refuse_absent_forces
+from femstruct.workflow.checks import room_findings
 from femstruct.workflow.own_sound import spheres_before
 from femstruct.workflow.positions import positioned
 from femstruct.workflow.responses import frequency_option, response_row
@@ -134,7 +136,8 @@ def inspect_file(path: Path, overrides: tuple[str, ...] = ()) -> Inspection:
         rooms=() if study is None else study.rooms,
         drops=() if case is None else tuple(case.drops),
         findings=structure_findings(solved, basis, () if case is None else case.studies)
-        + weight_findings(under_weight),
+        + weight_findings(under_weight)
+        + _left_blank(source, basis),
     )
 
 
@@ -169,6 +172,13 @@ def modes_of(path: Path, extent: Extent, overrides: tuple[str, ...] = ()) -> Tab
         "mass_kg": basis.total_mass,
         "findings": [finding_table(finding) for finding in structure_findings(solved, basis)],
     }
+
+
+def _left_blank(source: ModelFile | Plan, basis: ModalBasis) -> tuple[Finding, ...]:
+    """Rated bands that the modes of a study's cases leave blank; basis : of its baseline."""
+    if isinstance(source, ModelFile):
+        return ()
+    return tuple(room_findings(blanks_before(source.cases, {source.baseline: basis.complete_below_hz})))
 
 
 def _positions(solved: Solved) -> dict[str, tuple[float, float, float] | None]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from math import isfinite
 
 import numpy as np
 
@@ -76,10 +77,14 @@ def _common(names: Sequence[str]) -> str:
 
 
 def _rating(limit: Limit, room: RatedRoom) -> Verdict:
-    """The number that the room's standards state, as a building code asks for it."""
+    """The number that the room's standards state, as a building code asks for it; of a lower bound it can only be told
+    that it is too high."""
     assert room.rating is not None
     value = room.rating.value_db
-    return Verdict(limit.name, value, limit.value, "dB", value <= limit.value)
+    if not room.rating.blank_hz:
+        return Verdict(limit.name, value, limit.value, "dB", value <= limit.value)
+    least = value if isfinite(value) else None
+    return Verdict(limit.name, least, limit.value, "dB", False if value > limit.value else None, least=True)
 
 
 def _peak(limit: Limit, channel: Channel) -> Verdict:

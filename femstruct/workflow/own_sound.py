@@ -52,23 +52,32 @@ def spheres_before(plan: RoomPlan, study: Study, places: Places) -> dict[str, tu
     return found
 
 
-def heard_themselves(study: Study, places: Places, response: Response, rooms: Mapping[str, RoomResponse]) -> OwnSound:
+def heard_themselves(
+    study: Study,
+    places: Places,
+    response: Response,
+    rooms: Mapping[str, RoomResponse],
+    whole: Mapping[str, RoomResponse],
+) -> OwnSound:
     """Striking bodies heard in open air, and all that is heard there with what the structure radiates, by room.
+
+    rooms : of the structure, which end where its modes do; whole : the same before.
 
     Raises InputError as `spheres_before` does.
     """
     sounds = {plan.name: _own_sound(plan, study, places, response) for plan in study.rooms if plan.name in rooms}
     own = {name: one for name, one in sounds.items() if one is not None}
     total = {name: replace(rooms[name], p=rooms[name].p + one.p, findings=()) for name, one in own.items()}
-    return OwnSound(own, total, levels_by_receiver(own), levels_by_receiver(total))
+    both = {name: replace(total[name], p=whole[name].p + one.p) for name, one in own.items()}
+    return OwnSound(own, total, levels_by_receiver(own, own), levels_by_receiver(total, both))
 
 
-def levels_by_receiver(rooms: Mapping[str, RoomResponse]) -> dict[str, Levels]:
-    """Levels of the pressures in rooms, by "ROOM.RECEIVER"."""
+def levels_by_receiver(rooms: Mapping[str, RoomResponse], whole: Mapping[str, RoomResponse]) -> dict[str, Levels]:
+    """Levels of the pressures in rooms, by "ROOM.RECEIVER"; their bands of the whole pressures, before they ended."""
     return {
         f"{room}.{receiver}": levels
         for room, response in rooms.items()
-        for receiver, levels in response_levels(response).items()
+        for receiver, levels in response_levels(response, whole[room]).items()
     }
 
 

@@ -16,7 +16,6 @@ from acoustics.rated import RatedRoom, rate_room
 from acoustics.room import t60_of
 from femstruct.errors import Finding, some_of
 from femstruct.impact.sources import BETWEEN_BLOWS, HAMMERS, TAPPING_MACHINE
-from femstruct.modal.basis import ModalBasis
 from femstruct.study.study import RoomPlan, Study
 
 TURN_S: Final = HAMMERS * BETWEEN_BLOWS  # all hammers of a tapping machine once
@@ -34,15 +33,18 @@ def method_for(plan: RoomPlan, study: Study) -> Method | None:
 
 
 def band_levels(
-    study: Study, method: Method, response: RoomResponse, levels: Sequence[Levels]
+    study: Study, method: Method, whole: RoomResponse, end_hz: float, levels: Sequence[Levels]
 ) -> list[Mapping[float, float]]:
     """What the standards rate at every receiver of a room {nominal band [Hz]: [dB]}: the largest Fast levels, of a
-    tapping machine those of the mean square while it runs."""
+    tapping machine those of the mean square while it runs.
+
+    whole : the sound, before it ends at `end_hz`, above which bands are nan. levels : of the one that ends there.
+    """
     if method.blows == "heavy":
         return [one.octaves_db if method.fraction == 1 else one.bands_db for one in levels]
     since, until = running(study)
-    samples = round(until / response.dt)
-    return [equivalent_levels(p[:samples], response.dt, since, method.fraction) for p in response.p]
+    samples = round(until / whole.dt)
+    return [equivalent_levels(p[:samples], whole.dt, since, method.fraction, end_hz) for p in whole.p]
 
 
 def running(study: Study) -> tuple[float, float]:
@@ -62,8 +64,8 @@ def rate_rooms(study: Study, drops: Sequence[Mapping[str, Sequence[Mapping[float
     }
 
 
-def rated_findings(plan: RoomPlan, study: Study, basis: ModalBasis, drops: int = 1) -> tuple[Advice | Finding, ...]:
-    """Reverberation times missed, bands without modes, few places, and blows that the standards do not rate.
+def rated_findings(plan: RoomPlan, study: Study, drops: int = 1) -> tuple[Advice | Finding, ...]:
+    """Reverberation times missed, few places, and blows that the standards do not rate.
 
     drops : at how many places the source strikes.
     """
@@ -71,16 +73,6 @@ def rated_findings(plan: RoomPlan, study: Study, basis: ModalBasis, drops: int =
     method = method_for(plan, study)
     if method is None:
         return tuple(found)
-    highest = method.highest_hz
-    if basis.complete_below_hz < highest:
-        found.append(
-            Finding(
-                "rating-beyond-modes",
-                f"the rated bands go up to {highest:.0f} Hz, the modes of the floor to "
-                f"{basis.complete_below_hz:.0f} Hz: levels above are too low",
-                {"highest_hz": highest, "complete_below_hz": basis.complete_below_hz},
-            )
-        )
     if min(drops, len(plan.receivers)) < method.fewest:
         found.append(
             Finding(

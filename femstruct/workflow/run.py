@@ -25,6 +25,7 @@ from femstruct.study.study import Case, Plan, Study
 from femstruct.workflow.accuracy import accuracy_findings, hold_accuracy
 from femstruct.workflow.air import ceiling, coupled, coupled_key, weight_on_air
 from femstruct.workflow.bases import Solved, damped, solve_all
+from femstruct.workflow.blank_bands import blank_findings
 from femstruct.workflow.channels import acceleration_rows, record, refuse_absent_forces
 from femstruct.workflow.checks import aliased_findings, hammer_findings, load_findings, room_findings
 from femstruct.workflow.compare import compare
@@ -211,7 +212,8 @@ def run_case(
         rated = rate_rooms(study, [one.bands_db for one in struck.values()])
         told += weight_on_air(whole.response, vacuo, study.rooms)
         for plan in study.rooms:
-            told += [(plan.name, found) for found in rated_findings(plan, study, vacuo, len(struck))]
+            told += [(plan.name, found) for found in rated_findings(plan, study, len(struck))]
+            told += [(plan.name, found) for found in blank_findings(plan, study, basis.complete_below_hz)]
             told += [(plan.name, one) for one in meeting_findings(plan, study, ceiling(plan, own.places), vacuo)]
             if plan.coupling == "one-way":
                 told += [(plan.name, found) for found in coupling_findings(vacuo, ceiling(plan, own.places), plan.room)]

@@ -8,6 +8,7 @@ from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
 from typing import Final
 
+from acoustics.ending import ended
 from acoustics.errors import Advice
 from acoustics.field import HalfSpace
 from acoustics.levels import Levels
@@ -78,19 +79,25 @@ def strike(
         errors = {drop: error_of(response) for drop, response in responses.items()}
     with stage("room"):
         rooms = _rooms(first, places, responses)
+    ends = {plan.name: plan.heard_to_hz(basis.complete_below_hz) for plan in first.rooms}
     struck = {}
     for drop, study in studies.items():
         with stage("levels"):
-            own = {name: by_drop.pop(drop) for name, by_drop in rooms.items()}
-            heard = levels_by_receiver(own)
+            whole = {name: by_drop.pop(drop) for name, by_drop in rooms.items()}
+            own = {name: ended(one, ends[name]) for name, one in whole.items()}
+            heard = levels_by_receiver(own, whole)
             bands = {
                 plan.name: band_levels(
-                    study, method, own[plan.name], [heard[f"{plan.name}.{one.name}"] for one in plan.receivers]
+                    study,
+                    method,
+                    whole[plan.name],
+                    ends[plan.name],
+                    [heard[f"{plan.name}.{one.name}"] for one in plan.receivers],
                 )
                 for plan in study.rooms
                 if (method := method_for(plan, study)) is not None
             }
-            bodies = heard_themselves(study, places, responses[drop], own)
+            bodies = heard_themselves(study, places, responses[drop], own, whole)
         findings = (
             *_findings(study, responses[drop], errors[drop], vacuo, own, heard),
             *room_findings(own_findings(study, places, responses[drop], bodies)),

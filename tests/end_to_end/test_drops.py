@@ -119,7 +119,8 @@ def test_drops_in_terminal_tables_and_file(
         assert stored["measured"].shape == (2, 2, 12)
         np.testing.assert_array_equal(stored["measured"][:], rated.measured_db)
         second = file["cases/as given/drops/drops.2/bedroom.mic.2"]
-        assert second["l_fmax"][:].tolist() == list(case.drops["drops.2"].levels["bedroom.mic.2"].bands_db.values())
+        levels = case.drops["drops.2"].levels["bedroom.mic.2"]
+        np.testing.assert_array_equal(second["l_fmax"][:], list(levels.bands_db.values()))
 
 
 def test_bands_are_drawn_with_the_curve_of_the_rating(result: StudyResult) -> None:
@@ -171,7 +172,9 @@ def test_a_tapping_machine_has_positions_of_five_hammers(tmp_path: Path, monkeyp
     exposures = found.drops["feet.1-5"].levels["bedroom.mic"].exposure_db
     # 1 s of sound: its exposure is its mean level. The later half is no louder or softer than the whole by more than
     # what builds up in the first turns and rings on: 2 dB
-    assert rated.measured_db[0, 0].tolist() == pytest.approx([exposures[band] for band in rated.bands_hz], abs=2.0)
+    wanted = [exposures[band] for band in rated.bands_hz]
+    assert rated.measured_db[0, 0].tolist() == pytest.approx(wanted, abs=2.0, nan_ok=True)
+    assert rated.blank_hz == tuple(band for band in rated.bands_hz if band > 630.0)
     codes = {one.code: one for one in found.findings}
     assert codes["rating-beyond-modes"].values["highest_hz"] == pytest.approx(3150 * 10**0.05)
     assert "tapping-not-steady" not in codes

@@ -223,10 +223,14 @@ def test_the_shipped_ball_clicks() -> None:
         [levels[f"open.{mic}"].l_peak_db for levels in (case.levels, case.heard.own_levels, case.heard.total_levels)]
         for mic in ("over", "aside")
     )
-    assert over == pytest.approx([112.4, 109.9, 115.7], abs=0.06)
-    assert aside == pytest.approx([103.6, 102.7, 103.6], abs=0.06)
+    assert over == pytest.approx([110.3, 109.9, 114.1], abs=0.06)
+    assert aside == pytest.approx([103.4, 102.7, 103.7], abs=0.06)
     own, borne = case.heard.own["open"], case.rooms["open"]
-    click, ring = (one.t[np.flatnonzero(np.abs(one.p[0]) > 0.01 * np.abs(one.p[0]).max())[0]] for one in (own, borne))
-    # ball: from the near side of the sphere; plate: 0.5 m. Both when they have risen to 1 %, samples of 5 us later
+    click, ring = (
+        one.t[np.flatnonzero(np.abs(one.p[0]) > rise * np.abs(one.p[0]).max())[0]]
+        for one, rise in ((own, 0.01), (borne, 0.1))
+    )
+    # ball: from the near side of the sphere, when it has risen to 1 %, samples of 5 us later; plate: 0.5 m, blurred by
+    # half a period of 10 kHz, where its sound ends
     assert click == pytest.approx((np.hypot(0.49, 0.0335) - 0.01) / 343, abs=15e-6)
-    assert ring == pytest.approx(0.5 / 343, abs=15e-6)
+    assert ring == pytest.approx(0.5 / 343, abs=50e-6)

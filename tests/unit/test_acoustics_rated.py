@@ -22,7 +22,7 @@ from acoustics import (
     weighted_impact_level,
 )
 from acoustics.grades import HEAVY_OCTAVES
-from acoustics.methods import STANDARDS, method_of, rating_of, refuse_source
+from acoustics.methods import STANDARDS, Blows, method_of, rating_of, refuse_source, single_number
 from acoustics.ratings import A_THIRDS, CURVE_THIRDS, equal_parts, shifted_curve
 
 ROOM = Room([5.0, 4.0, 2.5], losses=losses_from_t60(0.5))  # 50 m^3, .5 s: what levels are standardised to
@@ -268,3 +268,29 @@ def test_the_largest_of_a_level_over_time_is_the_single_number():
     p = np.random.default_rng(2).standard_normal(9600) * np.exp(-np.arange(9600) / 2000)
     assert level_history(p, 1 / 48e3).max() == pytest.approx(sound_levels(p, 1 / 48e3).l_afmax_db, abs=1e-9)
     assert level_history(p, 1 / 48e3, "Z", "S").max() < level_history(p, 1 / 48e3, "Z", "F").max()
+
+
+@pytest.mark.parametrize(
+    ("standards", "blows"),
+    [(["ISO 717-2"], "heavy"), (["ISO 717-2"], "tapping"), (["JIS A 1419-2", "KS F 2863-2"], "heavy")],
+)
+@pytest.mark.parametrize("few", [1, 2, 3])
+def test_a_number_with_blank_bands_is_the_least_that_it_can_be(standards: list[str], blows: Blows, few: int) -> None:
+    """Whatever is heard in the bands that are not known, the number is no less; with silence there it is just that."""
+    method = method_of(standards, blows)
+    random = np.random.default_rng(few)
+    for _ in range(20):
+        full = random.uniform(30.0, 80.0, (3, len(method.bands_hz)))
+        blank = full.copy()
+        blank[:, -few:] = np.nan
+        for number in method.numbers:
+            least = single_number(number, method.bands_hz, blank)
+            assert least.blank_hz == method.bands_hz[-few:]
+            assert least.value_db <= single_number(number, method.bands_hz, full).value_db
+            full[:, -few:] = 0.0
+            assert least.unrounded_db == pytest.approx(
+                single_number(number, method.bands_hz, full).unrounded_db, abs=0.01
+            )
+            assert np.isnan(least.known_db) and not least.beside and np.isnan(least.deciding_hz)
+            nothing = single_number(number, method.bands_hz, np.full_like(full, np.nan))
+            assert np.isnan(nothing.value_db) and nothing.blank_hz == method.bands_hz

@@ -63,6 +63,7 @@ ACOUSTICS = [
     ],
     [
         "acoustics.bands",
+        "acoustics.ending",
         "acoustics.weighting",
         "acoustics.levels",
         "acoustics.ratings",
