@@ -95,6 +95,19 @@ def run(
 
 
 @_command
+def warm_up() -> int:
+    """Compile the simulation kernels now: some 20 seconds, once. Without it the first simulation does."""
+    from femstruct.impact.compiled.store import folder
+    from femstruct.impact.compiled.workers import compilation
+    from femstruct.impact.needed import ALL
+
+    with _progress() as tell, compilation(ALL) as kernels:
+        kernels.wait(tell)
+    print(f"{len(kernels.units)} kernels compiled; they are kept in {folder()}")
+    return GOOD
+
+
+@_command
 def impact(study: StudyFile, case: OnlyCase = "", set_: Sets = [], as_json: AsJson = False) -> int:  # noqa: B006
     """Simulate the impacts of a study. Prints peaks, contacts and energies; nothing is written."""
     return _stages(study, case, set_, as_json, with_rooms=False)

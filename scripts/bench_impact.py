@@ -10,6 +10,7 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+import tempfile
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
@@ -201,11 +202,30 @@ def floor() -> dict[str, float]:
 def warm_start() -> dict[str, float]:
     """CPU seconds until a new process has its kernels, imports apart."""
     code = (
-        "import time; from femstruct.impact.simulate import load_kernels; s = time.process_time(); load_kernels(); "
-        "print(time.process_time() - s)"
+        "import time; from femstruct.impact.needed import BY_COLLOCATION as units; "
+        "from femstruct.impact.compiled.loading import native; s = time.process_time(); "
+        "[native(unit) for unit in units]; print(time.process_time() - s)"
     )
     answer = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     return {"warm start, s": float(answer.stdout)}
+
+
+def cold_kernels() -> dict[str, float]:
+    """Seconds to compile all kernels, as the clock has them and of all processes."""
+    code = (
+        "import os, time; from femstruct.impact.needed import ALL; from femstruct.impact.compiled.workers import "
+        "code_of; s = time.monotonic(); code_of(ALL); print(time.monotonic() - s, sum(os.times()[:4]))"
+    )
+    with tempfile.TemporaryDirectory() as empty:
+        answer = subprocess.run(
+            [sys.executable, "-c", code],
+            capture_output=True,
+            text=True,
+            check=True,
+            env={**os.environ, "FEMSTRUCT_CACHE": empty},
+        )
+    wall, used = (float(number) for number in answer.stdout.split())
+    return {"cold kernels, s": wall, "cold kernels, CPU s": used}
 
 
 def main() -> Iterator[tuple[str, float]]:
@@ -222,6 +242,7 @@ def main() -> Iterator[tuple[str, float]]:
     yield from many(ball).items()
     yield from floor().items()
     yield from warm_start().items()
+    yield from cold_kernels().items()
     yield "load average", os.getloadavg()[0]
 
 

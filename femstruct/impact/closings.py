@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from femstruct.arrays import Floats
-from femstruct.impact.compiled import kernel
+from femstruct.impact.compiled.kernels import kernel
 from femstruct.impact.energy import TIME
 from femstruct.impact.forces import CLAMPED, CLOSED, State, copy_to, sense
 from femstruct.impact.sampling import Record

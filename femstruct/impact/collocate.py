@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
+from femstruct.impact.attempt import march_room
 from femstruct.impact.forces import State
-from femstruct.impact.march import ERROR_BUDGET, levels_for, longest_coupled, march, march_room
+from femstruct.impact.march import ERROR_BUDGET, levels_for, longest_coupled, march
 from femstruct.impact.rule import collocation_rule
 from femstruct.impact.sampling import Record
 from femstruct.impact.system import Compiled, System
@@ -17,7 +20,20 @@ PACED_WORK = 5e7  # and their number times SELF + n: some 4 s where the modes ar
 SELF = 30  # what a step costs beside its coordinates, 2.1 us against 0.07 us for each of them
 LEDGER_ROWS = 2048  # at most, while nothing acts
 
-Ended = tuple[int, float, int, int]  # how, when [s], ledger rows, events
+
+class Ended(NamedTuple):
+    """How a march ended, when [s], and how many ledger rows and events it left."""
+
+    how: int
+    when: float
+    rows: int
+    events: int
+
+    @staticmethod
+    def of(how: int, record: Record) -> Ended:
+        """What a march that returned `how` has noted."""
+        when, rows, events = record.ended
+        return Ended(how, float(when), int(rows), int(events))
 
 
 def state_at_start(compiled: Compiled) -> State:
@@ -36,9 +52,9 @@ def state_at_start(compiled: Compiled) -> State:
 def collocate(
     compiled: Compiled, tolerance: float, tables: Tables, state: State, record: Record, finer: int = 0
 ) -> Ended:
-    """March to the end of the record; state, record and tables are filled on the way.
+    """March to the end of the record; state and record are filled on the way.
 
-    tables : as `empty_tables` makes them for all levels, or those of another run of the same scene and clock.
+    tables : of all levels.
     finer : how often the longest step is halved, which a loose tolerance takes wherever it can.
     """
     system = compiled.system
@@ -47,7 +63,7 @@ def collocate(
         end = compiled.n_samples << compiled.halvings
         longest = 4 * max(end // LEDGER_ROWS, 1)  # as the march has it, for its ledger
         top_level = max(min(top_level, longest.bit_length() - 1) - finer, 0)
-    return march(
+    how = march(
         system,
         state,
         collocation_rule(),
@@ -60,6 +76,7 @@ def collocate(
         MAX_STEPS,
         paced(system),
     )
+    return Ended.of(how, record)
 
 
 def paced(system: System) -> int:

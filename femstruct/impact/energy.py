@@ -6,7 +6,7 @@ import numpy as np
 
 from femstruct.arrays import Floats
 from femstruct.impact.bodies import Scene
-from femstruct.impact.compiled import kernel
+from femstruct.impact.compiled.kernels import kernel
 from femstruct.impact.forces import AWAY, CLAMPED, CLOSED, OPEN, State, law, spring
 from femstruct.impact.propagate import Trial
 from femstruct.impact.response import EnergyBalance, EnergyLedger

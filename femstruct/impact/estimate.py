@@ -16,16 +16,17 @@ from femstruct.arrays import Floats
 from femstruct.impact.aside import run_aside
 from femstruct.impact.bodies import Scene
 from femstruct.impact.closings import CERTAIN, CLOSES, settle_events
-from femstruct.impact.collocate import MAX_STEPS, collocate, state_at_start
+from femstruct.impact.collocate import MAX_STEPS, Ended, collocate, state_at_start
 from femstruct.impact.energy import TIME
 from femstruct.impact.exact.choice import largest_rate, takes_exact_march
 from femstruct.impact.exact.march import exact_march
 from femstruct.impact.exact.rule import THETA, exact_room, exact_rule
 from femstruct.impact.march import DONE, TOO_MANY_EVENTS, levels_for
 from femstruct.impact.response import Response
+from femstruct.impact.rule import collocation_rule
 from femstruct.impact.sampling import MOST_EVENTS, Record, room_for
 from femstruct.impact.system import Compiled, compile_scene
-from femstruct.impact.tables import Tables, empty_tables
+from femstruct.impact.tables import Tables, tabulated
 
 STRICTER = 100.0
 STRICT = 1e-10  # at the latest here the tolerance limits every step; a loose one need not
@@ -99,9 +100,9 @@ def error_of(response: Response) -> ErrorEstimate:
     (True, True)
     """
     compiled = compile_scene(response.basis, response.scene, response.clock)
-    tables = empty_tables(compiled.system, levels_for(compiled.halvings))
     if takes_exact_march(compiled.system, compiled.n_samples / response.clock.sampling):
-        others = [_Again(compiled, response.scene, tables, None, shorter=part) for part in SHORTER]
+        none = tabulated(compiled.system, 0, collocation_rule())
+        others = [_Again(compiled, response.scene, none, None, shorter=part) for part in SHORTER]
         own = others[0].with_first(_of(response))
         found = [again.run() for again in others]
         return _compared(response, own, found, None, None, ROUNDING + response.ledger.residual)
@@ -109,6 +110,7 @@ def error_of(response: Response) -> ErrorEstimate:
     if not response.bodies and not response.events:  # a forced vibration: nothing here to be wrong
         return ErrorEstimate(tolerance, None, response.clock.duration, {}, {}, {})
     against = max(min(tolerance / STRICTER, STRICT), min(tolerance, STRICTEST))
+    tables = tabulated(compiled.system, levels_for(compiled.halvings), collocation_rule())
     own = _Again(compiled, response.scene, tables, tolerance).with_first(_of(response))
     other = _Again(compiled, response.scene, tables, against, finer=FINER).run()
     return _compared(response, own, [other], tolerance, against, ROUNDING)
@@ -191,7 +193,9 @@ class _Again:
             longest = self.shorter * THETA / max(largest_rate(system), THETA / end)
             room = exact_room(system)
             ended = run_aside(
-                lambda: exact_march(system, state, exact_rule(), room, record, end, np.inf, longest, MAX_STEPS),
+                lambda: Ended.of(
+                    exact_march(system, state, exact_rule(), room, record, end, np.inf, longest, MAX_STEPS), record
+                ),
                 record.stop,
             )
         else:

@@ -12,7 +12,7 @@ from __future__ import annotations
 import numpy as np
 
 from femstruct.arrays import Floats
-from femstruct.impact.compiled import kernel
+from femstruct.impact.compiled.kernels import kernel
 from femstruct.impact.forces import AWAY, CLAMPED, CLOSED, OPEN, PRELOAD, ROUNDING, State, law, sense
 from femstruct.impact.propagate import Trial
 from femstruct.impact.rule import PLACES, STAGES, Rule

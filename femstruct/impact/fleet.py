@@ -9,18 +9,19 @@ from numpy.typing import NDArray
 
 from femstruct.arrays import Floats, Integers
 from femstruct.errors import InputError
+from femstruct.impact.attempt import march_room
 from femstruct.impact.bodies import Clock
 from femstruct.impact.energy import ledger_width
 from femstruct.impact.exact.choice import takes_exact_march
 from femstruct.impact.exact.rule import exact_room, exact_rule
 from femstruct.impact.forces import State
-from femstruct.impact.many import Columns, Marches, Runs, Shared, columns, run_many
-from femstruct.impact.march import ERROR_BUDGET, longest_coupled, march_room
+from femstruct.impact.many import Columns, Marches, Out, Runs, Shared, columns, run_many
+from femstruct.impact.march import ERROR_BUDGET, longest_coupled
 from femstruct.impact.outcome import LAST
 from femstruct.impact.rule import FINEST_HALVINGS, collocation_rule
 from femstruct.impact.sampling import room_for
 from femstruct.impact.system import HERTZ, LINEAR, LINK, POWER, Compiled, Records, System, compile_scene
-from femstruct.impact.tables import Tables, empty_tables, tabulate
+from femstruct.impact.tables import Tables, tabulated
 from femstruct.impact.vary import Variation
 from femstruct.modal.basis import ModalBasis
 
@@ -74,7 +75,7 @@ class Fleet:
         waiting = {blows.body for blows in scene.blows if round(blows.first / system.tick) > 0}
         of_modes = system.rows.copy()
         of_modes[:, k:] = 0.0
-        modes = _tabulated(system._replace(rows=of_modes), levels)
+        modes = tabulated(system._replace(rows=of_modes), levels, collocation_rule())
         unit = system._replace(
             omega=np.zeros(1),
             damping=np.zeros(1),
@@ -94,7 +95,7 @@ class Fleet:
             gravity=scene.gravity,
             mobility=(of_modes**2).sum(axis=1),
             modes=modes,
-            mass=_tabulated(unit, levels),
+            mass=tabulated(unit, levels, collocation_rule()),
         )
         width = ledger_width(system)
         at = columns(len(system.interfaces), len(varied.scene.bodies), width)
@@ -108,10 +109,16 @@ def run_some(fleet: Fleet, first: int, out: Floats, stop: Integers) -> None:
     record = room_for(system, 0)._replace(stop=stop)
     record.late_at[0] = fleet.late
     run_many(
-        system._replace(rows=system.rows.copy(), mobility=system.mobility.copy(), over=system.over.copy()),
+        system._replace(
+            rows=system.rows.copy(),
+            mobility=system.mobility.copy(),
+            over=system.over.copy(),
+            interfaces=system.interfaces.copy(),
+            loads=system.loads.copy(),
+            strikes=system.strikes.copy(),
+        ),
         fleet.shared,
         tables._replace(
-            ready=tables.ready.copy(),
             free=tables.free.copy(),
             forced=tables.forced.copy(),
             stray_push=tables.stray_push.copy(),
@@ -141,7 +148,7 @@ def run_some(fleet: Fleet, first: int, out: Floats, stop: Integers) -> None:
             force=np.zeros(m),
         ),
         fleet.columns,
-        out,
+        Out(out),
     )
 
 
@@ -192,13 +199,6 @@ def _rest(name: str, varied: Variation, interfaces: Records) -> Floats:
                          "a preloaded cubic or tabulated contact has one rest position in a batch")  # fmt: skip
     contact = next(contact for contact in varied.scene.contacts if contact.name == name)
     return np.full(len(preload), contact.law.indentation(contact.preload))
-
-
-def _tabulated(system: System, levels: int) -> Tables:
-    tables = empty_tables(system, levels)
-    for level in range(levels):
-        tabulate(level, system.tick * 2.0**level, system, collocation_rule(), tables)
-    return tables
 
 
 def _hardest(varied: Variation, compiled: Compiled) -> System:

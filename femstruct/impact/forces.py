@@ -6,8 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from femstruct.arrays import Floats, Integers
-from femstruct.impact.compiled import kernel, summing
+from femstruct.arrays import Floats
+from femstruct.impact.compiled.kernels import kernel, summing
+from femstruct.impact.compiled.layout import Counts, Vector
 from femstruct.impact.system import CONSTANT, CUBIC, HALF_SINE, HERTZ, LINEAR, LINK, POWER, System
 
 OPEN, CLOSED, CLAMPED = 0, 1, 2  # a contact without force; with force; indented, its dashpot out of force
@@ -22,12 +23,12 @@ class State(NamedTuple):
     is CLOSED from its release on). rest [i] : displacement of a link at its release. pace [r] : largest speed of a
     row so far. force [r] : force of a row at the end of the last step."""
 
-    z: Floats
-    v: Floats
-    status: Integers
-    rest: Floats
-    pace: Floats
-    force: Floats
+    z: Vector
+    v: Vector
+    status: Counts
+    rest: Vector
+    pace: Vector
+    force: Vector
 
 
 @kernel

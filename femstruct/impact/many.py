@@ -10,18 +10,20 @@ from typing import NamedTuple
 
 import numpy as np
 
-from femstruct.arrays import Floats, Integers
+from femstruct.arrays import Floats
+from femstruct.impact.attempt import Room
 from femstruct.impact.closings import CLOSES
-from femstruct.impact.compiled import released
+from femstruct.impact.compiled.kernels import kernel, unit
+from femstruct.impact.compiled.layout import Counts, Matrix, Vector
 from femstruct.impact.energy import TIME
 from femstruct.impact.exact.march import exact_march
 from femstruct.impact.exact.rule import ExactRoom, ExactRule
 from femstruct.impact.forces import State, copy_to
-from femstruct.impact.march import DONE, Room, march
+from femstruct.impact.march import DONE, march
 from femstruct.impact.rule import POINTS, STAGES, Rule
 from femstruct.impact.sampling import Record
 from femstruct.impact.strikes import HELD, SINCE, lies
-from femstruct.impact.system import Records, System
+from femstruct.impact.system import ManyInterfaces, ManyLoads, ManyStrikes, System
 from femstruct.impact.tables import Tables
 
 STATUS, STEPS, RESIDUAL, SEPARATED, FIRST = 0, 1, 2, 3, 4  # columns; then what `columns` says
@@ -62,14 +64,14 @@ class Shared(NamedTuple):
     struck [o] : which bodies; weight : the first row of the bodies' weight, and all rows from there on; gravity
     [m/s^2]; mobility [r] of the modes; tables of the modes, and of a free unit mass with a row of its own."""
 
-    start: Floats
-    waits: Integers
-    entries: Floats
-    over: Floats
-    struck: Integers
+    start: Matrix
+    waits: Counts
+    entries: Matrix
+    over: Matrix
+    struck: Counts
     weight: int
     gravity: float
-    mobility: Floats
+    mobility: Vector
     modes: Tables
     mass: Tables
 
@@ -77,11 +79,11 @@ class Shared(NamedTuple):
 class Runs(NamedTuple):
     """Some runs: mass, velocity [c, b] of the bodies, interfaces [c, m], loads [c, l], strikes [c, s]."""
 
-    mass: Floats
-    velocity: Floats
-    interfaces: Records
-    loads: Records
-    strikes: Records
+    mass: Matrix
+    velocity: Matrix
+    interfaces: ManyInterfaces
+    loads: ManyLoads
+    strikes: ManyStrikes
 
 
 class Marches(NamedTuple):
@@ -103,22 +105,30 @@ class Marches(NamedTuple):
     exact_room: ExactRoom
 
 
-@released
+class Out(NamedTuple):
+    """A row of metrics for each run [c, width]."""
+
+    rows: Matrix
+
+
+@unit(seconds=3.0)
 def run_many(frame: System, shared: Shared, tables: Tables, runs: Runs, marches: Marches, record: Record,
-             state: State, at: Columns, out: Floats) -> None:  # fmt: skip
-    """Fill a row of metrics [c, width] for each run. tables : their parts that depend on masses are this call's own."""
+             state: State, at: Columns, out: Out) -> int:  # fmt: skip
+    """Fill a row of metrics [c, width] for each run. frame, tables : what of them
+    depends on a run is this call's own."""
     k, bodies = frame.n_modes, runs.mass.shape[1]
-    for i in range(len(out)):
+    for i in range(len(out.rows)):
         new = i == 0
         for b in range(bodies):
             new = new or runs.mass[i, b] != runs.mass[i - 1, b]
         if new:
             _weigh(frame, shared, tables, runs.mass[i])
-        system = System(
-            frame.omega, frame.damping, frame.coupling, frame.n_modes, frame.rows, frame.sign, frame.mobility,
-            runs.interfaces[i], frame.curves, runs.loads[i], frame.table, runs.strikes[i], frame.over, frame.kinks,
-            frame.tick,
-        )  # fmt: skip
+        for a in range(len(frame.interfaces)):
+            frame.interfaces[a] = runs.interfaces[i, a]
+        for a in range(len(frame.loads)):
+            frame.loads[a] = runs.loads[i, a]
+        for a in range(len(frame.strikes)):
+            frame.strikes[a] = runs.strikes[i, a]
         state.z[:], state.v[:] = 0.0, 0.0
         copy_to(state.z, shared.start[0])
         copy_to(state.v, shared.start[1])
@@ -129,20 +139,23 @@ def run_many(frame: System, shared: Shared, tables: Tables, runs: Runs, marches:
         record.totals[:], record.travel[:], record.deepest[:], record.late[:] = 0.0, 0.0, 0.0, np.nan
         record.strikes[:], record.latest[:], record.strike_peak[:] = 0.0, -1, 0.0
         if marches.exact:
-            status, _, rows, events = exact_march(
-                system, state, marches.exact_rule, marches.exact_room, record, marches.duration, np.inf, np.inf,
+            status = exact_march(
+                frame, state, marches.exact_rule, marches.exact_room, record, marches.duration, np.inf, np.inf,
                 marches.max_steps,
             )  # fmt: skip
         else:
-            status, _, rows, events = march(
-                system, state, marches.rule, tables, marches.room, record, marches.halvings, marches.top_level,
+            status = march(
+                frame, state, marches.rule, tables, marches.room, record, marches.halvings, marches.top_level,
                 marches.tolerance, marches.max_steps, marches.paced,
             )  # fmt: skip
+        rows, events = int(record.ended[1]), int(record.ended[2])
         end = record.history[rows - 1 if marches.exact else rows]  # collocation counts it with samples only
-        _measure(system, state, record, status, events, end, runs.mass[i], shared.gravity, marches.quiet, at, out[i])
+        mass, row = runs.mass[i], out.rows[i]
+        _measure(frame, state, record, status, events, end, mass, shared.gravity, marches.quiet, at, row)
+    return len(out.rows)
 
 
-@released
+@kernel
 def _weigh(frame: System, shared: Shared, tables: Tables, mass: Floats) -> None:
     """The rows, and all of the tables that depends on them, for these masses."""
     k, r, rows = frame.n_modes, len(frame.rows), frame.rows
@@ -157,9 +170,16 @@ def _weigh(frame: System, shared: Shared, tables: Tables, mass: Floats) -> None:
         root = np.sqrt(mass[shared.struck[o]])
         for j in range(len(frame.omega)):
             frame.over[o, j] = shared.over[o, j] * (root if j < k else root / np.sqrt(mass[j - k]))
-    copy_to(tables.forced.reshape(-1), modes.forced.reshape(-1))
-    copy_to(tables.stray_push.reshape(-1), modes.stray_push.reshape(-1))
-    for level in range(len(tables.ready)):
+    for level in range(len(tables.flow)):
+        for a in range(r):
+            for p in range(POINTS):
+                for x in range(2):
+                    for c in range(r):
+                        copy_to(tables.forced[level, a, p, x, c], modes.forced[level, a, p, x, c])
+        for x in range(2):
+            for j in range(STAGES + 1):
+                for a in range(r):
+                    copy_to(tables.stray_push[level, x, j, a], modes.stray_push[level, x, j, a])
         for b in range(len(mass)):
             for a in range(r):
                 here = rows[a, k + b]
@@ -182,7 +202,7 @@ def _weigh(frame: System, shared: Shared, tables: Tables, mass: Floats) -> None:
                             tables.stray_push[level, x, s, a, c] += abs(pair) * unit.stray_push[level, x, s, 0, 0]
 
 
-@released
+@kernel
 def _measure(system: System, state: State, record: Record, status: int, events: int, last: Floats, mass: Floats,
              gravity: float, quiet: float, at: Columns, row: Floats) -> None:  # fmt: skip
     """One row of metrics; a run that failed has its status and steps only."""

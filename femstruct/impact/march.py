@@ -6,23 +6,22 @@ which is the graded mesh that the onset of a contact (indentation^1.5, ^0.5) nee
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 
 from femstruct.arrays import Floats
+from femstruct.impact.attempt import ERROR, PART, REFUSED, Room, attempt
 from femstruct.impact.closings import CERTAIN, CLOSES, DOUBTFUL, LIFTED, OPENS, confirm, log_event, settle_events
-from femstruct.impact.compiled import kernel, released
+from femstruct.impact.compiled.kernels import kernel, unit
 from femstruct.impact.energy import TIME, integrate_losses, take_stock
-from femstruct.impact.events import CHANGES, SHARP, UNCERTAIN, least_excess, strays, switch, watch
+from femstruct.impact.events import CHANGES, SHARP, UNCERTAIN, least_excess, switch
 from femstruct.impact.flow import advance
 from femstruct.impact.forces import AWAY, CLOSED, OPEN, ROUNDING, State, copy_to, load_at, net_force, rows_now
-from femstruct.impact.propagate import LONGER, Trial, trial_room, try_step
-from femstruct.impact.rule import LONGEST_DOUBLINGS, PLACES, STAGES, Rule
-from femstruct.impact.sampling import Record, keep, peaks, peaks_at_start, travels
+from femstruct.impact.propagate import LONGER, Trial
+from femstruct.impact.rule import LONGEST_DOUBLINGS, PLACES, Rule
+from femstruct.impact.sampling import Record, ended, keep, peaks, peaks_at_start, travels
 from femstruct.impact.strikes import first_strike, strike, touch
 from femstruct.impact.system import CONSTANT, LINK, System
-from femstruct.impact.tables import Tables, tabulate
+from femstruct.impact.tables import Tables
 
 DONE, TOO_MANY_STEPS, NO_FORCES, TOO_MANY_EVENTS, STICKS, STALLS, STOPPED = 0, 1, 2, 3, 4, 5, 6
 ERROR_BUDGET = 0.1  # share of the tolerance that a step may spend
@@ -35,40 +34,10 @@ TROUBLE = {
 }
 
 
-class Room(NamedTuple):
-    """Work space of a march. trial : of its steps, with their work space. lost [m + 3] : dissipated by interfaces, by
-    modes; work; brought by blows. bounds [m, 4] : what interpolation can miss of an interface. work [s + 4, n]. loaded,
-    closed_at [m] : whether a contact counts as closed, and since when. place, rate [r] : of the rows."""
-
-    trial: Trial
-    lost: Floats
-    bounds: Floats
-    work: Floats
-    loaded: Floats
-    closed_at: Floats
-    place: Floats
-    rate: Floats
-
-
-def march_room(system: System) -> Room:
-    """Work space for marches of a system of this size."""
-    n, r, m = len(system.omega), len(system.rows), len(system.interfaces)
-    return Room(
-        trial=trial_room(system),
-        lost=np.zeros(m + 3),
-        bounds=np.zeros((m, 4)),
-        work=np.zeros((STAGES + 4, n)),
-        loaded=np.zeros(m),
-        closed_at=np.zeros(m),
-        place=np.zeros(r),
-        rate=np.zeros(r),
-    )
-
-
-@released
+@unit(seconds=9.0)
 def march(system: System, state: State, rule: Rule, tables: Tables, room: Room, record: Record, halvings: int,
-          top_level: int, tolerance: float, max_steps: int, paced: int) -> tuple[int, float, int, int]:  # fmt: skip
-    """Run to the end; returns how it ended, when, and the numbers of ledger rows and events in the record.
+          top_level: int, tolerance: float, max_steps: int, paced: int) -> int:  # fmt: skip
+    """Run to the end; returns how it ended; when, and the numbers of ledger rows and events, are in record.ended.
 
     paced : steps tried between two looks at the progress. A record without samples is of one interval of 2^halvings
     ticks, and keeps the first and the last ledger row only.
@@ -102,14 +71,14 @@ def march(system: System, state: State, rule: Rule, tables: Tables, room: Room, 
     last, tried, seen, late = 0, 0, 0, record.late_at[0]
     while t < end:
         if record.totals[1] >= max_steps:
-            return TOO_MANY_STEPS, t * system.tick, n_history, n_events
+            return ended(record, TOO_MANY_STEPS, t * system.tick, n_history, n_events)
         record.totals[1] += 1.0
         tried += 1
         if record.stop[0] != 0:
-            return STOPPED, t * system.tick, n_history, n_events
+            return ended(record, STOPPED, t * system.tick, n_history, n_events)
         if tried == paced:
             if t - seen < paced * (end / max_steps):  # at this pace all steps are gone before the end
-                return STALLS, t * system.tick, n_history, n_events
+                return ended(record, STALLS, t * system.tick, n_history, n_events)
             tried, seen = 0, t
         limit = end
         while kink < len(system.kinks) and system.kinks[kink] <= t:
@@ -122,21 +91,18 @@ def march(system: System, state: State, rule: Rule, tables: Tables, room: Room, 
         acting = _acts(system, (t + 0.5 * min(limit - t, per_sample)) * system.tick)
         if acting:  # what a load puts in is kept as finely as what it moves
             level = min(level, halvings)
-        h = system.tick * 2.0**level
+        h = system.tick * float(1 << level)
         now = t * system.tick
-        if not tables.ready[level]:
-            tabulate(level, h, system, rule, tables)
         for a in range(len(place)):
             trial.place[a, 0], trial.rate[a, 0] = place[a], rate[a]
-        error = try_step(now, level, h, system, state, rule, tables, trial, tolerance)
-        if not error <= 1.0 and level > 0:
+        answer = attempt(now, level, system, state, rule, tables, room, tolerance)
+        error, part = room.found[ERROR], room.found[PART]
+        if answer == REFUSED:
+            if level == 0:
+                return ended(record, NO_FORCES, now, n_history, n_events)
             level -= 1 if error < 300.0 else (2 if error < 1e6 else 4)
             level = max(level, 0)
             continue
-        if not error < np.inf:
-            return NO_FORCES, now, n_history, n_events
-        strays(level, h, system, state, rule, tables, trial, bounds)
-        answer, part = watch(h, system, state, rule, trial, bounds, loaded)
         ticks = 1 << level
         if answer == UNCERTAIN and level > 0:
             level -= 1
@@ -188,7 +154,7 @@ def march(system: System, state: State, rule: Rule, tables: Tables, room: Room, 
                     and system.strikes[record.latest[a]]["tick"] == t
                 ):
                     if n_events == len(record.events):
-                        return TOO_MANY_EVENTS, now, n_history, n_events
+                        return ended(record, TOO_MANY_EVENTS, now, n_history, n_events)
                     log_event(record, n_events, a, OPENS, LIFTED, history[n_history - 1])
                     n_events += 1
                     record.totals[4 + a] = 0.0
@@ -203,7 +169,7 @@ def march(system: System, state: State, rule: Rule, tables: Tables, room: Room, 
             state.force[a] = net_force(system, state, a, place[a], rate[a]) if state.status[a] == CLOSED else 0.0
         total = take_stock(now, system, state, place, lost, history[n_history])
         if not np.isfinite(total):
-            return NO_FORCES, now, n_history, n_events
+            return ended(record, NO_FORCES, now, n_history, n_events)
         record.totals[2] = max(record.totals[2], abs(total - initial))
         record.totals[3] = max(record.totals[3], abs(lost[m + 1]) + abs(lost[m + 2]))
         if changed:
@@ -211,7 +177,7 @@ def march(system: System, state: State, rule: Rule, tables: Tables, room: Room, 
                 if system.interfaces[a]["kind"] != LINK and loaded[a] != record.totals[4 + a]:
                     what = CLOSES if loaded[a] > 0.0 else OPENS
                     if n_events == len(record.events):
-                        return TOO_MANY_EVENTS, now, n_history, n_events
+                        return ended(record, TOO_MANY_EVENTS, now, n_history, n_events)
                     counts = CERTAIN if system.interfaces[a]["preload"] > 0.0 else DOUBTFUL
                     log_event(record, n_events, a, what, counts, history[n_history])
                     event_rows[n_events, TIME] = moment
@@ -225,7 +191,7 @@ def march(system: System, state: State, rule: Rule, tables: Tables, room: Room, 
         record.totals[0] += 1.0
         if error < LONGER:
             level += 1
-    return DONE, end * system.tick, n_history, settle_events(record, n_events, m)
+    return ended(record, DONE, end * system.tick, n_history, settle_events(record, n_events, m))
 
 
 @kernel

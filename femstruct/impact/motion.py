@@ -11,13 +11,12 @@ from typing import NamedTuple
 import numpy as np
 
 from femstruct.arrays import Floats, Integers
-from femstruct.impact.compiled import kernel, making
-from femstruct.impact.forces import dot
 from femstruct.impact.rule import LONGEST_DOUBLINGS, STAGES, Rule
 from femstruct.impact.system import System
-from femstruct.impact.tables import Tables, flow_of, tabulate
+from femstruct.impact.tables import Tables, flows
 
 DISPLACEMENT, VELOCITY = 0, 1
+SAMPLES_AT_ONCE = 1 << 14  # of every coordinate: what is in hand at once stays small
 
 
 class Motion(NamedTuple):
@@ -79,44 +78,92 @@ def only(motion: Motion, which: Integers) -> Motion:
 
 def coordinates(motion: Motion, what: int, first: int, last: int) -> Floats:
     """Displacement or velocity of the coordinates first .. last - 1 at all samples [last - first, nt]."""
+    states = (motion.z if what == DISPLACEMENT else motion.v)[:, first:last]
     out = np.empty((last - first, motion.n_samples))
-    _trace(motion, what, first, out)
+    for steps in _by_length(motion):
+        if steps.doublings == 0:
+            out[:, motion.at[steps.states]] = states[steps.states].T
+            continue
+        count = 1 << steps.doublings
+        by_z, by_v = motion.free[what, :, first:last, :count]
+        samples = by_z[:, None] * motion.z[steps.states, first:last].T[:, :, None]
+        samples += by_v[:, None] * motion.v[steps.states, first:last].T[:, :, None]
+        acting = motion.pushed[steps.longs] > 0
+        if acting.any():
+            push = _modal_forces(motion, steps.longs[acting], first, last)
+            forced = np.moveaxis(motion.forced[steps.doublings, what, :, first:last, :count], 1, 0)
+            samples[:, acting] += push @ forced
+        out[:, motion.at[steps.states][:, None] + np.arange(count)] = samples
     out.flags.writeable = False
     return out
 
 
 def along(motion: Motion, what: int, rows: Floats) -> Floats:
     """Displacement or velocity of weighted sums of the first k coordinates, rows [p, k], at all samples [p, nt]."""
+    k = rows.shape[1]
+    states = (motion.z if what == DISPLACEMENT else motion.v)[:, :k]
     out = np.empty((len(rows), motion.n_samples))
-    _follow(motion, what, np.array(rows, dtype=np.float64), out)
+    for steps in _by_length(motion):
+        if steps.doublings == 0:
+            out[:, motion.at[steps.states]] = rows @ states[steps.states].T
+            continue
+        count = 1 << steps.doublings
+        by_z, by_v = motion.free[what, :, :k, :count]
+        places = motion.at[steps.states][:, None] + np.arange(count)
+        acting = motion.pushed[steps.longs] > 0
+        forced = motion.forced[steps.doublings, what, :, :k, :count] if acting.any() else None
+        for p, row in enumerate(rows):
+            samples = (motion.z[steps.states, :k] * row) @ by_z + (motion.v[steps.states, :k] * row) @ by_v
+            if forced is not None:
+                samples[acting] += _pushed_along(motion, steps.longs[acting], row, forced)
+            out[p, places] = samples
     return out
 
 
-@making
-def inside(level: int, system: System, rule: Rule, tables: Tables, needed: Integers, free: Floats,
-           forced: Floats) -> None:  # fmt: skip
-    """Fill free, and forced of the step lengths that are needed. level : of a step of one sample."""
-    dt = system.tick * 2.0**level
-    if not tables.ready[level]:
-        tabulate(level, dt, system, rule, tables)
-    flow, push, out = tables.flow[level], tables.push[level], np.empty(4)
-    for i in range(len(system.omega)):
-        for j in range(free.shape[3]):
-            flow_of(system.omega[i], system.damping[i], j * dt, out)
-            free[0, 0, i, j], free[0, 1, i, j], free[1, 0, i, j], free[1, 1, i, j] = out
-    for d in range(len(needed)):
-        if not needed[d]:
-            continue
-        for i in range(len(system.omega)):
-            for s in range(STAGES):
-                x, v = 0.0, 0.0
-                for j in range(1 << d):
-                    forced[d, 0, s, i, j], forced[d, 1, s, i, j] = x, v
-                    piece = rule.pieces[(1 << d) - 1 + j]
-                    x, v = flow[0, i] * x + flow[1, i] * v, flow[2, i] * x + flow[3, i] * v
-                    for p in range(STAGES):
-                        x += push[0, p, i] * piece[p, s]
-                        v += push[1, p, i] * piece[p, s]
+class _Steps(NamedTuple):
+    """Steps of one length: which states they start from, and their numbers among the long steps (none for those of
+    less than two samples)."""
+
+    doublings: int
+    states: Integers
+    longs: Integers
+
+
+def _by_length(motion: Motion) -> list[_Steps]:
+    """The steps by length, a bounded number of samples in each part."""
+    number = np.cumsum(motion.doublings > 0) - 1
+    found = []
+    for doublings in np.unique(motion.doublings):
+        states = np.flatnonzero(motion.doublings == doublings)
+        part = max(SAMPLES_AT_ONCE >> int(doublings), 1)
+        for first in range(0, len(states), part):
+            some = states[first : first + part]
+            found.append(_Steps(int(doublings), some, number[some]))
+    return found
+
+
+def _modal_forces(motion: Motion, longs: Integers, first: int, last: int) -> Floats:
+    """Forces on the coordinates first .. last - 1 at the nodes of long steps [last - first, steps, STAGES]."""
+    forces: Floats = np.tensordot(motion.acts[:, first:last], motion.forces[longs], axes=(0, 1))
+    coupled = motion.modal.shape[2]
+    if first < coupled:
+        own = motion.modal[longs, :, first : min(last, coupled)]
+        forces[: own.shape[2]] += np.moveaxis(own, 2, 0)
+    return forces
+
+
+def _pushed_along(motion: Motion, longs: Integers, row: Floats, forced: Floats) -> Floats:
+    """What the forces over long steps add to a weighted sum of coordinates [steps, j]."""
+    k, count = len(row), forced.shape[2]
+    weighted = row[:, None] * forced
+    by_force = motion.acts[:, :k] @ weighted  # [STAGES, r, j]
+    forces = np.swapaxes(motion.forces[longs], 1, 2).reshape(len(longs), -1)
+    out: Floats = forces @ by_force.reshape(-1, count)
+    coupled = min(motion.modal.shape[2], k)
+    if coupled:
+        own = motion.modal[longs, :, :coupled].reshape(len(longs), -1)
+        out += own @ weighted[:, :coupled].reshape(-1, count)
+    return out
 
 
 def inner_tables(
@@ -124,11 +171,18 @@ def inner_tables(
 ) -> tuple[Floats, Floats]:
     """free and forced of a Motion. used [l] : doublings of its long steps; pushed [l] : whether forces act on them."""
     n, longest = len(system.omega), 1 << LONGEST_DOUBLINGS
-    needed = np.zeros(LONGEST_DOUBLINGS + 1, dtype=np.int64)
-    needed[used[pushed > 0]] = 1
-    free = np.empty((2, 2, n, longest if len(used) else 1))
-    forced = np.empty((len(needed), 2, STAGES, n, longest))
-    inside(halvings, system, rule, tables, needed, free, forced)
+    dt = system.tick * 2.0**halvings
+    times = np.array([dt * j for j in range(longest if len(used) else 1)])
+    free = flows(system.omega, system.damping, times).reshape(2, 2, n, -1)
+    forced = np.zeros((LONGEST_DOUBLINGS + 1, 2, STAGES, n, longest if len(used) else 1))
+    flow, push = tables.flow[halvings], tables.push[halvings]
+    for d in np.unique(used[pushed > 0]):
+        x = np.zeros((STAGES, n))
+        v = np.zeros((STAGES, n))
+        for j in range(1 << d):
+            forced[d, 0, :, :, j], forced[d, 1, :, :, j] = x, v
+            piece = rule.pieces[(1 << d) - 1 + j].T
+            x, v = flow[0] * x + flow[1] * v + piece @ push[0], flow[2] * x + flow[3] * v + piece @ push[1]
     return free, forced
 
 
@@ -147,64 +201,3 @@ def state_at(motion: Motion, what: int, sample: int) -> Floats:
         forces[:, : motion.modal.shape[2]] += motion.modal[long]
         out += (motion.forced[doublings, what, :, :, inside] * forces).sum(axis=0)
     return out
-
-
-@kernel
-def _through(motion: Motion, what: int, state: int, long: int, first: int, last: int, out: Floats) -> None:
-    """Samples of the coordinates first .. last - 1 over a long step, its start first: out [coordinate - first, j]."""
-    doublings = motion.doublings[state]
-    count, z, v = 1 << doublings, motion.z[state], motion.v[state]
-    by_z, by_v, forced = motion.free[what, 0], motion.free[what, 1], motion.forced[doublings, what]
-    for i in range(first, last):
-        for j in range(count):
-            out[i - first, j] = by_z[i, j] * z[i] + by_v[i, j] * v[i]
-    if not motion.pushed[long]:
-        return
-    for i in range(first, last):
-        for s in range(STAGES):
-            force = motion.modal[long, s, i] if i < motion.modal.shape[2] else 0.0
-            for a in range(len(motion.acts)):
-                force += motion.acts[a, i] * motion.forces[long, a, s]
-            if force != 0.0:
-                for j in range(count):
-                    out[i - first, j] += forced[s, i, j] * force
-
-
-@making
-def _trace(motion: Motion, what: int, first: int, out: Floats) -> None:
-    states, count = motion.z if what == DISPLACEMENT else motion.v, len(out)
-    samples, long = np.empty((count, 1 << LONGEST_DOUBLINGS)), 0
-    for s in range(len(motion.at)):
-        at = motion.at[s]
-        if not motion.doublings[s]:
-            for i in range(count):
-                out[i, at] = states[s, first + i]
-            continue
-        _through(motion, what, s, long, first, first + count, samples)
-        for i in range(count):
-            for j in range(1 << motion.doublings[s]):
-                out[i, at + j] = samples[i, j]
-        long += 1
-
-
-@making
-def _follow(motion: Motion, what: int, rows: Floats, out: Floats) -> None:
-    states, n = motion.z if what == DISPLACEMENT else motion.v, rows.shape[1]
-    samples, long = np.empty((n, 1 << LONGEST_DOUBLINGS)), 0
-    for s in range(len(motion.at)):
-        at = motion.at[s]
-        if not motion.doublings[s]:
-            for a in range(len(rows)):
-                out[a, at] = dot(rows[a], states[s])
-            continue
-        count = 1 << motion.doublings[s]
-        _through(motion, what, s, long, 0, n, samples)
-        for a in range(len(rows)):
-            sums = out[a, at : at + count]
-            sums[:] = 0.0
-            for i in range(n):
-                weight = rows[a, i]
-                if weight != 0.0:
-                    for j in range(count):
-                        sums[j] += weight * samples[i, j]
-        long += 1

@@ -11,8 +11,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from femstruct.arrays import Floats, Integers
-from femstruct.impact.compiled import kernel
+from femstruct.impact.compiled.kernels import kernel
+from femstruct.impact.compiled.layout import Counts, Cube, Matrix, Vector
 from femstruct.impact.dense import solve_dense
 from femstruct.impact.forces import CLOSED, ROUNDING, State, dot, law, load_at, net_force
 from femstruct.impact.rule import PLACES, POINTS, STAGES, Rule
@@ -34,18 +34,18 @@ class Trial(NamedTuple):
     of Newton's iteration; derivatives [r, s + 1], watched [PLACES] : of the watch over the contacts. Nothing is
     allocated in a step."""
 
-    place: Floats
-    rate: Floats
-    forces: Floats
-    modal: Floats
-    speeds: Floats
-    q: Floats
-    active: Integers
-    slope: Floats
-    jacobian: Floats
-    residual: Floats
-    derivatives: Floats
-    watched: Floats
+    place: Matrix
+    rate: Matrix
+    forces: Matrix
+    modal: Matrix
+    speeds: Matrix
+    q: Vector
+    active: Counts
+    slope: Cube
+    jacobian: Matrix
+    residual: Vector
+    derivatives: Matrix
+    watched: Vector
 
 
 def trial_room(system: System) -> Trial:
@@ -148,7 +148,7 @@ def _interface_forces(level: int, system: System, state: State, tables: Tables, 
         if worst <= SOLVED:
             return True
         if step == NEWTON_STEPS - 1:
-            return worst <= ROUGHLY or _lost_in_rounding(system.tick * 2.0**level, system, state, trial, count)
+            return worst <= ROUGHLY or _lost_in_rounding(system.tick * float(1 << level), system, state, trial, count)
         for i in range(count):
             for p in range(STAGES):
                 for j in range(count):

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.polynomial import legendre
 
 from femstruct.arrays import Floats
+from femstruct.impact.compiled.layout import Cube, Matrix, Vector
 
 STAGES = 8
 POINTS = STAGES + 1  # the Gauss points and the end of the step
@@ -32,23 +33,23 @@ class Rule(NamedTuple):
     step cut in 2^m parts, i = 2^m - 1 + j.
     """
 
-    nodes: Floats
-    weights: Floats
-    at_start: Floats
-    at_end: Floats
-    top: Floats
-    left: Floats
-    right: Floats
-    shift: Floats
-    moments: Floats
-    slopes: Floats
-    ends: Floats
-    places: Floats
-    bernstein: Floats
-    barycentric: Floats
+    nodes: Vector
+    weights: Vector
+    at_start: Vector
+    at_end: Vector
+    top: Vector
+    left: Matrix
+    right: Matrix
+    shift: Cube
+    moments: Cube
+    slopes: Matrix
+    ends: Vector
+    places: Vector
+    bernstein: Matrix
+    barycentric: Vector
     lebesgue: float
     node_polynomial: float
-    pieces: Floats
+    pieces: Cube
 
 
 @cache

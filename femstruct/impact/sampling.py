@@ -6,8 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from femstruct.arrays import Floats, Integers
-from femstruct.impact.compiled import kernel
+from femstruct.arrays import Floats
+from femstruct.impact.compiled.kernels import kernel, unit
+from femstruct.impact.compiled.layout import Counts, CountTable, Cube, Matrix, Vector
 from femstruct.impact.energy import ledger_width
 from femstruct.impact.forces import CLOSED, State, copy_to, law, load_at, net_force
 from femstruct.impact.motion import Motion, inner_tables
@@ -34,34 +35,35 @@ class Record(NamedTuple):
     of every blow (see `femstruct.impact.strikes`); latest [m] : number of the last blow of a body at an interface, -1
     before any; strike_peak [s + 1, m, 2] : peaks after every blow, in the last row before any.
     late [n] : the rates at the end of the first step that reaches the tick late_at [1], negative for none.
-    stop [1] : not zero when the march shall end at once.
+    stop [1] : not zero when the march shall end at once. ended [3] : when it ended [s], ledger rows, events.
     """
 
-    at: Integers
-    doublings: Integers
-    z: Floats
-    v: Floats
-    status: Integers
-    forces: Floats
-    modal: Floats
-    pushed: Integers
-    kept: Integers
-    peak: Floats
-    deepest: Floats
-    shortest: Floats
-    travel: Floats
-    totals: Floats
-    history: Floats
-    events: Integers
-    event_rows: Floats
-    newest: Integers
-    size: Floats
-    strikes: Floats
-    latest: Integers
-    strike_peak: Floats
-    late_at: Integers
-    late: Floats
-    stop: Integers
+    at: Counts
+    doublings: Counts
+    z: Matrix
+    v: Matrix
+    status: CountTable
+    forces: Cube
+    modal: Cube
+    pushed: Counts
+    kept: Counts
+    peak: Matrix
+    deepest: Vector
+    shortest: Vector
+    travel: Vector
+    totals: Vector
+    history: Matrix
+    events: CountTable
+    event_rows: Matrix
+    newest: Counts
+    size: Matrix
+    strikes: Matrix
+    latest: Counts
+    strike_peak: Cube
+    late_at: Counts
+    late: Vector
+    stop: Counts
+    ended: Vector
 
 
 def room_for(system: System, n_samples: int) -> Record:
@@ -98,6 +100,7 @@ def room_for(system: System, n_samples: int) -> Record:
         late_at=np.full(1, -1, dtype=np.int64),
         late=np.zeros(n),
         stop=np.zeros(1, dtype=np.int64),
+        ended=np.zeros(3),
     )
 
 
@@ -143,27 +146,41 @@ def motion_of(record: Record, system: System, halvings: int, rule: Rule, tables:
 
 
 @kernel
-def felt(system: System, state: State, halvings: int, record: Record, place: Floats, rate: Floats, force: Floats,
-         push: Floats) -> None:  # fmt: skip
-    """Forces at the samples: of the interfaces as they are felt [m, nt], of all rows as they push the rest [r, nt].
+def ended(record: Record, how: int, when: float, rows: int, events: int) -> int:
+    """Note how a march ended."""
+    record.ended[0], record.ended[1], record.ended[2] = when, rows, events
+    return how
 
-    place, rate [m, nt] of the interfaces; state : at the end.
-    """
-    m, nt = place.shape
+
+class Felt(NamedTuple):
+    """Displacement and speed of the interfaces at the samples, place, rate [m, nt]; force [m, nt] : as it is felt;
+    push [r, nt] : of all rows, as they push the rest."""
+
+    place: Matrix
+    rate: Matrix
+    force: Matrix
+    push: Matrix
+
+
+@unit(seconds=1.0)
+def feel(system: System, state: State, halvings: int, record: Record, out: Felt) -> int:
+    """Fill in the forces at the samples. state : at the end; its status is changed on the way."""
+    m, nt = out.place.shape
     for s in range(record.kept[0]):
-        status = record.status[s]
-        then = State(state.z, state.v, status, state.rest, state.pace, state.force)
         for a in range(m):
-            link, acts = system.interfaces[a]["kind"] == LINK, status[a] == CLOSED
-            net = net_force(system, then, a, 0.0, 0.0)  # while nothing acts, wherever the ends are
+            state.status[a] = record.status[s, a]
+        for a in range(m):
+            link, acts = system.interfaces[a]["kind"] == LINK, state.status[a] == CLOSED
+            net = net_force(system, state, a, 0.0, 0.0)  # while nothing acts, wherever the ends are
             for j in range(record.at[s], record.at[s] + (1 << record.doublings[s])):
                 if acts:
-                    net = net_force(system, then, a, place[a, j], rate[a, j])
-                force[a, j] = net if link else net + system.interfaces[a]["preload"]
-                push[a, j] = system.sign[a] * net
+                    net = net_force(system, state, a, out.place[a, j], out.rate[a, j])
+                out.force[a, j] = net if link else net + system.interfaces[a]["preload"]
+                out.push[a, j] = system.sign[a] * net
     for i in range(len(system.loads)):
         for j in range(nt):
-            push[m + i, j] = system.sign[m + i] * load_at(system, i, (j << halvings) * system.tick)
+            out.push[m + i, j] = system.sign[m + i] * load_at(system, i, (j << halvings) * system.tick)
+    return int(nt)
 
 
 @kernel

@@ -9,7 +9,6 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from femstruct.arrays import Floats
-from femstruct.impact.compiled import kernel, making
 from femstruct.impact.dashpots import dashpot_losses
 from femstruct.impact.forces import law, load_at
 from femstruct.impact.motion import DISPLACEMENT, VELOCITY, state_at
@@ -170,34 +169,22 @@ def _carry(system: System, rest: Floats, begin: float, end: float, z: Floats, v:
     return run.y[:n, -1], run.y[n:, -1]
 
 
-@making
 def _rates(t: float, y: Floats, system: System, rest: Floats) -> Floats:
     """Velocities and accelerations of all coordinates, from their values alone."""
     n, m = len(system.omega), len(system.interfaces)
-    out = np.empty(2 * n)
-    for i in range(n):
-        out[i] = y[n + i]
-        out[n + i] = -(system.omega[i] ** 2) * y[i] - system.damping[i] * y[n + i]
-    for i in range(len(system.coupling)):
-        for j in range(len(system.coupling)):
-            out[n + i] -= system.coupling[i, j] * y[n + j]
-    for a in range(len(system.rows)):
-        if a >= m:
-            force = load_at(system, a - m, t)
-        else:
-            place, rate = 0.0, 0.0
-            for i in range(n):
-                place += system.rows[a, i] * y[i]
-                rate += system.rows[a, i] * y[n + i]
-            force = _force(t, system, rest, a, place, rate)
-        if force != 0.0:
-            force *= system.sign[a]
-            for i in range(n):
-                out[n + i] += system.rows[a, i] * force
-    return out
+    z, v = y[:n], y[n:]
+    place, rate = system.rows @ z, system.rows @ v
+    force = np.array(
+        [_force(t, system, rest, a, place[a], rate[a]) for a in range(m)]
+        + [load_at(system, i, t) for i in range(len(system.loads))]
+    )
+    acceleration = -(system.omega**2) * z - system.damping * v + (system.sign * force) @ system.rows
+    if len(system.coupling):
+        k = system.n_modes
+        acceleration[:k] -= system.coupling @ v[:k]
+    return np.concatenate((v, acceleration))
 
 
-@kernel
 def _force(t: float, system: System, rest: Floats, a: int, place: float, rate: float) -> float:
     """Force of an interface: a contact acts while it is indented, and pulls only if it is tensile."""
     kind, begun = system.interfaces[a]["kind"], t >= system.interfaces[a]["release"] * system.tick

@@ -10,7 +10,7 @@ from femstruct.arrays import Floats, Integers
 from femstruct.errors import Finding, NotConverged
 from femstruct.impact.aside import run_aside
 from femstruct.impact.blows import blow_findings, blow_table
-from femstruct.impact.bodies import GROUND, Body, Clock, Contact, Scene
+from femstruct.impact.bodies import Clock, Scene
 from femstruct.impact.closings import CLOSES
 from femstruct.impact.collocate import MAX_STEPS, Ended, collocate, paced, state_at_start
 from femstruct.impact.energy import TIME, ledger
@@ -19,7 +19,6 @@ from femstruct.impact.exact.march import exact_march
 from femstruct.impact.exact.rule import exact_room, exact_rule
 from femstruct.impact.forces import State
 from femstruct.impact.judgement import Measured, decay_findings, run_findings, sampling_findings
-from femstruct.impact.laws import Hertz, Linear
 from femstruct.impact.march import (
     DONE,
     NO_FORCES,
@@ -33,10 +32,9 @@ from femstruct.impact.motion import DISPLACEMENT, VELOCITY, Motion, along, coord
 from femstruct.impact.outcome import Endings, gain_of, outcomes_of
 from femstruct.impact.response import BodyHistory, ContactHistory, EnergyLedger, Event, Outcome, Response
 from femstruct.impact.rule import collocation_rule
-from femstruct.impact.sampling import Record, felt, motion_of, room_for
+from femstruct.impact.sampling import Felt, Record, feel, motion_of, room_for
 from femstruct.impact.system import Compiled, compile_scene
-from femstruct.impact.tables import empty_tables
-from femstruct.modal.analytic import given_modes
+from femstruct.impact.tables import tabulated
 from femstruct.modal.basis import ModalBasis
 
 LEDGER_ROWS = 512  # at least
@@ -109,7 +107,7 @@ def simulate(basis: ModalBasis, scene: Scene, clock: Clock) -> Response:
     book = ledger(history, separation, float(record.totals[3]), float(record.totals[2]), scene, compiled)
     place, speed = (along(motion, what, system.rows[:m]) for what in (DISPLACEMENT, VELOCITY))
     forces, push = np.empty((m, nt)), np.empty((r, nt))
-    felt(system, state, compiled.halvings, record, place, speed, forces, push)
+    feel(system, state, compiled.halvings, record, Felt(place, speed, forces, push))
     contacts = {
         name: _contact(name, rows, compiled, record, place, forces, log) for name, rows in compiled.contacts.items()
     }
@@ -147,7 +145,7 @@ def _exactly(compiled: Compiled, clock: Clock, state: State, record: Record) -> 
     """The march of piecewise-linear systems; its ledger has no fewer than LEDGER_ROWS."""
     system, nt = compiled.system, compiled.n_samples
     end = nt / clock.sampling
-    ended = exact_march(
+    how = exact_march(
         system,
         state,
         exact_rule(),
@@ -158,13 +156,13 @@ def _exactly(compiled: Compiled, clock: Clock, state: State, record: Record) -> 
         end / LEDGER_ROWS,
         MAX_STEPS,
     )
-    return ended, sampled_motion(record.z[: record.kept[0]].T, record.v[: record.kept[0]].T)
+    return Ended.of(how, record), sampled_motion(record.z[: record.kept[0]].T, record.v[: record.kept[0]].T)
 
 
 def _by_collocation(compiled: Compiled, clock: Clock, state: State, record: Record) -> tuple[Ended, Motion]:
     """The march for laws that are not linear."""
     system = compiled.system
-    tables = empty_tables(system, levels_for(compiled.halvings))
+    tables = tabulated(system, levels_for(compiled.halvings), collocation_rule())
     ended = collocate(compiled, clock.tolerance, tables, state, record)
     if ended[0] != DONE:
         return ended, sampled_motion(record.z[:0].T, record.v[:0].T)
@@ -179,16 +177,6 @@ def _suspect(compiled: Compiled, state: State) -> str:
         terms = [np.append(system.rows[a] * state.z, system.interfaces["offset"][a]) for a in rows]
         nearness[name] = min(abs(float(t.sum())) / (float(np.abs(t).sum()) or 1.0) for t in terms)
     return f", nearest to a change is contact '{min(nearness, key=lambda name: nearness[name])}'" if nearness else ""
-
-
-def load_kernels() -> None:
-    """Load the compiled kernels, or compile them where no run before has: that takes about a minute, once.
-
-    Without it the first simulation does the same, and its time is not its own.
-    """
-    basis, _ = given_modes((), (), {})
-    for law in (Hertz(1.0), Linear(1.0)):
-        simulate(basis, Scene((Body("body", 1.0),), (Contact("c", "body", GROUND, law),)), Clock(1e-3, 1e3))
 
 
 def _separation(events: Integers, rows: Floats, clock: Clock) -> Floats | None:

@@ -6,7 +6,7 @@ What it takes along (its motion, the energy of the contacts it is lifted off) an
 from __future__ import annotations
 
 from femstruct.arrays import Floats
-from femstruct.impact.compiled import kernel
+from femstruct.impact.compiled.kernels import kernel
 from femstruct.impact.energy import stored
 from femstruct.impact.forces import CLAMPED, CLOSED, OPEN, ROUNDING, State, copy_to, dot, law, net_force, rows_now
 from femstruct.impact.sampling import Record

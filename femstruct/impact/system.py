@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from femstruct.arrays import Floats, Integers
+from femstruct.arrays import Floats
 from femstruct.errors import FemstructError
 from femstruct.impact.bodies import Clock, End, Ground, HalfSine, Load, Scene
+from femstruct.impact.compiled.layout import Counts, Matrix, Vector
 from femstruct.impact.factored import Cubic, Tabulated
 from femstruct.impact.laws import Hertz, Law, Linear, Stop
 from femstruct.impact.rule import FINEST_HALVINGS
@@ -53,6 +54,13 @@ LOAD = np.dtype(
 )
 STRIKE = np.dtype([("tick", np.int64), ("over", np.int64), ("coordinate", np.int64), ("velocity", np.float64)])
 
+Interfaces = Annotated[Records, (INTERFACE, 1)]
+LoadRecords = Annotated[Records, (LOAD, 1)]
+StrikeRecords = Annotated[Records, (STRIKE, 1)]
+ManyInterfaces = Annotated[Records, (INTERFACE, 2)]  # of many runs
+ManyLoads = Annotated[Records, (LOAD, 2)]
+ManyStrikes = Annotated[Records, (STRIKE, 2)]
+
 
 class System(NamedTuple):
     """What the kernels need to know. n coordinates of unit mass: k modes, then bodies as sqrt(m) x.
@@ -71,20 +79,20 @@ class System(NamedTuple):
     kinks : ticks at which a load or a link changes its formula or a body strikes; tick [s].
     """
 
-    omega: Floats
-    damping: Floats
-    coupling: Floats
+    omega: Vector
+    damping: Vector
+    coupling: Matrix
     n_modes: int
-    rows: Floats
-    sign: Floats
-    mobility: Floats
-    interfaces: Records
-    curves: Floats
-    loads: Records
-    table: Floats
-    strikes: Records
-    over: Floats
-    kinks: Integers
+    rows: Matrix
+    sign: Vector
+    mobility: Vector
+    interfaces: Interfaces
+    curves: Matrix
+    loads: LoadRecords
+    table: Matrix
+    strikes: StrikeRecords
+    over: Matrix
+    kinks: Counts
     tick: float
 
 

@@ -5,20 +5,24 @@ A step is tau 2^level long, so that each length is tabulated once. Long steps fo
 
 from __future__ import annotations
 
+from math import factorial
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from femstruct.arrays import Floats, Integers
-from femstruct.impact.compiled import kernel, making
+from femstruct.arrays import Floats
+from femstruct.impact.compiled.layout import Cube, Floats4, Floats5, Floats6
 from femstruct.impact.rule import PLACES, POINTS, STAGES, TERMS, Rule
 from femstruct.impact.system import System
 
 FORMS = (STAGES + 2) * (STAGES + 3) // 2
+SLOW = 6.0  # rate times step below which a remainder bounds what interpolation misses
+MODES_AT_ONCE = 4000  # room for their responses: some 5 MB
 
 
 class Tables(NamedTuple):
-    """Filled level by level as steps of a length are first taken (ready).
+    """What is known of steps of every length, by level.
 
     free [level, 2, n, q] : rows' displacements and velocities at the points from the modes' displacement, velocity;
     q = (row * POINTS + point) * 2 + (0 displacement, 1 velocity).
@@ -31,212 +35,183 @@ class Tables(NamedTuple):
     mode_place : their displacements by force; for coupled damping only.
     """
 
-    ready: Integers
-    free: Floats
-    forced: Floats
-    flow: Floats
-    push: Floats
-    loss: Floats
-    stray: Floats
-    stray_push: Floats
-    mode_free: Floats
-    mode_forced: Floats
-    mode_place: Floats
+    free: Floats4
+    forced: Floats6
+    flow: Cube
+    push: Floats4
+    loss: Cube
+    stray: Cube
+    stray_push: Floats5
+    mode_free: Floats4
+    mode_forced: Floats4
+    mode_place: Floats4
 
 
-def empty_tables(system: System, levels: int) -> Tables:
-    """Room for the tables of all levels; memory is touched only where a level is used."""
+def flows(omega: Floats, damping: Floats, t: Floats) -> Floats:
+    """The 2 x 2 flows [x x0, x v0, v x0, v v0] of free oscillators over the times t: [4, n, len(t)], any damping.
+
+    >>> flows(np.array([2.0]), np.array([0.0]), np.array([np.pi / 4])).ravel().round(12).tolist()
+    [0.0, 0.5, -2.0, 0.0]
+    """
+    sigma, w = 0.5 * damping[:, None], omega[:, None]
+    discriminant = (w - sigma) * (w + sigma)
+    g = np.empty((len(omega), len(t)))
+    rate = np.empty_like(g)
+    kind = discriminant[:, 0]
+    rings, still, creeps = kind > 0.0, kind == 0.0, kind < 0.0
+    if rings.any():
+        ringing, s = np.sqrt(discriminant[rings]), sigma[rings]
+        decay, phase = np.exp(-s * t), ringing * t
+        sine = np.sin(phase) / ringing
+        g[rings], rate[rings] = decay * sine, decay * (np.cos(phase) - s * sine)
+    if still.any():
+        decay = np.exp(-sigma[still] * t)
+        g[still], rate[still] = t * decay, decay * (1.0 - sigma[still] * t)
+    if creeps.any():
+        spread = np.sqrt(-discriminant[creeps])
+        fast = sigma[creeps] + spread
+        slow = w[creeps] * w[creeps] / fast
+        rise = -np.expm1(-2.0 * spread * t) / (2.0 * spread)
+        decay = np.exp(-slow * t)
+        g[creeps], rate[creeps] = decay * rise, decay * (1.0 - fast * rise)
+    return np.stack((rate + damping[:, None] * g, g, -w * w * g, rate))
+
+
+def tabulated(system: System, levels: int, rule: Rule) -> Tables:
+    """The tables of all steps tick 2^level, level = 0 .. levels - 1."""
     n, r = len(system.omega), len(system.rows)
     coupled = levels if system.coupling.size else 0
-    return Tables(
-        ready=np.zeros(levels, dtype=np.int64),
+    tables = Tables(
         free=np.empty((levels, 2, n, r * POINTS * 2)),
-        forced=np.empty((levels, r, POINTS, 2, r, STAGES)),
+        forced=np.zeros((levels, r, POINTS, 2, r, STAGES)),
         flow=np.empty((levels, 4, n)),
         push=np.empty((levels, 2, STAGES, n)),
         loss=np.empty((levels, FORMS, n)),
         stray=np.empty((levels, 2, n)),
-        stray_push=np.empty((levels, 2, STAGES + 1, r, r)),
+        stray_push=np.zeros((levels, 2, STAGES + 1, r, r)),
         mode_free=np.empty((coupled, POINTS, 2, n)),
         mode_forced=np.empty((coupled, POINTS, STAGES, n)),
         mode_place=np.empty((coupled, POINTS, STAGES, n)),
     )
+    for first in range(0, n, MODES_AT_ONCE):
+        _fill(system, rule, tables, slice(first, min(first + MODES_AT_ONCE, n)))
+    return tables
 
 
-@kernel
-def oscillator(omega: float, damping: float, t: float) -> tuple[float, float]:
-    """Displacement and velocity at t of an oscillator of unit mass started with unit velocity, any damping."""
-    sigma = 0.5 * damping
-    discriminant = (omega - sigma) * (omega + sigma)
-    if discriminant > 0.0:
-        ringing = np.sqrt(discriminant)
-        decay, phase = np.exp(-sigma * t), ringing * t
-        sine = np.sin(phase) / ringing
-        return decay * sine, decay * (np.cos(phase) - sigma * sine)
-    if discriminant == 0.0:
-        decay = np.exp(-sigma * t)
-        return t * decay, decay * (1.0 - sigma * t)
-    spread = np.sqrt(-discriminant)
-    fast = sigma + spread
-    slow = omega * omega / fast
-    rise = -np.expm1(-2.0 * spread * t) / (2.0 * spread)
-    decay = np.exp(-slow * t)
-    return decay * rise, decay * (1.0 - fast * rise)
+def _fill(system: System, rule: Rule, tables: Tables, some: slice) -> None:
+    """Fill in what some modes are, and add what they do to the rows."""
+    omega, damping, rows = system.omega[some], system.damping[some], system.rows[:, some]
+    below = _halvings_below(omega, damping, system.tick)
+    short = _series(omega, damping, system.tick * 0.5**below, rule)
+    for level in range(-below, len(tables.flow)):
+        h = system.tick * 2.0**level
+        if level > -below:
+            long = (omega + damping) * h > 1.0
+            doubled = _doubled(omega[long], damping[long], 0.5 * h, rule, _of(short, long))
+            short = _series(omega, damping, h, rule)
+            for whole, part in zip(short, doubled, strict=True):
+                whole[long] = part
+        if level >= 0:
+            _book(system, rule, tables, level, h, some, short, flows(omega, damping, rule.ends * h), rows)
 
 
-@kernel
-def flow_of(omega: float, damping: float, t: float, out: Floats) -> None:
-    """The 2 x 2 flow of a free oscillator over t: [x x0, x v0, v x0, v v0]."""
-    g, rate = oscillator(omega, damping, t)
-    out[0], out[1], out[2], out[3] = rate + damping * g, g, -omega * omega * g, rate
+def _halvings_below(omega: Floats, damping: Floats, tick: float) -> int:
+    """How often a tick is halved until the power series holds for every mode."""
+    fastest = float(np.max(omega + damping, initial=0.0)) * tick
+    return max(int(np.ceil(np.log2(fastest))), 0) if fastest > 0.0 else 0
 
 
-@kernel
-def _respond(omega: float, damping: float, h: float, rule: Rule, x: Floats, v: Floats) -> None:
-    """Responses x, v [POINTS, s] at the points of a short step to unit polynomials, by power series."""
-    x[:], v[:] = 0.0, 0.0
-    before, now, power = 0.0, 1.0, h  # derivatives m and m + 1 of the unit-velocity response
-    for m in range(TERMS):
-        for p in range(POINTS):
-            for j in range(STAGES):
-                x[p, j] += before * power * rule.moments[m, p, j]
-                v[p, j] += now * power * rule.moments[m, p, j]
-        before, now = now, -damping * now - omega * omega * before
-        power *= h
-        if (abs(before) + abs(now)) * power <= 1e-19 * h and m > 1:
-            break
+class _Step(NamedTuple):
+    """Of a step, by mode: responses x, v [n, POINTS, s] at the points to unit polynomials, and the loss as a form
+    [n, s + 2, s + 2]."""
+
+    x: Floats
+    v: Floats
+    form: Floats
 
 
-@making
-def _double(omega: float, damping: float, h: float, rule: Rule, x: Floats, v: Floats, form: Floats) -> None:
-    """Turn the responses and the loss form of a step h into those of 2 h."""
+def _of(step: _Step, which: NDArray[np.bool_]) -> _Step:
+    return _Step(*(part[which] for part in step))
+
+
+def _series(omega: Floats, damping: Floats, h: float, rule: Rule) -> _Step:
+    """A step of modes with (omega + damping) h <= 1, by power series; of others it says nothing."""
+    fast = (omega + damping) * h > 1.0
+    wh, ch = np.where(fast, 0.0, omega * h), np.where(fast, 0.0, damping * h)
+    terms = np.empty((len(omega), TERMS + 1))  # derivatives of the response to unit velocity, times h^(m - 1)
+    terms[:, 0], terms[:, 1] = 0.0, 1.0
+    for m in range(2, TERMS + 1):
+        terms[:, m] = -ch * terms[:, m - 1] - wh * wh * terms[:, m - 2]
+    moments = rule.moments.reshape(TERMS, -1)
+    shape = (len(omega), POINTS, STAGES)
+    x, v = (h * h * (terms[:, :-1] @ moments)).reshape(shape), (h * (terms[:, 1:] @ moments)).reshape(shape)
+    flow = flows(wh / h, ch / h, rule.nodes * h)
+    rates = np.concatenate((np.moveaxis(flow[2:], 0, 2), v[:, :STAGES]), axis=2)
+    weighted = rates * (ch[:, None] * rule.weights)[:, :, None]
+    return _Step(x, v, np.swapaxes(weighted, 1, 2) @ rates)
+
+
+def _doubled(omega: Floats, damping: Floats, h: float, rule: Rule, step: _Step) -> _Step:
+    """A step of 2 h from one of h."""
+    x, v, form = step
     width = STAGES + 2
-    flow = np.empty(4)
-    flow_of(omega, damping, h, flow)
-    first, second = np.zeros((width, width)), np.zeros((width, width))
-    first[0, 0], first[1, 1] = 1.0, 1.0
-    first[2:, 2:] = rule.left
-    second[2:, 2:] = rule.right
-    second[0, 0], second[0, 1], second[1, 0], second[1, 1] = flow
-    for j in range(STAGES):
-        for i in range(STAGES):
-            second[0, 2 + j] += x[STAGES, i] * rule.left[i, j]
-            second[1, 2 + j] += v[STAGES, i] * rule.left[i, j]
-    form[:] = _congruent(first, form) + _congruent(second, form)
-    for p in range(POINTS):
-        flow_of(omega, damping, rule.ends[p] * h, flow)
-        old_x, old_v = x[p].copy(), v[p].copy()
-        for j in range(STAGES):
-            xl, vl, xr, vr = 0.0, 0.0, 0.0, 0.0
-            for i in range(STAGES):
-                xl += old_x[i] * rule.left[i, j]
-                vl += old_v[i] * rule.left[i, j]
-                xr += old_x[i] * rule.shift[p, i, j]
-                vr += old_v[i] * rule.shift[p, i, j]
-            x[p, j] = flow[0] * xl + flow[1] * vl + xr
-            v[p, j] = flow[2] * xl + flow[3] * vl + vr
+    first, second = np.zeros((width, width)), np.zeros((len(omega), width, width))
+    first[0, 0], first[1, 1], first[2:, 2:] = 1.0, 1.0, rule.left
+    whole = flows(omega, damping, np.array([h]))[..., 0]
+    second[:, 0, :2], second[:, 1, :2] = whole[:2].T, whole[2:].T
+    second[:, 0, 2:], second[:, 1, 2:] = x[:, STAGES] @ rule.left, v[:, STAGES] @ rule.left
+    second[:, 2:, 2:] = rule.right
+    flow = flows(omega, damping, rule.ends * h)[..., None]
+    early_x, early_v = x @ rule.left, v @ rule.left
+    late_x, late_v = (np.swapaxes(np.swapaxes(part, 0, 1) @ rule.shift, 0, 1) for part in (x, v))
+    return _Step(
+        flow[0] * early_x + flow[1] * early_v + late_x,
+        flow[2] * early_x + flow[3] * early_v + late_v,
+        first.T @ form @ first + np.swapaxes(second, 1, 2) @ form @ second,
+    )
 
 
-@making
-def _congruent(left: Floats, form: Floats) -> Floats:
-    """left^T form left, written out: the matrices are too small for a library call."""
-    width = len(form)
-    half, out = np.zeros((width, width)), np.zeros((width, width))
-    for i in range(width):
-        for m in range(width):
-            if form[i, m] != 0.0:
-                for j in range(width):
-                    half[i, j] += form[i, m] * left[m, j]
-    for m in range(width):
-        for i in range(width):
-            if left[m, i] != 0.0:
-                for j in range(width):
-                    out[i, j] += left[m, i] * half[m, j]
-    return out
+def _book(system: System, rule: Rule, tables: Tables, level: int, h: float, some: slice, step: _Step, flow: Floats,
+          rows: Floats) -> None:  # fmt: skip
+    """Write what is known of a step of some modes into the tables."""
+    x, v, form = step
+    n, r = len(x), len(rows)
+    tables.flow[level, :, some] = flow[:, :, STAGES]
+    tables.push[level, 0, :, some], tables.push[level, 1, :, some] = x[:, STAGES].T, v[:, STAGES].T
+    upper = np.triu_indices(STAGES + 2)
+    tables.loss[level, :, some] = (form[:, upper[0], upper[1]] * np.where(upper[0] == upper[1], 1.0, 2.0)).T
+    free = tables.free[level].reshape(2, len(system.omega), r, POINTS, 2)
+    for start in range(2):  # from a displacement, from a velocity
+        for what in range(2):
+            np.multiply(rows.T[:, :, None], flow[2 * what + start][:, None], out=free[start, some, :, :, what])
+    pairs = (rows[:, None] * rows).reshape(r * r, n)
+    for what, response in enumerate((x, v)):
+        sums = (pairs @ response.reshape(n, -1)).reshape(r, r, POINTS, STAGES)
+        tables.forced[level, :, :, what] += np.moveaxis(sums * system.sign[:, None, None], 1, 2)
+    if len(tables.mode_free):
+        tables.mode_free[level, :, :, some] = np.moveaxis(flow[2:], 2, 0)
+        tables.mode_forced[level, :, :, some] = np.moveaxis(v, 0, 2)
+        tables.mode_place[level, :, :, some] = np.moveaxis(x, 0, 2)
+    _stray(system.omega[some], system.damping[some], h, rule, tables, level, some, np.abs(pairs))
 
 
-@making
-def tabulate(level: int, h: float, system: System, rule: Rule, tables: Tables) -> None:
-    """Fill the tables of steps of length h [s]."""
-    n, r = len(system.omega), len(system.rows)
-    width = STAGES + 2
-    x, v, form = np.empty((POINTS, STAGES)), np.empty((POINTS, STAGES)), np.empty((width, width))
-    rates, flows = np.empty((POINTS, width)), np.empty((POINTS, 4))
-    forced, stray_push = tables.forced[level], tables.stray_push[level]
-    forced[:], stray_push[:] = 0.0, 0.0
-    factorial = 1.0
-    for i in range(2, PLACES + 1):
-        factorial *= i
-    lagrange, cap = rule.node_polynomial / factorial, 1.0 + rule.lebesgue
-    for i in range(n):
-        omega, damping = system.omega[i], system.damping[i]
-        halvings, short = 0, h
-        while (omega + damping) * short > 1.0:
-            short *= 0.5
-            halvings += 1
-        _respond(omega, damping, short, rule, x, v)
-        form[:] = 0.0
-        if damping > 0.0:
-            for p in range(STAGES):
-                flow_of(omega, damping, rule.ends[p] * short, flows[p])
-                rates[p, 0], rates[p, 1] = flows[p, 2], flows[p, 3]
-                rates[p, 2:] = v[p]
-                for a in range(width):
-                    for b in range(width):
-                        form[a, b] += damping * short * rule.weights[p] * rates[p, a] * rates[p, b]
-        for _ in range(halvings):
-            _double(omega, damping, short, rule, x, v, form)
-            short *= 2.0
-        for p in range(POINTS):
-            flow_of(omega, damping, rule.ends[p] * h, flows[p])
-        tables.flow[level, :, i] = flows[STAGES]
-        tables.push[level, 0, :, i] = x[STAGES]
-        tables.push[level, 1, :, i] = v[STAGES]
-        q = 0
-        for a in range(width):
-            for b in range(a, width):
-                tables.loss[level, q, i] = form[a, b] * (1.0 if a == b else 2.0)
-                q += 1
-        if len(tables.mode_free):
-            for p in range(POINTS):
-                tables.mode_free[level, p, 0, i], tables.mode_free[level, p, 1, i] = flows[p, 2], flows[p, 3]
-                tables.mode_forced[level, p, :, i], tables.mode_place[level, p, :, i] = v[p], x[p]
-        # what interpolation at the places can miss: its remainder for slow modes, its norm for fast ones
-        z = (omega + damping) * h
-        reach = min(h, 1.0 / omega) if omega > 0.0 else h
+def _stray(omega: Floats, damping: Floats, h: float, rule: Rule, tables: Tables, level: int, some: slice,
+           sizes: Floats) -> None:  # fmt: skip
+    """What interpolation at the places can miss: its remainder for slow modes, its norm for fast ones."""
+    lagrange, cap = rule.node_polynomial / factorial(PLACES), 1.0 + rule.lebesgue
+    z = (omega + damping) * h
+    slow = z < SLOW
+    period = np.divide(1.0, omega, out=np.full(len(omega), np.inf), where=omega > 0.0)
+    with np.errstate(over="ignore"):
         remainder = lagrange * z ** (PLACES - 1)
-        tables.stray[level, 0, i] = min(remainder * h, cap * reach)
-        tables.stray[level, 1, i] = min(remainder * z, cap)
-        slow = z < 6.0
-        sway = min(0.5 * h * h, 2.0 / (omega * omega)) if omega > 0.0 else 0.5 * h * h
-        for a in range(r):
-            row = system.rows[a, i]
-            if row != 0.0:
-                for p in range(POINTS):
-                    q = (a * POINTS + p) * 2
-                    tables.free[level, 0, i, q], tables.free[level, 1, i, q] = row * flows[p, 0], row * flows[p, 1]
-                    tables.free[level, 0, i, q + 1], tables.free[level, 1, i, q + 1] = (
-                        row * flows[p, 2],
-                        row * flows[p, 3],
-                    )
-                for b in range(r):
-                    pair = row * system.rows[b, i]
-                    if pair != 0.0:
-                        for p in range(POINTS):
-                            for j in range(STAGES):
-                                forced[a, p, 0, b, j] += pair * system.sign[b] * x[p, j]
-                                forced[a, p, 1, b, j] += pair * system.sign[b] * v[p, j]
-                        size = abs(pair)
-                        if slow:
-                            for j in range(STAGES):
-                                stray_push[0, j, a, b] += size * lagrange * h * h * z ** (STAGES - j)
-                                stray_push[1, j, a, b] += size * lagrange * h * z ** (STAGES - j + 1)
-                        else:
-                            stray_push[0, STAGES, a, b] += size * cap * sway
-                            stray_push[1, STAGES, a, b] += size * cap * min(h, 2.0 / omega if omega > 0.0 else h)
-            else:
-                for p in range(POINTS):
-                    q = (a * POINTS + p) * 2
-                    tables.free[level, :, i, q] = 0.0
-                    tables.free[level, :, i, q + 1] = 0.0
-    tables.ready[level] = 1
+        tables.stray[level, 0, some] = np.minimum(remainder * h, cap * np.minimum(h, period))
+        tables.stray[level, 1, some] = np.minimum(remainder * z, cap)
+    r = tables.stray_push.shape[-1]
+    powers = np.where(slow, z, 0.0)[:, None] ** np.arange(STAGES + 1, 0, -1) * slow[:, None]
+    push = tables.stray_push[level]
+    sums = (sizes @ powers).T.reshape(STAGES + 1, r, r) * lagrange * h
+    push[0, :STAGES] += sums[1:] * h
+    push[1, :STAGES] += sums[:STAGES]
+    fast = ~slow
+    push[0, STAGES] += cap * (sizes @ (fast * np.minimum(0.5 * h * h, 2.0 * period**2))).reshape(r, r)
+    push[1, STAGES] += cap * (sizes @ (fast * np.minimum(h, 2.0 * period))).reshape(r, r)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import platform
 import sys
 import time
@@ -15,8 +16,8 @@ from importlib.metadata import version
 from acoustics.errors import Advice
 from acoustics.field import HalfSpace
 from femstruct.errors import Finding
+from femstruct.impact.compiled.workers import compilation
 from femstruct.impact.shares import mode_energies
-from femstruct.impact.simulate import load_kernels
 from femstruct.modal.basis import ModalBasis
 from femstruct.power import Radiated
 from femstruct.radiation import coupling_findings
@@ -29,6 +30,7 @@ from femstruct.workflow.blank_bands import blank_findings
 from femstruct.workflow.channels import acceleration_rows, record, refuse_absent_forces
 from femstruct.workflow.checks import aliased_findings, hammer_findings, load_findings, room_findings
 from femstruct.workflow.compare import compare
+from femstruct.workflow.kernels import expected_units
 from femstruct.workflow.limits import judged, verdicts
 from femstruct.workflow.machine import machines
 from femstruct.workflow.meeting import meeting_findings
@@ -82,11 +84,12 @@ def run_study(plan: Plan, progress: Progress = lambda line: None, command: str =
     (1.0, 1)
     """
     clock = Stopwatch(progress)
-    with clock("modes"):
-        solved = solve_all(plan.cases)
-    if any(case.study.time is not None for case in plan.cases):
-        with clock("kernels"):
-            load_kernels()
+    with compilation(expected_units(plan.cases)) as kernels:
+        with clock("modes"):
+            solved = solve_all(plan.cases)
+        if kernels.units:
+            with clock("kernels"):
+                kernels.wait(progress)
     baseline = next(case for case in plan.cases if case.name == plan.baseline)
     checks: dict[str, AccuracyCheck] = {}
     if any(case.study.accuracy is not None for case in plan.cases):
@@ -274,8 +277,13 @@ class Stopwatch:
     @contextmanager
     def __call__(self, stage: str, case: str = "") -> Iterator[None]:
         self._progress(f"{case}: {stage}" if case else stage)
-        begin = time.process_time()
+        begin = _cpu_seconds()
         try:
             yield
         finally:
-            self.seconds[stage] = self.seconds.get(stage, 0.0) + time.process_time() - begin
+            self.seconds[stage] = self.seconds.get(stage, 0.0) + _cpu_seconds() - begin
+
+
+def _cpu_seconds() -> float:
+    """Of this process and of those it has waited for."""
+    return time.process_time() + sum(os.times()[2:4])

@@ -15,7 +15,9 @@ from acoustics.levels import Levels
 from acoustics.pressure import RoomResponse
 from femstruct.errors import Finding
 from femstruct.impact.bodies import Clock
+from femstruct.impact.compiled.workers import compilation
 from femstruct.impact.estimate import ErrorEstimate, error_of
+from femstruct.impact.needed import have
 from femstruct.impact.response import Response
 from femstruct.impact.simulate import simulate
 from femstruct.impact.unresolved import unresolved_findings
@@ -26,6 +28,7 @@ from femstruct.study.result import Drop, OwnSound
 from femstruct.study.study import Study, TimePlan
 from femstruct.workflow.air import ceiling
 from femstruct.workflow.checks import impact_findings, room_findings
+from femstruct.workflow.kernels import units_of
 from femstruct.workflow.own_sound import heard_themselves, levels_by_receiver, own_findings
 from femstruct.workflow.places import Places
 from femstruct.workflow.rated import band_levels, blows_of, method_for
@@ -73,6 +76,10 @@ def strike(
     The pressures of all but the first drop are forgotten once their levels are known; what a room costs is paid once.
     """
     first = next(iter(studies.values()))
+    needed = units_of(basis, scene(first, places, basis), _clock(time))
+    if not have(needed):  # others than the laws of its contacts told: fast modes take another march
+        with stage("kernels"), compilation(needed) as running:
+            running.wait()
     with stage("impact"):
         responses = {drop: _hit(study, time, places, basis) for drop, study in studies.items()}
     with stage("error estimate"):
@@ -108,7 +115,11 @@ def strike(
 
 
 def _hit(study: Study, time: TimePlan, places: Places, basis: ModalBasis) -> Response:
-    return simulate(basis, scene(study, places, basis), Clock(time.duration, time.sampling, time.quiet))
+    return simulate(basis, scene(study, places, basis), _clock(time))
+
+
+def _clock(time: TimePlan) -> Clock:
+    return Clock(time.duration, time.sampling, time.quiet)
 
 
 def _findings(

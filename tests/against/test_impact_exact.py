@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -20,7 +21,7 @@ from femstruct.impact.forces import State
 from femstruct.impact.laws import Linear, Stop
 from femstruct.impact.march import DONE, STICKS
 from femstruct.impact.response import EnergyBalance, Response
-from femstruct.impact.sampling import room_for
+from femstruct.impact.sampling import ended, room_for
 from femstruct.impact.simulate import simulate
 from femstruct.impact.system import compile_scene
 from femstruct.modal.analytic import given_modes
@@ -205,16 +206,16 @@ def test_collocation_says_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
             assert value == pytest.approx(getattr(other.ledger.end, word)[name], rel=1e-7, abs=1e-9), (word, name)
 
 
-def marched(response: Response, z: np.ndarray, v: np.ndarray) -> tuple[tuple, State]:
-    """The kernel itself, from any state, without samples."""
+def marched(response: Response, z: np.ndarray, v: np.ndarray) -> tuple[int, State]:
+    """How the kernel itself ends, from any state, without samples; and where."""
     compiled = compile_scene(response.basis, response.scene, response.clock)
     system, m = compiled.system, len(compiled.system.interfaces)
     state = State(z.copy(), v.copy(), np.zeros(m, dtype=np.int64), np.zeros(m), np.zeros(len(system.rows)), np.zeros(m))
     record = room_for(system, 0)
-    ended = exact_march(
+    how = exact_march(
         system, state, exact_rule(), exact_room(system), record, response.clock.duration, 1.0, np.inf, 10**6
     )
-    return ended, state
+    return how, state
 
 
 def test_time_reversed() -> None:
@@ -228,8 +229,8 @@ def test_time_reversed() -> None:
     response = simulate(basis, scene, Clock(0.2, 100.0))
     assert len(response.events) >= 4
     compiled = compile_scene(basis, scene, response.clock)
-    (status, *_), there = marched(response, compiled.start[0], compiled.start[1])
-    (again, *_), back = marched(response, there.z, -there.v)
+    status, there = marched(response, compiled.start[0], compiled.start[1])
+    again, back = marched(response, there.z, -there.v)
     assert status == again == DONE
     assert np.abs(back.z - compiled.start[0]).max() < 1e-10 * np.abs(there.z).max()
     assert np.abs(back.v + compiled.start[1]).max() < 1e-10 * np.abs(there.v).max()
@@ -259,7 +260,10 @@ def test_two_bodies_that_stay_in_touch_without_force() -> None:
 
 
 def test_endless_switching_raises(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(engine, "exact_march", lambda *_: (STICKS, 0.25, 1, 0))
+    def sticks(*args: Any) -> int:
+        return ended(args[4], STICKS, 0.25, 1, 0)
+
+    monkeypatch.setattr(engine, "exact_march", sticks)
     with pytest.raises(NotConverged, match=r"switch without end at t = 0.25 s"):
         simulate(NONE, Scene((Body("b", 1.0),)), Clock(1.0, 100.0))
 

@@ -16,10 +16,11 @@ from femstruct.impact.estimate import STRICTEST, error_of
 from femstruct.impact.laws import Hertz
 from femstruct.impact.march import levels_for
 from femstruct.impact.response import Response
+from femstruct.impact.rule import collocation_rule
 from femstruct.impact.sampling import room_for
 from femstruct.impact.simulate import simulate
 from femstruct.impact.system import compile_scene
-from femstruct.impact.tables import empty_tables
+from femstruct.impact.tables import tabulated
 from femstruct.language import read_study
 from femstruct.modal.analytic import beam, given_modes
 from femstruct.modal.basis import ModalBasis
@@ -120,7 +121,7 @@ def test_order_of_equal_steps_is_that_of_the_onset() -> None:
     errors = []
     for halvings in range(6):
         record = room_for(compiled.system, compiled.n_samples)
-        tables = empty_tables(compiled.system, levels_for(compiled.halvings))
+        tables = tabulated(compiled.system, levels_for(compiled.halvings), collocation_rule())
         collocate(compiled, np.inf, tables, state_at_start(compiled), record, halvings)
         errors.append(abs(record.peak[0, 0] / peak - 1))
     orders = -np.diff(np.log2(errors))

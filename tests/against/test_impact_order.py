@@ -9,14 +9,15 @@ from __future__ import annotations
 import numpy as np
 from scipy.integrate import solve_ivp
 
+from femstruct.impact.attempt import march_room
 from femstruct.impact.bodies import GROUND, Body, Clock, Contact, Scene
 from femstruct.impact.collocate import state_at_start
 from femstruct.impact.factored import Cubic
-from femstruct.impact.march import DONE, levels_for, march, march_room
+from femstruct.impact.march import DONE, levels_for, march
 from femstruct.impact.rule import STAGES, collocation_rule
 from femstruct.impact.sampling import room_for
 from femstruct.impact.system import compile_scene
-from femstruct.impact.tables import empty_tables
+from femstruct.impact.tables import tabulated
 from femstruct.modal.analytic import given_modes
 
 NONE = given_modes([], [], {})[0]
@@ -32,11 +33,10 @@ def one_step(length: float) -> tuple[np.ndarray, float]:
     """Displacement and velocity of the body, and the largest force, after one step whatever its error."""
     compiled = compile_scene(NONE, SCENE, Clock(length, 1.0 / length))
     system, state, record = compiled.system, state_at_start(compiled), room_for(compiled.system, 0)
-    tables, level = empty_tables(system, levels_for(compiled.halvings)), compiled.halvings
-    ended = march(
-        system, state, collocation_rule(), tables, march_room(system), record, level, level, np.inf, 10, 10
-    )  # fmt: skip
-    assert (ended[0], record.totals[0]) == (DONE, 1.0)
+    rule, level = collocation_rule(), compiled.halvings
+    tables = tabulated(system, levels_for(level), rule)
+    how = march(system, state, rule, tables, march_room(system), record, level, level, np.inf, 10, 10)
+    assert (how, record.totals[0]) == (DONE, 1.0)
     return np.concatenate((state.z, state.v)), float(record.peak[0, 0])
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from femstruct.arrays import Floats
-from femstruct.impact.compiled import inlined, kernel
+from femstruct.impact.compiled.kernels import kernel
 from femstruct.impact.exact.roots import crossing, magnitude, value_and_slope, value_of
 from femstruct.impact.exact.rule import GAUSS, PROBES, ExactRoom, ExactRule
 from femstruct.impact.forces import CLAMPED, CLOSED, State
@@ -11,7 +11,7 @@ from femstruct.impact.sampling import Record
 from femstruct.impact.system import LINK, System
 
 
-@inlined
+@kernel
 def integrate_step(system: System, state: State, h: float, order: int, damped: bool, rule: ExactRule,
                    room: ExactRoom) -> None:  # fmt: skip
     """Add what dashpots took and loads gave over a step, by Gauss's rule on the squares of polynomials."""
@@ -52,7 +52,7 @@ def integrate_step(system: System, state: State, h: float, order: int, damped: b
         lost[m] += rule.weights[g] * taken / h
 
 
-@inlined
+@kernel
 def peaks_of_step(system: System, state: State, t: float, h: float, order: int, rule: ExactRule, room: ExactRoom,
                   record: Record) -> None:  # fmt: skip
     """Raise the largest force and indentation of each closed contact to those in the step."""
@@ -71,7 +71,7 @@ def peaks_of_step(system: System, state: State, t: float, h: float, order: int, 
             record.peak[a, 0], record.peak[a, 1] = force + preload, t + where * h
 
 
-@inlined
+@kernel
 def travels_of_step(system: System, order: int, rule: ExactRule, room: ExactRoom, record: Record) -> None:
     """Raise the largest displacement of each body, either way, to that in the step."""
     path = room.boxes[0]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from femstruct.impact.closings import CERTAIN, CLOSES, DOUBTFUL, OPENS, confirm, log_event, settle_events
-from femstruct.impact.compiled import inlined, released
+from femstruct.impact.compiled.kernels import kernel, unit
 from femstruct.impact.energy import take_stock
 from femstruct.impact.exact.ledger import integrate_step, peaks_of_step, travels_of_step
 from femstruct.impact.exact.regime import coupling_bound, evaluate, expand, fastest, load_series, settle, shorten
@@ -14,14 +14,14 @@ from femstruct.impact.exact.rule import ORDER, PROBES, SHORT, THETA, ExactRoom, 
 from femstruct.impact.exact.watch import switch, watch
 from femstruct.impact.forces import CLAMPED, CLOSED, OPEN, State, copy_to, load_at, move_to
 from femstruct.impact.march import DONE, NO_FORCES, STICKS, STOPPED, TOO_MANY_EVENTS, TOO_MANY_STEPS
-from femstruct.impact.sampling import Record
+from femstruct.impact.sampling import Record, ended
 from femstruct.impact.system import CONSTANT, HALF_SINE, LINK, System
 
 
-@released
+@unit(seconds=11.0)
 def exact_march(system: System, state: State, rule: ExactRule, room: ExactRoom, record: Record, end: float,
-                interval: float, longest: float, max_steps: int) -> tuple[int, float, int, int]:  # fmt: skip
-    """Run to the end; returns how it ended, when, and the numbers of ledger rows and events in the record.
+                interval: float, longest: float, max_steps: int) -> int:  # fmt: skip
+    """Run to the end; returns how it ended; when, and the numbers of ledger rows and events, are in record.ended.
 
     end [s]; interval [s] : of the samples, and the longest step while a load acts; longest [s] : the longest step, and
     how far apart ledger rows may be otherwise. A record without samples keeps the first and the last ledger row only.
@@ -38,10 +38,10 @@ def exact_march(system: System, state: State, rule: ExactRule, room: ExactRoom, 
     t, last, before, earlier = 0.0, 0.0, 0.0, 0.0
     while t < end:
         if record.totals[1] >= max_steps:
-            return TOO_MANY_STEPS, t, kept, n_events
+            return ended(record, TOO_MANY_STEPS, t, kept, n_events)
         record.totals[1] += 1.0
         if record.stop[0] != 0:
-            return STOPPED, t, kept, n_events
+            return ended(record, STOPPED, t, kept, n_events)
         settle(system, state, room)
         bound, stiffness = fastest(system, room, coupling)
         while kink < len(system.kinks) and system.kinks[kink] * system.tick <= t:
@@ -99,7 +99,7 @@ def exact_march(system: System, state: State, rule: ExactRule, room: ExactRoom, 
             before, earlier = h, stiff
         at_once = at_once + 1 if now == t else 0
         if at_once > 100 + 10 * m:
-            return STICKS, t, kept, n_events
+            return ended(record, STICKS, t, kept, n_events)
         t = now
         if t >= late:
             copy_to(record.late, state.v)
@@ -115,7 +115,7 @@ def exact_march(system: System, state: State, rule: ExactRule, room: ExactRoom, 
         if samples or changed or t >= end:
             total = take_stock(t, system, state, room.here[:, 0], room.lost, history[kept])
             if not np.isfinite(total):
-                return NO_FORCES, t, kept, n_events
+                return ended(record, NO_FORCES, t, kept, n_events)
             record.totals[2] = max(record.totals[2], abs(total - initial))
             record.totals[3] = max(record.totals[3], abs(room.lost[m + 1]))
         record.totals[0] += 1.0
@@ -123,7 +123,7 @@ def exact_march(system: System, state: State, rule: ExactRule, room: ExactRoom, 
             if room.loaded[a] != record.totals[4 + a]:
                 record.totals[4 + a] = room.loaded[a]
                 if n_events == len(record.events):
-                    return TOO_MANY_EVENTS, t, kept, n_events
+                    return ended(record, TOO_MANY_EVENTS, t, kept, n_events)
                 what = CLOSES if room.loaded[a] > 0.0 else OPENS
                 counts = CERTAIN if system.interfaces[a]["preload"] > 0.0 else DOUBTFUL
                 log_event(record, n_events, a, what, counts, history[kept])
@@ -132,10 +132,10 @@ def exact_march(system: System, state: State, rule: ExactRule, room: ExactRoom, 
         if t >= end or (samples and (busy or t - last >= 0.5 * longest)):
             kept += 1
             last = t
-    return DONE, t, kept, settle_events(record, n_events, m)
+    return ended(record, DONE, t, kept, settle_events(record, n_events, m))
 
 
-@inlined
+@kernel
 def _begin(system: System, state: State, room: ExactRoom) -> None:
     """Preloaded contacts and links without a release time act, but for contacts whose dashpot would pull: their clamp
     holds; every other contact is open, touching or not, and closes at once when the leading derivative of its
@@ -157,7 +157,7 @@ def _begin(system: System, state: State, room: ExactRoom) -> None:
     _release(system, state, room, 0.0)
 
 
-@inlined
+@kernel
 def _look(system: System, state: State, room: ExactRoom) -> None:
     """Displacements and velocities of all rows."""
     for a in range(len(system.rows)):
@@ -168,7 +168,7 @@ def _look(system: System, state: State, room: ExactRoom) -> None:
         room.here[a, 0], room.here[a, 1] = place, rate
 
 
-@inlined
+@kernel
 def _release(system: System, state: State, room: ExactRoom, t: float) -> None:
     """Links whose time has come act, from the elongation they have."""
     for a in range(len(system.interfaces)):
@@ -178,7 +178,7 @@ def _release(system: System, state: State, room: ExactRoom, t: float) -> None:
             room.way[a] = -1 if room.here[a, 1] < 0.0 else 1
 
 
-@inlined
+@kernel
 def _confirm_step(system: System, state: State, order: int, rule: ExactRule, room: ExactRoom, record: Record) -> None:
     """Let the events count whose contacts move beyond rounding in this step; room.terms has what they are summed from
     at its start."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from femstruct.arrays import Floats
-from femstruct.impact.compiled import inlined, inlined_sum, kernel, summing
+from femstruct.impact.compiled.kernels import kernel, summing
 from femstruct.impact.exact.rule import ExactRoom, ExactRule
 from femstruct.impact.forces import CLOSED, State
 from femstruct.impact.system import CONSTANT, HALF_SINE, LINK, System
@@ -23,7 +23,7 @@ def coupling_bound(system: System) -> float:
     return worst
 
 
-@inlined
+@kernel
 def settle(system: System, state: State, room: ExactRoom) -> None:
     """Springs, dashpots and constant forces of the interfaces in the present regime."""
     for a in range(len(system.interfaces)):
@@ -42,7 +42,7 @@ def settle(system: System, state: State, room: ExactRoom) -> None:
             room.held[a] = 0.0 if law["preload"] > 0.0 else law["stiffness"] * law["offset"]
 
 
-@inlined
+@kernel
 def fastest(system: System, room: ExactRoom, coupling: float) -> tuple[float, float]:
     """Bound of the rates [1/s] of a regime, the positive root of x^2 = c x + w^2; and w^2 [1/s^2].
 
@@ -61,7 +61,7 @@ def fastest(system: System, room: ExactRoom, coupling: float) -> tuple[float, fl
     return float(0.5 * (damping + np.sqrt(damping * damping + 4.0 * stiffness))), stiffness
 
 
-@inlined
+@kernel
 def load_series(system: System, room: ExactRoom, t: float, h: float, order: int) -> None:
     """Power series of the loads over a step that no change of their formulas cuts."""
     m = len(system.interfaces)
@@ -96,7 +96,7 @@ def load_series(system: System, room: ExactRoom, t: float, h: float, order: int)
                 out[1] = slope * h
 
 
-@inlined_sum
+@summing
 def expand(system: System, state: State, rule: ExactRule, room: ExactRoom, h: float, order: int) -> None:
     """Power series of coordinates, rows and forces over a step of length h from the state, by the equations of motion.
 
@@ -142,7 +142,7 @@ def expand(system: System, state: State, rule: ExactRule, room: ExactRoom, h: fl
     _from_derivatives(rule, room, m, 1.0 / h, order)
 
 
-@inlined
+@kernel
 def _from_derivatives(rule: ExactRule, room: ExactRoom, m: int, pace: float, order: int) -> None:
     """Power series from the derivatives of coordinates and rows; rates and forces from them. pace : 1 / h."""
     z, place, rate, force = room.z, room.place, room.rate, room.force
@@ -161,7 +161,7 @@ def _from_derivatives(rule: ExactRule, room: ExactRoom, m: int, pace: float, ord
         force[a, 0] += room.held[a]
 
 
-@inlined
+@kernel
 def shorten(room: ExactRoom, order: int, part: float) -> None:
     """The series of a part of the step: the step ends there."""
     power = 1.0
@@ -175,7 +175,7 @@ def shorten(room: ExactRoom, order: int, part: float) -> None:
             room.force[a, k] *= power
 
 
-@inlined_sum
+@summing
 def evaluate(room: ExactRoom, h: float, order: int, theta: float) -> None:
     """Coordinates and rates at a part of the step, into room.q and room.v."""
     z, q, v = room.z, room.q, room.v

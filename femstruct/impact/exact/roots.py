@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from femstruct.arrays import Floats
-from femstruct.impact.compiled import kernel, summing
+from femstruct.impact.compiled.kernels import kernel, summing
 from femstruct.impact.exact.rule import COARSE, DEPTH, ORDER
 
 NEVER = 2.0

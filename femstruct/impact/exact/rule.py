@@ -9,7 +9,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.polynomial import legendre
 
-from femstruct.arrays import Floats, Integers
+from femstruct.arrays import Floats
+from femstruct.impact.compiled.layout import Counts, CountTable, Matrix, Vector
 from femstruct.impact.system import System
 
 ORDER = 26  # of the power series of a step
@@ -28,14 +29,14 @@ class ExactRule(NamedTuple):
     at_nodes [g, k], at_probes [p, k] : powers of the nodes, and of p / PROBES from p = 0. factors [k] : 1 / k!.
     reach [p] : largest bound times step for which order p leaves out no more than TRUNCATION."""
 
-    bernstein: Floats
-    coarse: Floats
-    nodes: Floats
-    weights: Floats
-    at_nodes: Floats
-    at_probes: Floats
-    factors: Floats
-    reach: Floats
+    bernstein: Matrix
+    coarse: Matrix
+    nodes: Vector
+    weights: Vector
+    at_nodes: Matrix
+    at_probes: Matrix
+    factors: Vector
+    reach: Vector
 
 
 @cache
@@ -79,24 +80,24 @@ class ExactRoom(NamedTuple):
     somewhere in the step.
     """
 
-    z: Floats
-    place: Floats
-    rate: Floats
-    force: Floats
-    spring: Floats
-    dash: Floats
-    held: Floats
-    way: Integers
-    fresh: Integers
-    loaded: Floats
-    lost: Floats
-    here: Floats
-    watched: Floats
-    boxes: Floats
-    spans: Floats
-    terms: Floats
-    q: Floats
-    v: Floats
+    z: Matrix
+    place: Matrix
+    rate: Matrix
+    force: Matrix
+    spring: Vector
+    dash: Vector
+    held: Vector
+    way: Counts
+    fresh: CountTable
+    loaded: Vector
+    lost: Vector
+    here: Matrix
+    watched: Vector
+    boxes: Matrix
+    spans: Matrix
+    terms: Matrix
+    q: Vector
+    v: Vector
 
 
 def exact_room(system: System) -> ExactRoom:

@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from femstruct.arrays import Floats
-from femstruct.impact.compiled import inlined, kernel
+from femstruct.impact.compiled.kernels import kernel
 from femstruct.impact.exact.regime import inner_product
 from femstruct.impact.exact.roots import NEVER, first_descent, magnitude, stays_positive
 from femstruct.impact.exact.rule import ExactRoom, ExactRule
@@ -34,7 +34,7 @@ def _outgrown(c: Floats, lead: int, order: int) -> bool:
     return False
 
 
-@inlined
+@kernel
 def judge(c: Floats, order: int, noise: float, small: float, fresh: int, rule: ExactRule, boxes: Floats,
           spans: Floats) -> tuple[float, int]:  # fmt: skip
     """Where the polynomial becomes negative (NEVER: not in this step), and its leading order when that is at once.
@@ -61,7 +61,7 @@ def judge(c: Floats, order: int, noise: float, small: float, fresh: int, rule: E
     return first_descent(c, lead, order, rule.bernstein, boxes, spans), order + 1
 
 
-@inlined
+@kernel
 def watch(system: System, state: State, order: int, h: float, before: float, stiff: float, rule: ExactRule,
           room: ExactRoom) -> tuple[float, int, int]:  # fmt: skip
     """The first change in the step: where (NEVER: none), of which interface, and what crossed zero.
@@ -131,7 +131,7 @@ def watch(system: System, state: State, order: int, h: float, before: float, sti
     return where, who, what
 
 
-@inlined
+@kernel
 def switch(system: System, state: State, room: ExactRoom, a: int, what: int, before: float) -> None:
     """Let interface a do what follows from a condition at zero; its row is in room.here."""
     law = system.interfaces[a]

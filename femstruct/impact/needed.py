@@ -1,0 +1,25 @@
+"""Which compiled kernels a simulation needs."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, Final
+
+from femstruct.impact.compiled.kernels import Unit
+from femstruct.impact.compiled.store import kept
+from femstruct.impact.exact.march import exact_march
+from femstruct.impact.many import run_many
+from femstruct.impact.march import march
+from femstruct.impact.sampling import feel
+
+Units = Sequence[Unit[..., Any]]
+
+BY_COLLOCATION: Final[Units] = (march, feel)
+EXACTLY: Final[Units] = (exact_march, feel)
+BATCHES: Final[Units] = (run_many,)
+ALL: Final[Units] = (march, feel, exact_march, run_many)
+
+
+def have(units: Units) -> bool:
+    """Whether all of these units are in the store."""
+    return all(kept(unit) is not None for unit in units)
