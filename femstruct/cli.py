@@ -55,7 +55,7 @@ def _command(function: Callable[..., int]) -> Callable[..., None]:
         try:
             code = function(*args, **options)
         except KeyboardInterrupt:
-            print("interrupted: there is no file that is not complete", file=sys.stderr)
+            print("interrupted: files that were there before are as they were", file=sys.stderr)
             code = INTERRUPTED
         raise typer.Exit(code)
 

@@ -7,7 +7,6 @@ import os
 import socket
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
-from contextvars import ContextVar
 from pathlib import Path
 from typing import Final
 
@@ -16,18 +15,6 @@ from femstruct.errors import FemstructError, InputError
 _MARK = ".part-"
 DEEPEST: Final = 100  # folders; no path of so many is meant
 _LONGEST: Final = 150  # bytes of a file's name, of which most systems take 255, for a temporary one, too
-_COMPLETED: ContextVar[list[Path] | None] = ContextVar("completed", default=None)
-
-
-@contextmanager
-def completed() -> Iterator[list[Path]]:
-    """A list that fills with the paths that `replacing` completes meanwhile, each once."""
-    paths: list[Path] = []
-    before = _COMPLETED.set(paths)
-    try:
-        yield paths
-    finally:
-        _COMPLETED.reset(before)
 
 
 def short(stem: str) -> str:
@@ -62,14 +49,13 @@ def replacing(path: str | Path) -> Iterator[Path]:
     """
     path = Path(path)
     refuse_unwritable_file(path)
-    temporary = path.with_name(f".{path.stem}{_MARK}{socket.gethostname()}-{os.getpid()}{path.suffix}")
+    temporary = temporary_name(path)
     try:
-        _sweep(path)
+        for left in stale(path):
+            left.unlink(missing_ok=True)
         yield temporary
         _sync(temporary)
         temporary.replace(path)
-        if (paths := _COMPLETED.get()) is not None and path not in paths:
-            paths.append(path)
         _sync(path.parent)
     except OSError as error:
         raise FemstructError(
@@ -140,13 +126,21 @@ def _try_to_make(folder: Path) -> None:
                 place.rmdir()
 
 
-def _sweep(path: Path) -> None:
-    """Remove temporaries of `path` whose process, on this machine, no longer runs."""
+def temporary_name(path: Path) -> Path:
+    """A hidden name beside a path, that tells the machine and the process it belongs to."""
+    return path.with_name(f".{path.stem}{_MARK}{socket.gethostname()}-{os.getpid()}{path.suffix}")
+
+
+def stale(path: Path) -> list[Path]:
+    """Temporaries of a path whose process, on this machine, no longer runs."""
     start = f".{path.stem}{_MARK}{socket.gethostname()}-"
-    for stale in path.parent.iterdir():
-        pid = stale.name.removeprefix(start).removesuffix(path.suffix)
-        if stale.name.startswith(start) and stale.suffix == path.suffix and pid.isdigit() and not _runs(int(pid)):
-            stale.unlink(missing_ok=True)
+
+    def is_stale(other: Path) -> bool:
+        pid = other.name.removeprefix(start).removesuffix(path.suffix)
+        named = other.name.startswith(start) and other.name.endswith(path.suffix)
+        return named and pid.isdigit() and not _runs(int(pid))
+
+    return [other for other in path.parent.iterdir() if is_stale(other)]
 
 
 def _runs(pid: int) -> bool:

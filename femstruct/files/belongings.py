@@ -1,60 +1,115 @@
-"""Which files of a folder are a run's own: what an earlier run left there and this one does not make is removed."""
+"""Files of a run that take their places in a folder together; what an earlier run left there and this one does not
+make is removed."""
 
 from __future__ import annotations
 
 import json
+import os
+import shutil
+import signal
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Final
 
 from femstruct.errors import FemstructError
-from femstruct.files.atomic import completed, replacing
+from femstruct.files.atomic import refuse_unwritable_file, replacing, stale, temporary_name
 
 NAME: Final = "written_by_femstruct.json"  # the list, kept in the folder itself
 WRITTEN, EARLIER = "written by the last run", "left by earlier runs"
+COMING: Final = "being replaced by a run that has not finished: some are older than others"
 
 Sizes = Mapping[str, int]  # bytes by name
 
 
+@dataclass(frozen=True)
+class Stage:
+    """Where a run writes its files before they take their places, and what became of those that were there.
+
+    removed : files of earlier runs that are gone, filled in at the end. older : those that are kept.
+    """
+
+    path: Path
+    removed: list[str] = field(default_factory=list)
+    older: list[str] = field(default_factory=list)
+
+
 @contextmanager
-def owning(folder: Path, *, finished: bool = True) -> Iterator[list[str]]:
-    """Keep a list in a folder of what is written to it here; at the end remove what earlier runs left there and this
-    one did not write. Yields the names that are removed, once they are.
+def together(folder: Path, *, finished: bool = True) -> Iterator[Stage]:
+    """A stage to write to, a hidden folder inside `folder`; at the end its files take their places all at once, and
+    what earlier runs left there and this one did not write is removed.
 
-    finished : False for a run with cases missing, which removes nothing.
+    finished : False for a run with cases missing, which removes nothing: what it keeps is told as older.
 
-    Only files that the list names are ever removed, and only while they have the size it tells: what somebody else put
-    there or changed is theirs. When the writing is interrupted nothing is removed, and the list tells what is of
-    this run and what of earlier ones, for the next run to clear.
+    When the writing is interrupted, or the disk is full, the folder is as it was before. Ctrl-C waits while files take
+    their places; where the process is killed in that instant, the list in the folder tells so. Only files that the list
+    names are ever removed, and only while they have the size it tells: what somebody else put there or changed is
+    theirs.
 
     >>> import tempfile
     >>> def write(folder, *names):
-    ...     with owning(folder) as removed:
+    ...     with together(folder) as stage:
     ...         for name in names:
-    ...             with replacing(folder / name) as temporary:
-    ...                 _ = temporary.write_text("x")
-    ...     return removed
+    ...             _ = (stage.path / name).write_text("x")
+    ...     return stage.removed
     >>> with tempfile.TemporaryDirectory() as name:
     ...     write(Path(name), "a.wav", "b.wav"), write(Path(name), "b.wav")
     ([], ['a.wav'])
     """
-    earlier = _listed(folder)
-    removed: list[str] = []
-    with completed() as paths:
+    for left in stale(folder / "run"):
+        shutil.rmtree(left, ignore_errors=True)
+    stage = Stage(temporary_name(folder / "run"))
+    try:
         try:
-            yield removed
-        except BaseException:
-            with suppress(FemstructError):  # what interrupted says more
-                _list(folder, paths, earlier)
-            raise
-    mine = {path.stat().st_ino for path in paths}  # a name may differ in case only
-    for name, size in earlier.items() if finished else ():
-        if _is_still(folder / name, size) and (folder / name).stat().st_ino not in mine:
+            stage.path.mkdir()
+        except OSError as error:
+            raise FemstructError(
+                str(folder),
+                got=f"{error.strerror} while making a folder in it",
+                expected="room and permission to write",
+                do="free space or choose another folder with -o",
+            ) from None
+        yield stage
+        with _undisturbed():
+            _take_places(stage, folder, finished)
+    finally:
+        shutil.rmtree(stage.path, ignore_errors=True)
+
+
+def _take_places(stage: Stage, folder: Path, finished: bool) -> None:
+    names = sorted(path.name for path in stage.path.iterdir())
+    for name in names:
+        refuse_unwritable_file(folder / name)
+    earlier = _listed(folder)
+    sizes = {name: (stage.path / name).stat().st_size for name in names}
+    _list(folder, {COMING: names, WRITTEN: sizes, EARLIER: earlier})
+    for name in names:
+        (stage.path / name).replace(folder / name)
+    mine = {(folder / name).stat().st_ino for name in names}  # a name may differ in case only
+    for name, size in earlier.items():
+        there = _is_still(folder / name, size) and (folder / name).stat().st_ino not in mine
+        if there and finished:
             with suppress(OSError):
                 (folder / name).unlink()
-                removed.append(name)
-    _list(folder, paths, {name: size for name, size in earlier.items() if name not in removed})
+                stage.removed.append(name)
+        elif there:
+            stage.older.append(name)
+    kept = {name: size for name, size in earlier.items() if name not in names and _is_still(folder / name, size)}
+    _list(folder, {WRITTEN: sizes, EARLIER: kept})
+
+
+@contextmanager
+def _undisturbed() -> Iterator[None]:
+    """Ctrl-C and requests to terminate wait until the end, where the system can make them wait."""
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, (signal.SIGINT, signal.SIGTERM))
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def _is_still(path: Path, size: int) -> bool:
@@ -62,21 +117,21 @@ def _is_still(path: Path, size: int) -> bool:
     return path.is_file() and not path.is_symlink() and path.stat().st_size == size
 
 
-def _list(folder: Path, paths: list[Path], earlier: Sizes) -> None:
+def _list(folder: Path, told: Mapping[str, object]) -> None:
     """Write the list: what is written here now, and what of earlier runs is still there as it was."""
-    written = {path.name: path.stat().st_size for path in paths if path.parent == folder}
-    left = {name: size for name, size in earlier.items() if name not in written and _is_still(folder / name, size)}
-    told = {"what": "bytes of the files in this folder that femstruct wrote", WRITTEN: written, EARLIER: left}
+    whole = {"what": "bytes of the files in this folder that femstruct wrote", **told}
     with replacing(folder / NAME) as temporary:
-        temporary.write_text(json.dumps(told, indent=1) + "\n", encoding="utf-8")
+        temporary.write_text(json.dumps(whole, indent=1) + "\n", encoding="utf-8")
 
 
 def _listed(folder: Path) -> Sizes:
     """Files of earlier runs; of a list that is not there or is not ours none."""
     try:
+        if os.path.getsize(folder / NAME) > 10_000_000:  # noqa: PTH202
+            return {}
         told = json.loads((folder / NAME).read_text(encoding="utf-8"))
         lists = [told[EARLIER], told[WRITTEN]]
         sizes = {name: size for one in lists for name, size in one.items() if isinstance(size, int)}
-    except (OSError, ValueError, KeyError, TypeError, AttributeError):
+    except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
         return {}
-    return {name: size for name, size in sizes.items() if Path(name).name == name}
+    return {name: size for name, size in sizes.items() if Path(name).name == name and "\0" not in name}

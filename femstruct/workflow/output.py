@@ -14,7 +14,7 @@ from femstruct.arrays import Floats
 from femstruct.errors import some_of
 from femstruct.files.atomic import replacing, short
 from femstruct.files.audio import listening_scale, write_sequence, write_wav
-from femstruct.files.belongings import owning
+from femstruct.files.belongings import NAME, together
 from femstruct.files.results import write_results
 from femstruct.files.rooms import write_room_modes
 from femstruct.files.tables import summary
@@ -35,18 +35,28 @@ def write_all(
     """Write results.h5, summary.json, a WAV for every receiver and case, one to listen to with all cases in turn, all
     pictures, and report.html with tables, pictures and what to listen to.
 
-    Every file is complete or absent: each is written under a temporary name and then renamed. All sounds of a study
-    have one full scale, so that cases can be compared by ear. Files that an earlier run wrote and this one does not
-    are removed when everything is written, and nothing else (files.belongings).
+    All files take their places together when the last is complete, so that a folder holds those of one run; those of
+    an earlier run that this one does not make are then removed, and nothing else (files.belongings). All sounds of a
+    study have one full scale, so that cases can be compared by ear.
 
     Returns CPU seconds by stage, and sentences, a line each, about pictures that were left out and files that were
-    removed ("" for none).
+    removed, or kept though they are older ("" for none).
     """
     folder.mkdir(parents=True, exist_ok=True)
     clock = Stopwatch(progress)
-    with owning(folder, finished=len(result.cases) == len(result.plan.cases)) as removed:
-        left_out = _write(result, folder, clock)
-    return clock.seconds, "\n".join(filter(None, (left_out, _cleared(removed))))
+    with together(folder, finished=len(result.cases) == len(result.plan.cases)) as stage:
+        left_out = _write(result, stage.path, clock)
+    return clock.seconds, "\n".join(filter(None, (left_out, _cleared(stage.removed), _older(stage.older))))
+
+
+def _older(kept: Sequence[str]) -> str:
+    """What is said of files of an earlier run beside those of one with cases missing.
+
+    >>> _older(["a.wav"])
+    'older, of an earlier run, since cases are missing: a.wav (written_by_femstruct.json lists them)'
+    """
+    names = some_of(kept, NAMED)
+    return f"older, of an earlier run, since cases are missing: {names} ({NAME} lists them)" if kept else ""
 
 
 def _cleared(removed: Sequence[str]) -> str:

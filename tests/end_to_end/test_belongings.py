@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import json
+import signal
+import subprocess
+import sys
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
-from femstruct.files.atomic import replacing
-from femstruct.files.belongings import EARLIER, NAME, WRITTEN, owning
+from femstruct.files.belongings import COMING, EARLIER, NAME, WRITTEN, together
 from femstruct.language import read_study
 from femstruct.study.result import StudyResult
 from femstruct.workflow import output
@@ -37,6 +39,37 @@ cases:
 """
 LIGHT = {"light.box.mic.wav", "light.box.mic.wav.json"}
 TWICE = {"twice _ new.box.mic.wav", "twice _ new.box.mic.wav.json"}
+
+KILLED = """
+import os, pathlib, signal, sys
+from femstruct.files.belongings import together
+move, moves = pathlib.Path.replace, []
+def replace(self, target):
+    if self.parent.name.startswith(".run"):
+        if len(moves) == int(sys.argv[2]):
+            os.kill(os.getpid(), signal.SIGKILL)
+        moves.append(target)
+    return move(self, target)
+pathlib.Path.replace = replace
+with together(pathlib.Path(sys.argv[1])) as stage:
+    for name in "abcdef":
+        (stage.path / name).write_text("other")
+"""
+WAITS = """
+import os, pathlib, signal, sys
+from femstruct.files.belongings import together
+move = pathlib.Path.replace
+def replace(self, target):
+    os.kill(os.getpid(), signal.SIGINT)
+    return move(self, target)
+try:
+    with together(pathlib.Path(sys.argv[1])) as stage:
+        for name in "abc":
+            (stage.path / name).write_text("other")
+        pathlib.Path.replace = replace
+except KeyboardInterrupt:
+    print("interrupted")
+"""
 
 
 @pytest.fixture(scope="module")
@@ -82,32 +115,77 @@ def test_what_was_changed_since_is_kept(both: dict[str, StudyResult], tmp_path: 
     assert names(tmp_path) & LIGHT == {"light.box.mic.wav"}
 
 
-def test_interrupted_writing_removes_nothing_and_the_next_run_clears(
+def contents(folder: Path) -> dict[str, bytes]:
+    return {path.name: path.read_bytes() for path in folder.iterdir()}
+
+
+@pytest.mark.parametrize("fault", [KeyboardInterrupt(), OSError(28, "No space left on device"), MemoryError()])
+def test_a_run_that_does_not_finish_writing_leaves_the_one_before(
+    fault: BaseException, both: dict[str, StudyResult], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Results, tables, sounds and pictures of one run, whatever fails last."""
+    write_all(both["light"], tmp_path)
+    before = contents(tmp_path)
+
+    def fail(*arguments: object) -> None:
+        raise fault
+
+    with monkeypatch.context() as patch:
+        patch.setattr(output, "write_report", fail)
+        with pytest.raises(type(fault)):
+            write_all(both["twice / new"], tmp_path)
+    assert contents(tmp_path) == before
+    write_all(both["twice / new"], tmp_path)
+    assert names(tmp_path) & (LIGHT | TWICE) == TWICE
+
+
+def test_interrupted_before_anything_was_there_nothing_is(
     both: dict[str, StudyResult], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    write_all(both["light"], tmp_path)
-
     def interrupt(*arguments: object) -> None:
         raise KeyboardInterrupt
 
-    with monkeypatch.context() as patch:
-        patch.setattr(output, "write_report", interrupt)
-        with pytest.raises(KeyboardInterrupt):
-            write_all(both["twice / new"], tmp_path)
-    assert names(tmp_path) > LIGHT | TWICE
-    told = json.loads((tmp_path / NAME).read_text())
-    assert set(told[WRITTEN]) > TWICE and set(told[EARLIER]) > LIGHT and not set(told[WRITTEN]) & LIGHT
-    write_all(both["light"], tmp_path)
-    assert names(tmp_path) & (LIGHT | TWICE) == LIGHT
+    monkeypatch.setattr(output, "write_report", interrupt)
+    with pytest.raises(KeyboardInterrupt):
+        write_all(both["light"], tmp_path / "out")
+    assert names(tmp_path / "out") == set()
 
 
-def test_a_run_without_all_its_cases_removes_nothing(both: dict[str, StudyResult], tmp_path: Path) -> None:
+@pytest.mark.parametrize("moved", range(1, 6))
+def test_killed_while_files_take_their_places_the_list_tells(moved: int, tmp_path: Path) -> None:
+    folder = tmp_path / "out"
+    folder.mkdir()
+    with together(folder) as stage:
+        for name in "abcdef":
+            (stage.path / name).write_text("one")
+    killed = subprocess.run([sys.executable, "-c", KILLED, str(folder), str(moved)])
+    assert killed.returncode == -signal.SIGKILL
+    files = {name: (folder / name).read_text() for name in "abcdef"}
+    assert sorted(files.values()) == ["one"] * (6 - moved) + ["other"] * moved
+    assert json.loads((folder / NAME).read_text())[COMING] == list("abcdef")
+    with together(folder) as stage:
+        (stage.path / "g").write_text("third")
+    assert names(folder) >= {"g", NAME} and not [name for name in names(folder) if name.startswith(".")]
+    assert COMING not in json.loads((folder / NAME).read_text())
+
+
+def test_ctrl_c_waits_while_files_take_their_places(tmp_path: Path) -> None:
+    done = subprocess.run([sys.executable, "-c", WAITS, str(tmp_path)], capture_output=True, text=True)
+    assert done.stdout == "interrupted\n", done.stderr
+    assert names(tmp_path) == {*"abc", NAME}
+    assert {(tmp_path / name).read_text() for name in "abc"} == {"other"}
+
+
+def test_a_run_without_all_its_cases_removes_nothing_and_tells_what_is_older(
+    both: dict[str, StudyResult], tmp_path: Path
+) -> None:
     """Ctrl-C in the second case: what is finished is written beside what is there."""
     write_all(both["None"], tmp_path)
-    write_all(replace(both["light"], plan=both["None"].plan), tmp_path)
+    _, said = write_all(replace(both["light"], plan=both["None"].plan), tmp_path)
     assert names(tmp_path) > LIGHT | TWICE
     told = json.loads((tmp_path / NAME).read_text())
     assert set(told[WRITTEN]) > LIGHT and set(told[EARLIER]) == TWICE
+    assert said.startswith("older, of an earlier run, since cases are missing: twice _ new.box.mic.wav")
 
 
 @pytest.mark.parametrize(
@@ -119,7 +197,7 @@ def test_nothing_outside_the_list_or_the_folder_is_removed(told: str, tmp_path: 
     (tmp_path / "x").write_text("1")
     (folder / "link").symlink_to(tmp_path / "x")
     (folder / NAME).write_text(told)
-    with owning(folder) as removed, replacing(folder / "a") as temporary:
-        temporary.write_text("a")
-    assert not removed
+    with together(folder) as stage:
+        (stage.path / "a").write_text("a")
+    assert not stage.removed
     assert names(tmp_path) == {"results", "x"} and names(folder) == {"sub", "link", "a", NAME}

@@ -13,6 +13,8 @@ import h5py
 import pytest
 from scipy.io import wavfile
 
+from femstruct.files.belongings import COMING, NAME
+
 ROOT = Path(__file__).parents[2]
 STUDY = ROOT / "models" / "three_bodies.study.yaml"
 RUN = [sys.executable, "-c", "from femstruct.cli import main; main()", "run", str(STUDY), "-o"]
@@ -34,7 +36,11 @@ def title(folder: Path) -> str:
             assert path.read_text().rstrip().endswith("</svg>"), path
     with h5py.File(folder / "results.h5") as file:
         assert file.attrs["complete"]
-        return str(file.attrs["title"])
+        found, summary = str(file.attrs["title"]), file["summary"].asstr()[()]
+    if COMING not in json.loads((folder / NAME).read_text()):  # a kill in that instant is told
+        assert json.loads((folder / "summary.json").read_text()) == json.loads(summary)
+        assert f"<h1>{found}</h1>" in (folder / "report.html").read_text()
+    return found
 
 
 # A kill costs a whole run; the write itself is killed more often, without one, in robustness/test_files_kill.py.
