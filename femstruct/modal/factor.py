@@ -6,14 +6,13 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import csc_array, diags_array
-from scipy.sparse.linalg import SuperLU, splu
+from scipy.sparse import csc_array
 
 from femstruct.arrays import Floats
 from femstruct.errors import SingularSystem
+from femstruct.modal.patterns import Pattern, Values, aligned
+from femstruct.modal.solvers import FASTEST, SOLVERS, Analysis, Factored, ZeroPivot
 
-# Diagonal pivots in a symmetric order. Without SymmetricMode this ordering is a hundred times slower.
-_SYMMETRIC = {"SymmetricMode": True}
 # Reciprocal condition (rows and columns scaled by the diagonal) under which a matrix is looked at for a null vector.
 # Sound structures reach about 1e-11 on meshes of 200 x 200; the look itself does not refuse anything.
 _SUSPICIOUS = 1e-12
@@ -31,52 +30,75 @@ class Factor:
     solve: Callable[[Floats], Floats]
 
 
-def factorise(K: csc_array, M: csc_array, sigma: float, labels: Sequence[str] = ()) -> Factor:
+@dataclass(frozen=True, eq=False)
+class Pencil:
+    """K and M on one pattern, which is analysed once for all shifts.
+
+    stiffness, mass [nnz] : their values on the pattern.
+    """
+
+    K: csc_array
+    M: csc_array
+    pattern: Pattern
+    stiffness: Values
+    mass: Values
+    analysis: Analysis
+
+    @classmethod
+    def of(cls, K: csc_array, M: csc_array, solver: str = FASTEST) -> Pencil:
+        """The pencil of K and M, with one of the SOLVERS."""
+        pattern, (stiffness, mass) = aligned([K, M])
+        return cls(K, M, pattern, stiffness, mass, SOLVERS[solver](pattern))
+
+    def shifted(self, sigma: float) -> Values:
+        """Values of K - sigma M on the pattern."""
+        values: Values = self.stiffness - sigma * self.mass
+        return values
+
+    def count_below(self, mu: float) -> int | None:
+        """Number of eigenvalues omega^2 of (K, M) below mu: the negative ones of K - mu M.
+
+        None when the count cannot be trusted, mu being too close to an eigenvalue. Move mu then.
+        """
+        terms = np.abs(self.stiffness[self.pattern.diagonal]) + np.abs(mu * self.mass[self.pattern.diagonal])
+        if not (terms > 0).all():
+            return None
+        return self.analysis.negative(self.shifted(mu), terms)
+
+
+def count_below(K: csc_array, M: csc_array, mu: float, solver: str = FASTEST) -> int | None:
+    """The same for two matrices."""
+    return Pencil.of(K, M, solver).count_below(mu)
+
+
+def factorise(pencil: Pencil, sigma: float, labels: Sequence[str] = ()) -> Factor:
     """Factor of K - sigma M for sigma < 0, positive definite unless K and M share a null vector.
 
     Raises SingularSystem when they do, naming the degree of freedom that moves most (its number without `labels`).
     """
-    A = csc_array(K - sigma * M)
-    diagonal = A.diagonal()
+    values = pencil.shifted(sigma)
+    diagonal: Floats = values[pencil.pattern.diagonal]
     if not (diagonal > 0).all():
         raise _singular(int(np.argmin(diagonal)), labels)
     try:
-        factor = _symmetric_factor(A)
-    except RuntimeError:  # SuperLU met an exactly zero pivot
-        factor = None
-    if factor is None or _reciprocal_condition(factor, diagonal) < _SUSPICIOUS:
-        _refuse_null_vector(A, K, M, sigma, labels)
-    if factor is None:
-        factor = _symmetric_factor(csc_array(A + diags_array(_NOTHING * 1e-5 * diagonal)))
+        factor = pencil.analysis.factor(values)
+    except ZeroPivot:
+        _refuse_null_vector(pencil, sigma, values, labels)
+        factor = pencil.analysis.factor(_nudged(pencil.pattern, values, _NOTHING * 1e-5))
+    else:
+        if _reciprocal_condition(factor, diagonal) < _SUSPICIOUS:
+            _refuse_null_vector(pencil, sigma, values, labels)
     return Factor(sigma, factor.solve)
 
 
-def count_below(K: csc_array, M: csc_array, mu: float) -> int | None:
-    """Number of eigenvalues omega^2 of (K, M) below mu: the negative pivots of L D L^T = K - mu M.
-
-    None when the count cannot be trusted: a pivot moved off the diagonal or lost all its digits. Move mu then.
-
-    Source: Sylvester's law of inertia; B. N. Parlett, The Symmetric Eigenvalue Problem, section 3.3.
-    """
-    try:
-        factor = _symmetric_factor(csc_array(K - mu * M))
-    except RuntimeError:
-        return None
-    if not np.array_equal(factor.perm_r, factor.perm_c):
-        return None
-    pivots = factor.U.diagonal()
-    scale = (np.abs(K.diagonal()) + abs(mu) * np.abs(M.diagonal()))[np.argsort(factor.perm_c)]
-    # 1e-11: a pivot that cancelled to fewer than about five digits may have either sign.
-    if (np.abs(pivots) < 1e-11 * scale).any():
-        return None
-    return int(np.count_nonzero(pivots < 0))
+def _nudged(pattern: Pattern, values: Values, share: float) -> Values:
+    """The values with a diagonal larger by a share of itself."""
+    nudged = values.copy()
+    nudged[pattern.diagonal] *= 1.0 + share
+    return nudged
 
 
-def _symmetric_factor(A: csc_array) -> SuperLU:
-    return splu(A, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=_SYMMETRIC)
-
-
-def _reciprocal_condition(factor: SuperLU, diagonal: Floats) -> float:
+def _reciprocal_condition(factor: Factored, diagonal: Floats) -> float:
     """Upper estimate of the smallest eigenvalue of the matrix scaled to unit diagonal [1]."""
     root = np.sqrt(diagonal)
     start = np.random.default_rng(1).standard_normal(len(root))
@@ -85,10 +107,10 @@ def _reciprocal_condition(factor: SuperLU, diagonal: Floats) -> float:
     return float(np.linalg.norm(start)) / size if np.isfinite(size) else 0.0
 
 
-def _refuse_null_vector(A: csc_array, K: csc_array, M: csc_array, sigma: float, labels: Sequence[str]) -> None:
-    """Raise SingularSystem if the softest shape of A has neither stiffness nor mass."""
-    diagonal = A.diagonal()
-    nudged = _symmetric_factor(csc_array(A + diags_array(1e-13 * diagonal)))
+def _refuse_null_vector(pencil: Pencil, sigma: float, values: Values, labels: Sequence[str]) -> None:
+    """Raise SingularSystem if the softest shape of K - sigma M has neither stiffness nor mass."""
+    K, M, diagonal = pencil.K, pencil.M, values[pencil.pattern.diagonal]
+    nudged = pencil.analysis.factor(_nudged(pencil.pattern, values, 1e-13))
     shape = np.random.default_rng(2).standard_normal(len(diagonal)) / np.sqrt(diagonal)
     for _ in range(3):  # inverse iteration: each step gains the ratio of the null vector to the next shape
         shape = nudged.solve(diagonal * shape)

@@ -8,7 +8,6 @@ from typing import Final, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.sparse import csc_array
-from scipy.sparse.linalg import splu
 
 from femstruct.arrays import Floats, frozen
 from femstruct.assembly.matrices import Assembly
@@ -16,6 +15,8 @@ from femstruct.errors import InputError, NotConverged
 from femstruct.modal.basis import ForceRow, ModalBasis
 from femstruct.modal.damping import Damping, FromMaterials, LossFactor, Rayleigh
 from femstruct.modal.outputs import AXES
+from femstruct.modal.patterns import aligned
+from femstruct.modal.solvers import FASTEST, SOLVERS, Factored, ZeroPivot
 from femstruct.model.probe import Probe
 
 Complex = NDArray[np.complex128]
@@ -155,6 +156,8 @@ def direct_frf(
     load = _dense_row(assembly, drive)
     through = _passed_on(assembly, response, drive) if isinstance(response, str) else 0.0
     _check_kind(response, kind)
+    pattern, (springs, losses, inertia) = aligned([stiffness, dashpots, assembly.M])
+    analysis = SOLVERS[FASTEST](pattern)
     answers = np.empty(len(omega), dtype=np.complex128)
     for line, w in enumerate(omega):
         row: Complex = (
@@ -162,7 +165,12 @@ def direct_frf(
             if isinstance(response, str)
             else _dense_row(assembly, response).astype(np.complex128)
         )
-        shape = _solve_line(csc_array(stiffness + 1j * w * dashpots - w**2 * assembly.M), load, w)
+        values = springs + 1j * w * losses - w**2 * inertia
+        try:
+            factor = analysis.factor(values)
+        except ZeroPivot as error:
+            raise NotConverged("direct_frf", got=f"a singular matrix at {w / (2 * np.pi):.4g} Hz") from error
+        shape = _solve_line(pattern.matrix(values), factor, load, w)
         answers[line] = row @ shape + through
         if kind == "transmissibility" and not isinstance(response, str):
             answers[line] /= load @ shape
@@ -195,10 +203,8 @@ def _amplitudes(basis: ModalBasis, pushed: Floats, omega: Floats) -> Iterator[tu
         yield slice(start, start + len(w)), q
 
 
-def _solve_line(A: csc_array, load: Floats, omega: float) -> Complex:
+def _solve_line(A: csc_array, factor: Factored, load: Floats, omega: float) -> Complex:
     """A^-1 load for a complex symmetric A, with one step of refinement."""
-    # Nearly diagonal pivots keep the sparsity; off-diagonal ones only where a pivot has lost three digits.
-    factor = splu(A, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=1e-3, options={"SymmetricMode": True})
     shape = _complex(factor.solve(_complex(load)))
     shape = shape + _complex(factor.solve(_complex(load - A @ shape)))
     left = float(np.linalg.norm(load - A @ shape) / np.linalg.norm(load))

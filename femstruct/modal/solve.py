@@ -1,4 +1,4 @@
-"""Natural modes of K phi = omega^2 M phi: shift-invert Lanczos, with a proof that none is missing."""
+"""Natural modes of K phi = omega^2 M phi: shift-invert block Lanczos, with a proof that none is missing."""
 
 from __future__ import annotations
 
@@ -9,11 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import LinAlgError, cholesky, eigh, solve_triangular
 from scipy.sparse import csc_array
-from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh
 
 from femstruct.arrays import Floats
 from femstruct.errors import FemstructError, NotConverged
-from femstruct.modal.factor import Factor, count_below, factorise, relative_energy
+from femstruct.modal.factor import Factor, Pencil, factorise, relative_energy
+from femstruct.modal.krylov import Krylov, converge
+from femstruct.modal.solvers import FASTEST
 
 _DENSE = 300  # degrees of freedom up to which full matrices cost less than the set-up of Lanczos
 # A rigid mode strains nothing but rounding: 1e-16 of the terms of phi^T K phi at most on plates, frames and joints
@@ -26,6 +27,8 @@ _UNTOUCHED = 1e-15
 _UNRESOLVED = 1e-10  # of |sigma|: below it eigenvalues by shift-invert are too coarse to count between
 _SHIFT_RANGE = (0.005, 50.0)  # of |sigma| over the first elastic omega^2: no loss of digits and no slow convergence
 _ATTEMPTS = 6
+_CONVERGED = 1e-11  # residual of an eigenvalue of the inverse over it; shapes are as good
+_ROUGH = 16  # vectors that show the first elastic modes roughly: rigid ones, having one eigenvalue, take few
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,19 +53,20 @@ def modes(
     up_to_hz: float | None = None,
     count: int | None = None,
     labels: Sequence[str] = (),
+    solver: str = FASTEST,
 ) -> Modes:
     """Undamped, mass-normalised modes, up to a frequency [Hz] or a number of them; none is skipped.
 
     K, M [n, n] : sparse, symmetric, positive semi-definite; K may have any number of rigid modes and mechanisms.
-    labels [n] : names of the degrees of freedom, for messages.
+    labels [n] : names of the degrees of freedom, for messages. solver : one of `femstruct.modal.solvers.SOLVERS`.
 
     Raises SingularSystem when K and M share a null vector, NotConverged when the inertia count and the modes
     found do not agree after several attempts.
 
     Notes
     -----
-    The shift is negative and set from the data, so a singular K is no special case. Completeness is proved
-    by the number of negative pivots of K - mu M above the last mode. The start vector is fixed and the largest
+    The shift is negative and set from the data, so a singular K is no special case. Completeness is proved by the
+    number of negative eigenvalues of K - mu M above the last mode. The start vectors are fixed and the largest
     component (weighted by its mass) is positive: two runs on one machine and thread count agree in every bit.
     The shapes within a group of equal frequencies are one choice out of many.
 
@@ -77,11 +81,12 @@ def modes(
     n = K.shape[0]
     if (up_to_hz is None) == (count is None):
         raise FemstructError("modes", got=f"up_to_hz={up_to_hz}, count={count}", expected="exactly one of the two")
+    pencil = Pencil.of(K, M, solver)
     if up_to_hz is not None:
         if not up_to_hz > 0:
             raise FemstructError("modes up_to", got=f"{up_to_hz:g} Hz", expected="a positive frequency")
         limit = (2.0 * np.pi * up_to_hz) ** 2
-        mu, wanted = _count_near(K, M, limit)
+        mu, wanted = _count_near(pencil, limit)
         first = min(wanted + 2, n)
     else:
         assert count is not None
@@ -89,8 +94,8 @@ def modes(
             raise FemstructError("modes count", got=f"{count}", expected=f"1 to {n}, the degrees of freedom")
         limit, mu, wanted = np.inf, np.inf, count
         first = min(count + 3, n)
-    factor = _shifted(K, M, first, mu, labels)
-    values, shapes, complete = _complete(K, M, factor, first, mu, wanted)
+    factor, space = _shifted(pencil, first, mu, labels)
+    values, shapes, complete = _complete(pencil, factor, space, first, mu, wanted)
     values, shapes, rigid = _classified(K, M, values, shapes, abs(factor.sigma))
     if values.size and values.min() < 0:
         raise FemstructError("K", got=f"a mode of omega^2 = {values.min():.3g}", expected="no negative stiffness")
@@ -118,70 +123,62 @@ def signed(shapes: Floats, weights: Floats) -> Floats:
     return shapes * np.where(shapes[first, np.arange(shapes.shape[1])] < 0, -1.0, 1.0)
 
 
-def _count_near(K: csc_array, M: csc_array, mu: float) -> tuple[float, int]:
+def _count_near(pencil: Pencil, mu: float) -> tuple[float, int]:
     """The inertia count at mu, or above it where mu is too close to an eigenvalue: (mu used, count).
 
     Just above it as a rule; far above where mu itself drowns in the rounding of rigid modes.
     """
     for step in (1e-9, 1e-6, 1e-5, 1e-4, 1e-3, 3e-3, 1.0, 10.0, 1e2, 1e3, 1e4, 1e5):
-        found = count_below(K, M, mu * (1.0 + step))
+        found = pencil.count_below(mu * (1.0 + step))
         if found is not None:
             return mu * (1.0 + step), found
     raise NotConverged("inertia count", got=f"unusable pivots near omega^2 = {mu:.6g}", do="move the upper frequency")
 
 
-def _shifted(K: csc_array, M: csc_array, wanted: int, limit: float, labels: Sequence[str]) -> Factor:
-    """A factor of K - sigma M with -sigma between the first elastic omega^2 and the highest asked for.
+def _shifted(pencil: Pencil, wanted: int, limit: float, labels: Sequence[str]) -> tuple[Factor, Krylov]:
+    """A factor of K - sigma M with -sigma between the first elastic omega^2 and the highest asked for, and its space.
 
     Nearer to zero the rigid modes lose digits, farther away Lanczos converges slowly; in between both are harmless.
     """
+    M = pencil.M
     if limit < np.inf:  # `wanted` modes lie below the limit, so the first elastic one is above limit / wanted^2 or so
-        return factorise(K, M, -limit / (wanted + 1), labels)
-    stiffness, mass = K.diagonal(), M.diagonal()
+        factor = factorise(pencil, -limit / (wanted + 1), labels)
+        return factor, Krylov(M, factor.solve)
+    stiffness, mass = pencil.K.diagonal(), M.diagonal()
     loaded = (mass > 0) & (stiffness > 0)
     # The coarsest and the finest shape of n degrees of freedom: n^2 apart in omega^2 in plates, n^(2/3) in solids.
     guess = float(np.median(stiffness[loaded] / mass[loaded])) / len(mass) ** 1.5 if loaded.any() else 1.0
-    factor = factorise(K, M, -guess, labels)
+    factor = factorise(pencil, -guess, labels)
     for _ in range(_ATTEMPTS):
-        elastic = _rough_elastic(M, factor)
+        space = Krylov(M, factor.solve)
+        elastic = _rough_elastic(space, factor)
         if not elastic.size or _SHIFT_RANGE[0] * elastic[0] <= -factor.sigma <= _SHIFT_RANGE[1] * elastic[0]:
-            return factor
-        factor = factorise(K, M, -0.5 * float(elastic[0]), labels)
-    return factor
-
-
-def _rough_elastic(M: csc_array, factor: Factor) -> Floats:
-    """Rough omega^2 of the first elastic modes, ascending: Ritz values of a few steps of inverse Lanczos."""
-    steps = min(10, M.shape[0])  # all rigid modes, having one eigenvalue, take a single direction
-    basis = np.zeros((M.shape[0], steps))
-    vector = factor.solve(M @ np.random.default_rng(7).standard_normal(M.shape[0]))
-    images = np.zeros_like(basis)
-    for step in range(steps):
-        for _ in range(2):
-            vector = vector - basis @ (basis.T @ (M @ vector))
-        size = float(np.sqrt(max(vector @ (M @ vector), 0.0)))
-        if step and size <= 1e-10 * float(np.linalg.norm(images[:, step - 1])) * float(np.sqrt(M.diagonal().max())):
-            basis, images = basis[:, :step], images[:, :step]
             break
-        basis[:, step] = vector / size
-        vector = factor.solve(M @ basis[:, step])
-        images[:, step] = vector
-    projected = basis.T @ (M @ images)
-    inverted = np.linalg.eigvalsh(0.5 * (projected + projected.T))[::-1]
+        factor = factorise(pencil, -0.5 * float(elastic[0]), labels)
+    else:
+        space = Krylov(M, factor.solve)
+    return factor, space
+
+
+def _rough_elastic(space: Krylov, factor: Factor) -> Floats:
+    """Rough omega^2 of the first elastic modes, ascending: Ritz values of a few steps of inverse Lanczos."""
+    while space.expanded < _ROUGH and space.expand():
+        pass
+    inverted = space.ritz()[0]
     inverted = inverted[inverted > 1e-12 * inverted[0]]
     values: Floats = factor.sigma + 1.0 / inverted
     return values[values > -1e-4 * factor.sigma]  # below are the rigid modes and their rounding
 
 
 def _complete(
-    K: csc_array, M: csc_array, factor: Factor, first: int, mu: float, wanted: int
+    pencil: Pencil, factor: Factor, space: Krylov, first: int, mu: float, wanted: int
 ) -> tuple[Floats, Floats, float]:
-    """Modes up to `wanted`, repeated with more vectors until the inertia count agrees: (values, shapes, complete)."""
-    n = K.shape[0]
+    """Modes up to `wanted`, sought in a wider space until the inertia count agrees: (values, shapes, complete)."""
+    n = pencil.K.shape[0]
     ask, expected = first, 0
     found = -1
     for attempt in range(_ATTEMPTS):
-        values, shapes = _lowest(K, M, factor, min(ask, n), 1e-9 if attempt == 0 else 0.0, seed=attempt)
+        values, shapes = _lowest(pencil, factor, space, min(ask, n), _CONVERGED if attempt == 0 else 1e-2 * _CONVERGED)
         level, upto = mu, wanted
         if np.isinf(mu):
             if len(values) == n or len(values) < ask:
@@ -191,7 +188,7 @@ def _complete(
                 ask *= 2
                 continue
             level = 0.5 * (values[upto - 1] + values[upto])
-            counted = count_below(K, M, level)
+            counted = pencil.count_below(level)
             if counted is None:
                 ask += 4
                 continue
@@ -203,6 +200,7 @@ def _complete(
             complete = max(0.0, values[wanted]) if np.isinf(mu) else mu  # among rigid modes: rounding, of either sign
             return values, shapes, float(complete)
         ask = min(n, max(ask, expected) + 4 * (attempt + 1))
+        space.widen()
     raise NotConverged(
         "modes", got=f"{found} modes", expected=f"{expected} by the inertia count", do="ask for another upper limit"
     )
@@ -218,21 +216,14 @@ def _gap(values: Floats, wanted: int, resolved: float) -> int:
     return int(later[np.argmax((values[later] - values[later - 1]) / values[later])])
 
 
-def _lowest(K: csc_array, M: csc_array, factor: Factor, k: int, tol: float, seed: int) -> tuple[Floats, Floats]:
+def _lowest(pencil: Pencil, factor: Factor, space: Krylov, k: int, tol: float) -> tuple[Floats, Floats]:
     """The k lowest eigenpairs by shift-invert, ascending, M-orthonormal, signed."""
-    n = K.shape[0]
+    n, M = pencil.K.shape[0], pencil.M
     if n <= _DENSE or k > n // 3:
-        values, shapes = _dense(K, M, factor.sigma, k)
+        values, shapes = _dense(pencil.K, M, factor.sigma, k)
     else:
-        inverse = LinearOperator((n, n), matvec=factor.solve, dtype=np.float64)
-        rng = np.random.default_rng(seed)
-        start = factor.solve(M @ rng.standard_normal(n))
-        try:
-            values, shapes = eigsh(
-                K, k, M=M, sigma=factor.sigma, which="LM", OPinv=inverse, v0=start, tol=tol, rng=rng, maxiter=100 * k
-            )
-        except ArpackError as error:
-            raise NotConverged("Lanczos", got=str(error), do="ask for fewer modes") from error
+        inverted, shapes = converge(space, k, tol)
+        values = factor.sigma + 1.0 / inverted
     order = np.argsort(values, kind="stable")
     shapes = orthonormalise(M, shapes[:, order])
     return values[order], signed(shapes, np.sqrt(np.abs(M.diagonal())))

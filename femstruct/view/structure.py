@@ -36,6 +36,7 @@ def show_modes(table: Row) -> None:
         screen.print(f"mass {table['mass_kg']:.4g} kg")
     if told := _completeness(table["complete_below_hz"], table["rigid_in_plane"]):
         screen.print(told)
+        screen.print(f"sparse solver: {table['solver']}")
     show_findings(screen, _read(table["findings"]))
 
 

@@ -20,6 +20,7 @@ from femstruct.files.tables import finding_table
 from femstruct.language import ModelFile, read_any, read_model_file
 from femstruct.modal.basis import ModalBasis
 from femstruct.modal.damping import Damping, FromMaterials, LossFactor, Ratio, Rayleigh, with_damping
+from femstruct.modal.solvers import FASTEST
 from femstruct.model.facts import ModelFacts, model_facts
 from femstruct.model.model import Model
 from femstruct.radiation import room_coordinates
@@ -168,6 +169,7 @@ def modes_of(path: Path, extent: Extent, overrides: tuple[str, ...] = ()) -> Tab
         "modal_mass_kg": {axis: basis.modal_mass[i, true].tolist() for i, axis in enumerate("xyz")},
         "rigid_body_modes": basis.n_rigid,
         "complete_below_hz": number(basis.complete_below_hz),
+        "solver": FASTEST,
         "rigid_in_plane": [] if solved.model is None else list(solved.model.plates),
         "mass_kg": basis.total_mass,
         "findings": [finding_table(finding) for finding in structure_findings(solved, basis)],

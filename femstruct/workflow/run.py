@@ -19,6 +19,7 @@ from femstruct.errors import Finding
 from femstruct.impact.compiled.workers import compilation
 from femstruct.impact.shares import mode_energies
 from femstruct.modal.basis import ModalBasis
+from femstruct.modal.solvers import FASTEST
 from femstruct.power import Radiated
 from femstruct.radiation import coupling_findings
 from femstruct.study.result import SILENT, AccuracyCheck, CaseResult, StudyResult
@@ -258,8 +259,10 @@ def structure_findings(solved: Solved, basis: ModalBasis, studies: Sequence[Stud
 
 def provenance(command: str) -> dict[str, str]:
     """Versions, platform, time and command line of a run."""
-    packages = ("femstruct", "numpy", "scipy", "numba", "h5py")
+    packages: tuple[str, ...] = ("femstruct", "numpy", "scipy", "numba", "h5py")
+    packages += ("rslab",) if FASTEST == "rslab" else ()
     return {f"{name}_version": version(name) for name in packages} | {
+        "sparse_solver": FASTEST,
         "python": sys.version.split()[0],
         "platform": platform.platform(),
         "utc": datetime.now(UTC).isoformat(timespec="seconds"),

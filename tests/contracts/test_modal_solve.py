@@ -170,8 +170,8 @@ def test_a_lost_mode_is_noticed_and_fetched(monkeypatch, plate_grid):
     sound = modes(grid.K, grid.M, count=8)
     genuine, calls = solve._lowest, []
 
-    def forgetful(K, M, factored, k, tol, seed):
-        values, shapes = genuine(K, M, factored, k + 1, tol, seed)
+    def forgetful(pencil, factored, space, k, tol):
+        values, shapes = genuine(pencil, factored, space, k + 1, tol)
         calls.append(k)
         if len(calls) == 1:  # one of the pair 6, 7 is lost at first
             values, shapes = np.delete(values, 6), np.delete(shapes, 6, axis=1)
