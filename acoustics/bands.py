@@ -8,7 +8,7 @@ from __future__ import annotations
 from math import floor, log, log10, pi, sin
 from typing import Final, Literal
 
-from scipy.signal import butter
+import scipy
 
 from acoustics.arrays import Floats
 
@@ -56,7 +56,7 @@ def band_filter(centre_hz: float, sampling_hz: float, fraction: Fraction = 3) ->
 
     As sections: as one polynomial the 20 Hz filter has a gain of .003 at 48 kHz.
     """
-    sections: Floats = butter(4, band_edges(centre_hz, fraction), "bandpass", fs=sampling_hz, output="sos")
+    sections: Floats = scipy.signal.butter(4, band_edges(centre_hz, fraction), "bandpass", fs=sampling_hz, output="sos")
     return sections
 
 

@@ -7,7 +7,7 @@ from math import ceil, log10
 from typing import Final
 
 import numpy as np
-from scipy.signal import sosfilt
+import scipy
 
 from acoustics.arrays import Floats, frozen, positive
 from acoustics.bands import band_filter, octave_bands, ringing_time
@@ -47,6 +47,6 @@ def force_exposure_levels(force: Floats, dt: float) -> dict[float, float]:
     found = {}
     for nominal in EXPOSURE_BANDS_HZ:
         tail = np.zeros(ceil(ringing_time(centres[nominal], 1) / dt))
-        heard = sosfilt(band_filter(centres[nominal], sampling_hz, 1), np.concatenate((force, tail)))
+        heard = scipy.signal.sosfilt(band_filter(centres[nominal], sampling_hz, 1), np.concatenate((force, tail)))
         found[nominal] = 10 * log10(max(float(heard @ heard) * dt, _NOTHING))
     return found

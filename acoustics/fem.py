@@ -10,10 +10,10 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
+import scipy
 from scipy.linalg import eigh
 from scipy.sparse import coo_array, csc_array
 from scipy.sparse.linalg import LinearOperator, eigsh, splu
-from scipy.spatial import cKDTree
 
 from acoustics.arrays import Floats, freeze, frozen, positive
 from acoustics.errors import AcousticsError
@@ -129,7 +129,7 @@ def off_boundary(mesh: CavityMesh, points: Floats, wall: str | None = None) -> t
     middles, normals = corners.mean(axis=1), np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normals /= np.linalg.norm(normals, axis=1)[:, None]
     reach = np.linalg.norm(corners - middles[:, None], axis=2).max(axis=1)
-    _, near = cKDTree(middles).query(points, k=min(24, len(middles)))
+    _, near = scipy.spatial.cKDTree(middles).query(points, k=min(24, len(middles)))
     near = near.reshape(len(points), -1)
     away = points[:, None] - middles[near]
     off = np.abs(np.einsum("pfx,pfx->pf", away, normals[near]))
@@ -228,7 +228,7 @@ def probe(mesh: CavityMesh, points: Floats) -> Any:
     """
     basis = mesh.basis
     middles = mesh.points[mesh.cells].mean(axis=1)
-    _, near = cKDTree(middles).query(points)
+    _, near = scipy.spatial.cKDTree(middles).query(points)
     inward = points + _SHRINK * (middles[near] - points)
     cells = mesh.cell_of(inward)
     if (far := np.flatnonzero(cells < 0)).size:  # in cells of very unequal sizes, or outside

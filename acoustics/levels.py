@@ -12,7 +12,7 @@ from types import MappingProxyType
 from typing import Final
 
 import numpy as np
-from scipy.signal import sosfilt
+import scipy
 
 from acoustics.arrays import Floats, freeze, frozen, positive
 from acoustics.bands import Fraction, band_filter, octave_bands, ringing_time, third_octave_bands
@@ -154,7 +154,7 @@ def _band_levels(
     largest, exposures = dict.fromkeys(centres, nan), dict.fromkeys(centres, nan)
     for nominal, sections in filters.sections[fraction].items():
         tail = ceil(ringing_time(centres[nominal], fraction) / dt)
-        heard = sosfilt(sections, faded(p, tail))
+        heard = scipy.signal.sosfilt(sections, faded(p, tail))
         largest[nominal] = _decibel(float(time_weighted(heard**2, dt, "F").max()))
         exposures[nominal] = _decibel(float(heard @ heard) * dt)
     return largest, exposures
@@ -200,7 +200,7 @@ def equivalent_levels(
     found = dict.fromkeys(centres, nan)
     for nominal, centre in centres.items():
         if shown(centre, complete_below_hz, fraction):
-            heard = sosfilt(band_filter(centre, 1 / dt, fraction), p)[first:]
+            heard = scipy.signal.sosfilt(band_filter(centre, 1 / dt, fraction), p)[first:]
             found[nominal] = _decibel(float(np.mean(heard**2)))
     return found
 

@@ -9,10 +9,10 @@ from types import MappingProxyType
 from typing import Any, Final
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
 from scipy.sparse import coo_array, csc_array
 from scipy.sparse.csgraph import connected_components
-from scipy.spatial import cKDTree
 
 from acoustics.arrays import Floats, Integers, freeze, frozen
 from acoustics.errors import AcousticsError
@@ -136,7 +136,9 @@ class CavityMesh:
         own = self.cells if self.cells.shape[1] == 4 else self.cells[:, _SIX].reshape(-1, 4)
         corners = self.points[own].reshape(len(self.cells), -1, 4, 3)
         inverse = np.linalg.inv(corners[:, :, 1:] - corners[:, :, :1])
-        _, next_to = cKDTree(self.points[self.cells].mean(axis=1)).query(points, k=min(near, len(self.cells)))
+        _, next_to = scipy.spatial.cKDTree(self.points[self.cells].mean(axis=1)).query(
+            points, k=min(near, len(self.cells))
+        )
         found = np.full(len(points), -1)
         left = np.arange(len(points))
         for candidates in next_to.reshape(len(points), -1).T:

@@ -6,8 +6,8 @@ from collections.abc import Callable
 from typing import Final
 
 import numpy as np
+import scipy
 from numpy.polynomial.legendre import leggauss, legvander
-from scipy.interpolate import CubicSpline
 
 from acoustics.arrays import Complexes, Floats
 
@@ -27,7 +27,7 @@ def strengths(highest: float, height: float) -> Callable[[Floats], Complexes]:
     solved = np.concatenate([_solved(x[i : i + _BLOCK], height, orders) for i in range(0, len(x), _BLOCK)])
     # Beyond 0 they are the conjugates: without them splines are at their worst at 0, where sphere and image cancel.
     nodes = np.concatenate([-nodes[:0:-1], nodes])
-    spline = CubicSpline(nodes, np.concatenate([solved[:0:-1].conj(), solved]))
+    spline = scipy.interpolate.CubicSpline(nodes, np.concatenate([solved[:0:-1].conj(), solved]))
     return lambda ka: np.asarray(spline(ka).T)
 
 

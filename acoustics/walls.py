@@ -10,7 +10,7 @@ from types import MappingProxyType
 from typing import Final
 
 import numpy as np
-from scipy.optimize import brentq
+import scipy
 
 from acoustics.arrays import Floats, freeze, positive
 from acoustics.errors import AcousticsError
@@ -135,5 +135,7 @@ def _admittance(alpha: float) -> float:
     if alpha == 0:
         return 0.0
     return float(
-        brentq(lambda y: random_incidence_absorption(y) - alpha, alpha / 16, 1 / _RESISTANCE_OF_MOST, xtol=1e-15)
+        scipy.optimize.brentq(
+            lambda y: random_incidence_absorption(y) - alpha, alpha / 16, 1 / _RESISTANCE_OF_MOST, xtol=1e-15
+        )
     )

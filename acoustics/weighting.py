@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Final, Literal
 
 import numpy as np
-from scipy.signal import lfilter
+import scipy
 
 from acoustics.arrays import Complexes, Floats
 from acoustics.errors import AcousticsError
@@ -57,7 +57,7 @@ def time_weighted(square: Floats, dt: float, kind: TimeWeighting) -> Floats:
     if kind not in TIME_S:
         raise AcousticsError("time weighting", got=repr(kind), expected="F, S or I")
     keep = np.exp(-dt / TIME_S[kind])
-    average: Floats = lfilter([1 - keep], [1, -keep], square)
+    average: Floats = scipy.signal.lfilter([1 - keep], [1, -keep], square)
     return _held(average, dt) if kind == "I" else average
 
 

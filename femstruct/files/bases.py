@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
-import h5py
 import numpy as np
 
 from femstruct.conventions import COMPONENTS
 from femstruct.files.hdf5 import axis, group, put
 from femstruct.modal.basis import ModalBasis
 from femstruct.model.probe import Probe
+
+if TYPE_CHECKING:  # slow to import, and most runs write no such file
+    import h5py
 
 
 def write_basis(target: h5py.Group, basis: ModalBasis) -> None:

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
-import h5py
 import numpy as np
 
 from femstruct.files.hdf5 import axis, put
 from femstruct.impact.response import Blow
+
+if TYPE_CHECKING:  # slow to import, and most runs write no such file
+    import h5py
 
 _BLOWS: Final = (
     ("number", "1", "Number among the blows of its body"),

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Mapping, Sequence
-from typing import Any, TypeGuard
+from typing import TYPE_CHECKING, Any, TypeGuard
 
-import h5py
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+
+if TYPE_CHECKING:  # slow to import, and most runs write no such file
+    import h5py
 
 CHUNK_BYTES = 2**20
 
@@ -54,6 +56,8 @@ def put(
     is the checksum). axes : one scale for each dimension, or none for a scale or a file of another's layout.
     """
     if _is_text(values):
+        import h5py
+
         made = parent.create_dataset(key(name), data=values, dtype=h5py.string_dtype("utf-8"))
         made.attrs["sha256"] = digest("\n".join(values))
     else:
@@ -72,6 +76,8 @@ def put(
 
 def put_text(parent: h5py.Group, name: str, text: str, description: str, **attributes: object) -> None:
     """A text of any length, with its SHA-256 as the checksum."""
+    import h5py
+
     made = parent.create_dataset(key(name), data=text, dtype=h5py.string_dtype("utf-8"))
     made.attrs.update(unit="1", description=description, sha256=digest(text), **attributes)
 

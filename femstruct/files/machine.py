@@ -5,13 +5,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import asdict
 from math import isfinite
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import h5py
 import numpy as np
 
 from femstruct.files.hdf5 import axis, put
 from femstruct.study.machine import EnergyShare, Machine, Verdict
+
+if TYPE_CHECKING:  # slow to import, and most runs write no such file
+    import h5py
 
 Table = dict[str, Any]
 

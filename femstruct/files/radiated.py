@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from math import isfinite
-from typing import Any
-
-import h5py
+from typing import TYPE_CHECKING, Any
 
 from acoustics.directivity import Directivity
 from acoustics.sound_energy import REFERENCE_J
@@ -14,6 +12,9 @@ from femstruct.files.hdf5 import axis, group, put
 from femstruct.files.numbers import label, number
 from femstruct.power import PowerResponse, Radiated
 from femstruct.study.result import CaseResult
+
+if TYPE_CHECKING:  # slow to import, and most runs write no such file
+    import h5py
 
 Table = dict[str, Any]
 

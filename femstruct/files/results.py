@@ -21,9 +21,8 @@ import json
 from collections.abc import Mapping, Sequence
 from io import BytesIO
 from pathlib import Path
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
-import h5py
 import numpy as np
 
 from femstruct.errors import Finding
@@ -42,6 +41,9 @@ from femstruct.impact.response import EnergyBalance, EnergyLedger, Response
 from femstruct.impact.shares import ModeEnergies
 from femstruct.study.machine import Verdict
 from femstruct.study.result import CaseComparison, CaseResult, StudyResult
+
+if TYPE_CHECKING:  # slow to import, and most runs write no such file
+    import h5py
 
 FORMAT: Final = "femstruct results"
 FORMAT_VERSION: Final = 2
@@ -79,6 +81,8 @@ def write_results(path: str | Path, result: StudyResult) -> None:
     ('All contacts opened and stayed open to the end.', 'm/s', (100,))
     """
     image = BytesIO()
+    import h5py
+
     with h5py.File(image, "w", libver=LIBVER) as file:
         _write(file, result)
         file.flush()

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import json
 from math import isfinite
+from typing import TYPE_CHECKING
 
-import h5py
 import numpy as np
 
 from acoustics.levels import REFERENCE_PA, Levels
@@ -13,6 +13,9 @@ from acoustics.pressure import RoomResponse
 from acoustics.rated import RatedRoom
 from femstruct.files.hdf5 import axis, group, put
 from femstruct.study.result import OwnSound
+
+if TYPE_CHECKING:  # slow to import, and most runs write no such file
+    import h5py
 
 
 def write_room(target: h5py.Group, response: RoomResponse) -> None:

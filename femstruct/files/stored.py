@@ -6,9 +6,8 @@ import json
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import h5py
 import numpy as np
 
 from femstruct.arrays import Floats
@@ -16,6 +15,9 @@ from femstruct.errors import InputError
 from femstruct.files.hdf5 import digest, key
 from femstruct.files.results import FORMAT, FORMAT_VERSION
 from femstruct.files.seal import refuse_broken_seal
+
+if TYPE_CHECKING:  # slow to import, and most runs write no such file
+    import h5py
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,6 +65,8 @@ def read_results(path: str | Path) -> StoredResults:
         raise InputError(str(path), got="no such file", expected="a results file", do="run the study first")
     try:
         refuse_broken_seal(path)
+        import h5py
+
         with h5py.File(path, "r") as file:
             _check(path, file)
             return _read(path, file)

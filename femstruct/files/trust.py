@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
-import h5py
 import numpy as np
 
 from femstruct.files.hdf5 import axis, group, put
 from femstruct.files.numbers import number
 from femstruct.impact.estimate import ErrorEstimate, Resolved
 from femstruct.study.result import AccuracyCheck
+
+if TYPE_CHECKING:  # slow to import, and most runs write no such file
+    import h5py
 
 Table = dict[str, Any]
 _KINDS: Final = (

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
-import h5py
 import numpy as np
 
 from femstruct.arrays import Integers
@@ -14,6 +13,9 @@ from femstruct.modal.basis import ModalBasis
 from femstruct.model.interpolation import node_rows
 from femstruct.model.model import Model
 from femstruct.model.refine import Refined, refined
+
+if TYPE_CHECKING:  # slow to import, and most runs write no such file
+    import h5py
 
 VERSION: Final = (2, 2)
 VTK_VERTEX, VTK_LINE, VTK_QUAD = 1, 3, 9
@@ -41,6 +43,8 @@ def write_vtkhdf(file: h5py.File, basis: ModalBasis, model: Model | None, *, cou
     target = file.create_group("VTKHDF")
     target.attrs["Version"] = np.array(VERSION, dtype=np.int64)
     kind = b"UnstructuredGrid"
+    import h5py
+
     target.attrs.create("Type", kind, dtype=h5py.string_dtype("ascii", len(kind)))
     target.attrs["description"] = "Mode shapes of the baseline on its subdivided elements"
     _write_cells(target, shown)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.integrate import cumulative_trapezoid
+import scipy
 
 from femstruct.arrays import Floats
 from femstruct.impact.motion import VELOCITY, along
@@ -42,5 +42,5 @@ def _energy(response: Response, damping: Floats) -> Floats:
     for first in range(0, len(rows), CHUNK):
         speeds = along(response.motion, VELOCITY, rows[first : first + CHUNK])
         power += values[first : first + CHUNK] @ speeds**2
-    energy: Floats = cumulative_trapezoid(power, response.t, initial=0)
+    energy: Floats = scipy.integrate.cumulative_trapezoid(power, response.t, initial=0)
     return energy

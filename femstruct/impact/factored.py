@@ -9,8 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.interpolate import PchipInterpolator
-from scipy.optimize import brentq
+import scipy
 
 from femstruct.arrays import Floats, freeze, frozen
 from femstruct.errors import FemstructError
@@ -136,7 +135,7 @@ class Cubic:
             return self.stiffness * d + self.cubic * d**3 - force
 
         top = min(limits)
-        return float(brentq(miss, 0.0, top * (1.0 + 1e-12), xtol=1e-16 * top, rtol=1e-15))
+        return float(scipy.optimize.brentq(miss, 0.0, top * (1.0 + 1e-12), xtol=1e-16 * top, rtol=1e-15))
 
 
 @dataclass(frozen=True, eq=False)
@@ -182,7 +181,7 @@ class Tabulated:
     @property
     def pieces(self) -> Floats:
         """Rows of indentation, force, slope, the coefficients of x^2 and x^3 after it, and energy [J] up to it."""
-        cubics = PchipInterpolator(self.indentations, self.forces)
+        cubics = scipy.interpolate.PchipInterpolator(self.indentations, self.forces)
         c3, c2, slope, force = cubics.c
         x = np.diff(self.indentations)
         energy = np.cumsum(x * (force + x * (slope / 2 + x * (c2 / 3 + x * c3 / 4))))
@@ -206,8 +205,10 @@ class Tabulated:
                 do="extend the table",
             )
         depth = self.indentations[-1]
-        spring = PchipInterpolator(self.indentations, self.forces)
-        return float(brentq(lambda d: float(spring(d)) - force, 0.0, depth, xtol=1e-16 * depth, rtol=1e-15))
+        spring = scipy.interpolate.PchipInterpolator(self.indentations, self.forces)
+        return float(
+            scipy.optimize.brentq(lambda d: float(spring(d)) - force, 0.0, depth, xtol=1e-16 * depth, rtol=1e-15)
+        )
 
 
 def refuse_unless_positive(where: str, value: float) -> None:

@@ -8,8 +8,7 @@ from __future__ import annotations
 
 from math import acos, acosh, exp, expm1, log, log1p, pi, sqrt
 
-from scipy.optimize import brentq
-from scipy.special import lambertw
+import scipy
 
 from femstruct.errors import FemstructError
 
@@ -49,7 +48,7 @@ def dissipation_for(restitution: float, speed: float) -> float:
         return a * (1 + e) - log1p(a) - w
 
     low = -log1p(-0.5 * e * 1.5 * (1 - e))  # half of Hunt and Crossley's a, which is below the exact one
-    w = brentq(miss, low, 4.0 / e, xtol=1e-15, rtol=1e-15)
+    w = scipy.optimize.brentq(miss, low, 4.0 / e, xtol=1e-15, rtol=1e-15)
     return -expm1(-w) / e / speed
 
 
@@ -64,7 +63,7 @@ def restitution_of(dissipation: float, speed: float) -> float:
     a = dissipation * speed
     if a < 1e-4:  # the next term is below 1e-12
         return 1.0 - 2.0 * a / 3.0 + 4.0 * a * a / 9.0
-    part = float(1.0 + lambertw(-(1.0 + a) * exp(-(1.0 + a))).real)  # a e
+    part = float(1.0 + scipy.special.lambertw(-(1.0 + a) * exp(-(1.0 + a))).real)  # a e
     if a < 1.0:  # near its branch point W has half the digits: Newton gives them back
         for _ in range(2):
             part += (part + log1p(-part) + a - log1p(a)) * (1.0 - part) / part
@@ -87,7 +86,11 @@ def damping_ratio_for(restitution: float, tensile: bool = False) -> float:
         return 0.0
     if tensile:
         return loss / sqrt(pi**2 + loss**2)
-    return float(brentq(lambda z: 2.0 * z * swing(z) - loss, 0.0, max(1.0, 1.0 / restitution), xtol=1e-16, rtol=1e-15))
+    return float(
+        scipy.optimize.brentq(
+            lambda z: 2.0 * z * swing(z) - loss, 0.0, max(1.0, 1.0 / restitution), xtol=1e-16, rtol=1e-15
+        )
+    )
 
 
 def swing(ratio: float) -> float:

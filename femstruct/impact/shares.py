@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from scipy.integrate import solve_ivp
+import scipy
 
 from femstruct.arrays import Floats
 from femstruct.impact.dashpots import dashpot_losses
@@ -165,7 +165,9 @@ def _carry(system: System, rest: Floats, begin: float, end: float, z: Floats, v:
     n = len(z)
     pace = float(np.sqrt(np.sum(v**2 + (system.omega * z) ** 2))) or 1.0
     atol = EXACT * pace * np.concatenate((np.full(n, end - begin), np.ones(n)))
-    run = solve_ivp(_rates, (begin, end), np.concatenate((z, v)), "DOP853", rtol=EXACT, atol=atol, args=(system, rest))
+    run = scipy.integrate.solve_ivp(
+        _rates, (begin, end), np.concatenate((z, v)), "DOP853", rtol=EXACT, atol=atol, args=(system, rest)
+    )
     return run.y[:n, -1], run.y[n:, -1]
 
 

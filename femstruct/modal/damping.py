@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.optimize import linear_sum_assignment
+import scipy
 
 from femstruct.arrays import Floats, Integers
 from femstruct.errors import Finding, InputError
@@ -157,7 +157,7 @@ def carry_damping(damping: Damping, baseline: ModalBasis, changed: ModalBasis) -
     exceptions, _ = _exceptions(baseline, damping.modes)
     likeness = mac(baseline, changed)
     elastic = np.array([kind == "elastic" for kind in changed.kind[changed.modes]], dtype=bool)
-    rows, columns = linear_sum_assignment(np.where(elastic, likeness, 0.0), maximize=True)
+    rows, columns = scipy.optimize.linear_sum_assignment(np.where(elastic, likeness, 0.0), maximize=True)
     partner = dict(zip(rows.tolist(), columns.tolist(), strict=True))
     carried: list[ModeDamping] = []
     findings: list[Finding] = []

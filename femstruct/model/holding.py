@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
+import scipy
 from scipy.sparse import csr_array, vstack
-from scipy.spatial import KDTree
 
 from femstruct.arrays import Floats, Integers
 from femstruct.conventions import DIRECTIONS, N_COMPONENTS, TWIST
@@ -150,7 +150,9 @@ def _pairs(item: Joint, model: Model, tolerance: float) -> Integers:
     """Coincident nodes of the two parts [m, 2]."""
     first, second = (model.mesh.nodes[name] for name in (item.a, item.b))
     reach = 4.0 * tolerance
-    distances, nearest = KDTree(model.mesh.points[second]).query(model.mesh.points[first], distance_upper_bound=reach)
+    distances, nearest = scipy.spatial.KDTree(model.mesh.points[second]).query(
+        model.mesh.points[first], distance_upper_bound=reach
+    )
     met = np.isfinite(distances)
     if not met.any():
         raise InputError(f"joints.{item.name}", got=f"{item.a} and {item.b} without a common node", expected="a touch")

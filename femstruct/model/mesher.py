@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
+import scipy
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
-from scipy.spatial import KDTree
 
 from femstruct.arrays import Floats, Integers
 from femstruct.elements.frame import nodes_per_bar
@@ -143,7 +143,7 @@ def _mesh_frame(
 
 def _merged(places: Floats, tolerance: float) -> tuple[Floats, Integers]:
     """Distinct places, in the order of their first appearance, and the number of each given one."""
-    pairs = KDTree(places).query_pairs(tolerance, output_type="ndarray")
+    pairs = scipy.spatial.KDTree(places).query_pairs(tolerance, output_type="ndarray")
     graph = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(len(places), len(places)))
     labels = connected_components(graph, directed=False)[1]
     _, first, inverse = np.unique(labels, return_index=True, return_inverse=True)

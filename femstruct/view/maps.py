@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
+import scipy
 from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
-from scipy.signal import find_peaks
 
 from acoustics.field import HalfSpace
 from acoustics.levels import REFERENCE_PA
@@ -60,7 +60,7 @@ def heard_peaks(result: StudyResult, room: str) -> dict[str, float]:
     heard = case.rooms[room]
     spectrum = np.abs(heard.spectrum[0])
     level = 20.0 * np.log10(np.maximum(spectrum, SILENCE * spectrum.max(initial=0.0)) + np.finfo(float).tiny)
-    tops, _ = find_peaks(level, prominence=PROMINENT)
+    tops, _ = scipy.signal.find_peaks(level, prominence=PROMINENT)
     tops = tops[heard.frequency_hz[tops] <= min(case.basis.complete_below_hz, heard.complete_below_hz)]
     chosen = np.sort(tops[np.argsort(-level[tops])[:MOST]])
     elastic = np.flatnonzero([kind == "elastic" for kind in case.basis.kind])

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
-from scipy.signal import butter, sosfiltfilt
+import scipy
 
 from acoustics.pressure import RoomResponse
 from femstruct.arrays import Floats
@@ -105,11 +105,11 @@ def in_band(values: Floats, sampling: float, band: tuple[float, float]) -> Float
     """
     low, high = band
     if low > 0.0:
-        sos = butter(FILTER_ORDER, (low, high), "bandpass", fs=sampling, output="sos")
+        sos = scipy.signal.butter(FILTER_ORDER, (low, high), "bandpass", fs=sampling, output="sos")
     else:
-        sos = butter(FILTER_ORDER, high, "lowpass", fs=sampling, output="sos")
+        sos = scipy.signal.butter(FILTER_ORDER, high, "lowpass", fs=sampling, output="sos")
     padding = min(int(SETTLED * sampling / (low or high)), len(values) - 1)
-    filtered: Floats = sosfiltfilt(sos, values, padtype="constant", padlen=padding)
+    filtered: Floats = scipy.signal.sosfiltfilt(sos, values, padtype="constant", padlen=padding)
     return filtered
 
 

@@ -6,8 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import least_squares
-from scipy.special import stdtrit
+import scipy
 
 from femstruct.arrays import Floats, freeze, frozen
 from femstruct.errors import InputError, NotConverged
@@ -116,7 +115,7 @@ def fit(
     size = float(np.linalg.norm(measured))
     refuse_undetermined(names, derivatives(begin), size)
     # x only: what is fitted exactly has no sum of squares left whose change could be judged
-    found = least_squares(
+    found = scipy.optimize.least_squares(
         residuals, begin, derivatives, (lowest, np.inf), x_scale="jac", max_nfev=MOST_ITERATIONS, xtol=1e-9, gtol=1e-14
     )
     if found.status <= 0:
@@ -129,7 +128,7 @@ def fit(
     noise = float(np.sqrt(squares / (n - p)))
     values, deviations = scale * found.x, noise * spread * np.abs(scale)
     at_zero = bounded & (found.x < np.maximum(NOTHING * noise * spread, STEP**2))  # the method keeps inside its bounds
-    wide = float(stdtrit(n - p, 0.5 + 0.5 * confidence)) * deviations
+    wide = float(scipy.special.stdtrit(n - p, 0.5 + 0.5 * confidence)) * deviations
 
     def by_name(column: Floats) -> dict[str, float]:
         return dict(zip(names, column.tolist(), strict=True))

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from math import gcd
 
 import numpy as np
+import scipy
 from scipy.sparse import coo_array, csr_array, vstack
 from scipy.sparse.csgraph import connected_components
-from scipy.spatial import KDTree
 
 from femstruct.arrays import Floats, Integers, freeze, frozen, frozen_integers
 from femstruct.conventions import N_COMPONENTS
@@ -95,7 +95,7 @@ def place_of_touch(model: Model, one: Piece, other: Piece) -> Floats | None:
     within = TOUCHING * _size(model)
     for here, there in ((one, other), (other, one)):
         places = model.mesh.points[here.nodes]
-        distances = np.asarray(KDTree(model.mesh.points[there.nodes]).query(places)[0])
+        distances = np.asarray(scipy.spatial.KDTree(model.mesh.points[there.nodes]).query(places)[0])
         for plate in (model.plates[name] for name in there.parts if name in model.plates):
             local = to_plate(plate.part, plate.axes, places)
             distances = np.minimum(distances, distance_to_rectangle(local, plate.part.size))

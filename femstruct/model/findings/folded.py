@@ -18,7 +18,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial import KDTree
+import scipy
 
 from femstruct.arrays import Floats
 from femstruct.errors import Finding, InputError, some_of
@@ -209,7 +209,7 @@ def _held_together(model: Model) -> Floats:
     """Directions in which supports hold each node [n_nodes, 3, 3]; nodes in one place, as joined ones, share them."""
     held = held_directions(model)
     size = float(np.ptp(model.mesh.points, axis=0).max())
-    pairs = KDTree(model.mesh.points).query_pairs(_SHARED * size, output_type="ndarray")
+    pairs = scipy.spatial.KDTree(model.mesh.points).query_pairs(_SHARED * size, output_type="ndarray")
     shared = held.copy()
     for first, second in (pairs.T, pairs.T[::-1]):
         np.add.at(shared, first, held[second])
