@@ -8,10 +8,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TypeVar
 
-from femstruct.impact.sources import DROPPED, HAMMERS, TAPPING_MACHINE
+from femstruct.impact.sources import BETWEEN_BLOWS, DROPPED, HAMMERS, TAPPING_MACHINE
 from femstruct.language.references import Names
-from femstruct.language.schema_study import SIDES, BodySpec, ContactSpec, LinkSpec, LoadSpec, StudySpec
-from femstruct.language.sources import turn
+from femstruct.language.schema_study import SIDES, BlowsSpec, BodySpec, ContactSpec, LinkSpec, LoadSpec, StudySpec
+from femstruct.language.sources import UNCORRELATED, turn
 from femstruct.language.spec import Measured
 
 Ends = tuple[str, str]
@@ -72,6 +72,12 @@ def members(sizes: Mapping[str, int]) -> list[str]:
     return [f"{name}.{i}" for name, size in sizes.items() for i in range(1, size + 1)]
 
 
+def _apart(study: StudySpec, blows: BlowsSpec) -> float:
+    """Time between the blows of two hammers [s]; of uncorrelated ones each has its share of the record."""
+    alone = blows.timing == UNCORRELATED and study.time is not None
+    return study.time.duration / HAMMERS if alone and study.time is not None else BETWEEN_BLOWS
+
+
 def spread(study: StudySpec, names: Names, drop: int = 0) -> StudySpec:
     """The study with NAME.1, NAME.2, ... in place of every array NAME: its bodies, what joins and pushes them, and what
     is recorded of them. Both ends of a contact or link go along in step; one that is single stays.
@@ -105,7 +111,7 @@ def spread(study: StudySpec, names: Names, drop: int = 0) -> StudySpec:
         for i in range(1, sizes.get(name, 1) + 1):
             changes: dict[str, object] = {side: nth(target, i + skipped.get(name, 0))} if name in sizes else {}
             if body.source == TAPPING_MACHINE and body.blows is not None:
-                changes["blows"] = body.blows.model_copy(update={"first": turn(i)})
+                changes["blows"] = body.blows.model_copy(update={"first": turn(i, _apart(study, body.blows))})
             bodies[nth(name, i)] = body.model_copy(update=changes)
     loads: dict[str, LoadSpec] = {}
     for name, load in study.loads.items():

@@ -15,6 +15,7 @@ from femstruct.language.limits import limited_room
 from femstruct.language.opening import beside
 from femstruct.language.reader import Mistakes, Steps, Tree, dotted
 from femstruct.language.schema_study import SIDES, BodySpec, ContactSpec, LoadSpec, StudySpec
+from femstruct.language.sources import UNCORRELATED
 from femstruct.language.tables import read_history
 from femstruct.modal.damping import Damping
 from femstruct.study.structures import StructureModel
@@ -116,7 +117,10 @@ def _body(name: str, spec: BodySpec, study: StudySpec, builder: Builder, sources
         ends = ends_of(study, name, spec.target)
         law = law_of(spec.contact, ends, builder, ("bodies", name, "contact"), sources)
     dropped = spec.drop_height is not None
-    blows = Repeat(spec.blows.count, spec.blows.every, spec.blows.first) if spec.blows is not None else None
+    blows = None
+    if spec.blows is not None:
+        alone = spec.blows.timing == UNCORRELATED
+        blows = Repeat(spec.blows.count, spec.blows.every, spec.blows.first, alone)
     speed = start_speed(spec)
     radius, source = spec.radius, spec.source
     return PlacedBody(name, spec.mass, side, spec.target, speed, dropped, law, blows, source, radius)  # type: ignore[arg-type]

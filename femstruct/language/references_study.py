@@ -157,6 +157,9 @@ def _check_blows(check: Checker, study: StudySpec) -> None:
         body = study.bodies[name]
         if not (body.speed or body.drop_height):
             check.wrong(("bodies", name, "blows"), "no speed", "a body that strikes", "add 'speed:' or 'drop_height:'")
+        if body.blows is not None and body.blows.timing is not None and body.source != TAPPING_MACHINE:
+            expected = "no timing: it strikes when it is told to"
+            check.wrong(("bodies", name, "blows", "timing"), "a body that is no tapping machine", expected, "remove it")
     for name, link in study.links.items():
         for number, end in enumerate(link.between):
             if end in struck:

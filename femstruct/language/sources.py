@@ -18,6 +18,7 @@ from femstruct.impact.sources import (
 from femstruct.language.spec import refuse
 
 SOURCES: Final = (*DROPPED, TAPPING_MACHINE)
+UNCORRELATED: Final = "uncorrelated"
 
 
 def from_source(body: Mapping[str, Any]) -> dict[str, Any]:
@@ -41,25 +42,37 @@ def from_source(body: Mapping[str, Any]) -> dict[str, Any]:
             "the law between its hammers and this floor",
             "add 'contact: {type: hertz, radius: 0.5 m, E: [210 GPa, ...], nu: [0.3, ...]}'",
         )
-    blows = body.get("blows", {"count": 1})
-    if isinstance(blows, Mapping) and ("every" in blows or "first" in blows):
-        given = [key for key in ("every", "first") if key in blows]
+    return {**body, "mass": HAMMER_MASS, "drop_height": HAMMER_DROP, "blows": _turns(body.get("blows", {}))}
+
+
+def _turns(blows: Any) -> Any:
+    """The blows of a hammer, with what the machine brings; as they are where they are no mapping."""
+    if not isinstance(blows, Mapping):
+        return blows
+    given = [key for key in ("every", "first") if key in blows]
+    if given:
         raise refuse(
             f"'blows.{given[0]}' of a tapping machine",
             f"a count alone: every hammer strikes every {HAMMERS * BETWEEN_BLOWS:g} s, in turn",
             f"remove '{given[0]}'",
         )
-    turns = {**blows, "every": HAMMERS * BETWEEN_BLOWS} if isinstance(blows, Mapping) else blows
-    return {**body, "mass": HAMMER_MASS, "drop_height": HAMMER_DROP, "blows": turns}
+    timing = blows.get("timing", UNCORRELATED)
+    if timing == UNCORRELATED and blows.get("count", 1) != 1:
+        raise refuse(
+            f"'blows.count' {blows['count']} of a tapping machine whose blows are uncorrelated",
+            "no count: one blow of each hammer, by itself, stands for all",
+            "remove 'count'; or add 'timing: regular' for turns of blows exactly 0.1 s apart",
+        )
+    return {"count": 1, **blows, "timing": timing, "every": HAMMERS * BETWEEN_BLOWS}
 
 
-def turn(number: int) -> float:
+def turn(number: int, apart: float = BETWEEN_BLOWS) -> float:
     """When hammer `number`, from 1, strikes first [s].
 
-    >>> turn(1), turn(3)
-    (0.0, 0.2)
+    >>> turn(1), turn(3), turn(3, 0.4)
+    (0.0, 0.2, 0.8)
     """
-    return (number - 1) * BETWEEN_BLOWS
+    return (number - 1) * apart
 
 
 _WORDS: Final = {"mass": "mass", "drop_height": "drop height", "speed": "speed", "contact": "contact law"}

@@ -61,11 +61,15 @@ class FrfRequest:
 
 @dataclass(frozen=True)
 class Repeat:
-    """When something comes: `count` times, at first, first + every, first + 2 every, ... [s]."""
+    """When something comes: `count` times, at first, first + every, first + 2 every, ... [s].
+
+    alone : whether blows of a machine are far enough apart for each to be a sound of its own.
+    """
 
     count: int = 1
     every: float = 0.0
     first: float = 0.0
+    alone: bool = False
 
 
 @dataclass(frozen=True)

@@ -26,6 +26,7 @@ SLENDER = 10.0  # bending wavelength over thickness below which shear takes more
 ALIASED = 0.05  # share of an acceleration's rms that modes above half the sampling may have
 HAMMERS_APART, HAMMERS_WITHIN = 0.1, 0.003  # of a tapping machine, ISO 10140-5 annex E [m]
 CUT = 0.01  # share of a load's impulse outside the window that is told
+PEAK_MISSED = 0.05  # share of a contact's peak by which samples of its force may miss it
 CONTENT = 0.01  # share of a contact force's spectrum beyond the last mode that a basis may miss
 
 
@@ -229,6 +230,33 @@ def content_above(force: Floats, sampling: float, frequency_hz: float) -> float:
     total = float(energy.sum())
     above = np.fft.rfftfreq(len(force), 1.0 / sampling) > frequency_hz
     return float(energy[above].sum()) / total if total > 0.0 else 0.0
+
+
+def sampled_findings(study: Study, response: Response) -> tuple[Finding, ...]:
+    """Findings of a run, those on contacts of few samples severe where the study records a force whose peak falls
+    between samples."""
+    forces = {record.target for record in study.records if record.what == "force"}
+    missed = {}
+    for name, contact in response.contacts.items():
+        seen = float(np.abs(contact.force).max(initial=0.0))
+        if name in forces and seen < (1.0 - PEAK_MISSED) * contact.peak_force:
+            missed[name] = Finding(
+                "sampling-too-low",
+                f"{name} force: its largest sample is {seen:.3g} N, the peak of the contact is "
+                f"{contact.peak_force:.3g} N and lies between samples at {response.clock.sampling:g} Hz; sample faster",
+                {
+                    "sampled_peak_n": seen,
+                    "peak_force_n": contact.peak_force,
+                    "sampling_hz": response.clock.sampling,
+                    "allowed": PEAK_MISSED,
+                },
+                severe=True,
+            )
+    told = {response.contacts[name].peak_force for name in missed}
+    others = [
+        one for one in response.findings if one.code != "sampling-too-low" or one.values.get("peak_force_n") not in told
+    ]
+    return (*missed.values(), *others)
 
 
 def room_findings(told: Iterable[tuple[str, Advice | Finding]]) -> list[Finding]:

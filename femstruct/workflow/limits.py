@@ -79,7 +79,8 @@ def _common(names: Sequence[str]) -> str:
 def _rating(limit: Limit, room: RatedRoom) -> Verdict:
     """The number that the room's standards state, as a building code asks for it; of a lower bound it can only be told
     that it is too high."""
-    assert room.rating is not None
+    if room.rating is None:  # withheld
+        return Verdict(limit.name, None, limit.value, "dB", None, least=True)
     value = room.rating.value_db
     if not room.rating.blank_hz:
         return Verdict(limit.name, value, limit.value, "dB", value <= limit.value)

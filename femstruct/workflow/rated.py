@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from math import inf, isfinite, log, log10
 from typing import Final
 
-from numpy import log10
+import numpy as np
 
 from acoustics.errors import Advice
 from acoustics.judgement import t60_missed
@@ -16,9 +18,11 @@ from acoustics.rated import RatedRoom, rate_room
 from acoustics.room import t60_of
 from femstruct.errors import Finding, some_of
 from femstruct.impact.sources import BETWEEN_BLOWS, HAMMERS, TAPPING_MACHINE
+from femstruct.modal.basis import ModalBasis
 from femstruct.study.study import RoomPlan, Study
 
 TURN_S: Final = HAMMERS * BETWEEN_BLOWS  # all hammers of a tapping machine once
+FALLEN_DB: Final = 40.0  # between blows that are to be heard alone
 BUILT_UP_DB: Final = 0.2  # what may be missing of a tapping machine's level when averaging begins
 
 
@@ -44,30 +48,54 @@ def band_levels(
         return [one.octaves_db if method.fraction == 1 else one.bands_db for one in levels]
     since, until = running(study)
     samples = round(until / whole.dt)
-    return [equivalent_levels(p[:samples], whole.dt, since, method.fraction, end_hz) for p in whole.p]
+    more = 10 * log10((until - since) / TURN_S) if apart(study) else 0.0  # ten blows a second instead of five in all
+    found = [equivalent_levels(p[:samples], whole.dt, since, method.fraction, end_hz) for p in whole.p]
+    return [{band: level + more for band, level in one.items()} for one in found]
+
+
+def apart(study: Study) -> float:
+    """Time between the blows of a tapping machine whose blows are uncorrelated [s]; 0 for any other."""
+    alone = [body.blows for body in study.bodies if body.source == TAPPING_MACHINE and body.blows and body.blows.alone]
+    return study.time.duration / HAMMERS if alone and study.time is not None else 0.0
 
 
 def running(study: Study) -> tuple[float, float]:
-    """From when to when the sound of a tapping machine is averaged [s]: whole turns of its hammers, the later half."""
+    """From when to when the sound of a tapping machine is averaged [s]: whole turns of its hammers, the later half; of
+    blows that are apart all of it.
+
+    Notes
+    -----
+    Blows of a real machine come a few milliseconds early or late, so that above some 100 Hz their sounds are
+    uncorrelated and add in energy: p^2 = f_r mean_k int p_k^2 dt, p_k the sound of hammer k alone, f_r = 10/s. Those of
+    blows exactly 0.1 s apart have lines at multiples of 10 Hz, which meet single modes or miss them.
+    """
     assert study.time is not None
+    if apart(study):
+        return 0.0, study.time.duration
     count = max(body.blows.count if body.blows else 1 for body in study.bodies if body.source == TAPPING_MACHINE)
     turns = min(count, int(study.time.duration / TURN_S + 1e-9))
     return (turns - max(1, turns // 2)) * TURN_S, turns * TURN_S
 
 
 def rate_rooms(study: Study, drops: Sequence[Mapping[str, Sequence[Mapping[float, float]]]]) -> dict[str, RatedRoom]:
-    """Every room that is to be rated, by name, from the levels of its receivers {room: [receivers]} at every drop."""
-    return {
-        plan.name: rate_room([drop[plan.name] for drop in drops], plan.room, plan.levels, blows_of(study))
-        for plan in study.rooms
-        if plan.levels and plan.receivers
-    }
+    """Every room that is to be rated, by name, from the levels of its receivers {room: [receivers]} at every drop.
+
+    Of blows that the standards do not rate there are bands, and no single numbers.
+    """
+    found = {}
+    for plan in study.rooms:
+        method = method_for(plan, study)
+        if method is not None:
+            rated = rate_room([drop[plan.name] for drop in drops], plan.room, plan.levels, method.blows)
+            other = bool(_other_blows(method, study))
+            found[plan.name] = replace(rated, method=replace(rated.method, numbers=())) if other else rated
+    return found
 
 
-def rated_findings(plan: RoomPlan, study: Study, drops: int = 1) -> tuple[Advice | Finding, ...]:
+def rated_findings(plan: RoomPlan, study: Study, basis: ModalBasis, drops: int = 1) -> tuple[Advice | Finding, ...]:
     """Reverberation times missed, few places, and blows that the standards do not rate.
 
-    drops : at how many places the source strikes.
+    basis : damped. drops : at how many places the source strikes.
     """
     found: list[Advice | Finding] = list(t60_missed(plan.room.losses, plan.t60_asked))
     method = method_for(plan, study)
@@ -85,7 +113,8 @@ def rated_findings(plan: RoomPlan, study: Study, drops: int = 1) -> tuple[Advice
     return (
         *found,
         *_other_blows(method, study),
-        *(_building_up(plan, method, study) if method.blows == "tapping" else ()),
+        *(_overlapping(plan, method, study, basis) if apart(study) else ()),
+        *(_building_up(plan, method, study) if method.blows == "tapping" and not apart(study) else ()),
     )
 
 
@@ -108,8 +137,32 @@ def _other_blows(method: Method, study: Study) -> tuple[Finding, ...]:
     return (
         Finding(
             "rating-of-other-blows",
-            f"the levels of {' and '.join(method.standards)} are those of {one}; here {here_are}",
+            f"the levels of {' and '.join(method.standards)} are those of {one}; here {here_are}"
+            f"{': single numbers are withheld' if method.numbers else ''}",
             {what.replace(" ", "_"): here, "others": len(others) + len(pushed)},
+        ),
+    )
+
+
+def _overlapping(plan: RoomPlan, method: Method, study: Study, basis: ModalBasis) -> tuple[Finding, ...]:
+    """Uncorrelated blows that come before the sound of the last one has died away, so that they are not heard alone."""
+    lowest = method.bands_hz[0] * 10**-0.05
+    t60 = max(t60_of(plan.room.losses, band) for band in method.bands_hz)
+    rated = (basis.frequency_hz >= lowest) & (np.array(basis.kind) == "elastic")
+    decay = np.diag(basis.time_damping)[rated].min(initial=inf)  # of a mode's energy [1/s]
+    floor_t60 = 6 * log(10) / decay if decay > 0 else inf
+    fallen, least = 60 * apart(study) / max(t60, floor_t60), HAMMERS * max(t60, floor_t60) * FALLEN_DB / 60
+    if fallen >= FALLEN_DB:
+        return ()
+    whose = "room" if t60 >= floor_t60 else "floor"
+    enough = f"{least:.2g} s" if isfinite(least) else "losses"
+    return (
+        Finding(
+            "blows-overlap",
+            f"uncorrelated blows are {apart(study):.3g} s apart, in which the {whose}, with a reverberation time of "
+            f"{max(t60, floor_t60):.2g} s, falls by {fallen:.0f} dB; from {FALLEN_DB:g} dB on each is heard alone, and "
+            f"levels are right to 0.1 dB: give the study a duration of {enough}",
+            {"apart_s": apart(study), "fallen_db": fallen, "wanted_db": FALLEN_DB, "t60_s": max(t60, floor_t60)},
         ),
     )
 

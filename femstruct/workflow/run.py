@@ -216,7 +216,7 @@ def run_case(
         rated = rate_rooms(study, [one.bands_db for one in struck.values()])
         told += weight_on_air(whole.response, vacuo, study.rooms)
         for plan in study.rooms:
-            told += [(plan.name, found) for found in rated_findings(plan, study, len(struck))]
+            told += [(plan.name, found) for found in rated_findings(plan, study, vacuo, len(struck))]
             told += [(plan.name, found) for found in blank_findings(plan, study, basis.complete_below_hz)]
             told += [(plan.name, one) for one in meeting_findings(plan, study, ceiling(plan, own.places), vacuo)]
             if plan.coupling == "one-way":

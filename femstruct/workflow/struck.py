@@ -27,7 +27,7 @@ from femstruct.study.machine import Verdict
 from femstruct.study.result import Drop, OwnSound
 from femstruct.study.study import Study, TimePlan
 from femstruct.workflow.air import ceiling
-from femstruct.workflow.checks import impact_findings, room_findings
+from femstruct.workflow.checks import impact_findings, room_findings, sampled_findings
 from femstruct.workflow.kernels import units_of
 from femstruct.workflow.own_sound import heard_themselves, levels_by_receiver, own_findings
 from femstruct.workflow.places import Places
@@ -135,7 +135,7 @@ def _findings(
     ]
     told += [(name, advice) for name, levels in heard.items() for advice in levels.findings]
     found = (
-        *response.findings,
+        *sampled_findings(study, response),
         *impact_findings(vacuo, response),
         *source_findings(study, response),
         *walking_findings(study, vacuo),

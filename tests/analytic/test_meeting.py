@@ -10,11 +10,13 @@ import pytest
 
 from acoustics.meshes import box_mesh
 from acoustics.shaped import ShapedRoom
+from femstruct.coupling import with_cavity
 from femstruct.language import read_study
 from femstruct.modal.damping import with_damping
+from femstruct.radiation import pressure_per_force
 from femstruct.workflow.air import ceiling
 from femstruct.workflow.bases import solve_all
-from femstruct.workflow.meeting import floating, meeting_findings, meetings
+from femstruct.workflow.meeting import floating, meeting_findings, meetings, mode_pairs
 
 MODEL = """
 materials: {concrete: {E: 30 GPa, nu: 0.2, rho: 2400}, screed: {E: 25 GPa, nu: 0.2, rho: 2000}}
@@ -72,7 +74,7 @@ def test_a_floor_tuned_to_the_height_of_the_room_meets_it(tmp_path: Path) -> Non
     height = 343 / 2 / 2.5
     thickness = 0.18 * height / first_mode(0.18)  # a plate's frequency goes as its thickness
     study, room, surface, basis = solved(tmp_path, f"{thickness:.6f} m")
-    found = meetings(room, surface, basis)
+    found = meetings(mode_pairs(room, surface, basis))
     pairs = {(round(floor, 1), round(air, 1)): likeness for floor, air, likeness in found}
     together = {air: likeness for (floor, air), likeness in pairs.items() if abs(floor - height) < 0.5}
     assert together[round(height, 1)] == pytest.approx(8 / np.pi**2, abs=5e-3)  # the mesh's sums over the ceiling
@@ -86,7 +88,10 @@ def test_a_box_given_as_a_mesh_meets_the_same(tmp_path: Path) -> None:
     """A room of any shape is told of as the box it is, as far as its cells resolve the modes."""
     _, room, surface, basis = solved(tmp_path, "180 mm")
     mesh = ShapedRoom(box_mesh([5, 4, 2.5], [10, 8, 5]), "z1", room.room.air, room.room.losses, up_to_hz=130.0)
-    one, other = meetings(room, surface, basis), meetings(replace(room, room=mesh), surface, basis)
+    one, other = (
+        meetings(mode_pairs(room, surface, basis)),
+        meetings(mode_pairs(replace(room, room=mesh), surface, basis)),
+    )
     resolved = [pair for pair in one if pair[1] < 130.0]
     assert resolved and len(other) == len(resolved)
     assert np.array(other) == pytest.approx(np.array(resolved), rel=1e-3)  # five quadratic cells to a wave
@@ -96,7 +101,7 @@ def test_modes_further_apart_than_their_bandwidths_do_not_meet(tmp_path: Path) -
     """The first mode at 30.2 Hz: its 5 % and the room's 2.2 / T60 = 4.4 Hz reach nowhere near 34.3 Hz, (1, 0, 0)."""
     _, room, surface, basis = solved(tmp_path, "180 mm")
     assert basis.frequency_hz[0] == pytest.approx(first_mode(0.18), rel=2e-3)
-    found = meetings(room, surface, basis)
+    found = meetings(mode_pairs(room, surface, basis))
     assert found
     assert min(floor for floor, _, _ in found) > 40.0
     for floor, air, likeness in found:
@@ -109,7 +114,7 @@ def test_a_meshed_box_meets_as_the_box_does(tmp_path: Path) -> None:
     mesh = box_mesh(room.room.size, [12, 10, 6])
     shaped = replace(room, room=ShapedRoom(mesh, "z1", room.room.air, room.room.losses, up_to_hz=200.0))
     assert shaped.room.centre.tolist() == pytest.approx([2.5, 2.0, 2.5])
-    box, meshed = meetings(room, surface, basis), meetings(shaped, surface, basis)
+    box, meshed = meetings(mode_pairs(room, surface, basis)), meetings(mode_pairs(shaped, surface, basis))
     assert len(box) == len(meshed) > 2
     # quadratic cells of 0.42 m, four to a wave at 200 Hz: .5 % of the frequency
     assert [air for _, air, _ in meshed] == pytest.approx([air for _, air, _ in box], rel=5e-3)
@@ -134,3 +139,81 @@ def test_small_and_large_rooms_are_not_the_standards(tmp_path: Path) -> None:
     told = {one.code: one for one in meeting_findings(high, study, surface, basis)}
     assert told["rating-room-volume"].values["volume_m3"] == pytest.approx(260.0)
     assert "rooms of 10 to 250 m^3; this one has 260 m^3" in told["rating-room-volume"].message
+
+
+LAB = """
+materials: {concrete: {E: 30 GPa, nu: 0.2, rho: 2400}}
+parts: {slab: {type: plate, material: concrete, thickness: 140 mm, origin: [0, 0, 2.6], size: [4, 3], mesh: [16, 12]}}
+supports: {edges: {on: slab, edge: all, fix: simple}}
+points: {drop: {on: slab, at: [0.75, 0.75]}}
+surfaces: {ceiling: {on: slab, side: below}}
+damping: {loss_factor: ETA}
+"""
+LAB_STUDY = """model: model.yaml
+modes: {up_to: 450 Hz}
+bodies: {ball: {mass: 1 kg, above: drop, speed: 1 m/s, contact: {type: linear, stiffness: 1 MN/m}}}
+time: {duration: 0.1 s, sampling: 4 kHz}
+rooms: {lab: {size: [5, 4, 2.6], under: ceiling, losses: {t60: T60}, receivers: {mic: [0.01, 0.01, 0.01]}}}
+"""
+
+
+def lab(folder: Path, t60: str = "1.2 s", eta: str = "2 %"):
+    text = LAB_STUDY.replace("T60", t60)
+    case = plan(folder, model=LAB.replace("ETA", eta), study=text).cases[0]
+    own = solve_all([case])[case.name]
+    room = case.study.rooms[0]
+    return case.study, room, ceiling(room, own.places), with_damping(own.basis, case.study.damping), own.places
+
+
+@pytest.mark.parametrize(
+    ("t60", "eta", "wanted"),
+    # by hand, of sines and cosines; the first also in a study of its own: g 12.2, d_p 29.0, d_r 11.5 1/s
+    [("1.2 s", "2 %", 0.411), ("2 s", "1 %", 1.14), ("1.2 s", "5 %", 0.18)],
+)
+def test_what_two_modes_exchange_is_that_of_sines_and_cosines(
+    tmp_path: Path, t60: str, eta: str, wanted: float
+) -> None:
+    """Slab mode (3, 2) at 230.7 Hz and room mode (4, 3, 2) at 229.7 Hz."""
+    study, room, surface, basis, _ = lab(tmp_path, t60, eta)
+    pairs = mode_pairs(room, surface, basis)
+    i, j = np.abs(pairs.floor_hz - 230.7).argmin(), np.abs(pairs.room_hz - 229.7).argmin()
+    assert (pairs.floor_hz[i], pairs.room_hz[j]) == pytest.approx((230.7, 229.7), abs=0.3)
+    assert pairs.kappa[i, j] == pytest.approx(wanted, abs=0.005 + 0.02 * wanted)
+    found = {one.code: one for one in meeting_findings(room, study, surface, basis)}["one-way-resonance"]
+    assert found.values["line_db"] == pytest.approx(20 * np.log10(1 + pairs.kappa.max()))
+    assert "coupling: two-way" in found.message and not found.severe
+    both = replace(room, coupling="two-way")
+    assert "one-way-resonance" not in {one.code for one in meeting_findings(both, study, surface, basis)}
+
+
+def test_the_air_takes_back_what_kappa_says(tmp_path: Path) -> None:
+    """At the line where the two modes meet, 20 lg(1 + kappa) = 3.0 dB; 2.8 dB in an independent closed form."""
+    _, room, surface, basis, places = lab(tmp_path)
+    f = np.arange(224.0, 237.0, 0.1)
+    drive = places.point("drop", "test").probe("z")
+    levels = []
+    for one in (basis, with_cavity(basis, surface, room.room)):
+        p, _ = pressure_per_force(one, drive, surface, room.room, room.receivers, f)
+        levels.append(20 * np.log10(np.abs(p[0]).max()))
+    assert levels[0] - levels[1] == pytest.approx(2.9, abs=0.4)
+
+
+def test_modes_that_do_not_move_the_ceiling_meet_nothing(tmp_path: Path) -> None:
+    """A second slab beside the first, on its own supports: none of its modes reaches the ceiling of the room."""
+    beside = BARE.replace(
+        "  slab:",
+        "  other: {type: plate, material: concrete, thickness: 180 mm, origin: [9, 0, 2.5], size: [5, 4.3], "
+        "mesh: [10, 8]}\n  slab:",
+    ).replace("supports: {", "supports: {far: {on: other, edge: all, fix: simple}, ")
+    case = plan(tmp_path, model=beside).cases[0]
+    own = solve_all([case])[case.name]
+    room = case.study.rooms[0]
+    basis = with_damping(own.basis, case.study.damping)
+    # rounding of the eigen solver gives the other slab's modes a likeness, but no motion
+    pairs = mode_pairs(room, ceiling(room, own.places), basis)
+    still = pairs.motion < 1e-6
+    assert 3 <= still.sum() < len(still)
+    met = sorted({floor for floor, _, _ in meetings(pairs)})
+    assert met and not set(met) & set(pairs.floor_hz[still].tolist())
+    _, alone, surface, bare = solved(tmp_path, "180 mm")
+    assert met == pytest.approx(sorted({floor for floor, _, _ in meetings(mode_pairs(alone, surface, bare))}))

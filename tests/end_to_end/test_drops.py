@@ -45,7 +45,8 @@ rooms:
     levels: [ISO 16283-2, ISO 717-2]
 """
 FEET = "[[1, 1], [1.1, 1], [1.2, 1], [1.3, 1], [1.4, 1], [2, 0.5], [2, 0.6], [2, 0.7], [2, 0.8], [2, 0.9]]"
-HAMMERS = "{source: tapping machine, above: feet, contact: {type: linear, stiffness: 2 MN/m}, blows: {count: 2}}"
+TURNS = "blows: {count: 2, timing: regular}"
+HAMMERS = f"{{source: tapping machine, above: feet, contact: {{type: linear, stiffness: 2 MN/m}}, {TURNS}}}"
 
 
 def read(folder: Path, study: str = STUDY, model: str = MODEL):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import h5py
@@ -10,11 +11,14 @@ import pytest
 
 from acoustics import heavy_impact_level, standardised_maximum_level
 from acoustics.ratings import A_THIRDS
+from femstruct.files.machine import verdict_word
 from femstruct.files.results import write_results
 from femstruct.files.tables import summary
 from femstruct.language import read_study
 from femstruct.study.result import StudyResult
+from femstruct.study.study import Limit
 from femstruct.view.terminal import show_study
+from femstruct.workflow.limits import verdicts
 from femstruct.workflow.run import run_study
 
 MODEL = """
@@ -105,3 +109,21 @@ def test_few_modes_and_another_blow_are_told(tmp_path: Path) -> None:
     findings = {one.code: one for one in run(tmp_path, "300 Hz", OTHER).cases["as is"].findings}
     assert findings["rating-beyond-modes"].values["complete_below_hz"] == pytest.approx(300.0)
     assert "are those of one rubber ball; here it is ball" in findings["rating-of-other-blows"].message
+
+
+def test_what_the_standards_do_not_rate_has_bands_and_no_single_number(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    result = run(tmp_path, "800 Hz", OTHER)
+    rated = result.cases["as is"].rated["bedroom"]
+    assert not rated.numbers and rated.rating is None
+    assert np.isfinite(list(rated.bands_db.values())).all()
+    assert summary(result)["cases"]["as is"]["rated"]["bedroom"]["numbers"] == {}
+    show_study(result, {})
+    told = capsys.readouterr().out
+    assert "L'_iA,Fmax" not in told and "single numbers are withheld" in " ".join(told.split())
+    limit = Limit("bedroom rating", 60.0, "bedroom")
+    case = result.cases["as is"]
+    study = replace(case.case.study, limits=(limit,))
+    (verdict,) = verdicts(replace(case, case=replace(case.case, study=study)))
+    assert verdict_word(verdict) == "not known"

@@ -21,7 +21,9 @@ time: {duration: 60 ms, sampling: 48 kHz}
 """
 HAMMERS = """model: model.yaml
 modes: {up_to: 200 Hz}
-bodies: {hammer: {source: tapping machine, above: feet, contact: {type: hertz, stiffness: 2e9}, blows: {count: 2}}}
+bodies:
+  hammer:
+    {source: tapping machine, above: feet, contact: {type: hertz, stiffness: 2e9}, blows: {count: 2, timing: regular}}
 time: {duration: 1 s, sampling: 8 kHz}
 """
 PLATE = """
