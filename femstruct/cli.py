@@ -181,7 +181,7 @@ def frf(
     as_json: AsJson = False,
 ) -> int:
     """One frequency response of a model."""
-    from femstruct.workflow.responses import frf_of
+    from femstruct.workflow.asked_response import frf_of
 
     table = frf_of(model, drive, response, band, step, kind, method, tuple(set_))
     if as_json:
@@ -190,7 +190,7 @@ def frf(
         from femstruct.view.structure import show_frf
 
         show_frf(table)
-    return GOOD
+    return NOT_TRUSTED if any(finding["severe"] for finding in table["findings"]) else GOOD
 
 
 @_command

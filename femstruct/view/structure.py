@@ -41,7 +41,9 @@ def show_modes(table: Row) -> None:
 
 
 def show_frf(table: Row) -> None:
-    """A frequency response as columns: frequency, magnitude, phase."""
+    """A frequency response as columns, findings before them as comments: what plots columns leaves comments out."""
+    for finding in table["findings"]:
+        print(f"# {'NOT TO BE TRUSTED ' if finding['severe'] else ''}{finding['code']}: {finding['message']}")
     print(f"# {table['kind']} {table['response']} / {table['drive']}, {table['method']}, {table['unit']}")
     print("# frequency_hz real imag")
     for line in zip(table["frequency_hz"], table["real"], table["imag"], strict=True):

@@ -34,6 +34,23 @@ class Solved:
     basis: ModalBasis
 
 
+@dataclass(frozen=True, eq=False)
+class Meshed:
+    """A structure without its modes; model is None for closed-form structures."""
+
+    structure: StructureModel
+    model: Model | None
+    places: Places
+
+
+def meshed(structure: StructureModel, studies: Sequence[Study] = ()) -> Meshed:
+    """Mesh a structure, or find the points of a closed form."""
+    if isinstance(structure, Structure):
+        model = mesh_structure(structure)
+        return Meshed(structure, model, Places(model.points, model.surfaces))
+    return Meshed(structure, None, Places(_closed_form(structure, _axis(studies))[1], {}))
+
+
 def solve_all(cases: Sequence[Case]) -> dict[str, Solved]:
     """The undamped basis of every case, by case name; cases of one structure share one.
 

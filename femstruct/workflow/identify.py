@@ -17,6 +17,7 @@ from femstruct.files.tables import finding_table
 from femstruct.impact.bodies import Table as Measured
 from femstruct.language import read_measured, read_study
 from femstruct.language.reader import nearest
+from femstruct.study.result import CaseResult
 from femstruct.study.study import Plan
 from femstruct.workflow.bases import Solved, key_of, solve_all
 from femstruct.workflow.channels import UNITS
@@ -24,6 +25,7 @@ from femstruct.workflow.fit import Fit, fit
 from femstruct.workflow.fit_findings import fit_findings
 from femstruct.workflow.positions import positioned
 from femstruct.workflow.run import Progress, Stopwatch, run_case, without_rooms
+from femstruct.workflow.structure_findings import worst_first
 
 DIMENSIONS: Final = {
     "displacement": "length",
@@ -144,12 +146,17 @@ def identify(
     timing = _timing(plan, table, spacing, delay)
     solved: dict[str, Solved] = {}
 
-    def history(values: Mapping[str, float]) -> Floats:
+    def simulated(values: Mapping[str, float]) -> CaseResult:
         changed = tuple(f"{path}={values[path]!r} {units[path]}".rstrip() for path in starts)
         now = read_study(study, (*overrides, *changed, *timing), only=case or None)
-        t, computed = _channel(now, channel, solved, what == "pressure")
-        later = values.get(DELAY, 0.0)
-        return np.interp(table.times - later, t, computed, left=0.0 if what in FROM_REST else None)
+        return _simulated(now, solved, what == "pressure")
+
+    def history(values: Mapping[str, float]) -> Floats:
+        result = simulated(values)
+        assert result.response is not None
+        later, values_then = values.get(DELAY, 0.0), result.channels[channel].values
+        before = 0.0 if what in FROM_REST else None
+        return np.interp(table.times - later, result.response.t, values_then, left=before)
 
     progress(f"identify {', '.join(starts)}")
     found = fit(history, table.values, starts, {DELAY: spacing} if delay else {})
@@ -161,7 +168,7 @@ def identify(
         t=table.times,
         measured=table.values,
         computed=table.values + found.residuals,
-        findings=fit_findings(found),
+        findings=worst_first((*fit_findings(found), *simulated(found.values).findings)),
     )
 
 
@@ -222,14 +229,12 @@ def _timing(plan: Plan, table: Measured, spacing: float, delay: bool) -> tuple[s
     return (f"time.sampling={sampling!r}", f"time.duration={end + 2.0 / sampling!r}")
 
 
-def _channel(plan: Plan, channel: str, solved: dict[str, Solved], heard: bool) -> tuple[Floats, Floats]:
-    """Times and values of a channel of the baseline; solved : bases found so far, by key."""
+def _simulated(plan: Plan, solved: dict[str, Solved], heard: bool) -> CaseResult:
+    """The baseline of a study, run; solved : bases found so far, by key."""
     plan = plan if heard else without_rooms(plan)
     case = next(one for one in plan.cases if one.name == plan.baseline)
     key = key_of(case.study)
     if key not in solved:
         solved[key] = solve_all((case,))[case.name]
     with positioned(plan):
-        result = run_case(case, {case.name: solved[key]}, case, Stopwatch(lambda line: None))
-    assert result.response is not None
-    return result.response.t, result.channels[channel].values
+        return run_case(case, {case.name: solved[key]}, case, Stopwatch(lambda line: None))

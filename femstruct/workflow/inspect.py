@@ -26,18 +26,21 @@ from femstruct.model.model import Model
 from femstruct.radiation import room_coordinates
 from femstruct.study.machine import BlockMode, Sag
 from femstruct.study.structures import ModesModel
-from femstruct.study.study import Extent, Plan, RoomPlan, Study
+from femstruct.study.study import Case, Extent, Plan, RoomPlan, Study
 from femstruct.workflow.air import ceiling
-from femstruct.workflow.bases import Solved, solve
+from femstruct.workflow.bases import Meshed, Solved, key_of, meshed, solve
 from femstruct.workflow.blank_bands import blanks_before
 from femstruct.workflow.channels import refuse_absent_forces
 from femstruct.workflow.checks import room_findings
+from femstruct.workflow.judgement import all_findings, early_findings, of_cases
 from femstruct.workflow.own_sound import spheres_before
+from femstruct.workflow.places import Places
 from femstruct.workflow.positions import positioned
 from femstruct.workflow.responses import frequency_option, response_row
 from femstruct.workflow.rest import Rest, rest_states
-from femstruct.workflow.run import structure_findings
 from femstruct.workflow.staging import force_probes, scene
+from femstruct.workflow.structure_findings import worst_first
+from femstruct.workflow.study_findings import study_findings
 from femstruct.workflow.weight import block_modes, sags, weight_findings
 
 DEFAULT_MODES = 30
@@ -103,7 +106,7 @@ class Inspection:
 
 def inspect_file(path: Path, overrides: tuple[str, ...] = ()) -> Inspection:
     """Read a model or a study, mesh it, and solve for its modes, the first 30 of a model; of a study, its baseline is
-    inspected.
+    inspected, and all its cases are judged as far as they can be without their own modes.
 
     Raises InputError as reading, meshing and staging do, so that what passes here can be run.
     """
@@ -118,8 +121,7 @@ def inspect_file(path: Path, overrides: tuple[str, ...] = ()) -> Inspection:
         extent = Extent(count=DEFAULT_MODES) if case is None else case.study.extent
         solved = solve(structure, extent, () if case is None else case.studies)
         basis = _damped_as_far_as_solved(solved.basis, damping)
-        for one in () if case is None else case.studies:
-            _try(one, solved, basis)
+        told = _early(source, case, solved, basis)
     model = solved.model
     under_weight = () if model is None else sags(model, basis)
     return Inspection(
@@ -136,9 +138,7 @@ def inspect_file(path: Path, overrides: tuple[str, ...] = ()) -> Inspection:
         block_modes=() if model is None else block_modes(model, basis),
         rooms=() if study is None else study.rooms,
         drops=() if case is None else tuple(case.drops),
-        findings=structure_findings(solved, basis, () if case is None else case.studies)
-        + weight_findings(under_weight)
-        + _left_blank(source, basis),
+        findings=worst_first((*told, *weight_findings(under_weight), *_left_blank(source, basis))),
     )
 
 
@@ -172,7 +172,7 @@ def modes_of(path: Path, extent: Extent, overrides: tuple[str, ...] = ()) -> Tab
         "solver": FASTEST,
         "rigid_in_plane": [] if solved.model is None else list(solved.model.plates),
         "mass_kg": basis.total_mass,
-        "findings": [finding_table(finding) for finding in structure_findings(solved, basis)],
+        "findings": [finding_table(finding) for finding in all_findings(solved, basis)],
     }
 
 
@@ -221,17 +221,46 @@ def _ratio_and_loss_factor(ratio: float) -> str:
     return f"ratio {100 * ratio:g} % = loss factor {200 * ratio:g} %"
 
 
+def _early(source: ModelFile | Plan, baseline: Case | None, solved: Solved, basis: ModalBasis) -> tuple[Finding, ...]:
+    """Findings of a model, or of all cases of a study: of the baseline's structure with its modes, of others without.
+
+    Raises what running any of the cases would raise before anything is computed.
+    """
+    if isinstance(source, ModelFile) or baseline is None:
+        return all_findings(solved, basis)
+    others: dict[str, Meshed] = {}
+    told: dict[str, tuple[Finding, ...]] = {}
+    for case in source.cases:
+        key = key_of(case.study)
+        if key == key_of(baseline.study):
+            for study in case.studies:
+                _try(study, solved, basis)
+            found = all_findings(solved, basis, case.studies, case.study.frf)
+            told[case.name] = (*found, *study_findings(case, solved.places))
+            continue
+        own = others.setdefault(key, meshed(case.study.structure, case.studies))
+        for study in case.studies:
+            _try_places(study, own.places)
+        told[case.name] = early_findings(case, own)
+    return of_cases(told)
+
+
 def _try(study: Study, solved: Solved, basis: ModalBasis) -> None:
     """Raise what running the study would raise before anything is computed."""
     scene(study, solved.places, basis)
     refuse_absent_forces(study, basis)
-    force_probes(study, solved.places)
     for request in study.frf:
         if request.kind not in ("pressure", "power"):
             response_row(request.response, solved.places, basis, f"frf.{request.name}.response")
+    _try_places(study, solved.places)
+
+
+def _try_places(study: Study, places: Places) -> None:
+    """The same as far as it takes no modes."""
+    force_probes(study, places)
     for plan in study.rooms:
-        room_coordinates(ceiling(plan, solved.places), plan.room, plan.offset, plan.name)
-        spheres_before(plan, study, solved.places)
+        room_coordinates(ceiling(plan, places), plan.room, plan.offset, plan.name)
+        spheres_before(plan, study, places)
 
 
 def _damped_as_far_as_solved(basis: ModalBasis, damping: Damping) -> ModalBasis:

@@ -92,10 +92,10 @@ def rate_rooms(study: Study, drops: Sequence[Mapping[str, Sequence[Mapping[float
     return found
 
 
-def rated_findings(plan: RoomPlan, study: Study, basis: ModalBasis, drops: int = 1) -> tuple[Advice | Finding, ...]:
-    """Reverberation times missed, few places, and blows that the standards do not rate.
+def rated_findings(plan: RoomPlan, study: Study, drops: int = 1) -> tuple[Advice | Finding, ...]:
+    """Reverberation times missed, few places, and blows that the standards do not rate: what takes no modes.
 
-    basis : damped. drops : at how many places the source strikes.
+    drops : at how many places the source strikes.
     """
     found: list[Advice | Finding] = list(t60_missed(plan.room.losses, plan.t60_asked))
     method = method_for(plan, study)
@@ -113,9 +113,17 @@ def rated_findings(plan: RoomPlan, study: Study, basis: ModalBasis, drops: int =
     return (
         *found,
         *_other_blows(method, study),
-        *(_overlapping(plan, method, study, basis) if apart(study) else ()),
         *(_building_up(plan, method, study) if method.blows == "tapping" and not apart(study) else ()),
     )
+
+
+def overlap_findings(plan: RoomPlan, study: Study, basis: ModalBasis) -> tuple[Finding, ...]:
+    """Blows of a tapping machine, rated one by one, of which the floor or the room remembers the one before.
+
+    basis : damped.
+    """
+    method = method_for(plan, study)
+    return _overlapping(plan, method, study, basis) if method is not None and apart(study) else ()
 
 
 def _other_blows(method: Method, study: Study) -> tuple[Finding, ...]:

@@ -3,35 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from pathlib import Path
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from acoustics.errors import Advice
 from acoustics.field import HalfSpace
 from femstruct.arrays import Floats
-from femstruct.assembly.assemble import assemble
-from femstruct.errors import InputError, some_of
-from femstruct.language import read_model_file
+from femstruct.errors import Finding, InputError, some_of
 from femstruct.modal.basis import ForceRow, ModalBasis
-from femstruct.modal.damping import Damping, with_damping
-from femstruct.modal.frf import KINDS, direct_frf, frf, frf_unit, moves
+from femstruct.modal.frf import frf, frf_unit, moves
 from femstruct.model.probe import Probe
 from femstruct.power import power_per_force
 from femstruct.radiation import pressure_per_force
 from femstruct.study.result import Frf
-from femstruct.study.study import Extent, FrfRequest, RoomPlan, Spot, Study
+from femstruct.study.study import FrfRequest, RoomPlan, Spot
 from femstruct.units import quantity
 from femstruct.workflow.air import ceiling
-from femstruct.workflow.bases import Solved, solve
 from femstruct.workflow.places import Places
-from femstruct.workflow.positions import positioned
-
-DEFAULT_LINES = 500
-MOST_LINES = 1_000_000
-Table = dict[str, Any]
 
 
 def frequency_response(
@@ -56,6 +44,32 @@ def frequency_response(
             )
     values = frf(basis, drive, response, frequency, request.kind)
     return Frf(request, frequency, values, frf_unit(request.kind, request.drive.what, request.response.what)), ()
+
+
+def undamped_findings(basis: ModalBasis, request: FrfRequest) -> tuple[Finding, ...]:
+    """A frequency response whose peaks are no numbers: modes without damping in its band.
+
+    Severe: at such a mode the response is infinite, and a peak is as high as a line happens to be near.
+    """
+    low, high = request.band
+    ratio, hz = basis.damping_ratio, basis.frequency_hz
+    true = np.array([kind == "elastic" for kind in basis.kind], dtype=bool)
+    bare = np.flatnonzero(true & (ratio == 0.0) & (hz >= low) & (hz <= high))
+    if not len(bare):
+        return ()
+    first = float(hz[bare[0]])
+    name = f"frf.{request.name}" if request.name else f"{request.response} / {request.drive}"
+    modes = "1 mode" if len(bare) == 1 else f"{len(bare)} modes"
+    return (
+        Finding(
+            "no-damping",
+            f"{name}: {modes} between {low:g} and {high:g} Hz, the first at {first:.4g} Hz, without damping: the "
+            f"response is infinite there, and how high its peaks are drawn depends on the step of {request.step:g} Hz "
+            "alone. Give the model a damping",
+            {"modes": len(bare), "first_hz": first, "damping_ratio": 0.0, "step_hz": request.step},
+            severe=True,
+        ),
+    )
 
 
 def _pressure(
@@ -117,76 +131,6 @@ def _asked(request: FrfRequest, end: str) -> str:
     return f"frf.{request.name}.{end}" if request.name else f"--{end}"
 
 
-def frf_of(
-    path: Path,
-    drive: str,
-    response: str,
-    band: str,
-    step: str,
-    kind: str,
-    method: str,
-    overrides: tuple[str, ...] = (),
-) -> Table:
-    """One frequency response of a model file, by modes with residuals or, as their check, line by line.
-
-    kind : "" for accelerance, and transmissibility of a force.
-
-    Notes
-    -----
-    The basis holds all modes up to 2.5 times the upper end of the band, where residual vectors leave 1e-3.
-    """
-    request = _request(drive, response, band, step, kind)
-    if method not in ("modal", "direct"):
-        raise InputError("--method", got=f"'{method}'", expected="modal or direct")
-    source = read_model_file(path, overrides)
-    with positioned(source):
-        asking = Study(source.title, source.structure, source.damping, Extent(), frf=(request,))
-        solved = solve(source.structure, Extent(up_to_hz=2.5 * request.band[1]), (asking,))
-        basis = with_damping(solved.basis, source.damping)
-        answer, _ = frequency_response(request, solved.places, basis)
-        values = _direct(request, solved, source.damping, answer) if method == "direct" else answer.values
-    return {
-        "title": source.title,
-        "drive": drive,
-        "response": response,
-        "kind": request.kind,
-        "method": method,
-        "frequency_hz": answer.frequency_hz.tolist(),
-        "real": np.real(values).tolist(),
-        "imag": np.imag(values).tolist(),
-        "unit": answer.unit,
-    }
-
-
-def _direct(request: FrfRequest, solved: Solved, damping: Damping, answer: Frf) -> NDArray[np.complex128]:
-    if solved.model is None:
-        raise InputError(
-            "--method", got="'direct' of a closed-form structure", expected="modal", do="it has no matrices"
-        )
-    response: Probe | str = f"{request.response.name}.{force_axis(request.response)}"
-    if not request.response.what.startswith("force"):
-        response = solved.places.point(request.response.name, "--response").probe(request.response.what)
-    drive = solved.places.point(request.drive.name, "--drive").probe(request.drive.what)
-    assert request.kind != "pressure" and request.kind != "power"  # a model has no rooms
-    return direct_frf(assemble(solved.model), drive, response, answer.frequency_hz, damping, request.kind)
-
-
-def _request(drive: str, response: str, band: str, step: str, kind: str) -> FrfRequest:
-    """What the command line asks for, checked.
-
-    Raises InputError that begins with the option's own name.
-    """
-    listened = _spot(response, "--response")
-    chosen = kind or ("transmissibility" if listened.what.startswith("force") else "accelerance")
-    if chosen not in KINDS:
-        raise InputError("--kind", got=f"'{kind}'", expected=", ".join(KINDS))
-    low, high = _band(band)
-    width = frequency_option(step, "--step") if step else (high - low) / DEFAULT_LINES
-    if not width > 0 or (high - low) / width > MOST_LINES:
-        raise InputError("--step", got=f"'{step}'", expected=f"a positive step, for at most {MOST_LINES:,} lines")
-    return FrfRequest("", _spot(drive, "--drive"), listened, chosen, (low, high), width)
-
-
 def frequency_option(text: str, option: str) -> float:
     """A frequency given on the command line [Hz].
 
@@ -196,20 +140,3 @@ def frequency_option(text: str, option: str) -> float:
         return quantity(text, "frequency")
     except InputError as error:
         raise InputError(option, got=error.got, expected=error.expected, do=error.do) from error
-
-
-def _band(text: str) -> tuple[float, float]:
-    low, colon, high = text.partition(":")
-    if not colon:
-        raise InputError("--band", got=f"'{text}'", expected="two frequencies, such as '1 Hz:500 Hz'")
-    band = frequency_option(low.strip(), "--band"), frequency_option(high.strip(), "--band")
-    if not 0 <= band[0] < band[1]:
-        raise InputError("--band", got=f"'{text}'", expected="a lower and a higher frequency")
-    return band
-
-
-def _spot(text: str, where: str) -> Spot:
-    name, _, what = text.rpartition(".")
-    if not name:
-        raise InputError(where, got=f"'{text}'", expected="POINT.direction or NAME.force, such as O_s.z")
-    return Spot(name, what)

@@ -6,7 +6,7 @@ import os
 import platform
 import sys
 import time
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
 from datetime import UTC, datetime
@@ -29,21 +29,19 @@ from femstruct.workflow.air import ceiling, coupled, coupled_key, weight_on_air
 from femstruct.workflow.bases import Solved, damped, solve_all
 from femstruct.workflow.blank_bands import blank_findings
 from femstruct.workflow.channels import acceleration_rows, record, refuse_absent_forces
-from femstruct.workflow.checks import aliased_findings, hammer_findings, load_findings, room_findings
+from femstruct.workflow.checks import aliased_findings, room_findings
 from femstruct.workflow.compare import compare
+from femstruct.workflow.judgement import all_findings
 from femstruct.workflow.kernels import expected_units
 from femstruct.workflow.limits import judged, verdicts
 from femstruct.workflow.machine import machines
 from femstruct.workflow.meeting import meeting_findings
-from femstruct.workflow.rated import rate_rooms, rated_findings
+from femstruct.workflow.rated import overlap_findings, rate_rooms
 from femstruct.workflow.responses import frequency_response
 from femstruct.workflow.sound import sound_energies
 from femstruct.workflow.struck import Struck, strike, told_once
-from femstruct.workflow.structure_findings import (
-    structure_findings_after,
-    structure_findings_before,
-    worst_first,
-)
+from femstruct.workflow.structure_findings import worst_first
+from femstruct.workflow.study_findings import study_findings
 
 Progress = Callable[[str], None]
 
@@ -177,7 +175,8 @@ def run_case(
     with clock("damping", case.name):
         basis = damped(case, solved, baseline)
     findings = [
-        *structure_findings(own, basis, case.studies),
+        *all_findings(own, basis, case.studies, study.frf),
+        *study_findings(case, own.places),
         *(accuracy_findings(accuracy) if accuracy is not None else ()),
     ]
     told: list[tuple[str, Advice | Finding]] = []
@@ -210,13 +209,11 @@ def run_case(
             with clock("sound energy", case.name):
                 radiated, found_of_sound = sound_energies(study, own.places, whole.response)
                 told += found_of_sound
-        findings += hammer_findings(study, own.places)
-        findings += load_findings(study.loads, study.time.duration)
         findings += told_once({place: one.findings for place, one in struck.items()})
         rated = rate_rooms(study, [one.bands_db for one in struck.values()])
         told += weight_on_air(whole.response, vacuo, study.rooms)
         for plan in study.rooms:
-            told += [(plan.name, found) for found in rated_findings(plan, study, vacuo, len(struck))]
+            told += [(plan.name, found) for found in overlap_findings(plan, study, vacuo)]
             told += [(plan.name, found) for found in blank_findings(plan, study, basis.complete_below_hz)]
             told += [(plan.name, one) for one in meeting_findings(plan, study, ceiling(plan, own.places), vacuo)]
             if plan.coupling == "one-way":
@@ -231,7 +228,7 @@ def run_case(
         channels=channels,
         rooms={} if whole is None else whole.rooms,
         levels={} if whole is None else whole.levels,
-        findings=distinct(findings),
+        findings=worst_first(findings),
         accuracy=accuracy,
         shares=shares,
         rated=rated,
@@ -239,21 +236,6 @@ def run_case(
         errors=None if whole is None else whole.errors,
         radiated=radiated,
         heard=SILENT if whole is None else whole.heard,
-    )
-
-
-def distinct(findings: Iterable[Finding]) -> tuple[Finding, ...]:
-    """Findings without repetitions, in order."""
-    return tuple({(finding.code, finding.message): finding for finding in findings}.values())
-
-
-def structure_findings(solved: Solved, basis: ModalBasis, studies: Sequence[Study] = ()) -> tuple[Finding, ...]:
-    """What to know of a structure and its basis before anything hits it, severe findings first."""
-    return worst_first(
-        (
-            *structure_findings_before(solved.structure, solved.model, studies),
-            *structure_findings_after(solved.model, basis, studies),
-        )
     )
 
 

@@ -79,14 +79,7 @@ def _beyond(body: PlacedBody, response: Response, opens: float) -> list[Finding]
     """What the first contact of a dropped source, from t = 0 until it opens [s], has beyond what is allowed."""
     source, sampling = DROPPED[str(body.source)], response.clock.sampling
     if sampling < LEAST_SAMPLING_HZ:
-        return [
-            Finding(
-                "source-unresolved",
-                f"{body.name}: at {sampling:g} Hz the force of a {body.source} cannot be compared with its standard, "
-                f"whose octaves need {LEAST_SAMPLING_HZ:g} Hz",
-                {"sampling_hz": sampling, "needed_hz": LEAST_SAMPLING_HZ},
-            )
-        ]
+        return [source_unresolved(body, sampling)]
     end = int(np.ceil(opens * sampling))
     force = response.contacts[f"{body.name} on {body.target}"].force[:end]
     levels = force_exposure_levels(force, 1.0 / sampling)
@@ -112,3 +105,13 @@ def _beyond(body: PlacedBody, response: Response, opens: float) -> list[Finding]
             values,
         )
     ]
+
+
+def source_unresolved(body: PlacedBody, sampling: float) -> Finding:
+    """A sampling [Hz] at which the force of a standard source cannot be compared with its table."""
+    return Finding(
+        "source-unresolved",
+        f"{body.name}: at {sampling:g} Hz the force of a {body.source} cannot be compared with its standard, "
+        f"whose octaves need {LEAST_SAMPLING_HZ:g} Hz",
+        {"sampling_hz": sampling, "needed_hz": LEAST_SAMPLING_HZ},
+    )

@@ -66,14 +66,17 @@ def structure_findings_before(
 
 
 def structure_findings_after(
-    model: Model | None, basis: ModalBasis, studies: Sequence[Study] = ()
+    model: Model | None, basis: ModalBasis, studies: Sequence[Study] = (), up_to_hz: float | None = None
 ) -> tuple[Finding, ...]:
     """What the modes of a structure show of it, severe findings first: their own findings, whether the mesh carries
-    them, whether parts slide or turn on each other, and whether springs sag by more than is meant."""
+    them, whether parts slide or turn on each other, and whether springs sag by more than is meant.
+
+    up_to_hz : the highest frequency that is looked at [Hz]; without it that to which the modes are complete.
+    """
     found = list(basis.findings)
     if model is None:
         return worst_first(found)
-    top = basis.complete_below_hz
+    top = up_to_hz or basis.complete_below_hz
     if not 0.0 < top < np.inf:
         top = float(basis.frequency_hz[basis.modes].max(initial=0.0))
     if top > 0.0:

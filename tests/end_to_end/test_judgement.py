@@ -1,0 +1,151 @@
+"""Every command goes through one judgement: `frf` and `identify` too, and `check` for all cases of a study."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from femstruct.workflow.asked_response import frf_of
+from femstruct.workflow.identify import identify
+from femstruct.workflow.inspect import inspect_file
+
+ROOT = Path(__file__).parents[2]
+PLATE = """
+materials: {{steel: {{E: 210 GPa, nu: 0.3, rho: 7850}}}}
+parts:
+  p: {{type: plate, material: steel, thickness: 5 mm, origin: [0, 0, 0], size: [0.6, 0.4], mesh: {mesh}, element: {element}}}
+supports: {{s: {{on: p, edge: all, fix: simple}}}}
+points: {{a: {{on: p, at: [0.2, 0.15]}}}}
+damping: {damping}
+"""
+STUDY = """
+model: plate.yaml
+modes: {up_to: 1 kHz}
+bodies: {ball: {mass: 5 g, above: a, speed: 1 m/s, contact: {type: linear, stiffness: 100 kN/m}}}
+record: {ball on a: force}
+time: {duration: 5 ms, sampling: 20 kHz}
+"""
+
+
+def plate(folder: Path, mesh: str = "25 mm", element: str = "bfs16", damping: str = "{ratio: 1 %}") -> Path:
+    path = folder / "plate.yaml"
+    path.write_text(PLATE.format(mesh=mesh, element=element, damping=damping), encoding="utf-8")
+    return path
+
+
+def study(folder: Path, text: str = STUDY) -> Path:
+    plate(folder)
+    path = folder / "hit.study.yaml"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def femstruct(*args: str | Path) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [sys.executable, "-m", "femstruct", *map(str, args)],
+        capture_output=True,
+        text=True,
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+        check=False,
+    )
+
+
+@pytest.mark.parametrize(
+    ("changes", "code", "severe"),
+    [
+        ({"damping": "{ratio: 0}"}, "no-damping", True),
+        ({"mesh": "100 mm"}, "coarse-mesh", False),
+        ({"element": "hermite12"}, "twist-defect", False),
+    ],
+    ids=["undamped", "four cells a wave", "hermite12"],
+)
+def test_a_frequency_response_is_judged(tmp_path: Path, changes: dict[str, str], code: str, severe: bool) -> None:
+    told = frf_of(plate(tmp_path, **changes), "a.z", "a.z", "10 Hz:500 Hz", "5 Hz", "", "modal")["findings"]
+    found = {finding["code"]: finding for finding in told}
+    assert code in found and found[code]["severe"] is severe
+    good = frf_of(plate(tmp_path), "a.z", "a.z", "10 Hz:500 Hz", "5 Hz", "", "modal")["findings"]
+    assert code not in {finding["code"] for finding in good}
+
+
+def test_a_response_without_damping_says_what_its_peaks_are(tmp_path: Path) -> None:
+    """The first mode of this plate is at (1 / 0.36 + 1 / 0.16) pi / 2 sqrt(D / rho h) = 110.9 Hz."""
+    D = 210e9 * 0.005**3 / (12 * (1 - 0.3**2))
+    first = np.pi / 2 * (1 / 0.36 + 1 / 0.16) * np.sqrt(D / (7850 * 0.005))
+    (told,) = [
+        finding
+        for finding in frf_of(plate(tmp_path, damping="{ratio: 0}"), "a.z", "a.z", "10 Hz:200 Hz", "5 Hz", "", "modal")[
+            "findings"
+        ]
+        if finding["code"] == "no-damping"
+    ]
+    assert told["values"]["first_hz"] == pytest.approx(first, rel=1e-3)
+    assert (told["values"]["modes"], told["values"]["step_hz"]) == (1, 5.0)
+
+
+def test_frf_prints_its_findings_as_comments_and_leaves_with_three(tmp_path: Path) -> None:
+    ran = femstruct("frf", plate(tmp_path, damping="{ratio: 0}"), "--drive", "a.z", "--response", "a.z", "--band",
+                    "10 Hz:200 Hz")  # fmt: skip
+    assert ran.returncode == 3
+    assert ran.stdout.startswith("# NOT TO BE TRUSTED no-damping: ")
+    assert np.loadtxt(ran.stdout.splitlines()).shape == (501, 3)
+    assert (
+        femstruct("frf", plate(tmp_path), "--drive", "a.z", "--response", "a.z", "--band", "10 Hz:200 Hz").returncode
+        == 0
+    )
+
+
+def test_check_judges_all_cases(tmp_path: Path) -> None:
+    """What is wrong in a variant alone is told with its name, a severe one with exit 3."""
+    path = study(
+        tmp_path,
+        STUDY + "cases: {as given: {}, thousandth: {parts.p.thickness: 0.005 mm}, same: {bodies.ball.mass: 6 g}}\n",
+    )
+    severe = [finding for finding in inspect_file(path).findings if finding.severe]
+    assert severe and all("(case thousandth)" in finding.message for finding in severe)
+    assert femstruct("check", path).returncode == 3
+    assert not [finding for finding in inspect_file(study(tmp_path)).findings if finding.severe]
+
+
+def test_check_stages_all_cases(tmp_path: Path) -> None:
+    """A variant that strikes nothing is wrong input before anything is run."""
+    path = study(tmp_path, STUDY + "cases: {as given: {}, off: {bodies.ball.above: nowhere}}\n")
+    ran = femstruct("check", path)
+    assert ran.returncode == 2 and "nowhere" in ran.stderr and "Traceback" not in ran.stderr
+
+
+@pytest.mark.parametrize(
+    ("line", "code", "severe"),
+    [
+        ("loads: {pulse: {at: a.z, half_sine: {amplitude: 1 N, frequency: 6 kHz}}}", "load-coarsely-sampled", False),
+        ("loads: {pulse: {at: a.z, half_sine: {amplitude: 1 N, frequency: 6 Hz}}}", "load-cut", True),
+    ],
+)
+def test_check_looks_at_loads(tmp_path: Path, line: str, code: str, severe: bool) -> None:
+    found = {finding.code: finding for finding in inspect_file(study(tmp_path, STUDY + line + "\n")).findings}
+    assert code in found and found[code].severe is severe
+
+
+def test_check_counts_the_blows_that_the_window_holds(tmp_path: Path) -> None:
+    text = STUDY.replace("speed: 1 m/s,", "speed: 1 m/s, blows: {count: 4, every: 2 ms},")
+    found = {finding.code: finding for finding in inspect_file(study(tmp_path, text)).findings}
+    assert found["blows-left-out"].values["blows"] == 3  # at 0, 2 and 4 ms of 5 ms
+    assert "blows-left-out" not in {finding.code for finding in inspect_file(study(tmp_path)).findings}
+
+
+def test_identify_tells_the_findings_of_its_simulation(tmp_path: Path) -> None:
+    """The fit is good, the structure is not: hermite12 is too stiff in twist, whatever the contact."""
+    path = study(tmp_path)
+    plate(tmp_path, element="hermite12")
+    t = np.arange(0.0, 4e-3, 1e-4)
+    np.savetxt(
+        tmp_path / "force.csv", np.column_stack((t, 20.0 * np.sin(4000.0 * t) * (t < np.pi / 4000.0))), delimiter=","
+    )
+    found = identify(path, tmp_path / "force.csv", "ball on a force", ["bodies.ball.contact.stiffness=80 kN/m"])
+    assert "twist-defect" in {finding.code for finding in found.findings}
+    assert "twist-defect" in {finding["code"] for finding in json.loads(json.dumps(found.table()["findings"]))}
