@@ -28,13 +28,18 @@ NET_FORCE: Final = "net force on "  # begins the names of channels that no study
 
 @dataclass(frozen=True, eq=False)
 class Channel:
-    """A recorded history: values [nt] at the times of its response, its unit, and the rule-bound peaks of |values|."""
+    """A recorded history: values [nt] at the times of its response, its unit, and the rule-bound peaks of |values|.
+
+    by_modes : the same peaks of the motion of a point in its true modes, without residual vectors; None for what is no
+    such motion, or where there are none.
+    """
 
     name: str
     values: Floats
     unit: str
     first_impact: float
     whole: float
+    by_modes: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True, eq=False)

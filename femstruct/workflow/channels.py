@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 import scipy
@@ -21,6 +22,7 @@ from femstruct.workflow.rest import axis_of, planned_contacts
 from femstruct.workflow.staging import ordered
 
 UNITS = {"displacement": "m", "velocity": "m/s", "acceleration": "m/s^2", "force": "N", "travel": "m", "pressure": "Pa"}
+MOTIONS = ("displacement", "velocity", "acceleration")
 AXES = "xyz"
 FILTER_ORDER = 4
 SETTLED = 10.0  # periods of a band's lowest edge after which a filter of order 4 has forgotten
@@ -42,9 +44,14 @@ def record(study: Study, places: Places, response: Response, rooms: Mapping[str,
         if plan.name in rooms:
             histories |= _pressures(plan, rooms[plan.name])
     window = first_window(study.peaks, response)
-    return {
+    channels = {
         name: _channel(name, values, unit, study.peaks, response, window) for name, (values, unit) in histories.items()
     }
+    true = np.array([kind != "residual" for kind in response.basis.kind])
+    for name, (what, row) in motion_rows(study, places, response.basis).items() if not true.all() else ():
+        alone = _channel(name, _moved(response, what, row * true), "", study.peaks, response, window)
+        channels[name] = replace(channels[name], by_modes=(alone.first_impact, alone.whole))
+    return channels
 
 
 def refuse_absent_forces(study: Study, basis: ModalBasis) -> None:
@@ -145,12 +152,9 @@ def _recorded(wanted: Record, study: Study, places: Places, response: Response) 
         if rows or direct is not None:
             return _forces(target, rows, response, {} if direct is None else {axis_of(study): direct})
     name, _, direction = target.rpartition(".")
-    if what in ("displacement", "velocity", "acceleration") and name:
-        probe = places.point(name, f"record.{target}").probe(direction)
-        row = probe.of(response.basis.shapes)
-        if what == "acceleration":
-            return {str(wanted): (response.acceleration(row), unit)}
-        return {str(wanted): (response.displacement(row) if what == "displacement" else response.velocity(row), unit)}
+    if what in MOTIONS and name:
+        row = places.point(name, f"record.{target}").probe(direction).of(response.basis.shapes)
+        return {str(wanted): (_moved(response, what, row), unit)}
     raise InputError(
         f"record.{target}",
         got=f"'{what}' of '{target}'",
@@ -159,15 +163,21 @@ def _recorded(wanted: Record, study: Study, places: Places, response: Response) 
     )
 
 
-def acceleration_rows(study: Study, places: Places, basis: ModalBasis) -> dict[str, Floats]:
-    """Modal rows [k] of the accelerations that a study records, by channel."""
-    rows = {}
+def motion_rows(study: Study, places: Places, basis: ModalBasis) -> dict[str, tuple[str, Floats]]:
+    """What a study records of the motion of points, by channel: which motion, and its modal row [k]."""
+    rows: dict[str, tuple[str, Floats]] = {}
+    bodies = {body.name for body in study.bodies}
     for wanted in study.records:
         name, _, direction = wanted.target.rpartition(".")
-        if wanted.what == "acceleration" and name:
+        if wanted.what in MOTIONS and name and wanted.target not in bodies:
             probe = places.point(name, f"record.{wanted.target}").probe(direction)
-            rows[str(wanted)] = probe.of(basis.shapes)
+            rows[str(wanted)] = (wanted.what, probe.of(basis.shapes))
     return rows
+
+
+def _moved(response: Response, what: str, row: Floats) -> Floats:
+    """Displacement, velocity or acceleration of a row of modes [nt]."""
+    return {"displacement": response.displacement, "velocity": response.velocity}.get(what, response.acceleration)(row)
 
 
 def _forces(

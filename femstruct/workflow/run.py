@@ -28,7 +28,7 @@ from femstruct.workflow.accuracy import accuracy_findings, hold_accuracy
 from femstruct.workflow.air import ceiling, coupled, coupled_key, weight_on_air
 from femstruct.workflow.bases import Solved, damped, solve_all
 from femstruct.workflow.blank_bands import blank_findings
-from femstruct.workflow.channels import acceleration_rows, record, refuse_absent_forces
+from femstruct.workflow.channels import motion_rows, record, refuse_absent_forces
 from femstruct.workflow.checks import aliased_findings, room_findings
 from femstruct.workflow.compare import compare
 from femstruct.workflow.judgement import all_findings
@@ -36,6 +36,7 @@ from femstruct.workflow.kernels import expected_units
 from femstruct.workflow.limits import judged, verdicts
 from femstruct.workflow.machine import machines
 from femstruct.workflow.meeting import meeting_findings
+from femstruct.workflow.peaks import change_findings, peak_findings
 from femstruct.workflow.rated import overlap_findings, rate_rooms
 from femstruct.workflow.responses import frequency_response
 from femstruct.workflow.sound import sound_energies
@@ -116,6 +117,11 @@ def run_study(plan: Plan, progress: Progress = lambda line: None, command: str =
     with clock("comparison"):
         finished = {case.name: results[case.name] for case in plan.cases if case.name in results}
         comparison = compare(plan.baseline, finished)
+        reference = finished[plan.baseline].channels
+        finished = {
+            name: replace(one, findings=worst_first((*one.findings, *change_findings(reference, one.channels))))
+            for name, one in finished.items()
+        }
         kept = {name: verdicts(result) for name, result in finished.items()}
         machine = machines(plan.baseline, finished, solved)
     return StudyResult(
@@ -204,7 +210,11 @@ def run_case(
         with clock("levels", case.name):
             shares = mode_energies(whole.response)
             channels = record(study, own.places, whole.response, whole.rooms)
-            findings += aliased_findings(whole.response, acceleration_rows(study, own.places, basis))
+            accelerations = motion_rows(study, own.places, basis).items()
+            findings += aliased_findings(
+                whole.response, {name: row for name, (what, row) in accelerations if what == "acceleration"}
+            )
+            findings += peak_findings(channels)
         if any(isinstance(plan.room, HalfSpace) for plan in study.rooms):
             with clock("sound energy", case.name):
                 radiated, found_of_sound = sound_energies(study, own.places, whole.response)

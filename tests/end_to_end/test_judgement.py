@@ -11,15 +11,20 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from femstruct.language import read_study
+from femstruct.study.result import CaseResult
 from femstruct.workflow.asked_response import frf_of
+from femstruct.workflow.bases import solve_all
 from femstruct.workflow.identify import identify
 from femstruct.workflow.inspect import inspect_file
+from femstruct.workflow.run import run_study
 
 ROOT = Path(__file__).parents[2]
 PLATE = """
 materials: {{steel: {{E: 210 GPa, nu: 0.3, rho: 7850}}}}
 parts:
-  p: {{type: plate, material: steel, thickness: 5 mm, origin: [0, 0, 0], size: [0.6, 0.4], mesh: {mesh}, element: {element}}}
+  p: {{type: plate, material: steel, thickness: 5 mm, origin: [0, 0, 0], size: [0.6, 0.4], mesh: {mesh},
+     element: {element}}}
 supports: {{s: {{on: p, edge: all, fix: simple}}}}
 points: {{a: {{on: p, at: [0.2, 0.15]}}}}
 damping: {damping}
@@ -149,3 +154,49 @@ def test_identify_tells_the_findings_of_its_simulation(tmp_path: Path) -> None:
     found = identify(path, tmp_path / "force.csv", "ball on a force", ["bodies.ball.contact.stiffness=80 kN/m"])
     assert "twist-defect" in {finding.code for finding in found.findings}
     assert "twist-defect" in {finding["code"] for finding in json.loads(json.dumps(found.table()["findings"]))}
+
+
+def motion(folder: Path, more: str = "") -> CaseResult:
+    """The plate hit by a ball, displacement and acceleration where it is hit."""
+    text = STUDY.replace("record: {ball on a: force}", "record: {a.z: [displacement, acceleration]}")
+    return run_study(read_study(study(folder, text + more))).cases["as given"]
+
+
+def test_a_peak_that_hangs_on_residual_vectors_is_told(tmp_path: Path) -> None:
+    """The acceleration where the ball strikes, not the displacement; both numbers from the modes themselves."""
+    result = motion(tmp_path)
+    response = result.response
+    assert response is not None
+    (told,) = [finding for finding in result.findings if finding.code == "peak-not-converged"]
+    assert told.message.startswith("a.z acceleration")
+    true = np.array([kind == "elastic" for kind in response.basis.kind])
+    row = solve_all(read_study(tmp_path / "hit.study.yaml").cases)["as given"].places.point("a", "").probe("z")
+    parts = row.of(response.basis.shapes)[:, None] * response.qdd
+    assert told.values["peak"] == pytest.approx(np.abs(parts.sum(axis=0)).max(), rel=1e-9)
+    assert told.values["modes_alone"] == pytest.approx(np.abs(parts[true].sum(axis=0)).max(), rel=1e-9)
+    assert told.values["apart"] > told.values["allowed"]
+
+
+def test_a_low_pass_or_more_modes_make_peaks_converge(tmp_path: Path) -> None:
+    """What residual vectors are of a peak, measured: 58 %, below 400 Hz 5 %, with modes to 8 kHz 36 %."""
+
+    def apart(result: CaseResult) -> float:
+        channel = result.channels["a.z acceleration"]
+        assert channel.by_modes is not None
+        return abs(channel.whole - channel.by_modes[1]) / channel.whole
+
+    few, filtered = apart(motion(tmp_path)), apart(motion(tmp_path, "peaks: {lowpass: 400 Hz}\n"))
+    finer = ("modes.up_to=8 kHz", "time.sampling=80 kHz")
+    motion(tmp_path)
+    many = apart(run_study(read_study(tmp_path / "hit.study.yaml", finer)).cases["as given"])
+    assert few > 0.5
+    assert filtered < 0.2 * few
+    assert many < 0.7 * few
+
+
+def test_a_change_that_hangs_on_residual_vectors_is_told(tmp_path: Path) -> None:
+    text = STUDY.replace("record: {ball on a: force}", "record: {a.z: acceleration}")
+    text += "cases: {as given: {}, harder: {bodies.ball.contact.stiffness: 400 kN/m}}\n"
+    harder = run_study(read_study(study(tmp_path, text))).cases["harder"]
+    (told,) = [finding for finding in harder.findings if finding.code == "change-not-converged"]
+    assert abs(told.values["change_percent"] - told.values["modes_alone_percent"]) > told.values["allowed"]

@@ -1,0 +1,67 @@
+"""Peaks of points that hang on what the modes left out: told with the peak of the modes alone beside them.
+
+Residual vectors hold the static share of all modes beyond the last one at the places that are pushed. A displacement
+or a velocity hardly feels them; the acceleration of the struck point may be theirs for a half, and then moves with
+the number of modes and with the mesh.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+from femstruct.errors import Finding
+from femstruct.study.result import Channel
+
+CONVERGED = 0.05  # of a peak: what residual vectors may make of it
+CHANGED = 5.0  # per cent: by how much a change against the baseline may depend on them
+
+
+def peak_findings(channels: Mapping[str, Channel]) -> Iterator[Finding]:
+    """Channels of which residual vectors make more than a little."""
+    for name, channel in channels.items():
+        if channel.by_modes is None:
+            continue
+        peak, alone = max(zip(_peaks(channel), channel.by_modes, strict=True), key=_apart)
+        if _apart((peak, alone)) > CONVERGED:
+            yield Finding(
+                "peak-not-converged",
+                f"{name}: its peak of {peak:.4g} {channel.unit} is {alone:.4g} {channel.unit} in the modes alone, "
+                "without the residual vectors: it depends on the number of modes and on the mesh at the struck place. "
+                "More modes show by how much; a low-pass ('peaks: {lowpass: ...}') or a velocity leaves it out",
+                {"peak": peak, "modes_alone": alone, "apart": _apart((peak, alone)), "allowed": CONVERGED},
+            )
+
+
+def change_findings(reference: Mapping[str, Channel], channels: Mapping[str, Channel]) -> Iterator[Finding]:
+    """Changes of peaks against the baseline's that are others in the modes alone."""
+    for name, channel in channels.items():
+        before = reference.get(name)
+        if before is None or before is channel or before.by_modes is None or channel.by_modes is None:
+            continue
+        changes = [
+            (100.0 * (after / peak - 1.0), 100.0 * (alone_after / alone - 1.0))
+            for peak, after, alone, alone_after in zip(
+                _peaks(before), _peaks(channel), before.by_modes, channel.by_modes, strict=True
+            )
+            if peak > 0.0 and alone > 0.0
+        ]
+        if not changes:
+            continue
+        whole, modes = max(changes, key=lambda change: abs(change[0] - change[1]))
+        if abs(whole - modes) > CHANGED:
+            yield Finding(
+                "change-not-converged",
+                f"{name}: its peak changes by {whole:+.1f} % against the baseline, and by {modes:+.1f} % in the modes "
+                "alone, without the residual vectors: what the change is, these modes do not say",
+                {"change_percent": whole, "modes_alone_percent": modes, "allowed": CHANGED},
+            )
+
+
+def _peaks(channel: Channel) -> tuple[float, float]:
+    return channel.first_impact, channel.whole
+
+
+def _apart(peaks: tuple[float, float]) -> float:
+    """Difference of two peaks, as a share of the larger."""
+    larger = max(peaks)
+    return abs(peaks[0] - peaks[1]) / larger if larger > 0.0 else 0.0
