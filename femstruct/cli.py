@@ -41,7 +41,7 @@ def main() -> None:
 
     A limit of the study that is exceeded is a result: it leaves with 0.
     """
-    for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
+    for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "LP_NUM_THREADS"):
         os.environ.setdefault(name, "1")  # two threads are slower on the small blocks of an eigensolution
     sys.exit(leave_with(app))
 
@@ -70,6 +70,9 @@ def run(
     output: Annotated[
         Path | None, typer.Option("-o", "--output", metavar="DIR", help="default: results/<study>/")
     ] = None,
+    no_pictures: Annotated[
+        bool, typer.Option("--no-pictures", help="numbers, tables and sound alone: half the time")
+    ] = False,
     as_json: AsJson = False,
 ) -> int:
     """Do all that a study names and write it to a folder. Modes, responses, impacts, rooms and levels become results,
@@ -82,7 +85,7 @@ def run(
     refuse_unwritable(folder)
     _, result = _solve(study, set_, case)
     with _progress() as tell:
-        seconds, told = write_all(result, folder, tell)
+        seconds, told = write_all(result, folder, tell, pictures=not no_pictures)
     if as_json:
         _print_json(summary(result))
     else:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import os
+import re
 import socket
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -28,6 +29,15 @@ def short(stem: str) -> str:
         return stem
     told = "_" + hashlib.sha256(whole).hexdigest()[:10]
     return whole[: _LONGEST - len(told)].decode(errors="ignore") + told
+
+
+def file_name(*words: str) -> str:
+    """A file name that every system takes.
+
+    >>> file_name("history", "ball on floor force")
+    'history_ball_on_floor_force.png'
+    """
+    return short(re.sub(r"[^\w.+-]+", "_", "_".join(words))) + ".png"
 
 
 @contextmanager

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any, Final
@@ -14,7 +13,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from femstruct.arrays import Floats
-from femstruct.files.atomic import replacing, short
+from femstruct.files.atomic import replacing
 from femstruct.view.texts import as_written
 
 BASELINE: Final = "#222222"
@@ -162,12 +161,3 @@ def mode_lines(axes: Axes, frequency_hz: Mapping[int, float], low: float, high: 
             )  # fmt: skip
             taken = along + half + 0.3 * CHARACTER
     return "frequency in Hz" + ("   (numbers: modes of the baseline)" if inside else "")
-
-
-def file_name(*words: str) -> str:
-    """A file name that every system takes.
-
-    >>> file_name("history", "ball on floor force")
-    'history_ball_on_floor_force.png'
-    """
-    return short(re.sub(r"[^\w.+-]+", "_", "_".join(words))) + ".png"

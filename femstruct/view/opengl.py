@@ -11,6 +11,8 @@ from typing import Final
 from femstruct.errors import FemstructError
 
 _WINDOW: Final = "VTK_DEFAULT_OPENGL_WINDOW"
+_CHOSEN: Final = "FEMSTRUCT_OPENGL_WINDOW"  # in a process that may crash: drawn with, untried
+WAYS: Final = ("vtkEGLRenderWindow", "vtkOSOpenGLRenderWindow", "")  # without a display; "" for VTK's own choice
 _PROBE: Final = """
 import vtkmodules.vtkRenderingOpenGL2
 from vtkmodules.vtkRenderingCore import vtkRenderer, vtkRenderWindow
@@ -35,9 +37,18 @@ def require_opengl() -> None:
 
     Without OpenGL libraries VTK does not raise, it crashes; so each way is tried once in another process.
     """
+    if _CHOSEN in os.environ:
+        return
     window = _working_window()
     if window is None:
         raise NoOpenGL(LEFT_OUT)
+    if window:
+        os.environ[_WINDOW] = window
+
+
+def choose(window: str) -> None:
+    """Let this process draw with a render window of VTK, "" for its own choice, without trying whether that works."""
+    os.environ[_CHOSEN] = window
     if window:
         os.environ[_WINDOW] = window
 
@@ -47,7 +58,7 @@ def _working_window() -> str | None:
     """The render window to ask VTK for, "" for its own choice; None when all of them crash."""
     chosen = os.environ.get(_WINDOW)
     headless = sys.platform.startswith("linux")
-    ways = (chosen,) if chosen else ("vtkEGLRenderWindow", "vtkOSOpenGLRenderWindow", "") if headless else ("",)
+    ways = (chosen,) if chosen else WAYS if headless else ("",)
     return next((way for way in ways if _draws(way)), None)
 
 

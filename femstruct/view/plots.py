@@ -7,8 +7,9 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 
+from femstruct.files.atomic import file_name
 from femstruct.study.result import NET_FORCE, StudyResult
-from femstruct.view.figures import file_name, save
+from femstruct.view.figures import save
 from femstruct.view.histories import contact_forces, energy, history, travels
 from femstruct.view.loudness import levels_over_time, rated_bands
 from femstruct.view.maps import pressure_maps

@@ -16,11 +16,10 @@ from acoustics.room import Receiver, Room
 from acoustics.shaped import ShapedRoom
 from acoustics.source import SurfaceVelocity
 from femstruct.arrays import Floats
-from femstruct.files.atomic import replacing
+from femstruct.files.atomic import file_name, replacing
 from femstruct.radiation import heard, pressure_spectrum, surface_velocity
 from femstruct.study.result import StudyResult
 from femstruct.study.study import RoomPlan
-from femstruct.view.figures import file_name
 from femstruct.view.maps import heard_peaks
 from femstruct.view.opengl import NoOpenGL, require_opengl
 from femstruct.view.scene import add_scales

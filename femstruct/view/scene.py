@@ -10,13 +10,12 @@ import numpy as np
 
 from femstruct.arrays import Floats
 from femstruct.errors import InputError
-from femstruct.files.atomic import refuse_unwritable_file, replacing
+from femstruct.files.atomic import file_name, refuse_unwritable_file, replacing
 from femstruct.modal.basis import ModalBasis
 from femstruct.model.model import Model
 from femstruct.model.refine import Refined, refined
 from femstruct.study.result import StudyResult
 from femstruct.study.study import RoomPlan
-from femstruct.view.figures import file_name
 from femstruct.view.labels import add_labels
 from femstruct.view.opengl import NoOpenGL, require_opengl
 

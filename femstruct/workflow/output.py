@@ -12,32 +12,29 @@ import numpy as np
 
 from femstruct.arrays import Floats
 from femstruct.errors import some_of
-from femstruct.files.atomic import replacing, short
+from femstruct.files.atomic import file_name, replacing, short
 from femstruct.files.audio import listening_scale, write_sequence, write_wav
 from femstruct.files.belongings import NAME, together
 from femstruct.files.results import write_results
 from femstruct.files.rooms import write_room_modes
 from femstruct.files.tables import summary
 from femstruct.study.result import StudyResult
-from femstruct.view.figures import file_name
-from femstruct.view.plots import plot_all
 from femstruct.view.report import write_report
-from femstruct.view.room_scene import room_pictures
-from femstruct.view.scene import shapes_all
 from femstruct.workflow.run import Progress, Stopwatch
 
+NO_PICTURES: Final = "Pictures left out, as asked by --no-pictures."
 NAMED: Final = 4  # files of those that are removed
 
 
 def write_all(
-    result: StudyResult, folder: Path, progress: Progress = lambda line: None
+    result: StudyResult, folder: Path, progress: Progress = lambda line: None, pictures: bool = True
 ) -> tuple[dict[str, float], str]:
     """Write results.h5, summary.json, a WAV for every receiver and case, one to listen to with all cases in turn, all
     pictures, and report.html with tables, pictures and what to listen to.
 
     All files take their places together when the last is complete, so that a folder holds those of one run; those of
     an earlier run that this one does not make are then removed, and nothing else (files.belongings). All sounds of a
-    study have one full scale, so that cases can be compared by ear.
+    study have one full scale, so that cases can be compared by ear. pictures : False for numbers, tables, sound alone.
 
     Returns CPU seconds by stage, and sentences, a line each, about pictures that were left out and files that were
     removed, or kept though they are older ("" for none).
@@ -45,7 +42,7 @@ def write_all(
     folder.mkdir(parents=True, exist_ok=True)
     clock = Stopwatch(progress)
     with together(folder, finished=len(result.cases) == len(result.plan.cases)) as stage:
-        left_out = _write(result, stage.path, clock)
+        left_out = _write(result, stage.path, clock, pictures)
     return clock.seconds, "\n".join(filter(None, (left_out, _cleared(stage.removed), _older(stage.older))))
 
 
@@ -69,7 +66,7 @@ def _cleared(removed: Sequence[str]) -> str:
     return f"removed what an earlier run left and this one does not make: {names}" if removed else ""
 
 
-def _write(result: StudyResult, folder: Path, clock: Stopwatch) -> str:
+def _write(result: StudyResult, folder: Path, clock: Stopwatch, pictures: bool) -> str:
     """All files in their order; a sentence about pictures that were left out."""
     with clock("results file"):
         write_results(folder / "results.h5", result)
@@ -77,20 +74,34 @@ def _write(result: StudyResult, folder: Path, clock: Stopwatch) -> str:
             path.write_text(json.dumps(summary(result), indent=1, allow_nan=False) + "\n", encoding="utf-8")
     with clock("sound"):
         sounds = _write_sounds(result, folder)
-    with clock("pictures"):
-        pictures = plot_all(result, folder)
-    with clock("mode shapes"):
-        shapes, left_out = shapes_all(result, folder)
-    with clock("room pictures"):
-        moving, _ = room_pictures(result, folder)
         for plan in result.cases[result.plan.baseline].case.study.rooms:
             write_room_modes(plan, (folder / file_name("room_modes", plan.name)).with_suffix(".vtu"))
+    shown, left_out = _drawn(result, folder, clock) if pictures else ([], NO_PICTURES)
     with clock("report"):
-        first = sorted(pictures, key=lambda path: not path.name.startswith(("rated", "level", "own_sound")))
-        shown = [path.name for path in (*first, *moving, *shapes)]
         inside = [{name: (folder / name).read_bytes() for name in names} for names in (shown, sounds)]
         write_report(result, folder / "report.html", *inside)
     return left_out
+
+
+def _drawn(result: StudyResult, folder: Path, clock: Stopwatch) -> tuple[list[str], str]:
+    """Draw all pictures, those in three dimensions in a process beside this one: their names in the order of the page,
+    and a sentence about those that were left out."""
+    from femstruct.view.beside import drawn_beside
+    from femstruct.view.opengl import NoOpenGL
+    from femstruct.view.plots import plot_all
+    from femstruct.view.room_scene import room_pictures
+    from femstruct.view.scene import shapes_all
+
+    with clock("pictures"):
+        solid = drawn_beside(lambda: (shapes_all(result, folder), room_pictures(result, folder)))
+        flat = plot_all(result, folder)
+    with clock("pictures in three dimensions"):
+        try:
+            (shapes, left_out), (moving, _) = solid()
+        except NoOpenGL as error:
+            shapes, moving, left_out = [], [], str(error)
+    first = sorted(flat, key=lambda path: not path.name.startswith(("rated", "level", "own_sound")))
+    return [path.name for path in (*first, *moving, *shapes)], left_out
 
 
 class _Heard(NamedTuple):

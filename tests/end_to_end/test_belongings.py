@@ -86,9 +86,7 @@ def both(tmp_path_factory: pytest.TempPathFactory) -> dict[str, StudyResult]:
 
 @pytest.fixture(autouse=True)
 def no_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(output, "plot_all", lambda result, folder: [])
-    monkeypatch.setattr(output, "shapes_all", lambda result, folder: ([], ""))
-    monkeypatch.setattr(output, "room_pictures", lambda result, folder: ([], ""))
+    monkeypatch.setattr(output, "_drawn", lambda result, folder, clock: ([], ""))
     monkeypatch.setattr(output, "write_room_modes", lambda plan, path: None)
 
 

@@ -19,7 +19,6 @@ from femstruct.language import read_study
 from femstruct.own_sound import pushed_velocity
 from femstruct.study.result import CaseResult
 from femstruct.view.terminal import study_tables
-from femstruct.workflow import output
 from femstruct.workflow.inspect import inspect_file
 from femstruct.workflow.output import write_all
 from femstruct.workflow.run import run_study
@@ -185,7 +184,7 @@ def test_what_is_wrong_is_said(tmp_path: Path, bodies: str, rooms: str, told: st
 
 
 def test_files_keep_both(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(output, "shapes_all", lambda *_: ([], ""))  # pictures that take time and show something else
+    monkeypatch.setattr("femstruct.view.scene.shapes_all", lambda *_: ([], ""))  # they take time
     result = run_study(read_study(written(tmp_path, more="cases: {ball: {}, hollow: {bodies.ball.mass: 10 g}}")))
     write_all(result, tmp_path)
     case = result.cases["hollow"]

@@ -56,8 +56,7 @@ def test_a_room_that_fills_slowly_is_told(tmp_path: Path, count: int, t60: str, 
     """What is missing of the steady mean square after a time t is 10^(-6 t / T60): with 3 s, .1 of it after .5 s."""
     one = study(tmp_path, count, "4 s", t60)
     codes = {
-        found.code: found
-        for found in (*rated_findings(one.rooms[0], one), *overlap_findings(one.rooms[0], one, MODES))
+        found.code: found for found in (*rated_findings(one.rooms[0], one), *overlap_findings(one.rooms[0], one, MODES))
     }
     assert -10 * np.log10(1 - 0.1) == pytest.approx(0.46, abs=5e-3)
     assert ("tapping-not-steady" in codes) == bool(told)
@@ -107,8 +106,7 @@ def test_a_rating_of_a_bang_machine_or_a_walker_is_told(tmp_path: Path, what: st
     (tmp_path / "other.study.yaml").write_text(text, encoding="utf-8")
     one = read_study(tmp_path / "other.study.yaml").cases[0].study
     codes = {
-        found.code: found
-        for found in (*rated_findings(one.rooms[0], one), *overlap_findings(one.rooms[0], one, MODES))
+        found.code: found for found in (*rated_findings(one.rooms[0], one), *overlap_findings(one.rooms[0], one, MODES))
     }
     assert ("rating-of-other-blows" in codes) == bool(told)
     if told:
