@@ -78,9 +78,8 @@ def cavity_modes(mesh: CavityMesh, up_to: float) -> CavityModes:
     for spare in (12, 40, 120):  # Lanczos may need more vectors before it sees all modes of one frequency
         rng = np.random.default_rng(0)
         count = min(wanted + spare, n - 1)
-        squared, shapes = eigsh(
-            K, count, M=M, sigma=shift, OPinv=inverse, v0=rng.standard_normal(n), tol=1e-10, rng=rng
-        )
+        start = rng.standard_normal(n)
+        squared, shapes = eigsh(K, count, M=M, sigma=shift, OPinv=inverse, v0=start, tol=1e-10)
         order = np.argsort(squared)
         squared, shapes = squared[order], shapes[:, order]
         found = int(np.count_nonzero(squared < limit))

@@ -1,5 +1,6 @@
 """What every results file promises: units, descriptions, checksums, named axes, a way back, nothing half."""
 
+import re
 import runpy
 from dataclasses import replace
 from pathlib import Path
@@ -89,6 +90,19 @@ def test_reads_back_what_was_written(result, path):
     basis = stored.bases["abc123"]
     assert basis.kind == result.bases["abc123"].kind
     np.testing.assert_array_equal(basis.frequency_hz, result.bases["abc123"].frequency_hz)
+
+
+def test_the_lines_of_the_readme_open_a_case(result, path, monkeypatch):
+    told = (Path(__file__).parents[2] / "README.md").read_text(encoding="utf-8")
+    lines = re.findall(r"`((?:read_results|xarray\.open_dataset)\(.*?)`", told)
+    assert len(lines) == 2
+    monkeypatch.chdir(path.parent)
+    for line in lines:
+        code = line.replace("results.h5", path.name).replace("NAME", "without damper")
+        channels = eval(code, {"read_results": read_results, "xarray": xarray})
+        velocity = result.cases["without damper"].channels["O_f.z velocity"].values
+        np.testing.assert_array_equal(channels["O_f.z velocity"], velocity)
+        getattr(channels, "close", lambda: None)()
 
 
 def test_xarray_opens_labelled_tables(result, path):
