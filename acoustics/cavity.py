@@ -11,12 +11,18 @@ rho (phi_t + 2 gamma phi).
 
 from __future__ import annotations
 
+from typing import Final
+
 import numpy as np
 
 from acoustics.air import Air
 from acoustics.arrays import Complexes, Floats, Integers
 from acoustics.room import Losses, Room
 from acoustics.source import SurfaceVelocity
+
+_SAME: Final = 1e-13  # of the room's height: lengths this close are one, which moves a wave of 1/1000 of it by 1e-9
+_MOST_PARTS: Final = 4  # of the shortest length that may be the step of all
+_MOST_STEPS: Final = 64
 
 
 def wavenumber_squared(losses: Losses, air: Air, s: Complexes) -> Complexes:
@@ -125,15 +131,52 @@ def transfer(room: Room, s: Complexes, k_lm: Floats, z: Floats) -> list[Complexe
     axis, the result is not finite.
     """
     mu = -1j * vertical_wavenumber(room, s, k_lm)  # now exp(mu x) = E(x)
-    ways = [_ways(mu, float(room.size[2]), level) for level in z.tolist()]
+    ways = _ways(mu, float(room.size[2]), z)
     whole = ways[0][0] * ways[0][1]  # E(Lz), the same at all heights
     front = -room.air.rho * (s + 2 * room.losses.decay_rate) / (mu * (1 - whole * whole))
     return [front * (down * (1 + up * up)) for up, down in ways]
 
 
-def _ways(mu: Complexes, height: float, level: float) -> tuple[Complexes | float, Complexes | float]:
-    """E(z) and E(Lz - z); the exponentials are the cost of a room, so none is made that is known."""
-    up = np.exp(mu * level) if level > 0 else 1.0
-    if 2 * level == height:
-        return up, up
-    return up, np.exp(mu * (height - level)) if level < height else 1.0
+def _ways(mu: Complexes, height: float, levels: Floats) -> list[tuple[Complexes | float, Complexes | float]]:
+    """E(z) and E(Lz - z) at every level z, products of the exponentials of the gaps between them."""
+    ascending, place = np.unique(levels, return_inverse=True)
+    gaps = np.diff(ascending, prepend=0.0, append=height)
+    across = _exponentials(mu, gaps.tolist(), _SAME * height)
+    up, down = [across[0]], [across[-1]]
+    for inner, outer in zip(across[1:-1], across[-2:0:-1], strict=True):
+        up.append(up[-1] * inner)
+        down.append(down[-1] * outer)
+    return [(up[i], down[len(ascending) - 1 - i]) for i in place]
+
+
+def _exponentials(mu: Complexes, lengths: list[float], tolerance: float) -> list[Complexes | float]:
+    """exp(mu x) for lengths x: powers of one of them where all are multiples of a length, else one for each.
+
+    Exponentials are the dearest of what a room takes: fifteen products.
+    """
+    counts, step = _multiples([x for x in lengths if x > tolerance], tolerance)
+    known: dict[int, Complexes] = {1: np.exp(mu * step)} if counts else {}
+
+    def power(n: int) -> Complexes:
+        if n not in known:
+            known[n] = power(n // 2) * power(n - n // 2)
+        return known[n]
+
+    if counts:
+        return [power(round(x / step)) if x > tolerance else 1.0 for x in lengths]
+    return [np.exp(mu * x) if x > tolerance else 1.0 for x in lengths]
+
+
+def _multiples(lengths: list[float], tolerance: float) -> tuple[list[int], float]:
+    """How often a step is in each length, and the step; no counts where there is none that few multiples are made of.
+
+    >>> _multiples([1.0, 0.2, 0.3], 1e-9)
+    ([10, 2, 3], 0.1)
+    """
+    for parts in range(1, _MOST_PARTS + 1):
+        step = min(lengths) / parts
+        counts = [round(x / step) for x in lengths]
+        close = all(abs(n * step - x) <= tolerance for n, x in zip(counts, lengths, strict=True))
+        if close and max(counts) <= _MOST_STEPS:
+            return counts, step
+    return [], 0.0

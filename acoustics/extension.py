@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import erfc
 from typing import Final
 
 import numpy as np
@@ -10,6 +11,7 @@ from acoustics.arrays import Complexes, Floats
 
 PADDING: Final = 1.5  # length of the transform over that of the record
 FADE: Final = 0.8  # share of half the sampling from which a spectrum is faded out
+_FLANK: Final = 5.0  # half the width of the Gaussian flank: 8e-13 is left of it at either end
 WINDOW: Final = 13.5  # a T: wrap-around is exp(-a T PADDING) = 2e-9, rounding is amplified by exp(a T) to 2e-10
 
 
@@ -44,6 +46,19 @@ def band_end(nf: int) -> Floats:
     """
     above = np.clip((np.arange(nf) / (nf - 1) - FADE) / (1 - FADE), 0, 1)
     return np.asarray(0.5 * (1 + np.cos(np.pi * above)))
+
+
+def band_cut(frequency_hz: Floats, up_to_hz: float) -> Floats:
+    """Weights [nf] of a spectrum that is not wanted above a frequency: 1 to a third octave beyond it, 0 an octave on.
+
+    Notes
+    -----
+    As the integral of a Gaussian, whose transform is over within some periods of `up_to_hz`: a fade with corners rings
+    for the whole record, which is amplified by exp(a T).
+    """
+    low, high = up_to_hz * 10**0.1, 2 * up_to_hz * 10**0.1
+    flank = _FLANK * (2 * (frequency_hz - low) / (high - low) - 1)
+    return 0.5 * np.array([erfc(place) for place in flank.tolist()])
 
 
 def extended(velocity: Floats, length: int) -> Floats:

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from acoustics.arrays import Complexes, Floats, Integers, freeze, frozen
 from acoustics.cavity import cosines, horizontal_wavenumber, project, transfer, wavenumber_squared
 from acoustics.errors import AcousticsError, Advice
-from acoustics.extension import band_end, extended, returned, source_bandwidth, transform_axis
+from acoustics.extension import band_cut, band_end, extended, returned, source_bandwidth, transform_axis
 from acoustics.judgement import one_way, source_advice, truncation
 from acoustics.orders import ENOUGH, audible, moved, not_in, order_blocks, square, undriven
 from acoustics.room import Receiver, Room, inside, positions
@@ -119,12 +119,18 @@ def pressure(
 
 
 def pressures(
-    surfaces: Sequence[SurfaceVelocity], room: Room, receivers: Sequence[Receiver], *, orders: int | None = None
+    surfaces: Sequence[SurfaceVelocity],
+    room: Room,
+    receivers: Sequence[Receiver],
+    *,
+    orders: int | None = None,
+    up_to_hz: float = inf,
 ) -> list[RoomResponse]:
     """Pressure at the receivers for each of several motions of one ceiling: as `pressure` of each, but what the room
     costs, its transfer functions and the cosines of the ceiling, is paid once.
 
     surfaces : of the same points, weights, shapes and sampling; they differ in their rates.
+    up_to_hz : the highest frequency of interest; what lies more than a third octave above it fades within an octave.
 
     Raises AcousticsError as `pressure` does, and for no surface or surfaces that differ.
     """
@@ -136,9 +142,9 @@ def pressures(
     first = surfaces[0]
     broad = project(first, room, square(2, 2))
     highest_hz = [source_bandwidth(broad @ surface.rates, surface.dt) for surface in surfaces]
-    top = max(highest_hz)
+    top = min(max(highest_hz), 2 * up_to_hz)
     products = [moved(surface) for surface in surfaces] if orders is None else []
-    motion = _motion(surfaces, room)
+    motion = _motion(surfaces, room, up_to_hz)
     sums = [silence(places) for _ in surfaces]
     done, shares = np.zeros((0, 2), dtype=np.int64), [0.0] * len(surfaces)
     for block in order_blocks(room, orders, top):
@@ -173,11 +179,14 @@ class _Motion:
     displaced: tuple[Floats, ...]
 
 
-def _motion(surfaces: Sequence[SurfaceVelocity], room: Room) -> _Motion:
-    """The rates, continued beyond their end and transformed once for all cosines."""
+def _motion(surfaces: Sequence[SurfaceVelocity], room: Room, up_to_hz: float) -> _Motion:
+    """The rates, continued beyond their end and transformed once for all cosines, up to the frequencies wanted."""
     first = surfaces[0]
     weighted = room.losses.kind != "source"
     s, weight = transform_axis(first.rates.shape[1], first.dt, damped=weighted)
+    wanted = band_end(len(s))
+    if up_to_hz < inf:
+        wanted *= band_cut(s.imag / (2 * np.pi), up_to_hz)
     spectra, displaced = [], []
     largest = np.abs(first.shapes).max(axis=0, initial=0)
     size = np.zeros(len(s))
@@ -190,7 +199,7 @@ def _motion(surfaces: Sequence[SurfaceVelocity], room: Room) -> _Motion:
             displaced.append((np.cumsum(steps, axis=1) - 0.5 * steps).sum(axis=1))
         spectrum = np.fft.rfft(future, axis=1).astype(np.complex128, copy=False)
         if weighted:
-            spectrum *= band_end(len(s))
+            spectrum *= wanted
         size += (largest[:, None] * np.abs(spectrum)).max(axis=0, initial=0)
         spectra.append(spectrum)
     above = np.cumsum(size[::-1])[::-1]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import inf
 
 import numpy as np
 
@@ -102,14 +103,19 @@ def surface_velocities(
     ]
 
 
-def heard(moving: Sequence[SurfaceVelocity], room: AnyRoom, receivers: Sequence[Receiver]) -> list[RoomResponse]:
+def heard(
+    moving: Sequence[SurfaceVelocity], room: AnyRoom, receivers: Sequence[Receiver], up_to_hz: float = inf
+) -> list[RoomResponse]:
     """Pressure at the receivers of a room for each motion of its ceiling: of a box by cosines, of any other room by its
-    modes, of a half space by Rayleigh's integral."""
+    modes, of a half space by Rayleigh's integral.
+
+    up_to_hz : the highest frequency of interest; what lies above it may be left out.
+    """
     if isinstance(room, HalfSpace):
         return field_pressures(moving, room, receivers)
     if isinstance(room, ShapedRoom):
         return cavity_pressures(moving, room.modes, room.air, room.losses, receivers, room.walls)
-    return pressures(moving, room, receivers)
+    return pressures(moving, room, receivers, up_to_hz=up_to_hz)
 
 
 def ceiling_shapes(basis: ModalBasis, surface: Surface, name: str = "") -> Floats:

@@ -85,8 +85,8 @@ def strike(
     with stage("error estimate"):
         errors = {drop: error_of(response) for drop, response in responses.items()}
     with stage("room"):
-        rooms = _rooms(first, places, responses)
-    ends = {plan.name: plan.heard_to_hz(basis.complete_below_hz) for plan in first.rooms}
+        ends = {plan.name: plan.heard_to_hz(basis.complete_below_hz) for plan in first.rooms}
+        rooms = _rooms(first, places, responses, ends)
     struck = {}
     for drop, study in studies.items():
         with stage("levels"):
@@ -181,12 +181,14 @@ def members_once(findings: Sequence[Finding]) -> list[Finding]:
     ]
 
 
-def _rooms(study: Study, places: Places, responses: Mapping[str, Response]) -> dict[str, dict[str, RoomResponse]]:
-    """What is heard in every room, by drop."""
+def _rooms(
+    study: Study, places: Places, responses: Mapping[str, Response], ends: Mapping[str, float]
+) -> dict[str, dict[str, RoomResponse]]:
+    """What is heard in every room, by drop; ends : up to which frequency of each is of interest [Hz]."""
     rooms = {}
     for plan in study.rooms:
         if not plan.receivers and (plan.coupling == "two-way" or isinstance(plan.room, HalfSpace)):
             continue
         moving = surface_velocities(list(responses.values()), ceiling(plan, places), plan.room, plan.offset, plan.name)
-        rooms[plan.name] = dict(zip(responses, heard(moving, plan.room, plan.receivers), strict=True))
+        rooms[plan.name] = dict(zip(responses, heard(moving, plan.room, plan.receivers, ends[plan.name]), strict=True))
     return rooms

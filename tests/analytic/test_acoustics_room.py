@@ -21,6 +21,8 @@ from acoustics import (
     room_modes,
 )
 from acoustics.cavity import cosines, horizontal_wavenumber, overlaps, transfer
+from acoustics.levels import sound_levels
+from acoustics.pressure import pressures
 
 SIZE = [0.58, 0.47, 0.1]
 AIR = Air(c=340, rho=1.29)
@@ -193,6 +195,46 @@ def test_evanescent_waves_do_not_overflow():
     mu = np.sqrt(k_lm[0] ** 2 + (s[0] / AIR.c) ** 2)
     assert near == pytest.approx(AIR.rho * s[0] * np.exp(-mu * 0.01) / mu, rel=1e-12)
     assert far == 0
+
+
+@pytest.mark.parametrize(
+    ("height", "levels"),
+    [
+        (2.5, [1.0, 1.2, 1.5]),  # tenths of a metre: powers of one exponential
+        (2.5, [1.5, 1.0, 1.2]),
+        (2.5, [1.013, 1.2, 1.57]),  # an exponential for every gap
+        (12.0, [0.0, 0.1, 11.99, 12.0]),
+        (0.1, [0.05]),
+    ],
+)
+def test_the_transfer_is_that_of_its_formula(height: float, levels: list[float]) -> None:
+    """Against the formula of `transfer` with an exponential for each term: rounding, of arguments up to 60 x 12."""
+    room = Room([5.0, 4.0, height], AIR, LAWS["constant_decay"])
+    s, k_lm = 100 + 2j * pi * np.linspace(1.0, 5000.0, 400), np.linspace(0.0, 60.0, 50)
+    mu = np.sqrt(k_lm[:, None] ** 2 + (s**2 + 2 * room.losses.decay_rate * s) / AIR.c**2)  # of exp(-mu x), Re mu > 0
+    front = AIR.rho * (s + 2 * room.losses.decay_rate) / (mu * (1 - np.exp(-2 * mu * height)))
+    for found, z in zip(transfer(room, s, k_lm, np.array(levels)), levels, strict=True):
+        wanted = front * (np.exp(-mu * (height - z)) + np.exp(-mu * (height + z)))
+        np.testing.assert_allclose(found, wanted, rtol=1e-11, atol=1e-300)  # but for denormal numbers
+
+
+def test_what_is_of_no_interest_is_left_out_and_the_rest_is_right() -> None:
+    """A blow with content to some 3 kHz, of which bands up to 500 Hz are wanted; their flanks see -60 dB."""
+    room = Room([2.0, 1.5, 1.0], AIR, LAWS["constant_decay"])
+    t = np.arange(6000) / 12e3
+    blow = np.exp(-(((t - 0.02) / 2e-4) ** 2)) * np.sin(2 * pi * 300 * t)
+    moving = ceiling(room, off_centre_bump, blow, 1 / 12e3)
+    here = [Receiver("mid", [0.3, 0.4, 0.5]), Receiver("low", [1.7, 1.2, 0.2])]
+    whole, cut = pressures([moving], room, here)[0], pressures([moving], room, here, up_to_hz=500.0)[0]
+    lines = whole.frequency_hz
+    wanted, beyond = (lines > 20) & (lines < 500), lines > 1600
+    size = np.abs(whole.spectrum[:, wanted]).max()
+    # the search for cosines stops at 1e-4 of what is heard, of another sound in the two
+    assert np.abs(whole.spectrum - cut.spectrum)[:, wanted].max() < 1e-3 * size
+    assert np.abs(cut.spectrum[:, beyond]).max() < 1e-4 * np.abs(whole.spectrum[:, beyond]).max()
+    bands = [sound_levels(one.p[0], one.dt).bands_db for one in (whole, cut)]
+    for band in (63.0, 125.0, 250.0, 400.0):
+        assert bands[1][band] == pytest.approx(bands[0][band], abs=2e-3)
 
 
 @pytest.mark.parametrize("kind", ["none", "source"])
