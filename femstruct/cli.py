@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
-from femstruct.exits import GOOD, INTERRUPTED, NOT_TRUSTED, leave_with, refuse_unreadable_words
+from femstruct.exits import GOOD, INTERRUPTED, NOT_TRUSTED, heed_signals, leave_with, refuse_unreadable_words
 
 if TYPE_CHECKING:
     from femstruct.study.result import StudyResult
@@ -43,6 +43,7 @@ def main() -> None:
     """
     for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "LP_NUM_THREADS"):
         os.environ.setdefault(name, "1")  # two threads are slower on the small blocks of an eigensolution
+    heed_signals()
     sys.exit(leave_with(app))
 
 

@@ -22,13 +22,7 @@ _NO_NAME: Final = re.compile("[\t\n]")
 
 
 def leave_with(work: Callable[[], object]) -> int:
-    """The exit code after some work that may end with SystemExit: of what it raises else, a line is told on stderr.
-
-    A reader that has seen enough (``| head``) is no bug of ours. A request to terminate ends the work as Ctrl-C does.
-    """
-    if hasattr(signal, "SIGPIPE"):
-        signal.signal(signal.SIGPIPE, signal.SIG_DFL)
-    signal.signal(signal.SIGTERM, _interrupt)
+    """The exit code after some work that may end with SystemExit: of what it raises else, a line is told on stderr."""
     for name in ("stdout", "stderr"):
         if getattr(sys, name) is None:  # closed by who started us
             setattr(sys, name, Path(os.devnull).open("w"))  # noqa: SIM115 (for as long as we run)
@@ -42,6 +36,13 @@ def leave_with(work: Callable[[], object]) -> int:
     for stream in (sys.stdout, sys.stderr):
         _give_up(stream)
     return code
+
+
+def heed_signals() -> None:
+    """A reader that has seen enough (``| head``) is no bug of ours; a request to terminate ends the work as Ctrl-C."""
+    if hasattr(signal, "SIGPIPE"):
+        signal.signal(signal.SIGPIPE, signal.SIG_DFL)
+    signal.signal(signal.SIGTERM, _interrupt)
 
 
 def _interrupt(number: int, frame: object) -> None:

@@ -12,7 +12,7 @@ from femstruct.language.schema_laws import HertzSpec
 from femstruct.language.schema_model import ModelSpec
 from femstruct.language.schema_study import SIDES, BodySpec, StudySpec, TimeSpec
 
-MOST_SAMPLES = 20_000_000
+MOST_SAMPLES, FEWEST_SAMPLES = 20_000_000, 5
 
 
 def check_study(study: StudySpec, tree: Tree, model: ModelSpec, mistakes: Mistakes) -> None:
@@ -97,6 +97,9 @@ def _check_time(check: Checker, study: StudySpec, time: TimeSpec) -> None:
     if time.duration * time.sampling > MOST_SAMPLES:
         got = f"{time.duration * time.sampling:.3g} samples"
         check.wrong(("time",), got, f"at most {MOST_SAMPLES:.0e}", "shorten the duration or lower the sampling")
+    if time.duration * time.sampling < FEWEST_SAMPLES:
+        got = f"{time.duration * time.sampling:.3g} samples"
+        check.wrong(("time",), got, f"at least {FEWEST_SAMPLES}", "lengthen the duration or raise the sampling")
     if study.peaks.lowpass is not None and not study.peaks.lowpass < time.sampling / 2:
         got = f"{study.peaks.lowpass:g} Hz"
         check.wrong(

@@ -11,7 +11,7 @@ from scipy.linalg import LinAlgError, cholesky, eigh, solve_triangular
 from scipy.sparse import csc_array
 
 from femstruct.arrays import Floats
-from femstruct.errors import FemstructError, NotConverged
+from femstruct.errors import FemstructError, InputError, NotConverged
 from femstruct.modal.factor import Factor, Pencil, factorise, relative_energy
 from femstruct.modal.krylov import Krylov, converge
 from femstruct.modal.solvers import FASTEST
@@ -81,6 +81,8 @@ def modes(
     n = K.shape[0]
     if (up_to_hz is None) == (count is None):
         raise FemstructError("modes", got=f"up_to_hz={up_to_hz}, count={count}", expected="exactly one of the two")
+    if n and not np.any(M.data):
+        raise InputError("masses", got="a structure without mass", expected="some mass", do="give a density")
     pencil = Pencil.of(K, M, solver)
     if up_to_hz is not None:
         if not up_to_hz > 0:

@@ -9,7 +9,9 @@ from pathlib import Path
 
 import pytest
 
+from femstruct.cli import app
 from femstruct.errors import InputError, InputErrors
+from femstruct.exits import leave_with
 from femstruct.files.atomic import refuse_unwritable, replacing
 from femstruct.language import read_model_file, read_study
 
@@ -122,3 +124,37 @@ def test_lists_and_names_in_messages_are_cut(tmp_path: Path) -> None:
     with pytest.raises(InputErrors) as refused:
         read_model_file(tmp_path / "long.yaml")
     assert len(str(refused.value)) < 1500
+
+
+PLATE = """
+materials: {steel: {E: 210 GPa, nu: 0.3, rho: 7850}}
+parts: {plate: {type: plate, material: steel, thickness: 2 mm, origin: [0, 0, 0.3], size: [0.4, 0.3], mesh: [4, 3]}}
+supports: {edges: {on: plate, edge: all, fix: simple}}
+"""
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        (("7850", "0"), "got a structure without mass, expected some mass; give a density"),
+        (("[0, 0, 0.3]", "[1e305, 0, 0.3]"), "got 1e+305, expected a length between 1e-30 and 1e+20 m"),
+        (("E: 210 GPa", "E: 1e-40 GPa"), "correct its power of ten"),
+    ],
+)
+def test_numbers_that_nothing_can_be_computed_with(
+    change: tuple[str, str], told: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "model.yaml").write_text(PLATE.replace(*change), encoding="utf-8")
+    assert leave_with(lambda: app(["modes", str(tmp_path / "model.yaml"), "--count", "3"])) == 2
+    err = capsys.readouterr().err
+    assert told in err and err.count("\n") == 1
+
+
+def test_a_window_of_no_samples_is_refused(tmp_path: Path) -> None:
+    """It was simulated for minutes."""
+    (tmp_path / "model.yaml").write_text(MODEL, encoding="utf-8")
+    body = "bodies: {ball: {mass: 1 kg, above: m, speed: 1 m/s, contact: {type: linear, stiffness: 1 MN/m}}}"
+    time = "time: {duration: 20 ms, sampling: 5e-11 kHz}"
+    (tmp_path / "a.study.yaml").write_text(f"model: model.yaml\n{body}\n{time}\n", encoding="utf-8")
+    with pytest.raises(InputErrors, match=r"time: got 1e-09 samples, expected at least 5"):
+        read_study(tmp_path / "a.study.yaml")
