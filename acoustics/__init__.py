@@ -14,9 +14,9 @@ The way through this wing, each step a pure function or a frozen noun::
     force_exposure_levels(...)         how hard a source strikes                 exposure
 
 Layers, lowest first: ``errors arrays air room source walls | extension cavity meshes fem yielding shaped | orders
-judgement absorption together pressure cavity_pressure maps harmonic coupled coupled_fem field multipoles sphere sheet
-radiation directivity | bands ending weighting levels ratings grades decay exposure methods rated sound_energy``; a
-module imports from lower ones only. Nothing here knows of finite elements, opens a file or prints.
+judgement absorption together pressure transfers cavity_pressure maps harmonic coupled coupled_fem field multipoles
+sphere sheet radiation directivity | bands ending weighting levels ratings grades decay exposure methods rated
+sound_energy``; a module imports from lower ones only. Nothing here knows of finite elements, opens a file or prints.
 
 Harmonic quantities are the real part of X exp(+j omega t). The surface's velocity is positive into the room, where it
 raises the pressure. Coordinates are the room's own: from its lower corner, z up, the ceiling at z = Lz.

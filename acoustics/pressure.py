@@ -134,6 +134,18 @@ def pressures(
 
     Raises AcousticsError as `pressure` does, and for no surface or surfaces that differ.
     """
+    return pressures_and_orders(surfaces, room, receivers, orders=orders, up_to_hz=up_to_hz)[0]
+
+
+def pressures_and_orders(
+    surfaces: Sequence[SurfaceVelocity],
+    room: Room,
+    receivers: Sequence[Receiver],
+    *,
+    orders: int | None = None,
+    up_to_hz: float = inf,
+) -> tuple[list[RoomResponse], list[Integers], Integers]:
+    """`pressures`, the cosines [n, 2] that were evaluated for them by blocks, and all that were looked at [m, 2]."""
     alike(surfaces)
     on_ceiling(surfaces[0], room)
     places = positions(receivers)
@@ -147,6 +159,7 @@ def pressures(
     motion = _motion(surfaces, room, up_to_hz)
     sums = [silence(places) for _ in surfaces]
     done, shares = np.zeros((0, 2), dtype=np.int64), [0.0] * len(surfaces)
+    blocks = []
     for block in order_blocks(room, orders, top):
         new = not_in(block, done)
         coefficients = project(first, room, new)
@@ -156,6 +169,7 @@ def pressures(
         told = orders is None or len(done) + len(new) == orders**2  # of fewer cosines than asked for nobody hears
         sums, shares = _with_cosines(motion, room, new[chosen], coefficients[chosen], sums, told)
         done = np.concatenate([done, new])
+        blocks.append(new[chosen])
         more = len(done) > len(new) and max(shares) < ENOUGH
         if orders is None and more and undriven(surfaces, room, done, top):
             break
@@ -163,7 +177,7 @@ def pressures(
     for surface, heard, share, highest in zip(surfaces, sums, shares, highest_hz, strict=True):
         findings = (*source_advice(surface, room, done, highest), *truncation(share, done), *one_way(room))
         found.append(RoomResponse(tuple(receivers), surface.t, pressure_of(heard, len(surface.t)), findings))
-    return found
+    return found, blocks, done
 
 
 @dataclass(frozen=True, eq=False)

@@ -43,15 +43,19 @@ from femstruct.workflow.sound import sound_energies
 from femstruct.workflow.struck import Struck, strike, told_once
 from femstruct.workflow.structure_findings import worst_first
 from femstruct.workflow.study_findings import study_findings
+from femstruct.workflow.transfers import RoomTransfers
 
 Progress = Callable[[str], None]
 
 
-def run_study(plan: Plan, progress: Progress = lambda line: None, command: str = "") -> StudyResult:
+def run_study(
+    plan: Plan, progress: Progress = lambda line: None, command: str = "", transfers: RoomTransfers | None = None
+) -> StudyResult:
     """All stages of all cases of a study, and their comparison.
 
     progress : is told the name of every stage as it starts.
     command : the command line to be kept with the results.
+    transfers : of rooms, held by the caller over several runs; those of this run alone if left out.
 
     Returns a StudyResult; bases are solved once for every distinct model.
 
@@ -95,12 +99,13 @@ def run_study(plan: Plan, progress: Progress = lambda line: None, command: str =
     if any(case.study.accuracy is not None for case in plan.cases):
         with clock("accuracy"):
             solved, checks = hold_accuracy(plan.cases, baseline, solved)
+    transfers = RoomTransfers() if transfers is None else transfers
     order = sorted(plan.cases, key=lambda case: case.name != plan.baseline)
     results: dict[str, CaseResult] = {}
     interrupted: tuple[Finding, ...] = ()
     for case in order:
         try:
-            results[case.name] = run_case(case, solved, baseline, clock, checks.get(case.name))
+            results[case.name] = run_case(case, solved, baseline, clock, checks.get(case.name), transfers)
         except KeyboardInterrupt:
             if plan.baseline not in results:
                 raise
@@ -175,8 +180,10 @@ def run_case(
     baseline: Case,
     clock: Stopwatch,
     accuracy: AccuracyCheck | None = None,
+    transfers: RoomTransfers | None = None,
 ) -> CaseResult:
-    """One case through every stage that its study asks for; accuracy : what came of asking for one."""
+    """One case through every stage that its study asks for; accuracy : what came of asking for one; transfers : of
+    rooms heard before."""
     study, own = case.study, solved[case.name]
     with clock("damping", case.name):
         basis = damped(case, solved, baseline)
@@ -201,7 +208,15 @@ def run_case(
     channels, shares, drops, rated = {}, None, {}, {}
     if study.time is not None:
         refuse_absent_forces(study, basis)
-        struck = strike(case.drops or {"": study}, study.time, own.places, basis, vacuo, partial(clock, case=case.name))
+        struck = strike(
+            case.drops or {"": study},
+            study.time,
+            own.places,
+            basis,
+            vacuo,
+            partial(clock, case=case.name),
+            RoomTransfers() if transfers is None else transfers,
+        )
         whole = next(iter(struck.values()))  # of the other drops only numbers are kept
         drops = {
             place: struck[place].drop(judged(of_drop, own.places, struck[place].response))

@@ -22,7 +22,7 @@ from femstruct.impact.response import Response
 from femstruct.impact.simulate import simulate
 from femstruct.impact.unresolved import unresolved_findings
 from femstruct.modal.basis import ModalBasis
-from femstruct.radiation import heard, surface_velocities
+from femstruct.radiation import surface_velocities
 from femstruct.study.machine import Verdict
 from femstruct.study.result import Drop, OwnSound
 from femstruct.study.study import Study, TimePlan
@@ -34,6 +34,7 @@ from femstruct.workflow.places import Places
 from femstruct.workflow.rated import band_levels, blows_of, method_for
 from femstruct.workflow.sources import source_findings, walking_findings
 from femstruct.workflow.staging import scene
+from femstruct.workflow.transfers import RoomTransfers
 
 STEADY: Final = ("not-at-rest", "not-decayed", "record-not-decayed")  # so it should be of a machine that runs on
 NUMBER: Final = re.compile(r"\d+(?:\.\d+)?(?:e[+-]?\d+)?")
@@ -63,11 +64,18 @@ class Struck:
 
 
 def strike(
-    studies: Mapping[str, Study], time: TimePlan, places: Places, basis: ModalBasis, vacuo: ModalBasis, stage: Stopwatch
+    studies: Mapping[str, Study],
+    time: TimePlan,
+    places: Places,
+    basis: ModalBasis,
+    vacuo: ModalBasis,
+    stage: Stopwatch,
+    transfers: RoomTransfers,
 ) -> dict[str, Struck]:
     """Studies that differ in where a source strikes, simulated: impacts, their errors, rooms, levels, by drop.
 
     basis : damped, with the air that pushes back; vacuo : without it. stage : measures a stage by its name.
+    transfers : of rooms heard before.
 
     Raises what the stages raise.
 
@@ -86,7 +94,7 @@ def strike(
         errors = {drop: error_of(response) for drop, response in responses.items()}
     with stage("room"):
         ends = {plan.name: plan.heard_to_hz(basis.complete_below_hz) for plan in first.rooms}
-        rooms = _rooms(first, places, responses, ends)
+        rooms = _rooms(first, places, responses, ends, transfers)
     struck = {}
     for drop, study in studies.items():
         with stage("levels"):
@@ -182,7 +190,11 @@ def members_once(findings: Sequence[Finding]) -> list[Finding]:
 
 
 def _rooms(
-    study: Study, places: Places, responses: Mapping[str, Response], ends: Mapping[str, float]
+    study: Study,
+    places: Places,
+    responses: Mapping[str, Response],
+    ends: Mapping[str, float],
+    transfers: RoomTransfers,
 ) -> dict[str, dict[str, RoomResponse]]:
     """What is heard in every room, by drop; ends : up to which frequency of each is of interest [Hz]."""
     rooms = {}
@@ -190,5 +202,6 @@ def _rooms(
         if not plan.receivers and (plan.coupling == "two-way" or isinstance(plan.room, HalfSpace)):
             continue
         moving = surface_velocities(list(responses.values()), ceiling(plan, places), plan.room, plan.offset, plan.name)
-        rooms[plan.name] = dict(zip(responses, heard(moving, plan.room, plan.receivers, ends[plan.name]), strict=True))
+        pressures = transfers.heard(moving, plan.room, plan.receivers, ends[plan.name])
+        rooms[plan.name] = dict(zip(responses, pressures, strict=True))
     return rooms

@@ -48,6 +48,7 @@ ACOUSTICS = [
         "acoustics.together",
         "acoustics.sums",
         "acoustics.pressure",
+        "acoustics.transfers",
         "acoustics.cavity_pressure",
         "acoustics.maps",
         "acoustics.harmonic",
