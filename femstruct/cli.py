@@ -74,6 +74,9 @@ def run(
     no_pictures: Annotated[
         bool, typer.Option("--no-pictures", help="numbers, tables and sound alone: half the time")
     ] = False,
+    watch: Annotated[
+        bool, typer.Option("--watch", help="run again whenever a file of the study is saved, without pictures")
+    ] = False,
     as_json: AsJson = False,
 ) -> int:
     """Do all that a study names and write it to a folder. Modes, responses, impacts, rooms and levels become results,
@@ -84,6 +87,8 @@ def run(
 
     folder = output or Path("results") / study.name.removesuffix(".yaml").removesuffix(".study")
     refuse_unwritable(folder)
+    if watch:
+        return _watched(study, set_, case, folder, as_json)
     _, result = _solve(study, set_, case)
     with _progress() as tell:
         seconds, told = write_all(result, folder, tell, pictures=not no_pictures)
@@ -269,6 +274,32 @@ def _solve(study: Path, sets: list[str], case: str, with_rooms: bool = True) -> 
         plan = without_rooms(plan)
     with _progress() as tell, positioned(plan):
         return plan, run_study(plan, tell, " ".join(["femstruct", *sys.argv[1:]]))
+
+
+def _watched(study: Path, sets: list[str], case: str, folder: Path, as_json: bool) -> int:
+    """Rounds of a study until Ctrl-C, which is how it is left."""
+    from femstruct.exits import tell
+    from femstruct.files.tables import summary
+    from femstruct.view.terminal import show_study
+    from femstruct.workflow.watch import rounds
+
+    code = GOOD
+    with _progress() as told:
+        try:
+            for one in rounds(study, sets, case, folder, told, command=" ".join(["femstruct", *sys.argv[1:]])):
+                if one.result is None:
+                    code = tell(one.error) if one.error is not None else GOOD
+                else:
+                    code = _verdict(one.result)
+                    if as_json:
+                        _print_json(summary(one.result))
+                    else:
+                        show_study(one.result, {}, str(folder))
+                print(f"{one.seconds:.2f} s, reused: {one.reused}; waiting for a change, Ctrl-C ends", file=sys.stderr)
+                told("waiting for a change of the study's files")
+        except KeyboardInterrupt:
+            return code
+    return code
 
 
 def _verdict(result: StudyResult) -> int:

@@ -32,7 +32,7 @@ def leave_with(work: Callable[[], object]) -> int:
     except KeyboardInterrupt:
         code = INTERRUPTED
     except Exception as error:
-        code = _told(error)
+        code = tell(error)
     for stream in (sys.stdout, sys.stderr):
         _give_up(stream)
     return code
@@ -84,7 +84,7 @@ def refuse_unreadable_words(options: Mapping[str, object]) -> None:
                 )
 
 
-def _told(error: Exception) -> int:
+def tell(error: Exception) -> int:
     """Say what went wrong on stderr, and with which exit code to leave."""
     from acoustics.errors import AcousticsError
 

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import hashlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -18,6 +17,7 @@ from femstruct.model.parts import Structure
 from femstruct.model.probe import Point, Probe
 from femstruct.study.structures import BeamModel, ModesModel, NoStructure, OscillatorModel, RodModel, StructureModel
 from femstruct.study.study import Case, Extent, Study
+from femstruct.workflow.fingerprint import fingerprint
 from femstruct.workflow.places import Places
 from femstruct.workflow.rest import axis_of
 from femstruct.workflow.staging import force_probes
@@ -25,13 +25,17 @@ from femstruct.workflow.staging import force_probes
 
 @dataclass(frozen=True, eq=False)
 class Solved:
-    """A structure with its undamped basis; model is None for closed-form structures."""
+    """A structure with its undamped basis; model is None for closed-form structures.
+
+    pushed : names of the places that its residual vectors are for.
+    """
 
     key: str
     structure: StructureModel
     model: Model | None
     places: Places
     basis: ModalBasis
+    pushed: frozenset[str] = frozenset()
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,8 +55,10 @@ def meshed(structure: StructureModel, studies: Sequence[Study] = ()) -> Meshed:
     return Meshed(structure, None, Places(_closed_form(structure, _axis(studies))[1], {}))
 
 
-def solve_all(cases: Sequence[Case]) -> dict[str, Solved]:
+def solve_all(cases: Sequence[Case], before: Iterable[Solved] = ()) -> dict[str, Solved]:
     """The undamped basis of every case, by case name; cases of one structure share one.
+
+    before : bases of another run, taken where they are of the same structure, as many modes and the same places.
 
     Notes
     -----
@@ -65,7 +71,9 @@ def solve_all(cases: Sequence[Case]) -> dict[str, Solved]:
     solved: dict[str, Solved] = {}
     for key, members in groups.items():
         studies = [study for case in members for study in case.studies]
-        shared = solve(members[0].study.structure, members[0].study.extent, studies, key)
+        shared = next((one for one in before if one.key == key and one.pushed == _pushed(one.places, studies)), None)
+        if shared is None:
+            shared = solve(members[0].study.structure, members[0].study.extent, studies, key)
         solved |= {case.name: shared for case in members}
     return solved
 
@@ -84,9 +92,16 @@ def solve(structure: StructureModel, extent: Extent, studies: Sequence[Study] = 
         basis = modal_basis(
             assembly, up_to=extent.up_to_hz, count=count, probes=[probes[name] for name in sorted(probes)]
         )
-        return Solved(key, structure, model, places, basis)
+        return Solved(key, structure, model, places, basis, frozenset(probes))
     basis, points = _closed_form(structure, _axis(studies))
     return Solved(key, structure, None, Places(points, {}), basis)
+
+
+def _pushed(places: Places, studies: Sequence[Study]) -> frozenset[str]:
+    """Names of all places of a meshed structure that studies push; of a closed form none has a residual vector."""
+    if not places.surfaces and not isinstance(studies[0].structure, Structure):
+        return frozenset()
+    return frozenset(name for study in studies for name in force_probes(study, places))
 
 
 def damped(case: Case, solved: Mapping[str, Solved], baseline: Case) -> ModalBasis:
@@ -127,4 +142,4 @@ def _axis(studies: Sequence[Study]) -> Literal["x", "z"]:
 
 def key_of(study: Study) -> str:
     """A short stable name for all that an undamped basis depends on."""
-    return hashlib.sha256(repr((study.structure, study.extent, axis_of(study))).encode()).hexdigest()[:12]
+    return fingerprint((study.structure, study.extent, axis_of(study)))

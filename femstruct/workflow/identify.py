@@ -24,7 +24,8 @@ from femstruct.workflow.channels import UNITS
 from femstruct.workflow.fit import Fit, fit
 from femstruct.workflow.fit_findings import fit_findings
 from femstruct.workflow.positions import positioned
-from femstruct.workflow.run import Progress, Stopwatch, run_case, without_rooms
+from femstruct.workflow.provenance import Progress, Stopwatch
+from femstruct.workflow.run import run_case, without_rooms
 from femstruct.workflow.structure_findings import worst_first
 
 DIMENSIONS: Final = {

@@ -20,7 +20,7 @@ from femstruct.files.rooms import write_room_modes
 from femstruct.files.tables import summary
 from femstruct.study.result import StudyResult
 from femstruct.view.report import write_report
-from femstruct.workflow.run import Progress, Stopwatch
+from femstruct.workflow.provenance import Progress, Stopwatch
 
 NO_PICTURES: Final = "Pictures left out, as asked by --no-pictures."
 NAMED: Final = 4  # files of those that are removed

@@ -2,41 +2,35 @@
 
 from __future__ import annotations
 
-import os
-import platform
-import sys
-import time
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
-from dataclasses import replace
-from datetime import UTC, datetime
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import partial
-from importlib.metadata import version
 
 from acoustics.errors import Advice
 from acoustics.field import HalfSpace
-from femstruct.errors import Finding
+from femstruct.errors import Finding, some_of
 from femstruct.impact.compiled.workers import compilation
 from femstruct.impact.shares import mode_energies
 from femstruct.modal.basis import ModalBasis
-from femstruct.modal.solvers import FASTEST
 from femstruct.power import Radiated
 from femstruct.radiation import coupling_findings
 from femstruct.study.result import SILENT, AccuracyCheck, CaseResult, StudyResult
 from femstruct.study.study import Case, Plan, Study
 from femstruct.workflow.accuracy import accuracy_findings, hold_accuracy
 from femstruct.workflow.air import ceiling, coupled, coupled_key, weight_on_air
-from femstruct.workflow.bases import Solved, damped, solve_all
+from femstruct.workflow.bases import Solved, damped, key_of, solve_all
 from femstruct.workflow.blank_bands import blank_findings
 from femstruct.workflow.channels import motion_rows, record, refuse_absent_forces
 from femstruct.workflow.checks import aliased_findings, room_findings
 from femstruct.workflow.compare import compare
+from femstruct.workflow.fingerprint import fingerprint
 from femstruct.workflow.judgement import all_findings
 from femstruct.workflow.kernels import expected_units
 from femstruct.workflow.limits import judged, verdicts
 from femstruct.workflow.machine import machines
 from femstruct.workflow.meeting import meeting_findings
 from femstruct.workflow.peaks import change_findings, peak_findings
+from femstruct.workflow.provenance import Progress, Stopwatch, provenance
 from femstruct.workflow.rated import overlap_findings, rate_rooms
 from femstruct.workflow.responses import frequency_response
 from femstruct.workflow.sound import sound_energies
@@ -45,7 +39,17 @@ from femstruct.workflow.structure_findings import worst_first
 from femstruct.workflow.study_findings import study_findings
 from femstruct.workflow.transfers import RoomTransfers
 
-Progress = Callable[[str], None]
+
+@dataclass(frozen=True, eq=False)
+class Kept:
+    """What a run leaves for the next one: its bases, and its cases by what each was made from (see `run_again`).
+
+    reused : what it took from the one before itself, in words; "nothing" where all was new.
+    """
+
+    solved: tuple[Solved, ...] = ()
+    cases: Mapping[str, CaseResult] = field(default_factory=dict)
+    reused: str = "nothing"
 
 
 def run_study(
@@ -87,10 +91,43 @@ def run_study(
     >>> round(case.channels["m.z velocity"].whole, 3), case.response.contacts["ball on m"].closings
     (1.0, 1)
     """
+    return run_again(plan, Kept(), progress, command)[0]
+
+
+def run_again(
+    plan: Plan, before: Kept, progress: Progress = lambda line: None, command: str = ""
+) -> tuple[StudyResult, Kept]:
+    """A study as `run_study` runs it, with what an earlier run of it, or of another study, has left.
+
+    before : of the last run, `Kept()` for none. A basis is taken from it where structure, number of modes and the
+    places that are pushed are the same; a case where nothing differs that it depends on, the baseline's structure and
+    damping among them. Cases of a study that asks for an accuracy are run anew.
+
+    Returns the result, equal to that of `run_study`, and what it leaves for the next run.
+
+    One number of a study changes; its basis does not:
+
+    >>> import tempfile
+    >>> from pathlib import Path
+    >>> from femstruct.language import read_study
+    >>> ball = "{mass: 1 kg, above: m, speed: 1 m/s, contact: {type: linear, stiffness: 1 MN/m}}"
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     model = "structure: {type: oscillator, mass: 1 kg, stiffness: 100 N/m}\\npoints: {m: {}}"
+    ...     _ = Path(folder, "model.yaml").write_text(model, encoding="utf-8")
+    ...     study = f"model: model.yaml\\nbodies: {{ball: {ball}}}\\nrecord: {{m.z: velocity}}\\n"
+    ...     path = Path(folder, "hit.study.yaml")
+    ...     _ = path.write_text(study + "time: {duration: 10 ms, sampling: 10 kHz}", encoding="utf-8")
+    ...     first, kept = run_again(read_study(path), Kept())
+    ...     second, later = run_again(read_study(path, ("bodies.ball.mass=2 kg",)), kept)
+    >>> later.reused, later.solved[0] is kept.solved[0]
+    ('the modes', True)
+    >>> [round(one.cases["as given"].channels["m.z velocity"].whole, 3) for one in (first, second)]
+    [1.0, 1.333]
+    """
     clock = Stopwatch(progress)
     with compilation(expected_units(plan.cases)) as kernels:
         with clock("modes"):
-            solved = solve_all(plan.cases)
+            solved = solve_all(plan.cases, before.solved)
         if kernels.units:
             with clock("kernels"):
                 kernels.wait(progress)
@@ -101,9 +138,16 @@ def run_study(
             solved, checks = hold_accuracy(plan.cases, baseline, solved)
     transfers = RoomTransfers() if transfers is None else transfers
     order = sorted(plan.cases, key=lambda case: case.name != plan.baseline)
+    made_from = {} if checks else {case.name: _made_from(case, baseline, solved[case.name]) for case in order}
     results: dict[str, CaseResult] = {}
+    reused: list[str] = []
     interrupted: tuple[Finding, ...] = ()
     for case in order:
+        known = before.cases.get(made_from.get(case.name, ""))
+        if known is not None:
+            results[case.name] = replace(known, case=case)
+            reused.append(case.name)
+            continue
         try:
             results[case.name] = run_case(case, solved, baseline, clock, checks.get(case.name), transfers)
         except KeyboardInterrupt:
@@ -129,7 +173,13 @@ def run_study(
         }
         kept = {name: verdicts(result) for name, result in finished.items()}
         machine = machines(plan.baseline, finished, solved)
-    return StudyResult(
+    bases = tuple({id(one): one for one in solved.values()}.values())
+    left_behind = Kept(
+        solved=bases,
+        cases={made_from[name]: results[name] for name in finished if name in made_from},
+        reused=_reused(any(one in before.solved for one in bases), reused),
+    )
+    result = StudyResult(
         plan=plan,
         bases=_bases(finished, solved),
         models={result.basis_key: solved[name].model for name, result in finished.items()},
@@ -141,6 +191,23 @@ def run_study(
         verdicts=kept,
         machine=machine,
     )
+    return result, left_behind
+
+
+def _made_from(case: Case, baseline: Case, own: Solved) -> str:
+    """A name for all that the result of a case hangs on."""
+    return fingerprint((case, baseline.study.damping, key_of(baseline.study), sorted(own.pushed)))
+
+
+def _reused(modes: bool, cases: Sequence[str]) -> str:
+    """What a run took from the one before it, in words.
+
+    >>> _reused(True, ["as given", "soft"]), _reused(False, [])
+    ('the modes, cases as given, soft', 'nothing')
+    """
+    words = ["the modes"] if modes else []
+    words += [f"case{'s' if len(cases) > 1 else ''} {some_of(cases)}"] if cases else []
+    return ", ".join(words) or "nothing"
 
 
 def without_rooms(plan: Plan) -> Plan:
@@ -262,38 +329,3 @@ def run_case(
         radiated=radiated,
         heard=SILENT if whole is None else whole.heard,
     )
-
-
-def provenance(command: str) -> dict[str, str]:
-    """Versions, platform, time and command line of a run."""
-    packages: tuple[str, ...] = ("femstruct", "numpy", "scipy", "numba", "h5py")
-    packages += ("rslab",) if FASTEST == "rslab" else ()
-    return {f"{name}_version": version(name) for name in packages} | {
-        "sparse_solver": FASTEST,
-        "python": sys.version.split()[0],
-        "platform": platform.platform(),
-        "utc": datetime.now(UTC).isoformat(timespec="seconds"),
-        "command": command,
-    }
-
-
-class Stopwatch:
-    """CPU seconds by stage, told to a listener as each stage starts."""
-
-    def __init__(self, progress: Progress) -> None:
-        self._progress = progress
-        self.seconds: dict[str, float] = {}
-
-    @contextmanager
-    def __call__(self, stage: str, case: str = "") -> Iterator[None]:
-        self._progress(f"{case}: {stage}" if case else stage)
-        begin = _cpu_seconds()
-        try:
-            yield
-        finally:
-            self.seconds[stage] = self.seconds.get(stage, 0.0) + _cpu_seconds() - begin
-
-
-def _cpu_seconds() -> float:
-    """Of this process and of those it has waited for."""
-    return time.process_time() + sum(os.times()[2:4])

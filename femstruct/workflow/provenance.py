@@ -1,0 +1,51 @@
+"""Where a result comes from, and the CPU seconds that its stages took."""
+
+from __future__ import annotations
+
+import os
+import platform
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from datetime import UTC, datetime
+from importlib.metadata import version
+
+from femstruct.modal.solvers import FASTEST
+
+Progress = Callable[[str], None]
+
+
+def provenance(command: str) -> dict[str, str]:
+    """Versions, platform, time and command line of a run."""
+    packages: tuple[str, ...] = ("femstruct", "numpy", "scipy", "numba", "h5py")
+    packages += ("rslab",) if FASTEST == "rslab" else ()
+    return {f"{name}_version": version(name) for name in packages} | {
+        "sparse_solver": FASTEST,
+        "python": sys.version.split()[0],
+        "platform": platform.platform(),
+        "utc": datetime.now(UTC).isoformat(timespec="seconds"),
+        "command": command,
+    }
+
+
+class Stopwatch:
+    """CPU seconds by stage, told to a listener as each stage starts."""
+
+    def __init__(self, progress: Progress) -> None:
+        self._progress = progress
+        self.seconds: dict[str, float] = {}
+
+    @contextmanager
+    def __call__(self, stage: str, case: str = "") -> Iterator[None]:
+        self._progress(f"{case}: {stage}" if case else stage)
+        begin = _cpu_seconds()
+        try:
+            yield
+        finally:
+            self.seconds[stage] = self.seconds.get(stage, 0.0) + _cpu_seconds() - begin
+
+
+def _cpu_seconds() -> float:
+    """Of this process and of those it has waited for."""
+    return time.process_time() + sum(os.times()[2:4])
