@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from acoustics.arrays import Floats, Integers
 from acoustics.cavity import horizontal_wavenumber, project
 from acoustics.errors import AcousticsError
-from acoustics.room import Room, modal_damping_ratio
+from acoustics.room import Room, modal_damping_ratios
 from acoustics.source import SurfaceVelocity
 
 ENOUGH: Final = 1e-4  # share (rms, 0.001 dB) of the last orders in the pressure at which no more are added
@@ -93,7 +93,7 @@ def audible(
     """
     k_lm = horizontal_wavenumber(room, orders)
     omega = room.air.c * np.where(k_lm > 0, k_lm, np.pi / float(room.size[:2].max()))
-    ratio = np.array([modal_damping_ratio(room.losses, w / (2 * np.pi)) for w in omega.tolist()])
+    ratio = modal_damping_ratios(room.losses, omega / (2 * np.pi))
     kept = np.zeros(len(orders), dtype=bool)
     for product, energy in zip(products, quietest, strict=True):
         loudest = np.sqrt(np.einsum("nk,nk->n", coefficients @ product, coefficients).clip(0.0))

@@ -159,8 +159,14 @@ def modal_damping_ratio(losses: Losses, frequency_hz: float) -> float:
     >>> modal_damping_ratio(losses_from_beta(0.0116, 293, "source"), 50.0)
     0.0116
     """
-    omega = 2 * pi * positive("frequency", frequency_hz, "Hz")
-    return omega * losses.relaxation_time / 2 + losses.decay_rate / omega + losses.beta  # those of other kinds are 0
+    return float(modal_damping_ratios(losses, np.array([positive("frequency", frequency_hz, "Hz")]))[0])
+
+
+def modal_damping_ratios(losses: Losses, frequency_hz: Floats) -> Floats:
+    """As `modal_damping_ratio`, of many modes [n] at frequencies above 0 [Hz]."""
+    omega = 2 * pi * frequency_hz
+    ratios: Floats = omega * losses.relaxation_time / 2 + losses.decay_rate / omega + losses.beta  # of other kinds 0
+    return ratios
 
 
 @dataclass(frozen=True, eq=False)

@@ -75,7 +75,7 @@ def run(
         bool, typer.Option("--no-pictures", help="numbers, tables and sound alone: half the time")
     ] = False,
     watch: Annotated[
-        bool, typer.Option("--watch", help="run again whenever a file of the study is saved, without pictures")
+        bool, typer.Option("--watch", help="run again whenever a file of the study is saved; Ctrl-C ends it")
     ] = False,
     as_json: AsJson = False,
 ) -> int:
@@ -88,7 +88,7 @@ def run(
     folder = output or Path("results") / study.name.removesuffix(".yaml").removesuffix(".study")
     refuse_unwritable(folder)
     if watch:
-        return _watched(study, set_, case, folder, as_json)
+        return _watched(study, set_, case, folder, as_json, not no_pictures)
     _, result = _solve(study, set_, case)
     with _progress() as tell:
         seconds, told = write_all(result, folder, tell, pictures=not no_pictures)
@@ -276,29 +276,33 @@ def _solve(study: Path, sets: list[str], case: str, with_rooms: bool = True) -> 
         return plan, run_study(plan, tell, " ".join(["femstruct", *sys.argv[1:]]))
 
 
-def _watched(study: Path, sets: list[str], case: str, folder: Path, as_json: bool) -> int:
-    """Rounds of a study until Ctrl-C, which is how it is left."""
+def _watched(study: Path, sets: list[str], case: str, folder: Path, as_json: bool, pictures: bool) -> int:
+    """Rounds of a study until Ctrl-C; then all files of the last one are written."""
     from femstruct.exits import tell
     from femstruct.files.tables import summary
     from femstruct.view.terminal import show_study
+    from femstruct.workflow.output import write_all
     from femstruct.workflow.watch import rounds
 
-    code = GOOD
-    with _progress() as told:
-        try:
+    code, last = GOOD, None
+    try:
+        with _progress() as told:
             for one in rounds(study, sets, case, folder, told, command=" ".join(["femstruct", *sys.argv[1:]])):
-                if one.result is None:
-                    code = tell(one.error) if one.error is not None else GOOD
-                else:
-                    code = _verdict(one.result)
+                if one.error is not None:
+                    code = tell(one.error)
+                elif one.result is not None:
+                    code, last = _verdict(one.result), one.result
                     if as_json:
-                        _print_json(summary(one.result))
+                        _print_json(summary(last))
                     else:
-                        show_study(one.result, {}, str(folder))
+                        show_study(last, {}, str(folder))
                 print(f"{one.seconds:.2f} s, reused: {one.reused}; waiting for a change, Ctrl-C ends", file=sys.stderr)
                 told("waiting for a change of the study's files")
-        except KeyboardInterrupt:
-            return code
+    except KeyboardInterrupt:
+        if last is not None:
+            print("writing all files of the last run; Ctrl-C again leaves them out", file=sys.stderr)
+            with _progress() as told:
+                write_all(last, folder, told, pictures)
     return code
 
 

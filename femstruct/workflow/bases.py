@@ -113,10 +113,14 @@ def damped(case: Case, solved: Mapping[str, Solved], baseline: Case) -> ModalBas
     mode numbers would give them to other modes.
     """
     own, reference = solved[case.name], solved[baseline.name]
-    changes_damping = any(path.split(".")[0] == "damping" for path in case.changes)
-    if own.key == reference.key or changes_damping:
+    if own.key == reference.key or changes_damping(case):
         return with_damping(own.basis, case.study.damping)
     return carry_damping(baseline.study.damping, reference.basis, own.basis)
+
+
+def changes_damping(case: Case) -> bool:
+    """Whether a case says itself how its structure is damped."""
+    return any(path.split(".")[0] == "damping" for path in case.changes)
 
 
 def _closed_form(

@@ -10,10 +10,10 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from acoustics.cavity import cosines
+from acoustics.cavity import overlaps
 from acoustics.field import HalfSpace
 from acoustics.methods import Method
-from acoustics.room import Room, modal_damping_ratio, room_modes, t60_of
+from acoustics.room import Room, modal_damping_ratios, room_modes, t60_of
 from acoustics.shaped import ShapedRoom
 from femstruct.arrays import Floats
 from femstruct.errors import Finding
@@ -103,16 +103,15 @@ def mode_pairs(plan: RoomPlan, surface: Surface, basis: ModalBasis) -> ModePairs
     top = SINGLE_MODES * sqrt(t60 / room.volume)
     elastic = np.flatnonzero((np.array(basis.kind) == "elastic") & (basis.frequency_hz <= top))
     points = room_coordinates(surface, room, plan.offset, plan.name)
-    room_hz, sounds, squares = _on_ceiling(room, points, top)
+    shapes, weights = surface.shapes(basis.shapes[:, :, elastic]), surface.weights
+    room_hz, products, others, squares = _on_ceiling(room, points, weights, shapes, top)
     if not (len(elastic) and len(room_hz)):
         return _no_pairs()
-    shapes, weights = surface.shapes(basis.shapes[:, :, elastic]), surface.weights
-    sizes, others = (np.sqrt(weights @ one**2) for one in (shapes, sounds))
-    products = np.abs(shapes.T @ (weights[:, None] * sounds))
+    sizes, products = np.sqrt(weights @ shapes**2), np.abs(products)
     both = np.outer(sizes, others)
     floor_hz = basis.frequency_hz[elastic]
     floor_width = 2 * np.nan_to_num(basis.damping_ratio[elastic]) * floor_hz
-    room_width = np.array([2 * modal_damping_ratio(room.losses, f) * f for f in room_hz.tolist()])
+    room_width = 2 * modal_damping_ratios(room.losses, room_hz) * room_hz
     apart = np.abs(floor_hz[:, None] - room_hz)
     widths = floor_width[:, None] + room_width
     exchange = room.air.c * np.sqrt(room.air.rho / squares) * products / (2 * pi)  # g / 2 pi
@@ -172,15 +171,25 @@ def _exchanged(pairs: ModePairs) -> str:
     return f", and with one-way coupling they are up to {band:.1f} dB too loud in a band"
 
 
-def _on_ceiling(room: Room | ShapedRoom, points: Floats, up_to_hz: float) -> tuple[Floats, Floats, Floats]:
-    """Modes of a room up to a frequency, without the uniform one: frequencies [n] [Hz], shapes at the points [p, n],
-    integrals of their squares over the room [n] [m^3]."""
+def _on_ceiling(
+    room: Room | ShapedRoom, points: Floats, weights: Floats, shapes: Floats, up_to_hz: float
+) -> tuple[Floats, Floats, Floats, Floats]:
+    """Modes of a room up to a frequency, without the uniform one: frequencies [n] [Hz]; integrals over the surface of
+    their shapes times shapes [p, k] of a floor [k, n]; roots of those of their squares [n]; integrals of their squares
+    over the room [n] [m^3]."""
     if isinstance(room, ShapedRoom):
         chosen = np.flatnonzero((room.frequency_hz <= up_to_hz) & (np.arange(len(room.frequency_hz)) > 0))
-        return room.frequency_hz[chosen], room.modes.at(points)[:, chosen], np.full(len(chosen), room.volume)
+        sounds = room.modes.at(points)[:, chosen]
+        products, sizes = shapes.T @ (weights[:, None] * sounds), np.sqrt(weights @ sounds**2)
+        return room.frequency_hz[chosen], products, sizes, np.full(len(chosen), room.volume)
     frequency_hz, indices = room_modes(room, up_to_hz)
     squares = room.volume * np.where(indices > 0, 0.5, 1.0).prod(axis=1)
-    return frequency_hz, cosines(room, indices[:, :2], points), squares
+    orders, at = np.unique(indices[:, :2], axis=0, return_inverse=True)  # on the ceiling many modes look alike
+    products = overlaps(room, orders, points, weights[:, None] * shapes).T
+    # cos^2 a cos^2 b = (1 + cos 2a + cos 2b + cos 2a cos 2b) / 4
+    doubled = sum(overlaps(room, orders * twice, points, weights[:, None])[:, 0] for twice in ([2, 0], [0, 2], [2, 2]))
+    sizes = np.sqrt(np.maximum(weights.sum() + doubled, 0.0) / 4.0)
+    return frequency_hz, products[:, at.ravel()], sizes[at.ravel()], squares
 
 
 def floating(structure: StructureModel, bands_hz: tuple[float, ...]) -> list[Finding]:

@@ -66,14 +66,34 @@ def _cleared(removed: Sequence[str]) -> str:
     return f"removed what an earlier run left and this one does not make: {names}" if removed else ""
 
 
+def write_numbers(result: StudyResult, folder: Path, progress: Progress = lambda line: None) -> str:
+    """Write summary.json, the sounds, and report.html without pictures: what a person changes a number for.
+
+    Files take their places as those of `write_all` do. Returns sentences about what was removed or is older.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    clock = Stopwatch(progress)
+    with together(folder, finished=len(result.cases) == len(result.plan.cases)) as stage:
+        _write_summary(result, stage.path)
+        with clock("sound"):
+            sounds = _write_sounds(result, stage.path)
+        heard = {name: (stage.path / name).read_bytes() for name in sounds}
+        write_report(result, stage.path / "report.html", sounds=heard)
+    return "\n".join(filter(None, (_cleared(stage.removed), _older(stage.older))))
+
+
+def _write_summary(result: StudyResult, folder: Path) -> None:
+    with replacing(folder / "summary.json") as path:
+        path.write_text(json.dumps(summary(result), indent=1, allow_nan=False) + "\n", encoding="utf-8")
+
+
 def _write(result: StudyResult, folder: Path, clock: Stopwatch, pictures: bool) -> str:
     """All files in their order; a sentence about pictures that were left out."""
-    with clock("results file"):
-        write_results(folder / "results.h5", result)
-        with replacing(folder / "summary.json") as path:
-            path.write_text(json.dumps(summary(result), indent=1, allow_nan=False) + "\n", encoding="utf-8")
     with clock("sound"):
         sounds = _write_sounds(result, folder)
+    with clock("results file"):
+        write_results(folder / "results.h5", result)
+        _write_summary(result, folder)
         for plan in result.cases[result.plan.baseline].case.study.rooms:
             write_room_modes(plan, (folder / file_name("room_modes", plan.name)).with_suffix(".vtu"))
     shown, left_out = _drawn(result, folder, clock) if pictures else ([], NO_PICTURES)

@@ -18,7 +18,7 @@ from femstruct.study.result import SILENT, AccuracyCheck, CaseResult, StudyResul
 from femstruct.study.study import Case, Plan, Study
 from femstruct.workflow.accuracy import accuracy_findings, hold_accuracy
 from femstruct.workflow.air import ceiling, coupled, coupled_key, weight_on_air
-from femstruct.workflow.bases import Solved, damped, key_of, solve_all
+from femstruct.workflow.bases import Solved, changes_damping, damped, key_of, solve_all
 from femstruct.workflow.blank_bands import blank_findings
 from femstruct.workflow.channels import motion_rows, record, refuse_absent_forces
 from femstruct.workflow.checks import aliased_findings, room_findings
@@ -196,7 +196,8 @@ def run_again(
 
 def _made_from(case: Case, baseline: Case, own: Solved) -> str:
     """A name for all that the result of a case hangs on."""
-    return fingerprint((case, baseline.study.damping, key_of(baseline.study), sorted(own.pushed)))
+    damping = (baseline.study.damping, key_of(baseline.study), changes_damping(case))
+    return fingerprint((case.study, case.drops, damping, sorted(own.pushed)))
 
 
 def _reused(modes: bool, cases: Sequence[str]) -> str:
@@ -254,9 +255,10 @@ def run_case(
     study, own = case.study, solved[case.name]
     with clock("damping", case.name):
         basis = damped(case, solved, baseline)
+    with clock("judgement", case.name):
+        judged_before = (*all_findings(own, basis, case.studies, study.frf), *study_findings(case, own.places))
     findings = [
-        *all_findings(own, basis, case.studies, study.frf),
-        *study_findings(case, own.places),
+        *judged_before,
         *(accuracy_findings(accuracy) if accuracy is not None else ()),
     ]
     told: list[tuple[str, Advice | Finding]] = []
@@ -304,12 +306,15 @@ def run_case(
         findings += told_once({place: one.findings for place, one in struck.items()})
         rated = rate_rooms(study, [one.bands_db for one in struck.values()])
         told += weight_on_air(whole.response, vacuo, study.rooms)
-        for plan in study.rooms:
-            told += [(plan.name, found) for found in overlap_findings(plan, study, vacuo)]
-            told += [(plan.name, found) for found in blank_findings(plan, study, basis.complete_below_hz)]
-            told += [(plan.name, one) for one in meeting_findings(plan, study, ceiling(plan, own.places), vacuo)]
-            if plan.coupling == "one-way":
-                told += [(plan.name, found) for found in coupling_findings(vacuo, ceiling(plan, own.places), plan.room)]
+        with clock("judgement", case.name):
+            for plan in study.rooms:
+                told += [(plan.name, found) for found in overlap_findings(plan, study, vacuo)]
+                told += [(plan.name, found) for found in blank_findings(plan, study, basis.complete_below_hz)]
+                told += [(plan.name, one) for one in meeting_findings(plan, study, ceiling(plan, own.places), vacuo)]
+                if plan.coupling == "one-way":
+                    told += [
+                        (plan.name, found) for found in coupling_findings(vacuo, ceiling(plan, own.places), plan.room)
+                    ]
     findings += room_findings(told)
     return CaseResult(
         case=case,

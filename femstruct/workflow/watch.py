@@ -12,7 +12,7 @@ from typing import Final
 from femstruct.language import read_study
 from femstruct.study.result import StudyResult
 from femstruct.study.study import Plan
-from femstruct.workflow.output import write_all
+from femstruct.workflow.output import write_numbers
 from femstruct.workflow.positions import positioned
 from femstruct.workflow.provenance import Progress
 from femstruct.workflow.run import Kept, run_again
@@ -23,13 +23,12 @@ Stamp = tuple[tuple[int, int] | None, ...]  # time and size of every file, None 
 
 @dataclass(frozen=True, eq=False)
 class Round:
-    """One run of a watched study: result, what it took from the last one, seconds from the saving on, and what was said
-    about its files; or only the error that it ended with."""
+    """One run of a watched study: result, what it took from the last one, seconds until its numbers and sound were
+    written; or the error that it ended with."""
 
     result: StudyResult | None
     reused: str
     seconds: float
-    told: str = ""
     error: Exception | None = None
 
 
@@ -49,8 +48,9 @@ def rounds(
 ) -> Iterator[Round]:
     """Run a study, and again at every change of its files, its model's, and those they name, until nobody waits.
 
-    Numbers, tables and sound are written to the folder at every round; pictures are left out. A file that cannot be
-    read, or a result that cannot be had, is a round with an error: what was kept stays, and the next saving is awaited.
+    Numbers, tables and sound are written to the folder at every round, no results.h5 and no pictures. A file that
+    cannot be read, or a result that cannot be had, is a round with an error: what was kept stays, and the watch goes
+    on.
     wait : called between two looks at the files; False ends the watch.
     """
     kept = Kept()
@@ -63,8 +63,8 @@ def rounds(
             stamp = _stamp(files)
             with positioned(plan):
                 result, kept = run_again(plan, kept, progress, command)
-            _, told = write_all(result, folder, progress, pictures=False)
-            yield Round(result, kept.reused, time.perf_counter() - begin, told)
+            write_numbers(result, folder, progress)
+            yield Round(result, kept.reused, time.perf_counter() - begin)
         except Exception as error:  # told by who watches: a saved mistake does not end the watch
             yield Round(None, "nothing", time.perf_counter() - begin, error=error)
         if not _changed(files, stamp, wait):
