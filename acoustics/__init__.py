@@ -15,8 +15,9 @@ The way through this wing, each step a pure function or a frozen noun::
 
 Layers, lowest first: ``errors arrays air room source walls | extension cavity meshes fem yielding shaped | orders
 judgement absorption together pressure transfers cavity_pressure maps harmonic coupled coupled_fem field multipoles
-sphere sheet radiation directivity | bands ending weighting levels ratings grades decay exposure methods rated
-sound_energy``; a module imports from lower ones only. Nothing here knows of finite elements, opens a file or prints.
+sphere sheet radiation directivity | bands ending filters weighting levels ratings grades decay exposure methods
+rated sound_energy``; a module imports from lower ones only. Nothing here knows of finite elements, opens a file or
+prints.
 
 Harmonic quantities are the real part of X exp(+j omega t). The surface's velocity is positive into the room, where it
 raises the pressure. Coordinates are the room's own: from its lower corner, z up, the ceiling at z = Lz.

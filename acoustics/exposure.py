@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from math import ceil, log10
+from math import log10
 from typing import Final
 
 import numpy as np
-import scipy
 
 from acoustics.arrays import Floats, frozen, positive
-from acoustics.bands import band_filter, octave_bands, ringing_time
 from acoustics.errors import AcousticsError
+from acoustics.filters import band_passes
 
 EXPOSURE_BANDS_HZ: Final = (31.5, 63.0, 125.0, 250.0, 500.0)
 LEAST_SAMPLING_HZ: Final = 1600.0  # for the octave at 500 Hz
@@ -41,12 +39,10 @@ def force_exposure_levels(force: Floats, dt: float) -> dict[float, float]:
     """
     force = frozen("force", force, (None,))
     sampling_hz = 1 / positive("dt", dt, "s")
-    centres: Mapping[float, float] = octave_bands(sampling_hz)
     if sampling_hz < LEAST_SAMPLING_HZ * (1 - 1e-9):
         raise AcousticsError("dt", got=f"{sampling_hz:g} Hz", expected=f"{LEAST_SAMPLING_HZ:g} Hz or more")
-    found = {}
+    passes, found = band_passes(len(force), sampling_hz, 1, thinned=False), {}
     for nominal in EXPOSURE_BANDS_HZ:
-        tail = np.zeros(ceil(ringing_time(centres[nominal], 1) / dt))
-        heard = scipy.signal.sosfilt(band_filter(centres[nominal], sampling_hz, 1), np.concatenate((force, tail)))
+        heard = passes[nominal].of(np.fft.rfft(force, passes[nominal].length), 0.0).values
         found[nominal] = 10 * log10(max(float(heard @ heard) * dt, _NOTHING))
     return found

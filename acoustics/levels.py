@@ -12,15 +12,13 @@ from types import MappingProxyType
 from typing import Final
 
 import numpy as np
-import scipy
 
 from acoustics.arrays import Floats, freeze, frozen, positive
-from acoustics.bands import Fraction, band_filter, octave_bands, ringing_time, third_octave_bands
-from acoustics.ending import shown
+from acoustics.bands import Fraction, octave_bands, ringing_time, third_octave_bands
 from acoustics.errors import AcousticsError, Advice
-from acoustics.extension import faded
+from acoustics.filters import band_passes
 from acoustics.pressure import RoomResponse
-from acoustics.weighting import FrequencyWeighting, TimeWeighting, time_weighted, weighted
+from acoustics.weighting import FrequencyWeighting, TimeWeighting, time_weighted, weighted, weighted_by
 
 REFERENCE_PA: Final = 20e-6
 _SILENCE: Final = 1e-30  # Pa^2, -205 dB: the level of nothing is a number
@@ -74,9 +72,8 @@ def response_levels(response: RoomResponse, bands_of: RoomResponse | None = None
         what its filter hears from beyond the edge is up to 0.1 dB.
     """
     end = response.complete_below_hz
-    filters = _Filters.at(1 / response.dt, end)
     rows = zip(response.receivers, response.p, (bands_of or response).p, strict=True)
-    return {receiver.name: _levels(p, whole, response.dt, filters, end) for receiver, p, whole in rows}
+    return {receiver.name: _levels(p, whole, response.dt, end) for receiver, p, whole in rows}
 
 
 def sound_levels(p: Floats, dt: float) -> Levels:
@@ -97,66 +94,45 @@ def sound_levels(p: Floats, dt: float) -> Levels:
     (93.98, 93.98, 96.99, 96.99)
     """
     p = frozen("p", p, (None,))
-    return _levels(p, p, dt, _Filters.at(1 / positive("dt", dt, "s"), inf), inf)
+    return _levels(p, p, positive("dt", dt, "s"), inf)
 
 
-@dataclass(frozen=True, eq=False)
-class _Filters:
-    """Band filters of one sampling, which are dear to design: {nominal: exact centre} [Hz] of octaves (1) and third
-    octaves (3), and {nominal: sections} of those that lie below where the sound ends."""
-
-    centres: Mapping[Fraction, Mapping[float, float]]
-    sections: Mapping[Fraction, Mapping[float, Floats]]
-
-    @classmethod
-    def at(cls, sampling_hz: float, end_hz: float) -> _Filters:
-        centres: dict[Fraction, dict[float, float]] = {1: octave_bands(sampling_hz), 3: third_octave_bands(sampling_hz)}
-        sections = {
-            fraction: {
-                nominal: band_filter(centre, sampling_hz, fraction)
-                for nominal, centre in bands.items()
-                if shown(centre, end_hz, fraction)
-            }
-            for fraction, bands in centres.items()
-        }
-        return cls(centres, sections)
-
-
-def _levels(p: Floats, whole: Floats, dt: float, filters: _Filters, end_hz: float) -> Levels:
-    """Levels of a history `p` [nt] that ends at a frequency, its bands of the `whole` one, with filters of its
-    sampling."""
-    bands, exposures = _band_levels(whole, dt, filters, 3)
-    square = weighted(p, dt, "A") ** 2
+def _levels(p: Floats, whole: Floats, dt: float, end_hz: float) -> Levels:
+    """Levels of a history `p` [nt] that ends at a frequency, its bands of the `whole` one."""
+    bands, exposures = _band_levels(whole, dt, 3, end_hz)
+    by_ear, nearly_flat = weighted_by(p, dt, ("A", "C"))
+    square = by_ear**2
     peak, total = float(np.abs(p).max()), float(square.sum()) * dt
     return Levels(
         peak_pa=peak,
         l_peak_db=_decibel(peak**2),
-        l_cpeak_db=_decibel(float(np.abs(weighted(p, dt, "C")).max()) ** 2),
+        l_cpeak_db=_decibel(float(np.abs(nearly_flat).max()) ** 2),
         l_afmax_db=_decibel(float(time_weighted(square, dt, "F").max())),
         l_asmax_db=_decibel(float(time_weighted(square, dt, "S").max())),
         l_aimax_db=_decibel(float(time_weighted(square, dt, "I").max())),
         l_aeq_db=_decibel(total / (len(p) * dt)),
         l_ae_db=_decibel(total),
         bands_db=bands,
-        octaves_db=_band_levels(whole, dt, filters, 1)[0],
+        octaves_db=_band_levels(whole, dt, 1, end_hz)[0],
         exposure_db=exposures,
-        findings=_unsettled(len(p) * dt, filters.centres[3]),
+        findings=_unsettled(len(p) * dt, third_octave_bands(1 / dt)),
         complete_below_hz=end_hz,
     )
 
 
 def _band_levels(
-    p: Floats, dt: float, filters: _Filters, fraction: Fraction
+    p: Floats, dt: float, fraction: Fraction, end_hz: float
 ) -> tuple[dict[float, float], dict[float, float]]:
     """({nominal: largest Fast level}, {nominal: exposure level}) of octaves (1) or third octaves (3) [Hz], nan beyond
     the sound's end."""
-    centres = filters.centres[fraction]
+    centres = octave_bands(1 / dt) if fraction == 1 else third_octave_bands(1 / dt)
     largest, exposures = dict.fromkeys(centres, nan), dict.fromkeys(centres, nan)
-    for nominal, sections in filters.sections[fraction].items():
-        tail = ceil(ringing_time(centres[nominal], fraction) / dt)
-        heard = scipy.signal.sosfilt(sections, faded(p, tail))
-        largest[nominal] = _decibel(float(time_weighted(heard**2, dt, "F").max()))
-        exposures[nominal] = _decibel(float(heard @ heard) * dt)
+    passes = band_passes(len(p), 1 / dt, fraction, end_hz)
+    spectrum = np.fft.rfft(p, next((one.length for one in passes.values()), len(p)))
+    for nominal, one in passes.items():
+        heard = one.of(spectrum, float(p[-1]))
+        largest[nominal] = _decibel(float(time_weighted(heard.values**2, dt, "F", heard.every).max()))
+        exposures[nominal] = _decibel(float(heard.values @ heard.values) * heard.every * dt)
     return largest, exposures
 
 
@@ -198,10 +174,11 @@ def equivalent_levels(
         raise AcousticsError("p", got=f"a record of {len(p) * dt:g} s", expected=f"more than {since_s:g} s")
     centres = octave_bands(1 / dt) if fraction == 1 else third_octave_bands(1 / dt)
     found = dict.fromkeys(centres, nan)
-    for nominal, centre in centres.items():
-        if shown(centre, complete_below_hz, fraction):
-            heard = scipy.signal.sosfilt(band_filter(centre, 1 / dt, fraction), p)[first:]
-            found[nominal] = _decibel(float(np.mean(heard**2)))
+    passes = band_passes(len(p), 1 / dt, fraction, complete_below_hz, thinned=False)
+    spectrum = np.fft.rfft(p, next((one.length for one in passes.values()), len(p)))
+    for nominal, one in passes.items():
+        heard = one.of(spectrum, 0.0).values[first : len(p)]
+        found[nominal] = _decibel(float(np.mean(heard**2)))
     return found
 
 

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Final, Literal
 
 import numpy as np
-import scipy
 
 from acoustics.arrays import Complexes, Floats
 from acoustics.errors import AcousticsError
@@ -36,18 +36,23 @@ def frequency_weighting(frequency_hz: Floats, kind: FrequencyWeighting) -> Compl
 
 def weighted(p: Floats, dt: float, kind: FrequencyWeighting) -> Floats:
     """History [nt] of `p` [nt], sampled every `dt` [s], through a frequency weighting: the exact response, padded."""
-    if kind == "Z":
-        return p
+    return p if kind == "Z" else next(iter(weighted_by(p, dt, (kind,))))
+
+
+def weighted_by(p: Floats, dt: float, kinds: Sequence[FrequencyWeighting]) -> list[Floats]:
+    """The same through each of several, its spectrum found once."""
     length = fast_length(2 * len(p))
-    padded = faded(p, length - len(p))
-    weights = frequency_weighting(np.asarray(np.fft.rfftfreq(length, dt), dtype=np.float64), kind)
-    return np.fft.irfft(np.fft.rfft(padded) * weights, length)[: len(p)]
+    spectrum = np.fft.rfft(faded(p, length - len(p)))
+    frequency_hz = np.asarray(np.fft.rfftfreq(length, dt), dtype=np.float64)
+    gains = [frequency_weighting(frequency_hz, kind) for kind in kinds]
+    return [np.fft.irfft(spectrum * gain, length)[: len(p)] for gain in gains]
 
 
-def time_weighted(square: Floats, dt: float, kind: TimeWeighting) -> Floats:
+def time_weighted(square: Floats, dt: float, kind: TimeWeighting, every: float = 1.0) -> Floats:
     """Mean square of `square` [nt] as a meter's needle shows it.
 
     F, S : exponential averages with 125 ms and 1 s. I : one with 35 ms, whose falls are held up to 1.5 s.
+    every : of how many samples, `dt` apart, one is given, of a square that is smooth between them.
 
     >>> import numpy as np
     >>> burst = np.where(np.arange(4800) < 960, 1.0, 0.0)  # 20 ms at 48 kHz
@@ -57,8 +62,22 @@ def time_weighted(square: Floats, dt: float, kind: TimeWeighting) -> Floats:
     if kind not in TIME_S:
         raise AcousticsError("time weighting", got=repr(kind), expected="F, S or I")
     keep = np.exp(-dt / TIME_S[kind])
-    average: Floats = scipy.signal.lfilter([1 - keep], [1, -keep], square)
-    return _held(average, dt) if kind == "I" else average
+    # sums over the given samples are trapezia of the integral, those over all have their own last sample whole
+    summed = every * (_summed(square, keep**every) - 0.5 * square) + 0.5 * square
+    average = (1 - keep) * summed
+    return _held(average, every * dt) if kind == "I" else average
+
+
+def _summed(values: Floats, keep: float) -> Floats:
+    """Sums s_n = v_n + keep s_(n-1) of values [nt] that are not negative, as those of v_n keep^-n."""
+    summed, before = np.empty_like(values), 0.0
+    chunk = int(_LONGEST_EXPONENT / -np.log(keep))
+    for start in range(0, len(values), chunk):
+        part = values[start : start + chunk]
+        fall = keep ** np.arange(1.0, len(part) + 1.0)
+        summed[start : start + chunk] = (np.cumsum(part / fall) + before) * fall
+        before = float(summed[start + len(part) - 1])
+    return summed
 
 
 def _held(average: Floats, dt: float) -> Floats:

@@ -65,6 +65,7 @@ ACOUSTICS = [
     [
         "acoustics.bands",
         "acoustics.ending",
+        "acoustics.filters",
         "acoustics.weighting",
         "acoustics.levels",
         "acoustics.ratings",
