@@ -21,6 +21,7 @@ from femstruct.model.material import MOST_LOSSES
 from femstruct.units import DIMENSIONS, QuantityError, quantity_of, shown_as
 
 SMALLEST, LARGEST = 1e-30, 1e20  # beyond them nothing is meant, and squares and cubes of it leave what numbers can hold
+FARTHEST = 1e6  # metres
 LATER: Final = "not yet in this version"
 _QUANTITY_PATTERN: Final = (
     r"^\s*[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?\s*[A-Za-z%°µμ1].*$|^\s*[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?\s*$"
@@ -104,8 +105,9 @@ class Quantity:
         if self.most is not None and not number <= self.most:
             do = self.too_large.format(number=number, thousandfold=1e3 * number)
             raise refuse(shown_as(value), f"{named.words} of at most {self._shown(self.most)}", do)
-        if number and not SMALLEST <= abs(number) <= LARGEST:
-            expected = f"{named.words} between {SMALLEST:g} and {LARGEST:g} {named.unit}"
+        largest = FARTHEST if named.unit == "m" else LARGEST
+        if number and not SMALLEST <= abs(number) <= largest:
+            expected = f"{named.words} between {SMALLEST:g} and {largest:g} {named.unit}"
             raise refuse(shown_as(value), expected, "correct its power of ten")
         return Measured(number, dimension) if self.which else number
 

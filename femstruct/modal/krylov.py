@@ -9,10 +9,12 @@ from scipy.linalg import eigh
 from scipy.sparse import csc_array, csr_array
 
 from femstruct.arrays import Floats
+from femstruct.errors import NotConverged
 
 # Solves of several right-hand sides read the factor once. More of them at once need more vectors in all; rigid modes,
 # up to six of one eigenvalue, are found together.
 BLOCK = 8
+MOST_VECTORS = 600
 _GONE = 1e-12  # of its length: what is left of a vector that lies in the space already
 
 
@@ -121,6 +123,8 @@ def converge(space: Krylov, k: int, tol: float) -> tuple[Floats, Floats]:
     """The k largest eigenvalues of (K - sigma M)^-1 M, descending, and their shapes [n, k]; fewer if there are fewer.
 
     tol : residual over eigenvalue; where rounding does not let it be reached, the space grows until it is complete.
+
+    Raises NotConverged where that would take more than MOST_VECTORS, some ten times what it takes as a rule.
     """
     look = k
     while True:
@@ -128,6 +132,14 @@ def converge(space: Krylov, k: int, tol: float) -> tuple[Floats, Floats]:
             values, vectors, residuals = space.ritz()
             if (residuals[:k] <= tol * values[:k]).all():
                 return values[:k], space.keep(vectors[:, :k])
+            if space.expanded > max(MOST_VECTORS, 6 * k):
+                reached = float((residuals[:k] / values[:k]).max())
+                raise NotConverged(
+                    "modes",
+                    got=f"{k} modes to {reached:.1g} of their eigenvalues with {space.expanded} vectors",
+                    expected=f"{tol:.1g}",
+                    do="stiffnesses or masses lie too far apart: look for a mistaken unit or size, or ask for fewer",
+                )
             look = space.expanded + max(BLOCK, space.expanded // 20)
         if not space.expand():
             values, vectors, _ = space.ritz()

@@ -16,6 +16,7 @@ from femstruct.modal.factor import Factor, Pencil, factorise, relative_energy
 from femstruct.modal.krylov import Krylov, converge
 from femstruct.modal.solvers import FASTEST
 
+MOST_MODES = 3000  # they take minutes, and gigabytes in anything that rings for a while
 _DENSE = 300  # degrees of freedom up to which full matrices cost less than the set-up of Lanczos
 # A rigid mode strains nothing but rounding: 1e-16 of the terms of phi^T K phi at most on plates, frames and joints
 # of all sizes tried. The softest elastic mode of a 400 x 400 plate has 1e-12, of a floor on springs at 0.2 Hz 1e-11.
@@ -89,6 +90,9 @@ def modes(
             raise FemstructError("modes up_to", got=f"{up_to_hz:g} Hz", expected="a positive frequency")
         limit = (2.0 * np.pi * up_to_hz) ** 2
         mu, wanted = _count_near(pencil, limit)
+        if wanted > MOST_MODES:
+            got = f"{wanted} modes below {up_to_hz:.4g} Hz"
+            raise InputError("modes up_to", got=got, expected=f"at most {MOST_MODES}", do="lower the frequency")
         first = min(wanted + 2, n)
     else:
         assert count is not None

@@ -204,6 +204,8 @@ def command_on(path: Path, name: str, kind: str, seed: int, out: Path, *, quick:
         point = points[seed % len(points)][0]
         frf = ["frf", file, "--drive", f"{point}.z", "--response", f"{point}.z", "--band", "1:200"]
         return ["modes", file, "--count", "6"] if turn in (1, 3) else frf if turn == 5 else ["check", file]
+    if name == "l_room":  # a whole run of it takes most of a minute as it is
+        return ["check", file]
     if quick:
         return ["impact" if turn in (1, 3) else "sound" if turn == 5 else "check", file]
     return ["run", file, "-o", str(out)] if turn in (1, 4) else ["impact" if turn == 3 else "check", file]

@@ -105,18 +105,22 @@ def _held(model: Model) -> list[Finding]:
     return told
 
 
+def _times(mass: float, rest: float) -> str:
+    return f"{mass / rest:.1g} times less" if rest else "nothing"
+
+
 def _dominating(model: Model) -> list[Finding]:
     masses = part_masses(model)
     if len(masses) < 2:
         return []
     name = max(masses, key=lambda one: masses[one])
-    rest = sum(masses.values()) - masses[name]
+    rest = sum(mass for one, mass in masses.items() if one != name)
     if masses[name] <= DOMINATES * rest:
         return []
     return [
         Finding(
             "one-mass-dominates",
-            f"{name} has {masses[name]:.4g} kg, all the rest {rest:.4g} kg, {masses[name] / rest:.1g} times less: it "
+            f"{name} has {masses[name]:.4g} kg, all the rest {rest:.4g} kg, {_times(masses[name], rest)}: it "
             "stands still beside it. Check the units, or hold the rest by a support",
             {"mass_kg": masses[name], "rest_kg": rest},
             severe=True,
