@@ -140,7 +140,8 @@ def check(
     """Read a file and say what it means. Geometry, masses, sags, degrees of freedom, rigid modes, findings."""
     from femstruct.workflow.inspect import inspect_file
 
-    inspection = inspect_file(file, tuple(set_))
+    with _progress() as tell:
+        inspection = inspect_file(file, tuple(set_), tell)
     if picture is not None:
         from femstruct.view.scene import picture_model
 
@@ -167,7 +168,9 @@ def modes(
     """Natural frequencies, damping ratios and kinds of modes. Proven complete."""
     from femstruct.workflow.inspect import extent_of, modes_of
 
-    table = modes_of(model, extent_of(count, up_to), tuple(set_))
+    with _progress() as tell:
+        tell("modes")
+        table = modes_of(model, extent_of(count, up_to), tuple(set_))
     if as_json:
         _print_json(table)
     else:
@@ -192,7 +195,9 @@ def frf(
     """One frequency response of a model."""
     from femstruct.workflow.asked_response import frf_of
 
-    table = frf_of(model, drive, response, band, step, kind, method, tuple(set_))
+    with _progress() as tell:
+        tell("modes and frequency response")
+        table = frf_of(model, drive, response, band, step, kind, method, tuple(set_))
     if as_json:
         _print_json(table)
     else:

@@ -7,19 +7,22 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 
 from rich.console import Console
+from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 
 from femstruct.errors import Finding
 
 
 @contextmanager
 def progress() -> Iterator[Callable[[str], None]]:
-    """A line that says what is being computed, on a terminal; silence in a pipe."""
+    """A line that says what is being computed and for how long already, on a terminal; silence in a pipe."""
     screen = Console(stderr=True)
     if not screen.is_terminal:
         yield lambda line: None
         return
-    with screen.status("") as status:
-        yield status.update
+    columns = (SpinnerColumn(), TextColumn("{task.description}", markup=False), TimeElapsedColumn())
+    with Progress(*columns, console=screen, transient=True) as shown:
+        task = shown.add_task("")
+        yield lambda line: shown.update(task, description=line)
 
 
 def console() -> Console:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import count
 from pathlib import Path
 from typing import Any, Final
 
@@ -147,7 +148,10 @@ def identify(
     timing = _timing(plan, table, spacing, delay)
     solved: dict[str, Solved] = {}
 
+    tried = count(1)
+
     def simulated(values: Mapping[str, float]) -> CaseResult:
+        progress(f"identify {', '.join(starts)}: run {next(tried)}")
         changed = tuple(f"{path}={values[path]!r} {units[path]}".rstrip() for path in starts)
         now = read_study(study, (*overrides, *changed, *timing), only=case or None)
         return _simulated(now, solved, what == "pressure")
@@ -159,7 +163,6 @@ def identify(
         before = 0.0 if what in FROM_REST else None
         return np.interp(table.times - later, result.response.t, values_then, left=before)
 
-    progress(f"identify {', '.join(starts)}")
     found = fit(history, table.values, starts, {DELAY: spacing} if delay else {})
     return Identification(
         channel=channel,

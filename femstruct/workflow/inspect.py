@@ -36,6 +36,7 @@ from femstruct.workflow.judgement import all_findings, early_findings, of_cases
 from femstruct.workflow.own_sound import spheres_before
 from femstruct.workflow.places import Places
 from femstruct.workflow.positions import positioned
+from femstruct.workflow.provenance import Progress
 from femstruct.workflow.responses import frequency_option, response_row
 from femstruct.workflow.rest import Rest, rest_states
 from femstruct.workflow.staging import force_probes, scene
@@ -104,13 +105,15 @@ class Inspection:
         }
 
 
-def inspect_file(path: Path, overrides: tuple[str, ...] = ()) -> Inspection:
+def inspect_file(path: Path, overrides: tuple[str, ...] = (), progress: Progress = lambda line: None) -> Inspection:
     """Read a model or a study, mesh it, and solve for its modes, the first 30 of a model; of a study, its baseline is
     inspected, and all its cases are judged as far as they can be without their own modes.
 
     Raises InputError as reading, meshing and staging do, so that what passes here can be run.
     """
+    progress("reading")
     source = read_any(path, overrides)
+    progress("modes")
     if isinstance(source, ModelFile):
         title, structure, damping, case = source.title, source.structure, source.damping, None
     else:
@@ -121,6 +124,7 @@ def inspect_file(path: Path, overrides: tuple[str, ...] = ()) -> Inspection:
         extent = Extent(count=DEFAULT_MODES) if case is None else case.study.extent
         solved = solve(structure, extent, () if case is None else case.studies)
         basis = _damped_as_far_as_solved(solved.basis, damping)
+        progress("judgement")
         told = _early(source, case, solved, basis)
     model = solved.model
     under_weight = () if model is None else sags(model, basis)

@@ -34,16 +34,36 @@ class Stopwatch:
 
     def __init__(self, progress: Progress) -> None:
         self._progress = progress
+        self._place = ""
         self.seconds: dict[str, float] = {}
+
+    def at(self, number: int, of: int, since: float) -> None:
+        """Say from now on which of several cases is run, and about how long all of them still take.
+
+        since : when the first of them began, by `time.monotonic`.
+        """
+        self._place = place(number, of, time.monotonic() - since)
 
     @contextmanager
     def __call__(self, stage: str, case: str = "") -> Iterator[None]:
-        self._progress(f"{case}: {stage}" if case else stage)
+        self._progress((f"{case}: {stage}" if case else stage) + self._place)
         begin = _cpu_seconds()
         try:
             yield
         finally:
             self.seconds[stage] = self.seconds.get(stage, 0.0) + _cpu_seconds() - begin
+
+
+def place(number: int, of: int, elapsed: float) -> str:
+    """Which of several cases it is, counted from 1, and about how long all that are left take [s]; "" for one alone.
+
+    >>> place(1, 3, 0.0), place(3, 4, 10.0), place(1, 1, 0.0)
+    (' (1 of 3)', ' (3 of 4, about 10 s left)', '')
+    """
+    if of == 1:
+        return ""
+    left = f", about {elapsed * (of - number + 1) / (number - 1):.0f} s left" if number > 1 else ""
+    return f" ({number} of {of}{left})"
 
 
 def _cpu_seconds() -> float:

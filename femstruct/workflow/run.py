@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -141,7 +142,9 @@ def run_again(
     results: dict[str, CaseResult] = {}
     reused: list[str] = []
     interrupted: tuple[Finding, ...] = ()
-    for case in order:
+    begun = time.monotonic()
+    for number, case in enumerate(order, 1):
+        clock.at(number, len(order), begun)
         known = before.cases.get(made_from.get(case.name, ""))
         if known is not None:
             results[case.name] = replace(known, case=case)
@@ -162,6 +165,7 @@ def run_again(
                 ),
             )
             break
+    clock.at(1, 1, begun)
     with clock("comparison"):
         finished = {case.name: results[case.name] for case in plan.cases if case.name in results}
         comparison = compare(plan.baseline, finished)

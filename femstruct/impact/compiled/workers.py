@@ -7,7 +7,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from queue import Empty, SimpleQueue
 from threading import Event, Thread
@@ -24,7 +24,8 @@ Told = Callable[[str], None]
 
 @dataclass(eq=False)
 class Compilation:
-    """Units on their way to machine code. done : of them; failures : what a process said before it gave up."""
+    """Units on their way to machine code. done : of them; failures : what a process said before it gave up. pace : how
+    much longer than expected the last one took until it was done."""
 
     units: Sequence[Unit[..., Any]]
     cores: int
@@ -32,21 +33,18 @@ class Compilation:
     done: list[Unit[..., Any]] = field(default_factory=list)
     failures: list[str] = field(default_factory=list)
     processes: list[subprocess.Popen[str]] = field(default_factory=list)
+    pace: float = 1.0
     stopped: Event = field(default_factory=Event)
     threads: list[Thread] = field(default_factory=list)
 
     @property
     def message(self) -> str:
         """What is being done, and about how long it still takes."""
-        elapsed = time.monotonic() - self.began
-        costs = {unit.name: unit.seconds for unit in self.units}
-        left = [unit.seconds for unit in self.units if unit not in self.done]
-        finished = sum(unit.seconds for unit in self.done)
-        expected = max(sum(costs.values()) / self.cores, max(costs.values(), default=0.0)) + START
-        if self.done:  # this machine's own pace, from what it has finished
-            expected = max(expected, elapsed * sum(costs.values()) / (finished + 0.5 * sum(left)))
+        costs = [unit.seconds for unit in self.units]
+        expected = START + max(sum(costs) / self.cores, max(costs, default=0.0))
+        left = expected * self.pace - (time.monotonic() - self.began)
         number = min(len(self.done) + 1, len(self.units))
-        return f"compiling {number} of {len(self.units)}, about {max(expected - elapsed, 1.0):.0f} s left"
+        return f"compiling {number} of {len(self.units)}, about {max(left, 1.0):.0f} s left"
 
     def wait(self, told: Told = lambda message: None) -> None:
         """Return when all is compiled; told : hears every second how far it is. Raises FemstructError for a failure."""
@@ -110,7 +108,8 @@ def _work(run: Compilation, queue: SimpleQueue[Unit[..., Any]]) -> None:
         return
     run.processes.append(process)
     assert process.stdin is not None and process.stdout is not None and process.stderr is not None
-    with process:
+    expected = START
+    with suppress(OSError), process:  # of a process that is gone nothing can be closed
         while not run.stopped.is_set() and not run.failures:
             try:
                 unit = queue.get_nowait()
@@ -127,6 +126,8 @@ def _work(run: Compilation, queue: SimpleQueue[Unit[..., Any]]) -> None:
                 if not run.stopped.is_set():
                     run.failures.append(process.stderr.read() or "the process that compiles was ended")
                 return
+            expected += unit.seconds
+            run.pace = (time.monotonic() - run.began) / expected
             run.done.append(unit)
 
 
