@@ -10,7 +10,7 @@ from acoustics import Air, Receiver, SurfaceVelocity
 from acoustics.directivity import radiation_pattern
 from acoustics.field import HalfSpace, field_pressures
 from acoustics.radiation import far_field, radiated_power, radiation_efficiency
-from acoustics.sound_energy import REFERENCE_J, radiated_energy
+from acoustics.sound_energy import REFERENCE_J, ended_energy, radiated_energy
 
 AIR = Air(343.0, 1.21)
 NORMAL, ALONG = np.array([0.0, 0.0, 1.0]), np.eye(3)[:2]
@@ -233,3 +233,18 @@ def test_directivity_of_a_plate_mode() -> None:
         exact = np.stack([side(m, a, sine) * side(n, b, 0 * sine), side(m, a, 0 * sine) * side(n, b, sine)])
         assert found.pressure[0] == pytest.approx(f[0] * AIR.rho * np.abs(exact), abs=1e-9)
     assert np.isnan(found.index_db[0]) or found.index_db[0] < -200  # (2, 2): nothing in either plane
+
+
+def test_energy_ends_where_the_motion_is_known() -> None:
+    """Two tones, the motion known up to between them: the upper one is not counted, and its third octave is blank."""
+    t = np.arange(9600) / 48e3
+    burst = np.sin(np.pi * t / t[-1]) ** 2
+    speed = burst * (np.sin(2 * np.pi * 200 * t) + np.sin(2 * np.pi * 800 * t))
+    piston = SurfaceVelocity(np.zeros((1, 3)), [1e-2], [[1]], [speed], dt=1 / 48e3)
+    whole = radiated_energy(piston, Air())
+    below = ended_energy(whole, 400.0)
+    assert below.bands_j[200.0] == whole.bands_j[200.0]
+    assert np.isnan([below.bands_db[800.0], below.bands_efficiency[800.0], below.bands_db[400.0]]).all()
+    assert below.energy_j == pytest.approx(whole.energy_j * (1 - whole.share_above(400.0)), rel=1e-6)
+    assert below.energy_j < 0.2 * whole.energy_j
+    assert below.weighted_j == pytest.approx(whole.weighted_j * (1 - whole.share_above(400.0, "A")), rel=1e-6)
