@@ -166,7 +166,7 @@ def modes(
     as_json: AsJson = False,
 ) -> int:
     """Natural frequencies, damping ratios and kinds of modes. Proven complete."""
-    from femstruct.workflow.inspect import extent_of, modes_of
+    from femstruct.workflow.asked_modes import extent_of, modes_of
 
     with _progress() as tell:
         tell("modes")

@@ -9,6 +9,7 @@ from acoustics.levels import Levels
 from acoustics.rated import RatedRoom
 from femstruct.errors import Finding
 from femstruct.files.arrays import array_tables
+from femstruct.files.finding_tables import finding_table
 from femstruct.files.machine import machine_table, verdict_tables
 from femstruct.files.numbers import label, number
 from femstruct.files.radiated import radiated_beside, radiated_table
@@ -50,12 +51,6 @@ def summary(result: StudyResult) -> Table:
         for name, case in result.cases.items()
     }
     return {"cases": cases, "comparison": comparison}
-
-
-def finding_table(finding: Finding) -> Table:
-    """A finding as a table."""
-    values = {name: number(value) for name, value in finding.values.items()}
-    return {"code": finding.code, "message": finding.message, "values": values, "severe": finding.severe}
 
 
 def findings_by_case(result: StudyResult) -> tuple[tuple[Finding, tuple[str, ...]], ...]:

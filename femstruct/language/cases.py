@@ -23,7 +23,7 @@ from femstruct.language.models import (
     title_of,
 )
 from femstruct.language.opening import beside
-from femstruct.language.patch import MODEL_KEYS, STUDY_KEYS, Patch
+from femstruct.language.patch import MODEL_KEYS, Patch, model_keys, study_keys
 from femstruct.language.reader import Mistakes, Position, Tree, dotted, nearest, read_yaml
 from femstruct.language.references import Names, check_names
 from femstruct.language.references_model import check_model
@@ -65,7 +65,7 @@ def read_study(path: str | Path, overrides: Sequence[str] = (), only: str | None
     ([('light', 1.0), ('heavy', 2.0)], 'light')
     """
     study = read_yaml(path)
-    refuse_kind(study, "study", STUDY_KEYS, MODEL_KEYS)
+    refuse_kind(study, "study", study_keys(), model_keys)
     mistakes = Mistakes()
     first = _model_tree(study, study.value.get("model"), study.position(("model",)), "model", mistakes)
     patch = Patch(study, first, mistakes)
@@ -201,7 +201,7 @@ def _model_tree(study: Tree, name: Any, at: Position, asked_path: str, mistakes:
         return None
     try:
         tree = read_yaml(beside(study.file, name), at, asked_path)
-        refuse_kind(tree, "model", MODEL_KEYS, STUDY_KEYS)
+        refuse_kind(tree, "model", MODEL_KEYS, study_keys)
     except InputErrors as errors:
         for line in errors.errors:
             mistakes.note(line)
@@ -213,4 +213,4 @@ def _model_tree(study: Tree, name: Any, at: Position, asked_path: str, mistakes:
 
 
 def _study_like(tree: Tree) -> bool:
-    return "model" in tree.value or (not MODEL_KEYS & tree.value.keys() and bool(STUDY_KEYS & tree.value.keys()))
+    return "model" in tree.value or (not MODEL_KEYS & tree.value.keys() and bool(study_keys() & tree.value.keys()))

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from femstruct.errors import FemstructError, InputErrors
 from femstruct.language.build_model import damping_of, structure_of
-from femstruct.language.patch import MODEL_KEYS, STUDY_KEYS, Patch
+from femstruct.language.patch import MODEL_KEYS, Patch, study_keys
 from femstruct.language.reader import Mistakes, Position, Tree, dotted, near_name, parse_value, read_yaml
 from femstruct.language.references import check_names
 from femstruct.language.references_model import check_model
@@ -49,7 +49,7 @@ def read_model_file(path: str | Path, overrides: Sequence[str] = ()) -> ModelFil
     ('oscillator', 0.5)
     """
     tree = read_yaml(path)
-    refuse_kind(tree, "model", MODEL_KEYS, STUDY_KEYS)
+    refuse_kind(tree, "model", MODEL_KEYS, study_keys)
     mistakes = Mistakes()
     patch = Patch(None, tree, mistakes)
     override(patch, overrides)
@@ -130,15 +130,18 @@ def _warn_if_set_again(patch: Patch, path: str, where: str) -> None:
         )
 
 
-def refuse_kind(tree: Tree, wanted: str, own: frozenset[str], other: frozenset[str]) -> None:
+def refuse_kind(tree: Tree, wanted: str, own: frozenset[str], others: Callable[[], frozenset[str]]) -> None:
     """One sentence for the other kind of file, instead of one for each of its keys."""
     keys = tree.value.keys()
-    if keys & other and not keys & own:
+    if not keys or keys & own:
+        return
+    other = others()
+    if keys & other:
         found = "study" if wanted == "model" else "model"
         first = next(key for key in tree.value if key in other)
         at = tree.position((first,), of_key=True)
         raise InputErrors((f"{at}: {first}: got a {found} file, expected a {wanted} file",))
-    if keys and not keys & (own | other | {"title"}) and not any(near_name(key, own | other) for key in keys):
+    if "title" not in keys and not any(near_name(key, own | other) for key in keys):
         at, do = tree.position((), of_key=True), f"a {wanted} has {', '.join(sorted(own)[:4])}, ..."
         raise InputErrors((f"{at}: got a file without a key of the language, expected a {wanted} file; {do}",))
 

@@ -5,21 +5,33 @@ from __future__ import annotations
 import copy
 import re
 from collections.abc import Mapping
+from functools import cache
 from typing import Any, Final
 
 from femstruct.language.reader import Mistakes, Position, Steps, Tree, dotted, nearest
 from femstruct.language.schema_model import ModelSpec
-from femstruct.language.schema_study import StudySpec
 from femstruct.units import shown_as
 
 MODEL_KEYS: Final = frozenset(ModelSpec.model_fields) - {"title"}
-STUDY_KEYS: Final = frozenset(StudySpec.model_fields) - {"title"}
 _NAMED: Final = (  # top-level mappings from names: a new name is an addition, never a slip
     "materials", "sections", "parts", "joints", "points", "surfaces", "supports",
     "frf", "bodies", "contacts", "links", "loads", "rooms", "cases",
 )  # fmt: skip
 _NAMED_INSIDE: Final = (("damping", "modes"),)
 _INDEX: Final = re.compile("[0-9]{1,6}")
+
+
+@cache
+def study_keys() -> frozenset[str]:
+    """The keys of a study file; who reads a model alone has no need to load its schema."""
+    from femstruct.language.schema_study import StudySpec
+
+    return frozenset(StudySpec.model_fields) - {"title"}
+
+
+def model_keys() -> frozenset[str]:
+    """The keys of a model file."""
+    return MODEL_KEYS
 
 
 class Draft:
@@ -123,8 +135,8 @@ class Patch:
             return
         parent_text, _, name = path.rpartition(".")
         first = path.split(".", 1)[0]
-        if first not in (MODEL_KEYS | STUDY_KEYS):
-            self._unknown(path, first, MODEL_KEYS | STUDY_KEYS, source, at)
+        if first not in (MODEL_KEYS | study_keys()):
+            self._unknown(path, first, MODEL_KEYS | study_keys(), source, at)
             return
         if parent_text == first and first in _NAMED:
             self._create(draft, first, source, at)
@@ -212,18 +224,18 @@ class Patch:
             return steps
         parent_text, _, last = path.rpartition(".")
         first = path.split(".", 1)[0]
-        if may_be_new and parent_text == first and first in MODEL_KEYS | STUDY_KEYS and first not in _NAMED:
+        if may_be_new and parent_text == first and first in MODEL_KEYS | study_keys() and first not in _NAMED:
             self._create(draft, first, source, at)
         parent = _resolve(draft.value, parent_text) if parent_text else ()
         if parent is not None and isinstance(draft.at(parent), dict):
-            own_top = parent or last in MODEL_KEYS | STUDY_KEYS
+            own_top = parent or last in MODEL_KEYS | study_keys()
             if may_be_new and own_top and not _is_named(parent) and "[" not in last:
                 return (*parent, last)  # the schema knows whether there is such a key
             known = draft.at(parent) or {}
-            self._unknown(path, last, known if parent else MODEL_KEYS | STUDY_KEYS, source, at, new=_is_named(parent))
+            self._unknown(path, last, known if parent else MODEL_KEYS | study_keys(), source, at, new=_is_named(parent))
             return None
         reached, rest = _reach(draft.value, path)
-        known = draft.at(reached) if reached else MODEL_KEYS | STUDY_KEYS
+        known = draft.at(reached) if reached else MODEL_KEYS | study_keys()
         self._unknown(path, rest.split(".", 1)[0], known if isinstance(known, dict | frozenset) else (), source, at)
         return None
 

@@ -8,18 +8,20 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from math import inf
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
-from acoustics.coupled import Leak
-from acoustics.field import HalfSpace
-from acoustics.room import Receiver, Room
-from acoustics.shaped import ShapedRoom
-from femstruct.impact.bodies import HalfSine, Table
-from femstruct.impact.laws import Law
-from femstruct.impact.walking import Walk
 from femstruct.modal.damping import Damping
 from femstruct.model.parts import Pair, Vector
 from femstruct.study.structures import StructureModel
+
+if TYPE_CHECKING:  # a model's modes need none of these
+    from acoustics.coupled import Leak
+    from acoustics.field import HalfSpace
+    from acoustics.room import Receiver, Room
+    from acoustics.shaped import ShapedRoom
+    from femstruct.impact.bodies import HalfSine, Table
+    from femstruct.impact.laws import Law
+    from femstruct.impact.walking import Walk
 
 FrfKind = Literal["receptance", "mobility", "accelerance", "transmissibility", "pressure", "power"]
 
@@ -245,6 +247,8 @@ class RoomPlan:
     @property
     def complete_below_hz(self) -> float:
         """Where the room's own modes end [Hz]; of a box or the half space there is no end."""
+        from acoustics.shaped import ShapedRoom
+
         return self.room.up_to_hz or self.room.carried_hz if isinstance(self.room, ShapedRoom) else inf
 
 

@@ -17,6 +17,7 @@ from femstruct.errors import Finding
 from femstruct.impact.bodies import Clock
 from femstruct.impact.response import Response
 from femstruct.impact.simulate import simulate
+from femstruct.model.findings.waves import CELLS_PER_WAVE, carried_hz
 from femstruct.model.model import Model
 from femstruct.study.result import AccuracyCheck, Deviation
 from femstruct.study.structures import BeamModel, RodModel
@@ -24,7 +25,6 @@ from femstruct.study.study import AccuracyRule, Case, Extent
 from femstruct.workflow.air import coupled
 from femstruct.workflow.bases import Solved, damped, key_of, solve
 from femstruct.workflow.channels import UNITS, closings, first_window, in_band, record
-from femstruct.workflow.checks import CELLS_PER_WAVE, carried_hz
 from femstruct.workflow.staging import scene
 
 GROWTH = 2  # in frequency, or in the number of modes of a closed-form structure

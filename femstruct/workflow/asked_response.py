@@ -10,17 +10,18 @@ from numpy.typing import NDArray
 
 from femstruct.assembly.assemble import assemble
 from femstruct.errors import InputError
-from femstruct.files.tables import finding_table
+from femstruct.files.finding_tables import finding_table
 from femstruct.language import read_model_file
 from femstruct.modal.damping import Damping, with_damping
 from femstruct.modal.frf import KINDS, direct_frf
 from femstruct.model.probe import Probe
 from femstruct.study.result import Frf
 from femstruct.study.study import Extent, FrfRequest, Spot, Study
+from femstruct.workflow.asked_modes import frequency_option
 from femstruct.workflow.bases import Solved, solve
 from femstruct.workflow.judgement import all_findings
 from femstruct.workflow.positions import positioned
-from femstruct.workflow.responses import force_axis, frequency_option, frequency_response
+from femstruct.workflow.responses import force_axis, frequency_response
 
 DEFAULT_LINES = 500
 MOST_LINES = 1_000_000

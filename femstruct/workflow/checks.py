@@ -8,117 +8,20 @@ import numpy as np
 
 from acoustics.errors import Advice
 from femstruct.arrays import Floats
-from femstruct.elements.plate import rigidity
 from femstruct.errors import Finding, some_of
 from femstruct.impact.bodies import HalfSine, Table
 from femstruct.impact.response import Response
 from femstruct.impact.sources import TAPPING_MACHINE
 from femstruct.modal.basis import ModalBasis
-from femstruct.model.findings.frame_waves import frame_waves
-from femstruct.model.material import Material
-from femstruct.model.model import FrameMesh, Model, PlateMesh
 from femstruct.model.probe import Probe
 from femstruct.study.study import PlannedLoad, Study
 from femstruct.workflow.places import Places
 
-CELLS_PER_WAVE = 6.0  # bending wavelengths of bfs16 and acm12 are right to about 1 % with six cells
-SLENDER = 10.0  # bending wavelength over thickness below which shear takes more than about 3 % off a frequency
 ALIASED = 0.05  # share of an acceleration's rms that modes above half the sampling may have
 HAMMERS_APART, HAMMERS_WITHIN = 0.1, 0.003  # of a tapping machine, ISO 10140-5 annex E [m]
 CUT = 0.01  # share of a load's impulse outside the window that is told
 PEAK_MISSED = 0.05  # share of a contact's peak by which samples of its force may miss it
 CONTENT = 0.01  # share of a contact force's spectrum beyond the last mode that a basis may miss
-
-
-def mesh_findings(model: Model, up_to_hz: float) -> tuple[Finding, ...]:
-    """Plates and frames whose cells and bars are too long, and plates that are too thick, for the waves of the highest
-    frequency."""
-    found = []
-    for frame in model.frames.values() if 0.0 < up_to_hz < np.inf else ():
-        found += _long_bars(frame, up_to_hz)
-    for name, plate in model.plates.items():
-        wave = bending_wavelength(plate, up_to_hz)
-        cell = float(max(np.diff(plate.x).max(), np.diff(plate.y).max()))
-        if wave / cell < CELLS_PER_WAVE:
-            found.append(
-                Finding(
-                    "coarse-mesh",
-                    f"{name}: a bending wave of {up_to_hz:.4g} Hz is {1e3 * wave:.0f} mm long and the largest cell "
-                    f"{1e3 * cell:.0f} mm, {wave / cell:.1f} cells a wave where {CELLS_PER_WAVE:g} are needed",
-                    {"wavelength_m": wave, "cell_m": cell},
-                )
-            )
-        if wave / plate.part.thickness < SLENDER:
-            denser = with_shear(plate.part.material, plate.part.thickness, up_to_hz)[1]
-            found.append(
-                Finding(
-                    "shear-left-out",
-                    f"{name}: a bending wave of {up_to_hz:.4g} Hz is {wave / plate.part.thickness:.1f} times as long "
-                    f"as the plate is thick; below {SLENDER:g} the plate without shear is too stiff: with it (Mindlin) "
-                    f"modes are {denser:.2g} times as dense there, and blows put up to "
-                    f"{10 * np.log10(denser):.1f} dB more into them",
-                    {"wavelength_m": wave, "thickness_m": plate.part.thickness, "density_ratio": denser},
-                )
-            )
-    return tuple(found)
-
-
-def _long_bars(frame: FrameMesh, up_to_hz: float) -> list[Finding]:
-    """The kind of wave that a frame has the fewest bars for, beside what it takes."""
-    longest = float(frame.lengths.max())
-    waves = [wave for wave in frame_waves(frame) if wave.length(up_to_hz) < wave.needed * longest]
-    if not waves:
-        return []
-    worst = min(waves, key=lambda wave: wave.length(up_to_hz) / wave.needed)
-    length = worst.length(up_to_hz)
-    return [
-        Finding(
-            "coarse-mesh",
-            f"{frame.part.name}: a {worst.kind} wave of {up_to_hz:.4g} Hz is {1e3 * length:.0f} mm long and the "
-            f"longest bar {1e3 * longest:.0f} mm, {length / longest:.1f} bars a wave where {frame.part.element} needs "
-            f"{worst.needed:g}",
-            {"wavelength_m": length, "bar_m": longest},
-        )
-    ]
-
-
-def with_shear(material: Material, thickness: float, frequency_hz: float) -> tuple[float, float]:
-    """Wavenumber and density of modes of a Mindlin plate (shear factor 5/6) over those of a thin one at a frequency.
-
-    Notes
-    -----
-    k^2 = omega^2 (a + b) / 2 + sqrt(omega^4 (a - b)^2 / 4 + omega^2 rho h / D) with a = rho / (5/6 G) and
-    b = rho (1 - nu^2) / E; modes are as dense as k^2 grows with omega.
-    """
-    omega = 2.0 * np.pi * frequency_hz
-    a = material.rho / (5.0 / 6.0 * material.G)
-    b = material.rho * (1.0 - material.nu**2) / material.E
-    thin = material.rho * thickness / rigidity(material.E, material.nu, thickness)[0, 0]
-    root = np.sqrt(omega**4 * (a - b) ** 2 / 4.0 + omega**2 * thin)
-    squared = omega**2 * (a + b) / 2.0 + root
-    growth = omega * (a + b) + (omega**3 * (a - b) ** 2 / 2.0 + omega * thin) / root
-    return float(np.sqrt(squared / (omega * np.sqrt(thin)))), float(growth / np.sqrt(thin))
-
-
-def carried_hz(model: Model) -> float:
-    """The highest frequency that all plates and frames have cells and bars enough for [Hz]; infinite without any."""
-    carried = [np.inf]
-    for frame in model.frames.values():
-        carried += [wave.carried_hz(float(frame.lengths.max())) for wave in frame_waves(frame)]
-    for plate in model.plates.values():
-        cell = float(max(np.diff(plate.x).max(), np.diff(plate.y).max()))
-        carried.append((bending_wavelength(plate, 1.0) / (CELLS_PER_WAVE * cell)) ** 2)
-    return min(carried)
-
-
-def bending_wavelength(plate: PlateMesh, frequency_hz: float) -> float:
-    """Length of a free bending wave of a thin plate [m]: 2 pi (D / rho h omega^2)^(1/4); infinite without mass."""
-    part = plate.part
-    if part.material.rho == 0.0:
-        return np.inf
-    stiffness = rigidity(part.material.E, part.material.nu, part.thickness)[0, 0]
-    omega = 2.0 * np.pi * frequency_hz
-    return float(2.0 * np.pi * (stiffness / (part.material.rho * part.thickness * omega**2)) ** 0.25)
 
 
 def impact_findings(basis: ModalBasis, response: Response) -> tuple[Finding, ...]:

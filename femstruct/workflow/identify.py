@@ -13,8 +13,8 @@ import numpy as np
 
 from femstruct.arrays import Floats
 from femstruct.errors import Finding, InputError, InputErrors
+from femstruct.files.finding_tables import finding_table
 from femstruct.files.numbers import number
-from femstruct.files.tables import finding_table
 from femstruct.impact.bodies import Table as Measured
 from femstruct.language import read_measured, read_study
 from femstruct.language.reader import nearest

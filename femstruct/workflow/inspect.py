@@ -14,13 +14,12 @@ from acoustics.room import modal_damping_ratio, room_modes
 from acoustics.shaped import ShapedRoom
 from femstruct.arrays import Floats
 from femstruct.assembly.assemble import assemble
-from femstruct.errors import Finding, InputError
+from femstruct.errors import Finding
+from femstruct.files.finding_tables import finding_table
 from femstruct.files.numbers import number
-from femstruct.files.tables import finding_table
-from femstruct.language import ModelFile, read_any, read_model_file
+from femstruct.language import ModelFile, read_any
 from femstruct.modal.basis import ModalBasis
-from femstruct.modal.damping import Damping, FromMaterials, LossFactor, Ratio, Rayleigh, with_damping
-from femstruct.modal.solvers import FASTEST
+from femstruct.modal.damping import Damping, FromMaterials, LossFactor, Ratio, Rayleigh
 from femstruct.model.facts import ModelFacts, model_facts
 from femstruct.model.model import Model
 from femstruct.radiation import room_coordinates
@@ -28,6 +27,7 @@ from femstruct.study.machine import BlockMode, Sag
 from femstruct.study.structures import ModesModel
 from femstruct.study.study import Case, Extent, Plan, RoomPlan, Study
 from femstruct.workflow.air import ceiling
+from femstruct.workflow.asked_modes import DEFAULT_MODES, damped_as_far_as_solved
 from femstruct.workflow.bases import Meshed, Solved, key_of, meshed, solve
 from femstruct.workflow.blank_bands import blanks_before
 from femstruct.workflow.channels import refuse_absent_forces
@@ -37,14 +37,13 @@ from femstruct.workflow.own_sound import spheres_before
 from femstruct.workflow.places import Places
 from femstruct.workflow.positions import positioned
 from femstruct.workflow.provenance import Progress
-from femstruct.workflow.responses import frequency_option, response_row
+from femstruct.workflow.responses import response_row
 from femstruct.workflow.rest import Rest, rest_states
 from femstruct.workflow.staging import force_probes, scene
 from femstruct.workflow.structure_findings import worst_first
 from femstruct.workflow.study_findings import study_findings
 from femstruct.workflow.weight import block_modes, sags, weight_findings
 
-DEFAULT_MODES = 30
 Table = dict[str, Any]
 
 
@@ -123,7 +122,7 @@ def inspect_file(path: Path, overrides: tuple[str, ...] = (), progress: Progress
     with positioned(source):
         extent = Extent(count=DEFAULT_MODES) if case is None else case.study.extent
         solved = solve(structure, extent, () if case is None else case.studies)
-        basis = _damped_as_far_as_solved(solved.basis, damping)
+        basis = damped_as_far_as_solved(solved.basis, damping)
         progress("judgement")
         told = _early(source, case, solved, basis)
     model = solved.model
@@ -144,40 +143,6 @@ def inspect_file(path: Path, overrides: tuple[str, ...] = (), progress: Progress
         drops=() if case is None else tuple(case.drops),
         findings=worst_first((*told, *weight_findings(under_weight), *_left_blank(source, basis))),
     )
-
-
-def extent_of(count: int | None, up_to: str) -> Extent:
-    """How many modes the command line asks for.
-
-    Raises InputError when both a count and a frequency are given, or the frequency is none.
-    """
-    if count is not None and up_to:
-        raise InputError("--count and --up-to", got="both", expected="one of them")
-    if up_to:
-        return Extent(up_to_hz=frequency_option(up_to, "--up-to"))
-    return Extent(count=count or DEFAULT_MODES)
-
-
-def modes_of(path: Path, extent: Extent, overrides: tuple[str, ...] = ()) -> Table:
-    """Table of modes of a model file: frequencies, damping ratios, kinds, effective masses, findings."""
-    source = read_model_file(path, overrides)
-    with positioned(source):
-        solved = solve(source.structure, extent)
-        basis = _damped_as_far_as_solved(solved.basis, source.damping)
-    true = basis.modes
-    return {
-        "title": source.title,
-        "frequency_hz": basis.frequency_hz[true].tolist(),
-        "damping_ratio": [number(ratio) for ratio in basis.damping_ratio[true]],
-        "kind": list(basis.kind[true]),
-        "modal_mass_kg": {axis: basis.modal_mass[i, true].tolist() for i, axis in enumerate("xyz")},
-        "rigid_body_modes": basis.n_rigid,
-        "complete_below_hz": number(basis.complete_below_hz),
-        "solver": FASTEST,
-        "rigid_in_plane": [] if solved.model is None else list(solved.model.plates),
-        "mass_kg": basis.total_mass,
-        "findings": [finding_table(finding) for finding in all_findings(solved, basis)],
-    }
 
 
 def _left_blank(source: ModelFile | Plan, basis: ModalBasis) -> tuple[Finding, ...]:
@@ -265,12 +230,6 @@ def _try_places(study: Study, places: Places) -> None:
     for plan in study.rooms:
         room_coordinates(ceiling(plan, places), plan.room, plan.offset, plan.name)
         spheres_before(plan, study, places)
-
-
-def _damped_as_far_as_solved(basis: ModalBasis, damping: Damping) -> ModalBasis:
-    """Damping of the modes there are; ratios of modes beyond the ones asked for have nothing to act on yet."""
-    known = len(basis.kind[basis.modes])
-    return with_damping(basis, Damping(damping.base, tuple(mode for mode in damping.modes if mode.number <= known)))
 
 
 def _study_table(plan: Plan) -> Table:

@@ -11,7 +11,7 @@ from femstruct.study.study import Case, FrfRequest, Study
 from femstruct.workflow.bases import Meshed, Solved
 from femstruct.workflow.responses import undamped_findings
 from femstruct.workflow.structure_findings import (
-    structure_findings_after,
+    structure_findings,
     structure_findings_before,
     worst_first,
 )
@@ -38,8 +38,7 @@ def all_findings(
     """
     return worst_first(
         (
-            *structure_findings_before(solved.structure, solved.model, studies),
-            *structure_findings_after(solved.model, basis, studies, up_to_hz),
+            *structure_findings(solved, basis, studies, up_to_hz),
             *(finding for request in requests for finding in undamped_findings(basis, request)),
         )
     )

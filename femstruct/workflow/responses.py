@@ -17,7 +17,6 @@ from femstruct.power import power_per_force
 from femstruct.radiation import pressure_per_force
 from femstruct.study.result import Frf
 from femstruct.study.study import FrfRequest, RoomPlan, Spot
-from femstruct.units import quantity
 from femstruct.workflow.air import ceiling
 from femstruct.workflow.places import Places
 
@@ -129,14 +128,3 @@ def force_axis(spot: Spot) -> str:
 def _asked(request: FrfRequest, end: str) -> str:
     """Who asks for an end of a response: a named request of a study, or an option of the command line."""
     return f"frf.{request.name}.{end}" if request.name else f"--{end}"
-
-
-def frequency_option(text: str, option: str) -> float:
-    """A frequency given on the command line [Hz].
-
-    Raises InputError that begins with the option's name.
-    """
-    try:
-        return quantity(text, "frequency")
-    except InputError as error:
-        raise InputError(option, got=error.got, expected=error.expected, do=error.do) from error

@@ -17,17 +17,34 @@ from femstruct.model.findings.folded import folded_findings
 from femstruct.model.findings.overhang import overhang_findings
 from femstruct.model.findings.plausibility import material_findings, plausibility_findings
 from femstruct.model.findings.twice import twice_findings
+from femstruct.model.findings.waves import mesh_findings
 from femstruct.model.material import Material
 from femstruct.model.model import Model
 from femstruct.model.parts import Structure
 from femstruct.study.structures import RodModel, StructureModel
 from femstruct.study.study import Study
-from femstruct.workflow.checks import mesh_findings
+from femstruct.workflow.bases import Solved
 from femstruct.workflow.rest import planned_contacts, weighs
 from femstruct.workflow.weight import falling, sags
 
 HIGH_DROP, FAST = 10.0, 50.0  # m and m/s: from here on air counts, or a unit was mistaken
 FAR = 0.1  # of the size of a structure: springs that sag by more have a slip of a unit, or are to stand for none
+
+
+def structure_findings(
+    solved: Solved, basis: ModalBasis, studies: Sequence[Study] = (), up_to_hz: float | None = None
+) -> tuple[Finding, ...]:
+    """All that can be said of a structure and its modes, severe findings first.
+
+    basis : with its damping. up_to_hz : the highest frequency that is looked at [Hz]; without it the mesh is judged as
+    far as the modes are complete.
+    """
+    return worst_first(
+        (
+            *structure_findings_before(solved.structure, solved.model, studies),
+            *structure_findings_after(solved.model, basis, studies, up_to_hz),
+        )
+    )
 
 
 def structure_findings_before(

@@ -8,11 +8,11 @@ import pytest
 from femstruct.assembly.assemble import assemble
 from femstruct.modal.reduction import modal_basis
 from femstruct.model.findings.frame_waves import frame_waves
+from femstruct.model.findings.waves import carried_hz, mesh_findings
 from femstruct.model.material import Material
 from femstruct.model.mesher import mesh_structure
 from femstruct.model.parts import Frame, PlaceOn, Structure, Support
 from femstruct.model.section import Section
-from femstruct.workflow.checks import carried_hz, mesh_findings
 
 LENGTH, BARS = 1.0, 12
 STEEL = Material("steel", E=210e9, nu=0.3, rho=7850.0)

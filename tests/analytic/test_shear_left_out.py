@@ -9,10 +9,10 @@ import pytest
 from scipy.optimize import brentq
 
 from femstruct.language import read_model_file
+from femstruct.model.findings.waves import bending_wavelength, mesh_findings, with_shear
 from femstruct.model.material import Material
 from femstruct.model.mesher import mesh_structure
 from femstruct.model.parts import Structure
-from femstruct.workflow.checks import bending_wavelength, mesh_findings, with_shear
 
 CONCRETE = Material("concrete", 30e9, 0.2, 2400.0)
 MODEL = """
