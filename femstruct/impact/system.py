@@ -259,7 +259,7 @@ class _Loads:
             self.values.extend(history.values)
         starts = load.first + load.every * np.arange(load.count)
         changes = np.add.outer(starts[starts < duration], bends).ravel()
-        return set(np.rint(changes / tick).astype(np.int64).tolist())
+        return set(np.rint(changes[changes < duration] / tick).astype(np.int64).tolist())
 
 
 def _strikes(scene: Scene, bodies: Mapping[str, int], k: int, scale: Floats, tick: float, end: int) -> Records:

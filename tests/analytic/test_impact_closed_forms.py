@@ -200,3 +200,12 @@ def test_falling_body_bounces() -> None:
     quiet = simulate(NONE, scene, Clock(0.5, 1000.0, quiet=0.3))
     assert response.ledger.at_separation is not None
     assert quiet.ledger.at_separation is None  # the next bounce comes within 0.3 s
+
+
+def test_a_load_that_outlasts_the_window_by_far() -> None:
+    """A free mass under sin(w t) with a half period of five hours: in 1 s it gains F (1 - cos w t) / (m w)."""
+    basis, points = oscillator(2.0, frequency_hz=0.0, axis="z")
+    place, w = points["m"].probe("z"), 2 * np.pi * 2.9e-5
+    response = simulate(basis, Scene(loads=(Load("push", place, HalfSine(3.0, 2.9e-5)),)), Clock(1.0, 1e3))
+    gained = 3.0 * (1.0 - np.cos(w * response.t[-1])) / (2.0 * w)
+    assert float(response.velocity(place.of(basis.shapes))[-1]) == pytest.approx(gained, rel=1e-9)
