@@ -25,8 +25,10 @@ _ROUNDING = 2e-14
 # of phi^T K phi are rounding: up to 1e-17 |sigma| measured, 1e-18 |sigma| once the modes are separated. A real spring
 # is told from none down to 3e-8 of the frequency of sigma, which is near the first elastic one, or the limit.
 _UNTOUCHED = 1e-15
+_SOFT = 1e-3  # of |sigma|: modes that may be rigid
 _UNRESOLVED = 1e-10  # of |sigma|: below it eigenvalues by shift-invert are too coarse to count between
 _SHIFT_RANGE = (0.005, 50.0)  # of |sigma| over the first elastic omega^2: no loss of digits and no slow convergence
+_DROWNS = 1e-4  # of the guessed first elastic omega^2: a shift below it
 _ATTEMPTS = 6
 _CONVERGED = 1e-11  # residual of an eigenvalue of the inverse over it; shapes are as good
 _ROUGH = 16  # vectors that show the first elastic modes roughly: rigid ones, having one eigenvalue, take few
@@ -102,6 +104,7 @@ def modes(
         first = min(count + 3, n)
     factor, space = _shifted(pencil, first, mu, labels)
     values, shapes, complete = _complete(pencil, factor, space, first, mu, wanted)
+    shapes = _purified(M, factor, values, shapes)
     values, shapes, rigid = _classified(K, M, values, shapes, abs(factor.sigma))
     if values.size and values.min() < 0:
         raise FemstructError("K", got=f"a mode of omega^2 = {values.min():.3g}", expected="no negative stiffness")
@@ -147,13 +150,15 @@ def _shifted(pencil: Pencil, wanted: int, limit: float, labels: Sequence[str]) -
     Nearer to zero the rigid modes lose digits, farther away Lanczos converges slowly; in between both are harmless.
     """
     M = pencil.M
-    if limit < np.inf:  # `wanted` modes lie below the limit, so the first elastic one is above limit / wanted^2 or so
-        factor = factorise(pencil, -limit / (wanted + 1), labels)
-        return factor, Krylov(M, factor.solve)
     stiffness, mass = pencil.K.diagonal(), M.diagonal()
     loaded = (mass > 0) & (stiffness > 0)
     # The coarsest and the finest shape of n degrees of freedom: n^2 apart in omega^2 in plates, n^(2/3) in solids.
     guess = float(np.median(stiffness[loaded] / mass[loaded])) / len(mass) ** 1.5 if loaded.any() else 1.0
+    # `wanted` modes lie below a limit, so the first elastic one is above limit / wanted^2 or so. Where the limit is far
+    # below all that is elastic, a shift as small would drown the modes between in rounding.
+    if _DROWNS * guess < limit / (wanted + 1) < np.inf:
+        factor = factorise(pencil, -limit / (wanted + 1), labels)
+        return factor, Krylov(M, factor.solve)
     factor = factorise(pencil, -guess, labels)
     for _ in range(_ATTEMPTS):
         space = Krylov(M, factor.solve)
@@ -259,6 +264,20 @@ def _dense(K: csc_array, M: csc_array, sigma: float, k: int) -> tuple[Floats, Fl
             values = np.concatenate([values[:cut], direct[cut:]])
             low = np.concatenate([low[:, :cut], high[:, cut:]], axis=1)
     return values[:k], low[:, :k]
+
+
+def _purified(M: csc_array, factor: Factor, values: Floats, shapes: Floats) -> Floats:
+    """The shapes after one more inverse step of those that hardly strain.
+
+    A sum of Lanczos vectors has rounding in all shapes there are; what is left of that in stiff ones weighs nothing,
+    but strains by more than a rigid mode does. The step leaves sigma over their omega^2 of it.
+    """
+    soft = np.abs(values) < _SOFT * abs(factor.sigma)
+    if not soft.any():
+        return shapes
+    purer = shapes.copy()
+    purer[:, soft] = factor.solve(M @ shapes[:, soft])
+    return signed(orthonormalise(M, purer), np.sqrt(np.abs(M.diagonal())))
 
 
 def _classified(
