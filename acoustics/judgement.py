@@ -32,9 +32,9 @@ def source_advice(surface: SurfaceVelocity, room: Room, orders: Integers, highes
         found.append(
             Advice(
                 "sampling-low",
-                f"the surface moves up to {highest_hz:.0f} Hz (all but 1e-6 of its energy), sampled at "
-                f"{sampling_hz:.0f} Hz: from {SAMPLES_PER_PERIOD * highest_hz:.0f} Hz on levels are right to some "
-                "0.02 dB, at half of that third octaves may miss 0.1 dB",
+                f"the surface moves up to {highest_hz:.0f} Hz and is sampled at {sampling_hz:.0f} Hz: the highest "
+                "third octaves may miss 0.1 dB or more; sampling at "
+                f"{SAMPLES_PER_PERIOD * highest_hz:.0f} Hz leaves 0.02 dB",
                 {"source_highest_hz": highest_hz, "sampling_hz": sampling_hz},
             )
         )

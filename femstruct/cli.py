@@ -105,7 +105,7 @@ def run(
 
 @_command
 def warm_up() -> int:
-    """Compile the simulation kernels now: some 20 seconds, once. Without it the first simulation does."""
+    """Compile the simulation kernels now: some 15 seconds, once. Without it the first simulation does."""
     from femstruct.impact.compiled.store import folder
     from femstruct.impact.compiled.workers import compilation
     from femstruct.impact.needed import ALL
@@ -165,7 +165,7 @@ def modes(
     set_: Sets = [],  # noqa: B006
     as_json: AsJson = False,
 ) -> int:
-    """Natural frequencies, damping ratios and kinds of modes. Proven complete."""
+    """Natural frequencies, damping ratios and kinds of modes. All modes of the mesh are found, which is proved."""
     from femstruct.workflow.asked_modes import extent_of, modes_of
 
     with _progress() as tell:
@@ -295,17 +295,19 @@ def _watched(study: Path, sets: list[str], case: str, folder: Path, as_json: boo
             for one in rounds(study, sets, case, folder, told, command=" ".join(["femstruct", *sys.argv[1:]])):
                 if one.error is not None:
                     code = tell(one.error)
+                    said = "not run, the last results stay"
                 elif one.result is not None:
                     code, last = _verdict(one.result), one.result
                     if as_json:
                         _print_json(summary(last))
                     else:
                         show_study(last, {}, str(folder))
-                print(f"{one.seconds:.2f} s, reused: {one.reused}; waiting for a change, Ctrl-C ends", file=sys.stderr)
+                    said = f"{one.seconds:.2f} s, reused: {one.reused}"
+                print(f"{said}; waiting for a change, Ctrl-C ends", file=sys.stderr)
                 told("waiting for a change of the study's files")
     except KeyboardInterrupt:
         if last is not None:
-            print("writing all files of the last run; Ctrl-C again leaves them out", file=sys.stderr)
+            print("writing results.h5 and pictures of the last run too; Ctrl-C again leaves them out", file=sys.stderr)
             with _progress() as told:
                 write_all(last, folder, told, pictures)
     return code

@@ -144,8 +144,8 @@ def sampling_findings(lasting: Mapping[str, float], peaks: Mapping[str, float], 
     return tuple(
         Finding(
             "sampling-too-low",
-            f"Contact '{name}' lasts {shortest:.3g} s at its shortest, {shortest * sampling:.1f} samples: peaks "
-            "between samples are seen by its peak force only.",
+            f"Contact '{name}' lasts {shortest:.3g} s at its shortest, {shortest * sampling:.1f} samples: "
+            "recorded forces may miss its peak, the table of contacts does not.",
             {"contact_s": shortest, "samples": shortest * sampling, "peak_force_n": peaks[name]},
         )
         for name, shortest in lasting.items()

@@ -32,7 +32,7 @@ def blank_findings(plan: RoomPlan, study: Study, complete_below_hz: float) -> tu
         return ()
     told = f"{blank[0]:g} Hz is" if len(blank) == 1 else f"{blank[0]:g} to {blank[-1]:g} Hz are"
     all_of_them = len(blank) == len(method.bands_hz)
-    numbers = "there is no single number" if all_of_them else "single numbers are what the others make them at least"
+    numbers = "there is no single number" if all_of_them else "single numbers are lower bounds ('at least')"
     whose = "floor" if complete_below_hz <= plan.complete_below_hz else "room"
     return (
         Finding(

@@ -67,7 +67,7 @@ def meeting_findings(plan: RoomPlan, study: Study, surface: Surface, basis: Moda
             Finding(
                 "modes-meet",
                 f"modes within each other's bandwidth, of like shape on the ceiling: {told}{more}; there the levels "
-                f"hang on a few hertz of either{_exchanged(pairs) if plan.coupling == 'one-way' else ''}",
+                f"depend on a few hertz of either{_exchanged(pairs) if plan.coupling == 'one-way' else ''}",
                 {
                     "pairs": len(meet),
                     "floor_hz": meet[0][0],
@@ -149,10 +149,10 @@ def exchange_findings(plan: RoomPlan, pairs: ModePairs) -> tuple[Finding, ...]:
     return (
         Finding(
             "one-way-resonance",
-            f"{pairs.floor_hz[i]:.1f} Hz of the floor and {pairs.room_hz[j]:.1f} Hz of the room exchange energy (kappa "
-            f"{kappa:.2f}, told from {EXCHANGED:g}): with one-way coupling the room is up to {line:.1f} dB too loud at "
-            f"a line there and {band:.1f} dB in a band of blows without a fixed interval; give the room "
-            "'coupling: two-way'",
+            f"{pairs.floor_hz[i]:.1f} Hz of the floor and {pairs.room_hz[j]:.1f} Hz of the room exchange energy, "
+            f"which one-way coupling leaves out (kappa {kappa:.2f}; below {EXCHANGED:g} it may be): levels are up to "
+            f"{line:.1f} dB too high at that frequency, and {band:.1f} dB in its band where the blows have no fixed "
+            "interval. Give the room 'coupling: two-way'",
             {
                 "kappa": kappa,
                 "allowed": EXCHANGED,

@@ -25,9 +25,10 @@ def peak_findings(channels: Mapping[str, Channel]) -> Iterator[Finding]:
         if _apart((peak, alone)) > CONVERGED:
             yield Finding(
                 "peak-not-converged",
-                f"{name}: its peak of {peak:.4g} {channel.unit} is {alone:.4g} {channel.unit} in the modes alone, "
-                "without the residual vectors: it depends on the number of modes and on the mesh at the struck place. "
-                "More modes show by how much; a low-pass ('peaks: {lowpass: ...}') or a velocity leaves it out",
+                f"{name}: do not quote its peak. It is {peak:.4g} {channel.unit}, and {alone:.4g} {channel.unit} "
+                "without the residual vectors (the static correction for the modes that are left out), so it changes "
+                "with the number of modes and with the mesh. Give the study 'peaks: {lowpass: F}' with F below "
+                "the last mode",
                 {"peak": peak, "modes_alone": alone, "apart": _apart((peak, alone)), "allowed": CONVERGED},
             )
 
@@ -51,8 +52,8 @@ def change_findings(reference: Mapping[str, Channel], channels: Mapping[str, Cha
         if abs(whole - modes) > CHANGED:
             yield Finding(
                 "change-not-converged",
-                f"{name}: its peak changes by {whole:+.1f} % against the baseline, and by {modes:+.1f} % in the modes "
-                "alone, without the residual vectors: what the change is, these modes do not say",
+                f"{name}: do not quote the change of its peak against the baseline. It is {whole:+.1f} %, and "
+                f"{modes:+.1f} % without the residual vectors (the static correction for the modes that are left out)",
                 {"change_percent": whole, "modes_alone_percent": modes, "allowed": CHANGED},
             )
 

@@ -163,13 +163,13 @@ def _overlapping(plan: RoomPlan, method: Method, study: Study, basis: ModalBasis
     if fallen >= FALLEN_DB:
         return ()
     whose = "room" if t60 >= floor_t60 else "floor"
-    enough = f"{least:.2g} s" if isfinite(least) else "losses"
+    enough = f"'time: {{duration: {least:.2g} s}}'" if isfinite(least) else "'damping', without which it never decays"
     return (
         Finding(
             "blows-overlap",
-            f"uncorrelated blows are {apart(study):.3g} s apart, in which the {whose}, with a reverberation time of "
-            f"{max(t60, floor_t60):.2g} s, falls by {fallen:.0f} dB; from {FALLEN_DB:g} dB on each is heard alone, and "
-            f"levels are right to 0.1 dB: give the study a duration of {enough}",
+            f"uncorrelated blows are {apart(study):.3g} s apart; the sound of the {whose}, with a reverberation time "
+            f"of {max(t60, floor_t60):.2g} s, decays by {fallen:.0f} dB between them, and {FALLEN_DB:g} dB are needed "
+            f"for levels right to 0.1 dB. Give {enough}",
             {"apart_s": apart(study), "fallen_db": fallen, "wanted_db": FALLEN_DB, "t60_s": max(t60, floor_t60)},
         ),
     )

@@ -208,10 +208,10 @@ def _reused(modes: bool, cases: Sequence[str]) -> str:
     """What a run took from the one before it, in words.
 
     >>> _reused(True, ["as given", "soft"]), _reused(False, [])
-    ('the modes, cases as given, soft', 'nothing')
+    ("the modes, cases 'as given', 'soft'", 'nothing')
     """
     words = ["the modes"] if modes else []
-    words += [f"case{'s' if len(cases) > 1 else ''} {some_of(cases)}"] if cases else []
+    words += [f"case{'s' if len(cases) > 1 else ''} {some_of(map(repr, cases))}"] if cases else []
     return ", ".join(words) or "nothing"
 
 

@@ -39,9 +39,9 @@ def _rebound(study: Study, response: Response) -> list[Finding]:
         found.append(
             Finding(
                 "hammers-rebound",
-                f"{machine}: the hammers leave this floor with {share:.2f} of their speed; real ones keep anything "
-                f"from 0 to 1 of it (Acta Acustica 9, 14, 2025), which makes levels up to {lower:.1f} dB lower, "
-                f"{higher:.1f} dB higher",
+                f"{machine}: the hammers rebound from this floor with {share:.2f} of their speed; those of real "
+                f"machines with 0 to 1 of it (Acta Acustica 9, 14, 2025), so that real levels may be {lower:.1f} dB "
+                f"lower to {higher:.1f} dB higher than these",
                 {"restitution": share, "lower_db": lower, "higher_db": higher},
             )
         )

@@ -195,7 +195,7 @@ def _far_sags(model: Model, basis: ModalBasis) -> list[Finding]:
         Finding(
             "sags-far",
             f"{worst.part} sags by {worst.sag:.4g} m under the weight of all, the structure is {size:.4g} m large: "
-            "check the units of springs, layers and moduli, unless they are to stand for nothing",
+            "check the units of springs, layers and moduli, unless they are soft on purpose",
             {"sag_m": worst.sag, "size_m": size},
         )
     ]

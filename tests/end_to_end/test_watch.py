@@ -68,7 +68,7 @@ def same(one: StudyResult, other: StudyResult) -> None:
 @pytest.mark.parametrize(
     ("change", "reused"),
     [
-        ("cases.heavy.bodies.ball.mass=12 g", "the modes, case as given"),
+        ("cases.heavy.bodies.ball.mass=12 g", "the modes, case 'as given'"),
         ("bodies.ball.speed=2 m/s", "the modes"),
         ("rooms.box.receivers.mic=[0.2, 0.1, 0.1]", "the modes"),
         ("bodies.ball.above=b", "nothing"),  # residual vectors are for another place
@@ -93,7 +93,7 @@ def test_a_case_hangs_on_the_damping_of_the_baseline(study: Path) -> None:
     study.write_text(text.replace("6 mm}", "6 mm, bodies.ball.mass: 6 g}"), encoding="utf-8")
     plan = read_study(study)
     again, later = run_again(plan, kept)
-    assert later.reused == "the modes, case as given"
+    assert later.reused == "the modes, case 'as given'"
     same(again, run_study(plan))
     damped = read_study(study, ("damping.ratio=3 %",))
     again, later = run_again(damped, kept)
@@ -136,9 +136,9 @@ def test_it_runs_again_at_every_saved_change_and_survives_mistakes(study: Path, 
     )
     assert [one.reused for one in found] == [
         "nothing",
-        "the modes, case as given",
+        "the modes, case 'as given'",
         "nothing",
-        "the modes, case as given",
+        "the modes, case 'as given'",
         "nothing",
     ]
     assert isinstance(found[2].error, InputErrors) and found[2].result is None

@@ -104,7 +104,7 @@ def _told(error: RibError) -> Finding:
         f"cannot stretch here. A rib with its strip of plate is {error.bending:.3g} times too stiff in bending: "
         f"frequencies up to {bends} too high; and {error.torsion:.3g} times in torsion, with nodes "
         f"{1e3 * error.spacing:.3g} mm apart (more with a finer mesh): up to {twists} too high. Bars without 'offsets' "
-        "have neither error",
+        "have neither error, but without the stiffness that the offset gives they are too soft",
         {
             "bending_ratio": error.bending,
             "torsion_ratio": error.torsion,
