@@ -30,6 +30,7 @@ ALIKE: Final = 0.3  # of two shapes on the ceiling from which on one drives the 
 MOVES: Final = 0.1  # rms motion of the ceiling, of the floor mode that moves it most, from which on a mode counts
 EXCHANGED: Final = 0.12  # kappa: 0.5 dB in a band, 1 dB at a line
 SINGLE_MODES: Final = 2000.0  # sqrt(m^3/s)/s: above 2000 sqrt(T / V) modes of a room overlap (Schroeder)
+BESIDE: Final = 1.5  # of the last mode of the floor: modes of the room above it exchange nothing with any
 DECAY_HZ: Final = 100.0  # where a room's reverberation time is taken to tell up to where its modes stand alone
 
 
@@ -102,10 +103,13 @@ def mode_pairs(plan: RoomPlan, surface: Surface, basis: ModalBasis) -> ModePairs
         return _no_pairs()
     top = SINGLE_MODES * sqrt(t60 / room.volume)
     elastic = np.flatnonzero((np.array(basis.kind) == "elastic") & (basis.frequency_hz <= top))
+    if not len(elastic):
+        return _no_pairs()
+    top = min(top, BESIDE * float(basis.frequency_hz[elastic].max()))
     points = room_coordinates(surface, room, plan.offset, plan.name)
     shapes, weights = surface.shapes(basis.shapes[:, :, elastic]), surface.weights
     room_hz, products, others, squares = _on_ceiling(room, points, weights, shapes, top)
-    if not (len(elastic) and len(room_hz)):
+    if not len(room_hz):
         return _no_pairs()
     sizes, products = np.sqrt(weights @ shapes**2), np.abs(products)
     both = np.outer(sizes, others)
