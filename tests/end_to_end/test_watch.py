@@ -101,6 +101,15 @@ def test_a_case_hangs_on_the_damping_of_the_baseline(study: Path) -> None:
     same(again, run_study(damped))
 
 
+def test_a_case_hangs_on_the_structure_of_the_baseline(study: Path) -> None:
+    """Modes of the given plate take the dampings of those modes of the baseline's that look like them."""
+    cases = "cases: {thin: {parts.p.thickness: 4 mm}, given: {}}\ncompare: {baseline: thin}\n"
+    study.write_text(STUDY.splitlines()[0] + STUDY.partition("cases:")[0] + cases, encoding="utf-8")
+    _, kept = run_again(read_study(study), Kept())
+    study.write_text(study.read_text(encoding="utf-8").replace("4 mm", "4.5 mm"), encoding="utf-8")
+    assert run_again(read_study(study), kept)[1].reused == "the modes"
+
+
 def watched(study: Path, folder: Path, *edits: Callable[[], object]) -> list[Round]:
     """The rounds of a watch during which files are edited, one edit a round."""
     left, found = list(edits), []
