@@ -1,6 +1,13 @@
-"""A rectangular plate meshed with one kind of element, assembled without the package's own assembly."""
+"""What all tests share: one thread a process, compiled kernels, and a rectangular plate meshed with one kind of
+element, assembled without the package's own assembly."""
 
+# ruff: noqa: E402 (the number of threads is read when numpy is imported)
 from __future__ import annotations
+
+import os
+
+for _name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
+    os.environ.setdefault(_name, "1")  # as the command line has it; two processes of two threads wait for each other
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -12,6 +19,8 @@ from numpy.typing import NDArray
 from scipy.sparse.linalg import eigsh, splu
 
 from femstruct.elements import plate
+from femstruct.impact.compiled.workers import code_of
+from femstruct.impact.needed import ALL
 
 W, RX, RY, TWIST = range(4)
 HELD = {  # on an edge of constant x: what is fixed; on an edge of constant y RX and RY change places
@@ -19,6 +28,12 @@ HELD = {  # on an edge of constant x: what is fixed; on an edge of constant y RX
     "C": (W, RX, RY, TWIST),
     "F": (),
 }
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Compile the kernels once, before processes that test beside each other would each do it."""
+    if not hasattr(config, "workerinput"):
+        code_of(ALL)
 
 
 @dataclass(frozen=True)

@@ -77,7 +77,7 @@ def test_what_hammers_keep_of_their_speed_is_told(tmp_path: Path) -> None:
     case = run_study(without_rooms(read_study(tmp_path / "one.study.yaml"))).cases["as given"]
     told = [found for found in case.findings if found.code == "hammers-rebound"]
     assert len(told) == 1
-    assert told[0].message.startswith("h: the hammers leave this floor with ")
+    assert told[0].message.startswith("h: the hammers rebound from this floor with ")
     found = told[0].values
     # let go where the force is zero: e = exp(-zeta / sqrt(1 - zeta^2) atan2(...)), Brilliantov and Poeschel (2005)
     root = np.sqrt(1 - 0.2**2)
