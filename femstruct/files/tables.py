@@ -196,6 +196,7 @@ def _comparison(case: CaseResult, beside: CaseComparison) -> Table:
             name: {
                 "first_impact_percent": number(change.first_impact_percent),
                 "whole_percent": number(change.whole_percent),
+                "converged": change.converged,
             }
             for name, change in beside.peaks.items()
         },

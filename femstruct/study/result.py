@@ -162,10 +162,14 @@ class CaseResult:
 
 @dataclass(frozen=True)
 class PeakChange:
-    """Change of a peak against the baseline [%], negative for a reduction; None where the baseline's peak is zero."""
+    """Change of a peak against the baseline [%], negative for a reduction; None where the baseline's peak is zero.
+
+    converged : False where the modes alone, without residual vectors, change by another share.
+    """
 
     first_impact_percent: float | None
     whole_percent: float | None
+    converged: bool = True
 
 
 @dataclass(frozen=True)

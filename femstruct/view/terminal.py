@@ -71,7 +71,9 @@ def study_tables(result: StudyResult) -> tuple[Grid, ...]:
 
 def _peaks(result: StudyResult) -> Grid:
     told = "first impact / whole window" if anything_meets(result) else "whole window"
-    grid = Grid(f"peaks: {told} ({result.comparison.filter})", ("", *result.cases))
+    unsure = any(not one.converged for beside in result.comparison.cases.values() for one in beside.peaks.values())
+    mark = "; ? : do not quote, see change-not-converged" if unsure else ""
+    grid = Grid(f"peaks: {told} ({result.comparison.filter}{mark})", ("", *result.cases))
     names = list(dict.fromkeys(name for case in result.cases.values() for name in case.channels))
     for name in names:
         unit = next(case.channels[name].unit for case in result.cases.values() if name in case.channels)
@@ -87,7 +89,8 @@ def _peak(result: StudyResult, case: str, name: str) -> str:
     change = beside.peaks.get(name) if beside else None
     texts = [[digits(channel.first_impact), digits(channel.whole)]]
     if change is not None:
-        texts.append([_percent(change.first_impact_percent), _percent(change.whole_percent)])
+        mark = "" if change.converged else " ?"
+        texts.append([f"{_percent(one)}{mark}" for one in (change.first_impact_percent, change.whole_percent)])
     start = 0 if anything_meets(result) else 1
     return "\n".join(" / ".join(both[start:]) for both in texts)
 

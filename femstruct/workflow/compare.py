@@ -11,6 +11,7 @@ from femstruct.modal.basis import ModalBasis
 from femstruct.modal.likeness import mac
 from femstruct.study.result import NET_FORCE, CaseComparison, CaseResult, Channel, Comparison, PeakChange
 from femstruct.workflow.channels import filter_sentence
+from femstruct.workflow.peaks import agree, two_changes
 
 NEAR = 0.02  # a spectral peak belongs to a mode within 2 % of its frequency
 FINENESS = 0.2  # Hz between spectral lines at most, so that 2 % of the lowest modes holds some, ...
@@ -50,7 +51,12 @@ def _peak_change(reference: Channel, channel: Channel) -> PeakChange:
     def percent(before: float, after: float) -> float | None:
         return 100.0 * (after / before - 1.0) if before > 0.0 else None
 
-    return PeakChange(percent(reference.first_impact, channel.first_impact), percent(reference.whole, channel.whole))
+    changes = two_changes(reference, channel)
+    return PeakChange(
+        percent(reference.first_impact, channel.first_impact),
+        percent(reference.whole, channel.whole),
+        converged=changes is None or agree(changes),
+    )
 
 
 def _band_attenuation(reference: Mapping[float, float], levels: Mapping[float, float]) -> dict[float, float]:

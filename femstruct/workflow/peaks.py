@@ -36,26 +36,34 @@ def peak_findings(channels: Mapping[str, Channel]) -> Iterator[Finding]:
 def change_findings(reference: Mapping[str, Channel], channels: Mapping[str, Channel]) -> Iterator[Finding]:
     """Changes of peaks against the baseline's that are others in the modes alone."""
     for name, channel in channels.items():
-        before = reference.get(name)
-        if before is None or before is channel or before.by_modes is None or channel.by_modes is None:
-            continue
-        changes = [
-            (100.0 * (after / peak - 1.0), 100.0 * (alone_after / alone - 1.0))
-            for peak, after, alone, alone_after in zip(
-                _peaks(before), _peaks(channel), before.by_modes, channel.by_modes, strict=True
-            )
-            if peak > 0.0 and alone > 0.0
-        ]
-        if not changes:
-            continue
-        whole, modes = max(changes, key=lambda change: abs(change[0] - change[1]))
-        if abs(whole - modes) > CHANGED:
+        found = two_changes(reference[name], channel) if name in reference else None
+        if found is not None and not agree(found):
+            whole, modes = found
             yield Finding(
                 "change-not-converged",
                 f"{name}: do not quote the change of its peak against the baseline. It is {whole:+.1f} %, and "
                 f"{modes:+.1f} % without the residual vectors (the static correction for the modes that are left out)",
                 {"change_percent": whole, "modes_alone_percent": modes, "allowed": CHANGED},
             )
+
+
+def two_changes(before: Channel, after: Channel) -> tuple[float, float] | None:
+    """By how much a peak changes, and in the modes alone [%], where the two differ most; None for other channels."""
+    if before is after or before.by_modes is None or after.by_modes is None:
+        return None
+    changes = [
+        (100.0 * (then / peak - 1.0), 100.0 * (alone_then / alone - 1.0))
+        for peak, then, alone, alone_then in zip(
+            _peaks(before), _peaks(after), before.by_modes, after.by_modes, strict=True
+        )
+        if peak > 0.0 and alone > 0.0
+    ]
+    return max(changes, key=lambda change: abs(change[0] - change[1]), default=None)
+
+
+def agree(changes: tuple[float, float]) -> bool:
+    """Whether two changes are one to what may be quoted."""
+    return abs(changes[0] - changes[1]) <= CHANGED
 
 
 def _peaks(channel: Channel) -> tuple[float, float]:

@@ -93,7 +93,7 @@ def test_a_load_beside_a_support_is_in_the_reaction(tmp_path):
     """Pushed slowly in a cell at its edge, a plate passes on what it is pushed with; a good part of it goes to the held
     nodes themselves, which do not move."""
     (tmp_path / "small_plate.yaml").write_text(
-        (MODELS / "small_plate.yaml").read_text().replace("[0.17, 0.11]", "[0.02, 0.11]")
+        (MODELS / "small_plate.yaml").read_text().replace("[0.17, 0.11]", "[0.005, 0.11]")
     )
     (tmp_path / "push.study.yaml").write_text(
         """

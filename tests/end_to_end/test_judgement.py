@@ -13,6 +13,7 @@ import pytest
 
 from femstruct.language import read_study
 from femstruct.study.result import CaseResult
+from femstruct.view.terminal import study_tables
 from femstruct.workflow.asked_response import frf_of
 from femstruct.workflow.bases import solve_all
 from femstruct.workflow.identify import identify
@@ -66,9 +67,10 @@ def femstruct(*args: str | Path) -> subprocess.CompletedProcess[str]:
     [
         ({"damping": "{ratio: 0}"}, "no-damping", True),
         ({"mesh": "100 mm"}, "coarse-mesh", False),
+        ({"mesh": "200 mm"}, "coarse-mesh", True),
         ({"element": "hermite12"}, "twist-defect", False),
     ],
-    ids=["undamped", "four cells a wave", "hermite12"],
+    ids=["undamped", "four cells a wave", "less than two", "hermite12"],
 )
 def test_a_frequency_response_is_judged(tmp_path: Path, changes: dict[str, str], code: str, severe: bool) -> None:
     told = frf_of(plate(tmp_path, **changes), "a.z", "a.z", "10 Hz:500 Hz", "5 Hz", "", "modal")["findings"]
@@ -197,6 +199,12 @@ def test_a_low_pass_or_more_modes_make_peaks_converge(tmp_path: Path) -> None:
 def test_a_change_that_hangs_on_residual_vectors_is_told(tmp_path: Path) -> None:
     text = STUDY.replace("record: {ball on a: force}", "record: {a.z: acceleration}")
     text += "cases: {as given: {}, harder: {bodies.ball.contact.stiffness: 400 kN/m}}\n"
-    harder = run_study(read_study(study(tmp_path, text))).cases["harder"]
+    result = run_study(read_study(study(tmp_path, text)))
+    harder = result.cases["harder"]
     (told,) = [finding for finding in harder.findings if finding.code == "change-not-converged"]
     assert abs(told.values["change_percent"] - told.values["modes_alone_percent"]) > told.values["allowed"]
+    peaks = result.comparison.cases["harder"].peaks
+    assert not peaks["a.z acceleration"].converged and peaks["net force on a"].converged
+    (grid,) = [grid for grid in study_tables(result) if grid.title.startswith("peaks")]
+    assert "? : do not quote" in grid.title
+    assert [row[2].endswith(" % ?") for row in grid.rows] == [True, False]

@@ -52,7 +52,11 @@ def test_layout_is_the_documented_one(result):
     assert {"code", "message", "values"} <= set(case["findings"][0])
     beside = table["comparison"]["damper 0.6 / new"]
     assert {"peaks", "bands_db", "modes_db"} <= set(beside)
-    assert beside["peaks"]["O_f.z velocity"] == {"first_impact_percent": -50.0, "whole_percent": None}
+    assert beside["peaks"]["O_f.z velocity"] == {
+        "first_impact_percent": -50.0,
+        "whole_percent": None,
+        "converged": True,
+    }
 
 
 def test_short_tables_are_those_of_the_first_receiver(result):

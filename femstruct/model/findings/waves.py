@@ -11,6 +11,7 @@ from femstruct.model.material import Material
 from femstruct.model.model import FrameMesh, Model, PlateMesh
 
 CELLS_PER_WAVE = 6.0  # bending wavelengths of bfs16 and acm12 are right to about 1 % with six cells
+NO_WAVE = 2.0  # cells a wave below which it is none any more: modes there are those of the mesh
 SLENDER = 10.0  # bending wavelength over thickness below which shear takes more than about 3 % off a frequency
 
 
@@ -28,8 +29,10 @@ def mesh_findings(model: Model, up_to_hz: float) -> tuple[Finding, ...]:
                 Finding(
                     "coarse-mesh",
                     f"{name}: a bending wave of {up_to_hz:.4g} Hz is {1e3 * wave:.0f} mm long and the largest cell "
-                    f"{1e3 * cell:.0f} mm, {wave / cell:.1f} cells a wave where {CELLS_PER_WAVE:g} are needed",
+                    f"{1e3 * cell:.0f} mm, {wave / cell:.1f} cells a wave where {CELLS_PER_WAVE:g} are needed: "
+                    f"cells of {1e3 * wave / CELLS_PER_WAVE:.3g} mm or less",
                     {"wavelength_m": wave, "cell_m": cell},
+                    severe=wave / cell < NO_WAVE,
                 )
             )
         if wave / plate.part.thickness < SLENDER:
@@ -59,7 +62,7 @@ def _long_bars(frame: FrameMesh, up_to_hz: float) -> list[Finding]:
         Finding(
             "coarse-mesh",
             f"{frame.part.name}: a {worst.kind} wave of {up_to_hz:.4g} Hz is {1e3 * length:.0f} mm long and the "
-            f"longest bar {1e3 * longest:.0f} mm, {length / longest:.1f} bars a wave where {frame.part.element} needs "
+            f"longest bar {1e3 * longest:.0f} mm, {length / longest:.2f} bars a wave where {frame.part.element} needs "
             f"{worst.needed:g}",
             {"wavelength_m": length, "bar_m": longest},
         )
