@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from math import isfinite
+from math import inf, isfinite
 
 from rich.console import Console
 
@@ -116,20 +116,20 @@ def _contacts(result: StudyResult) -> Grid:
 
 def _levels(result: StudyResult) -> Grid:
     told = "; total: with the bodies' own sound" if any(c.heard.total for c in result.cases.values()) else ""
-    ends = dict.fromkeys(
-        levels.complete_below_hz
-        for case in result.cases.values()
-        for levels in case.levels.values()
-        if isfinite(levels.complete_below_hz)
-    )
-    if ends:
-        told += f"; of sound up to {', '.join(f'{end:.4g}' for end in ends)} Hz, where the modes end"
+    ends = {
+        name: min((one.complete_below_hz for one in case.levels.values()), default=inf)
+        for name, case in result.cases.items()
+    }
+    cut = any(isfinite(end) for end in ends.values())
+    told += "; of the sound up to where the modes end: a lower bound of the whole" if cut else ""
     grid = Grid(f"levels re 20 µPa{told}", ("receiver", *result.cases))
     names = list(dict.fromkeys(name for case in result.cases.values() for name in case.levels))
     for name in names:
         grid.add(f"{name} L_peak [dB]", *(_level(case, name, "l_peak_db") for case in result.cases.values()))
         grid.add(f"{name} L_AFmax [dB]", *(_level(case, name, "l_afmax_db") for case in result.cases.values()))
     add_totals(grid, result)
+    if cut:
+        grid.add("sound ends at [Hz]", *(f"{end:.4g}" if isfinite(end) else "-" for end in ends.values()))
     return grid
 
 

@@ -211,7 +211,7 @@ def test_files_keep_both(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Non
     rows = {row[0]: row[1:] for row in levels.rows}
     total = case.heard.total_levels["open.over"]
     assert rows["open.over total L_peak / L_AFmax [dB]"][1] == f"{total.l_peak_db:.1f} / {total.l_afmax_db:.1f}"
-    assert len(rows) == 6  # two of the structure and one in total, for two receivers
+    assert len(rows) == 7  # two of the structure and one in total, for two receivers
 
 
 def test_the_shipped_ball_clicks() -> None:
