@@ -16,7 +16,6 @@ Units = Sequence[Unit[..., Any]]
 
 BY_COLLOCATION: Final[Units] = (march, feel)
 EXACTLY: Final[Units] = (exact_march, feel)
-BATCHES: Final[Units] = (run_many,)
 ALL: Final[Units] = (march, feel, exact_march, run_many)
 
 

@@ -23,7 +23,7 @@ from femstruct.language.models import (
     title_of,
 )
 from femstruct.language.opening import beside
-from femstruct.language.patch import MODEL_KEYS, Patch, model_keys, study_keys
+from femstruct.language.patch import MODEL_KEYS, Patch, study_keys
 from femstruct.language.reader import Mistakes, Position, Tree, dotted, nearest, read_yaml
 from femstruct.language.references import Names, check_names
 from femstruct.language.references_model import check_model
@@ -65,7 +65,7 @@ def read_study(path: str | Path, overrides: Sequence[str] = (), only: str | None
     ([('light', 1.0), ('heavy', 2.0)], 'light')
     """
     study = read_yaml(path)
-    refuse_kind(study, "study", study_keys(), model_keys)
+    refuse_kind(study, "study", study_keys(), lambda: MODEL_KEYS)
     mistakes = Mistakes()
     first = _model_tree(study, study.value.get("model"), study.position(("model",)), "model", mistakes)
     patch = Patch(study, first, mistakes)

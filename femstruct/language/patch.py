@@ -29,11 +29,6 @@ def study_keys() -> frozenset[str]:
     return frozenset(StudySpec.model_fields) - {"title"}
 
 
-def model_keys() -> frozenset[str]:
-    """The keys of a model file."""
-    return MODEL_KEYS
-
-
 class Draft:
     """A tree being edited: what a case makes of a file."""
 

@@ -21,13 +21,15 @@ from femstruct.language.reader import nearest
 from femstruct.study.result import CaseResult
 from femstruct.study.study import Plan
 from femstruct.workflow.bases import Solved, key_of, solve_all
+from femstruct.workflow.case import run_case
 from femstruct.workflow.channels import UNITS
 from femstruct.workflow.fit import Fit, fit
 from femstruct.workflow.fit_findings import fit_findings
 from femstruct.workflow.positions import positioned
 from femstruct.workflow.provenance import Progress, Stopwatch
-from femstruct.workflow.run import run_case, without_rooms
+from femstruct.workflow.run import without_rooms
 from femstruct.workflow.structure_findings import worst_first
+from femstruct.workflow.transfers import RoomTransfers
 
 DIMENSIONS: Final = {
     "displacement": "length",
@@ -147,14 +149,13 @@ def identify(
     spacing = float(np.median(np.diff(table.times)))
     timing = _timing(plan, table, spacing, delay)
     solved: dict[str, Solved] = {}
-
-    tried = count(1)
+    rooms, tried = RoomTransfers(), count(1)
 
     def simulated(values: Mapping[str, float]) -> CaseResult:
         progress(f"identify {', '.join(starts)}: run {next(tried)}")
         changed = tuple(f"{path}={values[path]!r} {units[path]}".rstrip() for path in starts)
         now = read_study(study, (*overrides, *changed, *timing), only=case or None)
-        return _simulated(now, solved, what == "pressure")
+        return _simulated(now, solved, rooms, what == "pressure")
 
     def history(values: Mapping[str, float]) -> Floats:
         result = simulated(values)
@@ -233,12 +234,12 @@ def _timing(plan: Plan, table: Measured, spacing: float, delay: bool) -> tuple[s
     return (f"time.sampling={sampling!r}", f"time.duration={end + 2.0 / sampling!r}")
 
 
-def _simulated(plan: Plan, solved: dict[str, Solved], heard: bool) -> CaseResult:
-    """The baseline of a study, run; solved : bases found so far, by key."""
+def _simulated(plan: Plan, solved: dict[str, Solved], rooms: RoomTransfers, heard: bool) -> CaseResult:
+    """The baseline of a study, run; solved : bases found so far, by key; rooms : their transfers."""
     plan = plan if heard else without_rooms(plan)
     case = next(one for one in plan.cases if one.name == plan.baseline)
     key = key_of(case.study)
     if key not in solved:
         solved[key] = solve_all((case,))[case.name]
     with positioned(plan):
-        return run_case(case, {case.name: solved[key]}, case, Stopwatch(lambda line: None))
+        return run_case(case, {case.name: solved[key]}, case, Stopwatch(lambda line: None), transfers=rooms)

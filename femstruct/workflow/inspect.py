@@ -207,7 +207,9 @@ def _early(source: ModelFile | Plan, baseline: Case | None, solved: Solved, basi
             found = all_findings(solved, basis, case.studies, case.study.frf)
             told[case.name] = (*found, *study_findings(case, solved.places))
             continue
-        own = others.setdefault(key, meshed(case.study.structure, case.studies))
+        if key not in others:
+            others[key] = meshed(case.study.structure, case.studies)
+        own = others[key]
         for study in case.studies:
             _try_places(study, own.places)
         told[case.name] = early_findings(case, own)

@@ -5,39 +5,24 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import partial
 
-from acoustics.errors import Advice
-from acoustics.field import HalfSpace
 from femstruct.errors import Finding, some_of
 from femstruct.impact.compiled.workers import compilation
-from femstruct.impact.shares import mode_energies
 from femstruct.modal.basis import ModalBasis
-from femstruct.power import Radiated
-from femstruct.radiation import coupling_findings
-from femstruct.study.result import SILENT, AccuracyCheck, CaseResult, StudyResult
+from femstruct.study.result import AccuracyCheck, CaseResult, StudyResult
 from femstruct.study.study import Case, Plan, Study
-from femstruct.workflow.accuracy import accuracy_findings, hold_accuracy
-from femstruct.workflow.air import ceiling, coupled, coupled_key, weight_on_air
-from femstruct.workflow.bases import Solved, changes_damping, damped, key_of, solve_all
-from femstruct.workflow.blank_bands import blank_findings
-from femstruct.workflow.channels import motion_rows, record, refuse_absent_forces
-from femstruct.workflow.checks import aliased_findings, room_findings
+from femstruct.workflow.accuracy import hold_accuracy
+from femstruct.workflow.air import coupled
+from femstruct.workflow.bases import Solved, changes_damping, key_of, solve_all
+from femstruct.workflow.case import run_case
 from femstruct.workflow.compare import compare
 from femstruct.workflow.fingerprint import fingerprint
-from femstruct.workflow.judgement import all_findings
 from femstruct.workflow.kernels import expected_units
-from femstruct.workflow.limits import judged, verdicts
+from femstruct.workflow.limits import verdicts
 from femstruct.workflow.machine import machines
-from femstruct.workflow.meeting import meeting_findings
-from femstruct.workflow.peaks import change_findings, peak_findings
+from femstruct.workflow.peaks import change_findings
 from femstruct.workflow.provenance import Progress, Stopwatch, provenance
-from femstruct.workflow.rated import overlap_findings, rate_rooms
-from femstruct.workflow.responses import frequency_response
-from femstruct.workflow.sound import sound_energies
-from femstruct.workflow.struck import Struck, strike, told_once
 from femstruct.workflow.structure_findings import worst_first
-from femstruct.workflow.study_findings import study_findings
 from femstruct.workflow.transfers import RoomTransfers
 
 
@@ -138,34 +123,10 @@ def run_again(
         with clock("accuracy"):
             solved, checks = hold_accuracy(plan.cases, baseline, solved)
     order = sorted(plan.cases, key=lambda case: case.name != plan.baseline)
-    made_from = {} if checks else {case.name: _made_from(case, baseline, solved[case.name]) for case in order}
-    results: dict[str, CaseResult] = {}
-    reused: list[str] = []
-    interrupted: tuple[Finding, ...] = ()
-    begun = time.monotonic()
-    for number, case in enumerate(order, 1):
-        clock.at(number, len(order), begun)
-        known = before.cases.get(made_from.get(case.name, ""))
-        if known is not None:
-            results[case.name] = replace(known, case=case)
-            reused.append(case.name)
-            continue
-        try:
-            results[case.name] = run_case(case, solved, baseline, clock, checks.get(case.name), before.rooms)
-        except KeyboardInterrupt:
-            if plan.baseline not in results:
-                raise
-            left = len(plan.cases) - len(results)
-            interrupted = (
-                Finding(
-                    "interrupted",
-                    f"Interrupted: {left} of {len(plan.cases)} cases were not run",
-                    {"left": left},
-                    severe=True,
-                ),
-            )
-            break
-    clock.at(1, 1, begun)
+    made_from = {case.name: _made_from(case, baseline, solved[case.name]) for case in order if not checks}
+    known = {name: before.cases[key] for name, key in made_from.items() if key in before.cases}
+    results = _results(order, known, solved, checks, clock, before.rooms)
+    left = len(order) - len(results)
     with clock("comparison"):
         finished = {case.name: results[case.name] for case in plan.cases if case.name in results}
         comparison = compare(plan.baseline, finished)
@@ -181,7 +142,7 @@ def run_again(
         solved=bases,
         cases={made_from[name]: results[name] for name in finished if name in made_from},
         rooms=before.rooms,
-        reused=_reused(any(one in before.solved for one in bases), reused),
+        reused=_reused(any(one in before.solved for one in bases), tuple(known)),
     )
     result = StudyResult(
         plan=plan,
@@ -189,13 +150,45 @@ def run_again(
         models={result.basis_key: solved[name].model for name, result in finished.items()},
         cases=finished,
         comparison=comparison,
-        findings=interrupted,
+        findings=(_interrupted(left, len(order)),) if left else (),
         timings=clock.seconds,
         provenance=provenance(command),
         verdicts=kept,
         machine=machine,
     )
     return result, left_behind
+
+
+def _results(
+    order: Sequence[Case],
+    known: Mapping[str, CaseResult],
+    solved: Mapping[str, Solved],
+    checks: Mapping[str, AccuracyCheck],
+    clock: Stopwatch,
+    rooms: RoomTransfers,
+) -> dict[str, CaseResult]:
+    """The cases by name, the baseline first; those that are known are taken. After Ctrl-C those finished so far, if the
+    baseline is among them."""
+    results: dict[str, CaseResult] = {}
+    begun = time.monotonic()
+    for number, case in enumerate(order, 1):
+        clock.at(number, len(order), begun)
+        if case.name in known:
+            results[case.name] = replace(known[case.name], case=case)
+            continue
+        try:
+            results[case.name] = run_case(case, solved, order[0], clock, checks.get(case.name), transfers=rooms)
+        except KeyboardInterrupt:
+            if not results:
+                raise
+            break
+    clock.at(1, 1, begun)
+    return results
+
+
+def _interrupted(left: int, cases: int) -> Finding:
+    """What is said of a run that was ended before all of its cases were run."""
+    return Finding("interrupted", f"Interrupted: {left} of {cases} cases were not run", {"left": left}, severe=True)
 
 
 def _made_from(case: Case, baseline: Case, own: Solved) -> str:
@@ -244,97 +237,3 @@ def _bases(finished: Mapping[str, CaseResult], solved: Mapping[str, Solved]) -> 
         joined, _ = coupled(own.basis, result.case.study.rooms, own.places)
         bases[key] = replace(joined, findings=own.basis.findings)
     return bases
-
-
-def run_case(
-    case: Case,
-    solved: Mapping[str, Solved],
-    baseline: Case,
-    clock: Stopwatch,
-    accuracy: AccuracyCheck | None = None,
-    transfers: RoomTransfers | None = None,
-) -> CaseResult:
-    """One case through every stage that its study asks for; accuracy : what came of asking for one; transfers : of
-    rooms heard before."""
-    study, own = case.study, solved[case.name]
-    with clock("damping", case.name):
-        basis = damped(case, solved, baseline)
-    with clock("judgement", case.name):
-        judged_before = (*all_findings(own, basis, case.studies, study.frf), *study_findings(case, own.places))
-    findings = [
-        *judged_before,
-        *(accuracy_findings(accuracy) if accuracy is not None else ()),
-    ]
-    told: list[tuple[str, Advice | Finding]] = []
-    vacuo = basis
-    if any(plan.coupling == "two-way" for plan in study.rooms):
-        with clock("coupling", case.name):
-            basis, found_of_air = coupled(vacuo, study.rooms, own.places)
-            told += found_of_air
-    with clock("frf", case.name):
-        responses = {}
-        for request in study.frf:
-            responses[request.name], advised = frequency_response(request, own.places, basis, study.rooms)
-            told += [(request.response.name, advice) for advice in advised]
-    whole: Struck | None = None
-    radiated: dict[str, Radiated] = {}
-    channels, shares, drops, rated = {}, None, {}, {}
-    if study.time is not None:
-        refuse_absent_forces(study, basis)
-        struck = strike(
-            case.drops or {"": study},
-            study.time,
-            own.places,
-            basis,
-            vacuo,
-            partial(clock, case=case.name),
-            RoomTransfers() if transfers is None else transfers,
-        )
-        whole = next(iter(struck.values()))  # of the other drops only numbers are kept
-        drops = {
-            place: struck[place].drop(judged(of_drop, own.places, struck[place].response))
-            for place, of_drop in case.drops.items()
-        }
-        with clock("levels", case.name):
-            shares = mode_energies(whole.response)
-            channels = record(study, own.places, whole.response, whole.rooms)
-            accelerations = motion_rows(study, own.places, basis).items()
-            findings += aliased_findings(
-                whole.response, {name: row for name, (what, row) in accelerations if what == "acceleration"}
-            )
-            findings += peak_findings(channels)
-        if any(isinstance(plan.room, HalfSpace) for plan in study.rooms):
-            with clock("sound energy", case.name):
-                radiated, found_of_sound = sound_energies(study, own.places, whole.response)
-                told += found_of_sound
-        findings += told_once({place: one.findings for place, one in struck.items()})
-        rated = rate_rooms(study, [one.bands_db for one in struck.values()])
-        told += weight_on_air(whole.response, vacuo, study.rooms)
-        with clock("judgement", case.name):
-            for plan in study.rooms:
-                told += [(plan.name, found) for found in overlap_findings(plan, study, vacuo)]
-                told += [(plan.name, found) for found in blank_findings(plan, study, basis.complete_below_hz)]
-                told += [(plan.name, one) for one in meeting_findings(plan, study, ceiling(plan, own.places), vacuo)]
-                if plan.coupling == "one-way":
-                    told += [
-                        (plan.name, found) for found in coupling_findings(vacuo, ceiling(plan, own.places), plan.room)
-                    ]
-    findings += room_findings(told)
-    return CaseResult(
-        case=case,
-        basis_key=coupled_key(own.key, study.rooms),
-        basis=basis,
-        response=None if whole is None else whole.response,
-        frf=responses,
-        channels=channels,
-        rooms={} if whole is None else whole.rooms,
-        levels={} if whole is None else whole.levels,
-        findings=worst_first(findings),
-        accuracy=accuracy,
-        shares=shares,
-        rated=rated,
-        drops=drops,
-        errors=None if whole is None else whole.errors,
-        radiated=radiated,
-        heard=SILENT if whole is None else whole.heard,
-    )

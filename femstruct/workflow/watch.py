@@ -62,7 +62,11 @@ def rounds(
             files = _files(study, plan)
             stamp = _stamp(files)
             with positioned(plan):
-                result, kept = run_again(plan, kept, progress, command)
+                result, left = run_again(plan, kept, progress, command)
+            # Ctrl-C after the baseline: the watch ends, and what is not whole is not kept
+            if any(one.code == "interrupted" for one in result.findings):
+                raise KeyboardInterrupt
+            kept = left
             write_numbers(result, folder, progress)
             yield Round(result, kept.reused, time.perf_counter() - begin)
         except Exception as error:  # told by who watches: a saved mistake does not end the watch

@@ -10,13 +10,16 @@ import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 from femstruct.errors import InputErrors
 from femstruct.language import read_study
-from femstruct.study.result import StudyResult
+from femstruct.study.result import CaseResult, StudyResult
+from femstruct.study.study import Case
+from femstruct.workflow.case import run_case
 from femstruct.workflow.run import Kept, run_again, run_study
 from femstruct.workflow.watch import Round, rounds
 
@@ -154,6 +157,22 @@ def test_it_runs_again_at_every_saved_change_and_survives_mistakes(study: Path, 
     assert found[4].result is not None
     assert (tmp_path / "out" / "summary.json").exists()
     assert {path.suffix for path in (tmp_path / "out").iterdir()} == {".json", ".wav", ".html"}
+
+
+def test_ctrl_c_in_the_middle_of_a_round_ends_the_watch(
+    study: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The baseline is finished, the other case is not: half a round is neither written nor kept."""
+
+    def until_heavy(case: Case, *arguments: Any, **options: Any) -> CaseResult:
+        if case.name == "heavy":
+            raise KeyboardInterrupt
+        return run_case(case, *arguments, **options)
+
+    monkeypatch.setattr("femstruct.workflow.run.run_case", until_heavy)
+    with pytest.raises(KeyboardInterrupt):
+        watched(study, tmp_path / "out")
+    assert not (tmp_path / "out").exists()
 
 
 @pytest.mark.skipif(os.name != "posix", reason="Ctrl-C is sent as a signal")

@@ -22,11 +22,11 @@ def interrupted_after(count: int, monkeypatch: pytest.MonkeyPatch):
     module = sys.modules[run_study.__module__]
     run_case, done = module.run_case, []
 
-    def until_then(*arguments):
+    def until_then(*arguments, **options):
         if len(done) == count:
             raise KeyboardInterrupt
         done.append(arguments[0].name)
-        return run_case(*arguments)
+        return run_case(*arguments, **options)
 
     monkeypatch.setattr(module, "run_case", until_then)
     return run_study(plan)

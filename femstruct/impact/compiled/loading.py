@@ -21,8 +21,8 @@ def native(unit: Unit[..., Any]) -> Any:
 
     Threads go on while it runs.
     """
-    code = code_of((unit, *units_called(unit)))
-    with _LOCK:
+    with _LOCK:  # of several threads that need a unit for the first time one compiles it
+        code = code_of((unit, *units_called(unit)))
         llvm.initialize_native_target()
         llvm.initialize_native_asmprinter()
         engine = llvm.create_mcjit_compiler(

@@ -2,8 +2,8 @@
 
 numba by itself optimises and emits every function, and then again in every caller. Here it emits nothing that is used:
 its translation of all of a unit is taken as text, everything but the unit's own entry is made internal, and LLVM
-optimises what is left. Only documented parts of numba are used: `register_jitable`, `cfunc`, its low-level extension
-interface.
+optimises what is left. Of numba `register_jitable`, `cfunc` and the low-level extension interface are used, and
+`populate_array` to make an array of an address; that one is not documented, so the versions of numba are a range.
 """
 
 from __future__ import annotations
