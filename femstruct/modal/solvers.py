@@ -1,7 +1,7 @@
 """The one interface to solvers of sparse symmetric systems: analysed once by pattern, factored for any values on it.
 
-SuperLU comes with SciPy. rslab (the `fast` extra) is taken where it is installed: the analysis serves every factor, and
-the factor itself counts its negative eigenvalues.
+Dense fronts by LAPACK serve where nothing else is installed, SuperLU of SciPy where the matrix is complex. rslab (the
+`fast` extra) is taken where it is installed. Of all of them the analysis serves every factor and every count.
 """
 
 from __future__ import annotations
@@ -12,16 +12,17 @@ from importlib.util import find_spec
 from typing import Any, Final, Protocol
 
 import numpy as np
+from scipy.linalg import LinAlgError
 from scipy.sparse import csc_array
 from scipy.sparse.linalg import splu
 
 from femstruct.arrays import Floats
-from femstruct.modal.inertia import Counter
+from femstruct.modal.fronts import Fronts
 from femstruct.modal.patterns import Pattern, Values
 
 # Diagonal pivots in a symmetric order. Without SymmetricMode this ordering is a hundred times slower.
 _SYMMETRIC = {"SymmetricMode": True}
-# Nearly diagonal pivots keep the sparsity; of complex matrices off-diagonal ones are taken where three digits are lost.
+# Nearly diagonal pivots keep the sparsity; off-diagonal ones are taken where three digits are lost.
 _COMPLEX_PIVOT = 1e-3
 # Least eigenvalue, of a matrix scaled to a diagonal of terms of size 1, under which its sign may be rounding: that of a
 # free frame has been seen to be wrong at 2e-17. Inside the spectrum of a plate of 200 x 200 it is 1e-9.
@@ -60,26 +61,27 @@ class Solver(Protocol):
     def __call__(self, pattern: Pattern, /) -> Analysis: ...
 
 
-class SuperLU:
-    """Minimum degree and diagonal pivots for factors, dense fronts for counts."""
+class LapackFronts:
+    """Nested dissection and dense fronts of what is real; SuperLU, with minimum degree, of what is complex."""
 
     def __init__(self, pattern: Pattern) -> None:
         self._pattern = pattern
 
     def factor(self, values: Values) -> Factored:
-        threshold = _COMPLEX_PIVOT if np.iscomplexobj(values) else 0.0
-        A = self._pattern.matrix(values)
         try:
-            return splu(A, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=threshold, options=_SYMMETRIC)
-        except RuntimeError as error:
+            if not np.iscomplexobj(values):
+                return self._fronts.factor(values)
+            A = self._pattern.matrix(values)
+            return splu(A, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=_COMPLEX_PIVOT, options=_SYMMETRIC)
+        except (LinAlgError, RuntimeError) as error:
             raise ZeroPivot(str(error)) from error
 
     def negative(self, values: Floats, scale: Floats) -> int | None:
-        return self._counter.negative(values, scale)
+        return self._fronts.negative(values, scale)
 
     @cached_property
-    def _counter(self) -> Counter:
-        return Counter(self._pattern)
+    def _fronts(self) -> Fronts:
+        return Fronts(self._pattern)
 
 
 class Rslab:
@@ -133,6 +135,6 @@ class _RslabFactor:
         return answer
 
 
-SOLVERS: Final[dict[str, Solver]] = {"SuperLU": SuperLU} | ({"rslab": Rslab} if find_spec("rslab") else {})
+SOLVERS: Final[dict[str, Solver]] = {"LAPACK fronts": LapackFronts} | ({"rslab": Rslab} if find_spec("rslab") else {})
 """Those at hand, by name; the fastest last."""
 FASTEST: Final[str] = list(SOLVERS)[-1]

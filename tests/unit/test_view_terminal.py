@@ -15,7 +15,7 @@ from femstruct.view.grid import Grid
 
 BY_HAND = runpy.run_path(str(Path(__file__).parents[1] / "data" / "study_by_hand.py"))
 MODES = {
-    "solver": "SuperLU",
+    "solver": "LAPACK fronts",
     "title": "given",
     "frequency_hz": [10.0],
     "damping_ratio": [0.02],
