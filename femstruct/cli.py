@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import gc
 import json
 import os
 import sys
@@ -12,7 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
-from femstruct.exits import GOOD, INTERRUPTED, NOT_TRUSTED, heed_signals, leave_with, refuse_unreadable_words
+from femstruct.exits import GOOD, INTERRUPTED, NOT_TRUSTED, end, heed_signals, leave_with, refuse_unreadable_words
 
 if TYPE_CHECKING:
     from femstruct.study.result import StudyResult
@@ -43,8 +44,9 @@ def main() -> None:
     """
     for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "LP_NUM_THREADS"):
         os.environ.setdefault(name, "1")  # two threads are slower on the small blocks of an eigensolution
+    gc.set_threshold(200_000)  # what is imported lives to the end: looking through it again and again finds nothing
     heed_signals()
-    sys.exit(leave_with(app))
+    end(leave_with(app))
 
 
 def _command(function: Callable[..., int]) -> Callable[..., None]:

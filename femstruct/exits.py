@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import atexit
 import errno
 import os
 import re
@@ -10,7 +11,9 @@ import sys
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from pathlib import Path
-from typing import Any, Final
+from threading import enumerate as enumerate_threads
+from threading import main_thread
+from typing import Any, Final, NoReturn
 
 from femstruct.errors import FemstructError, InputError, NotConverged
 
@@ -36,6 +39,16 @@ def leave_with(work: Callable[[], object]) -> int:
     for stream in (sys.stdout, sys.stderr):
         _give_up(stream)
     return code
+
+
+def end(code: int) -> NoReturn:
+    """End the process at once: to free all it holds, piece by piece, takes a fifth of the time of a short command."""
+    if any(thread is not main_thread() and not thread.daemon for thread in enumerate_threads()):
+        sys.exit(code)  # waits for them
+    atexit._run_exitfuncs()
+    for stream in (sys.stdout, sys.stderr):
+        _give_up(stream)
+    os._exit(code)
 
 
 def heed_signals() -> None:

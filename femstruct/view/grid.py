@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
+from itertools import zip_longest
 from typing import Final
 
 from rich.cells import cell_len
 from rich.console import Console
-from rich.table import Table
 
 GAP: Final = 2  # characters between columns
 
@@ -30,16 +30,27 @@ class Grid:
         """Print it, without its rows not at all."""
         if not self.rows:
             return
-        lines = [self.columns, *self.rows]
-        widths = [max(cell_len(line) for row in lines for line in row[i].split("\n")) for i in range(len(self.columns))]
+        table = [[cell.split("\n") for cell in row] for row in (self.columns, *self.rows)]
+        widths = [max(cell_len(line) for row in table for line in row[i]) for i in range(len(self.columns))]
         for shown in fitting(widths, self.keys, console.width):
-            table = Table(box=None, pad_edge=False)
-            for i in shown:
-                table.add_column(self.columns[i], justify="left" if i == 0 else "right", no_wrap=True)
-            for row in self.rows:
-                table.add_row(*(row[i] for i in shown))
-            console.print(self.title, style="italic", soft_wrap=True)  # as a table's own title it would be broken
-            console.print(table)
+            head, *rest = (_aligned([row[i] for i in shown], [widths[i] for i in shown]) for row in table)
+            console.print(self.title, style="italic", soft_wrap=True)
+            console.print(head, style="bold", soft_wrap=True)
+            console.print("\n".join(rest), soft_wrap=True)
+
+
+def _aligned(cells: Sequence[Sequence[str]], widths: Sequence[int]) -> str:
+    """One row, each cell given by its lines: the first to the left, the others to the right.
+
+    >>> _aligned([["damper"], ["12.5", "(-3 %)"]], [8, 6])
+    'damper      12.5\\n          (-3 %)'
+    """
+    lines = []
+    for texts in zip_longest(*cells, fillvalue=""):
+        spaces = [" " * (width - cell_len(text)) for text, width in zip(texts, widths, strict=True)]
+        padded = [texts[0] + spaces[0], *(space + text for text, space in zip(texts[1:], spaces[1:], strict=True))]
+        lines.append((" " * GAP).join(padded).rstrip())
+    return "\n".join(lines)
 
 
 def fitting(widths: Sequence[int], keys: int, most: int) -> Iterator[list[int]]:

@@ -20,7 +20,6 @@ from femstruct.study.study import Case, Extent, Study
 from femstruct.workflow.fingerprint import fingerprint
 from femstruct.workflow.places import Places
 from femstruct.workflow.rest import axis_of
-from femstruct.workflow.staging import force_probes
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,7 +84,7 @@ def solve(structure: StructureModel, extent: Extent, studies: Sequence[Study] = 
         places = Places(model.points, model.surfaces)
         probes: dict[str, Probe] = {}
         for study in studies:
-            probes |= force_probes(study, places)
+            probes |= _force_probes(study, places)
         assembly = assemble(model)
         # A structure of a few rigid blocks has fewer modes than anyone asks for: then all there are.
         count = None if extent.count is None else min(extent.count, assembly.K.shape[0])
@@ -101,7 +100,13 @@ def _pushed(places: Places, studies: Sequence[Study]) -> frozenset[str]:
     """Names of all places of a meshed structure that studies push; of a closed form none has a residual vector."""
     if not places.surfaces and not isinstance(studies[0].structure, Structure):
         return frozenset()
-    return frozenset(name for study in studies for name in force_probes(study, places))
+    return frozenset(name for study in studies for name in _force_probes(study, places))
+
+
+def _force_probes(study: Study, places: Places) -> dict[str, Probe]:
+    from femstruct.workflow.staging import force_probes  # modes alone need nothing of impacts
+
+    return force_probes(study, places)
 
 
 def damped(case: Case, solved: Mapping[str, Solved], baseline: Case) -> ModalBasis:
