@@ -12,6 +12,7 @@ import re
 from collections.abc import Collection, Mapping, Sequence
 from decimal import Decimal, DecimalException
 from fractions import Fraction
+from functools import lru_cache
 from typing import Final, NamedTuple
 
 from femstruct.errors import InputError
@@ -174,7 +175,7 @@ def _read(value: object, dimensions: Mapping[str, _Dimension]) -> tuple[float, s
     number, unit_text = match.groups()
     if not unit_text:
         return _finite(float(number), shown, expected), None
-    unit = _unit(unit_text, shown, expected, sample)
+    unit = _known_unit(unit_text) or _unit(unit_text, shown, expected, sample)
     try:
         scaled = _finite(float(Decimal(number) * unit.factor), shown, expected)
     except DecimalException:
@@ -198,6 +199,15 @@ def _finite(number: float, shown: str, expected: str) -> float:
     if not math.isfinite(result):
         raise QuantityError("quantity", got=shown, expected=f"{expected}, a finite number", do="give a finite number")
     return result
+
+
+@lru_cache(maxsize=256)
+def _known_unit(text: str) -> _Unit | None:
+    """The unit of a text that has been read before or can be read; None for one that cannot, so that it is told."""
+    try:
+        return _unit(text, "", "", "")
+    except QuantityError:
+        return None
 
 
 def _unit(text: str, shown: str, expected: str, example: str) -> _Unit:

@@ -6,6 +6,7 @@ import difflib
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
+from functools import lru_cache
 from itertools import accumulate
 from pathlib import Path
 from typing import Any, Final
@@ -184,7 +185,7 @@ def _compose(text: str, file: str, mistakes: Mistakes) -> Node | None:
         mistakes.add(Position(file, 1, 1), "", got="endless nesting", expected=f"at most {DEEPEST} levels")
         return None
     try:
-        node: Node | None = YAML(typ="safe", pure=True).compose(text)
+        node = _composed(text)
     except MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         at = Position(file, mark.line + 1, mark.column + 1) if mark else Position(file, 1, 1)
@@ -205,6 +206,13 @@ def _compose(text: str, file: str, mistakes: Mistakes) -> Node | None:
         return None
     if node is None:
         mistakes.add(Position(file, 1, 1), "", got="an empty file", expected="a mapping", do="begin with 'title: ...'")
+    return node
+
+
+@lru_cache(maxsize=2)
+def _composed(text: str) -> Node | None:
+    """The nodes of a text, which nobody changes; kept for a model whose study alone is changed and read again."""
+    node: Node | None = YAML(typ="safe", pure=True).compose(text)
     return node
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -28,7 +29,7 @@ def compare(baseline: str, results: Mapping[str, CaseResult]) -> Comparison:
     """
     reference = results[baseline]
     sampling = reference.response.clock.sampling if reference.response is not None else 1.0
-    spectra = {name: _spectrum(channel.values, sampling) for name, channel in reference.channels.items()}
+    spectra = {name: _spectrum(channel, sampling) for name, channel in reference.channels.items()}
     others = {name: _beside(reference, spectra, result) for name, result in results.items() if name != baseline}
     return Comparison(baseline, others, filter_sentence(reference.case.study.peaks))
 
@@ -77,7 +78,7 @@ def _mode_attenuation(reference: CaseResult, before: Floats, result: CaseResult,
     """
     if reference.response is None or result.response is None or reference.response.blows or result.response.blows:
         return {}
-    after = _spectrum(result.channels[channel].values, result.response.clock.sampling)
+    after = _spectrum(result.channels[channel], result.response.clock.sampling)
     if len(before) != len(after):
         return {}
     sampling = reference.response.clock.sampling
@@ -88,7 +89,7 @@ def _mode_attenuation(reference: CaseResult, before: Floats, result: CaseResult,
     top = np.flatnonzero((before[1:-1] > before[:-2]) & (before[1:-1] >= before[2:])) + 1
     table = {}
     for number, (kind, frequency) in enumerate(zip(reference.basis.kind, reference.basis.frequency_hz, strict=True), 1):
-        near = top[np.abs(top * step - frequency) <= NEAR * frequency]
+        near = top[slice(*np.searchsorted(top, np.array([1.0 - NEAR, 1.0 + NEAR]) * frequency / step))]
         if channel.startswith(NET_FORCE):
             near = np.array([round(frequency / step)])
         if kind == "elastic" and slowest <= frequency <= highest and near.size and near[-1] < len(before):
@@ -115,7 +116,15 @@ def mode_table(reference: ModalBasis, basis: ModalBasis) -> dict[int, tuple[int,
     }
 
 
-def _spectrum(values: Floats, sampling: float) -> Floats:
-    wanted = min(sampling / FINENESS, PADDING * len(values))
-    length = 2 ** int(np.ceil(np.log2(max(2 * len(values), wanted))))
-    return np.abs(np.fft.rfft(values, length))
+_SPECTRA: WeakKeyDictionary[Channel, tuple[float, Floats]] = WeakKeyDictionary()  # of cases that are compared again
+
+
+def _spectrum(channel: Channel, sampling: float) -> Floats:
+    kept = _SPECTRA.get(channel)
+    if kept is not None and kept[0] == sampling:
+        return kept[1]
+    wanted = min(sampling / FINENESS, PADDING * len(channel.values))
+    length = 2 ** int(np.ceil(np.log2(max(2 * len(channel.values), wanted))))
+    spectrum = np.abs(np.fft.rfft(channel.values, length))
+    _SPECTRA[channel] = sampling, spectrum
+    return spectrum

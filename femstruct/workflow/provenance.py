@@ -9,6 +9,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from datetime import UTC, datetime
+from functools import cache
 from importlib.metadata import version
 
 from femstruct.modal.solvers import FASTEST
@@ -18,15 +19,20 @@ Progress = Callable[[str], None]
 
 def provenance(command: str) -> dict[str, str]:
     """Versions, platform, time and command line of a run."""
-    packages: tuple[str, ...] = ("femstruct", "numpy", "scipy", "numba", "h5py")
-    packages += ("rslab",) if FASTEST == "rslab" else ()
-    return {f"{name}_version": version(name) for name in packages} | {
+    return _versions() | {
         "sparse_solver": FASTEST,
         "python": sys.version.split()[0],
         "platform": platform.platform(),
         "utc": datetime.now(UTC).isoformat(timespec="seconds"),
         "command": command,
     }
+
+
+@cache
+def _versions() -> dict[str, str]:
+    packages: tuple[str, ...] = ("femstruct", "numpy", "scipy", "numba", "h5py")
+    packages += ("rslab",) if FASTEST == "rslab" else ()
+    return {f"{name}_version": version(name) for name in packages}
 
 
 class Stopwatch:

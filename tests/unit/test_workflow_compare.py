@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from femstruct.study.result import Channel
 from femstruct.workflow import compare as module
 from femstruct.workflow.compare import compare
 
@@ -37,8 +38,17 @@ def test_a_record_shorter_than_a_period_does_not_show_the_mode():
 def test_spectra_are_fine_but_not_finer_than_the_record_can_use(samples, sampling, monkeypatch):
     lengths = []
     monkeypatch.setattr(np.fft, "rfft", lambda values, length: lengths.append(length) or np.zeros(1))
-    module._spectrum(np.zeros(samples), sampling)
+    module._spectrum(Channel("c", np.zeros(samples), "m", 0.0, 0.0), sampling)
     duration = samples / sampling
     # two lines at least in 2 % of what has one period in the record, or 0.2 Hz; a power of two: up to twice as many
     assert sampling / lengths[0] <= max(module.FINENESS, 0.5 * module.NEAR / duration)
     assert 2 * samples <= lengths[0] <= 2 * module.PADDING * samples
+
+
+def test_a_spectrum_is_found_once_and_again_where_the_sampling_is_another(monkeypatch):
+    lengths, transform = [], np.fft.rfft
+    monkeypatch.setattr(np.fft, "rfft", lambda values, length: lengths.append(length) or transform(values, length))
+    channel = Channel("c", np.arange(4000.0), "m", 0.0, 0.0)
+    spectra = [module._spectrum(channel, sampling) for sampling in (2e3, 2e3, 8e4)]
+    assert spectra[0] is spectra[1]
+    assert len(lengths) == 2 and lengths[0] != lengths[1]
