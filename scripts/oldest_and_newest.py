@@ -16,6 +16,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
 _TYPES = ("ruff", "mypy", "scipy-stubs")  # they check the newest only, and ask for new packages
+_OF_ITS_TIME = ["click<8.5", "pyparsing<3.3"]  # what old typer and matplotlib call, the newest warn of
 _PRODUCT = ("rslab", "xarray", "h5netcdf")  # of the tests' own packages: those that users install too
 
 
@@ -24,7 +25,7 @@ def requirements(age: str, pyproject: str) -> list[str]:
 
     >>> text = "project = {dependencies = ['numpy>=2.2'], optional-dependencies = {test = ['mypy>=2', 'pytest>=9']}}"
     >>> requirements("oldest", text)
-    ['numpy==2.2', 'pytest>=9']
+    ['numpy==2.2', 'pytest>=9', 'click<8.5', 'pyparsing<3.3']
     """
     project = tomllib.loads(pyproject)["project"]
     own = project["dependencies"]
@@ -32,7 +33,8 @@ def requirements(age: str, pyproject: str) -> list[str]:
     if age == "newest":
         return [*own, *tests]
     users = [line for line in tests if line.startswith(_PRODUCT)]
-    return [line.replace(">=", "==") for line in [*own, *users]] + [line for line in tests if line not in users]
+    old = [line.replace(">=", "==") for line in [*own, *users]]
+    return old + [line for line in tests if line not in users] + _OF_ITS_TIME
 
 
 def run(age: str, arguments: list[str]) -> int:

@@ -7,28 +7,14 @@ from typing import Final
 import numpy as np
 from matplotlib.figure import Figure
 
-from femstruct.study.result import CaseResult, StudyResult
+from femstruct.study.result import StudyResult
 from femstruct.view.figures import COLOURS, finish, legend_above, new_figure, panels, thinned
-from femstruct.view.grid import Grid
 from femstruct.view.rated import struck_first
 from femstruct.view.scales import scaled
 
 CLICK: Final = 0.05  # of the largest own pressure, which a click stays above while it lasts
 AROUND: Final = 8.0  # clicks shown after the first one
 MOST: Final = 4  # receivers shown
-
-
-def add_totals(grid: Grid, result: StudyResult) -> None:
-    """A line for every receiver where striking bodies are heard themselves: levels of all that is heard."""
-    for name in dict.fromkeys(name for case in result.cases.values() for name in case.heard.total_levels):
-        grid.add(f"{name} total L_peak / L_AFmax [dB]", *(_told(case, name) for case in result.cases.values()))
-
-
-def _told(case: CaseResult, name: str) -> str:
-    if name not in case.heard.total_levels:
-        return "-"
-    total = case.heard.total_levels[name]
-    return f"{total.l_peak_db:.1f} / {total.l_afmax_db:.1f}"
 
 
 def own_sounds(result: StudyResult, room: str) -> Figure | None:

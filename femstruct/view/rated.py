@@ -131,3 +131,16 @@ def _band(case: CaseResult, room: str, quantity: str, kind: str, band: float) ->
         return BLANK
     spread = found.spread_db[band]
     return f"{found.bands_db[band]:.1f}" + (f" ({spread:.1f})" if isfinite(spread) else "")
+
+
+def add_totals(grid: Grid, result: StudyResult) -> None:
+    """A line for every receiver where striking bodies are heard themselves: levels of all that is heard."""
+    for name in dict.fromkeys(name for case in result.cases.values() for name in case.heard.total_levels):
+        grid.add(f"{name} total L_peak / L_AFmax [dB]", *(_total(case, name) for case in result.cases.values()))
+
+
+def _total(case: CaseResult, name: str) -> str:
+    if name not in case.heard.total_levels:
+        return "-"
+    total = case.heard.total_levels[name]
+    return f"{total.l_peak_db:.1f} / {total.l_afmax_db:.1f}"

@@ -17,9 +17,8 @@ from femstruct.view.console import console, show_findings
 from femstruct.view.energies import energies, whither
 from femstruct.view.grid import Grid
 from femstruct.view.machine import limits, machine
-from femstruct.view.own_sound import add_totals
 from femstruct.view.radiated import radiated
-from femstruct.view.rated import bands, first_drop, ratings
+from femstruct.view.rated import add_totals, bands, first_drop, ratings
 from femstruct.view.scales import digits
 from femstruct.view.trust import anything_meets, outcomes, trust
 

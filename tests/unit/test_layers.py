@@ -170,6 +170,13 @@ def test_help_loads_nothing_but_the_command_line() -> None:
     assert not loaded & {"numpy", "scipy", "numba", "h5py", "pyvista", "matplotlib", "pydantic", "ruamel"}
 
 
+def test_tables_for_the_terminal_load_no_plots() -> None:
+    """`impact` and `sound` draw nothing: matplotlib would be half of what their start takes."""
+    code = "import sys, femstruct.view.terminal; print(*sys.modules)"
+    loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT).stdout
+    assert not {"matplotlib", "pyvista"} & set(loaded.split())
+
+
 def test_public_names_come_from_where_the_type_checker_looks() -> None:
     """The lists for people who type-check and for those who run are two; each name must be in both."""
     looked_up = {name for name in imports(ROOT / "femstruct/__init__.py") if name.startswith("femstruct.")}
