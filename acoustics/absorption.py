@@ -43,9 +43,9 @@ def coupling(modes: CavityModes, taken_up: Floats, air: Air) -> float:
 
 
 def coupled_walls(coupled: float) -> Advice:
-    """Advice ``walls-couple-modes``: modes are damped one by one where walls couple them."""
+    """Advice ``coupled-absorption``: modes are damped one by one where walls couple them."""
     return Advice(
-        "walls-couple-modes",
+        "coupled-absorption",
         f"walls couple two modes by {coupled:.2g} of the distance of their frequencies, above {COUPLED:g}; "
         "with absorption that depends on frequency each mode is damped by itself, which is then rough",
         {"coupling": coupled, "allowed": COUPLED},

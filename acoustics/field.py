@@ -185,7 +185,7 @@ def spacing_advice(
     if highest_hz * apart * POINTS_PER_WAVE > space.air.c:
         found.append(
             Advice(
-                "field-points-coarse",
+                "surface-points-coarse",
                 f"a wave in air at {highest_hz:.4g} Hz is {space.air.c / highest_hz:.3g} m long and the points of the "
                 f"surface are {apart:.3g} m apart, {space.air.c / highest_hz / apart:.1f} to a wave where "
                 f"{POINTS_PER_WAVE:g} are needed: use a finer mesh",

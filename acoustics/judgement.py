@@ -31,7 +31,7 @@ def source_advice(surface: SurfaceVelocity, room: Room, orders: Integers, highes
     if highest_hz * SAMPLES_PER_PERIOD > sampling_hz:
         found.append(
             Advice(
-                "sampling-low",
+                "surface-coarsely-sampled",
                 f"the surface moves up to {highest_hz:.0f} Hz and is sampled at {sampling_hz:.0f} Hz: the highest "
                 "third octaves may miss 0.1 dB or more; sampling at "
                 f"{SAMPLES_PER_PERIOD * highest_hz:.0f} Hz leaves 0.02 dB",
@@ -45,7 +45,7 @@ def source_advice(surface: SurfaceVelocity, room: Room, orders: Integers, highes
     if start > DECAYED * peak:
         found.append(
             Advice(
-                "starts-moving",
+                "surface-starts-moving",
                 f"the surface already moves at t = 0 ({start / peak:.2g} of its peak): the jump rings at the sampling "
                 "frequency; record from rest",
                 {"start_ratio": start / peak},
@@ -54,7 +54,7 @@ def source_advice(surface: SurfaceVelocity, room: Room, orders: Integers, highes
     if end > DECAYED * peak:
         found.append(
             Advice(
-                "record-not-decayed",
+                "surface-not-decayed",
                 f"the surface still moves at the end ({end / peak:.2g} of its peak): spectra and levels are those of "
                 "a record cut short, and the last 5 % of the pressure is accurate to some 1e-5 only; record longer",
                 {"end_ratio": end / peak},
@@ -66,7 +66,7 @@ def source_advice(surface: SurfaceVelocity, room: Room, orders: Integers, highes
     ):
         found.append(
             Advice(
-                "surface-coarse",
+                "ceiling-points-coarse",
                 f"the {len(surface.weights)} points of the surface integrate its highest orders with an error of "
                 f"{error:.2g}; use more points",
                 {"quadrature_error": error, "points": float(len(surface.weights))},
@@ -90,12 +90,12 @@ def truncation(share: float, orders: Integers) -> tuple[Advice, ...]:
 
 
 def one_way(room: Room) -> tuple[Advice, ...]:
-    """Advice ``anti-causal-losses`` for losses of kind ``source``."""
+    """Advice ``non-causal-losses`` for losses of kind ``source``."""
     if room.losses.kind != "source":
         return ()
     return (
         Advice(
-            "anti-causal-losses",
+            "non-causal-losses",
             f"a constant damping ratio ({room.losses.beta:g}) is not causal even with its sign corrected: some "
             f"{200 * room.losses.beta:.2g} % of the pressure comes before its cause, and low frequencies are shifted "
             "in phase; a causal form of the losses has neither",

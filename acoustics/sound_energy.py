@@ -271,7 +271,7 @@ def _short(result: SoundEnergy) -> tuple[Advice, ...]:
         return ()
     return (
         Advice(
-            "sound-energy-record-short",
+            "sound-energy-not-decayed",
             f"the last tenth of the record has {100 * result.last_tenth:.2g} % of the sound energy, where "
             f"{100 * TOLD:g} % are few enough: sound that is radiated after its end is missing; simulate longer",
             {"last_tenth": result.last_tenth, "allowed": TOLD},
@@ -304,7 +304,7 @@ def _jump(surface: SurfaceVelocity) -> tuple[Advice, ...]:
     share = start / mean
     return (
         Advice(
-            "sound-energy-jump",
+            "sound-energy-starts-moving",
             f"the surface moves when the record starts, with {share:.2g} of the mean square of its velocity: the jump "
             "is heard as a click whose energy grows with the sampling",
             {"start_over_mean_square": share, "allowed": _JUMP},

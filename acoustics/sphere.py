@@ -180,7 +180,7 @@ def push_advice(sphere: Sphere, air: Air) -> list[Advice]:
     if missed > UNSAMPLED:
         found.append(
             Advice(
-                "push-unsampled",
+                "push-coarsely-sampled",
                 f"{100 * missed:.2g} % of the energy of a sphere's acceleration lies above {FADE * half:.4g} Hz, "
                 f"{FADE:g} of half the sampling, where {100 * UNSAMPLED:g} % may: its own sound is shorter than the "
                 "samples show; sample faster",

@@ -68,7 +68,7 @@ def with_cavity(
     has what of their energy is the structure's, the air's (with the plug of a leak) and that of walls that yield.
 
     Walls of a room of any shape that take up sound damp each of its modes by itself, with the rate c int beta P_n^2 / V
-    of its energy; the finding ``walls-two-way`` tells where that is not enough. Walls that yield are exact.
+    of its energy; the finding ``two-way-absorption`` tells where that is not enough. Walls that yield are exact.
 
     A rigid square of 1 kg over half a cubic metre of air, its only spring, 1.21 343^2 0.25^2 / 0.5 N/m, a third of
     which moves with it:

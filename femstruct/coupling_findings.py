@@ -39,7 +39,7 @@ def of_walls(room: ShapedRoom, joined: ModalBasis) -> tuple[Finding, ...]:
         return ()
     return (
         Finding(
-            "walls-two-way",
+            "two-way-absorption",
             f"Walls couple two modes of the room by {coupled:.2g} of the distance of their frequencies and would take "
             f"up uniform pressure with a loss factor of {lost:.2g} at the first mode, {elastic[0] / (2 * np.pi):.4g} "
             f"Hz; above {COUPLED:g} two-way coupling is rough, as its walls damp each mode of the room by itself and "

@@ -59,7 +59,7 @@ def moved_advice(response: Response, name: str, radius: float) -> tuple[Advice, 
         return ()
     return (
         Advice(
-            "sphere-moves",
+            "impactor-moves",
             f"{name} is pushed {1e3 * way:.3g} mm from where it is first, {way / radius:.2g} of its radius where "
             f"{MOVED:g} may be: its own sound is that of a sphere which stays at its place, and believed to a decibel "
             "no longer",

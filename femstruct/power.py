@@ -122,7 +122,7 @@ def _coarse(surface: Surface, space: HalfSpace, highest_hz: float) -> tuple[Advi
         return ()
     return (
         Advice(
-            "power-points-coarse",
+            "surface-points-coarse",
             f"a wave in air at {highest_hz:.4g} Hz is {wave:.3g} m long and the points of the surface are {apart:.3g} "
             f"m apart, {wave / apart:.1f} to a wave where {POINTS_PER_WAVE:g} are needed: use a finer mesh",
             {"points_per_wave": wave / apart, "needed": POINTS_PER_WAVE},

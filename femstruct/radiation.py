@@ -265,7 +265,7 @@ def coupling_findings(basis: ModalBasis, surface: Surface, room: AnyRoom) -> tup
     frequency, ratio = float(basis.frequency_hz[worst]), float(ratios[worst])
     return (
         Finding(
-            "one-way-coupling",
+            "one-way-stiff-air",
             f"The air of the sealed room is {ratio:.2f} times as stiff as the structure in mode {worst + 1} "
             f"({frequency:.2f} Hz), which it would raise to about {frequency * np.sqrt(1 + ratio):.1f} Hz; coupling is "
             "one-way here: reductions between cases survive, pascals and this frequency do not",

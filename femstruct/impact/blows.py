@@ -107,7 +107,7 @@ def blow_findings(blows: Sequence[Blow], scene: Scene, clock: Clock) -> tuple[Fi
         left = worst.left_energy / worst.largest_energy
         found.append(
             Finding(
-                "not-at-rest",
+                "blow-before-rest",
                 f"After {len(restless)} of {_some(len(blows), 'blow')} the structure does not come to rest before the "
                 f"next: {100 * left:.2g} % of its energy is left {worst.interval:.3g} s after blow {worst.number} of "
                 f"{worst.body}, {100 * AT_REST:g} % counts as rest; what follows depends on the blows before",

@@ -55,7 +55,7 @@ def run_findings(contacts: Sequence[Contact], run: Measured) -> tuple[Finding, .
         since = run.closed_since[name]
         found.append(
             Finding(
-                "window-too-short",
+                "contact-closed-at-end",
                 f"Contact '{name}', closed since {since:.4g} s, is still closed at the end of the window of "
                 f"{run.duration:g} s.",
                 {"closed_since_s": since, "duration_s": run.duration},
@@ -131,7 +131,7 @@ def decay_findings(largest: float, left: float, duration: float) -> tuple[Findin
         return ()
     return (
         Finding(
-            "not-decayed",
+            "structure-not-decayed",
             f"The structure still has {100 * left / largest:.2g} % of its largest energy at the end of the window of "
             f"{duration:g} s: spectra of this record are those of a cut signal.",
             {"energy_left": left / largest, "allowed": NOT_DECAYED, "duration_s": duration},
@@ -143,7 +143,7 @@ def sampling_findings(lasting: Mapping[str, float], peaks: Mapping[str, float], 
     """Contacts that last for few samples. lasting [s] : of the shortest of each, infinite for none; peaks [N]."""
     return tuple(
         Finding(
-            "sampling-too-low",
+            "contact-coarsely-sampled",
             f"Contact '{name}' lasts {shortest:.3g} s at its shortest, {shortest * sampling:.1f} samples: "
             "recorded forces may miss its peak, the table of contacts does not.",
             {"contact_s": shortest, "samples": shortest * sampling, "peak_force_n": peaks[name]},

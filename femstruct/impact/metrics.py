@@ -265,7 +265,7 @@ def _flags(
         left_out |= lifts[plan.body].blows < plan.count
     found = {
         "energy-drift": drifts(residual),
-        "window-too-short": np.array([one is Outcome.CLOSED_AT_END for one in outcome]),
+        "contact-closed-at-end": np.array([one is Outcome.CLOSED_AT_END for one in outcome]),
         "contact-unresolved": too_short,
         "beyond-table": too_deep,
         "restitution-missed": missed,

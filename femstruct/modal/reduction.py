@@ -126,4 +126,4 @@ def _truncation(
         f"The {len(eigenvalues)} modes up to {top:.4g} Hz carry this much of the mass: {told}. The rest (higher modes, "
         "and what the supports hold) answers through the residual vectors only."
     )
-    return (Finding("basis-truncated", message, values),)
+    return (Finding("modal-mass-low", message, values),)

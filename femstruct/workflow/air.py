@@ -77,7 +77,7 @@ def weight_on_air(response: Response, vacuo: ModalBasis, rooms: Sequence[RoomPla
             continue
         sinks = f"{1e6 * weight / alone:.4g} um" if alone else "without end"
         finding = Finding(
-            "weight-on-air",
+            "sealed-air-carries-load",
             f"{body} ends at rest on {contact.name}, on a static stiffness of {stiffness:.4g} N/m, {alone:.4g} N/m of "
             f"which is the structure's: the sealed air carries {100 * share:.0f} % of its weight and keeps its "
             f"pressure. A room leaks, and the weight sinks from {1e6 * weight / stiffness:.4g} um to {sinks}: believe "

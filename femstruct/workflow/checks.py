@@ -42,7 +42,7 @@ def impact_findings(basis: ModalBasis, response: Response) -> tuple[Finding, ...
             )
             found.append(
                 Finding(
-                    "basis-truncated",
+                    "contact-beyond-modes",
                     f"{name}: {100 * share:.1f} % of the force's spectrum lies beyond {top:.5g} Hz, {left_out}",
                     {"share": share, "complete_below_hz": basis.complete_below_hz, "highest_hz": top},
                 )
@@ -94,7 +94,7 @@ def hammer_findings(study: Study, places: Places) -> tuple[Finding, ...]:
         return ()
     return (
         Finding(
-            "hammers-apart",
+            "tapping-hammer-spacing",
             f"{hammers[0].name} to {hammers[-1].name} are the hammers of one tapping machine and strike up to "
             f"{worst:.3g} m apart; the standard's stand in a line, {HAMMERS_APART:g} m apart. Five places are one "
             "position of the machine: several positions are five places each",
@@ -144,7 +144,7 @@ def sampled_findings(study: Study, response: Response) -> tuple[Finding, ...]:
         seen = float(np.abs(contact.force).max(initial=0.0))
         if name in forces and seen < (1.0 - PEAK_MISSED) * contact.peak_force:
             missed[name] = Finding(
-                "sampling-too-low",
+                "contact-coarsely-sampled",
                 f"{name} force: its largest sample is {seen:.3g} N, the peak of the contact is "
                 f"{contact.peak_force:.3g} N and lies between samples at {response.clock.sampling:g} Hz; sample faster",
                 {
@@ -157,7 +157,9 @@ def sampled_findings(study: Study, response: Response) -> tuple[Finding, ...]:
             )
     told = {response.contacts[name].peak_force for name in missed}
     others = [
-        one for one in response.findings if one.code != "sampling-too-low" or one.values.get("peak_force_n") not in told
+        one
+        for one in response.findings
+        if one.code != "contact-coarsely-sampled" or one.values.get("peak_force_n") not in told
     ]
     return (*missed.values(), *others)
 

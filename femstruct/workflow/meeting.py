@@ -66,7 +66,7 @@ def meeting_findings(plan: RoomPlan, study: Study, surface: Surface, basis: Moda
         more = f", and {len(meet) - TOLD} more" if len(meet) > TOLD else ""
         found.append(
             Finding(
-                "modes-meet",
+                "floor-room-resonance",
                 f"modes within each other's bandwidth, of like shape on the ceiling: {told}{more}; there the levels "
                 f"depend on a few hertz of either{_exchanged(pairs) if plan.coupling == 'one-way' else ''}",
                 {
@@ -215,7 +215,7 @@ def floating(structure: StructureModel, bands_hz: tuple[float, ...]) -> list[Fin
                 Finding(
                     "floating-floor",
                     f"{part.name}: {part.on} and {part.to} resonate on it at {resonance:.1f} Hz; up to "
-                    f"{sqrt(2) * resonance:.0f} Hz the floor is louder for it, above quieter, and both hang on its "
+                    f"{sqrt(2) * resonance:.0f} Hz the floor is louder for it, above quieter, and both depend on its "
                     f"stiffness, {part.normal:.3g} N/m^3, under the load it has there",
                     {
                         "resonance_hz": resonance,

@@ -120,7 +120,7 @@ def own_findings(
     for body in study.bodies:
         if body.radius is not None and body.name not in sounding and listening:
             finding = Finding(
-                "radius-not-heard",
+                "radius-unused",
                 f"{body.name} is not in front of the surface of {some_of(plan.name for plan in listening)}: its "
                 f"radius of {1e3 * body.radius:g} mm makes no sound there",
                 {"radius_m": body.radius},

@@ -66,7 +66,7 @@ def walking_findings(study: Study, basis: ModalBasis) -> tuple[Finding, ...]:
         if any(plan.receivers for plan in study.rooms):
             found.append(
                 Finding(
-                    "walking-not-heard",
+                    "walking-low-frequency-only",
                     f"{walker.name}: a Fourier series up to {highest:g} Hz says nothing of what is heard of footsteps; "
                     "a measured force in a file ('loads.NAME.file') does",
                     {"highest_hz": highest},
@@ -110,7 +110,7 @@ def _beyond(body: PlacedBody, response: Response, opens: float) -> list[Finding]
 def source_unresolved(body: PlacedBody, sampling: float) -> Finding:
     """A sampling [Hz] at which the force of a standard source cannot be compared with its table."""
     return Finding(
-        "source-unresolved",
+        "source-coarsely-sampled",
         f"{body.name}: at {sampling:g} Hz the force of a {body.source} cannot be compared with its standard, "
         f"whose octaves need {LEAST_SAMPLING_HZ:g} Hz",
         {"sampling_hz": sampling, "needed_hz": LEAST_SAMPLING_HZ},

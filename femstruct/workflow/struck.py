@@ -36,7 +36,12 @@ from femstruct.workflow.sources import source_findings, walking_findings
 from femstruct.workflow.staging import scene
 from femstruct.workflow.transfers import RoomTransfers
 
-STEADY: Final = ("not-at-rest", "not-decayed", "record-not-decayed")  # so it should be of a machine that runs on
+# so it should be of a machine that runs on
+STEADY: Final = (
+    "blow-before-rest",
+    "structure-not-decayed",
+    "surface-not-decayed",
+)  # so it should be of a machine that runs on
 NUMBER: Final = re.compile(r"\d+(?:\.\d+)?(?:e[+-]?\d+)?")
 MEMBER: Final = re.compile(r"\w\.\d+\b")  # of an array: hammer.2
 

@@ -220,7 +220,7 @@ def test_walls_that_couple_modes_but_depend_on_frequency_are_told():
     modes = cavity_modes(box_mesh((0.1, 0.1, 1.0), (1, 1, 20)), 31.0)
     wall = Wall({100.0: 0.2, 200.0: 0.3})
     heard = cavity_pressure(surface, modes, air, Losses(), [Receiver("a", [0.05, 0.05, 0.5])], {"z0": wall})
-    assert "walls-couple-modes" in {advice.code for advice in heard.findings}
+    assert "coupled-absorption" in {advice.code for advice in heard.findings}
     coarse = cavity_modes(box_mesh((0.1, 0.1, 1.0), (1, 1, 4)), 12.0)
     told = {
         advice.code for advice in cavity_pressure(surface, coarse, air, Losses(), [Receiver("a", [0, 0, 0])]).findings

@@ -155,7 +155,7 @@ def test_what_is_too_coarse_or_too_near_is_told_with_both_numbers():
     space = HalfSpace(AIR)
     for f, z, codes in (
         (500.0, 1.0, set()),
-        (600.0, 1.0, {"field-points-coarse"}),
+        (600.0, 1.0, {"surface-points-coarse"}),
         (500.0, 0.1, {"field-receiver-near"}),
     ):
         mic = [Receiver("mic", [0, 0, z])]

@@ -340,4 +340,4 @@ def test_the_corrected_form_of_the_source_is_nearly_causal_and_says_so():
     before, after = shares(heard.p[0], TIMES)
     assert 1e-9 < before <= 1e-3  # not strictly causal: more than the rounding that causal laws leave
     assert after >= 0.99
-    assert "anti-causal-losses" in [finding.code for finding in heard.findings]
+    assert "non-causal-losses" in [finding.code for finding in heard.findings]

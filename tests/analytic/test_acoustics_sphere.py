@@ -175,7 +175,7 @@ def test_what_cannot_be_heard_is_said() -> None:
     assert set(found) == {"sphere-too-large"}
     assert found["sphere-too-large"]["up_to_hz"] == pytest.approx(13.1e3, rel=1e-2)
     coarse = [Sphere(A, [0, 0, A], short[::6], 6e-6)]
-    assert [one.code for one in sphere_pressures(coarse, SPACE, mic).findings] == ["push-unsampled"]
+    assert [one.code for one in sphere_pressures(coarse, SPACE, mic).findings] == ["push-coarsely-sampled"]
     silent = sphere_pressures([Sphere(A, [0, 0, A], np.zeros(100), 1e-5)], SPACE, mic)
     assert not silent.findings
     assert not silent.p.any()

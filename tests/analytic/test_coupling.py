@@ -149,7 +149,7 @@ def test_a_wall_that_takes_up_sound_pushes_back_less(beta: float, rough: bool) -
         s = 2j * np.pi * f
         return 1 / (STIFFNESS + s * 0.06 * np.sqrt(STIFFNESS * MASS) + s**2 * MASS + S * pressed(f))
 
-    told = [finding for finding in basis.findings if finding.code == "walls-two-way"]
+    told = [finding for finding in basis.findings if finding.code == "two-way-absorption"]
     assert len(told) == rough
     f = np.linspace(5.0, 400.0, 80)
     error = np.abs(frf(basis, PLACE, PLACE, f) - exact(f)).max() / np.abs(exact(f)).max()

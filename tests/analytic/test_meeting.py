@@ -80,8 +80,8 @@ def test_a_floor_tuned_to_the_height_of_the_room_meets_it(tmp_path: Path) -> Non
     assert together[round(height, 1)] == pytest.approx(8 / np.pi**2, abs=5e-3)  # the mesh's sums over the ceiling
     assert together[68.6] == max(together.values())
     told = {one.code: one for one in meeting_findings(room, study, surface, basis)}
-    assert told["modes-meet"].values["floor_hz"] == pytest.approx(found[0][0])
-    assert "68.6 Hz of the room" in told["modes-meet"].message
+    assert told["floor-room-resonance"].values["floor_hz"] == pytest.approx(found[0][0])
+    assert "68.6 Hz of the room" in told["floor-room-resonance"].message
 
 
 def test_a_box_given_as_a_mesh_meets_the_same(tmp_path: Path) -> None:

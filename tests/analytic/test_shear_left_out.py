@@ -50,7 +50,7 @@ def test_a_thick_slab_is_told_with_its_numbers(tmp_path: Path) -> None:
     structure = read_model_file(tmp_path / "slab.yaml").structure
     assert isinstance(structure, Structure)
     model = mesh_structure(structure)
-    (told,) = (found for found in mesh_findings(model, 3150.0) if found.code == "shear-left-out")
+    (told,) = (found for found in mesh_findings(model, 3150.0) if found.code == "thick-for-short-waves")
     wave = bending_wavelength(model.plates["slab"], 3150.0)
     assert told.values["wavelength_m"] == wave == pytest.approx(3.85 * 0.14, rel=1e-3)
     assert told.values["thickness_m"] == 0.14
@@ -58,4 +58,4 @@ def test_a_thick_slab_is_told_with_its_numbers(tmp_path: Path) -> None:
     assert "3.9 times as long as the plate is thick" in told.message
     assert "2 times as dense there, and blows put up to 2.9 dB more into them" in told.message
     # ten thicknesses to a wave: 100 / 0.14 ... lambda goes as 1 / sqrt(f)
-    assert not [found for found in mesh_findings(model, 3150.0 * (0.384) ** 2) if found.code == "shear-left-out"]
+    assert not [found for found in mesh_findings(model, 3150.0 * (0.384) ** 2) if found.code == "thick-for-short-waves"]

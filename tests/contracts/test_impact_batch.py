@@ -253,7 +253,11 @@ def test_interruption_leaves_between_chunks() -> None:
     assert len(seen) == 1
 
 
-OF_HISTORIES = {"not-decayed", "sampling-too-low", "not-at-rest"}  # what only histories and samples tell
+OF_HISTORIES = {
+    "structure-not-decayed",
+    "contact-coarsely-sampled",
+    "blow-before-rest",
+}  # what only histories and samples tell
 
 
 def flagged(batch: Batch, i: int) -> set[str]:

@@ -81,7 +81,7 @@ def test_the_ledger_closes_with_blows(tapping: Response) -> None:
 
 
 def test_blows_that_come_too_early_for_rest_are_told(tapping: Response) -> None:
-    found = next(finding for finding in tapping.findings if finding.code == "not-at-rest")
+    found = next(finding for finding in tapping.findings if finding.code == "blow-before-rest")
     assert found.values["interval_s"] == pytest.approx(0.1, rel=1e-9)
     assert found.values["energy_left"] > found.values["allowed"] == 0.01
     restless = [blow for blow in tapping.blows if blow.rest_after is None]
@@ -109,7 +109,7 @@ def test_every_blow_is_a_single_blow_when_the_structure_has_come_to_rest() -> No
         assert np.abs(rebound).max() < 1e-10 * 1.2
     assert blows.ledger.residual < 1e-10
     assert blows.contacts["c"].peak_force == max(blow.peak_force for blow in blows.blows)
-    assert "not-at-rest" not in codes(blows)
+    assert "blow-before-rest" not in codes(blows)
 
 
 def test_momentum_of_a_free_mass_is_what_the_blows_brought() -> None:

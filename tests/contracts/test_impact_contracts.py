@@ -198,11 +198,11 @@ def test_outcomes() -> None:
     heavy = Scene((Body("b", 1.0, -1.0, falls=True),), (Contact("c", "b", GROUND, Linear(1e4, 190.0)),), gravity=9.81)
     rests = simulate(NONE, heavy, Clock(2.0, 1000.0))
     assert rests.outcome is Outcome.RESTING
-    assert "window-too-short" not in [finding.code for finding in rests.findings]
+    assert "contact-closed-at-end" not in [finding.code for finding in rests.findings]
     assert rests.contacts["c"].force[-1] == pytest.approx(9.81, rel=1e-9)
     assert rests.ledger.residual < 1e-10
     short = simulate(NONE, replace(far, contacts=(Contact("c", "b", GROUND, Linear(1e6)),)), Clock(0.1, 1000.0))
-    assert "sampling-too-low" in [finding.code for finding in short.findings]
+    assert "contact-coarsely-sampled" in [finding.code for finding in short.findings]
 
 
 def test_step_cap_raises(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -124,7 +124,7 @@ def test_blows_in_the_terminal(strokes: StudyResult, capsys: pytest.CaptureFixtu
     assert len(rows) == 10
     assert rows[0].split()[:8] == ["slider", "every", "0.4", "s", "1", "of", "5", "0.000"]
     assert "not in 400" in rows[0] and "%)" in rows[1]
-    assert "not-at-rest: After 4 of 5 blows" in told
+    assert "blow-before-rest: After 4 of 5 blows" in told
 
 
 def test_the_shipped_strokes(strokes: StudyResult) -> None:
@@ -137,7 +137,7 @@ def test_the_shipped_strokes(strokes: StudyResult) -> None:
     # dissipated power with its phase, of the order of the damping ratio
     assert left[1] / left[0] == pytest.approx(np.exp(-1.6), rel=0.05)
     codes = [{finding.code for finding in case.findings} for case in (soon, late)]
-    assert "not-at-rest" in codes[0] and "not-at-rest" not in codes[1]
+    assert "blow-before-rest" in codes[0] and "blow-before-rest" not in codes[1]
     for response in (soon.response, late.response):
         assert [blow.held_since for blow in response.blows] == [None] * 5
         assert response.ledger.residual < 1e-10

@@ -82,7 +82,7 @@ def test_a_ball_is_heard_beside_the_plate(tmp_path: Path) -> None:
     levels = sound_levels(total.p[1], dt)
     assert case.heard.total_levels["open.aside"].l_afmax_db == pytest.approx(levels.l_afmax_db, abs=1e-9)
     assert case.levels["open.aside"].l_peak_db == sound_levels(case.rooms["open"].p[1], dt).l_peak_db
-    assert not codes(case) & {"own-sound-left-out", "radius-not-heard", "sphere-moves", "push-unsampled"}
+    assert not codes(case) & {"own-sound-left-out", "radius-unused", "impactor-moves", "push-coarsely-sampled"}
 
 
 def test_from_below_it_is_the_same(tmp_path: Path) -> None:
@@ -153,13 +153,13 @@ def test_what_is_not_heard_is_said(tmp_path: Path) -> None:
     misses = point.replace("speed: 1 m/s, ", "")
     assert "own-sound-left-out" not in codes(case_of(tmp_path, misses))
     beneath = case_of(tmp_path, BALL.replace("above", "below"))  # its law takes the radius
-    assert "radius-not-heard" in codes(beneath)
+    assert "radius-unused" in codes(beneath)
     assert not beneath.heard.own
     soft = BALL.replace(LAW, "{type: linear, stiffness: 10 kN/m}")  # 1.8 mm deep
-    (found,) = (finding for finding in case_of(tmp_path, soft).findings if finding.code == "sphere-moves")
+    (found,) = (finding for finding in case_of(tmp_path, soft).findings if finding.code == "impactor-moves")
     assert found.values["moved_m"] == pytest.approx(np.sqrt(0.033 / 10e3), rel=0.02)
     coarse = case_of(tmp_path, time="duration: 5 ms, sampling: 24 kHz")
-    assert "push-unsampled" in codes(coarse)
+    assert "push-coarsely-sampled" in codes(coarse)
 
 
 @pytest.mark.parametrize(

@@ -35,7 +35,7 @@ def study(folder: Path, sampling: str, record: str = FORCE) -> Path:
 def test_a_recorded_peak_between_samples_is_severe(tmp_path: Path, sampling: str, record: str, severe: bool) -> None:
     path = study(tmp_path, sampling, record)
     case = run_study(read_study(path)).cases["as given"]
-    found = [one for one in case.findings if one.code == "sampling-too-low"]
+    found = [one for one in case.findings if one.code == "contact-coarsely-sampled"]
     assert [one.severe for one in found] == ([severe] if sampling == "1 kHz" else [])
     if severe:
         assert case.response is not None

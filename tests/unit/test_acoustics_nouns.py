@@ -146,10 +146,10 @@ def test_orders_are_added_until_they_do_not_matter():
 def test_advice_on_the_record():
     t = np.arange(2400) / 24e3
     codes = {a.code for a in pressure(surface(rates=np.cos(2 * np.pi * 4000 * t)), BOX, [MIC], orders=2).findings}
-    assert {"starts-moving", "record-not-decayed", "sampling-low"} <= codes
+    assert {"surface-starts-moving", "surface-not-decayed", "surface-coarsely-sampled"} <= codes
     assert pressure(surface(), BOX, [MIC], orders=2).findings == ()
     codes = {a.code for a in pressure(surface(shape=lambda g: g[:, :1]), BOX, [MIC], orders=13).findings}
-    assert "surface-coarse" in codes
+    assert "ceiling-points-coarse" in codes
     short = sound_levels(np.sin(2 * np.pi * 100 * t), 1 / 24e3)
     assert [a.code for a in short.findings] == ["band-not-settled"]
 
@@ -162,7 +162,7 @@ def test_sampling_is_called_low_before_levels_miss_anything_that_is_told():
     found = []
     for every in (1, 6, 64):
         heard = pressure(surface(rates=rates[::every], dt=every * fine), BOX, [MIC], orders=2)
-        low = [finding for finding in heard.findings if finding.code == "sampling-low"]
+        low = [finding for finding in heard.findings if finding.code == "surface-coarsely-sampled"]
         found.append((heard.p[0], low, sound_levels(heard.p[0], every * fine)))
     (truth, no, whole), (enough, none, near), (few, told, far) = found
     assert not no and not none and len(told) == 1

@@ -183,7 +183,7 @@ def test_two_plates_in_one_place(height: float, turned: bool, share: float) -> N
     along, origin = ((0.0, 1.0, 0.0), (1.2, 0.0, 0.7 + height)) if turned else (None, (0.3, 0.1, 0.7 + height))
     again = replace(TOP, name="again", origin=origin, x_direction=along)
     found = the(twice(TOP, again))
-    assert (found.code, found.severe) == ("two-in-one-place", share > 0.5)
+    assert (found.code, found.severe) == ("overlapping-parts", share > 0.5)
     assert found.values["share"] == pytest.approx(share)
     assert found.message.startswith("top and again fill the same ")
 
@@ -203,7 +203,7 @@ def test_a_line_given_twice_is_told_whatever_its_points() -> None:
     line = ((0.0, 0.0, 0.0), (1.0, 0.0, 0.0))
     frame = Frame("rail", STEEL, SECTION, (line, ((0.75, 0.0, 0.0), (0.25, 0.0, 0.0))))
     found = the(twice(frame))
-    assert (found.code, found.severe) == ("line-twice", True)
+    assert (found.code, found.severe) == ("overlapping-lines", True)
     assert "rail has a line twice, 1 straight piece of 0.5 m" in found.message
     other = Frame("other", STEEL, rectangle("r", 0.03, 0.01), (line,))
     one = Frame("one", STEEL, SECTION, (line,))
@@ -223,7 +223,7 @@ def test_masses_springs_and_layers_given_twice() -> None:
     )
     mass = Mass("one", 2.0, at="p")
     again = the(twice(TOP, mass, Mass("two", 2.0, at="q"), points=points))
-    assert (again.code, again.severe) == ("given-twice", True)
+    assert (again.code, again.severe) == ("duplicate-part", True)
     assert again.message.startswith("one and two are one mass in one place, given twice")
     for other in (Mass("two", 2.5, at="p"), Mass("two", 2.0, at="r")):
         assert twice(TOP, mass, other, points=points) == ()

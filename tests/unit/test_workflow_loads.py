@@ -70,7 +70,7 @@ def test_hammers_of_one_machine_stand_beside_each_other() -> None:
     assert hammer_findings(*machine([1.0, 1.098, 1.2, 1.3, 1.4])) == ()  # within 3 mm
     assert hammer_findings(*machine([1.0])) == ()
     (found,) = hammer_findings(*machine([1.0, 1.1, 2.9, 3.0, 3.1]))
-    assert found.code == "hammers-apart"
+    assert found.code == "tapping-hammer-spacing"
     assert found.values["apart_m"] == pytest.approx(1.8)
 
 

@@ -49,7 +49,7 @@ def _in_one_place(one: Plate | Block, other: Plate | Block, tolerance: float, jo
     area = " x ".join(f"{side:.4g}" for side in shared[:2])
     return [
         Finding(
-            "two-in-one-place",
+            "overlapping-parts",
             f"{one.name} and {other.name} fill the same {area} m over {1e3 * shared[2]:.4g} mm, {100 * share:.0f} % of "
             "the thinner one: mass and stiffness count twice there. The origin of a plate is on its mid-surface",
             {"depth_m": float(shared[2]), "share": share},
@@ -83,7 +83,7 @@ def _line_twice(one: str, other: str, at: Floats, length: float, count: int, joi
     which = f"{one} has a line twice" if one == other else f"{one} and {other} have a line in one place"
     place = ", ".join(f"{value:.4g}" for value in at)
     return Finding(
-        "line-twice",
+        "overlapping-lines",
         f"{which}, {count} straight piece{'s' if count > 1 else ''} of {length:.4g} m, the first near ({place}) m: "
         "mass and stiffness count twice there" + ("; a bar made of two is joined like that" if joined else ""),
         {"length_m": length, "pieces": count},
@@ -128,7 +128,7 @@ def _given_again(structure: Structure) -> list[Finding]:
             kind = "mass" if isinstance(part, Mass) else "spring" if isinstance(part, Spring) else "layer"
             found.append(
                 Finding(
-                    "given-twice",
+                    "duplicate-part",
                     f"{seen[said]} and {part.name} are one {kind} in one place, given twice: remove one, or write the "
                     "sum of both as one",
                     {"times": 2},

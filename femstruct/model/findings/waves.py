@@ -39,7 +39,7 @@ def mesh_findings(model: Model, up_to_hz: float) -> tuple[Finding, ...]:
             denser = with_shear(plate.part.material, plate.part.thickness, up_to_hz)[1]
             found.append(
                 Finding(
-                    "shear-left-out",
+                    "thick-for-short-waves",
                     f"{name}: a bending wave of {up_to_hz:.4g} Hz is {wave / plate.part.thickness:.1f} times as long "
                     f"as the plate is thick; below {SLENDER:g} the plate without shear is too stiff: with it (Mindlin) "
                     f"modes are {denser:.2g} times as dense there, and blows put up to "
