@@ -65,13 +65,19 @@ if TYPE_CHECKING:
     from femstruct.model.material import Material as Material
     from femstruct.model.mesher import mesh_structure as mesh_structure
     from femstruct.model.model import Model as Model
-    from femstruct.model.parts import Frame as Frame
-    from femstruct.model.parts import Joint as Joint
-    from femstruct.model.parts import PlaceOn as PlaceOn
-    from femstruct.model.parts import Plate as Plate
-    from femstruct.model.parts import Structure as Structure
-    from femstruct.model.parts import Support as Support
-    from femstruct.model.parts import SurfaceOn as SurfaceOn
+    from femstruct.model.region import Region as Region
+    from femstruct.model.section import Section as Section
+    from femstruct.model.structure import Joint as Joint
+    from femstruct.model.structure import PlaceOn as PlaceOn
+    from femstruct.model.structure import Structure as Structure
+    from femstruct.model.structure import Support as Support
+    from femstruct.model.structure import SurfaceOn as SurfaceOn
+    from femstruct.parts.block import Block as Block
+    from femstruct.parts.foundation import Foundation as Foundation
+    from femstruct.parts.frame import Frame as Frame
+    from femstruct.parts.mass import Mass as Mass
+    from femstruct.parts.plate import Plate as Plate
+    from femstruct.parts.spring import Spring as Spring
     from femstruct.radiation import surface_velocity as surface_velocity
     from femstruct.study.result import StudyResult as StudyResult
     from femstruct.study.study import Plan as Plan
@@ -102,7 +108,15 @@ _NAMES = {
     "model.material": ("Material",),
     "model.mesher": ("mesh_structure",),
     "model.model": ("Model",),
-    "model.parts": ("Frame", "Joint", "PlaceOn", "Plate", "Structure", "Support", "SurfaceOn"),
+    "model.region": ("Region",),
+    "model.section": ("Section",),
+    "model.structure": ("Joint", "PlaceOn", "Structure", "Support", "SurfaceOn"),
+    "parts.block": ("Block",),
+    "parts.foundation": ("Foundation",),
+    "parts.frame": ("Frame",),
+    "parts.mass": ("Mass",),
+    "parts.plate": ("Plate",),
+    "parts.spring": ("Spring",),
     "radiation": ("surface_velocity",),
     "study.result": ("StudyResult",),
     "study.study": ("Plan", "Study"),

@@ -41,11 +41,11 @@ def main(every: int = 1) -> dict[str, float]:
 def _modes(one: hull.Hull) -> None:
     """Fig. 5.22: the bottom in its first four elastic modes."""
     figure = Figure(figsize=(12, 4), layout="constrained")
-    plate = one.model.plates["bottom"]
+    plate = one.model.parts["bottom"]
     x, y = np.linspace(0.0, plate.x[-1], 91), np.linspace(0.0, plate.y[-1], 31)
     elastic = np.flatnonzero(one.basis.omega > 1.0)[:4]
     for axis, mode in zip(figure.subplots(2, 2, sharex=True, sharey=True).flat, elastic, strict=True):
-        w = RectBivariateSpline(plate.x, plate.y, one.basis.shapes[plate.nodes, 2, mode])(x, y).T
+        w = RectBivariateSpline(plate.x, plate.y, one.basis.shapes[plate.grid, 2, mode])(x, y).T
         filled = axis.contourf(x, y, w / np.abs(w).max(), levels=np.linspace(-1.0, 1.0, 21), cmap="RdBu_r")
         axis.contour(x, y, w, levels=[0.0], colors="k", linewidths=1)
         axis.set(title=f"mode {mode + 1}: {one.basis.frequency_hz[mode]:.1f} Hz", aspect="equal")

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
-from scipy.sparse import csc_array, csr_array, vstack
+from scipy.sparse import csc_array, csr_array, diags_array, vstack
 
-from femstruct.assembly.dofs import DofLabels, RawDofs, number_dofs, rigid_translations
+from femstruct.arrays import Floats
+from femstruct.assembly.dofs import DofLabels, RawDofs, number_dofs
 from femstruct.assembly.forces import force_rows, grounded
 from femstruct.assembly.matrices import Assembly, DofMap
-from femstruct.assembly.scatter import block_matrix, elastic_matrices, frame_matrices, inert_matrix, plate_matrices
 from femstruct.assembly.ties import Elimination, eliminate
 from femstruct.errors import InputError, SingularSystem, some_of
 from femstruct.model.facts import part_masses
@@ -32,7 +32,8 @@ def assemble(model: Model) -> Assembly:
 
     >>> from femstruct.model.material import Material
     >>> from femstruct.model.mesher import mesh_structure
-    >>> from femstruct.model.parts import Plate, Structure
+    >>> from femstruct.model.structure import Structure
+    >>> from femstruct.parts.plate import Plate
     >>> steel = Material("steel", E=210e9, nu=0.3, rho=8000.0)
     >>> plate = Plate("plate", steel, 0.003, origin=(0.0, 0.0, 0.0), size=(0.5, 0.4), mesh=(4, 3))
     >>> assembly = assemble(mesh_structure(Structure("a free plate", (plate,))))
@@ -44,20 +45,18 @@ def assemble(model: Model) -> Assembly:
     loss_factors: dict[str, float] = {}
     masses: list[csr_array] = []
     dashpots: list[csr_array] = []
-    for name, plate in model.plates.items():
-        stiffness[name], inertia = plate_matrices(plate, dofs)
-        masses.append(inertia)
-        loss_factors[name] = plate.part.material.loss_factor
-    for name, frame in model.frames.items():
-        stiffness[name], inertia = frame_matrices(frame, dofs, int(model.mesh.nodes[name][0]))
-        masses.append(inertia)
-        loss_factors[name] = frame.part.material.loss_factor
+    for name, part in model.parts.items():
+        own_stiffness, own_mass = part.stiffness_and_mass()
+        masses.append(dofs.placed(name, own_mass))
+        if own_stiffness is not None:
+            stiffness[name] = dofs.placed(name, own_stiffness)
+            loss_factors[name] = part.loss_factor
     for elastic in model.elastics:
-        stiffness[elastic.name], dashpot = elastic_matrices(elastic, dofs)
-        dashpots.append(dashpot)
+        rows = csr_array(elastic.rows @ dofs.output)
+        stiffness[elastic.name] = _congruent(rows, elastic.stiffness)
+        dashpots.append(_congruent(rows, elastic.damping))
         loss_factors[elastic.name] = elastic.loss_factor
-    masses += [block_matrix(block, dofs) for block in model.blocks.values()]
-    masses += [inert_matrix(inert, dofs) for inert in model.inerts]
+    masses += [_congruent(csr_array(inert.rows @ dofs.output), inert.mass) for inert in model.inerts]
     total, damping, mass = (_sum(terms, dofs.count) for terms in (list(stiffness.values()), dashpots, masses))
     equations, owners = _equations(model, dofs)
     solved = eliminate(equations)
@@ -75,7 +74,6 @@ def assemble(model: Model) -> Assembly:
     K = _total(part_stiffness, len(solved.free))
     M = _on_free(mass, solved)
     _check_singular(K, M, labels)
-    translations = rigid_translations(model, dofs)
     return Assembly(
         M=M,
         K=K,
@@ -85,10 +83,15 @@ def assemble(model: Model) -> Assembly:
         part_stiffness=part_stiffness,
         loss_factors=loss_factors,
         forces=force_rows(model, dofs, solved, equations, owners, (total, damping, mass)),
-        momentum=np.asarray((mass @ translations).T @ solved.E),
+        momentum=np.asarray((mass @ dofs.translations).T @ solved.E),
         total_mass=sum(part_masses(model).values()),
         grounded=grounded(model),
     )
+
+
+def _congruent(rows: csr_array, values: Floats) -> csr_array:
+    """rows^T diag(values) rows."""
+    return csr_array(rows.T @ (diags_array(values) @ rows))
 
 
 def _equations(model: Model, dofs: RawDofs) -> tuple[csr_array, dict[str, slice]]:

@@ -12,7 +12,8 @@ from femstruct.arrays import Floats
 from femstruct.assembly.dofs import RawDofs
 from femstruct.assembly.matrices import ForceRows
 from femstruct.assembly.ties import Elimination
-from femstruct.model.model import Elastic, Model, Tie
+from femstruct.model.fastened import Elastic, Tie
+from femstruct.model.model import Model
 
 GROUND = "ground"
 

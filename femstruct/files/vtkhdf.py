@@ -10,9 +10,9 @@ from femstruct.arrays import Integers
 from femstruct.conventions import N_COMPONENTS
 from femstruct.files.hdf5 import put
 from femstruct.modal.basis import ModalBasis
-from femstruct.model.interpolation import node_rows
 from femstruct.model.model import Model
 from femstruct.model.refine import Refined, refined
+from femstruct.model.rows import node_rows
 
 if TYPE_CHECKING:  # slow to import, and most runs write no such file
     import h5py

@@ -27,22 +27,16 @@ from femstruct.language.schema_parts import (
 )
 from femstruct.modal.damping import Damping, FromMaterials, LossFactor, ModeDamping, Ratio, Rayleigh
 from femstruct.model.material import Material
-from femstruct.model.parts import (
-    Block,
-    Foundation,
-    Frame,
-    Joint,
-    Mass,
-    Part,
-    PlaceOn,
-    Plate,
-    Region,
-    Spring,
-    Structure,
-    Support,
-    SurfaceOn,
-)
+from femstruct.model.part import Part
+from femstruct.model.region import Region
 from femstruct.model.section import Section, box, circle, i_section, rectangle, tube
+from femstruct.model.structure import Joint, PlaceOn, Structure, Support, SurfaceOn
+from femstruct.parts.block import Block
+from femstruct.parts.foundation import Foundation
+from femstruct.parts.frame import Frame
+from femstruct.parts.mass import Mass
+from femstruct.parts.plate import Plate
+from femstruct.parts.spring import Spring
 from femstruct.study.structures import BeamModel, ModesModel, NoStructure, OscillatorModel, RodModel, StructureModel
 
 

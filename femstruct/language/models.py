@@ -17,7 +17,7 @@ from femstruct.language.validation import validate
 from femstruct.modal.damping import Damping
 from femstruct.model.mesher import mesh_structure
 from femstruct.model.model import Model
-from femstruct.model.parts import Structure
+from femstruct.model.structure import Structure
 from femstruct.study.structures import StructureModel
 from femstruct.study.study import Plan
 

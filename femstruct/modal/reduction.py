@@ -46,7 +46,8 @@ def modal_basis(
     >>> from femstruct.assembly.assemble import assemble
     >>> from femstruct.model.material import Material
     >>> from femstruct.model.mesher import mesh_structure
-    >>> from femstruct.model.parts import Plate, Structure, Support
+    >>> from femstruct.model.structure import Structure, Support
+    >>> from femstruct.parts.plate import Plate
     >>> steel = Material("steel", E=210e9, nu=0.3, rho=7850.0)
     >>> plate = Plate("plate", steel, 0.003, origin=(0.0, 0.0, 0.0), size=(0.5, 0.4), mesh=(10, 8))
     >>> edges = Support("edges", "simple", on="plate", edge="all")

@@ -2,17 +2,34 @@
 
 from __future__ import annotations
 
+from typing import Protocol
+
 import numpy as np
 
 from femstruct.arrays import Floats
 from femstruct.errors import InputError
-from femstruct.model.parts import Plate
+from femstruct.model.region import Pair, Vector
 
 PARALLEL = 1e-6
 """Sine of the angle below which two directions count as parallel."""
 
 
-def plate_axes(plate: Plate) -> Floats:
+class Rectangle(Protocol):
+    """A flat rectangular part, as `femstruct.parts.plate.Plate` is: a corner of its mid-surface, sides, directions."""
+
+    @property
+    def name(self) -> str: ...
+    @property
+    def origin(self) -> Vector: ...
+    @property
+    def size(self) -> Pair: ...
+    @property
+    def normal(self) -> Vector: ...
+    @property
+    def x_direction(self) -> Vector | None: ...
+
+
+def rectangle_axes(plate: Rectangle) -> Floats:
     """Local axes of a plate [3, 3]: rows are x, y and the normal in global components.
 
     Without `x_direction`, x is global x projected on the plate, or global y for a plate normal to global x.
@@ -43,13 +60,13 @@ def plate_axes(plate: Plate) -> Floats:
     return np.stack([x, np.cross(normal, x), normal])
 
 
-def to_plate(plate: Plate, axes: Floats, points: Floats) -> Floats:
+def to_rectangle(plate: Rectangle, axes: Floats, points: Floats) -> Floats:
     """Coordinates along the plate's own axes from its origin corner, and height above its mid-surface [..., 3]."""
     local: Floats = (points - np.asarray(plate.origin, dtype=np.float64)) @ axes.T
     return local
 
 
-def from_plate(plate: Plate, axes: Floats, local: Floats) -> Floats:
+def from_rectangle(plate: Rectangle, axes: Floats, local: Floats) -> Floats:
     """Global positions of places of a plate [..., 2 or 3]."""
     origin = np.asarray(plate.origin, dtype=np.float64)
     result: Floats = origin + local @ axes[: local.shape[-1]]
@@ -84,14 +101,14 @@ def clip(start: Floats, end: Floats, size: tuple[float, float], tolerance: float
     return (float(low), float(high)) if low <= high else None
 
 
-def meeting_line(first: Plate, second: Plate, tolerance: float) -> tuple[Floats, Floats]:
+def meeting_line(first: Rectangle, second: Rectangle, tolerance: float) -> tuple[Floats, Floats]:
     """The two ends [3], [3] of the line (or the point, twice) along which two plates meet.
 
     Raises InputError when they do not meet, when they overlap over an area, or along a line that is not parallel to the
     sides of both.
     """
     where = f"plates {first.name} and {second.name}"
-    a, b = plate_axes(first), plate_axes(second)
+    a, b = rectangle_axes(first), rectangle_axes(second)
     direction = np.cross(a[2], b[2])
     if np.linalg.norm(direction) < PARALLEL:
         return _edge_in_plane(first, second, a, b, tolerance)
@@ -112,7 +129,7 @@ def meeting_line(first: Plate, second: Plate, tolerance: float) -> tuple[Floats,
     start, end = anchor - reach * direction, anchor + reach * direction
     low, high = 0.0, 1.0
     for plate, axes in ((first, a), (second, b)):
-        stretch = clip(to_plate(plate, axes, start), to_plate(plate, axes, end), plate.size, tolerance)
+        stretch = clip(to_rectangle(plate, axes, start), to_rectangle(plate, axes, end), plate.size, tolerance)
         if stretch is None:
             low, high = 1.0, 0.0
             break
@@ -122,10 +139,12 @@ def meeting_line(first: Plate, second: Plate, tolerance: float) -> tuple[Floats,
     return _trimmed(start + low * (end - start), start + high * (end - start), direction, tolerance)
 
 
-def _edge_in_plane(first: Plate, second: Plate, a: Floats, b: Floats, tolerance: float) -> tuple[Floats, Floats]:
+def _edge_in_plane(
+    first: Rectangle, second: Rectangle, a: Floats, b: Floats, tolerance: float
+) -> tuple[Floats, Floats]:
     where = f"plates {first.name} and {second.name}"
     corners = np.array([[0, 0], [1, 0], [1, 1], [0, 1]]) * np.asarray(second.size)
-    local = to_plate(first, a, from_plate(second, b, corners))
+    local = to_rectangle(first, a, from_rectangle(second, b, corners))
     if np.abs(local[:, 2]).max() > tolerance:
         raise InputError(where, got=_apart(first, second, a, b), expected="plates that meet", do="move one of them")
     if min(abs(a[0] @ b[0]), abs(a[0] @ b[1])) > PARALLEL:
@@ -142,7 +161,7 @@ def _edge_in_plane(first: Plate, second: Plate, a: Floats, b: Floats, tolerance:
             expected="plates that meet along a line",
         )
     high = np.where(width > tolerance, high, low)
-    return from_plate(first, a, low), from_plate(first, a, high)
+    return from_rectangle(first, a, low), from_rectangle(first, a, high)
 
 
 def _trimmed(start: Floats, end: Floats, direction: Floats, tolerance: float) -> tuple[Floats, Floats]:
@@ -152,9 +171,9 @@ def _trimmed(start: Floats, end: Floats, direction: Floats, tolerance: float) ->
     return start + tolerance * direction, end - tolerance * direction
 
 
-def _apart(first: Plate, second: Plate, a: Floats, b: Floats) -> str:
+def _apart(first: Rectangle, second: Rectangle, a: Floats, b: Floats) -> str:
     distance = min(
-        float(distance_to_rectangle(to_plate(one, axes, from_plate(other, others, samples)), one.size).min())
+        float(distance_to_rectangle(to_rectangle(one, axes, from_rectangle(other, others, samples)), one.size).min())
         for one, axes, other, others, samples in (
             (first, a, second, b, _samples(second)),
             (second, b, first, a, _samples(first)),
@@ -163,6 +182,6 @@ def _apart(first: Plate, second: Plate, a: Floats, b: Floats) -> str:
     return f"mid-surfaces about {distance:.4g} m apart"
 
 
-def _samples(plate: Plate) -> Floats:
+def _samples(plate: Rectangle) -> Floats:
     s = np.linspace(0.0, 1.0, 21)
     return np.stack(np.meshgrid(s * plate.size[0], s * plate.size[1]), axis=-1).reshape(-1, 2)

@@ -4,17 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
 from femstruct.arrays import Floats, freeze, frozen
 from femstruct.errors import InputError, some_of
-from femstruct.model.geometry import PARALLEL, plate_axes
-from femstruct.model.parts import Block, Foundation, Plate
+from femstruct.model.geometry import PARALLEL
+from femstruct.model.part import Body
+from femstruct.model.region import Region
 from femstruct.model.regions import Box, region_box
-
-Solid = Plate | Block
-_ACROSS = 2  # the axis of a plate that its sides face along
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,8 +42,21 @@ class Layer:
         return self.places(np.reshape(self.box, (2, 2)).T)
 
 
-def layer_of(part: Foundation, solids: Mapping[str, Solid], tolerance: float) -> Layer:
-    """The layer a foundation fills; solids : plates and blocks by name.
+class Filling(Protocol):
+    """What a layer is said to fill: the region of a part, or of the gap to another."""
+
+    @property
+    def name(self) -> str: ...
+    @property
+    def on(self) -> str: ...
+    @property
+    def to(self) -> str | None: ...
+    @property
+    def region(self) -> Region: ...
+
+
+def layer_of(part: Filling, bodies: Mapping[str, Body], tolerance: float) -> Layer:
+    """The layer a foundation fills; bodies : of plates and blocks by name.
 
     Raises InputError for parts that do not exist, are not parallel, do not face or reach into each other, and for a
     region that is not on both.
@@ -52,36 +64,37 @@ def layer_of(part: Foundation, solids: Mapping[str, Solid], tolerance: float) ->
     where = f"parts.{part.name}"
     key = "on" if part.to is None else "between"
     for name in (part.on, part.to):
-        if name is not None and name not in solids:
-            known = some_of(solids) or "there is none"
+        if name is not None and name not in bodies:
+            known = some_of(bodies) or "there is none"
             raise InputError(f"{where}.{key}", got=f"'{name}'", expected=f"a plate or a block: {known}")
-    solid = solids[part.on]
+    body = bodies[part.on]
     if part.to is None:
-        # A block stands on its lower face; a plate is held at its mid-surface.
-        size = (solid.size[0], solid.size[1])
-        axes = plate_axes(solid) if isinstance(solid, Plate) else np.eye(3)
+        size = (float(body.size[0]), float(body.size[1]))
         box = region_box(f"{where}.region", part.on, size, part.region, tolerance)
-        return Layer(np.asarray(solid.origin, dtype=np.float64), axes, box)
-    return _between(part, solid, solids[part.to], tolerance)
+        # A block stands on its lower face; a plate is held at its mid-surface.
+        base = body.corner if body.across is None else body.corner + body.size[body.across] / 2 * body.axes[body.across]
+        return Layer(base, body.axes, box)
+    if part.on == part.to:
+        raise InputError(f"{where}.between", got=f"'{part.on}' twice", expected="two parts")
+    return _between(part, (part.on, body), (part.to, bodies[part.to]), tolerance)
 
 
-def _between(part: Foundation, first: Solid, second: Solid, tolerance: float) -> Layer:
+def _between(part: Filling, one: tuple[str, Body], other: tuple[str, Body], tolerance: float) -> Layer:
     where = f"parts.{part.name}.between"
-    if first.name == second.name:
-        raise InputError(where, got=f"'{first.name}' twice", expected="two parts")
-    corner, axes, size = body_box(first)
-    low, high, across = _seen_from(where, first, second)
+    (first, body), (second, _) = one, other
+    corner, axes, size, own = body
+    low, high, across = _seen_from(where, one, other)
     apart = np.maximum(low - size, -high)
     overlap = np.minimum(high, size) - np.maximum(low, 0.0)
     facing = [
         axis
-        for axis in ([_ACROSS] if isinstance(first, Plate) else range(3))
+        for axis in (range(3) if own is None else [own])
         if across in (None, axis) and np.delete(overlap, axis).min() > tolerance
     ]
     if not facing:
         raise InputError(
             where,
-            got=f"{first.name} and {second.name}, which do not face each other",
+            got=f"{first} and {second}, which do not face each other",
             expected="parts with sides opposite each other",
             do="move one of them",
         )
@@ -89,7 +102,7 @@ def _between(part: Foundation, first: Solid, second: Solid, tolerance: float) ->
     if apart[axis] < -tolerance:
         raise InputError(
             where,
-            got=f"{second.name} reaching {-apart[axis]:.4g} m into {first.name}",
+            got=f"{second} reaching {-apart[axis]:.4g} m into {first}",
             expected="a gap for the layer, or faces that touch",
             do="move one of them (the origin of a plate is on its mid-surface, half its thickness below its face)",
         )
@@ -99,46 +112,36 @@ def _between(part: Foundation, first: Solid, second: Solid, tolerance: float) ->
     sides = (float(size[along[0]]), float(size[along[1]]))
     shared = (np.maximum(low, 0.0)[along], np.minimum(high, size)[along])
     region = f"parts.{part.name}.region"
-    box = region_box(region, first.name, sides, part.region, tolerance)
+    box = region_box(region, first, sides, part.region, tolerance)
     if part.region.kind == "whole":
         box = (float(shared[0][0]), float(shared[1][0]), float(shared[0][1]), float(shared[1][1]))
     beyond = max(*(shared[0] - np.asarray(box)[[0, 2]]), *(np.asarray(box)[[1, 3]] - shared[1]))
     if beyond > tolerance:
         raise InputError(
             region,
-            got=f"a region that reaches {beyond:.4g} m beyond {second.name}",
-            expected=f"a region of {first.name} that faces {second.name}",
+            got=f"a region that reaches {beyond:.4g} m beyond {second}",
+            expected=f"a region of {first} that faces {second}",
         )
     return Layer(corner + middle * axes[axis], axes[[*along, axis]], box)
 
 
-def body_box(solid: Solid) -> tuple[Floats, Floats, Floats]:
-    """Corner [3], axes [3, 3] and size [3] of the box that a plate or a block fills."""
-    origin = np.asarray(solid.origin, dtype=np.float64)
-    if isinstance(solid, Block):
-        return origin, np.eye(3), np.asarray(solid.size, dtype=np.float64)
-    axes = plate_axes(solid)
-    return origin - solid.thickness / 2.0 * axes[2], axes, np.array([*solid.size, solid.thickness])
-
-
-def _seen_from(where: str, first: Solid, second: Solid) -> tuple[Floats, Floats, int | None]:
+def _seen_from(where: str, one: tuple[str, Body], other: tuple[str, Body]) -> tuple[Floats, Floats, int | None]:
     """Lower and upper corner [3] of the second part along the first's axes from its corner [m].
 
     Also the one of these axes that the sides of the second part face along, None for a block, whose sides face along
     all.
     """
-    corner, axes, _ = body_box(first)
-    other, others, size = body_box(second)
+    (first, (corner, axes, _, _)), (second, (start, others, size, faces)) = one, other
     turn = others @ axes.T
     if np.abs(np.abs(turn) - np.round(np.abs(turn))).max() > PARALLEL:
         raise InputError(
             where,
-            got=f"{first.name} and {second.name} with sides at an angle",
+            got=f"{first} and {second} with sides at an angle",
             expected="parts with parallel sides",
             do="turn one of them",
         )
     turn = np.round(turn)
-    start = (other - corner) @ axes.T
+    start = (start - corner) @ axes.T
     end = start + size @ turn
-    across = int(np.argmax(np.abs(turn[_ACROSS]))) if isinstance(second, Plate) else None
+    across = None if faces is None else int(np.argmax(np.abs(turn[faces])))
     return np.minimum(start, end), np.maximum(start, end), across

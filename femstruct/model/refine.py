@@ -9,9 +9,7 @@ from scipy.sparse import csr_array, vstack
 
 from femstruct.arrays import Floats, Integers, freeze, frozen, frozen_integers
 from femstruct.errors import InputError
-from femstruct.model.geometry import from_plate
-from femstruct.model.interpolation import block_rows, frame_rows, plate_rows, sparse_rows
-from femstruct.model.model import BlockMesh, FrameMesh, Model, PlateMesh
+from femstruct.model.model import Model
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,62 +59,20 @@ def refined(model: Model, divisions: int = 4, along: int | None = None) -> Refin
     owners: list[Integers] = []
     quads = [np.empty((0, 4), np.int64)]
     lines = [np.empty((0, 2), np.int64)]
-    parts = tuple(model.mesh.nodes)
     first = 0
-    for number, name in enumerate(parts):
-        if name in model.plates:
-            places, motion, cells = _of_plate(model.plates[name], divisions, model.mesh.n_nodes)
-            quads.append(first + cells)
-        elif name in model.blocks:
-            places, motion, cells = _of_block(model.blocks[name], model.mesh.n_nodes)
-            quads.append(first + cells)
-        else:
-            places, motion, cells = _of_frame(model.frames[name], along or divisions, model.mesh.n_nodes)
-            lines.append(first + cells)
-        points.append(places)
-        rows.append(motion)
-        owners.append(np.full(len(places), number))
-        first += len(places)
+    for number, part in enumerate(model.parts.values()):
+        drawn = part.drawn(divisions, along or divisions, model.mesh.n_nodes)
+        points.append(drawn.points)
+        rows.append(drawn.rows)
+        quads.append(first + drawn.quads)
+        lines.append(first + drawn.lines)
+        owners.append(np.full(len(drawn.points), number))
+        first += len(drawn.points)
     return Refined(
         np.concatenate(points),
         np.concatenate(quads),
         np.concatenate(lines),
         csr_array(vstack(rows)),
-        parts,
+        tuple(model.parts),
         np.concatenate(owners),
     )
-
-
-def _of_plate(plate: PlateMesh, divisions: int, n_nodes: int) -> tuple[Floats, csr_array, Integers]:
-    x, y = _divided(plate.x, divisions), _divided(plate.y, divisions)
-    local = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1).reshape(-1, 2)
-    nodes, rows = plate_rows(plate, local)
-    n = np.arange(len(local)).reshape(len(x), len(y))
-    cells = np.stack([n[:-1, :-1], n[1:, :-1], n[1:, 1:], n[:-1, 1:]], axis=-1).reshape(-1, 4)
-    return from_plate(plate.part, plate.axes, local), sparse_rows(nodes, rows[:, :3], n_nodes), cells
-
-
-def _of_frame(frame: FrameMesh, divisions: int, n_nodes: int) -> tuple[Floats, csr_array, Integers]:
-    bars = np.repeat(np.arange(len(frame.bars)), divisions + 1)
-    share = np.tile(np.linspace(0.0, 1.0, divisions + 1), len(frame.bars))
-    nodes, rows = frame_rows(frame, bars, share)
-    places = (1.0 - share)[:, None] * frame.start[bars] + share[:, None] * frame.end[bars]
-    n = np.arange(len(bars)).reshape(len(frame.bars), divisions + 1)
-    pieces = np.stack([n[:, :-1], n[:, 1:]], axis=-1).reshape(-1, 2)
-    return places, sparse_rows(nodes, rows[:, :3], n_nodes), pieces
-
-
-def _of_block(block: BlockMesh, n_nodes: int) -> tuple[Floats, csr_array, Integers]:
-    """The six faces, each with corners of its own, so that every face has edges."""
-    square = np.array([[0, 0], [1, 0], [1, 1], [0, 1]])
-    faces = [np.insert(square, axis, side, axis=1) for axis in range(3) for side in (0, 1)]
-    low, high = block.corners
-    places = low + np.concatenate(faces) * (high - low)
-    nodes, rows = block_rows(block, places)
-    return places, sparse_rows(nodes, rows[:, :3], n_nodes), np.arange(len(places)).reshape(-1, 4)
-
-
-def _divided(grid: Floats, divisions: int) -> Floats:
-    steps = np.arange(divisions) / divisions
-    between = grid[:-1, None] + np.diff(grid)[:, None] * steps
-    return np.append(between.ravel(), grid[-1])

@@ -7,7 +7,7 @@ import numpy as np
 from femstruct.arrays import Floats
 from femstruct.elements.quadrature import gauss_interval
 from femstruct.errors import InputError
-from femstruct.model.parts import Pair, Region
+from femstruct.model.region import Pair, Region
 
 Box = tuple[float, float, float, float]
 
@@ -81,3 +81,13 @@ def _interval_points(grid: Floats, low: float, high: float, tolerance: float, or
     steps = np.diff(inside)
     points, weights = gauss_interval(order)
     return (inside[:-1, None] + steps[:, None] * points).ravel(), (steps[:, None] * weights).ravel()
+
+
+def grid_points(
+    x: Floats, y: Floats, region: Region, box: tuple[float, float, float, float], tolerance: float, order: int
+) -> tuple[Floats, Floats]:
+    """Gauss points [p, 2] and weights [p] of a region over a grid, in its coordinates [m] (m^2 or m)."""
+    if region.kind in ("whole", "rectangle"):
+        return area_points(x, y, box, tolerance, order)
+    pieces = [line_points(x, y, ends, tolerance, order) for ends in region_lines(region, box)]
+    return np.concatenate([points for points, _ in pieces]), np.concatenate([weights for _, weights in pieces])

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
-from femstruct.model.parts import Structure
+from femstruct.model.structure import Structure
 
 BeamEnd = Literal["pinned", "free", "clamped"]
 

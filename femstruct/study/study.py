@@ -11,7 +11,7 @@ from math import inf
 from typing import TYPE_CHECKING, Literal
 
 from femstruct.modal.damping import Damping
-from femstruct.model.parts import Pair, Vector
+from femstruct.model.region import Pair, Vector
 from femstruct.study.structures import StructureModel
 
 if TYPE_CHECKING:  # a model's modes need none of these

@@ -17,8 +17,8 @@ from femstruct.errors import Finding
 from femstruct.impact.bodies import Clock
 from femstruct.impact.response import Response
 from femstruct.impact.simulate import simulate
-from femstruct.model.findings.waves import CELLS_PER_WAVE, carried_hz
 from femstruct.model.model import Model
+from femstruct.parts.findings.waves import CELLS_PER_WAVE, carried_hz
 from femstruct.study.result import AccuracyCheck, Deviation
 from femstruct.study.structures import BeamModel, RodModel
 from femstruct.study.study import AccuracyRule, Case, Extent

@@ -14,7 +14,7 @@ from femstruct.modal.damping import Damping, with_damping
 from femstruct.modal.solvers import FASTEST
 from femstruct.study.study import Extent
 from femstruct.units import quantity
-from femstruct.workflow.bases import solve
+from femstruct.workflow.bases import Solved, solve
 from femstruct.workflow.positions import positioned
 from femstruct.workflow.structure_findings import structure_findings
 
@@ -61,7 +61,7 @@ def modes_of(path: Path, extent: Extent, overrides: tuple[str, ...] = ()) -> Tab
         "rigid_body_modes": basis.n_rigid,
         "complete_below_hz": number(basis.complete_below_hz),
         "solver": FASTEST,
-        "rigid_in_plane": [] if solved.model is None else list(solved.model.plates),
+        "rigid_in_plane": _rigid_in_plane(solved),
         "mass_kg": basis.total_mass,
         "findings": [finding_table(finding) for finding in structure_findings(solved, basis)],
     }
@@ -71,3 +71,8 @@ def damped_as_far_as_solved(basis: ModalBasis, damping: Damping) -> ModalBasis:
     """Damping of the modes there are; ratios of modes beyond the ones asked for have nothing to act on yet."""
     known = len(basis.kind[basis.modes])
     return with_damping(basis, Damping(damping.base, tuple(mode for mode in damping.modes if mode.number <= known)))
+
+
+def _rigid_in_plane(solved: Solved) -> list[str]:
+    parts = {} if solved.model is None else solved.model.parts
+    return [name for name, part in parts.items() if part.rigid_in_plane]

@@ -13,8 +13,8 @@ from femstruct.modal.damping import carry_damping, with_damping
 from femstruct.modal.reduction import modal_basis
 from femstruct.model.mesher import mesh_structure
 from femstruct.model.model import Model
-from femstruct.model.parts import Structure
 from femstruct.model.probe import Point, Probe
+from femstruct.model.structure import Structure
 from femstruct.study.structures import BeamModel, ModesModel, NoStructure, OscillatorModel, RodModel, StructureModel
 from femstruct.study.study import Case, Extent, Study
 from femstruct.workflow.fingerprint import fingerprint

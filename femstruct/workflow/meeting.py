@@ -18,8 +18,10 @@ from acoustics.shaped import ShapedRoom
 from femstruct.arrays import Floats
 from femstruct.errors import Finding
 from femstruct.modal.basis import ModalBasis
-from femstruct.model.parts import Foundation, Plate, Structure
 from femstruct.model.probe import Surface
+from femstruct.model.structure import Structure
+from femstruct.parts.foundation import Foundation
+from femstruct.parts.plate import Plate
 from femstruct.radiation import room_coordinates
 from femstruct.study.structures import StructureModel
 from femstruct.study.study import RoomPlan, Study

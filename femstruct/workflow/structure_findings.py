@@ -9,18 +9,18 @@ import numpy as np
 from femstruct.conventions import GRAVITY
 from femstruct.errors import Finding
 from femstruct.modal.basis import ModalBasis
-from femstruct.model.facts import model_findings
-from femstruct.model.findings.arrangement import arrangement_findings
-from femstruct.model.findings.connections import pieces
-from femstruct.model.findings.eccentric import eccentric_findings
-from femstruct.model.findings.folded import folded_findings
-from femstruct.model.findings.overhang import overhang_findings
-from femstruct.model.findings.plausibility import material_findings, plausibility_findings
-from femstruct.model.findings.twice import twice_findings
-from femstruct.model.findings.waves import mesh_findings
 from femstruct.model.material import Material
 from femstruct.model.model import Model
-from femstruct.model.parts import Structure
+from femstruct.model.structure import Structure
+from femstruct.parts.findings.arrangement import arrangement_findings
+from femstruct.parts.findings.connections import pieces
+from femstruct.parts.findings.eccentric import eccentric_findings
+from femstruct.parts.findings.folded import folded_findings
+from femstruct.parts.findings.overhang import overhang_findings
+from femstruct.parts.findings.plausibility import material_findings, plausibility_findings
+from femstruct.parts.findings.theory import model_findings
+from femstruct.parts.findings.twice import twice_findings
+from femstruct.parts.findings.waves import mesh_findings
 from femstruct.study.structures import RodModel, StructureModel
 from femstruct.study.study import Study
 from femstruct.workflow.bases import Solved
@@ -63,7 +63,7 @@ def structure_findings_before(
     -----
     Materials, sections and thicknesses, theories that do not fit (thick plates, ribs beside plates, folded plates),
     parts that nothing joins or holds up, that cannot move or are there twice, and drops no laboratory has; see
-    `femstruct.model.findings`.
+    `femstruct.parts.findings`.
     """
     found: list[Finding] = []
     if isinstance(structure, RodModel):
@@ -187,7 +187,7 @@ def _far_sags(model: Model, basis: ModalBasis) -> list[Finding]:
     if not under_weight:
         return []
     size = float(np.ptp(model.mesh.points, axis=0).max())
-    size = max([size, *(max(block.part.size) for block in model.blocks.values())])
+    size = max([size, *(float(np.ptp(part.bounds, axis=0).max()) for part in model.parts.values() if part.rigid)])
     worst = max(under_weight, key=lambda sag: sag.sag)
     if worst.sag <= FAR * size:
         return []

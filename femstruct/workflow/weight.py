@@ -31,9 +31,9 @@ def sags(model: Model, basis: ModalBasis) -> tuple[Sag, ...]:
     free = basis.omega == 0.0
     moved: Floats = basis.shapes[:, :, ~free] @ (-GRAVITY * pulled[~free] / basis.omega[~free] ** 2)
     found = []
-    for name, nodes in model.mesh.nodes.items():
-        leaning = float(np.hypot(*moved[nodes[0], 3:5])) if name in model.blocks else None
-        found.append(Sag(name, float(-moved[nodes, 2].min()), leaning))
+    for name, part in model.parts.items():
+        leaning = float(np.hypot(*moved[part.first, 3:5])) if part.rigid else None
+        found.append(Sag(name, float(-moved[part.nodes, 2].min()), leaning))
     return tuple(found)
 
 
@@ -46,9 +46,10 @@ def falling(basis: ModalBasis) -> bool:
 def block_modes(model: Model, basis: ModalBasis) -> tuple[BlockMode, ...]:
     """The modes whose kinetic energy is that of blocks, and along what each of them moves."""
     energy: dict[str, Floats] = {}
-    for name, block in model.blocks.items():
-        inertia = (*(block.part.mass,) * 3, *block.part.moments)
-        for direction, value, shape in zip(DIRECTIONS, inertia, basis.shapes[block.node, :6], strict=True):
+    for name, part in model.parts.items():
+        inertia = part.stiffness_and_mass()[1].diagonal() if part.rigid else ()
+        shapes = basis.shapes[part.first, : len(inertia)]
+        for direction, value, shape in zip(DIRECTIONS, inertia, shapes, strict=False):
             energy[f"{name} {direction}"] = value * shape**2  # of mass-normalised modes: shares of one
     found = []
     for mode in range(basis.modes.stop if energy else 0):

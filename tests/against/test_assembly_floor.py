@@ -14,8 +14,12 @@ from scipy.sparse.linalg import eigsh
 from femstruct.assembly.assemble import assemble
 from femstruct.model.material import Material
 from femstruct.model.mesher import mesh_structure
-from femstruct.model.parts import Foundation, Frame, Joint, Plate, Region, Structure
+from femstruct.model.region import Region
 from femstruct.model.section import rectangle
+from femstruct.model.structure import Joint, Structure
+from femstruct.parts.foundation import Foundation
+from femstruct.parts.frame import Frame
+from femstruct.parts.plate import Plate
 
 
 def floor_frame_slab(kind: Literal["hermite12", "bfs16"], bars: Literal["euler", "timoshenko"] = "euler") -> Structure:

@@ -151,8 +151,8 @@ def _ceiling(study: StudyResult, name: str, count: int) -> Floats:
     case = study.cases[name]
     model = study.models[case.basis_key]
     assert model is not None
-    plate = model.plates["slab"]
-    nodal = case.basis.shapes[plate.nodes]  # [nx + 1, ny + 1, 7, k]
+    plate = model.parts["slab"]
+    nodal = case.basis.shapes[plate.grid]  # [nx + 1, ny + 1, 7, k]
     w, w_x, w_y = nodal[:, :, 2], -nodal[:, :, 4], nodal[:, :, 3]
     # Gauss points of every cell within the box; the rim's lines are lines of the grid
     lines = []

@@ -13,9 +13,15 @@ from femstruct.assembly.assemble import assemble
 from femstruct.assembly.matrices import Assembly
 from femstruct.model.material import Material
 from femstruct.model.mesher import mesh_structure
-from femstruct.model.parts import Foundation, Frame, Joint, Part, PlaceOn, Plate, Region, Spring, Structure, Support
+from femstruct.model.part import Part
 from femstruct.model.probe import Point
+from femstruct.model.region import Region
 from femstruct.model.section import rectangle
+from femstruct.model.structure import Joint, PlaceOn, Structure, Support
+from femstruct.parts.foundation import Foundation
+from femstruct.parts.frame import Frame
+from femstruct.parts.plate import Plate
+from femstruct.parts.spring import Spring
 
 STEEL = Material("steel", 206e9, 0.3, 7850.0)
 LOAD = np.array([3.0, -2.0, 7.0])

@@ -16,8 +16,14 @@ from femstruct.assembly.dofs import number_dofs
 from femstruct.assembly.ties import eliminate
 from femstruct.model.material import Material
 from femstruct.model.mesher import mesh_structure
-from femstruct.model.parts import Foundation, Frame, Joint, Mass, PlaceOn, Plate, Region, Spring, Structure, Support
+from femstruct.model.region import Region
 from femstruct.model.section import circle, rectangle
+from femstruct.model.structure import Joint, PlaceOn, Structure, Support
+from femstruct.parts.foundation import Foundation
+from femstruct.parts.frame import Frame
+from femstruct.parts.mass import Mass
+from femstruct.parts.plate import Plate
+from femstruct.parts.spring import Spring
 
 STEEL = Material("steel", 206e9, 0.3, 7850.0)
 KINDS = ("hermite12", "acm12", "bfs16")
@@ -100,7 +106,7 @@ def test_crossing_frames_share_a_node_and_a_line_meets_its_own_middle() -> None:
     beam = Frame("beam", STEEL, rod, (((0.0, 0.0, 0.0), (1.0, 0.0, 0.0)),))
     stem = Frame("stem", STEEL, rod, (((0.3, 0.0, 0.0), (0.3, 0.0, 0.4)),), 0.2)
     joined = mesh_structure(Structure("T", (beam, stem), (Joint("T", "beam", "stem"),)))
-    assert len(joined.frames["beam"].bars) == 2
+    assert len(joined.parts["beam"].bars) == 2
     own = Frame("both", STEEL, rod, (beam.lines[0], stem.lines[0]), 0.2)
     one = frequencies(Structure("one", (replace(own, mesh=0.2),)))
     two = frequencies(Structure("two", (replace(beam, mesh=0.2), stem), (Joint("T", "beam", "stem"),)))
@@ -234,7 +240,7 @@ def test_a_plate_standing_on_another_needs_a_line_of_nodes() -> None:
     floor = plate("floor", (0, 0, 0), (0.4, 0.3))
     rib = plate("rib", (0.07, 0.1, 0.0), (0.2, 0.05), normal=(0.0, -1.0, 0.0))
     model = mesh_structure(Structure("rib", (floor, rib), (Joint("weld", "rib", "floor"),)))
-    mesh = model.plates["floor"]
+    mesh = model.parts["floor"]
     for line in (0.07, 0.27):
         assert np.abs(mesh.x - line).min() <= 1e-12
     assert np.abs(mesh.y - 0.1).min() <= 1e-12

@@ -36,8 +36,8 @@ from femstruct.modal.damping import Damping, LossFactor, Ratio, with_damping
 from femstruct.modal.frf import frf
 from femstruct.modal.reduction import modal_basis
 from femstruct.model.mesher import mesh_structure
-from femstruct.model.parts import Structure
 from femstruct.model.probe import Surface
+from femstruct.model.structure import Structure
 from femstruct.radiation import heard, pressure_per_force, surface_velocity
 from femstruct.workflow.air import static_stiffness
 

@@ -7,12 +7,13 @@ import pytest
 
 from femstruct.assembly.assemble import assemble
 from femstruct.modal.reduction import modal_basis
-from femstruct.model.findings.frame_waves import frame_waves
-from femstruct.model.findings.waves import carried_hz, mesh_findings
 from femstruct.model.material import Material
 from femstruct.model.mesher import mesh_structure
-from femstruct.model.parts import Frame, PlaceOn, Structure, Support
 from femstruct.model.section import Section
+from femstruct.model.structure import PlaceOn, Structure, Support
+from femstruct.parts.findings.frame_waves import frame_waves
+from femstruct.parts.findings.waves import carried_hz, mesh_findings
+from femstruct.parts.frame import Frame
 
 LENGTH, BARS = 1.0, 12
 STEEL = Material("steel", E=210e9, nu=0.3, rho=7850.0)
@@ -36,7 +37,7 @@ def test_four_bars_to_a_bending_wave_are_enough_and_fewer_are_told(element: str)
     """12 bars: the sixth mode has four bars to a wave."""
     model = mesh_structure(bar(element))
     exact = (6 * np.pi / LENGTH) ** 2 * np.sqrt(STEEL.E * I_WEAK / (STEEL.rho * A)) / (2 * np.pi)
-    waves = {wave.kind: wave for wave in frame_waves(model.frames["bar"])}
+    waves = {wave.kind: wave for wave in frame_waves(model.parts["bar"])}
     assert waves["bending"].length(exact) == pytest.approx(LENGTH / 3, rel=1e-12)
     rigid_in_other_ways = Section("bar", A=A, Iy=2e-9, Iz=I_WEAK, J=1e-5)  # torsion far above
     assert not told(element, 0.999 * exact, rigid_in_other_ways)
@@ -56,7 +57,7 @@ def test_bars_to_a_torsional_wave_err_by_a_percent_at_most(element: str, needed:
     """A thin open section: torsional waves of 197 m/s are the shortest."""
     section = Section("open", A=1e-3, Iy=1e-5, Iz=1e-5, J=7.5e-8)
     wave = next(
-        one for one in frame_waves(mesh_structure(bar(element, section)).frames["bar"]) if one.kind == "torsional"
+        one for one in frame_waves(mesh_structure(bar(element, section)).parts["bar"]) if one.kind == "torsional"
     )
     assert wave.length_at_1_hz == pytest.approx(np.sqrt(STEEL.G * 7.5e-8 / (STEEL.rho * 2e-5)), rel=1e-12)
     limit = wave.carried_hz(LENGTH / BARS)
@@ -79,7 +80,7 @@ def test_shear_waves_count_for_the_bar_of_two_nodes_alone() -> None:
     """As deep as long: where shear governs, bars of two nodes err by (k_s h)^2 / 24, which thirteen to a wave keep."""
     deep = Section("deep", A=4e-2, Iy=1e-3, Iz=1e-3, J=1e-1)
     kinds = {
-        element: {wave.kind for wave in frame_waves(mesh_structure(bar(element, deep)).frames["bar"])}
+        element: {wave.kind for wave in frame_waves(mesh_structure(bar(element, deep)).parts["bar"])}
         for element in ("euler", "timoshenko", "timoshenko18")
     }
     assert "shear" in kinds["timoshenko"]

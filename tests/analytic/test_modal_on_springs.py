@@ -9,8 +9,11 @@ from femstruct.assembly.assemble import assemble
 from femstruct.modal.reduction import modal_basis
 from femstruct.model.material import Material
 from femstruct.model.mesher import mesh_structure
-from femstruct.model.parts import Frame, Joint, PlaceOn, Plate, Spring, Structure
 from femstruct.model.section import rectangle
+from femstruct.model.structure import Joint, PlaceOn, Structure
+from femstruct.parts.frame import Frame
+from femstruct.parts.plate import Plate
+from femstruct.parts.spring import Spring
 
 SIDE = 0.4
 STEEL = Material("steel", E=210e9, nu=0.3, rho=7850.0)

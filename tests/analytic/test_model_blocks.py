@@ -16,21 +16,16 @@ from femstruct.modal.reduction import modal_basis
 from femstruct.model.facts import model_facts
 from femstruct.model.material import Material
 from femstruct.model.mesher import mesh_structure
-from femstruct.model.parts import (
-    Block,
-    Foundation,
-    Frame,
-    Joint,
-    Mass,
-    PlaceOn,
-    Plate,
-    Region,
-    Spring,
-    Structure,
-    Support,
-)
 from femstruct.model.refine import refined
+from femstruct.model.region import Region
 from femstruct.model.section import rectangle
+from femstruct.model.structure import Joint, PlaceOn, Structure, Support
+from femstruct.parts.block import Block
+from femstruct.parts.foundation import Foundation
+from femstruct.parts.frame import Frame
+from femstruct.parts.mass import Mass
+from femstruct.parts.plate import Plate
+from femstruct.parts.spring import Spring
 
 STEEL = Material("steel", 206e9, 0.3, 7850.0)
 BLOCK = Block("block", 450.0, (1.0, 2.0, -0.5), (4.0, 3.0, 1.5))

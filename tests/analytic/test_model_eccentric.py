@@ -12,8 +12,11 @@ from femstruct.assembly.assemble import assemble
 from femstruct.modal.reduction import modal_basis
 from femstruct.model.material import Material
 from femstruct.model.mesher import mesh_structure
-from femstruct.model.parts import Frame, Joint, Mass, PlaceOn, Plate, Structure, Support
 from femstruct.model.section import i_section, rectangle
+from femstruct.model.structure import Joint, PlaceOn, Structure, Support
+from femstruct.parts.frame import Frame
+from femstruct.parts.mass import Mass
+from femstruct.parts.plate import Plate
 
 STEEL = Material("steel", E=210e9, nu=0.3, rho=7850.0)
 ARM = (0.0, 0.0, -32.5e-3)
@@ -38,7 +41,7 @@ def test_one_eccentric_line_is_its_bars_given_one_by_one():
     places = np.linspace(0.0, 1.0, 11)
     pieces = tuple(((x, 0.3, 0.0), (y, 0.3, 0.0)) for x, y in pairwise(places))
     whole, piecewise = ribbed(LINE), ribbed(*pieces)
-    assert whole.frames["rib"].arms == pytest.approx(piecewise.frames["rib"].arms, abs=1e-15)
+    assert whole.parts["rib"].arms == pytest.approx(piecewise.parts["rib"].arms, abs=1e-15)
     # the same matrices but for the order of numbers: rounding
     assert frequencies(whole) == pytest.approx(frequencies(piecewise), rel=1e-9)
     # the first bending mode: an I of A = 600 mm^2 far from the plate's mid-surface is stiffer than in it
@@ -49,7 +52,7 @@ def test_one_eccentric_line_is_its_bars_given_one_by_one():
 @pytest.mark.parametrize("mesh", [None, 0.3, 0.04])
 def test_the_rib_has_the_nodes_of_the_plate_whatever_its_own_size(mesh):
     model = ribbed(LINE, mesh=mesh)
-    assert len(model.frames["rib"].bars) == 10
+    assert len(model.parts["rib"].bars) == 10
     assert model.ties[-1].rows.shape[0] == 6 * 11  # joined at every node
 
 
@@ -61,7 +64,7 @@ def test_inner_points_of_the_line_change_nothing():
 
 def test_different_arms_go_over_into_each_other():
     model = ribbed(LINE, start=(0.0, 0.0, -20e-3), end=(0.0, 0.0, -40e-3))
-    arms, x = model.frames["rib"].arms, model.frames["rib"].start[:, 0]
+    arms, x = model.parts["rib"].arms, model.parts["rib"].start[:, 0]
     assert arms[:, 0, 2] == pytest.approx(-20e-3 - 20e-3 * x, abs=1e-12)
     assert model.ties[-1].rows.shape[0] == 6 * 11
     low, high = (frequencies(ribbed(LINE, start=(0, 0, z), end=(0, 0, z)))[0] for z in (-20e-3, -40e-3))
@@ -70,7 +73,7 @@ def test_different_arms_go_over_into_each_other():
 
 def test_an_arm_along_the_line_only_shortens_the_bar():
     frame = Frame("bar", STEEL, rectangle("s", 0.02, 0.03), (((0, 0, 0), (1.0, 0, 0)),), 0.1)
-    bars = mesh_structure(Structure("bar", (replace(frame, start_offset=(0.2, 0.0, 0.0)),))).frames["bar"]
+    bars = mesh_structure(Structure("bar", (replace(frame, start_offset=(0.2, 0.0, 0.0)),))).parts["bar"]
     assert bars.start[0] == pytest.approx([0.2, 0.0, 0.0])
     assert np.abs(bars.arms.reshape(-1, 3)[1:]).max() <= 1e-15
 
@@ -78,7 +81,7 @@ def test_an_arm_along_the_line_only_shortens_the_bar():
 def test_an_arm_at_one_end_leaves_the_knee_where_it_is():
     knee = ((0.0, 0.0, 0.0), (0.0, 0.0, 1.0), (1.0, 0.0, 1.0))
     frame = Frame("leg", STEEL, rectangle("s", 0.02, 0.03), (knee,), start_offset=(0.05, 0.0, 0.1))
-    bars = mesh_structure(Structure("leg", (frame,))).frames["leg"]
+    bars = mesh_structure(Structure("leg", (frame,))).parts["leg"]
     assert bars.start[0] == pytest.approx([0.05, 0.0, 0.1])
     assert bars.end[0] == pytest.approx(knee[1])
     assert bars.end[1] == pytest.approx(knee[2])

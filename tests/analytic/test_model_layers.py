@@ -15,7 +15,11 @@ from femstruct.modal.damping import Damping, FromMaterials, with_damping
 from femstruct.modal.reduction import modal_basis
 from femstruct.model.material import Material
 from femstruct.model.mesher import mesh_structure
-from femstruct.model.parts import Block, Foundation, PlaceOn, Plate, Region, Structure, Support
+from femstruct.model.region import Region
+from femstruct.model.structure import PlaceOn, Structure, Support
+from femstruct.parts.block import Block
+from femstruct.parts.foundation import Foundation
+from femstruct.parts.plate import Plate
 
 CONCRETE = Material("concrete", 30e9, 0.2, 2400.0)
 SCREED = Material("screed", 20e9, 0.2, 2000.0)
@@ -167,7 +171,7 @@ def test_a_pad_under_weight_is_pressed_evenly():
     model = mesh_structure(Structure("anvil", (anvil, BASE, PAD), supports=(held,)))
     assembly = assemble(model)
     u = spsolve(assembly.K, -9.81 * assembly.momentum[2])
-    moved = (assembly.dofs.T @ u).reshape(-1, 7)[model.blocks["anvil"].node]
+    moved = (assembly.dofs.T @ u).reshape(-1, 7)[model.parts["anvil"].first]
     assert moved[2] == pytest.approx(-25e3 * 9.81 / (1.6e9 * 1.8 * 1.4), rel=1e-12)
     assert moved[[0, 1, 3, 4, 5]] == pytest.approx(0.0, abs=1e-15)
     # The first part named pushes the second: the base lifts the anvil.
@@ -182,7 +186,7 @@ def test_a_block_on_a_plate_presses_its_footprint(named_first):
     plate = Plate("plate", CONCRETE, 0.1, (0.0, 0.0, 0.0), (2.0, 1.5), (5, 4))
     pad = Foundation("pad", named_first, WHOLE, 1e7, 3e6, to="plate" if named_first == "machine" else "machine")
     model = mesh_structure(Structure("machine", (plate, block, pad)))
-    for lines, wanted in ((model.plates["plate"].x, (0.5, 1.1)), (model.plates["plate"].y, (0.3, 0.7))):
+    for lines, wanted in ((model.parts["plate"].x, (0.5, 1.1)), (model.parts["plate"].y, (0.3, 0.7))):
         assert all(np.abs(lines - at).min() < 1e-9 for at in wanted)  # grid lines at the edges of the pad
     assembly = assemble(model)
     T = assembly.dofs.T.toarray()
@@ -211,7 +215,7 @@ WRONG = {
         replace(PAD, region=Region("rectangle", (5.0, 1.0))), r"parts\.pad\.region: .* reaches 0.5 m beyond base",
     ),
     "itself": (replace(PAD, to="base"), r"parts\.pad\.between: got 'base' twice"),
-    "nobody": (replace(PAD, to="nobody"), r"parts\.pad\.between: got 'nobody', expected a plate or a block: turned"),
+    "nobody": (replace(PAD, to="nobody"), r"parts\.pad\.between: got 'nobody', expected a plate or a block: base"),
     "nothing": (replace(PAD, normal=0.0, shear=0.0), r"parts\.pad\.stiffness: got 0, 0"),
 }  # fmt: skip
 

@@ -19,8 +19,10 @@ from femstruct.modal.reduction import modal_basis
 from femstruct.model.material import Material
 from femstruct.model.mesher import mesh_structure
 from femstruct.model.model import Model
-from femstruct.model.parts import Pair, PlaceOn, Plate, Structure, Support
 from femstruct.model.probe import Probe
+from femstruct.model.region import Pair
+from femstruct.model.structure import PlaceOn, Structure, Support
+from femstruct.parts.plate import Plate
 
 STEEL = Material("steel", E=210e9, nu=0.3, rho=7850.0)
 A, B, H = 0.5, 0.4, 3e-3

@@ -11,7 +11,8 @@ from femstruct.assembly.assemble import assemble
 from femstruct.modal.reduction import modal_basis
 from femstruct.model.material import Material
 from femstruct.model.mesher import mesh_structure
-from femstruct.model.parts import Plate, Structure, Support, SurfaceOn
+from femstruct.model.structure import Structure, Support, SurfaceOn
+from femstruct.parts.plate import Plate
 
 SPAN, WIDTH, THICKNESS = 4.0, 3.0, 0.2
 CONCRETE = Material("concrete", 30e9, 0.2, 2400.0)

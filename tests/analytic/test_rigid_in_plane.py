@@ -16,13 +16,17 @@ import pytest
 
 from femstruct.assembly.assemble import assemble
 from femstruct.modal.reduction import modal_basis
-from femstruct.model.findings.eccentric import RibError, eccentric_findings, rib_errors
-from femstruct.model.findings.folded import folded_findings, in_plane_limit
 from femstruct.model.material import Material
 from femstruct.model.mesher import mesh_structure
 from femstruct.model.model import Model
-from femstruct.model.parts import Foundation, Frame, Joint, Plate, Region, Structure, Support
+from femstruct.model.region import Region
 from femstruct.model.section import rectangle
+from femstruct.model.structure import Joint, Structure, Support
+from femstruct.parts.findings.eccentric import RibError, eccentric_findings, rib_errors
+from femstruct.parts.findings.folded import folded_findings, in_plane_limit
+from femstruct.parts.foundation import Foundation
+from femstruct.parts.frame import Frame
+from femstruct.parts.plate import Plate
 
 STEEL = Material("steel", E=210e9, nu=0.3, rho=7850.0)
 CHIPBOARD, TIMBER = Material("chipboard", 3e9, 0.0, 650.0), Material("timber", 11e9, 0.2, 420.0)
@@ -122,7 +126,7 @@ def test_the_false_torsional_stiffness(element: str, spacing: float) -> None:
     stiffness = STEEL.G * (width * thick**3 / 3.0 + section.J)
     inertia = STEEL.rho * (width**3 * thick / 12.0 + section.A * error.arm**2 + section.Iy + section.Iz)
     basis = modal_basis(assemble(model), up_to=1000.0)
-    w = np.abs(basis.shapes[model.plates["plate"].nodes, 2]).max(axis=0)
+    w = np.abs(basis.shapes[model.parts["plate"].grid, 2]).max(axis=0)
     twists = basis.frequency_hz[(w[1] < 0.05 * w[0]) & (basis.frequency_hz > 1.0)]
     # 2 %: the second has two waves, over which bars of 0.1 m bend by themselves; the first moves sideways as well
     assert twists[1] == pytest.approx(2 / (2 * length) * np.sqrt(stiffness * error.torsion / inertia), rel=0.02)

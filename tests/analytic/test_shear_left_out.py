@@ -9,10 +9,10 @@ import pytest
 from scipy.optimize import brentq
 
 from femstruct.language import read_model_file
-from femstruct.model.findings.waves import bending_wavelength, mesh_findings, with_shear
 from femstruct.model.material import Material
 from femstruct.model.mesher import mesh_structure
-from femstruct.model.parts import Structure
+from femstruct.model.structure import Structure
+from femstruct.parts.findings.waves import bending_wavelength, mesh_findings, with_shear
 
 CONCRETE = Material("concrete", 30e9, 0.2, 2400.0)
 MODEL = """
@@ -51,7 +51,7 @@ def test_a_thick_slab_is_told_with_its_numbers(tmp_path: Path) -> None:
     assert isinstance(structure, Structure)
     model = mesh_structure(structure)
     (told,) = (found for found in mesh_findings(model, 3150.0) if found.code == "thick-for-short-waves")
-    wave = bending_wavelength(model.plates["slab"], 3150.0)
+    wave = bending_wavelength(model.parts["slab"], 3150.0)
     assert told.values["wavelength_m"] == wave == pytest.approx(3.85 * 0.14, rel=1e-3)
     assert told.values["thickness_m"] == 0.14
     assert told.values["density_ratio"] == with_shear(CONCRETE, 0.14, 3150.0)[1]

@@ -13,24 +13,19 @@ from scipy.spatial.transform import Rotation
 from femstruct.assembly.assemble import assemble
 from femstruct.assembly.matrices import Assembly
 from femstruct.errors import SingularSystem
-from femstruct.model.facts import model_facts, model_findings
+from femstruct.model.facts import model_facts
 from femstruct.model.material import Material
 from femstruct.model.mesher import mesh_structure
-from femstruct.model.parts import (
-    Foundation,
-    Frame,
-    Joint,
-    Mass,
-    PlaceOn,
-    Plate,
-    Region,
-    Spring,
-    Structure,
-    Support,
-    SurfaceOn,
-)
 from femstruct.model.refine import refined
+from femstruct.model.region import Region
 from femstruct.model.section import rectangle
+from femstruct.model.structure import Joint, PlaceOn, Structure, Support, SurfaceOn
+from femstruct.parts.findings.theory import model_findings
+from femstruct.parts.foundation import Foundation
+from femstruct.parts.frame import Frame
+from femstruct.parts.mass import Mass
+from femstruct.parts.plate import Plate
+from femstruct.parts.spring import Spring
 
 STEEL = Material("steel", 206e9, 0.3, 7850.0)
 ACRYLIC = Material("acrylic", 5.9e9, 0.35, 1171.875)
@@ -176,7 +171,7 @@ def test_rigid_motion_of_a_free_structure_strains_nothing() -> None:
         if part.name != "foam"
     )
     model = mesh_structure(replace(structure, parts=parts))
-    legs = model.frames["legs"]
+    legs = model.parts["legs"]
     arms = [[0.01, 0.02, 0.01], [0.0, 0.005, -0.02], [0.005, 0.0125, 0.0]]  # in the middle: across the leg alone
     assert legs.arms[0] == pytest.approx(np.array(arms))  # one bar a leg
     assert model.mesh.points[legs.bars[0]] == pytest.approx(np.array([[0, 0, 0.0], [0, 0, 0.1], [0, 0, 0.045]]))
@@ -192,7 +187,7 @@ def test_rigid_motion_of_a_fine_plate_in_space(kind: str) -> None:
     plate = Plate("p", STEEL, 0.01, (1.0, 2.0, 3.0), (1.0, 1.0), (100, 100), kind, normal=(1.0, 2.0, 3.0))
     model = mesh_structure(Structure("fine", (plate,)))
     assembly = assemble(model)
-    mesh = model.plates["p"]
+    mesh = model.parts["p"]
     x, y = (grid.ravel() for grid in np.meshgrid(mesh.x, mesh.y, indexing="ij"))
     per_node = 4 if kind == "bfs16" else 3
     motion = np.zeros((len(x), per_node, 3))
@@ -210,10 +205,10 @@ def test_listening_points_move_no_frequency_and_carrying_points_have_nodes() -> 
     second = assemble(mesh_structure(moved))
     assert np.array_equal(first.K.toarray(), second.K.toarray())
     model = mesh_structure(structure)
-    top = model.plates["top"]
+    top = model.parts["top"]
     assert 0.1 in top.x and 0.12 in top.y  # the added mass
     assert 0.17 not in top.x and 0.21 not in top.y
-    base = model.plates["base"]
+    base = model.parts["base"]
     for line in (0.05, 0.1, 0.5, 0.55):  # foam rim, legs
         assert np.abs(base.x - line).min() <= 1e-12
     assert np.diff(base.x).max() <= 0.2 + 1e-12
@@ -221,10 +216,10 @@ def test_listening_points_move_no_frequency_and_carrying_points_have_nodes() -> 
 
 def test_frame_lines_take_the_nodes_of_the_plate() -> None:
     model = mesh_structure(table())
-    bar, top = model.frames["bar"], model.plates["top"]
+    bar, top = model.parts["bar"], model.parts["top"]
     assert len(bar.bars) == 2 * (len(top.x) - 1) + 2 * (len(top.y) - 1)
     points = model.mesh.points
-    edge = points[top.nodes[:, 0]]
+    edge = points[top.grid[:, 0]]
     assert all(np.linalg.norm(points[model.mesh.nodes["bar"]] - place, axis=1).min() <= 1e-12 for place in edge)
 
 
@@ -232,8 +227,8 @@ def test_a_bar_keeps_its_size_outside_the_plate() -> None:
     plate = Plate("p", STEEL, 0.01, (0.0, 0.0, 0.0), (0.4, 0.3), (2, 3))
     rib = Frame("rib", STEEL, rectangle("r", 0.01, 0.01), (((-0.2, 0.1, 0.0), (0.4, 0.1, 0.0)),), 0.05)
     model = mesh_structure(Structure("rib", (plate, rib), (Joint("j", "rib", "p"),)))
-    assert len(model.frames["rib"].bars) == 4 + 2
-    assert model.plates["p"].x == pytest.approx([0.0, 0.2, 0.4])
+    assert len(model.parts["rib"].bars) == 4 + 2
+    assert model.parts["p"].x == pytest.approx([0.0, 0.2, 0.4])
 
 
 def test_an_oblique_line_gives_the_plate_crossings_at_its_own_nodes() -> None:
@@ -241,7 +236,7 @@ def test_an_oblique_line_gives_the_plate_crossings_at_its_own_nodes() -> None:
     rib = Frame("rib", STEEL, rectangle("r", 0.01, 0.01), (((0.0, 0.0, 0.0), (0.4, 0.3, 0.0)),), 0.13)
     model = mesh_structure(Structure("rib", (plate, rib), (Joint("j", "rib", "p"),)))
     (tie,) = model.ties
-    assert len(model.frames["rib"].bars) == 4  # 0.5 m in pieces of at most 0.13 m
+    assert len(model.parts["rib"].bars) == 4  # 0.5 m in pieces of at most 0.13 m
     assert tie.rows.shape[0] == 6 * 5
 
 
@@ -282,7 +277,7 @@ def test_a_point_follows_a_cubic_deflection_exactly(kind: str) -> None:
     plate = Plate("p", STEEL, 0.01, (1.0, 2.0, 3.0), (0.4, 0.3), (3, 2), kind, normal=(1.0, 2.0, 3.0))
     x0, y0 = 0.37, 0.19
     model = mesh_structure(Structure("p", (plate,), points=(PlaceOn("P", "p", ((x0, y0),)),)))
-    mesh = model.plates["p"]
+    mesh = model.parts["p"]
     mixed = 1.0 if kind == "bfs16" else 0.0
 
     def field(x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -16,8 +16,9 @@ from femstruct.modal.residuals import residual_vectors
 from femstruct.modal.solve import modes, signed
 from femstruct.model.material import Material
 from femstruct.model.mesher import mesh_structure
-from femstruct.model.parts import Frame, PlaceOn, Structure, Support
 from femstruct.model.section import rectangle
+from femstruct.model.structure import PlaceOn, Structure, Support
+from femstruct.parts.frame import Frame
 
 TWO_PI = 2.0 * np.pi
 

@@ -17,7 +17,7 @@ from femstruct.modal.factor import count_below
 from femstruct.modal.reduction import modal_basis
 from femstruct.model.facts import part_masses
 from femstruct.model.mesher import mesh_structure
-from femstruct.model.parts import Structure
+from femstruct.model.structure import Structure
 from femstruct.view.plots import figures
 from femstruct.workflow import run, struck
 from femstruct.workflow.run import run_study

@@ -24,13 +24,15 @@ from femstruct.impact.response import (
     Response,
 )
 from femstruct.modal.basis import ForceRow, ModalBasis
-from femstruct.model.interpolation import plate_rows, sparse_rows
 from femstruct.model.material import Material
 from femstruct.model.mesh import Mesh
-from femstruct.model.model import FrameMesh, Model, PlateMesh
-from femstruct.model.parts import Frame, Plate, Structure
+from femstruct.model.model import Model
 from femstruct.model.probe import Point, Probe, Surface
+from femstruct.model.rows import sparse_rows
 from femstruct.model.section import circle
+from femstruct.model.structure import Structure
+from femstruct.parts.frame import Frame, FrameMesh
+from femstruct.parts.plate import Plate, PlateMesh
 from femstruct.study.result import (
     CaseComparison,
     CaseResult,
@@ -68,13 +70,15 @@ def model_by_hand(divisions=8):
     grid = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1).reshape(-1, 2)
     post = np.array([[0.0, 0.0, -0.2], [0.0, 0.0, -0.1], [0.0, 0.0, 0.0]])
     points = np.concatenate([np.column_stack([grid, np.zeros(len(grid))]), post])
-    plate = PlateMesh(Plate("floor", steel, 0.005, (0, 0, 0), (LX, LY), (divisions, divisions)), np.eye(3), x, y, nodes)
+    plate = PlateMesh(Plate("floor", steel, 0.005, (0, 0, 0), (LX, LY), (divisions, divisions)), 0, np.eye(3), x, y)
     first = len(grid)
     bars = np.array([[first, first + 1], [first + 1, first + 2]])
     lines = (tuple(tuple(map(float, p)) for p in post),)
     axes = np.tile(np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]]), (2, 1, 1))
     frame = FrameMesh(
         Frame("post", steel, circle("round", 0.01), lines, element="timoshenko"),
+        first,
+        post,
         bars,
         points[bars[:, 0]],
         points[bars[:, 1]],
@@ -85,21 +89,21 @@ def model_by_hand(divisions=8):
     place = Point("O_f", points[centre], [centre], [UZ], np.eye(6)[2][:, None], [0.0, 0.0, 1.0])
     mesh = Mesh(
         points,
-        plate.cells,
+        plate.quads,
         bars,
         {"floor": nodes.ravel(), "post": np.arange(first, first + 3)},
-        {"floor": np.arange(len(plate.cells)), "post": np.arange(2)},
+        {"floor": np.arange(len(plate.quads)), "post": np.arange(2)},
     )
     surfaces = {"ceiling": ceiling_by_hand(plate, len(points))}
     structure = Structure("Plate and post", (plate.part, frame.part))
-    return Model(structure, mesh, {"floor": plate}, {"post": frame}, (), (), (), {"O_f": place}, surfaces)
+    return Model(structure, mesh, {"floor": plate, "post": frame}, (), (), (), {"O_f": place}, surfaces)
 
 
 def ceiling_by_hand(plate, n_nodes):
     """The underside of the plate, by the midpoints of the quarters of its cells."""
     x, y = np.arange(0.5, 16) * LX / 16, np.arange(0.5, 16) * LY / 16
     places = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1).reshape(-1, 2)
-    nodes, rows = plate_rows(plate, places)
+    nodes, rows = plate.rows(places)
     points = np.column_stack([places, np.zeros(len(places))])
     weights = np.full(len(places), LX * LY / len(places))
     rows = sparse_rows(nodes, -rows[:, 2:3], n_nodes)

@@ -16,7 +16,7 @@ from femstruct.assembly.assemble import assemble
 from femstruct.language import read_model_file, read_study
 from femstruct.modal.reduction import modal_basis
 from femstruct.model.mesher import mesh_structure
-from femstruct.model.parts import Structure
+from femstruct.model.structure import Structure
 from femstruct.study.result import StudyResult
 from femstruct.workflow.run import run_study
 

@@ -9,20 +9,14 @@ import pytest
 from femstruct.errors import InputError
 from femstruct.model.material import Material
 from femstruct.model.mesher import mesh_structure
-from femstruct.model.parts import (
-    Foundation,
-    Frame,
-    Joint,
-    Mass,
-    PlaceOn,
-    Plate,
-    Region,
-    Spring,
-    Structure,
-    Support,
-    SurfaceOn,
-)
+from femstruct.model.region import Region
 from femstruct.model.section import circle
+from femstruct.model.structure import Joint, PlaceOn, Structure, Support, SurfaceOn
+from femstruct.parts.foundation import Foundation
+from femstruct.parts.frame import Frame
+from femstruct.parts.mass import Mass
+from femstruct.parts.plate import Plate
+from femstruct.parts.spring import Spring
 
 STEEL = Material("steel", 206e9, 0.3, 7850.0)
 FLOOR = Plate("floor", STEEL, 0.01, (0.0, 0.0, 0.0), (0.4, 0.3), 0.2)

@@ -9,7 +9,8 @@ from femstruct.errors import FemstructError, InputErrors
 from femstruct.impact.bodies import HalfSine, Table
 from femstruct.impact.laws import Linear, Stop
 from femstruct.language import read_model_file, read_study, with_position
-from femstruct.model.parts import Mass, Structure
+from femstruct.model.structure import Structure
+from femstruct.parts.mass import Mass
 from femstruct.study.structures import BeamModel, ModesModel, NoStructure, OscillatorModel, RodModel
 from femstruct.study.study import Plan, Spot
 

@@ -13,7 +13,10 @@ from femstruct.cli import app
 from femstruct.errors import InputErrors
 from femstruct.language import read_model_file
 from femstruct.language.models import read_model
-from femstruct.model.parts import Block, Foundation, PlaceOn, Region, Structure
+from femstruct.model.region import Region
+from femstruct.model.structure import PlaceOn, Structure
+from femstruct.parts.block import Block
+from femstruct.parts.foundation import Foundation
 
 MODELS = Path(__file__).parents[2] / "models"
 STACK = """

@@ -10,7 +10,12 @@ import pytest
 from femstruct.impact.laws import Hertz
 from femstruct.language import ModelFile, json_schema, read_any, read_model_file, read_study
 from femstruct.modal.damping import Ratio
-from femstruct.model.parts import Foundation, Frame, Mass, Plate, Region, Structure
+from femstruct.model.region import Region
+from femstruct.model.structure import Structure
+from femstruct.parts.foundation import Foundation
+from femstruct.parts.frame import Frame
+from femstruct.parts.mass import Mass
+from femstruct.parts.plate import Plate
 from femstruct.study.study import Plan
 
 MODELS = Path(__file__).parents[2] / "models"

@@ -14,7 +14,7 @@ ROOT = Path(__file__).parents[2]
 # A module may import from lower layers, and from names of its own layer to its left.
 LAYERS = [
     ["femstruct.conventions", "femstruct.errors", "femstruct.arrays", "femstruct.units"],
-    ["femstruct.elements", "femstruct.model"],
+    ["femstruct.elements", "femstruct.model", "femstruct.parts"],
     ["femstruct.assembly"],
     ["femstruct.modal"],
     ["femstruct.impact"],

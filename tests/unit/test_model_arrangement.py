@@ -8,26 +8,21 @@ import numpy as np
 import pytest
 
 from femstruct.errors import Finding
-from femstruct.model.findings.arrangement import arrangement_findings
-from femstruct.model.findings.connections import pieces
-from femstruct.model.findings.twice import twice_findings
 from femstruct.model.material import Material
 from femstruct.model.mesher import mesh_structure
-from femstruct.model.parts import (
-    Block,
-    Foundation,
-    Frame,
-    Joint,
-    Mass,
-    Part,
-    PlaceOn,
-    Plate,
-    Region,
-    Spring,
-    Structure,
-    Support,
-)
+from femstruct.model.part import Part
+from femstruct.model.region import Region
 from femstruct.model.section import rectangle
+from femstruct.model.structure import Joint, PlaceOn, Structure, Support
+from femstruct.parts.block import Block
+from femstruct.parts.findings.arrangement import arrangement_findings
+from femstruct.parts.findings.connections import pieces
+from femstruct.parts.findings.twice import twice_findings
+from femstruct.parts.foundation import Foundation
+from femstruct.parts.frame import Frame
+from femstruct.parts.mass import Mass
+from femstruct.parts.plate import Plate
+from femstruct.parts.spring import Spring
 
 STEEL = Material("steel", E=210e9, nu=0.3, rho=7850.0)
 SECTION = rectangle("bar", 0.02, 0.02)

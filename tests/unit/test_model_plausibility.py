@@ -7,13 +7,19 @@ from dataclasses import replace
 import pytest
 
 from femstruct.errors import FemstructError, Finding, InputError
-from femstruct.model.facts import model_findings
-from femstruct.model.findings.overhang import overhang_findings
-from femstruct.model.findings.plausibility import material_findings, plausibility_findings, sag_of
 from femstruct.model.material import Material
 from femstruct.model.mesher import mesh_structure
-from femstruct.model.parts import Block, Foundation, Frame, Part, Plate, Region, Structure
+from femstruct.model.part import Part
+from femstruct.model.region import Region
 from femstruct.model.section import Section, circle, rectangle, tube
+from femstruct.model.structure import Structure
+from femstruct.parts.block import Block
+from femstruct.parts.findings.overhang import overhang_findings
+from femstruct.parts.findings.plausibility import material_findings, plausibility_findings, sag_of
+from femstruct.parts.findings.theory import model_findings
+from femstruct.parts.foundation import Foundation
+from femstruct.parts.frame import Frame
+from femstruct.parts.plate import Plate
 
 CONCRETE = Material("concrete", E=30e9, nu=0.2, rho=2400.0)
 STEEL = Material("steel", E=210e9, nu=0.3, rho=7850.0)

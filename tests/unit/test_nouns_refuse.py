@@ -12,7 +12,8 @@ from femstruct.errors import FemstructError
 from femstruct.impact.bodies import GROUND, Body, Contact, Scene
 from femstruct.impact.laws import Linear
 from femstruct.model.material import Material
-from femstruct.model.parts import PlaceOn, Plate, Support, SurfaceOn
+from femstruct.model.structure import PlaceOn, Support, SurfaceOn
+from femstruct.parts.plate import Plate
 
 STEEL = Material("steel", E=210e9, nu=0.3, rho=7850.0)
 

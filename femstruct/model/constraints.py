@@ -9,15 +9,16 @@ from scipy.sparse import csr_array, vstack
 from femstruct.arrays import Floats, Integers
 from femstruct.conventions import DIRECTIONS, N_COMPONENTS, TWIST
 from femstruct.errors import InputError, some_of
-from femstruct.model.anchors import listed, places_of, plate_of, point_rows
-from femstruct.model.interpolation import node_rows
-from femstruct.model.model import Elastic, Model, PlateMesh, Tie
-from femstruct.model.parts import Joint, Region, Support
-from femstruct.model.regions import region_box
-from femstruct.model.touching import block_pairs
+from femstruct.model.anchors import listed, places_of, point_rows
+from femstruct.model.fastened import Elastic, Tie
+from femstruct.model.model import Model
+from femstruct.model.rows import node_rows
+from femstruct.model.structure import Joint, Support
+from femstruct.model.touching import stretch_inside
 
 _TRANSLATIONS = 3
 _SIX = 6
+_AXES = np.concatenate([np.eye(3), np.zeros((3, 3))])
 
 
 def support(item: Support, model: Model, tolerance: float) -> Tie:
@@ -25,32 +26,24 @@ def support(item: Support, model: Model, tolerance: float) -> Tie:
     where = f"supports.{item.name}"
     if item.at is not None:
         points = places_of(f"{where}.at", item.at, model)
-        held = listed(where, {"simple": DIRECTIONS[:3], "clamped": DIRECTIONS}.get(str(item.fix), item.fix))
+        held = listed(where, _named(item))
         rows = csr_array(vstack([point_rows(point, np.zeros(3), model)[held] for point in points]))
         return Tie(item.name, rows, np.tile(_AXES[held], (len(points), 1)), grounded=True)
-    name = item.on or ""
-    n_nodes = model.mesh.n_nodes
+    name, n_nodes = item.on or "", model.mesh.n_nodes
+    if name not in model.parts:
+        raise InputError(f"{where}.on", got=f"'{name}'", expected=f"a part: {some_of(model.parts)}")
+    part = model.parts[name]
     if item.edge is None and item.line is None:
-        if name not in model.mesh.nodes:
-            raise InputError(f"{where}.on", got=f"'{name}'", expected=f"a part: {some_of(model.mesh.nodes)}")
-        named = {"simple": DIRECTIONS[:3], "clamped": DIRECTIONS}.get(str(item.fix), item.fix)
-        components = np.eye(N_COMPONENTS)[listed(where, named)]
-        if item.fix == "clamped" and name in model.plates:
+        components = np.eye(N_COMPONENTS)[listed(where, _named(item))]
+        if item.fix == "clamped" and part.has_twist:
             components = np.eye(N_COMPONENTS)
-        return _held(item.name, model.mesh.nodes[name], components, n_nodes)
-    plate = plate_of(f"{where}.on", name, model)
+        return _held(item.name, part.nodes, components, n_nodes)
     pieces = []
-    for nodes, along in _edges(where, item, plate, tolerance):
+    for nodes, clamped, simple in part.edges(item, tolerance):
         if isinstance(item.fix, tuple):
             components = np.eye(N_COMPONENTS)[listed(where, item.fix)]
         else:
-            components = np.zeros((_SIX + 1, N_COMPONENTS))
-            components[:3, :3] = plate.axes
-            components[3:6, 3:6] = plate.axes
-            components[6, TWIST] = 1.0
-            # The slope along an edge parallel to x is w_x = -RY, along one parallel to y it is w_y = RX.
-            if item.fix == "simple":
-                components = components[[0, 1, 2, 4 if along == 0 else 3]]
+            components = simple if item.fix == "simple" else clamped
         pieces.append(_held(item.name, nodes, components, n_nodes))
     return Tie(
         item.name,
@@ -60,6 +53,11 @@ def support(item: Support, model: Model, tolerance: float) -> Tie:
     )
 
 
+def _named(item: Support) -> object:
+    """Directions held at a point or of a whole part."""
+    return {"simple": DIRECTIONS[:3], "clamped": DIRECTIONS}.get(str(item.fix), item.fix)
+
+
 def joint(item: Joint, model: Model, tolerance: float) -> tuple[Tie | None, Elastic | None]:
     """Equations, and springs where a stiffness is given, between the coincident nodes of two parts.
 
@@ -67,25 +65,26 @@ def joint(item: Joint, model: Model, tolerance: float) -> tuple[Tie | None, Elas
     makes the slope across the line continuous between nodes; where one lies on a block it cannot twist.
     """
     where = f"joints.{item.name}"
-    blocks = [name for name in (item.a, item.b) if name in model.blocks]
-    pairs = block_pairs(item, model, tolerance) if blocks else _pairs(item, model, tolerance)
+    one, other = model.parts[item.a], model.parts[item.b]
+    boxes = [part for part in (one, other) if part.box is not None]
+    pairs = _box_pairs(item, model, tolerance) if boxes else _pairs(item, model, tolerance)
     springy = listed(where, tuple(item.stiffness))
     values = np.array([item.stiffness[DIRECTIONS[number]] for number in springy])
     if not (values >= 0).all():
         raise InputError(f"{where}.stiffness", got=f"{values.min():g}", expected="values >= 0")
     stiff = [number for number in range(_SIX if item.kind == "rigid" else _TRANSLATIONS) if number not in springy]
     # Equations along the axes of a plate couple fewer unknowns than along global axes.
-    axes = next((model.plates[name].axes for name in (item.a, item.b) if name in model.plates), np.eye(3))
+    axes = next((part.own_axes for part in (one, other) if part.own_axes is not None), np.eye(3))
     components = np.eye(N_COMPONENTS)[stiff]
     if not springy:
         components = np.zeros((_SIX, N_COMPONENTS))
         components[:3, :3] = components[3:, 3:6] = axes
         components = components[: len(stiff)]
     # Where the second node is; a block's is far from what touches it, so then where the other part's is.
-    at = model.mesh.points[pairs[:, 0 if item.b in model.blocks and item.a not in model.blocks else 1]]
+    at = model.mesh.points[pairs[:, 0 if other.box is not None and one.box is None else 1]]
     tie = _relative(item.name, pairs, at, components, model) if stiff else None
     if tie is not None and item.kind == "rigid" and not springy:
-        twist = _flat_rows(item, model, pairs) if blocks else _twist_rows(item, model, pairs)
+        twist = _flat_rows(item, model, pairs) if boxes else _twist_rows(item, model, pairs)
         rows = csr_array(vstack([tie.rows, twist]))
         tie = Tie(item.name, rows, np.concatenate([tie.directions, np.zeros((twist.shape[0], 3))]), grounded=False)
     if not springy:
@@ -96,9 +95,6 @@ def joint(item: Joint, model: Model, tolerance: float) -> tuple[Tie | None, Elas
         item.name, relative.rows, stiffness, np.zeros(stiffness.size), relative.directions, grounded=False
     )
     return tie, elastic
-
-
-_AXES = np.concatenate([np.eye(3), np.zeros((3, 3))])
 
 
 def _held(name: str, nodes: Integers, components: Floats, n_nodes: int) -> Tie:
@@ -122,7 +118,7 @@ def _flat_rows(item: Joint, model: Model, pairs: Integers) -> csr_array:
     """No twist of a bfs16 plate where several of its nodes follow a block: it is flat there, and so are its edges."""
     n_nodes = model.mesh.n_nodes
     for name, nodes in zip((item.a, item.b), pairs.T, strict=True):
-        if name in model.plates and model.plates[name].part.element == "bfs16" and len(nodes) > 1:
+        if model.parts[name].has_twist and len(nodes) > 1:
             return _held(item.name, nodes, np.eye(N_COMPONENTS)[[TWIST]], n_nodes).rows
     return csr_array((0, n_nodes * N_COMPONENTS))
 
@@ -132,15 +128,11 @@ def _twist_rows(item: Joint, model: Model, pairs: Integers) -> csr_array:
     along its x, -TWIST along its y."""
     n_nodes = model.mesh.n_nodes
     none = csr_array((0, n_nodes * N_COMPONENTS))
-    if not all(name in model.plates and model.plates[name].part.element == "bfs16" for name in (item.a, item.b)):
-        return none
-    if len(pairs) < 2:
+    sides = [model.parts[name].own_axes for name in (item.a, item.b) if model.parts[name].has_twist]
+    if len(sides) < 2 or len(pairs) < 2:
         return none
     line = model.mesh.points[pairs[-1, 0]] - model.mesh.points[pairs[0, 0]]
-    first, second = (
-        1.0 if abs(axes[0] @ line) > abs(axes[1] @ line) else -1.0
-        for axes in (model.plates[item.a].axes, model.plates[item.b].axes)
-    )
+    first, second = (1.0 if axes is not None and abs(axes[0] @ line) > abs(axes[1] @ line) else -1.0 for axes in sides)
     unit = np.eye(N_COMPONENTS)[[TWIST]]
     one, other = (_held(item.name, nodes, unit, n_nodes).rows for nodes in pairs.T)
     return csr_array(first * one - second * other)
@@ -159,18 +151,41 @@ def _pairs(item: Joint, model: Model, tolerance: float) -> Integers:
     return np.stack([first[met], second[np.asarray(nearest)[met]]], axis=1)
 
 
-def _edges(where: str, item: Support, plate: PlateMesh, tolerance: float) -> list[tuple[Integers, int]]:
-    """Nodes of each held edge or line, and the plate axis it runs along."""
-    if item.line is not None:
-        region = Region("line", line=item.line)
-        box = region_box(f"{where}.line", plate.part.name, plate.part.size, region, tolerance)
-        in_x = np.flatnonzero((plate.x >= box[0] - tolerance) & (plate.x <= box[1] + tolerance))
-        in_y = np.flatnonzero((plate.y >= box[2] - tolerance) & (plate.y <= box[3] + tolerance))
-        return [(plate.nodes[np.ix_(in_x, in_y)].ravel(), 0 if len(in_x) > 1 else 1)]
-    edges = {
-        "x0": (plate.nodes[0], 1),
-        "x1": (plate.nodes[-1], 1),
-        "y0": (plate.nodes[:, 0], 0),
-        "y1": (plate.nodes[:, -1], 0),
-    }
-    return list(edges.values()) if item.edge == "all" else [edges[str(item.edge)]]
+def _box_pairs(item: Joint, model: Model, tolerance: float) -> Integers:
+    """Nodes of the two parts of a joint that move together [m, 2]; at least one of the parts is a block.
+
+    Of a plate all nodes whose thickness reaches the block, of a frame all nodes in it, of another block its only one.
+
+    Raises InputError when nothing touches.
+    """
+    turned = model.parts[item.a].box is None
+    part, other = (model.parts[name] for name in ((item.b, item.a) if turned else (item.a, item.b)))
+    assert part.box is not None
+    low, high = part.box
+    if other.box is not None:
+        if item.kind != "rigid" or item.stiffness:
+            raise InputError(
+                f"joints.{item.name}",
+                got="a joint of two blocks that is not rigid",
+                expected="kind: rigid",
+                do="put a foundation or springs between them",
+            )
+        apart = float(np.linalg.norm(np.maximum(np.maximum(other.box[0] - high, low - other.box[1]), 0.0)))
+        if apart > tolerance:
+            raise _no_touch(item, f"{apart:.4g} m apart")
+        return np.array([[part.first, other.first]])
+    first, last = stretch_inside(other.places, other.across, low - tolerance, high + tolerance)
+    met = other.nodes[first <= last]
+    if not len(met):
+        raise _no_touch(item, "without a common place")
+    pairs = np.stack([np.full(len(met), part.first), met], axis=1)
+    return pairs[:, ::-1] if turned else pairs
+
+
+def _no_touch(item: Joint, how: str) -> InputError:
+    return InputError(
+        f"joints.{item.name}",
+        got=f"{item.a} and {item.b} {how}",
+        expected="a part that touches the block",
+        do="move one of them, or put a foundation or springs between",
+    )

@@ -28,10 +28,13 @@ import numpy as np
 
 from femstruct.arrays import Floats
 from femstruct.errors import Finding
-from femstruct.model.geometry import distance_to_rectangle, to_plate
-from femstruct.model.layers import Solid, layer_of
-from femstruct.model.model import FrameMesh, Model, PlateMesh
-from femstruct.model.parts import Block, Foundation, Joint, Plate
+from femstruct.model.geometry import distance_to_rectangle, to_rectangle
+from femstruct.model.layers import layer_of
+from femstruct.model.model import Model
+from femstruct.model.structure import Joint
+from femstruct.parts.foundation import Foundation
+from femstruct.parts.frame import FrameMesh, frames_of
+from femstruct.parts.plate import Plate, PlateMesh, plates_of
 
 NOTABLE, SEVERE = 1e-3, 1e-2  # of a frequency
 _TOUCHING = 1e-6  # of the plate's longer side
@@ -75,7 +78,7 @@ class _Line:
 def rib_errors(model: Model) -> tuple[RibError, ...]:
     """The errors of every line of bars that are joined to a plate through arms out of its plane."""
     found = []
-    for plate in model.plates.values():
+    for plate in plates_of(model):
         lines = [line for joint in model.structure.joints for line in _lines_on(plate, joint, model)]
         found += [_error(plate, line, lines) for line in lines if abs(line.arm) > 0.0]
     return tuple(found)
@@ -89,10 +92,10 @@ def eccentric_findings(model: Model) -> tuple[Finding, ...]:
         if key not in worst or error.excess > worst[key].excess:
             worst[key] = error
     told = [_told(error) for error in worst.values() if error.excess > NOTABLE]
-    solids: dict[str, Solid] = {part.name: part for part in model.structure.parts if isinstance(part, Plate | Block)}
+    plates = {plate.name: plate.part for plate in plates_of(model)}
     for part in model.structure.parts:
-        if isinstance(part, Foundation) and {part.on, part.to} <= model.plates.keys():
-            told += _layer(part, solids)
+        if isinstance(part, Foundation) and {part.on, part.to} <= plates.keys():
+            told += _layer(part, plates[part.on], plates[str(part.to)])
     return tuple(told)
 
 
@@ -122,11 +125,11 @@ def _percent(share: float) -> str:
 
 def _lines_on(plate: PlateMesh, joint: Joint, model: Model) -> list[_Line]:
     names = {joint.a, joint.b}
-    others = [model.frames[name] for name in names - {plate.part.name} if name in model.frames]
+    others = [frame for frame in frames_of(model) if frame.name in names]
     if plate.part.name not in names or not others:
         return []
     frame, size = others[0], plate.part.size
-    ends = to_plate(plate.part, plate.axes, model.mesh.points[frame.bars[:, :2]])
+    ends = to_rectangle(plate.part, plate.axes, model.mesh.points[frame.bars[:, :2]])
     inside = (distance_to_rectangle(ends, size) <= _TOUCHING * max(size)).all(axis=1)
     steps = ends[:, 1, :2] - ends[:, 0, :2]
     spacing = np.linalg.norm(steps, axis=1)
@@ -194,17 +197,14 @@ def _strip(plate: PlateMesh, line: _Line, others: list[_Line]) -> float:
     return float(min(above, default=edges.max()) - max(below, default=edges.min()))
 
 
-def _layer(part: Foundation, solids: dict[str, Solid]) -> list[Finding]:
+def _layer(part: Foundation, first: Plate, second: Plate) -> list[Finding]:
     """A layer so stiff in shear that two plates would stretch before it yields: they act as one section.
 
     Per width and for one half wave over the longer side, S = k_s (L / pi)^2 is in series with E h of both plates.
     """
-    first, second = solids[part.on], solids[str(part.to)]
-    assert isinstance(first, Plate)
-    assert isinstance(second, Plate)
     if part.shear <= 0.0:
         return []
-    layer = layer_of(part, solids, 1e-9 * max(*first.size, *second.size))
+    layer = layer_of(part, {one.name: one.body() for one in (first, second)}, 1e-9 * max(*first.size, *second.size))
     apart = float(abs((np.asarray(second.origin) - np.asarray(first.origin)) @ layer.axes[2]))
     length = max(layer.box[1] - layer.box[0], layer.box[3] - layer.box[2])
     alone = sum(one.material.E * one.thickness**3 / (12.0 * (1.0 - one.material.nu**2)) for one in (first, second))

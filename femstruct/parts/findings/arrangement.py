@@ -9,8 +9,8 @@ import numpy as np
 from femstruct.arrays import Floats
 from femstruct.errors import Finding, some_of
 from femstruct.model.facts import part_masses
-from femstruct.model.findings.connections import Piece, held_directions, pieces, place_of_touch
 from femstruct.model.model import Model
+from femstruct.parts.findings.connections import Piece, held_directions, pieces, place_of_touch
 
 DOMINATES = 1e6  # of the rest: a mass of that share is ground, or a slip of a unit
 ROUNDING = 1e-9
@@ -84,9 +84,10 @@ def _held(model: Model) -> list[Finding]:
     """Parts of which every node is held: of a plate its deflection, of frames and blocks all three displacements."""
     held = held_directions(model)
     told = []
-    for name, nodes in model.mesh.nodes.items():
-        if name in model.plates:
-            normal = model.plates[name].axes[2]
+    for name, part in model.parts.items():
+        nodes = part.nodes
+        if part.own_axes is not None:
+            normal = part.own_axes[2]
             share = np.einsum("i,nij,j->n", normal, held[nodes], normal)
             what = "the deflection of every node"
         else:

@@ -6,9 +6,11 @@ import numpy as np
 
 from femstruct.elements.plate import rigidity
 from femstruct.errors import Finding
-from femstruct.model.findings.frame_waves import frame_waves
 from femstruct.model.material import Material
-from femstruct.model.model import FrameMesh, Model, PlateMesh
+from femstruct.model.model import Model
+from femstruct.parts.findings.frame_waves import frame_waves
+from femstruct.parts.frame import FrameMesh, frames_of
+from femstruct.parts.plate import PlateMesh, plates_of
 
 CELLS_PER_WAVE = 6.0  # bending wavelengths of bfs16 and acm12 are right to about 1 % with six cells
 NO_WAVE = 2.0  # cells a wave below which it is none any more: modes there are those of the mesh
@@ -19,9 +21,10 @@ def mesh_findings(model: Model, up_to_hz: float) -> tuple[Finding, ...]:
     """Plates and frames whose cells and bars are too long, and plates that are too thick, for the waves of the highest
     frequency."""
     found = []
-    for frame in model.frames.values() if 0.0 < up_to_hz < np.inf else ():
+    for frame in frames_of(model) if 0.0 < up_to_hz < np.inf else ():
         found += _long_bars(frame, up_to_hz)
-    for name, plate in model.plates.items():
+    for plate in plates_of(model):
+        name = plate.name
         wave = bending_wavelength(plate, up_to_hz)
         cell = float(max(np.diff(plate.x).max(), np.diff(plate.y).max()))
         if wave / cell < CELLS_PER_WAVE:
@@ -90,9 +93,9 @@ def with_shear(material: Material, thickness: float, frequency_hz: float) -> tup
 def carried_hz(model: Model) -> float:
     """The highest frequency that all plates and frames have cells and bars enough for [Hz]; infinite without any."""
     carried = [np.inf]
-    for frame in model.frames.values():
+    for frame in frames_of(model):
         carried += [wave.carried_hz(float(frame.lengths.max())) for wave in frame_waves(frame)]
-    for plate in model.plates.values():
+    for plate in plates_of(model):
         cell = float(max(np.diff(plate.x).max(), np.diff(plate.y).max()))
         carried.append((bending_wavelength(plate, 1.0) / (CELLS_PER_WAVE * cell)) ** 2)
     return min(carried)

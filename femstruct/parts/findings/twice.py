@@ -8,9 +8,12 @@ import numpy as np
 
 from femstruct.arrays import Floats
 from femstruct.errors import Finding
-from femstruct.model.extent import extent
-from femstruct.model.layers import body_box
-from femstruct.model.parts import Block, Foundation, Frame, Mass, Part, Plate, Spring, Structure
+from femstruct.model.part import Body, Part
+from femstruct.model.structure import Structure, bodies_of, extent
+from femstruct.parts.foundation import Foundation
+from femstruct.parts.frame import Frame
+from femstruct.parts.mass import Mass
+from femstruct.parts.spring import Spring
 
 SAME = 1e-6  # of the structure's size: places closer are one
 REACHES = 0.01  # of the thinner part: less is a rounded dimension
@@ -21,22 +24,20 @@ MOST_LINES = 3000  # straight pieces compared each with each
 def twice_findings(structure: Structure) -> tuple[Finding, ...]:
     """Two parts in one place, a line given twice, and a mass, spring or layer given again; all with their names."""
     size = extent(structure)
-    solids = [part for part in structure.parts if isinstance(part, Plate | Block)]
     joined = {frozenset((joint.a, joint.b)) for joint in structure.joints}
     found: list[Finding] = []
-    for one, other in combinations(solids, 2):
-        found += _in_one_place(one, other, SAME * size, frozenset((one.name, other.name)) in joined)
+    for one, other in combinations(bodies_of(structure).items(), 2):
+        found += _in_one_place(one, other, SAME * size, frozenset((one[0], other[0])) in joined)
     found += _lines(structure, SAME * size, joined)
     found += _given_again(structure)
     return tuple(found)
 
 
-def _in_one_place(one: Plate | Block, other: Plate | Block, tolerance: float, joined: bool) -> list[Finding]:
+def _in_one_place(one: tuple[str, Body], other: tuple[str, Body], tolerance: float, joined: bool) -> list[Finding]:
     """Two plates with parallel faces, or two blocks, of which one reaches into the other."""
-    if type(one) is not type(other) or (isinstance(one, Block) and joined):  # joined blocks may be made of boxes
+    (name, (corner, axes, sides, flat)), (other_name, (second, others, second_sides, other_flat)) = one, other
+    if flat != other_flat or (flat is None and joined):  # joined blocks may be made of boxes
         return []
-    corner, axes, sides = body_box(one)
-    second, others, second_sides = body_box(other)
     turn = others @ axes.T
     if np.abs(np.abs(turn) - np.round(np.abs(turn))).max() > SAME or abs(turn[2, 2]) < 0.5:
         return []
@@ -50,7 +51,7 @@ def _in_one_place(one: Plate | Block, other: Plate | Block, tolerance: float, jo
     return [
         Finding(
             "overlapping-parts",
-            f"{one.name} and {other.name} fill the same {area} m over {1e3 * shared[2]:.4g} mm, {100 * share:.0f} % of "
+            f"{name} and {other_name} fill the same {area} m over {1e3 * shared[2]:.4g} mm, {100 * share:.0f} % of "
             "the thinner one: mass and stiffness count twice there. The origin of a plate is on its mid-surface",
             {"depth_m": float(shared[2]), "share": share},
             severe=share > INSIDE,

@@ -12,9 +12,13 @@ import numpy as np
 
 from femstruct.conventions import GRAVITY
 from femstruct.errors import Finding
-from femstruct.model.geometry import plate_axes
+from femstruct.model.geometry import rectangle_axes
 from femstruct.model.material import DENSEST, Material
-from femstruct.model.parts import Block, Foundation, Frame, Part, Plate
+from femstruct.model.part import Part
+from femstruct.parts.block import Block
+from femstruct.parts.foundation import Foundation
+from femstruct.parts.frame import Frame
+from femstruct.parts.plate import Plate
 
 # sqrt(E / rho) [m/s]. M. F. Ashby, Materials Selection in Mechanical Design, chart of modulus and density: foams and
 # rubbers from 30 m/s on, gelatine (10 kPa) 3; beryllium 12.5 km/s, diamond 18 km/s.
@@ -120,7 +124,7 @@ def _of_plate(part: Plate, lies: bool) -> list[Finding]:
                 severe=True,
             )
         ]
-    flat = abs(float(plate_axes(part)[2, 2])) > np.sqrt(0.5)
+    flat = abs(float(rectangle_axes(part)[2, 2])) > np.sqrt(0.5)
     sag = sag_of(part)
     if not flat or lies or material.nu >= RUBBER or side / h > STOUT or sag <= SAGGING * side:
         return []

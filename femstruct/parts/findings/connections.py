@@ -13,9 +13,10 @@ from scipy.sparse.csgraph import connected_components
 
 from femstruct.arrays import Floats, Integers, freeze, frozen, frozen_integers
 from femstruct.conventions import N_COMPONENTS
-from femstruct.model.geometry import distance_to_rectangle, to_plate
+from femstruct.model.geometry import distance_to_rectangle, to_rectangle
 from femstruct.model.model import Model
-from femstruct.model.parts import Foundation
+from femstruct.parts.foundation import Foundation
+from femstruct.parts.plate import plates_of
 
 FREE = 1e-6  # of what the supports resist most: a rigid motion they resist by less is free
 TOUCHING = 1e-6  # of the structure's size
@@ -59,7 +60,8 @@ def pieces(model: Model, joined: Iterable[tuple[str, str]] = ()) -> tuple[Piece,
 
     >>> from femstruct.model.material import Material
     >>> from femstruct.model.mesher import mesh_structure
-    >>> from femstruct.model.parts import Plate, Structure, Support
+    >>> from femstruct.model.structure import Structure, Support
+    >>> from femstruct.parts.plate import Plate
     >>> steel = Material("steel", E=210e9, nu=0.3, rho=8000.0)
     >>> one = Plate("one", steel, 0.003, origin=(0.0, 0.0, 0.0), size=(0.5, 0.4), mesh=(2, 2))
     >>> two = Plate("two", steel, 0.002, origin=(0.0, 0.0, 0.3), size=(0.5, 0.4), mesh=(2, 2))
@@ -96,8 +98,8 @@ def place_of_touch(model: Model, one: Piece, other: Piece) -> Floats | None:
     for here, there in ((one, other), (other, one)):
         places = model.mesh.points[here.nodes]
         distances = np.asarray(scipy.spatial.KDTree(model.mesh.points[there.nodes]).query(places)[0])
-        for plate in (model.plates[name] for name in there.parts if name in model.plates):
-            local = to_plate(plate.part, plate.axes, places)
+        for plate in (plate for plate in plates_of(model) if plate.name in there.parts):
+            local = to_rectangle(plate.part, plate.axes, places)
             distances = np.minimum(distances, distance_to_rectangle(local, plate.part.size))
         if distances.min() <= within:
             nearest: Floats = places[int(np.argmin(distances))]
@@ -131,8 +133,7 @@ def held_directions(model: Model) -> Floats:
 def _labels(model: Model, joined: Iterable[tuple[str, str]]) -> Integers:
     """The piece of every node [n_nodes], from a graph of the nodes and of all that has a part in several of them."""
     n_nodes = model.mesh.n_nodes
-    groups = [plate.nodes.ravel() for plate in model.plates.values()]
-    groups += [bar for frame in model.frames.values() for bar in frame.bars]
+    groups = [group for part in model.parts.values() for group in part.held_together]
     groups += [np.concatenate([place.nodes for name in pair for place in model.places(name)]) for pair in joined]
     layers = {part.name: part for part in model.structure.parts if isinstance(part, Foundation)}
     groups += [
@@ -170,7 +171,7 @@ def _nonzero(rows: csr_array) -> coo_array:
 
 
 def _size(model: Model) -> float:
-    corners = [model.mesh.points, *(block.corners for block in model.blocks.values())]
+    corners = [model.mesh.points, *(part.bounds for part in model.parts.values())]
     return float(np.ptp(np.concatenate(corners), axis=0).max())
 
 
@@ -189,21 +190,16 @@ def _rigid_motions(model: Model) -> Floats:
 def _weights(model: Model, motion: Floats) -> Floats:
     """Mass times the rise of every rigid motion, at the nodes [n_nodes, 6] [kg]."""
     lumps = np.zeros(model.mesh.n_nodes)
-    for plate in model.plates.values():
-        a, b = plate.cell_sizes
-        np.add.at(lumps, plate.cells, (plate.part.material.rho * plate.part.thickness * a * b / 4.0)[:, None])
-    for frame in model.frames.values():
-        half = frame.part.material.rho * frame.part.section.A * frame.lengths / 2.0
-        np.add.at(lumps, frame.bars[:, :2], half[:, None])
-    for block in model.blocks.values():
-        lumps[block.node] += block.part.mass
+    for part in model.parts.values():
+        lumps[part.nodes] = part.lumps
     weights = lumps[:, None] * motion.reshape(-1, N_COMPONENTS, 6)[:, 2]
     for inert in model.inerts:
-        upwards = csr_array(inert.rows[2::3])
+        rises = slice(2, 3 * inert.places, 3)
+        upwards = csr_array(inert.rows[rises])
         upwards.eliminate_zeros()
         some = np.flatnonzero(np.diff(upwards.indptr))
         at = upwards.indices[upwards.indptr[some]] // N_COMPONENTS
-        np.add.at(weights, at, inert.mass[2::3][some, None] * (upwards @ motion)[some])
+        np.add.at(weights, at, inert.mass[rises][some, None] * (upwards @ motion)[some])
     return weights
 
 

@@ -2,37 +2,31 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from itertools import pairwise
+from typing import Protocol
 
 import numpy as np
 
 from femstruct.arrays import Floats
 from femstruct.errors import InputError
-from femstruct.model.gridlines import Key
-from femstruct.model.parts import Frame
+from femstruct.model.layout import Segment
+from femstruct.model.region import Vector
 
 
-@dataclass(frozen=True, eq=False)
-class Segment:
-    """A straight piece of a frame line; `start`, `end` are the ends of the flexible bar [m].
-
-    arms [2, 3] : from the line to the flexible bar at its nodes near start and end, linear between them [m].
-    """
-
-    key: Key
-    start: Floats
-    end: Floats
-    arms: Floats
+class Lines(Protocol):
+    """What is said of the lines of a frame."""
 
     @property
-    def feet(self) -> Floats:
-        """Ends of the straight line its nodes lie on [2, 3]; bars and nodes divide both in the same shares."""
-        line: Floats = np.stack([self.start, self.end]) - self.arms
-        return line
+    def name(self) -> str: ...
+    @property
+    def lines(self) -> tuple[tuple[Vector, ...], ...]: ...
+    @property
+    def start_offset(self) -> Vector: ...
+    @property
+    def end_offset(self) -> Vector: ...
 
 
-def frame_segments(frame: Frame, tolerance: float) -> tuple[Segment, ...]:
+def frame_segments(frame: Lines, tolerance: float) -> tuple[Segment, ...]:
     """The straight pieces of a frame's lines, moved by their rigid arms as `Frame` says.
 
     Raises InputError for a line of fewer than two points and for two consecutive points in one place.
@@ -59,7 +53,7 @@ def frame_segments(frame: Frame, tolerance: float) -> tuple[Segment, ...]:
     return tuple(segments)
 
 
-def _vertex_offsets(frame: Frame, points: Floats) -> Floats:
+def _vertex_offsets(frame: Lines, points: Floats) -> Floats:
     """Rigid arms at the points of a line [n, 3]: between two given ones linear in the distance along it."""
     first, last = np.asarray(frame.start_offset, dtype=np.float64), np.asarray(frame.end_offset, dtype=np.float64)
     if (first == last).all():

@@ -22,9 +22,10 @@ import scipy
 
 from femstruct.arrays import Floats
 from femstruct.errors import Finding, InputError, some_of
-from femstruct.model.findings.connections import held_directions
 from femstruct.model.geometry import meeting_line
-from femstruct.model.model import Model, PlateMesh
+from femstruct.model.model import Model
+from femstruct.parts.findings.connections import held_directions
+from femstruct.parts.plate import PlateMesh, plates_of
 
 NEAR = 0.5  # of the first frequency left out: from here on modes are raised by some percent
 _PARALLEL = 1e-3  # sine of an angle
@@ -51,7 +52,7 @@ def in_plane_limit(model: Model) -> InPlaneLimit | None:
     held: Floats | None = None
     for along, names in _prisms(model):
         held = _held_together(model) if held is None else held
-        plates = [model.plates[name] for name in names]
+        plates = [plate for plate in plates_of(model) if plate.name in names]
         found += [_stretching(plate) for plate in plates]
         found += _bending(model, plates, along, held)
     return min(found, key=lambda limit: limit.frequency_hz, default=None)
@@ -83,9 +84,9 @@ def _prisms(model: Model) -> list[tuple[Floats, tuple[str, ...]]]:
     folds: list[tuple[Floats, str, str]] = []
     flat: list[tuple[str, str]] = []
     for joint in model.structure.joints:
-        if not (joint.a in model.plates and joint.b in model.plates):
+        one, other = (model.parts[name] for name in (joint.a, joint.b))
+        if not (isinstance(one, PlateMesh) and isinstance(other, PlateMesh)):
             continue
-        one, other = (model.plates[name] for name in (joint.a, joint.b))
         if np.linalg.norm(np.cross(one.axes[2], other.axes[2])) < _PARALLEL:
             flat.append((joint.a, joint.b))
             continue

@@ -1,0 +1,228 @@
+"""What a kind of part is to the rest of the house. The kinds themselves stand in `femstruct.parts`, one file each.
+
+A `Part` is described, a `Meshed` part has nodes. Whoever adds a kind overrides what it has; what it has not is nothing.
+The way of a part, in order::
+
+    corners, body              how large it is, what it fills                  before there is a mesh
+    lay_out, needs             grid lines of its own, nodes it needs of others  femstruct.model.layout
+    meshed -> Meshed           its nodes, and what they can do
+    fastened -> Elastic, Inert  springs and masses on the nodes of others      once all parts are meshed
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar, NamedTuple
+
+import numpy as np
+from scipy.sparse import csr_array
+
+from femstruct.arrays import Floats, Integers
+from femstruct.conventions import COMPONENTS, N_COMPONENTS
+from femstruct.errors import InputError
+from femstruct.model.fastened import Elastic, Inert
+from femstruct.model.probe import Point, Surface
+
+if TYPE_CHECKING:
+    from femstruct.model.layout import Grids, Layout
+    from femstruct.model.model import Model
+    from femstruct.model.structure import PlaceOn, Support, SurfaceOn
+
+
+class Body(NamedTuple):
+    """The box that a part fills: a corner [3], axes [3, 3] as rows, sides [3] along them [m].
+
+    across : the one of its axes that its sides face along; None for a box, whose sides face along all.
+    """
+
+    corner: Floats
+    axes: Floats
+    size: Floats
+    across: int | None
+
+
+class Part:
+    """A part as it is described, by name; the base of all kinds."""
+
+    name: str
+
+    def corners(self) -> Floats:
+        """Places [n, 3] that bound it [m]; none for what acts between others. Raises InputError for sizes it cannot
+        have."""
+        return np.zeros((0, 3))
+
+    def body(self) -> Body | None:
+        """The box it fills, where layers can lie against it."""
+        return None
+
+    def lay_out(self, layout: Layout) -> None:
+        """Give the layout its grid lines, and the geometry that joints meet."""
+
+    def needs(self, layout: Layout) -> None:
+        """Ask for nodes of other parts where this one acts on them."""
+
+    def carriers(self) -> tuple[str | None, ...]:
+        """Names of the points it is fastened to: they have nodes."""
+        return ()
+
+    def meshed(self, layout: Layout, grids: Grids, first: int) -> Meshed | None:
+        """The part with nodes, numbered from `first`; None for what has none of its own."""
+        return None
+
+    def fastened(self, model: Model, tolerance: float) -> Elastic | Inert | None:
+        """What it adds to the nodes of other parts."""
+        return None
+
+
+@dataclass(frozen=True, eq=False)
+class OwnDofs:
+    """Degrees of freedom of one part before ties, and the nodal components they make.
+
+    labels : of the DOFs at a node, by name. extra : labels of those that belong to the part as a whole; they come after
+    all nodes. rows, columns, values [m] : nodal components (7 a node of the part, in its order) from the DOFs.
+    translations [n, 3] : DOFs of unit translations along x, y, z.
+    """
+
+    labels: tuple[str, ...]
+    extra: tuple[str, ...]
+    rows: Integers
+    columns: Integers
+    values: Floats
+    translations: Floats
+
+    @property
+    def count(self) -> int:
+        """How many there are."""
+        return len(self.translations)
+
+
+class Drawn(NamedTuple):
+    """A part for pictures: points [p, 3] [m], rows [3 p, n_nodes * 7] of their displacements, faces [q, 4] and lines
+    [l, 2] between them."""
+
+    points: Floats
+    rows: csr_array
+    quads: Integers
+    lines: Integers
+
+
+class Meshed:
+    """A part with nodes of its own, numbered from `first` on; the base of all kinds that have some."""
+
+    first: int
+    rigid: ClassVar[bool] = False  # moves as one body
+    rigid_in_plane: ClassVar[bool] = False  # bends, but neither stretches nor shears in its plane
+    kind: ClassVar[str]  # of its cells, for people
+
+    @property
+    def name(self) -> str:
+        """Name of the part."""
+        raise NotImplementedError
+
+    @property
+    def places(self) -> Floats:
+        """Of its nodes [n, 3] [m]."""
+        raise NotImplementedError
+
+    @property
+    def nodes(self) -> Integers:
+        """Numbers of its nodes [n]."""
+        return np.arange(self.first, self.first + len(self.places))
+
+    @property
+    def quads(self) -> Integers:
+        """Corner nodes of its cells [q, 4], for files and pictures."""
+        return np.empty((0, 4), np.int64)
+
+    @property
+    def lines(self) -> Integers:
+        """End nodes of its bars [b, 2], for files and pictures."""
+        return np.empty((0, 2), np.int64)
+
+    @property
+    def mass(self) -> float:
+        """Its mass [kg]."""
+        raise NotImplementedError
+
+    @property
+    def loss_factor(self) -> float:
+        """Of its material [1]."""
+        return 0.0
+
+    @property
+    def lumps(self) -> Floats:
+        """Its mass as particles at its nodes [n] [kg], to see what carries its weight."""
+        raise NotImplementedError
+
+    @property
+    def held_together(self) -> list[Integers]:
+        """Groups of its nodes that its cells hold together."""
+        return [self.nodes]
+
+    @property
+    def own_axes(self) -> Floats | None:
+        """Axes [3, 3] as rows along which equations on its nodes couple fewest unknowns; None for the global ones."""
+        return None
+
+    @property
+    def box(self) -> Floats | None:
+        """Lower and upper corner [2, 3] of a rigid box that takes along what lies in it [m]."""
+        return None
+
+    @property
+    def across(self) -> Floats:
+        """From its nodes to its face [3] [m]: a box that the face reaches into takes the node along."""
+        return np.zeros(3)
+
+    @property
+    def has_twist(self) -> bool:
+        """Whether its nodes have the twist as a degree of freedom."""
+        return False
+
+    def edges(self, item: Support, tolerance: float) -> list[tuple[Integers, Floats, Floats]]:
+        """Nodes of each edge or line a support names, and the components [m, 7] it holds there, clamped and simple."""
+        raise InputError(f"supports.{item.name}.on", got=f"'{self.name}'", expected="a plate")
+
+    @property
+    def bounds(self) -> Floats:
+        """Places [m, 3] it reaches to beyond its nodes [m]."""
+        return np.zeros((0, 3))
+
+    def dofs(self) -> OwnDofs:
+        """Its degrees of freedom."""
+        raise NotImplementedError
+
+    def stiffness_and_mass(self) -> tuple[csr_array | None, csr_array]:
+        """Matrices [n, n] on its degrees of freedom; no stiffness where nothing of it deforms."""
+        raise NotImplementedError
+
+    def point(self, name: str, place: PlaceOn, at: Floats, tolerance: float) -> Point:
+        """A named place of it. Raises InputError for a place off the part, saying by how much."""
+        raise NotImplementedError
+
+    def surface(self, item: SurfaceOn, n_nodes: int, tolerance: float) -> Surface:
+        """A named side of it that radiates or is pressed."""
+        raise InputError(f"surfaces.{item.name}.on", got=f"'{item.on}'", expected="a plate")
+
+    def motion_at(self, places: Floats, tolerance: float) -> tuple[Integers, Floats]:
+        """Motion of places [p, 3] [m] that move with it: nodes [p, k], rows [p, 6, k, 7], global axes."""
+        raise NotImplementedError
+
+    def drawn(self, divisions: int, along: int, n_nodes: int) -> Drawn:
+        """It for pictures; divisions : pieces of a cell's side, along : of a bar."""
+        raise NotImplementedError
+
+
+def six_at_nodes(count: int) -> OwnDofs:
+    """Degrees of freedom of a part whose nodes have their six global components each."""
+    numbers = np.arange(6 * count).reshape(count, 6)
+    rows = np.arange(count)[:, None] * N_COMPONENTS + np.arange(6)
+    translations = np.zeros((6 * count, 3))
+    translations[numbers[:, :3]] = np.eye(3)
+    return OwnDofs(COMPONENTS[:6], (), rows.ravel(), numbers.ravel(), np.ones(6 * count), translations)
+
+
+def refuse_patch(name: str, place: PlaceOn) -> None:
+    """Raise InputError for a point that stands for a patch, on a part that is no plate."""
+    if place.patch is not None:
+        raise InputError(f"points.{name}.patch", got=f"a patch on {place.on}", expected="one on a plate")

@@ -1,0 +1,154 @@
+"""What a structure is, before it is meshed: parts, joints, places, supports, in SI units and resolved names.
+
+The language wing makes a `Structure` of a YAML file; a script can write one by hand. The mesher makes a `Model` of it.
+The kinds of parts stand in `femstruct.parts`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Literal, get_args
+
+import numpy as np
+
+from femstruct.conventions import DIRECTIONS
+from femstruct.errors import InputError
+from femstruct.model.part import Body, Part
+from femstruct.model.region import Pair, Region, Side
+
+Fix = Literal["simple", "clamped"]
+Edge = Literal["x0", "x1", "y0", "y1", "all"]
+WHOLE = Region("whole")
+
+
+@dataclass(frozen=True)
+class Joint:
+    """Where two parts touch they move together: rigid (all six), pinned (translations).
+
+    stiffness : directions (x y z rx ry rz, global) that are springs instead of rigid or free [N/m, N m/rad], one at
+    every pair of joined nodes.
+    """
+
+    name: str
+    a: str
+    b: str
+    kind: Literal["rigid", "pinned"] = "rigid"
+    stiffness: Mapping[str, float] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class PlaceOn:
+    """A named point of a part; several positions are NAME.1, NAME.2 (and NAME means all of them).
+
+    at : positions from the part's origin corner along its own axes [m] for a plate, from the lower corner of a block;
+    global ones for a frame.
+    patch : on a plate, a point that is the mean of a disc of this radius or a rectangle of these sides [m] around it;
+    what pushes it is spread evenly over the patch.
+
+    One place is a tuple of one; a model has its point as `model.points["drop"]`:
+
+    >>> PlaceOn("drop", "floor", at=((0.2, 0.1),)).side
+    'above'
+    """
+
+    name: str
+    on: str
+    at: tuple[tuple[float, ...], ...]
+    side: Side = "above"
+    patch: float | Pair | None = None
+
+    def __post_init__(self) -> None:
+        _refuse_unless_one_of(f"points.{self.name}.side", self.side, get_args(Side))
+        if not len(self.at) or any(np.ndim(place) != 1 for place in self.at):
+            expected = "a tuple of places: ((x, y),) for one on a plate"
+            raise InputError(f"points.{self.name}.at", got=f"{self.at}", expected=expected)
+
+
+@dataclass(frozen=True)
+class SurfaceOn:
+    """A named side of a region of a plate, where it radiates or is pressed."""
+
+    name: str
+    on: str
+    side: Side = "above"
+    region: Region = WHOLE
+
+    def __post_init__(self) -> None:
+        _refuse_unless_one_of(f"surfaces.{self.name}.side", self.side, get_args(Side))
+
+
+@dataclass(frozen=True)
+class Support:
+    """Held directions: of an edge or line of a plate, of a point, or of a whole part.
+
+    fix : "simple", "clamped" or directions out of x y z rx ry rz. On a plate's edge or line, `simple` holds the
+    deflection and the slope along the edge and the plate in its own plane, `clamped` also the slope across and the
+    twist; at a point `simple` holds x y z and `clamped` all six.
+
+    >>> Support("walls", "simple", on="floor", edge="all").fix, Support("foot", ("z",), at="corner").fix
+    ('simple', ('z',))
+    """
+
+    name: str
+    fix: Fix | tuple[str, ...]
+    on: str | None = None
+    edge: Edge | None = None
+    line: tuple[Pair, Pair] | None = None
+    at: str | None = None
+
+    def __post_init__(self) -> None:
+        where = f"supports.{self.name}"
+        if self.edge is not None:
+            _refuse_unless_one_of(f"{where}.edge", self.edge, get_args(Edge))
+        if self.fix in get_args(Fix):
+            return
+        if not isinstance(self.fix, tuple) or not self.fix or not set(self.fix) <= set(DIRECTIONS):
+            expected = f"simple, clamped, or a tuple of {', '.join(DIRECTIONS)}"
+            raise InputError(f"{where}.fix", got=f"{self.fix!r}", expected=expected)
+
+
+@dataclass(frozen=True)
+class Structure:
+    """Everything a model file says about the structure, in SI units.
+
+    parts : of the kinds in `femstruct.parts`. joints : where they move together. points,
+    surfaces : named places. supports : what is held. Names are unique over all of it; the mesher checks that they
+    exist.
+
+    >>> from femstruct.model.material import Material
+    >>> from femstruct.parts.plate import Plate
+    >>> steel = Material("steel", E=210e9, nu=0.3, rho=7850.0)
+    >>> plate = Plate("plate", steel, 0.003, origin=(0.0, 0.0, 0.0), size=(0.5, 0.4), mesh=0.05)
+    >>> on_edges = Structure("a plate", (plate,), supports=(Support("edges", "simple", on="plate", edge="all"),))
+    >>> [part.name for part in on_edges.parts]
+    ['plate']
+    """
+
+    title: str
+    parts: tuple[Part, ...]
+    joints: tuple[Joint, ...] = ()
+    points: tuple[PlaceOn, ...] = ()
+    surfaces: tuple[SurfaceOn, ...] = ()
+    supports: tuple[Support, ...] = ()
+
+
+def extent(structure: Structure) -> float:
+    """Largest side of the box around a structure [m].
+
+    Raises InputError for a structure without a part that has a size, and for sizes a part cannot have.
+    """
+    corners = np.concatenate([np.zeros((0, 3)), *(part.corners() for part in structure.parts)])
+    if not len(corners):
+        raise InputError("parts", got="no plate, frame or block", expected="at least one")
+    return float(np.ptp(corners, axis=0).max())
+
+
+def bodies_of(structure: Structure) -> dict[str, Body]:
+    """The boxes that parts fill, by name, of those that layers can lie against."""
+    return {part.name: body for part in structure.parts if (body := part.body()) is not None}
+
+
+def _refuse_unless_one_of(where: str, word: str, known: tuple[str, ...]) -> None:
+    if word not in known:
+        raise InputError(where, got=f"{word!r}", expected=" or ".join(known))

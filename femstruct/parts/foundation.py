@@ -1,0 +1,116 @@
+"""Winkler foundations: elastic layers under a part, or between two."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from scipy.sparse import csr_array
+
+from femstruct.arrays import Floats
+from femstruct.errors import InputError
+from femstruct.model.fastened import Elastic
+from femstruct.model.geometry import to_rectangle
+from femstruct.model.layers import Layer, layer_of
+from femstruct.model.layout import Layout
+from femstruct.model.model import Model
+from femstruct.model.part import Meshed, Part
+from femstruct.model.region import Region
+from femstruct.model.regions import grid_points
+from femstruct.model.rows import sparse_rows
+from femstruct.model.structure import bodies_of
+from femstruct.parts.plate import PlateMesh
+
+ORDER = 4  # Gauss points a direction: exact for products of two cubic deflections
+
+
+@dataclass(frozen=True)
+class Foundation(Part):
+    """A Winkler foundation under a region of a plate or a block, to the ground or to another plate or block.
+
+    to : the other part, None for the ground. Between two parts it fills the gap between their facing sides, which are
+    parallel; its shear acts in the middle of the gap, through arms of the thickness of both, so that a rigid motion of
+    both strains nothing. To the ground it acts on the mid-surface of a plate, on the lower face of a block.
+    region : of `on`; the whole is all that faces the other part.
+    normal, shear : stiffness per area [N/m^3] of a whole or rectangle region, per length [N/m^2] of a rim or line.
+    """
+
+    name: str
+    on: str
+    region: Region
+    normal: float
+    shear: float = 0.0
+    loss_factor: float = 0.0
+    to: str | None = None
+
+    @property
+    def ends(self) -> tuple[str, ...]:
+        """Names of the parts it acts on."""
+        return (self.on,) if self.to is None else (self.on, self.to)
+
+    def needs(self, layout: Layout) -> None:
+        layer = layer_of(self, layout.bodies, layout.tolerance)
+        for name in self.ends:
+            if name in layout.rectangles:
+                rectangle = layout.rectangles[name]
+                for corner in to_rectangle(rectangle, layout.axes_of[name], layer.corners):
+                    layout.on_rectangle(name, np.clip(corner[:2], 0.0, rectangle.size))
+
+    def fastened(self, model: Model, tolerance: float) -> Elastic:
+        """A Winkler foundation at Gauss points: along its normal, and along both directions in its plane in shear.
+
+        Between two parts it resists the motion of the first less that of the second, both carried to the middle of
+        the gap.
+        """
+        if not (self.normal >= 0 and self.shear >= 0 and self.normal + self.shear > 0):
+            got = f"{self.normal:g}, {self.shear:g}"
+            raise InputError(f"parts.{self.name}.stiffness", got=got, expected="values >= 0, one above")
+        layer = layer_of(self, bodies_of(model.structure), tolerance)
+        sides = [model.parts[name] for name in self.ends]
+        local, weights = _layer_points(layer, self.region, sides, tolerance)
+        values = np.array([self.shear, self.shear, self.normal])
+        kept = values > 0
+        places, n_nodes = layer.places(local), model.mesh.n_nodes
+        motions = [_motion(side, places, layer.axes[kept], n_nodes, tolerance) for side in sides]
+        stiffness = (weights[:, None] * values[kept]).ravel()
+        return Elastic(
+            self.name,
+            motions[0] if self.to is None else csr_array(motions[0] - motions[1]),
+            stiffness,
+            np.zeros(stiffness.size),
+            np.tile(layer.axes[kept], (len(local), 1)),
+            grounded=self.to is None,
+            loss_factor=self.loss_factor,
+            places=layer.places(local) if all(side.rigid for side in sides) else np.zeros((0, 3)),
+        )
+
+
+def _layer_points(layer: Layer, region: Region, sides: Sequence[Meshed], tolerance: float) -> tuple[Floats, Floats]:
+    """Gauss points [p, 2] of a layer in its coordinates [m] and weights [p]: between the grid lines of all its parts,
+    where the motions of all are polynomials."""
+    grids = [_lines_across(layer, direction, sides, tolerance) for direction in (0, 1)]
+    return grid_points(grids[0], grids[1], region, layer.box, tolerance, ORDER)
+
+
+def _lines_across(layer: Layer, direction: int, sides: Sequence[Meshed], tolerance: float) -> Floats:
+    """Ascending coordinates of the grid lines of all plates of a layer inside its region, and of the region's ends."""
+    low, high = layer.box[2 * direction : 2 * direction + 2]
+    along = layer.axes[direction]
+    lines = [np.array([low, high])]
+    for plate in sides:
+        if isinstance(plate, PlateMesh):
+            sign = plate.axes[:2] @ along
+            grid = (plate.x, plate.y)[int(np.argmax(np.abs(sign)))]
+            start = float((np.asarray(plate.part.origin) - layer.origin) @ along)
+            lines.append(start + np.sign(sign[np.argmax(np.abs(sign))]) * grid)
+    found = np.sort(np.concatenate(lines))
+    found = found[(found >= low) & (found <= high)]
+    return np.array([low, *(b for a, b in pairwise(found) if b - a > tolerance)])
+
+
+def _motion(side: Meshed, places: Floats, directions: Floats, n_nodes: int, tolerance: float) -> csr_array:
+    """Rows [p * d, n_nodes * 7] of the displacements along directions [d, 3] of places [p, 3] that move with a part."""
+    nodes, rows = side.motion_at(places, tolerance)
+    return sparse_rows(nodes, np.einsum("ij,pjkc->pikc", directions, rows[:, :3]), n_nodes)

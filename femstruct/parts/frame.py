@@ -1,0 +1,271 @@
+"""Frames: bars along lines, with rigid arms where they are eccentric."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import inf
+from typing import ClassVar, Literal
+
+import numpy as np
+import scipy
+from scipy.sparse import coo_array, csr_array
+from scipy.sparse.csgraph import connected_components
+
+from femstruct.arrays import Floats, Integers, freeze, frozen, frozen_integers
+from femstruct.conventions import N_COMPONENTS
+from femstruct.elements import frame, placement
+from femstruct.elements.frame import nodes_per_bar
+from femstruct.elements.placement import directions
+from femstruct.errors import InputError
+from femstruct.model.geometry import distance_to_segments
+from femstruct.model.layout import Grids, Layout
+from femstruct.model.material import Material
+from femstruct.model.model import Model
+from femstruct.model.part import Drawn, Meshed, OwnDofs, Part, refuse_patch, six_at_nodes
+from femstruct.model.probe import Point
+from femstruct.model.region import Vector
+from femstruct.model.rows import flat_rows, sparse_rows
+from femstruct.model.scatter import scattered
+from femstruct.model.section import Section
+from femstruct.model.structure import PlaceOn
+from femstruct.parts.frame_lines import frame_segments
+
+MOST_BARS = 100_000  # more is a slip of a unit, and does not fit into memory
+
+
+@dataclass(frozen=True)
+class Frame(Part):
+    """Bars along polylines of global points; coincident ends of its own lines are joined.
+
+    mesh : largest element length [m], None for one element a segment; a line that lies in a plate it is joined to takes
+    the plate's nodes instead. orientation : a vector the section's local z
+    (its height) points along as nearly as it can.
+    element : timoshenko18, a bar of three nodes whose frequencies converge with the fourth power of its length;
+    timoshenko, of two, with the second where shear matters; euler, without shear and rotary inertia.
+    start_offset, end_offset : rigid arms from the first and last point of every line to the ends of the flexible bar,
+    global axes [m]. Where both are the same the whole line is eccentric: its nodes stay on the line, joined there to
+    what it touches, and every bar hangs beside it on arms at both ends, as a rib under a plate does. Two different
+    ones go over into each other along the line; one at an end alone leaves the other points of the line where they
+    are. What differs along the line itself only shortens or lengthens the bar.
+    """
+
+    name: str
+    material: Material
+    section: Section
+    lines: tuple[tuple[Vector, ...], ...]
+    mesh: float | None = None
+    orientation: Vector | None = None
+    element: Literal["timoshenko18", "timoshenko", "euler"] = "timoshenko18"
+    start_offset: Vector = (0.0, 0.0, 0.0)
+    end_offset: Vector = (0.0, 0.0, 0.0)
+
+    def corners(self) -> Floats:
+        return np.array([point for line in self.lines for point in line], dtype=np.float64).reshape(-1, 3)
+
+    def lay_out(self, layout: Layout) -> None:
+        segments = frame_segments(self, layout.tolerance)
+        size = self.mesh if self.mesh is not None else inf
+        if not size > 0:
+            raise InputError(f"parts.{self.name}.mesh", got=f"{size:g} m", expected="a positive length")
+        total = sum(float(np.linalg.norm(segment.end - segment.start)) for segment in segments)
+        if total > MOST_BARS * size:
+            raise InputError(
+                f"parts.{self.name}.mesh",
+                got=f"{size:g} m, {total / size:.3g} bars",
+                expected=f"at most {MOST_BARS} bars",
+                do=f"use {total / MOST_BARS:.2g} m or more",
+            )
+        layout.add_bars(self.name, self.corners(), segments, size)
+
+    def meshed(self, layout: Layout, grids: Grids, first: int) -> FrameMesh:
+        """Bars of every straight piece between nodes; where they have a rigid arm the node is the foot of the arm.
+        Middle nodes of bars of three come after all ends."""
+        tips, feet, middles = [], [], []
+        for segment in layout.segments[self.name]:
+            share = (grids[segment.key] / grids[segment.key][-1])[:, None]
+            places = (1.0 - share) * segment.start + share * segment.end
+            stands = places - ((1.0 - share) * segment.arms[0] + share * segment.arms[1])
+            middles.append((stands[:-1] + stands[1:]) / 2.0)
+            line = self.lines[int(segment.key[1])]
+            stands[0], stands[-1] = line[int(segment.key[2])], line[int(segment.key[2]) + 1]
+            tips.append(np.stack([places[:-1], places[1:]], axis=1))
+            feet.append(np.stack([stands[:-1], stands[1:]], axis=1))
+        ends, stands = np.concatenate(tips), np.concatenate(feet)
+        points, numbers = _merged(stands.reshape(-1, 3), layout.tolerance)
+        bars, arms = numbers.reshape(-1, 2), ends - stands
+        if nodes_per_bar(self.element) == 3:
+            middle = np.concatenate(middles)
+            bars = np.column_stack([bars, len(points) + np.arange(len(bars))])
+            points = np.concatenate([points, middle])
+            arms = np.concatenate([arms, (ends.mean(axis=1) - middle)[:, None]], axis=1)
+        try:
+            axes = directions(ends[:, 0], ends[:, 1], self.orientation)
+        except InputError as error:
+            raise InputError(f"parts.{self.name}.{error.where}", got=error.got, expected=error.expected) from error
+        return FrameMesh(self, first, points, first + bars, ends[:, 0], ends[:, 1], arms, axes)
+
+
+@dataclass(frozen=True, eq=False)
+class FrameMesh(Meshed):
+    """A frame as bars.
+
+    first : number of its first node. stands [n, 3] : places of its nodes [m]. bars [b, k] : the two end nodes, then the
+    middle one of bars of three. start, end [b, 3] : ends of the flexible bars, at the tips of the rigid arms [m].
+    arms [b, k, 3] : from the nodes to the flexible bar, global axes [m]. axes [b, 3, 3] : rows are local x, y, z.
+    """
+
+    part: Frame
+    first: int
+    stands: Floats
+    bars: Integers
+    start: Floats
+    end: Floats
+    arms: Floats
+    axes: Floats
+    kind: ClassVar[str] = "bars"
+
+    def __post_init__(self) -> None:
+        where = f"parts.{self.part.name}"
+        k = nodes_per_bar(self.part.element)
+        bars = frozen_integers(f"{where} bars", self.bars, (None, k))
+        n = len(bars)
+        freeze(
+            self,
+            stands=frozen(f"{where} places", self.stands, (None, 3)),
+            bars=bars,
+            start=frozen(f"{where} start", self.start, (n, 3)),
+            end=frozen(f"{where} end", self.end, (n, 3)),
+            arms=frozen(f"{where} arms", self.arms, (n, k, 3)),
+            axes=frozen(f"{where} axes", self.axes, (n, 3, 3)),
+        )
+
+    @property
+    def name(self) -> str:
+        return self.part.name
+
+    @property
+    def places(self) -> Floats:
+        return self.stands
+
+    @property
+    def lumps(self) -> Floats:
+        half = self.part.material.rho * self.part.section.A * self.lengths / 2.0
+        lumps = np.zeros(len(self.stands))
+        np.add.at(lumps, self.lines - self.first, half[:, None])
+        return lumps
+
+    @property
+    def held_together(self) -> list[Integers]:
+        return list(self.bars)
+
+    @property
+    def lines(self) -> Integers:
+        return self.bars[:, :2]
+
+    @property
+    def lengths(self) -> Floats:
+        """Lengths of the flexible bars [b] [m]."""
+        lengths: Floats = np.linalg.norm(self.end - self.start, axis=1)
+        return lengths
+
+    @property
+    def mass(self) -> float:
+        return self.part.material.rho * self.part.section.A * float(self.lengths.sum())
+
+    @property
+    def loss_factor(self) -> float:
+        return self.part.material.loss_factor
+
+    def dofs(self) -> OwnDofs:
+        return six_at_nodes(len(self.places))
+
+    def stiffness_and_mass(self) -> tuple[csr_array, csr_array]:
+        numbers = np.arange(6 * len(self.places)).reshape(-1, 6)
+        part, material, section = self.part, self.part.material, self.part.section
+        E, G, lengths = material.E, material.G, self.lengths
+        A, Iy, Iz, ky, kz = section.A, section.Iy, section.Iz, section.ky, section.kz
+        local = (
+            frame.stiffness(part.element, lengths, E, G, A, Iy, Iz, section.J, ky, kz),
+            frame.mass(part.element, lengths, material.rho, A, Iy, Iz, ky, kz, E, G),
+        )
+        of_bars = numbers[self.bars - self.first].reshape(len(self.bars), -1)
+        at_nodes = [
+            placement.with_offsets(placement.to_global(matrix, self.axes), *np.moveaxis(self.arms, 1, 0))
+            for matrix in local
+        ]
+        return scattered(at_nodes[0], at_nodes[1], of_bars, 6 * len(self.places))
+
+    def rows(self, bars: Integers, shares: Floats) -> tuple[Integers, Floats]:
+        """Motion of places along bars from the components of their nodes.
+
+        bars [p] : which; shares [p] : from 0 at the start to 1 at the end of the flexible part.
+
+        Returns nodes [p, k] and rows [p, 6, k, 7], k nodes a bar: three displacements and three rotations, global axes.
+        """
+        part, material, section = self.part, self.part.material, self.part.section
+        local = frame.interpolate(
+            part.element,
+            self.lengths[bars],
+            shares,
+            material.E,
+            material.G,
+            section.A,
+            section.Iy,
+            section.Iz,
+            section.ky,
+            section.kz,
+        )
+        k = self.bars.shape[1]
+        turn = placement.rotation(self.axes[bars], k)
+        arms = placement.rigid_arms(*np.moveaxis(self.arms[bars], 1, 0))
+        rows = np.swapaxes(turn[:, :6, :6], -1, -2) @ local @ turn @ arms
+        padded = np.zeros((len(bars), 6, k, N_COMPONENTS))
+        padded[..., :6] = rows.reshape(len(bars), 6, k, 6)
+        return self.bars[bars], padded
+
+    def point(self, name: str, place: PlaceOn, at: Floats, tolerance: float) -> Point:
+        where, up = f"points.{name}", np.array([0.0, 0.0, 1.0])
+        refuse_patch(name, place)
+        if len(at) != 3:
+            raise InputError(f"{where}.at", got=f"{len(at)} numbers", expected="[x, y, z], global")
+        apart = np.linalg.norm(self.places - at, axis=1)
+        if apart.min() <= tolerance:
+            node = int(np.argmin(apart))
+            return Point(name, self.places[node], np.full(6, self.first + node), np.arange(6), np.eye(6), up)
+        distances, shares = distance_to_segments(at, self.start, self.end)
+        bar = int(np.argmin(distances))
+        if distances[bar] > tolerance:
+            raise InputError(
+                f"{where}.at",
+                got=f"({at[0]:g}, {at[1]:g}, {at[2]:g}) m, {distances[bar]:.4g} m off {self.name}",
+                expected="a place on its axis",
+            )
+        nodes, rows = self.rows(np.array([bar]), shares[[bar]])
+        position = self.start[bar] + shares[bar] * (self.end[bar] - self.start[bar])
+        return Point(name, position, *flat_rows(nodes, rows, np.ones(1)), normal=up)
+
+    def drawn(self, divisions: int, along: int, n_nodes: int) -> Drawn:
+        bars = np.repeat(np.arange(len(self.bars)), along + 1)
+        share = np.tile(np.linspace(0.0, 1.0, along + 1), len(self.bars))
+        nodes, rows = self.rows(bars, share)
+        places = (1.0 - share)[:, None] * self.start[bars] + share[:, None] * self.end[bars]
+        n = np.arange(len(bars)).reshape(len(self.bars), along + 1)
+        pieces = np.stack([n[:, :-1], n[:, 1:]], axis=-1).reshape(-1, 2)
+        return Drawn(places, sparse_rows(nodes, rows[:, :3], n_nodes), np.empty((0, 4), np.int64), pieces)
+
+
+def frames_of(model: Model) -> list[FrameMesh]:
+    """The frames of a model."""
+    return [part for part in model.parts.values() if isinstance(part, FrameMesh)]
+
+
+def _merged(places: Floats, tolerance: float) -> tuple[Floats, Integers]:
+    """Distinct places, in the order of their first appearance, and the number of each given one."""
+    pairs = scipy.spatial.KDTree(places).query_pairs(tolerance, output_type="ndarray")
+    graph = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(len(places), len(places)))
+    labels = connected_components(graph, directed=False)[1]
+    _, first, inverse = np.unique(labels, return_index=True, return_inverse=True)
+    order = np.argsort(first)
+    rank = np.empty_like(order)
+    rank[order] = np.arange(len(order))
+    return places[first[order]], rank[inverse]

@@ -1,0 +1,91 @@
+"""Masses without elasticity: at points, over regions of plates, along frames."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from scipy.sparse import csr_array, vstack
+
+from femstruct.elements.quadrature import gauss_interval
+from femstruct.errors import InputError, some_of
+from femstruct.model.anchors import places_of, point_rows
+from femstruct.model.fastened import Inert
+from femstruct.model.layout import Layout
+from femstruct.model.model import Model
+from femstruct.model.part import Part
+from femstruct.model.region import Region
+from femstruct.model.regions import grid_points, region_box
+from femstruct.model.rows import sparse_rows
+from femstruct.parts.frame import FrameMesh
+from femstruct.parts.plate import PlateMesh
+
+ORDER = 4  # Gauss points a direction: exact for products of two cubic deflections
+
+
+@dataclass(frozen=True)
+class Mass(Part):
+    """A mass without elasticity: at the places of a point (kg each), over a region of a plate, or along a frame.
+
+    per : what `mass` is counted by: "total" [kg], "length" [kg/m] along a rim, a line or all bars of a frame, "area"
+    [kg/m^2].
+    """
+
+    name: str
+    mass: float
+    at: str | None = None
+    on: str | None = None
+    region: Region | None = None
+    per: Literal["total", "length", "area"] = "total"
+
+    def carriers(self) -> tuple[str | None, ...]:
+        return (self.at,)
+
+    def needs(self, layout: Layout) -> None:
+        if self.on is not None and self.on not in layout.segments:
+            layout.on_region(f"parts.{self.name}.region", self.on, self.region or Region("whole"))
+
+    def fastened(self, model: Model, tolerance: float) -> Inert:
+        if not self.mass > 0:
+            raise InputError(f"parts.{self.name}.mass", got=f"{self.mass:g}", expected="a positive mass")
+        return self._lumped(model) if self.at is not None else self._spread(model, tolerance)
+
+    def _lumped(self, model: Model) -> Inert:
+        """A particle at every place of a point; the mass is that of each."""
+        if self.per != "total":
+            got = f"a mass per {self.per} at a point"
+            raise InputError(f"parts.{self.name}.mass", got=got, expected="a mass in kg")
+        points = places_of(f"parts.{self.name}.at", self.at or "", model)
+        rows = csr_array(vstack([point_rows(point, np.zeros(3), model)[:3] for point in points]))
+        return Inert(self.name, rows, np.full(rows.shape[0], self.mass), len(points))
+
+    def _spread(self, model: Model, tolerance: float) -> Inert:
+        """Mass over an area or along lines of a plate, or along a frame; it follows the mid-surface or the axis."""
+        where = f"parts.{self.name}"
+        region = self.region or Region("whole")
+        part = model.parts.get(self.on or "")
+        frame = part if isinstance(part, FrameMesh) else None
+        if frame is not None and region.kind != "whole":
+            raise InputError(f"{where}.region", got=f"a {region.kind} of a frame", expected="all of the frame")
+        spread = "area" if region.kind in ("whole", "rectangle") and frame is None else "length"
+        if self.per not in ("total", spread):
+            raise InputError(
+                f"{where}.mass",
+                got=f"a mass per {self.per} over a {region.kind if frame is None else 'frame'}",
+                expected=f"kg or per {spread}",
+            )
+        if frame is not None:
+            places, shares = gauss_interval(ORDER)
+            bars = np.repeat(np.arange(len(frame.bars)), ORDER)
+            weights = frame.lengths[bars] * np.tile(shares, len(frame.bars))
+            nodes, rows = frame.rows(bars, np.tile(places, len(frame.bars)))
+        elif isinstance(part, PlateMesh):
+            box = region_box(f"{where}.region", part.name, part.part.size, region, tolerance)
+            local, weights = grid_points(part.x, part.y, region, box, tolerance, ORDER)
+            nodes, rows = part.rows(local)
+        else:
+            known = some_of([name for name, one in model.parts.items() if not one.rigid])
+            raise InputError(f"{where}.on", got=f"'{self.on}'", expected=f"a plate or a frame: {known}")
+        mass = self.mass * weights / (weights.sum() if self.per == "total" else 1.0)
+        return Inert(self.name, sparse_rows(nodes, rows[:, :3], model.mesh.n_nodes), np.repeat(mass, 3), len(mass))

@@ -1,0 +1,78 @@
+"""Springs and dashpots between two places, or a place and the ground."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import csr_array, vstack
+
+from femstruct.conventions import DIRECTIONS
+from femstruct.errors import InputError
+from femstruct.model.anchors import places_of, point_rows
+from femstruct.model.fastened import Elastic
+from femstruct.model.model import Model
+from femstruct.model.part import Part
+
+Six = tuple[float, float, float, float, float, float]  # x y z rx ry rz, global axes
+NO_STIFFNESS: Six = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class Spring(Part):
+    """A spring and dashpot between two places, or a place and the ground; several places of a point: one each.
+
+    Two places apart from each other are joined in the middle between them, through rigid arms.
+
+    stiffness, damping : x y z rx ry rz along global axes [N/m, N m/rad] and [N s/m, N m s/rad].
+    """
+
+    name: str
+    a: str
+    b: str | None
+    stiffness: Six = NO_STIFFNESS
+    damping: Six = NO_STIFFNESS
+
+    def carriers(self) -> tuple[str | None, ...]:
+        return self.a, self.b
+
+    def fastened(self, model: Model, tolerance: float) -> Elastic:
+        """Springs between places, one for each pair, or one for each place to the ground.
+
+        Two places apart from each other act in the middle between them, each through a rigid arm of its own rotation,
+        so that a rigid motion of both strains nothing.
+        """
+        where = f"parts.{self.name}"
+        values = np.array([self.stiffness, self.damping], dtype=np.float64)
+        if not (np.isfinite(values) & (values >= 0)).all() or not values.any():
+            raise InputError(
+                where, got="stiffness and damping without one positive value", expected="values >= 0, one above"
+            )
+        kept = np.flatnonzero(values.any(axis=0))
+        first = places_of(f"{where}.between", self.a, model)
+        positions = np.stack([point.position for point in first])
+        if self.b is None:
+            matrices = [point_rows(point, np.zeros(3), model)[kept] for point in first]
+        else:
+            second = places_of(f"{where}.between", self.b, model)
+            if len(first) != len(second) and min(len(first), len(second)) != 1:
+                got = f"{len(first)} and {len(second)} places"
+                raise InputError(f"{where}.between", got=got, expected="as many, or one of either")
+            count = max(len(first), len(second))
+            positions = (positions + np.stack([point.position for point in second])) / 2.0
+            matrices = []
+            for one, other in zip(first * (count // len(first)), second * (count // len(second)), strict=True):
+                half = (other.position - one.position) / 2.0
+                matrices.append((point_rows(one, half, model) - point_rows(other, -half, model))[kept])
+        count = len(matrices)
+        directions = np.zeros((len(DIRECTIONS), 3))
+        directions[:3] = np.eye(3)
+        return Elastic(
+            self.name,
+            csr_array(vstack(matrices)),
+            np.tile(values[0, kept], count),
+            np.tile(values[1, kept], count),
+            np.tile(directions[kept], (count, 1)),
+            grounded=self.b is None,
+            places=positions,
+        )
