@@ -39,13 +39,13 @@ if TYPE_CHECKING:
     from femstruct.impact.bodies import Load as Load
     from femstruct.impact.bodies import Scene as Scene
     from femstruct.impact.bodies import Table as Table
-    from femstruct.impact.factored import Cubic as Cubic
-    from femstruct.impact.factored import HuntCrossley as HuntCrossley
-    from femstruct.impact.factored import LankaraniNikravesh as LankaraniNikravesh
-    from femstruct.impact.factored import Tabulated as Tabulated
-    from femstruct.impact.laws import Hertz as Hertz
-    from femstruct.impact.laws import Linear as Linear
-    from femstruct.impact.laws import Stop as Stop
+    from femstruct.impact.laws.cubic import Cubic as Cubic
+    from femstruct.impact.laws.hertz import Hertz as Hertz
+    from femstruct.impact.laws.hunt_crossley import HuntCrossley as HuntCrossley
+    from femstruct.impact.laws.lankarani_nikravesh import LankaraniNikravesh as LankaraniNikravesh
+    from femstruct.impact.laws.linear import Linear as Linear
+    from femstruct.impact.laws.stop import Stop as Stop
+    from femstruct.impact.laws.tabulated import Tabulated as Tabulated
     from femstruct.impact.metrics import Batch as Batch
     from femstruct.impact.response import Response as Response
     from femstruct.impact.simulate import simulate as simulate
@@ -94,8 +94,13 @@ _NAMES = {
     "files.stored": ("read_results",),
     "impact.batch": ("simulate_batch",),
     "impact.bodies": ("GROUND", "Body", "Clock", "Contact", "HalfSine", "Link", "Load", "Scene", "Table"),
-    "impact.factored": ("Cubic", "HuntCrossley", "LankaraniNikravesh", "Tabulated"),
-    "impact.laws": ("Hertz", "Linear", "Stop"),
+    "impact.laws.cubic": ("Cubic",),
+    "impact.laws.hertz": ("Hertz",),
+    "impact.laws.hunt_crossley": ("HuntCrossley",),
+    "impact.laws.lankarani_nikravesh": ("LankaraniNikravesh",),
+    "impact.laws.linear": ("Linear",),
+    "impact.laws.stop": ("Stop",),
+    "impact.laws.tabulated": ("Tabulated",),
     "impact.metrics": ("Batch",),
     "impact.response": ("Response",),
     "impact.simulate": ("simulate",),

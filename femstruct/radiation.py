@@ -60,7 +60,7 @@ def surface_velocity(
     >>> import numpy as np
     >>> from scipy.sparse import csr_array
     >>> from femstruct.impact.bodies import Body, Clock, Contact, Scene
-    >>> from femstruct.impact.laws import Linear
+    >>> from femstruct.impact.laws.linear import Linear
     >>> from femstruct.impact.simulate import simulate
     >>> from femstruct.modal.analytic import oscillator
     >>> square, points = oscillator(1.0, frequency_hz=0.0, axis="z")

@@ -24,7 +24,8 @@ from femstruct.impact.batch import simulate_batch
 from femstruct.impact.bodies import Body, Clock, Contact, Link, Scene
 from femstruct.impact.exact.choice import takes_exact_march
 from femstruct.impact.exact.rule import COARSE, ORDER
-from femstruct.impact.laws import Hertz, Linear
+from femstruct.impact.laws.hertz import Hertz
+from femstruct.impact.laws.linear import Linear
 from femstruct.impact.metrics import Batch
 from femstruct.impact.rule import PLACES, POINTS, STAGES
 from femstruct.impact.simulate import simulate

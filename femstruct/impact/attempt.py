@@ -11,8 +11,8 @@ from femstruct.impact.compiled.layout import Matrix, Vector
 from femstruct.impact.events import strays, watch
 from femstruct.impact.forces import State
 from femstruct.impact.propagate import Trial, trial_room, try_step
+from femstruct.impact.records import System
 from femstruct.impact.rule import STAGES, Rule
-from femstruct.impact.system import System
 from femstruct.impact.tables import Tables
 
 REFUSED = -1  # a step whose error is too large, or whose forces were not found

@@ -49,7 +49,7 @@ def simulate_batch(
     A ball hits a wall through a spring at three speeds; the force is v sqrt(k m), the contact half a period:
 
     >>> from femstruct.impact.bodies import GROUND, Body, Contact
-    >>> from femstruct.impact.laws import Linear
+    >>> from femstruct.impact.laws.linear import Linear
     >>> from femstruct.modal.analytic import given_modes
     >>> wall = Contact("wall", upper="ball", lower=GROUND, law=Linear(np.pi**2))
     >>> scene = Scene((Body("ball", 1.0, -1.0),), (wall,))

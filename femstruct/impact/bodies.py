@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import get_args
 
 import numpy as np
 
 from femstruct.arrays import Floats, freeze, frozen
 from femstruct.errors import FemstructError
-from femstruct.impact.laws import Law
+from femstruct.impact.laws.law import Law
+from femstruct.impact.laws.registry import LAWS
 from femstruct.model.probe import Probe
 
 
@@ -57,7 +57,7 @@ class Contact:
     upper, lower : the name of a body, a probe of the structure (`model.points["P"].probe("z")`), or GROUND.
     law : one of the exported laws; `Tabulated` takes a law of your own by points of it.
 
-    >>> from femstruct.impact.laws import Hertz
+    >>> from femstruct.impact.laws.hertz import Hertz
     >>> Contact("ball on ground", upper="ball", lower=GROUND, law=Hertz(3.7e5, damping=150.0)).law.stiffness
     370000.0
     """
@@ -74,7 +74,7 @@ class Contact:
             raise FemstructError(
                 f"contacts.{self.name}.law",
                 got=f"a {type(self.law).__name__}",
-                expected=" or ".join(one.__name__ for one in get_args(Law)),
+                expected=" or ".join(one.__name__ for one in LAWS),
                 do="a law of your own is Tabulated(indentations, forces), through points of it",
             )
         if not self.gap >= 0:
@@ -213,7 +213,7 @@ class Scene:
     velocity [k] : modal velocities at t = 0, None for a structure at rest. gravity [m/s^2], 0 for none.
     blows : bodies that strike more than once, in the order in which they are placed when they strike together.
 
-    >>> from femstruct.impact.laws import Linear
+    >>> from femstruct.impact.laws.linear import Linear
     >>> wall = Contact("wall", upper="ball", lower=GROUND, law=Linear(1e4))
     >>> scene = Scene(bodies=(Body("ball", 1.0, -2.0),), contacts=(wall,))
     >>> [contact.name for contact in scene.contacts]

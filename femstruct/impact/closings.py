@@ -13,8 +13,8 @@ from femstruct.arrays import Floats
 from femstruct.impact.compiled.kernels import kernel
 from femstruct.impact.energy import TIME
 from femstruct.impact.forces import CLAMPED, CLOSED, State, copy_to, sense
+from femstruct.impact.records import System
 from femstruct.impact.sampling import Record
-from femstruct.impact.system import System
 
 OPENS, CLOSES = 0, 1
 DOUBTFUL, CERTAIN, LIFTED = 0, 1, 2  # an event within rounding so far; beyond it; of a body that was lifted off

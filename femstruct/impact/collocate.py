@@ -9,9 +9,10 @@ import numpy as np
 from femstruct.impact.attempt import march_room
 from femstruct.impact.forces import State
 from femstruct.impact.march import ERROR_BUDGET, levels_for, longest_coupled, march
+from femstruct.impact.records import System
 from femstruct.impact.rule import collocation_rule
 from femstruct.impact.sampling import Record
-from femstruct.impact.system import Compiled, System
+from femstruct.impact.system import Compiled
 from femstruct.impact.tables import Tables
 
 MAX_STEPS = 20_000_000

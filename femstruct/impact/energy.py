@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from femstruct.arrays import Floats
 from femstruct.impact.bodies import Scene
 from femstruct.impact.compiled.kernels import kernel
-from femstruct.impact.forces import AWAY, CLAMPED, CLOSED, OPEN, State, law, spring
+from femstruct.impact.forces import AWAY, CLAMPED, CLOSED, OPEN, State, law
+from femstruct.impact.laws.dispatch import beside, spring
 from femstruct.impact.propagate import Trial
+from femstruct.impact.records import LINK, System
 from femstruct.impact.response import EnergyBalance, EnergyLedger
 from femstruct.impact.rule import STAGES, Rule
-from femstruct.impact.system import CUBIC, HERTZ, LINEAR, LINK, Compiled, System
+from femstruct.impact.system import Compiled
 
 TIME, STRUCTURE, BODIES = 0, 1, 2  # columns of a ledger row; then stored [i], lost in modes, lost [i], work, blows
 
@@ -41,33 +41,9 @@ def stored(system: System, state: State, a: int, displacement: float) -> float:
     delta = displacement + rest if state.status[a] != OPEN and state.status[a] != AWAY else 0.0
     if preload > 0.0:
         if delta > 0.0:
-            return _beside_rest(system, a, rest, displacement)
+            return float(beside(system, a, rest, displacement))
         return float(-potential(system, a, rest) - preload * displacement)
     return potential(system, a, delta)
-
-
-@kernel
-def _beside_rest(system: System, a: int, rest: float, moved: float) -> float:
-    """Energy of a spring moved from its indentation at rest, less that at rest and the work of the force there.
-
-    U(d + x) - U(d) - U'(d) x without the difference of large numbers for the usual laws; that of Hertz, with
-    r = sqrt(1 + x / d), is k d^(5/2) (r - 1)^2 (0.4 r^3 + 0.8 r^2 + 1.2 r + 0.6).
-    """
-    stiffness, kind = system.interfaces[a]["stiffness"], system.interfaces[a]["kind"]
-    if kind == LINEAR:
-        return float(0.5 * stiffness * moved * moved)
-    if kind == HERTZ:
-        share = moved / rest
-        r = np.sqrt(1.0 + share)
-        beyond = share / (1.0 + r)
-        return float(
-            stiffness * rest * rest * np.sqrt(rest) * beyond * beyond * (0.6 + r * (1.2 + r * (0.8 + r * 0.4)))
-        )
-    if kind == CUBIC:
-        cubic = system.interfaces[a]["shape"]
-        square = 1.5 * rest * rest + moved * (rest + 0.25 * moved)
-        return float((0.5 * stiffness + cubic * square) * moved * moved)
-    return potential(system, a, rest + moved) - potential(system, a, rest) - spring(system, a, rest)[0] * moved
 
 
 @kernel
@@ -102,7 +78,7 @@ def integrate_losses(h: float, system: System, state: State, rule: Rule, trial: 
         if status == CLOSED:
             for p in range(STAGES):
                 speed = trial.rate[a, p + 1]
-                damping = law(system, a, trial.place[a, p + 1] + system.interfaces[a]["offset"], speed)[2]
+                damping = law(system, a, trial.place[a, p + 1] + system.interfaces[a]["offset"], speed)[3]
                 lost[a] += h * rule.weights[p] * damping * speed * speed
         elif status == CLAMPED:  # the spring drives its own dashpot, without force to the outside
             for p in range(STAGES):

@@ -89,7 +89,7 @@ def error_of(response: Response) -> ErrorEstimate:
     A ball of 1 kg on a wall by Hertz: the peak is k (5 m v^2 / 4 k)^(3/5).
 
     >>> from femstruct.impact.bodies import GROUND, Body, Clock, Contact, Scene
-    >>> from femstruct.impact.laws import Hertz
+    >>> from femstruct.impact.laws.hertz import Hertz
     >>> from femstruct.impact.simulate import simulate
     >>> from femstruct.modal.analytic import given_modes
     >>> wall = Contact("wall", upper="ball", lower=GROUND, law=Hertz(1e6))

@@ -15,8 +15,8 @@ from femstruct.arrays import Floats
 from femstruct.impact.compiled.kernels import kernel
 from femstruct.impact.forces import AWAY, CLAMPED, CLOSED, OPEN, PRELOAD, ROUNDING, State, law, sense
 from femstruct.impact.propagate import Trial
+from femstruct.impact.records import LINK, System
 from femstruct.impact.rule import PLACES, STAGES, Rule
-from femstruct.impact.system import LINK, System
 from femstruct.impact.tables import Tables
 
 RELATIVE = 1e-12  # relative to the largest value in the step: rounding of the Bernstein coefficients
@@ -156,7 +156,7 @@ def watch(h: float, system: System, state: State, rule: Rule, trial: Trial, boun
 @kernel
 def least_excess(system: System, bounds: Floats, a: int) -> float:
     """What the force of a preloaded contact must differ from its preload by for its sign to be known."""
-    _, by_place, by_rate = law(system, a, system.interfaces[a]["offset"], 0.0)
+    _, by_place, by_rate, _ = law(system, a, system.interfaces[a]["offset"], 0.0)
     rounding = by_place * bounds[a, 2] + by_rate * bounds[a, 3]
     return float(max(PRELOAD * system.interfaces[a]["preload"], rounding))
 

@@ -5,12 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from femstruct.arrays import Floats, Integers
 from femstruct.errors import InputError
 from femstruct.impact.attempt import march_room
-from femstruct.impact.bodies import Clock
+from femstruct.impact.bodies import Clock, Contact
 from femstruct.impact.energy import ledger_width
 from femstruct.impact.exact.choice import takes_exact_march
 from femstruct.impact.exact.rule import exact_room, exact_rule
@@ -18,9 +17,10 @@ from femstruct.impact.forces import State
 from femstruct.impact.many import Columns, Marches, Out, Runs, Shared, columns, run_many
 from femstruct.impact.march import ERROR_BUDGET, longest_coupled
 from femstruct.impact.outcome import LAST
+from femstruct.impact.records import Records, System
 from femstruct.impact.rule import FINEST_HALVINGS, collocation_rule
 from femstruct.impact.sampling import room_for
-from femstruct.impact.system import HERTZ, LINEAR, LINK, POWER, Compiled, Records, System, compile_scene
+from femstruct.impact.system import Compiled, compile_scene
 from femstruct.impact.tables import Tables, tabulated
 from femstruct.impact.vary import Variation
 from femstruct.modal.basis import ModalBasis
@@ -29,7 +29,6 @@ MAX_STEPS = 2_000_000  # of a run
 PACED = 50_000  # steps tried between two looks at its progress: a tenth of a second or more
 SURVEYED = 4096  # runs looked at together for the tick
 LEAST_HALVINGS = 12
-FIELDS = {"damping": "closing", "dissipation": "closing", "exponent": "shape", "cubic": "shape"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -160,15 +159,16 @@ def numbers(varied: Variation, compiled: Compiled, first: int, last: int) -> Run
         return np.broadcast_to(varied.columns[name][first:last] if name in varied.columns else otherwise, (count,))
 
     interfaces = np.repeat(system.interfaces[None], count, axis=0)
+    contacts = {contact.name: contact for contact in scene.contacts}
     for name, rows in compiled.contacts.items():
         for a in rows:
-            for word in ("stiffness", *FIELDS):
+            for word, field in contacts[name].law.varies.items():
                 if f"{name}.{word}" in varied.columns:
-                    interfaces[FIELDS.get(word, word)][:, a] = values(f"{name}.{word}", 0.0)
+                    interfaces[field][:, a] = values(f"{name}.{word}", 0.0)
             interfaces["opening"][:, a] = interfaces["closing"][:, a]
             interfaces["preload"][:, a] = values(f"{name}.preload", float(system.interfaces[a]["preload"]))
-            gap = next(contact.gap for contact in scene.contacts if contact.name == name)
-            interfaces["offset"][:, a] = _rest(name, varied, interfaces[:, a]) - values(f"{name}.gap", gap)
+            rest = _rest(contacts[name], varied, interfaces[:, a])
+            interfaces["offset"][:, a] = rest - values(f"{name}.gap", contacts[name].gap)
     for name, a in compiled.links.items():
         for word in ("stiffness", "closing", "opening", "preload"):
             interfaces[word][:, a] = values(f"{name}.{word}", float(system.interfaces[a][word]))
@@ -185,20 +185,19 @@ def numbers(varied: Variation, compiled: Compiled, first: int, last: int) -> Run
     return Runs(mass, velocity, interfaces, loads, strikes)
 
 
-def _rest(name: str, varied: Variation, interfaces: Records) -> Floats:
+def _rest(contact: Contact, varied: Variation, interfaces: Records) -> Floats:
     """Indentation under the preload of one contact in all runs [runs]."""
-    preload, kind = interfaces["preload"], int(interfaces["kind"][0])
+    preload, law, name = interfaces["preload"], contact.law, contact.name
     if not preload.any():
         return np.zeros(len(preload))
-    if kind in (HERTZ, LINEAR, POWER):
-        exponent = interfaces["shape"] if kind == POWER else {HERTZ: 1.5, LINEAR: 1.0}[kind]
-        rest: Floats = (preload / interfaces["stiffness"]) ** (1.0 / exponent)
-        return rest
-    if {f"{name}.{word}" for word in ("stiffness", "cubic", "preload")} & varied.columns.keys():
+    rests = law.rests(preload, interfaces)
+    if rests is not None:
+        return rests
+    springs = [word for word, field in law.varies.items() if field != "closing"]
+    if {f"{name}.{word}" for word in ("preload", *springs)} & varied.columns.keys():
         raise InputError(f"vary.{name}", got="a spring or a preload that varies", expected="those of the scene", do=
-                         "a preloaded cubic or tabulated contact has one rest position in a batch")  # fmt: skip
-    contact = next(contact for contact in varied.scene.contacts if contact.name == name)
-    return np.full(len(preload), contact.law.indentation(contact.preload))
+                         f"a contact preloaded by {type(law).__name__} has one rest position in a batch")  # fmt: skip
+    return np.full(len(preload), law.indentation(contact.preload))
 
 
 def _hardest(varied: Variation, compiled: Compiled) -> System:
@@ -230,25 +229,19 @@ def _halvings(varied: Variation, compiled: Compiled, window: Clock) -> int:
     allowed, shortest = window.tolerance * ERROR_BUDGET, window.duration
     for first in range(0, varied.runs, SURVEYED):
         runs = numbers(varied, compiled, first, min(first + SURVEYED, varied.runs))
-        if not simple or runs.interfaces["preload"].any() or (runs.interfaces["kind"] > LINK).any():
+        if not simple or runs.interfaces["preload"].any():
             return FINEST_HALVINGS
         energy = 0.5 * ((runs.mass * runs.velocity**2).sum(axis=1) + (compiled.start[1, :k] ** 2).sum())
-        for a in np.flatnonzero(system.interfaces["kind"] != LINK):
-            law = runs.interfaces[:, a]
+        for law, a in ((contact.law, a) for contact in scene.contacts for a in compiled.contacts[contact.name]):
+            mine = runs.interfaces[:, a]
             mobility = (system.rows[a, :k] ** 2).sum() + (
                 (system.rows[a, k:] * compiled.scale[k:]) ** 2 / runs.mass
             ).sum(axis=1)
             speed = np.sqrt(2.0 * energy * mobility)
             with np.errstate(over="ignore"):  # a contact that stiff gets the shortest tick
-                spring, dashpot = mobility * law["stiffness"] / allowed, mobility * law["closing"] / allowed
-            if law["kind"][0] == HERTZ:
-                rates = _larger(spring**0.4 * speed**0.2, (dashpot * np.sqrt(speed)) ** (2.0 / 3.0))
-            else:
-                rates = _larger(np.sqrt(spring), dashpot)
+                spring, dashpot = mobility * mine["stiffness"] / allowed, mobility * mine["closing"] / allowed
+            rates = law.quickest(spring, dashpot, speed)
+            if rates is None:
+                return FINEST_HALVINGS
             shortest = min(shortest, 1.0 / np.clip(float(rates.max()), 1e-300, 1e300))
     return int(np.clip(np.ceil(np.log2(window.duration / shortest)), LEAST_HALVINGS, FINEST_HALVINGS))
-
-
-def _larger(left: Floats, right: Floats) -> Floats:
-    larger: NDArray[np.float64] = np.maximum(left, right)
-    return larger

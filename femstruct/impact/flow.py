@@ -5,8 +5,8 @@ from __future__ import annotations
 from femstruct.arrays import Floats
 from femstruct.impact.compiled.kernels import kernel
 from femstruct.impact.forces import move_to
+from femstruct.impact.records import System
 from femstruct.impact.rule import STAGES
-from femstruct.impact.system import System
 from femstruct.impact.tables import Tables
 
 

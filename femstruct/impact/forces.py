@@ -9,7 +9,8 @@ import numpy as np
 from femstruct.arrays import Floats
 from femstruct.impact.compiled.kernels import kernel, summing
 from femstruct.impact.compiled.layout import Counts, Vector
-from femstruct.impact.system import CONSTANT, CUBIC, HALF_SINE, HERTZ, LINEAR, LINK, POWER, System
+from femstruct.impact.laws.dispatch import force as force_of
+from femstruct.impact.records import CONSTANT, HALF_SINE, LINK, System
 
 OPEN, CLOSED, CLAMPED = 0, 1, 2  # a contact without force; with force; indented, its dashpot out of force
 ROUNDING = 4e-15  # relative to the terms a displacement is summed from
@@ -32,83 +33,26 @@ class State(NamedTuple):
 
 
 @kernel
-def spring(system: System, a: int, delta: float) -> tuple[float, float, float]:
-    """Force of contact a's spring at an indentation, its slope, and the energy it holds."""
-    stiffness, kind = system.interfaces[a]["stiffness"], system.interfaces[a]["kind"]
-    if kind == LINEAR:
-        return stiffness * delta, stiffness, 0.5 * stiffness * delta * delta
-    if kind == HERTZ:
-        if delta <= 0.0:
-            return 0.0, 0.0, 0.0
-        root = np.sqrt(delta)
-        return stiffness * delta * root, 1.5 * stiffness * root, 0.4 * stiffness * delta * delta * root
-    if kind == POWER:
-        if delta <= 0.0:
-            return 0.0, 0.0, 0.0
-        exponent = system.interfaces[a]["shape"]
-        slope = stiffness * delta ** (exponent - 1.0)
-        return slope * delta, exponent * slope, slope * delta * delta / (exponent + 1.0)
-    if kind == CUBIC:
-        square, cubic = delta * delta, system.interfaces[a]["shape"]
-        return (
-            (stiffness + cubic * square) * delta,
-            stiffness + 3.0 * cubic * square,
-            (0.5 * stiffness + 0.25 * cubic * square) * square,
-        )
-    return _curve(system, a, delta)
-
-
-@kernel
-def _curve(system: System, a: int, delta: float) -> tuple[float, float, float]:
-    """As `spring`, for a tabulated law: its cubic pieces, and straight on at both ends."""
-    left = system.interfaces[a]["first"]
-    right = left + system.interfaces[a]["length"]
-    while right - left > 1:
-        middle = (left + right) // 2
-        if system.curves[middle, 0] <= delta:
-            left = middle
-        else:
-            right = middle
-    x = delta - system.curves[left, 0]
-    force, slope, energy = system.curves[left, 1], system.curves[left, 2], system.curves[left, 5]
-    c2, c3 = (system.curves[left, 3], system.curves[left, 4]) if x > 0.0 else (0.0, 0.0)
-    return (
-        force + x * (slope + x * (c2 + x * c3)),
-        slope + x * (2.0 * c2 + 3.0 * x * c3),
-        energy + x * (force + x * (slope / 2.0 + x * (c2 / 3.0 + x * c3 / 4.0))),
-    )
-
-
-@kernel
 def sense(system: System, a: int) -> tuple[float, float, float]:
     """Whether contact a pushes or pulls: the sign of first + second * indentation + third * speed, while indented.
 
     The dashpot beside a spring: k delta + c delta'. The dashpot that is a factor: 1 + chi delta'.
     """
-    if system.interfaces[a]["kind"] == LINEAR or system.interfaces[a]["kind"] == HERTZ:
-        return 0.0, float(system.interfaces[a]["stiffness"]), float(system.interfaces[a]["closing"])
-    return 1.0, 0.0, float(system.interfaces[a]["closing"])
+    if system.interfaces[a]["factor"]:
+        return 1.0, 0.0, float(system.interfaces[a]["closing"])
+    return 0.0, float(system.interfaces[a]["stiffness"]), float(system.interfaces[a]["closing"])
 
 
 @kernel
-def law(system: System, a: int, delta: float, speed: float) -> tuple[float, float, float]:
-    """Force of interface a by its formula (no clamp) and its derivatives to indentation and speed."""
-    stiffness, damping = system.interfaces[a]["stiffness"], system.interfaces[a]["closing"]
+def law(system: System, a: int, delta: float, speed: float) -> tuple[float, float, float, float]:
+    """Force of interface a by its formula (no clamp), its derivatives to indentation and speed, and the dashpot's part
+    of the force over the speed."""
     if system.interfaces[a]["kind"] == LINK:
+        stiffness, damping = system.interfaces[a]["stiffness"], system.interfaces[a]["closing"]
         if speed < 0.0:
             damping = system.interfaces[a]["opening"]
-        return stiffness * delta + damping * speed + system.interfaces[a]["preload"], stiffness, damping
-    if system.interfaces[a]["kind"] == HERTZ:
-        if delta <= 0.0:
-            return 0.0, 0.0, 0.0
-        root = np.sqrt(delta)
-        force = root * (stiffness * delta + damping * speed)
-        return force, 1.5 * stiffness * root + 0.5 * damping * speed / root, damping * root
-    if system.interfaces[a]["kind"] == LINEAR:
-        return stiffness * delta + damping * speed, stiffness, damping
-    force, slope, _ = spring(system, a, delta)
-    factor = 1.0 + damping * speed
-    return force * factor, slope * factor, force * damping
+        return stiffness * delta + damping * speed + system.interfaces[a]["preload"], stiffness, damping, damping
+    return force_of(system, a, delta, speed)  # type: ignore[no-any-return]
 
 
 @kernel

@@ -11,8 +11,6 @@ from numpy.typing import NDArray
 from femstruct.arrays import Floats
 from femstruct.errors import Finding
 from femstruct.impact.bodies import Contact
-from femstruct.impact.factored import LankaraniNikravesh, Tabulated
-from femstruct.impact.laws import Law
 from femstruct.impact.response import Outcome
 
 ENERGY_DRIFT = 1e-8  # of the energy put in: what a run keeps; told from there on
@@ -20,7 +18,6 @@ NOT_TRUSTED = 1e-6  # and severe from here on
 SAMPLES_PER_CONTACT = 10
 TICKS_PER_CONTACT = 100  # peaks are wrong by (pi / ticks)^2 / 2 by a linear law, 3.3 / ticks^2.5 by Hertz: below 1e-3
 NOT_DECAYED = 1e-2  # of the structure's largest energy
-RESTITUTION_MISSED = 0.05  # of a restitution: the law of Lankarani and Nikravesh misses it from 0.79 down
 
 
 @dataclass(frozen=True)
@@ -72,7 +69,9 @@ def run_findings(contacts: Sequence[Contact], run: Measured) -> tuple[Finding, .
                     {"contact_s": shortest, "resolved_s": run.tick, "needed": float(TICKS_PER_CONTACT)},
                 )
             )
-    return (*found, *law_findings(contacts, run.deepest))
+    for contact in contacts:
+        found += contact.law.findings(contact.name, run.deepest[contact.name])
+    return tuple(found)
 
 
 def unresolved(shortest: Floats | np.float64, tick: float, residual: Floats | np.float64) -> NDArray[np.bool_]:
@@ -84,45 +83,6 @@ def unresolved(shortest: Floats | np.float64, tick: float, residual: Floats | np
 def drifts(residual: Floats | np.float64, allowed: float = ENERGY_DRIFT) -> NDArray[np.bool_]:
     """Whether a ledger is open by more than is allowed."""
     return np.asarray(np.logical_not(residual <= allowed))
-
-
-def beyond_table(law: Law, depth: Floats | np.float64) -> NDArray[np.bool_]:
-    """Whether a contact was pressed in beyond the last point of its law's table; its law may have none."""
-    return np.asarray(depth > law.indentations[-1] if isinstance(law, Tabulated) else np.zeros_like(depth, dtype=bool))
-
-
-def misses_restitution(law: Law) -> bool:
-    """Whether a law returns another restitution than it is asked for."""
-    return isinstance(law, LankaraniNikravesh) and law.returns - law.restitution > RESTITUTION_MISSED
-
-
-def law_findings(contacts: Sequence[Contact], deepest: Mapping[str, float]) -> tuple[Finding, ...]:
-    """Findings about the laws of contacts; deepest : largest indentation of each in the run [m]."""
-    found = []
-    for contact in contacts:
-        law, depth = contact.law, deepest[contact.name]
-        if isinstance(law, Tabulated) and beyond_table(law, np.float64(depth)):
-            last = float(law.indentations[-1])
-            found.append(
-                Finding(
-                    "beyond-table",
-                    f"Contact '{contact.name}' was pressed in by {1e3 * depth:.4g} mm; its table ends at "
-                    f"{1e3 * last:.4g} mm. Beyond, the force went on along the last slope: a guess.",
-                    {"indentation_m": depth, "last_m": last},
-                    severe=True,
-                )
-            )
-        if isinstance(law, LankaraniNikravesh) and misses_restitution(law):
-            found.append(
-                Finding(
-                    "restitution-missed",
-                    f"Contact '{contact.name}' wants a restitution of {law.restitution:g} at {law.speed:g} m/s; the "
-                    f"law of Lankarani and Nikravesh returns {law.returns:.3f}. It holds near 1; hunt-crossley "
-                    "returns what it is asked for.",
-                    {"restitution": law.restitution, "returned": law.returns, "speed_m_s": law.speed},
-                )
-            )
-    return tuple(found)
 
 
 def decay_findings(largest: float, left: float, duration: float) -> tuple[Finding, ...]:

@@ -20,10 +20,10 @@ from femstruct.impact.exact.march import exact_march
 from femstruct.impact.exact.rule import ExactRoom, ExactRule
 from femstruct.impact.forces import State, copy_to
 from femstruct.impact.march import DONE, march
+from femstruct.impact.records import ManyInterfaces, ManyLoads, ManyStrikes, System
 from femstruct.impact.rule import POINTS, STAGES, Rule
 from femstruct.impact.sampling import Record
 from femstruct.impact.strikes import HELD, SINCE, lies
-from femstruct.impact.system import ManyInterfaces, ManyLoads, ManyStrikes, System
 from femstruct.impact.tables import Tables
 
 STATUS, STEPS, RESIDUAL, SEPARATED, FIRST = 0, 1, 2, 3, 4  # columns; then what `columns` says

@@ -17,10 +17,10 @@ from femstruct.impact.events import CHANGES, SHARP, UNCERTAIN, least_excess, swi
 from femstruct.impact.flow import advance
 from femstruct.impact.forces import AWAY, CLOSED, OPEN, ROUNDING, State, copy_to, load_at, net_force, rows_now
 from femstruct.impact.propagate import LONGER, Trial
+from femstruct.impact.records import CONSTANT, LINK, System
 from femstruct.impact.rule import LONGEST_DOUBLINGS, PLACES, Rule
 from femstruct.impact.sampling import Record, ended, keep, peaks, peaks_at_start, travels
 from femstruct.impact.strikes import first_strike, strike, touch
-from femstruct.impact.system import CONSTANT, LINK, System
 from femstruct.impact.tables import Tables
 
 DONE, TOO_MANY_STEPS, NO_FORCES, TOO_MANY_EVENTS, STICKS, STALLS, STOPPED = 0, 1, 2, 3, 4, 5, 6

@@ -16,12 +16,11 @@ from femstruct.impact.fleet import Fleet
 from femstruct.impact.judgement import (
     NOT_TRUSTED,
     Measured,
-    beyond_table,
     drifts,
-    misses_restitution,
     run_findings,
     unresolved,
 )
+from femstruct.impact.laws.registry import DOUBTS
 from femstruct.impact.many import RESIDUAL, SEPARATED, STATUS, STEPS
 from femstruct.impact.march import DONE, TROUBLE
 from femstruct.impact.outcome import Endings, Flags, outcomes_of
@@ -112,7 +111,9 @@ class Batch:
     def severe(self) -> Flags:
         """Whether a run has a finding that says not to trust it [runs]."""
         drifting: Flags = drifts(self.residual, NOT_TRUSTED)
-        return self.flags["failed"] | self.flags["beyond-table"] | drifting
+        of_laws = [self.flags[code] for code, severe in DOUBTS.items() if severe]
+        severe: Flags = np.logical_or.reduce([self.flags["failed"], drifting, *of_laws])
+        return severe
 
     def findings(self, i: int) -> tuple[Finding, ...]:
         """Reasons to believe run i less, in the words of `simulate`.
@@ -255,11 +256,12 @@ def _flags(
 ) -> dict[str, Flags]:
     """Which runs have which finding; one that failed has no other."""
     failed = np.array([one is None for one in outcome])
-    too_deep, too_short, lifted, missed, left_out = (np.zeros(len(failed), dtype=bool) for _ in range(5))
+    too_short, lifted, left_out = (np.zeros(len(failed), dtype=bool) for _ in range(3))
+    doubts = {code: np.zeros(len(failed), dtype=bool) for code in DOUBTS}
     for contact in scene.contacts:
-        too_deep |= beyond_table(contact.law, deepest[contact.name])
         too_short |= unresolved(shortest[contact.name], tick, residual)
-        missed |= misses_restitution(contact.law)
+        for code, depth in contact.law.doubted_from.items():
+            doubts[code] |= deepest[contact.name] > depth
     for plan in scene.blows:
         lifted |= lifts[plan.body].count > 0.0
         left_out |= lifts[plan.body].blows < plan.count
@@ -267,8 +269,7 @@ def _flags(
         "energy-drift": drifts(residual),
         "contact-closed-at-end": np.array([one is Outcome.CLOSED_AT_END for one in outcome]),
         "contact-unresolved": too_short,
-        "beyond-table": too_deep,
-        "restitution-missed": missed,
+        **doubts,
         "lifted-in-contact": lifted,
         "blows-left-out": left_out,
     }

@@ -11,8 +11,8 @@ from typing import NamedTuple
 import numpy as np
 
 from femstruct.arrays import Floats, Integers
+from femstruct.impact.records import System
 from femstruct.impact.rule import LONGEST_DOUBLINGS, STAGES, Rule
-from femstruct.impact.system import System
 from femstruct.impact.tables import Tables, flows
 
 DISPLACEMENT, VELOCITY = 0, 1

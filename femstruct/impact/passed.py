@@ -9,7 +9,6 @@ import numpy as np
 from femstruct.arrays import Floats
 from femstruct.errors import FemstructError
 from femstruct.impact.bodies import End, Ground
-from femstruct.impact.laws import Stop
 from femstruct.impact.response import Response
 from femstruct.model.probe import Probe
 
@@ -51,7 +50,7 @@ def _each_push(response: Response, seen: Callable[[End], Floats]) -> Floats:
     rows: list[Floats] = []
     for contact in response.scene.contacts:
         approach = seen(contact.lower) - seen(contact.upper)
-        rows += [approach, -approach] if isinstance(contact.law, Stop) else [approach]
+        rows += [side * approach for side in contact.law.sides]
     rows += [seen(link.lower) - seen(link.upper) for link in response.scene.links]
     rows += [seen(load.on) for load in response.scene.loads]
     return np.array(rows).reshape(len(rows), -1) if rows else np.zeros((0, 1))

@@ -15,8 +15,8 @@ from femstruct.impact.compiled.kernels import kernel
 from femstruct.impact.compiled.layout import Counts, Cube, Matrix, Vector
 from femstruct.impact.dense import solve_dense
 from femstruct.impact.forces import CLOSED, ROUNDING, State, dot, law, load_at, net_force
+from femstruct.impact.records import HALF_SINE, LINK, System
 from femstruct.impact.rule import PLACES, POINTS, STAGES, Rule
-from femstruct.impact.system import HALF_SINE, LINK, System
 from femstruct.impact.tables import Tables
 
 NEWTON_STEPS = 12
@@ -137,7 +137,7 @@ def _interface_forces(level: int, system: System, state: State, tables: Tables, 
             held = 0.0 if system.interfaces[a]["kind"] == LINK else system.interfaces[a]["preload"]
             largest, miss = system.interfaces[a]["preload"], 0.0
             for p in range(STAGES):
-                f, slope[i, p, 0], slope[i, p, 1] = law(system, a, place[a, p + 1] + shift, rate[a, p + 1])
+                f, slope[i, p, 0], slope[i, p, 1], _ = law(system, a, place[a, p + 1] + shift, rate[a, p + 1])
                 residual[i * STAGES + p] = f - held - trial.forces[a, p]
                 largest = max(largest, abs(f), abs(trial.forces[a, p]))
                 miss = max(miss, abs(residual[i * STAGES + p]))
@@ -193,7 +193,7 @@ def _unknown(h: float, system: System, state: State, trial: Trial, a: int) -> fl
         depth = trial.place[a, p] + shift
         if system.interfaces[a]["kind"] != LINK:  # one that is open within rounding is not known to be
             depth = max(depth, still)
-        force, by_place, by_rate = law(system, a, depth, trial.rate[a, p])
+        force, by_place, by_rate, _ = law(system, a, depth, trial.rate[a, p])
         largest = max(largest, abs(force))
         shaken = max(shaken, abs(by_place) * still + abs(by_rate) * moving)
     return float(SOLVED * largest + shaken)

@@ -10,7 +10,8 @@ from scipy.special import beta
 
 from femstruct.arrays import Floats, frozen
 from femstruct.errors import FemstructError
-from femstruct.impact.laws import Hertz, Linear
+from femstruct.impact.laws.hertz import Hertz
+from femstruct.impact.laws.linear import Linear
 from femstruct.impact.restitution import refuse_restitution
 
 FLOOR = 0.1  # of the peak: where a rising and a falling flank are looked for; noise is below

@@ -173,7 +173,7 @@ class Response:
     `velocity` or `acceleration`. A ball of 1 kg hands its speed of 1 m/s over to a mass of 1 kg:
 
     >>> from femstruct.impact.bodies import Body, Clock, Contact, Scene
-    >>> from femstruct.impact.laws import Linear
+    >>> from femstruct.impact.laws.linear import Linear
     >>> from femstruct.impact.simulate import simulate
     >>> from femstruct.modal.analytic import oscillator
     >>> basis, points = oscillator(1.0, frequency_hz=0.0, axis="z")

@@ -13,8 +13,8 @@ from femstruct.impact.energy import ledger_width
 from femstruct.impact.forces import CLOSED, State, copy_to, law, load_at, net_force
 from femstruct.impact.motion import Motion, inner_tables
 from femstruct.impact.propagate import Trial
+from femstruct.impact.records import LINK, System
 from femstruct.impact.rule import PLACES, POINTS, STAGES, Rule
-from femstruct.impact.system import LINK, System
 from femstruct.impact.tables import Tables
 
 MOST_EVENTS = 500_000

@@ -12,8 +12,9 @@ from femstruct.arrays import Floats
 from femstruct.impact.dashpots import dashpot_losses
 from femstruct.impact.forces import law, load_at
 from femstruct.impact.motion import DISPLACEMENT, VELOCITY, state_at
+from femstruct.impact.records import LINK, System
 from femstruct.impact.response import EnergyBalance, Response
-from femstruct.impact.system import LINK, Compiled, System, compile_scene
+from femstruct.impact.system import Compiled, compile_scene
 from femstruct.modal.basis import ModalBasis
 
 ALONE = 10  # elastic modes that are told one by one

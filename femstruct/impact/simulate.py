@@ -63,7 +63,7 @@ def simulate(basis: ModalBasis, scene: Scene, clock: Clock) -> Response:
     A ball of 1 kg meets a wall through a spring of pi^2 N/m: half a period of contact, 1 s.
 
     >>> from femstruct.impact.bodies import GROUND, Body, Clock, Contact, Scene
-    >>> from femstruct.impact.laws import Linear
+    >>> from femstruct.impact.laws.linear import Linear
     >>> from femstruct.modal.analytic import given_modes
     >>> wall = Contact("wall", upper="ball", lower=GROUND, law=Linear(np.pi**2))
     >>> response = simulate(given_modes([], [], {})[0], Scene((Body("ball", 1.0, -1.0),), (wall,)), Clock(2.0, 100.0))

@@ -11,21 +11,23 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from math import sqrt
 from types import MappingProxyType
-from typing import Final
+from typing import Any, Final, Generic, TypeVar
 
 import numpy as np
 
 from femstruct.conventions import GRAVITY
-from femstruct.impact.factored import Tabulated
-from femstruct.impact.laws import Hertz
+from femstruct.impact.laws.hertz import Hertz
+from femstruct.impact.laws.law import Law
+from femstruct.impact.laws.tabulated import Tabulated
 
+L = TypeVar("L", bound=Law)
 EXPOSURE_ALLOWED_DB: Final = MappingProxyType({31.5: 1.0, 63.0: 1.5, 125.0: 1.5, 250.0: 2.0, 500.0: 2.0})
 RESTITUTION: Final = (0.8, 0.1)  # and what is allowed
 CONTACT_S: Final = (20e-3, 2e-3)
 
 
 @dataclass(frozen=True, eq=False)
-class StandardSource:
+class StandardSource(Generic[L]):
     """A source that is dropped: mass [kg], drop height [m], contact law, and its table.
 
     exposure_db : impact force exposure level on a rigid floor by octave {nominal [Hz]: [dB re 1 N^2 s]}; allowed are
@@ -34,7 +36,7 @@ class StandardSource:
 
     mass: float
     drop_height: float
-    law: Tabulated | Hertz
+    law: L
     exposure_db: Mapping[float, float]
 
     @property
@@ -55,16 +57,16 @@ def _ball() -> Tabulated:
 # ISO 16283-2:2020 table A.1 = ISO 10140-5 table F.1 = JIS A 1418-2 table A.2, and JIS A 1418-2 table A.1, as quoted in
 # https://github.com/jmrplens/phonometry (building/measurement/heavy_impact.py) and
 # https://kikakurui.com/a1/A1418-2-2019-01.html
-RUBBER_BALL: Final = StandardSource(
+RUBBER_BALL: Final[StandardSource[Tabulated]] = StandardSource(
     2.5, 1.0, _ball(), MappingProxyType({31.5: 39.0, 63.0: 31.0, 125.0: 23.0, 250.0: 17.0, 500.0: 12.5})
 )
-BANG_MACHINE: Final = StandardSource(
+BANG_MACHINE: Final[StandardSource[Hertz]] = StandardSource(
     7.3,
     0.85,
     Hertz(857_926.0, 1277.5),  # fitted by least squares
     MappingProxyType({31.5: 47.0, 63.0: 40.0, 125.0: 22.0, 250.0: 11.5, 500.0: 5.5}),
 )
-DROPPED: Final[Mapping[str, StandardSource]] = MappingProxyType(
+DROPPED: Final[Mapping[str, StandardSource[Any]]] = MappingProxyType(
     {"rubber ball": RUBBER_BALL, "bang machine": BANG_MACHINE}
 )
 

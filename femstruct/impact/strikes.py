@@ -9,8 +9,8 @@ from femstruct.arrays import Floats
 from femstruct.impact.compiled.kernels import kernel
 from femstruct.impact.energy import stored
 from femstruct.impact.forces import CLAMPED, CLOSED, OPEN, ROUNDING, State, copy_to, dot, law, net_force, rows_now
+from femstruct.impact.records import LINK, System
 from femstruct.impact.sampling import Record
-from femstruct.impact.system import LINK, System
 
 ENERGY, MOMENTUM, HELD, SINCE = 0, 1, 2, 3  # columns of a strike in the record
 STILL = 0.1  # of its weight: what the contact force under a body that lies still may miss

@@ -4,96 +4,29 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Annotated, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from femstruct.arrays import Floats
 from femstruct.errors import FemstructError
 from femstruct.impact.bodies import Clock, End, Ground, HalfSine, Load, Scene
-from femstruct.impact.compiled.layout import Counts, Matrix, Vector
-from femstruct.impact.factored import Cubic, Tabulated
-from femstruct.impact.laws import Hertz, Law, Linear, Stop
+from femstruct.impact.laws.law import Law
+from femstruct.impact.laws.registry import CODES
+from femstruct.impact.records import (
+    CONSTANT,
+    HALF_SINE,
+    INTERFACE,
+    LINK,
+    LOAD,
+    NUMBERS,
+    STRIKE,
+    TABLE,
+    Records,
+    System,
+)
 from femstruct.impact.rule import FINEST_HALVINGS
 from femstruct.modal.basis import ModalBasis
 from femstruct.model.probe import Probe
-
-HERTZ, LINEAR, LINK, POWER, CUBIC, CURVE = range(6)
-CONSTANT, HALF_SINE, TABLE = 0, 1, 2
-
-
-Records = NDArray[np.void]
-INTERFACE = np.dtype(
-    [
-        ("kind", np.int64),
-        ("stiffness", np.float64),
-        ("closing", np.float64),
-        ("opening", np.float64),
-        ("offset", np.float64),
-        ("preload", np.float64),
-        ("tensile", np.int64),
-        ("release", np.int64),
-        ("shape", np.float64),
-        ("first", np.int64),
-        ("length", np.int64),
-    ]
-)
-LOAD = np.dtype(
-    [
-        ("kind", np.int64),
-        ("value", np.float64),
-        ("frequency", np.float64),
-        ("first", np.int64),
-        ("length", np.int64),
-        ("start", np.float64),
-        ("every", np.float64),
-        ("count", np.int64),
-        ("span", np.float64),
-    ]
-)
-STRIKE = np.dtype([("tick", np.int64), ("over", np.int64), ("coordinate", np.int64), ("velocity", np.float64)])
-
-Interfaces = Annotated[Records, (INTERFACE, 1)]
-LoadRecords = Annotated[Records, (LOAD, 1)]
-StrikeRecords = Annotated[Records, (STRIKE, 1)]
-ManyInterfaces = Annotated[Records, (INTERFACE, 2)]  # of many runs
-ManyLoads = Annotated[Records, (LOAD, 2)]
-ManyStrikes = Annotated[Records, (STRIKE, 2)]
-
-
-class System(NamedTuple):
-    """What the kernels need to know. n coordinates of unit mass: k modes, then bodies as sqrt(m) x.
-
-    omega, damping [n]; coupling [k, k] : damping off the diagonal, empty without.
-    rows [r, n] : contacts, links, then loads; displacement of a row is lower end less upper end (approach), its force
-    acts as sign * row. mobility [r] : row . row, the inverse mass behind it at high frequency.
-    interfaces : laws of contacts and links (INTERFACE); indentation = displacement + offset; release in ticks, of a
-    contact: of the first blow of a body it waits for;
-    closing is chi where the dashpot is a factor; shape : exponent of a power, cubic stiffness; first, length point
-    into curves [p, 6], the pieces of tabulated laws.
-    loads : histories (LOAD); first, length point into table [t, force]; each comes count times from start on, every
-    `every`, and lasts for span [s].
-    strikes : blows of bodies in the order of time (STRIKE): when, which of the rows `over` [b, n] the coordinate is
-    placed on (row . z is what it becomes), and its velocity. Those at tick 0 are the start itself.
-    kinks : ticks at which a load or a link changes its formula or a body strikes; tick [s].
-    """
-
-    omega: Vector
-    damping: Vector
-    coupling: Matrix
-    n_modes: int
-    rows: Matrix
-    sign: Vector
-    mobility: Vector
-    interfaces: Interfaces
-    curves: Matrix
-    loads: LoadRecords
-    table: Matrix
-    strikes: StrikeRecords
-    over: Matrix
-    kinks: Counts
-    tick: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -146,12 +79,12 @@ def compile_scene(basis: ModalBasis, scene: Scene, clock: Clock, finest: int = F
         where = f"contacts.{contact.name}"
         approach = row(contact.lower, where) - row(contact.upper, where)
         law = contact.law
-        if isinstance(law, Stop) and contact.preload:
+        if len(law.sides) > 1 and contact.preload:
             raise FemstructError(where, got="a preload on a stop", expected="none", do="preload one side by a contact")
         rest = law.indentation(contact.preload) if contact.preload else 0.0
         release = max(first_blow.get(e, 0) if isinstance(e, str) else 0 for e in (contact.upper, contact.lower))
         first = len(interfaces.rows)
-        for side in (1.0, -1.0) if isinstance(law, Stop) else (1.0,):
+        for side in law.sides:
             interfaces.add(side * approach, law, rest - contact.gap, contact.preload, release)
         contact_rows[contact.name] = tuple(range(first, len(interfaces.rows)))
     link_rows: dict[str, int] = {}
@@ -163,7 +96,7 @@ def compile_scene(basis: ModalBasis, scene: Scene, clock: Clock, finest: int = F
         kinks.add(release)
         interfaces.rows.append(row(link.lower, where) - row(link.upper, where))
         interfaces.laws.append(
-            (LINK, link.stiffness, link.closing, link.opening, 0.0, link.preload, 0, release, 0.0, 0, 0)
+            (LINK, 0, 1, link.stiffness, link.closing, link.opening, 0.0, link.preload, 0, release, 0.0, 0, 0, 0, 0)
         )
 
     loads = _Loads()
@@ -198,7 +131,7 @@ def compile_scene(basis: ModalBasis, scene: Scene, clock: Clock, finest: int = F
         sign=np.concatenate((-np.ones(len(interfaces.rows)), np.ones(len(loads.rows)))),
         mobility=(matrix**2).sum(axis=1),
         interfaces=np.array(interfaces.laws, dtype=INTERFACE),
-        curves=np.concatenate((np.zeros((0, 6)), *interfaces.curves)),
+        curves=np.concatenate((np.zeros((0, NUMBERS)), *interfaces.curves)),
         loads=np.array(loads.laws, dtype=LOAD),
         table=np.array([loads.times, loads.values], dtype=np.float64).T.copy(),
         strikes=strikes,
@@ -219,20 +152,26 @@ class _Interfaces:
 
     def add(self, row: Floats, law: Law, offset: float, preload: float, release: int) -> None:
         self.rows.append(row)
-        stiffness, shape, first, length = 0.0, 0.0, 0, 0
-        if isinstance(law, Hertz | Linear | Stop):
-            kind, stiffness, damping = (HERTZ if isinstance(law, Hertz) else LINEAR), law.stiffness, law.damping
-        else:
-            damping = law.dissipation
-            if isinstance(law, Tabulated):
-                kind, first, length = CURVE, sum(map(len, self.curves)), len(law.indentations)
-                self.curves.append(law.pieces)
-            elif isinstance(law, Cubic):
-                kind, stiffness, shape = CUBIC, law.stiffness, law.cubic
-            else:
-                kind, stiffness, shape = POWER, law.stiffness, law.exponent
+        stored, first = law.stored, sum(map(len, self.curves))
+        self.curves.append(stored.rows)
         self.laws.append(
-            (kind, stiffness, damping, damping, offset, preload, int(law.tensile), release, shape, first, length)
+            (
+                CODES.index(law.code),
+                int(law.code.force is None),
+                int(law.straight),
+                stored.stiffness,
+                stored.damping,
+                stored.damping,
+                offset,
+                preload,
+                int(law.tensile),
+                release,
+                stored.shape,
+                first,
+                len(stored.rows),
+                stored.force_at,
+                stored.energy_at,
+            )
         )
 
 

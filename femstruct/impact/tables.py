@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from femstruct.arrays import Floats
 from femstruct.impact.compiled.layout import Cube, Floats4, Floats5, Floats6
+from femstruct.impact.records import System
 from femstruct.impact.rule import PLACES, POINTS, STAGES, TERMS, Rule
-from femstruct.impact.system import System
 
 FORMS = (STAGES + 2) * (STAGES + 3) // 2
 SLOW = 6.0  # rate times step below which a remainder bounds what interpolation misses

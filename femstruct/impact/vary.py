@@ -14,7 +14,6 @@ from femstruct.arrays import Floats, frozen
 from femstruct.errors import InputError
 from femstruct.impact.bodies import HalfSine, Scene
 
-OF_LAWS = ("stiffness", "damping", "exponent", "cubic", "dissipation")
 Place = tuple[str, int, str]  # field of the scene, index in it, attribute
 
 
@@ -76,7 +75,7 @@ def variable(scene: Scene) -> dict[str, Place]:
     for i, body in enumerate(scene.bodies):
         found |= {f"{body.name}.{word}": ("bodies", i, word) for word in ("mass", "velocity")}
     for i, contact in enumerate(scene.contacts):
-        words = ("gap", "preload", *(word for word in OF_LAWS if word in contact.law.__dataclass_fields__))
+        words = ("gap", "preload", *contact.law.varies)
         found |= {f"{contact.name}.{word}": ("contacts", i, word) for word in words}
     for i, link in enumerate(scene.links):
         words = ("stiffness", "closing", "opening", "preload")
@@ -91,7 +90,7 @@ def _with(scene: Scene, place: Place, value: float) -> Scene:
     field, index, word = place
     items: list[Any] = list(getattr(scene, field))
     item = items[index]
-    if field == "contacts" and word in OF_LAWS:
+    if field == "contacts" and word in item.law.varies:
         items[index] = replace(item, law=replace(item.law, **{word: value}))
     elif field == "loads":
         items[index] = replace(item, history=replace(item.history, amplitude=value))

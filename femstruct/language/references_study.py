@@ -8,7 +8,6 @@ from femstruct.language.limits import check_limits
 from femstruct.language.reader import Mistakes, Steps, Tree, nearest
 from femstruct.language.references import Checker, Names
 from femstruct.language.references_rooms import check_power, check_pressure, check_rooms
-from femstruct.language.schema_laws import HertzSpec
 from femstruct.language.schema_model import ModelSpec
 from femstruct.language.schema_study import SIDES, BodySpec, StudySpec, TimeSpec
 
@@ -184,7 +183,7 @@ def _check_radii(check: Checker, study: StudySpec) -> None:
         laws = [one.law for one in study.contacts.values() if name in one.between]
         if body.contact is not None:
             laws.append(body.contact)
-        touches = any(isinstance(law, HertzSpec) and law.stiffness is None and law.radius is None for law in laws)
+        touches = any(law.takes_radius for law in laws)
         if body.radius is not None and not heard and not touches:
             if _side(body) in ("above", "below"):
                 do = f"add 'rooms.open: {{{_side(body)}: SURFACE, receivers: {{mic: [x, y, z]}}}}', or remove it"

@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator, ConfigDict, Field, model_validator
 
 from femstruct.impact.walking import PACES_HZ
-from femstruct.language.schema_laws import LawSpec
+from femstruct.language.laws.registry import AnyLaw
 from femstruct.language.schema_parts import Dashpot, Stiffness
 from femstruct.language.schema_rooms import RoomSpec
 from femstruct.language.sources import SOURCES, from_source
@@ -136,7 +136,7 @@ class BodySpec(Spec):
     after: Text | None = None
     drop_height: DropHeight | None = None
     speed: DropSpeed | None = None
-    contact: LawSpec | None = None
+    contact: AnyLaw | None = None
     radius: Length | None = None
     blows: BlowsSpec | None = None
 
@@ -155,7 +155,7 @@ class ContactSpec(Spec):
     """A unilateral law between two ends; gap and preload are those of the rest state."""
 
     between: tuple[Text, Text]
-    law: LawSpec
+    law: AnyLaw
     gap: Gap = 0.0
     preload: Force = 0.0
 

@@ -5,15 +5,15 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, Final
 
-from femstruct.impact.factored import Tabulated
 from femstruct.impact.sources import (
+    BANG_MACHINE,
     BETWEEN_BLOWS,
     DROPPED,
     HAMMER_DROP,
     HAMMER_MASS,
     HAMMERS,
+    RUBBER_BALL,
     TAPPING_MACHINE,
-    StandardSource,
 )
 from femstruct.language.spec import refuse
 
@@ -35,7 +35,7 @@ def from_source(body: Mapping[str, Any]) -> dict[str, Any]:
         told = "is above a place" if given[0] in ("below", "before", "after") else f"brings its own {_WORDS[given[0]]}"
         raise refuse(f"'{given[0]}' with a {name}", f"a source alone: it {told}", f"remove '{given[0]}', or 'source'")
     if not tapping:
-        return {**body, **_dropped(DROPPED[name])}
+        return {**body, **_dropped(name)}
     if "contact" not in body:
         raise refuse(
             "a tapping machine without a contact",
@@ -78,11 +78,11 @@ def turn(number: int, apart: float = BETWEEN_BLOWS) -> float:
 _WORDS: Final = {"mass": "mass", "drop_height": "drop height", "speed": "speed", "contact": "contact law"}
 
 
-def _dropped(source: StandardSource) -> dict[str, Any]:
-    law = source.law
-    if isinstance(law, Tabulated):
-        curve = [list(pair) for pair in zip(law.indentations.tolist(), law.forces.tolist(), strict=True)]
-        contact = {"type": "table", "curve": curve, "dissipation": law.dissipation}
-    else:
-        contact = {"type": "hertz", "stiffness": law.stiffness, "damping": law.damping}
-    return {"mass": source.mass, "drop_height": source.drop_height, "contact": contact}
+def _dropped(name: str) -> dict[str, Any]:
+    pad, fist, source = RUBBER_BALL.law, BANG_MACHINE.law, DROPPED[name]
+    curve = [list(pair) for pair in zip(pad.indentations.tolist(), pad.forces.tolist(), strict=True)]
+    contacts = {
+        "rubber ball": {"type": pad.word, "curve": curve, "dissipation": pad.dissipation},
+        "bang machine": {"type": fist.word, "stiffness": fist.stiffness, "damping": fist.damping},
+    }
+    return {"mass": source.mass, "drop_height": source.drop_height, "contact": contacts[name]}

@@ -9,7 +9,7 @@ from typing import Final
 
 from femstruct.errors import FemstructError, InputError
 from femstruct.impact.bodies import Table
-from femstruct.impact.factored import Tabulated
+from femstruct.impact.laws.tabulated import Tabulated
 from femstruct.language.opening import content
 from femstruct.language.reader import Mistakes, Position
 from femstruct.units import QuantityError, quantity, shown_as

@@ -20,7 +20,7 @@ if TYPE_CHECKING:  # a model's modes need none of these
     from acoustics.room import Receiver, Room
     from acoustics.shaped import ShapedRoom
     from femstruct.impact.bodies import HalfSine, Table
-    from femstruct.impact.laws import Law
+    from femstruct.impact.laws.law import Law
     from femstruct.impact.walking import Walk
 
 FrfKind = Literal["receptance", "mobility", "accelerance", "transmissibility", "pressure", "power"]

@@ -6,7 +6,6 @@ from collections.abc import Sequence
 
 from femstruct.impact.bodies import Clock, Scene
 from femstruct.impact.exact.choice import takes_exact_march
-from femstruct.impact.laws import Linear, Stop
 from femstruct.impact.needed import BY_COLLOCATION, EXACTLY, Units
 from femstruct.impact.system import compile_scene
 from femstruct.modal.basis import ModalBasis
@@ -21,7 +20,7 @@ def expected_units(cases: Sequence[Case]) -> Units:
     laws = [body.law for study in studies for body in study.bodies if body.law is not None]
     laws += [contact.law for study in studies for contact in study.contacts]
     blows = any(body.blows is not None for study in studies for body in study.bodies)
-    return EXACTLY if not blows and all(isinstance(law, Linear | Stop) for law in laws) else BY_COLLOCATION
+    return EXACTLY if not blows and all(law.straight for law in laws) else BY_COLLOCATION
 
 
 def units_of(basis: ModalBasis, scene: Scene, clock: Clock) -> Units:

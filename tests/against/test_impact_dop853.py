@@ -10,7 +10,8 @@ from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
 from femstruct.impact.bodies import GROUND, Body, Clock, Contact, HalfSine, Link, Load, Scene
-from femstruct.impact.laws import Hertz, Linear
+from femstruct.impact.laws.hertz import Hertz
+from femstruct.impact.laws.linear import Linear
 from femstruct.impact.simulate import simulate
 from femstruct.modal.analytic import given_modes, oscillator
 from femstruct.modal.basis import ModalBasis

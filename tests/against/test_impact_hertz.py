@@ -13,7 +13,7 @@ from scipy.integrate import solve_ivp
 from femstruct.impact.bodies import GROUND, Body, Clock, Contact, Scene
 from femstruct.impact.collocate import collocate, state_at_start
 from femstruct.impact.estimate import STRICTEST, error_of
-from femstruct.impact.laws import Hertz
+from femstruct.impact.laws.hertz import Hertz
 from femstruct.impact.march import levels_for
 from femstruct.impact.response import Response
 from femstruct.impact.rule import collocation_rule

@@ -12,7 +12,7 @@ from scipy.integrate import solve_ivp
 from femstruct.impact.attempt import march_room
 from femstruct.impact.bodies import GROUND, Body, Clock, Contact, Scene
 from femstruct.impact.collocate import state_at_start
-from femstruct.impact.factored import Cubic
+from femstruct.impact.laws.cubic import Cubic
 from femstruct.impact.march import DONE, levels_for, march
 from femstruct.impact.rule import STAGES, collocation_rule
 from femstruct.impact.sampling import room_for

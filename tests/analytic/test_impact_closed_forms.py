@@ -7,7 +7,9 @@ import pytest
 from scipy.special import gamma
 
 from femstruct.impact.bodies import GROUND, Body, Clock, Contact, HalfSine, Link, Load, Scene, Table
-from femstruct.impact.laws import Hertz, Linear, Stop
+from femstruct.impact.laws.hertz import Hertz
+from femstruct.impact.laws.linear import Linear
+from femstruct.impact.laws.stop import Stop
 from femstruct.impact.response import Outcome
 from femstruct.impact.simulate import simulate
 from femstruct.modal.analytic import given_modes, oscillator

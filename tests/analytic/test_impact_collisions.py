@@ -11,7 +11,7 @@ from scipy.optimize import brentq
 from femstruct.errors import InputError, NotConverged
 from femstruct.impact.bodies import Body, Clock, Contact, Scene
 from femstruct.impact.collisions import collide, collide_as_one
-from femstruct.impact.laws import Linear
+from femstruct.impact.laws.linear import Linear
 from femstruct.impact.response import Response
 from femstruct.impact.restitution import damping_ratio_for
 from femstruct.impact.simulate import simulate

@@ -13,7 +13,7 @@ from scipy.linalg import solve_continuous_lyapunov
 from femstruct.coupling import with_cavity
 from femstruct.impact.bodies import Body, Clock, Contact, Scene
 from femstruct.impact.dashpots import dashpot_losses
-from femstruct.impact.laws import Hertz
+from femstruct.impact.laws.hertz import Hertz
 from femstruct.impact.shares import energy_shares, mode_energies
 from femstruct.impact.simulate import simulate
 from femstruct.modal.analytic import given_modes

@@ -12,7 +12,14 @@ from scipy.special import ellipk, gamma
 
 from femstruct.errors import FemstructError
 from femstruct.impact.bodies import GROUND, Body, Clock, Contact, Scene
-from femstruct.impact.laws import Cubic, Hertz, HuntCrossley, LankaraniNikravesh, Law, Linear, Stop, Tabulated
+from femstruct.impact.laws.cubic import Cubic
+from femstruct.impact.laws.hertz import Hertz
+from femstruct.impact.laws.hunt_crossley import HuntCrossley
+from femstruct.impact.laws.lankarani_nikravesh import LankaraniNikravesh
+from femstruct.impact.laws.law import Law
+from femstruct.impact.laws.linear import Linear
+from femstruct.impact.laws.stop import Stop
+from femstruct.impact.laws.tabulated import Tabulated
 from femstruct.impact.response import Response
 from femstruct.impact.restitution import damping_ratio_for, dissipation_for, restitution_of
 from femstruct.impact.simulate import simulate

@@ -12,7 +12,7 @@ import pytest
 import femstruct.impact.simulate as engine
 from femstruct.arrays import Floats
 from femstruct.impact.bodies import Body, Clock, Contact, HalfSine, Load, Scene
-from femstruct.impact.laws import Linear
+from femstruct.impact.laws.linear import Linear
 from femstruct.impact.response import Response
 from femstruct.modal.analytic import given_modes
 

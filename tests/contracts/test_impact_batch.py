@@ -10,9 +10,13 @@ import pytest
 from femstruct.errors import FemstructError
 from femstruct.impact.batch import simulate_batch
 from femstruct.impact.bodies import GROUND, Blows, Body, Clock, Contact, HalfSine, Link, Load, Scene
-from femstruct.impact.factored import LankaraniNikravesh, Tabulated
 from femstruct.impact.judgement import unresolved
-from femstruct.impact.laws import Hertz, HuntCrossley, Linear, Stop
+from femstruct.impact.laws.hertz import Hertz
+from femstruct.impact.laws.hunt_crossley import HuntCrossley
+from femstruct.impact.laws.lankarani_nikravesh import LankaraniNikravesh
+from femstruct.impact.laws.linear import Linear
+from femstruct.impact.laws.stop import Stop
+from femstruct.impact.laws.tabulated import Tabulated
 from femstruct.impact.metrics import Batch, Energies
 from femstruct.impact.response import EnergyBalance, Outcome
 from femstruct.impact.simulate import simulate

@@ -9,7 +9,8 @@ import pytest
 
 from femstruct.errors import FemstructError
 from femstruct.impact.bodies import GROUND, Blows, Body, Clock, Contact, HalfSine, Link, Load, Scene, Table
-from femstruct.impact.laws import Hertz, Linear
+from femstruct.impact.laws.hertz import Hertz
+from femstruct.impact.laws.linear import Linear
 from femstruct.impact.response import Response
 from femstruct.impact.simulate import simulate
 from femstruct.modal.analytic import given_modes

@@ -12,7 +12,7 @@ from femstruct.conventions import N_COMPONENTS, RX, RY, TWIST, UZ
 from femstruct.errors import Finding
 from femstruct.impact.bodies import Body, Clock, Contact, Link, Scene
 from femstruct.impact.estimate import ErrorEstimate, Resolved
-from femstruct.impact.laws import Hertz
+from femstruct.impact.laws.hertz import Hertz
 from femstruct.impact.motion import sampled_motion
 from femstruct.impact.response import (
     BodyHistory,

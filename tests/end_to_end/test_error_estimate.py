@@ -15,7 +15,7 @@ from femstruct.files.stored import read_results
 from femstruct.files.tables import summary
 from femstruct.impact.bodies import GROUND, Body, Clock, Contact, Scene
 from femstruct.impact.estimate import ErrorEstimate, Resolved, error_of
-from femstruct.impact.laws import Hertz
+from femstruct.impact.laws.hertz import Hertz
 from femstruct.impact.simulate import simulate
 from femstruct.impact.unresolved import unresolved_findings
 from femstruct.language import read_study

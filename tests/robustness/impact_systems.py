@@ -15,10 +15,15 @@ from numba import njit
 from scipy.integrate import solve_ivp
 
 from femstruct.impact.bodies import GROUND, Body, Clock, Contact, Link, Scene
-from femstruct.impact.laws import Hertz, Law, Linear, Stop
+from femstruct.impact.laws.hertz import CODE, Hertz
+from femstruct.impact.laws.law import Law
+from femstruct.impact.laws.linear import Linear
+from femstruct.impact.laws.registry import CODES
+from femstruct.impact.laws.stop import Stop
+from femstruct.impact.records import CONSTANT, LINK
 from femstruct.impact.response import Outcome, Response
 from femstruct.impact.simulate import simulate
-from femstruct.impact.system import CONSTANT, HERTZ, LINK, compile_scene
+from femstruct.impact.system import compile_scene
 from femstruct.modal.analytic import given_modes
 from femstruct.modal.basis import ModalBasis
 
@@ -27,6 +32,7 @@ WINDOW, SAMPLES = 5e-3, 200
 RADIANS = 2000.0  # the fastest contact, link or mode turns by this much in the window at most: a run is then short
 SHALLOW, WEAK = 1e-14, 1e-9  # depth [m] and share of its spring's and dashpot's forces that scipy does not resolve
 G = 9.80665
+HERTZ = CODES.index(CODE)
 
 
 @dataclass(frozen=True)

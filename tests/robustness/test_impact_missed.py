@@ -6,7 +6,13 @@ import numpy as np
 import pytest
 
 from femstruct.impact.bodies import GROUND, Body, Clock, Contact, Link, Scene
-from femstruct.impact.laws import Cubic, Hertz, HuntCrossley, Law, Linear, Stop, Tabulated
+from femstruct.impact.laws.cubic import Cubic
+from femstruct.impact.laws.hertz import Hertz
+from femstruct.impact.laws.hunt_crossley import HuntCrossley
+from femstruct.impact.laws.law import Law
+from femstruct.impact.laws.linear import Linear
+from femstruct.impact.laws.stop import Stop
+from femstruct.impact.laws.tabulated import Tabulated
 from femstruct.impact.response import Response
 from femstruct.impact.simulate import simulate
 from femstruct.modal.analytic import given_modes

@@ -11,7 +11,10 @@ import pytest
 import femstruct.impact.simulate as engine
 from femstruct.impact.batch import simulate_batch
 from femstruct.impact.bodies import GROUND, Body, Clock, Contact, Link, Scene
-from femstruct.impact.laws import Hertz, Law, Linear, Stop
+from femstruct.impact.laws.hertz import Hertz
+from femstruct.impact.laws.law import Law
+from femstruct.impact.laws.linear import Linear
+from femstruct.impact.laws.stop import Stop
 from femstruct.impact.response import Response
 from femstruct.modal.analytic import given_modes
 

@@ -13,7 +13,7 @@ import femstruct.impact.collocate as march
 from femstruct.errors import NotConverged
 from femstruct.impact.batch import simulate_batch
 from femstruct.impact.bodies import GROUND, Body, Clock, Contact, Link, Scene
-from femstruct.impact.laws import Hertz
+from femstruct.impact.laws.hertz import Hertz
 from femstruct.impact.simulate import simulate
 from femstruct.modal.analytic import given_modes
 

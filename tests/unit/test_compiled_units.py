@@ -17,7 +17,7 @@ from femstruct.impact.compiled.kernels import Unit, kernels_of, unit, units_call
 from femstruct.impact.compiled.layout import Matrix, Vector, laid_out, layout_of
 from femstruct.impact.exact.march import exact_march
 from femstruct.impact.exact.rule import exact_room, exact_rule
-from femstruct.impact.laws import Linear
+from femstruct.impact.laws.linear import Linear
 from femstruct.impact.many import run_many
 from femstruct.impact.march import march
 from femstruct.impact.needed import ALL
@@ -114,7 +114,7 @@ def test_a_simulation_needs_no_compiler() -> None:
     """numba takes half a second to import: only processes that compile do."""
     code = (
         "import sys\nfrom femstruct.impact.compiled.workers import code_of\nfrom femstruct.impact.needed import ALL\n"
-        "from femstruct.impact.bodies import *\nfrom femstruct.impact.laws import Hertz\n"
+        "from femstruct.impact.bodies import *\nfrom femstruct.impact.laws.hertz import Hertz\n"
         "from femstruct.impact.simulate import simulate\nfrom femstruct.modal.analytic import given_modes\n"
         "scene = Scene((Body('b', 1.0, -1.0),), (Contact('c', 'b', GROUND, Hertz(1e6)),))\n"
         "simulate(given_modes([], [], {})[0], scene, Clock(0.02, 1e4))\nassert 'numba' not in sys.modules"

@@ -9,9 +9,12 @@ import pytest
 from femstruct.impact.bodies import GROUND, Body, Clock, Contact, Scene
 from femstruct.impact.collocate import state_at_start
 from femstruct.impact.energy import stored
-from femstruct.impact.factored import Cubic, HuntCrossley
 from femstruct.impact.forces import CLOSED
-from femstruct.impact.laws import Hertz, Law, Linear
+from femstruct.impact.laws.cubic import Cubic
+from femstruct.impact.laws.hertz import Hertz
+from femstruct.impact.laws.hunt_crossley import HuntCrossley
+from femstruct.impact.laws.law import Law
+from femstruct.impact.laws.linear import Linear
 from femstruct.impact.simulate import simulate
 from femstruct.impact.system import compile_scene
 from femstruct.modal.analytic import given_modes

@@ -7,7 +7,8 @@ import pytest
 
 from femstruct.errors import FemstructError, InputErrors
 from femstruct.impact.bodies import HalfSine, Table
-from femstruct.impact.laws import Linear, Stop
+from femstruct.impact.laws.linear import Linear
+from femstruct.impact.laws.stop import Stop
 from femstruct.language import read_model_file, read_study, with_position
 from femstruct.model.structure import Structure
 from femstruct.parts.mass import Mass

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from femstruct.impact.laws import Hertz
+from femstruct.impact.laws.hertz import Hertz
 from femstruct.language import ModelFile, json_schema, read_any, read_model_file, read_study
 from femstruct.modal.damping import Ratio
 from femstruct.model.region import Region

@@ -122,10 +122,12 @@ def units_called(unit: Unit[..., Any]) -> list[Unit[..., Any]]:
 
 
 def _globals(function: FunctionType) -> Iterator[tuple[str, Any]]:
-    """What a function reads of its module, by name."""
+    """What a function reads of its module, and of the function it was made in, by name."""
     for name in _names(function.__code__):
         if name in function.__globals__:
             yield name, function.__globals__[name]
+    for name, cell in zip(function.__code__.co_freevars, function.__closure__ or (), strict=True):
+        yield name, cell.cell_contents
 
 
 def _names(code: CodeType) -> tuple[str, ...]:

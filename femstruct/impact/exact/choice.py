@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from femstruct.impact.exact.rule import THETA
-from femstruct.impact.system import CONSTANT, HALF_SINE, LINEAR, LINK, TABLE, System
+from femstruct.impact.records import CONSTANT, HALF_SINE, LINK, TABLE, System
 
 MOST_STEPS = 3000
 
@@ -23,7 +23,7 @@ def takes_exact_march(system: System, duration: float) -> bool:
     at 1350 of its steps and 2 to 4 times slower at 6350; a residual vector at 40 kHz that sets the step of a window of
     0.5 s makes it ten times slower. Up to MOST_STEPS it is taken for its exactness where both take about as long.
     """
-    laws = np.isin(system.interfaces["kind"], (LINEAR, LINK)).all()
+    laws = system.interfaces["straight"].all()
     loads = np.isin(system.loads["kind"], (CONSTANT, HALF_SINE, TABLE)).all()
     once = (system.loads["count"] == 1).all() and not system.loads["start"].any()
     waits = (system.interfaces["release"][system.interfaces["kind"] != LINK] > 0).any()

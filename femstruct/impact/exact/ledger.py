@@ -7,8 +7,8 @@ from femstruct.impact.compiled.kernels import kernel
 from femstruct.impact.exact.roots import crossing, magnitude, value_and_slope, value_of
 from femstruct.impact.exact.rule import GAUSS, PROBES, ExactRoom, ExactRule
 from femstruct.impact.forces import CLAMPED, CLOSED, State
+from femstruct.impact.records import LINK, System
 from femstruct.impact.sampling import Record
-from femstruct.impact.system import LINK, System
 
 
 @kernel

@@ -14,8 +14,8 @@ from femstruct.impact.exact.rule import ORDER, PROBES, SHORT, THETA, ExactRoom, 
 from femstruct.impact.exact.watch import switch, watch
 from femstruct.impact.forces import CLAMPED, CLOSED, OPEN, State, copy_to, load_at, move_to
 from femstruct.impact.march import DONE, NO_FORCES, STICKS, STOPPED, TOO_MANY_EVENTS, TOO_MANY_STEPS
+from femstruct.impact.records import CONSTANT, HALF_SINE, LINK, System
 from femstruct.impact.sampling import Record, ended
-from femstruct.impact.system import CONSTANT, HALF_SINE, LINK, System
 
 
 @unit(seconds=11.0)

@@ -8,7 +8,7 @@ from femstruct.arrays import Floats
 from femstruct.impact.compiled.kernels import kernel, summing
 from femstruct.impact.exact.rule import ExactRoom, ExactRule
 from femstruct.impact.forces import CLOSED, State
-from femstruct.impact.system import CONSTANT, HALF_SINE, LINK, System
+from femstruct.impact.records import CONSTANT, HALF_SINE, LINK, System
 
 
 @kernel

@@ -11,7 +11,7 @@ from numpy.polynomial import legendre
 
 from femstruct.arrays import Floats
 from femstruct.impact.compiled.layout import Counts, CountTable, Matrix, Vector
-from femstruct.impact.system import System
+from femstruct.impact.records import System
 
 ORDER = 26  # of the power series of a step
 SHORT = 4  # of a first look at what switches at this very instant

@@ -16,7 +16,7 @@ from femstruct.impact.exact.regime import inner_product
 from femstruct.impact.exact.roots import NEVER, first_descent, magnitude, stays_positive
 from femstruct.impact.exact.rule import ExactRoom, ExactRule
 from femstruct.impact.forces import CLAMPED, CLOSED, OPEN, PRELOAD, State
-from femstruct.impact.system import LINK, System
+from femstruct.impact.records import LINK, System
 
 INDENTATION, FORCE, SPEED, EXCESS = 0, 1, 2, 3  # what crossed zero; the first three are columns of fresh
 ROUNDING = 4e-15  # of a row's displacement, relative to the terms it is summed from

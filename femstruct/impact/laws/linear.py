@@ -1,0 +1,115 @@
+"""Linear: a unilateral spring and dashpot side by side."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import log, pi, sqrt
+from typing import ClassVar, Final
+
+import numpy as np
+
+from femstruct.arrays import Floats
+from femstruct.errors import FemstructError
+from femstruct.impact.compiled.kernels import kernel
+from femstruct.impact.laws.law import Code, Law, Stored, refuse_negative, refuse_unless_positive
+from femstruct.impact.records import Records, System
+from femstruct.impact.restitution import damping_ratio_for, swing
+
+
+@kernel
+def _spring(system: System, a: int, delta: float) -> tuple[float, float, float]:
+    stiffness = system.interfaces[a]["stiffness"]
+    return stiffness * delta, stiffness, 0.5 * stiffness * delta * delta
+
+
+@kernel
+def _force(system: System, a: int, delta: float, speed: float) -> tuple[float, float, float, float]:
+    stiffness, damping = system.interfaces[a]["stiffness"], system.interfaces[a]["closing"]
+    return stiffness * delta + damping * speed, stiffness, damping, damping
+
+
+@kernel
+def _beside(system: System, a: int, rest: float, moved: float) -> float:
+    return float(0.5 * system.interfaces[a]["stiffness"] * moved * moved)
+
+
+CODE: Final = Code(_spring, _force, _beside)
+
+
+@dataclass(frozen=True)
+class Linear(Law):
+    """f = k delta + c delta': a unilateral spring and dashpot side by side (Kelvin and Voigt).
+
+    stiffness k [N/m]; damping c [N s/m]; tensile : let the dashpot pull while it opens (False clamps f >= 0). With
+    damping the force jumps to c times the meeting speed at the first touch. Without tension the contact ends when the
+    force is zero, the spring still indented by c / k times the parting speed: what it holds is lost in the dashpot.
+
+    >>> Linear(2e6, damping=100.0).indentation(1000.0)
+    0.0005
+    """
+
+    word: ClassVar = "linear"
+    code: ClassVar = CODE
+    straight: ClassVar = True
+    varies: ClassVar = {"stiffness": "stiffness", "damping": "closing"}
+
+    stiffness: float
+    damping: float = 0.0
+    tensile: bool = False
+
+    def __post_init__(self) -> None:
+        refuse_unless_positive("linear law stiffness", self.stiffness)
+        refuse_negative("linear law damping", self.damping)
+
+    @classmethod
+    def returning(
+        cls,
+        restitution: float,
+        mass: float,
+        duration: float | None = None,
+        stiffness: float | None = None,
+        tensile: bool = False,
+    ) -> Linear:
+        """The law with which a mass returns from a rigid wall with a restitution, at every speed.
+
+        mass [kg] : of the body; two bodies that meet count with m1 m2 / (m1 + m2). duration [s] : of the contact, from
+        the first touch to the end of its force; or the stiffness [N/m], and the duration follows.
+
+        Notes: c = 2 z sqrt(k m) with z from `femstruct.impact.restitution.damping_ratio_for`; the contact lasts
+        T = 2 swing(z) sqrt(m / k) without tension, and sqrt(pi^2 + ln^2 e) sqrt(m / k) with it.
+
+        Raises FemstructError unless 0 < restitution <= 1, mass and duration or stiffness are positive, and one of these
+        two is given.
+
+        >>> law = Linear.returning(0.5, mass=2.0, duration=0.01)
+        >>> round(law.stiffness), round(law.damping, 3)
+        (147456, 277.259)
+        """
+        refuse_unless_positive("linear law mass", mass)
+        ratio = damping_ratio_for(restitution, tensile)
+        if (duration is None) == (stiffness is None):
+            raise FemstructError("linear law", got="both or neither", expected="either a duration or a stiffness")
+        if duration is not None:
+            refuse_unless_positive("linear law duration", duration)
+            angle = sqrt(pi**2 + log(restitution) ** 2) if tensile else 2.0 * swing(ratio)
+            stiffness = mass * (angle / duration) ** 2
+        assert stiffness is not None
+        refuse_unless_positive("linear law stiffness", stiffness)
+        return cls(stiffness, 2.0 * ratio * sqrt(stiffness * mass), tensile)
+
+    @property
+    def stored(self) -> Stored:
+        return Stored(self.stiffness, self.damping)
+
+    def indentation(self, force: float) -> float:
+        """Indentation under a force at rest [m]."""
+        return force / self.stiffness
+
+    @staticmethod
+    def rests(preload: Floats, laws: Records) -> Floats:
+        rest: Floats = preload / laws["stiffness"]
+        return rest
+
+    @staticmethod
+    def quickest(spring: Floats, dashpot: Floats, speed: Floats) -> Floats:
+        return np.maximum(np.sqrt(spring), dashpot)

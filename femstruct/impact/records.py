@@ -1,0 +1,91 @@
+"""What kernels read: a System, the rows of laws, loads and strikes, and the numbers of their kinds."""
+
+from __future__ import annotations
+
+from typing import Annotated, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from femstruct.impact.compiled.layout import Counts, Matrix, Vector
+
+LINK = -1  # kind of an interface that is no contact
+CONSTANT, HALF_SINE, TABLE = 0, 1, 2  # kinds of loads
+NUMBERS = 6  # of a row that a law brings
+
+Records = NDArray[np.void]
+INTERFACE = np.dtype(
+    [
+        ("kind", np.int64),
+        ("factor", np.int64),
+        ("straight", np.int64),
+        ("stiffness", np.float64),
+        ("closing", np.float64),
+        ("opening", np.float64),
+        ("offset", np.float64),
+        ("preload", np.float64),
+        ("tensile", np.int64),
+        ("release", np.int64),
+        ("shape", np.float64),
+        ("first", np.int64),
+        ("length", np.int64),
+        ("force_at", np.int64),
+        ("energy_at", np.int64),
+    ]
+)
+LOAD = np.dtype(
+    [
+        ("kind", np.int64),
+        ("value", np.float64),
+        ("frequency", np.float64),
+        ("first", np.int64),
+        ("length", np.int64),
+        ("start", np.float64),
+        ("every", np.float64),
+        ("count", np.int64),
+        ("span", np.float64),
+    ]
+)
+STRIKE = np.dtype([("tick", np.int64), ("over", np.int64), ("coordinate", np.int64), ("velocity", np.float64)])
+
+Interfaces = Annotated[Records, (INTERFACE, 1)]
+LoadRecords = Annotated[Records, (LOAD, 1)]
+StrikeRecords = Annotated[Records, (STRIKE, 1)]
+ManyInterfaces = Annotated[Records, (INTERFACE, 2)]  # of many runs
+ManyLoads = Annotated[Records, (LOAD, 2)]
+ManyStrikes = Annotated[Records, (STRIKE, 2)]
+
+
+class System(NamedTuple):
+    """What the kernels need to know. n coordinates of unit mass: k modes, then bodies as sqrt(m) x.
+
+    omega, damping [n]; coupling [k, k] : damping off the diagonal, empty without.
+    rows [r, n] : contacts, links, then loads; displacement of a row is lower end less upper end (approach), its force
+    acts as sign * row. mobility [r] : row . row, the inverse mass behind it at high frequency.
+    interfaces : laws of contacts and links (INTERFACE). kind : number of a contact's code in `laws.registry`, or LINK;
+    factor : whether its dashpot is a factor of the spring, closing then chi; straight : whether its numbers are
+    constants, so that the exact march may take it; indentation = displacement + offset; release in ticks, of a contact:
+    of the first blow of a body it waits for; shape : a law's other number; first, length point into the rows of numbers
+    curves [p, 6] that a law brings; force_at, energy_at : addresses of a user's functions.
+    loads : histories (LOAD); first, length point into table [t, force]; each comes count times from start on, every
+    `every`, and lasts for span [s].
+    strikes : blows of bodies in the order of time (STRIKE): when, which of the rows `over` [b, n] the coordinate is
+    placed on (row . z is what it becomes), and its velocity. Those at tick 0 are the start itself.
+    kinks : ticks at which a load or a link changes its formula or a body strikes; tick [s].
+    """
+
+    omega: Vector
+    damping: Vector
+    coupling: Matrix
+    n_modes: int
+    rows: Matrix
+    sign: Vector
+    mobility: Vector
+    interfaces: Interfaces
+    curves: Matrix
+    loads: LoadRecords
+    table: Matrix
+    strikes: StrikeRecords
+    over: Matrix
+    kinks: Counts
+    tick: float

@@ -1,0 +1,1 @@
+"""The contact laws of a study file: a module each, found by `registry`."""

@@ -1,0 +1,113 @@
+"""What every contact law of a study file has, and what it is given to become one.
+
+A law is a module of this package with a `LawSpec` and nothing to enter anywhere else: `registry` finds it. d is the
+indentation, d' its rate, positive while the ends approach.
+"""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from dataclasses import dataclass
+from typing import Annotated, Any
+
+from pydantic import ValidationInfo, field_validator
+
+from femstruct.impact.laws.law import Law
+from femstruct.impact.restitution import dissipation_for
+from femstruct.language.build import Builder
+from femstruct.language.reader import Steps, dotted
+from femstruct.language.spec import Flag, Quantity, Spec, refuse
+from femstruct.units import QuantityError, power_stiffness, shown_as
+
+Positive = Annotated[float, Quantity(("stiffness",), above=0.0)]
+Restitution = Annotated[float, Quantity(("ratio",), above=0.0, most=1.0)]
+Exponent = Annotated[float, Quantity(("ratio",), least=1.0, most=9.0)]
+MeetingSpeed = Annotated[float, Quantity(("speed",), above=0.0)]
+
+
+@dataclass(frozen=True)
+class Ends:
+    """What a restitution needs to know of two ends: the mass that meets [kg], that of a body alone or the reduced mass
+    of two, None without a body; the speed they meet with [m/s], None where the file does not tell it; their radii [m],
+    infinite for what is no body, None where a body has none."""
+
+    mass: float | None
+    speed: float | None
+    radii: tuple[float, float] | None
+
+
+@dataclass(frozen=True)
+class Site:
+    """Where a law stands: its two ends, its steps in the file, what notes mistakes, and the texts of the files that
+    laws name, by their names, to which its own are added."""
+
+    ends: Ends
+    steps: Steps
+    builder: Builder
+    sources: dict[str, str]
+
+    def refuse(self, key: str, got: str, expected: str, do: str = "") -> None:
+        """Note a mistake at a key of the law, or at the law for ""."""
+        where = (*self.steps, key) if key else self.steps
+        self.builder.mistakes.add(self.builder.tree.position(where), dotted(where), got=got, expected=expected, do=do)
+
+    def meeting_speed(self, given: float | None) -> float | None:
+        """The speed [m/s] that a restitution holds at: as given, or as the file tells; None with a mistake noted."""
+        speed = given or self.ends.speed
+        if speed is None:
+            self.refuse("restitution", "a restitution without a meeting speed", "at_speed", "add 'at_speed: 2 m/s'")
+        return speed
+
+
+class LawSpec(Spec):
+    """A contact law."""
+
+    tensile: Flag = False
+
+    @property
+    def takes_radius(self) -> bool:
+        """Whether it takes the radii of the bodies it stands between."""
+        return False
+
+    @abstractmethod
+    def law(self, site: Site) -> Law | None:
+        """The law; None with a mistake noted. Raises FemstructError for what its constructor refuses."""
+
+
+class FactoredSpec(LawSpec):
+    """f = s(d) (1 + chi d'): the dissipation chi, or the restitution at a speed. Without at_speed it is the speed with
+    which a body placed at the other end starts."""
+
+    at_most_one_of = (("dissipation", "restitution"),)
+    needs = (("at_speed", ("restitution",)),)
+
+    dissipation: Annotated[float, Quantity(("dissipation",), least=0.0)] = 0.0
+    restitution: Restitution | None = None
+    at_speed: MeetingSpeed | None = None
+
+    def chi(self, site: Site) -> float | None:
+        """The dissipation [s/m]; None with a mistake noted."""
+        if self.restitution is None:
+            return self.dissipation
+        speed = site.meeting_speed(self.at_speed)
+        return None if speed is None else dissipation_for(self.restitution, speed)
+
+
+class PowerSpec(LawSpec):
+    """A spring k d^n; k in N/m^n, n = 1.5 unless given."""
+
+    exponent: Exponent = 1.5
+    stiffness: float
+
+    @field_validator("stiffness", mode="before", json_schema_input_type=float | str)
+    @classmethod
+    def _power(cls, value: Any, info: ValidationInfo) -> Any:
+        if "exponent" not in info.data:  # refused already
+            return 1.0
+        try:
+            stiffness = power_stiffness(value, info.data["exponent"])
+        except QuantityError as error:
+            raise refuse(error.got, error.expected, error.do) from None
+        if not stiffness > 0.0:
+            raise refuse(shown_as(value), "a positive stiffness")
+        return stiffness

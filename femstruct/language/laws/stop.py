@@ -1,0 +1,20 @@
+"""`type: stop`."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from femstruct.impact.laws.stop import Stop
+from femstruct.language.laws.law import LawSpec, Positive, Site
+from femstruct.language.schema_parts import Dashpot
+
+
+class StopSpec(LawSpec):
+    """A bumper on both sides."""
+
+    type: Literal["stop"]
+    stiffness: Positive
+    damping: Dashpot = 0.0
+
+    def law(self, site: Site) -> Stop:
+        return Stop(self.stiffness, self.damping, self.tensile)
