@@ -44,6 +44,7 @@ if TYPE_CHECKING:
     from femstruct.impact.laws.hunt_crossley import HuntCrossley as HuntCrossley
     from femstruct.impact.laws.lankarani_nikravesh import LankaraniNikravesh as LankaraniNikravesh
     from femstruct.impact.laws.linear import Linear as Linear
+    from femstruct.impact.laws.own import OwnLaw as OwnLaw
     from femstruct.impact.laws.stop import Stop as Stop
     from femstruct.impact.laws.tabulated import Tabulated as Tabulated
     from femstruct.impact.metrics import Batch as Batch
@@ -99,6 +100,7 @@ _NAMES = {
     "impact.laws.hunt_crossley": ("HuntCrossley",),
     "impact.laws.lankarani_nikravesh": ("LankaraniNikravesh",),
     "impact.laws.linear": ("Linear",),
+    "impact.laws.own": ("OwnLaw",),
     "impact.laws.stop": ("Stop",),
     "impact.laws.tabulated": ("Tabulated",),
     "impact.metrics": ("Batch",),

@@ -55,7 +55,7 @@ class Contact:
     preload [N] : force at the rest state, which the rest of the system holds; needs a gap of 0.
 
     upper, lower : the name of a body, a probe of the structure (`model.points["P"].probe("z")`), or GROUND.
-    law : one of the exported laws; `Tabulated` takes a law of your own by points of it.
+    law : of `femstruct.impact.laws`; `OwnLaw` takes functions of yours, `Tabulated` measured points.
 
     >>> from femstruct.impact.laws.hertz import Hertz
     >>> Contact("ball on ground", upper="ball", lower=GROUND, law=Hertz(3.7e5, damping=150.0)).law.stiffness
@@ -75,7 +75,7 @@ class Contact:
                 f"contacts.{self.name}.law",
                 got=f"a {type(self.law).__name__}",
                 expected=" or ".join(one.__name__ for one in LAWS),
-                do="a law of your own is Tabulated(indentations, forces), through points of it",
+                do="a law of your own is OwnLaw(force, energy, ..), or Tabulated(indentations, forces)",
             )
         if not self.gap >= 0:
             raise FemstructError(f"contacts.{self.name}.gap", got=f"{self.gap:g} m", expected="a gap >= 0")

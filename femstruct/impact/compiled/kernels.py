@@ -11,12 +11,14 @@ import hashlib
 import platform
 import sys
 from collections.abc import Callable, Iterator
+from ctypes import CFUNCTYPE, c_double, c_void_p
 from functools import cache, cached_property
 from importlib.metadata import version
 from pathlib import Path
 from types import CodeType, FunctionType
 from typing import Any, Final, Generic, ParamSpec, TypeVar, get_type_hints
 
+from femstruct.arrays import Floats
 from femstruct.impact.compiled.layout import Slot, laid_out, slot_of
 
 F = TypeVar("F", bound=Callable[..., object])
@@ -37,6 +39,15 @@ def summing(function: F) -> F:
     """As `kernel`, for plain sums: the order of the terms is the compiler's, so that it can use vectors."""
     setattr(function, MARK, True)
     return function
+
+
+def call_at(address: int, x: float, y: float, numbers: Floats) -> float:
+    """Value of the C function `double f(double, double, const double *)` at an address, as kernels call it.
+
+    numbers : begins where the pointer points to.
+    """
+    function = CFUNCTYPE(c_double, c_double, c_double, c_void_p)(int(address))
+    return float(function(x, y, numbers.ctypes.data))
 
 
 class Unit(Generic[P, R]):

@@ -16,20 +16,25 @@ from typing import Any, Final
 import llvmlite.binding as llvm
 import numpy as np
 from llvmlite import ir
-from numba import cfunc, typeof, types
+from numba import carray, cfunc, njit, typeof, types
 from numba.core import cgutils
+from numba.core.errors import NumbaError
 from numba.core.typing.templates import AttributeTemplate
 from numba.extending import (
     infer_getattr,
+    is_jitted,
+    lower_builtin,
     lower_getattr_generic,
     models,
     register_jitable,
     register_model,
+    type_callable,
     typeof_impl,
 )
 from numba.np.arrayobj import populate_array
 
-from femstruct.impact.compiled.kernels import LEVEL, MARK, Unit, kernels_of, units_called
+from femstruct.errors import FemstructError
+from femstruct.impact.compiled.kernels import LEVEL, MARK, Unit, call_at, kernels_of, units_called
 from femstruct.impact.compiled.layout import Layout, Slot
 
 OPTIONS: Final[dict[str, Any]] = {"error_model": "numpy", "_nrt": False}
@@ -108,6 +113,53 @@ def _read(context: Any, builder: Any, typ: ByAddress, value: Any, name: str) -> 
 def _external(unit: Unit[..., Any], _: Any) -> types.Type:
     """A unit that another one calls is a C function of this name."""
     return types.ExternalFunction(unit.symbol, _signature(unit))
+
+
+@type_callable(call_at)
+def _typed(_: Any) -> Callable[..., types.Type]:
+    def typer(address: types.Type, x: types.Type, y: types.Type, numbers: types.Type) -> types.Type:
+        return types.float64
+
+    return typer
+
+
+@lower_builtin(call_at, types.Integer, types.Float, types.Float, types.Array)
+def _called(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+    """A jump to the address."""
+    address, x, y, numbers = args
+    double = ir.DoubleType()
+    kind = ir.FunctionType(double, [double, double, double.as_pointer()])
+    first = context.make_array(signature.args[3])(context, builder, numbers).data
+    return builder.call(builder.inttoptr(address, kind.as_pointer()), [x, y, first])
+
+
+@cache
+def own_code(function: Callable[..., float], takes_rate: bool, count: int) -> Any:
+    """numba's C function of a user's f(depth, rate, parameters), or f(depth, parameters); its `address` is for
+    `call_at`, with count parameters behind the pointer. It is kept as long as this process lives, and not on disk.
+
+    Raises FemstructError for what numba cannot compile.
+    """
+    inner = function if is_jitted(function) else njit(error_model="numpy")(function)
+
+    def with_rate(depth, rate, first):  # type: ignore[no-untyped-def]
+        return inner(depth, rate, carray(first, count))
+
+    def without(depth, rate, first):  # type: ignore[no-untyped-def]
+        return inner(depth, carray(first, count))
+
+    number = types.float64
+    try:
+        signature = number(number, number, types.CPointer(number))
+        return cfunc(signature, error_model="numpy")(with_rate if takes_rate else without)
+    except NumbaError as error:
+        lines = [line.strip() for line in str(error).splitlines() if line.strip()]
+        raise FemstructError(
+            f"own law {getattr(function, '__name__', 'function')}",
+            got=f"what numba cannot compile: {' '.join(lines)[:200]}",
+            expected="a function of numbers and an array of parameters that returns a number",
+            do="numba.njit(function) says more",
+        ) from None
 
 
 def _signature(unit: Unit[..., Any]) -> Any:
