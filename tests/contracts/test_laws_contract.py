@@ -15,6 +15,7 @@ from femstruct.impact.forces import law as force_at
 from femstruct.impact.forces import sense
 from femstruct.impact.laws.cubic import Cubic
 from femstruct.impact.laws.dispatch import beside, spring
+from femstruct.impact.laws.flores import Flores
 from femstruct.impact.laws.hertz import Hertz
 from femstruct.impact.laws.hunt_crossley import HuntCrossley
 from femstruct.impact.laws.lankarani_nikravesh import LankaraniNikravesh
@@ -42,6 +43,7 @@ def own_energy(d: float, p: np.ndarray) -> float:
 
 EXAMPLES: list[Law] = [
     Cubic(1e5, 3e11, 0.2),
+    Flores(1e8, 0.5, 2.5),
     Hertz(1e8, 2e4),
     HuntCrossley(1e10, 2.2, 1.5),
     LankaraniNikravesh(1e8, 0.8, 2.5),

@@ -138,7 +138,7 @@ WRONG = {  # law: what stands where the message points, the message
     "{type: table, curve: [[0, 0]]}": ("[[0", "got 1 values, expected at least 2"),
     "{type: table, curve: [[0, 0], [1 mm, 2 N], [2 mm, 1 N]]}": ("[[0", "got force 1 N after 2 N, expected a rise"),
     "{type: table, file: pad.cs}": ("pad.cs", "got no file"),
-    "{type: kelvin-voigt, stiffness: 1}": ("kelvin", "got 'kelvin-voigt', expected one of cubic, hertz, "
+    "{type: kelvin-voigt, stiffness: 1}": ("kelvin", "got 'kelvin-voigt', expected one of cubic, flores, hertz, "
         "hunt-crossley, lankarani-nikravesh, linear, stop, table"),
 }  # fmt: skip
 
