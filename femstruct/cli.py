@@ -1,23 +1,19 @@
-"""The command line: `femstruct run | check | modes | frf | impact | sound | identify | schema`."""
+"""The command line: `femstruct run | check | modes | frf | impact | sound | identify | explain | schema`."""
 
 from __future__ import annotations
 
 import functools
 import gc
-import json
 import os
 import sys
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import Annotated, Any, Literal
 
 import typer
 
 from femstruct.exits import GOOD, INTERRUPTED, NOT_TRUSTED, end, heed_signals, leave_with, refuse_unreadable_words
-
-if TYPE_CHECKING:
-    from femstruct.study.result import StudyResult
-    from femstruct.study.study import Plan
+from femstruct.study_commands import print_json, progress, solved, stages, verdict, watched
 
 app = typer.Typer(
     help="Impact vibration of structures and the sound it makes in a room.",
@@ -33,6 +29,7 @@ AsJson = Annotated[bool, typer.Option("--json", help="print JSON to stdout")]
 Sets = Annotated[
     list[str], typer.Option("--set", metavar="PATH=VALUE", help="change one value before anything is read")
 ]
+Verbose = Annotated[bool, typer.Option("-v", "--verbose", help="print remarks among the findings, too")]
 Kind = Literal["model", "study"]
 OnlyCase = Annotated[str, typer.Option("--case", metavar="CASE", help="run this case alone")]
 
@@ -80,6 +77,7 @@ def run(
         bool, typer.Option("--watch", help="run again whenever a file of the study is saved; Ctrl-C ends it")
     ] = False,
     as_json: AsJson = False,
+    verbose: Verbose = False,
 ) -> int:
     """Do all that a study names and write it to a folder. Modes, responses, impacts, rooms and levels become results,
     pictures and tables."""
@@ -90,19 +88,19 @@ def run(
     folder = output or Path("results") / study.name.removesuffix(".yaml").removesuffix(".study")
     refuse_unwritable(folder)
     if watch:
-        return _watched(study, set_, case, folder, as_json, not no_pictures)
-    _, result = _solve(study, set_, case)
-    with _progress() as tell:
+        return watched(study, set_, case, folder, as_json, verbose, not no_pictures)
+    _, result = solved(study, set_, case)
+    with progress() as tell:
         seconds, told = write_all(result, folder, tell, pictures=not no_pictures)
     if as_json:
-        _print_json(summary(result))
+        print_json(summary(result))
     else:
         from femstruct.view.terminal import show_study
 
-        show_study(result, seconds, str(folder))
+        show_study(result, seconds, str(folder), verbose)
         if told:
             print(told)
-    return _verdict(result)
+    return verdict(result)
 
 
 @_command
@@ -112,22 +110,34 @@ def warm_up() -> int:
     from femstruct.impact.compiled.workers import compilation
     from femstruct.impact.needed import ALL
 
-    with _progress() as tell, compilation(ALL) as kernels:
+    with progress() as tell, compilation(ALL) as kernels:
         kernels.wait(tell)
     print(f"{len(kernels.units)} kernels compiled; they are kept in {folder()}")
     return GOOD
 
 
 @_command
-def impact(study: StudyFile, case: OnlyCase = "", set_: Sets = [], as_json: AsJson = False) -> int:  # noqa: B006
+def impact(
+    study: StudyFile,
+    case: OnlyCase = "",
+    set_: Sets = [],  # noqa: B006
+    as_json: AsJson = False,
+    verbose: Verbose = False,
+) -> int:
     """Simulate the impacts of a study. Prints peaks, contacts and energies; nothing is written."""
-    return _stages(study, case, set_, as_json, with_rooms=False)
+    return stages(study, case, set_, as_json, verbose, with_rooms=False)
 
 
 @_command
-def sound(study: StudyFile, case: OnlyCase = "", set_: Sets = [], as_json: AsJson = False) -> int:  # noqa: B006
+def sound(
+    study: StudyFile,
+    case: OnlyCase = "",
+    set_: Sets = [],  # noqa: B006
+    as_json: AsJson = False,
+    verbose: Verbose = False,
+) -> int:
     """Simulate impacts and what is heard in the rooms. Nothing is written."""
-    return _stages(study, case, set_, as_json, with_rooms=True)
+    return stages(study, case, set_, as_json, verbose, with_rooms=True)
 
 
 @_command
@@ -138,22 +148,23 @@ def check(
     ] = None,
     set_: Sets = [],  # noqa: B006
     as_json: AsJson = False,
+    verbose: Verbose = False,
 ) -> int:
     """Read a file and say what it means. Geometry, masses, sags, degrees of freedom, rigid modes, findings."""
     from femstruct.workflow.inspect import inspect_file
 
-    with _progress() as tell:
+    with progress() as tell:
         inspection = inspect_file(file, tuple(set_), tell)
     if picture is not None:
         from femstruct.view.scene import picture_model
 
         picture_model(inspection.model, inspection.rooms, picture)
     if as_json:
-        _print_json(inspection.table())
+        print_json(inspection.table())
     else:
         from femstruct.view.structure import show_inspection
 
-        show_inspection(inspection.table(), str(picture or ""))
+        show_inspection(inspection.table(), str(picture or ""), verbose)
     return NOT_TRUSTED if any(finding.severe for finding in inspection.findings) else GOOD
 
 
@@ -166,19 +177,20 @@ def modes(
     ] = "",
     set_: Sets = [],  # noqa: B006
     as_json: AsJson = False,
+    verbose: Verbose = False,
 ) -> int:
     """Natural frequencies, damping ratios and kinds of modes. All modes of the mesh are found, which is proved."""
     from femstruct.workflow.asked_modes import extent_of, modes_of
 
-    with _progress() as tell:
+    with progress() as tell:
         tell("modes")
         table = modes_of(model, extent_of(count, up_to), tuple(set_))
     if as_json:
-        _print_json(table)
+        print_json(table)
     else:
         from femstruct.view.structure import show_modes
 
-        show_modes(table)
+        show_modes(table, verbose)
     return NOT_TRUSTED if any(finding["severe"] for finding in table["findings"]) else GOOD
 
 
@@ -193,19 +205,20 @@ def frf(
     method: Annotated[str, typer.Option("--method", help="modal, or direct as its check")] = "modal",
     set_: Sets = [],  # noqa: B006
     as_json: AsJson = False,
+    verbose: Verbose = False,
 ) -> int:
     """One frequency response of a model."""
     from femstruct.workflow.asked_response import frf_of
 
-    with _progress() as tell:
+    with progress() as tell:
         tell("modes and frequency response")
         table = frf_of(model, drive, response, band, step, kind, method, tuple(set_))
     if as_json:
-        _print_json(table)
+        print_json(table)
     else:
         from femstruct.view.structure import show_frf
 
-        show_frf(table)
+        show_frf(table, verbose)
     return NOT_TRUSTED if any(finding["severe"] for finding in table["findings"]) else GOOD
 
 
@@ -222,6 +235,7 @@ def identify(
     case: OnlyCase = "",
     set_: Sets = [],  # noqa: B006
     as_json: AsJson = False,
+    verbose: Verbose = False,
 ) -> int:
     """Find numbers of a study from a measured history. With their confidence intervals."""
     from femstruct.workflow.identify import identify as identified
@@ -230,7 +244,7 @@ def identify(
         from femstruct.view.fitted import refuse_picture
 
         refuse_picture(picture)
-    with _progress() as tell:
+    with progress() as tell:
         found = identified(study, measured, channel, fit, delay, case, tuple(set_), tell)
     if picture is not None:
         from femstruct.view.figures import save
@@ -239,12 +253,28 @@ def identify(
         save(fit_figure(found.t, found.measured, found.computed, found.channel, found.unit), picture)
     table = found.table()
     if as_json:
-        _print_json(table)
+        print_json(table)
     else:
         from femstruct.view.identified import show_identification
 
-        show_identification(table)
+        show_identification(table, verbose)
     return NOT_TRUSTED if any(finding["severe"] for finding in table["findings"]) else GOOD
+
+
+@_command
+def explain(
+    code: Annotated[str, typer.Argument(metavar="[CODE]", help="of a finding; without it all codes are listed")] = "",
+    as_json: AsJson = False,
+) -> int:
+    """Explain a finding. What its code means, from which threshold on, and what to do."""
+    from femstruct.findings.catalogue import CATALOGUE, entry_of
+    from femstruct.findings.explain import entry_table, explanation, listing
+
+    if as_json:
+        print_json(entry_table(entry_of(code)) if code else [entry_table(entry) for entry in CATALOGUE.values()])
+    else:
+        print(explanation(entry_of(code)) if code else listing())
+    return GOOD
 
 
 @_command
@@ -254,79 +284,5 @@ def schema(
     """JSON schema of a model or a study file, for editors."""
     from femstruct.language import json_schema
 
-    _print_json(json_schema(kind))
+    print_json(json_schema(kind))
     return GOOD
-
-
-def _stages(study: Path, case: str, sets: list[str], as_json: bool, with_rooms: bool) -> int:
-    from femstruct.files.tables import summary
-
-    _, result = _solve(study, sets, case, with_rooms=with_rooms)
-    if as_json:
-        _print_json(summary(result))
-    else:
-        from femstruct.view.terminal import show_study
-
-        show_study(result, {})
-    return _verdict(result)
-
-
-def _solve(study: Path, sets: list[str], case: str, with_rooms: bool = True) -> tuple[Plan, StudyResult]:
-    from femstruct.language import read_study
-    from femstruct.workflow.positions import positioned
-    from femstruct.workflow.run import run_study, without_rooms
-
-    plan = read_study(study, tuple(sets), only=case or None)
-    if not with_rooms:
-        plan = without_rooms(plan)
-    with _progress() as tell, positioned(plan):
-        return plan, run_study(plan, tell, " ".join(["femstruct", *sys.argv[1:]]))
-
-
-def _watched(study: Path, sets: list[str], case: str, folder: Path, as_json: bool, pictures: bool) -> int:
-    """Rounds of a study until Ctrl-C; then all files of the last one are written."""
-    from femstruct.exits import tell
-    from femstruct.files.tables import summary
-    from femstruct.view.terminal import show_study
-    from femstruct.workflow.output import write_all
-    from femstruct.workflow.watch import rounds
-
-    code, last = GOOD, None
-    try:
-        with _progress() as told:
-            for one in rounds(study, sets, case, folder, told, command=" ".join(["femstruct", *sys.argv[1:]])):
-                if one.error is not None:
-                    code = tell(one.error)
-                    said = "not run, the last results stay"
-                elif one.result is not None:
-                    code, last = _verdict(one.result), one.result
-                    if as_json:
-                        _print_json(summary(last))
-                    else:
-                        show_study(last, {}, str(folder))
-                    said = f"{one.seconds:.2f} s, reused: {one.reused}"
-                print(f"{said}; waiting for a change, Ctrl-C ends", file=sys.stderr)
-                told("waiting for a change of the study's files")
-    except KeyboardInterrupt:
-        if last is not None:
-            print("writing results.h5 and pictures of the last run too; Ctrl-C again leaves them out", file=sys.stderr)
-            with _progress() as told:
-                write_all(last, folder, told, pictures)
-    return code
-
-
-def _verdict(result: StudyResult) -> int:
-    if any(finding.code == "interrupted" for finding in result.findings):
-        return INTERRUPTED
-    severe = [finding for case in result.cases.values() for finding in case.findings if finding.severe]
-    return NOT_TRUSTED if severe else GOOD
-
-
-def _progress() -> Any:
-    from femstruct.view.console import progress
-
-    return progress()
-
-
-def _print_json(table: Any) -> None:
-    print(json.dumps(table, indent=1, allow_nan=False))

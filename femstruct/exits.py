@@ -99,12 +99,10 @@ def refuse_unreadable_words(options: Mapping[str, object]) -> None:
 
 def tell(error: Exception) -> int:
     """Say what went wrong on stderr, and with which exit code to leave."""
-    from acoustics.errors import AcousticsError
-
     with suppress(OSError, ValueError):  # stderr may be full, too
         if isinstance(error, NotConverged):
             print(f"not converged: {error}", file=sys.stderr)
-        elif isinstance(error, FemstructError | AcousticsError):
+        elif isinstance(error, FemstructError) or _of_acoustics(error):
             print(error, file=sys.stderr)
         elif isinstance(error, OSError) and error.errno in _NO_ROOM:
             print(f"printing: got {error.strerror}, expected room for what is printed", file=sys.stderr)
@@ -117,3 +115,9 @@ def tell(error: Exception) -> int:
             print("This is a bug in femstruct, not in your input; please report the lines above.", file=sys.stderr)
             return OUR_BUG
     return NOT_TRUSTED if isinstance(error, NotConverged) else BAD_INPUT
+
+
+def _of_acoustics(error: Exception) -> bool:
+    """Whether the acoustic wing refused something; it is not loaded only to be asked."""
+    wing = sys.modules.get("acoustics.errors")
+    return wing is not None and isinstance(error, wing.AcousticsError)

@@ -1,14 +1,53 @@
-"""A finding as a table for JSON."""
+"""Findings as tables for machines, JSON and HDF5: all of them, each with its rank."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
+from acoustics.errors import Advice
 from femstruct.errors import Finding
 from femstruct.files.numbers import number
+from femstruct.findings.catalogue import place_of, rank_of
+from femstruct.study.result import StudyResult
 
 
-def finding_table(finding: Finding) -> dict[str, Any]:
+def finding_table(found: Finding | Advice) -> dict[str, Any]:
     """A finding as a table."""
-    values = {name: number(value) for name, value in finding.values.items()}
-    return {"code": finding.code, "message": finding.message, "values": values, "severe": finding.severe}
+    severe = isinstance(found, Finding) and found.severe
+    return {
+        "code": found.code,
+        "message": found.message,
+        "values": {name: number(value) for name, value in found.values.items()},
+        "severe": severe,
+        "rank": rank_of(found.code, severe).value,
+    }
+
+
+def finding_from(table: Mapping[str, Any]) -> Finding:
+    """A finding back from its table.
+
+    >>> finding_from(finding_table(Finding("sags-far", "Far.")))
+    Finding(code='sags-far', message='Far.', values={}, severe=False)
+    """
+    return Finding(table["code"], table["message"], table["values"], table["severe"])
+
+
+def findings_by_case(result: StudyResult) -> tuple[tuple[Finding, tuple[str, ...]], ...]:
+    """Every distinct finding of a run by rank, and the cases it holds for; none for one of the run as a whole."""
+    own = {(finding.code, finding.message): finding for case in result.cases.values() for finding in case.findings}
+    holds = {
+        key: tuple(
+            name
+            for name, case in result.cases.items()
+            if key in {(finding.code, finding.message) for finding in case.findings}
+        )
+        for key in own
+    }
+    found = (*((finding, ()) for finding in result.findings), *((own[key], cases) for key, cases in holds.items()))
+    return tuple(sorted(found, key=lambda one: place_of(one[0])))
+
+
+def study_findings_table(result: StudyResult) -> list[dict[str, Any]]:
+    """All findings of a run as tables, each with the cases it holds for."""
+    return [finding_table(found) | {"cases": list(cases)} for found, cases in findings_by_case(result)]

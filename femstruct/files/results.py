@@ -29,13 +29,13 @@ from femstruct.errors import Finding
 from femstruct.files.atomic import replacing
 from femstruct.files.bases import write_basis, write_damping
 from femstruct.files.blows import write_blows
-from femstruct.files.finding_tables import finding_table
+from femstruct.files.finding_tables import finding_table, study_findings_table
 from femstruct.files.hdf5 import axis, group, put, put_text
 from femstruct.files.machine import write_verdicts
 from femstruct.files.radiated import write_power, write_radiated
 from femstruct.files.seal import seal
 from femstruct.files.sound import write_levels, write_own, write_own_levels, write_rated, write_room
-from femstruct.files.tables import findings_by_case, summary
+from femstruct.files.tables import summary
 from femstruct.files.trust import write_accuracy, write_errors
 from femstruct.files.vtkhdf import write_vtkhdf
 from femstruct.impact.response import EnergyBalance, EnergyLedger, Response
@@ -99,7 +99,7 @@ def _write(file: h5py.File, result: StudyResult) -> None:
         format_version=FORMAT_VERSION,
         title=result.plan.title,
         baseline=result.plan.baseline,
-        findings=json.dumps([finding_table(found) | {"cases": cases} for found, cases in findings_by_case(result)]),
+        findings=json.dumps(study_findings_table(result)),
         timings_s=json.dumps(dict(result.timings)),
     )
     inputs = group(file, "input", "The files of the study, verbatim")

@@ -11,6 +11,7 @@ import numpy as np
 from acoustics.levels import REFERENCE_PA, Levels
 from acoustics.pressure import RoomResponse
 from acoustics.rated import RatedRoom
+from femstruct.files.finding_tables import finding_table
 from femstruct.files.hdf5 import axis, group, put
 from femstruct.study.result import OwnSound
 
@@ -55,7 +56,7 @@ def write_levels(target: h5py.Group, levels: Levels) -> None:
         **levels.single_numbers,
         reference_pa=levels.reference_pa,
         complete_below_hz=levels.complete_below_hz,  # the sound ends there, bands that reach above are nan
-        findings=json.dumps([[advice.code, advice.message] for advice in levels.findings]),
+        findings=json.dumps([finding_table(advice) for advice in levels.findings]),
     )
     band = axis(target, "band_hz", list(levels.bands_db), "Hz", "Nominal centre of the third octave")
     put(target, "l_fmax", list(levels.bands_db.values()), reference, "Largest Fast level in the band", (band,))

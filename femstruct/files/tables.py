@@ -7,9 +7,8 @@ from typing import Any
 
 from acoustics.levels import Levels
 from acoustics.rated import RatedRoom
-from femstruct.errors import Finding
 from femstruct.files.arrays import array_tables
-from femstruct.files.finding_tables import finding_table
+from femstruct.files.finding_tables import finding_table, study_findings_table
 from femstruct.files.machine import machine_table, verdict_tables
 from femstruct.files.numbers import label, number
 from femstruct.files.radiated import radiated_beside, radiated_table
@@ -50,21 +49,7 @@ def summary(result: StudyResult) -> Table:
         }
         for name, case in result.cases.items()
     }
-    return {"cases": cases, "comparison": comparison}
-
-
-def findings_by_case(result: StudyResult) -> tuple[tuple[Finding, tuple[str, ...]], ...]:
-    """Every distinct finding of a run and the cases it holds for; none for one of the run as a whole."""
-    own = {(finding.code, finding.message): finding for case in result.cases.values() for finding in case.findings}
-    holds = {
-        key: tuple(
-            name
-            for name, case in result.cases.items()
-            if key in {(finding.code, finding.message) for finding in case.findings}
-        )
-        for key in own
-    }
-    return (*((finding, ()) for finding in result.findings), *((own[key], cases) for key, cases in holds.items()))
+    return {"cases": cases, "comparison": comparison, "findings": study_findings_table(result)}
 
 
 def _case(case: CaseResult) -> Table:

@@ -1,14 +1,12 @@
-"""Where a person reads: the console, what is being computed, findings."""
+"""Where a person reads: the console, and what is being computed."""
 
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 from rich.console import Console
-
-from femstruct.errors import Finding
 
 
 @contextmanager
@@ -29,12 +27,3 @@ def progress() -> Iterator[Callable[[str], None]]:
 def console() -> Console:
     """Where tables go: as wide as the terminal, of a fixed width in a pipe."""
     return Console(width=None if sys.stdout.isatty() else 160, highlight=False, markup=False)
-
-
-def show_findings(screen: Console, findings: Sequence[tuple[Finding, str]]) -> None:
-    """Findings, each with what is said after it."""
-    if findings:
-        screen.print("findings", style="bold")
-    for finding, after in findings:
-        mark = "NOT TO BE TRUSTED " if finding.severe else ""
-        screen.print(f"  {mark}{finding.code}: {finding.message}{after}", soft_wrap=True)

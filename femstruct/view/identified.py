@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from femstruct.errors import Finding
-from femstruct.view.console import console, show_findings
+from femstruct.files.finding_tables import finding_from
+from femstruct.view.console import console
+from femstruct.view.findings import show_findings
 from femstruct.view.grid import Grid
 
 
-def show_identification(table: Mapping[str, Any]) -> None:
+def show_identification(table: Mapping[str, Any], verbose: bool = False) -> None:
     """A row a parameter with its interval, what the fit leaves over, and findings."""
     screen = console()
     grid = Grid(
@@ -27,4 +28,4 @@ def show_identification(table: Mapping[str, Any]) -> None:
         f"{100 * table['explained']:.2f} % of the measured squares; {table['runs']} simulations",
         soft_wrap=True,
     )
-    show_findings(screen, [(Finding(**finding), "") for finding in table["findings"]])
+    show_findings(screen, [(finding_from(one), "") for one in table["findings"]], verbose)

@@ -10,8 +10,10 @@ from types import MappingProxyType
 from typing import Final
 
 from femstruct.files.atomic import replacing
-from femstruct.files.tables import findings_by_case
+from femstruct.files.finding_tables import findings_by_case
+from femstruct.findings.entry import Rank
 from femstruct.study.result import StudyResult
+from femstruct.view.findings import finding_lines
 from femstruct.view.grid import Grid
 from femstruct.view.rated import first_drop
 from femstruct.view.terminal import study_tables
@@ -77,12 +79,17 @@ def _outcomes(result: StudyResult) -> str:
 
 
 def _findings(result: StudyResult) -> str:
-    lines = []
-    for finding, cases in findings_by_case(result):
-        where = f" <em>({escape(', '.join(cases))})</em>" if 0 < len(cases) < len(result.cases) else ""
-        mark = ' class="severe"' if finding.severe else ""
-        lines.append(f"<li{mark}><b>{escape(finding.code)}</b>: {escape(finding.message)}{where}</li>")
-    return f"<h2>Reasons to believe it less</h2>\n<ul>{''.join(lines)}</ul>" if lines else ""
+    """All findings by rank, remarks among them."""
+    told = [
+        (finding, f" ({', '.join(cases)})" if 0 < len(cases) < len(result.cases) else "")
+        for finding, cases in findings_by_case(result)
+    ]
+    marks = {Rank.FORBIDS: ' class="severe"'}
+    lines = [
+        f"<li{marks.get(rank, '') if rank else ''}>{escape(line)}</li>"
+        for rank, line in finding_lines(told, verbose=True)
+    ]
+    return f"<h2>Findings</h2>\n<ul>{''.join(lines)}</ul>" if lines else ""
 
 
 def _table(grid: Grid) -> str:

@@ -8,15 +8,17 @@ from typing import Any
 from rich.console import Console
 
 from femstruct.errors import Finding, some_of
-from femstruct.view.console import console, show_findings
+from femstruct.files.finding_tables import finding_from
+from femstruct.view.console import console
+from femstruct.view.findings import finding_lines, show_findings
 from femstruct.view.grid import Grid
 
 Row = Mapping[str, Any]
 DUST = 1e-6  # rad: a micrometre a metre is rounding, or nobody's concern
 
 
-def show_modes(table: Row) -> None:
-    """Mode numbers, frequencies, damping ratios, kinds and effective masses."""
+def show_modes(table: Row, verbose: bool = False) -> None:
+    """Mode numbers, frequencies, damping ratios, kinds and effective masses; verbose : remarks, too."""
     screen = console()
     grid = Grid(
         table["title"], ("mode", "frequency [Hz]", "damping ratio", "kind", "x [%]", "y [%]", "z [%] of the mass")
@@ -37,20 +39,20 @@ def show_modes(table: Row) -> None:
     if told := _completeness(table["complete_below_hz"], table["rigid_in_plane"]):
         screen.print(told)
         screen.print(f"sparse solver: {table['solver']}")
-    show_findings(screen, _read(table["findings"]))
+    show_findings(screen, _read(table["findings"]), verbose)
 
 
-def show_frf(table: Row) -> None:
+def show_frf(table: Row, verbose: bool = False) -> None:
     """A frequency response as columns, findings before them as comments: what plots columns leaves comments out."""
-    for finding in table["findings"]:
-        print(f"# {'NOT TO BE TRUSTED ' if finding['severe'] else ''}{finding['code']}: {finding['message']}")
+    for _, told in finding_lines(_read(table["findings"]), verbose):
+        print(f"# {told}")
     print(f"# {table['kind']} {table['response']} / {table['drive']}, {table['method']}, {table['unit']}")
     print("# frequency_hz real imag")
     for line in zip(table["frequency_hz"], table["real"], table["imag"], strict=True):
         print("{:.6g} {:.8e} {:.8e}".format(*line))
 
 
-def show_inspection(table: Row, picture: str = "") -> None:
+def show_inspection(table: Row, picture: str = "", verbose: bool = False) -> None:
     """What `check` found: masses, box, degrees of freedom, rigid modes, damping, sags, blocks, rooms, findings."""
     screen = console()
     screen.print(table["title"], style="bold")
@@ -95,7 +97,7 @@ def show_inspection(table: Row, picture: str = "") -> None:
             screen.print(f"  cells of {cells} at most; modes of its own, as of rigid walls, up to {most}")
     if table["drops"]:
         screen.print(f"the source strikes {some_of(table['drops'])}: a simulation each")
-    show_findings(screen, _read(table["findings"]))
+    show_findings(screen, _read(table["findings"]), verbose)
     if picture:
         screen.print(f"picture: {picture}")
 
@@ -153,4 +155,4 @@ def _percentage(part: float, whole: float) -> str:
 
 def _read(findings: Sequence[Row]) -> list[tuple[Finding, str]]:
     """Findings of a table of one structure, where there are no cases to name."""
-    return [(Finding(f["code"], f["message"], f["values"], f["severe"]), "") for f in findings]
+    return [(finding_from(one), "") for one in findings]

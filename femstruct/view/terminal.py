@@ -9,12 +9,13 @@ from math import inf, isfinite
 from rich.console import Console
 
 from femstruct.errors import some_of
-from femstruct.files.tables import findings_by_case
+from femstruct.files.finding_tables import findings_by_case
 from femstruct.study.result import NET_FORCE, CaseComparison, CaseResult, StudyResult
 from femstruct.view.arrays import arrays
 from femstruct.view.blows import blows
-from femstruct.view.console import console, show_findings
+from femstruct.view.console import console
 from femstruct.view.energies import energies, whither
+from femstruct.view.findings import show_findings
 from femstruct.view.grid import Grid
 from femstruct.view.machine import limits, machine
 from femstruct.view.radiated import radiated
@@ -27,8 +28,11 @@ SPOKEN_MODES = 12  # of a channel
 SPOKEN_HZ = 500.0  # modes above it are in summary.json; a terminal shows those that floors and presses are judged by
 
 
-def show_study(result: StudyResult, written: Mapping[str, float], folder: str = "") -> None:
-    """Cases side by side: ratings, machine, limits, peaks, contacts, energy, levels, changes, findings, timings."""
+def show_study(result: StudyResult, written: Mapping[str, float], folder: str = "", verbose: bool = False) -> None:
+    """Cases side by side: ratings, machine, limits, peaks, contacts, energy, levels, changes, findings, timings.
+
+    verbose : show remarks, too.
+    """
     screen = console()
     screen.print(result.plan.title, style="bold")
     for line in (*outcomes(result), *trust(result)):
@@ -43,6 +47,7 @@ def show_study(result: StudyResult, written: Mapping[str, float], folder: str = 
             (finding, "" if len(cases) in (0, len(result.cases)) else _in_cases(cases))
             for finding, cases in findings_by_case(result)
         ],
+        verbose,
     )
     _show_timings(screen, {**result.timings, **written})
     if folder:

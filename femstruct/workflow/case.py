@@ -8,6 +8,7 @@ from functools import partial
 from acoustics.errors import Advice
 from acoustics.field import HalfSpace
 from femstruct.errors import Finding
+from femstruct.findings.catalogue import ranked
 from femstruct.impact.shares import mode_energies
 from femstruct.modal.basis import ModalBasis
 from femstruct.power import Radiated
@@ -30,7 +31,6 @@ from femstruct.workflow.rated import overlap_findings, rate_rooms
 from femstruct.workflow.responses import frequency_response
 from femstruct.workflow.sound import sound_energies
 from femstruct.workflow.struck import Struck, strike, told_once
-from femstruct.workflow.structure_findings import worst_first
 from femstruct.workflow.study_findings import study_findings
 from femstruct.workflow.transfers import RoomTransfers
 
@@ -112,7 +112,7 @@ def run_case(
         channels=channels,
         rooms={} if whole is None else whole.rooms,
         levels={} if whole is None else whole.levels,
-        findings=worst_first(findings),
+        findings=ranked(findings),
         accuracy=accuracy,
         shares=shares,
         rated=rated,

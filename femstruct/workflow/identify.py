@@ -15,6 +15,7 @@ from femstruct.arrays import Floats
 from femstruct.errors import Finding, InputError, InputErrors
 from femstruct.files.finding_tables import finding_table
 from femstruct.files.numbers import number
+from femstruct.findings.catalogue import ranked
 from femstruct.impact.bodies import Table as Measured
 from femstruct.language import read_measured, read_study
 from femstruct.language.reader import nearest
@@ -28,7 +29,6 @@ from femstruct.workflow.fit_findings import fit_findings
 from femstruct.workflow.positions import positioned
 from femstruct.workflow.provenance import Progress, Stopwatch
 from femstruct.workflow.run import without_rooms
-from femstruct.workflow.structure_findings import worst_first
 from femstruct.workflow.transfers import RoomTransfers
 
 DIMENSIONS: Final = {
@@ -173,7 +173,7 @@ def identify(
         t=table.times,
         measured=table.values,
         computed=table.values + found.residuals,
-        findings=worst_first((*fit_findings(found), *simulated(found.values).findings)),
+        findings=ranked((*fit_findings(found), *simulated(found.values).findings)),
     )
 
 

@@ -17,6 +17,7 @@ from femstruct.assembly.assemble import assemble
 from femstruct.errors import Finding
 from femstruct.files.finding_tables import finding_table
 from femstruct.files.numbers import number
+from femstruct.findings.catalogue import ranked
 from femstruct.language import ModelFile, read_any
 from femstruct.modal.basis import ModalBasis
 from femstruct.modal.damping import Damping, FromMaterials, LossFactor, Ratio, Rayleigh
@@ -40,7 +41,6 @@ from femstruct.workflow.provenance import Progress
 from femstruct.workflow.responses import response_row
 from femstruct.workflow.rest import Rest, rest_states
 from femstruct.workflow.staging import force_probes, scene
-from femstruct.workflow.structure_findings import worst_first
 from femstruct.workflow.study_findings import study_findings
 from femstruct.workflow.weight import block_modes, sags, weight_findings
 
@@ -141,7 +141,7 @@ def inspect_file(path: Path, overrides: tuple[str, ...] = (), progress: Progress
         block_modes=() if model is None else block_modes(model, basis),
         rooms=() if study is None else study.rooms,
         drops=() if case is None else tuple(case.drops),
-        findings=worst_first((*told, *weight_findings(under_weight), *_left_blank(source, basis))),
+        findings=ranked((*told, *weight_findings(under_weight), *_left_blank(source, basis))),
     )
 
 

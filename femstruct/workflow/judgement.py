@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from femstruct.errors import Finding, some_of
+from femstruct.findings.catalogue import ranked
 from femstruct.modal.basis import ModalBasis
 from femstruct.study.study import Case, FrfRequest, Study
 from femstruct.workflow.bases import Meshed, Solved
@@ -13,15 +14,14 @@ from femstruct.workflow.responses import undamped_findings
 from femstruct.workflow.structure_findings import (
     structure_findings,
     structure_findings_before,
-    worst_first,
 )
 from femstruct.workflow.study_findings import study_findings
 
 
 def early_findings(case: Case, own: Meshed) -> tuple[Finding, ...]:
-    """All that can be said of a case without its modes, severe findings first."""
+    """All that can be said of a case without its modes, by rank."""
     before = structure_findings_before(own.structure, own.model, case.studies, case.study.extent.up_to_hz)
-    return worst_first((*before, *study_findings(case, own.places)))
+    return ranked((*before, *study_findings(case, own.places)))
 
 
 def all_findings(
@@ -31,12 +31,12 @@ def all_findings(
     requests: Sequence[FrfRequest] = (),
     up_to_hz: float | None = None,
 ) -> tuple[Finding, ...]:
-    """All that can be said of a structure and its modes, severe findings first.
+    """All that can be said of a structure and its modes, by rank.
 
     basis : with its damping. requests : frequency responses that are asked of it. up_to_hz : the highest frequency that
     is looked at [Hz]; without it the mesh is judged as far as the modes are complete.
     """
-    return worst_first(
+    return ranked(
         (
             *structure_findings(solved, basis, studies, up_to_hz),
             *(finding for request in requests for finding in undamped_findings(basis, request)),
@@ -45,7 +45,7 @@ def all_findings(
 
 
 def of_cases(told: Mapping[str, Sequence[Finding]]) -> tuple[Finding, ...]:
-    """Findings of cases by name, each once, with the names of its cases where it is not of all; severe ones first.
+    """Findings of cases by name, each once, with the names of its cases where it is not of all; by rank.
 
     >>> sags, rings = Finding("a", "It sags."), Finding("b", "It rings.")
     >>> [finding.message for finding in of_cases({"as given": [sags], "stiffer": [sags, rings]})]
@@ -67,4 +67,4 @@ def of_cases(told: Mapping[str, Sequence[Finding]]) -> tuple[Finding, ...]:
             return first[key]
         return replace(first[key], message=f"{key[1]} (case{'s' if len(own) > 1 else ''} {some_of(own)})")
 
-    return worst_first([placed(key) for key in first])
+    return ranked([placed(key) for key in first])

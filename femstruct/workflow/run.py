@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from femstruct.errors import Finding, some_of
+from femstruct.findings.catalogue import ranked
 from femstruct.impact.compiled.workers import compilation
 from femstruct.modal.basis import ModalBasis
 from femstruct.study.result import AccuracyCheck, CaseResult, StudyResult
@@ -22,7 +23,6 @@ from femstruct.workflow.limits import verdicts
 from femstruct.workflow.machine import machines
 from femstruct.workflow.peaks import change_findings
 from femstruct.workflow.provenance import Progress, Stopwatch, provenance
-from femstruct.workflow.structure_findings import worst_first
 from femstruct.workflow.transfers import RoomTransfers
 
 
@@ -132,7 +132,7 @@ def run_again(
         comparison = compare(plan.baseline, finished)
         reference = finished[plan.baseline].channels
         finished = {
-            name: replace(one, findings=worst_first((*one.findings, *change_findings(reference, one.channels))))
+            name: replace(one, findings=ranked((*one.findings, *change_findings(reference, one.channels))))
             for name, one in finished.items()
         }
         kept = {name: verdicts(result) for name, result in finished.items()}

@@ -8,6 +8,7 @@ import numpy as np
 
 from femstruct.conventions import GRAVITY
 from femstruct.errors import Finding
+from femstruct.findings.catalogue import ranked
 from femstruct.modal.basis import ModalBasis
 from femstruct.model.material import Material
 from femstruct.model.model import Model
@@ -34,12 +35,12 @@ FAR = 0.1  # of the size of a structure: springs that sag by more have a slip of
 def structure_findings(
     solved: Solved, basis: ModalBasis, studies: Sequence[Study] = (), up_to_hz: float | None = None
 ) -> tuple[Finding, ...]:
-    """All that can be said of a structure and its modes, severe findings first.
+    """All that can be said of a structure and its modes, by rank.
 
     basis : with its damping. up_to_hz : the highest frequency that is looked at [Hz]; without it the mesh is judged as
     far as the modes are complete.
     """
-    return worst_first(
+    return ranked(
         (
             *structure_findings_before(solved.structure, solved.model, studies),
             *structure_findings_after(solved.model, basis, studies, up_to_hz),
@@ -53,7 +54,7 @@ def structure_findings_before(
     studies: Sequence[Study] = (),
     up_to_hz: float | None = None,
 ) -> tuple[Finding, ...]:
-    """All that can be said of a structure without its modes, severe findings first.
+    """All that can be said of a structure without its modes, by rank.
 
     structure, model : what is described, and its mesh; None in closed form. studies : what happens to it, for what they
     join (contacts, links), for gravity, and for their bodies. up_to_hz : the highest frequency asked for [Hz]; without
@@ -79,20 +80,20 @@ def structure_findings_before(
             found += _of_frequencies(model, up_to_hz)
     for study in studies:
         found += _hasty(study)
-    return worst_first(found)
+    return ranked(found)
 
 
 def structure_findings_after(
     model: Model | None, basis: ModalBasis, studies: Sequence[Study] = (), up_to_hz: float | None = None
 ) -> tuple[Finding, ...]:
-    """What the modes of a structure show of it, severe findings first: their own findings, whether the mesh carries
+    """What the modes of a structure show of it, by rank: their own findings, whether the mesh carries
     them, whether parts slide or turn on each other, and whether springs sag by more than is meant.
 
     up_to_hz : the highest frequency that is looked at [Hz]; without it that to which the modes are complete.
     """
     found = list(basis.findings)
     if model is None:
-        return worst_first(found)
+        return ranked(found)
     top = up_to_hz or basis.complete_below_hz
     if not 0.0 < top < np.inf:
         top = float(basis.frequency_hz[basis.modes].max(initial=0.0))
@@ -102,13 +103,7 @@ def structure_findings_after(
     found += _mechanisms(model, basis, studies, gravity)
     if gravity or not studies:
         found += _far_sags(model, basis)
-    return worst_first(found)
-
-
-def worst_first(found: Sequence[Finding]) -> tuple[Finding, ...]:
-    """Findings without repetitions, severe ones first, otherwise in their order."""
-    once = {(finding.code, finding.message): finding for finding in found}
-    return tuple(sorted(once.values(), key=lambda finding: not finding.severe))
+    return ranked(found)
 
 
 def _of_frequencies(model: Model, up_to_hz: float) -> tuple[Finding, ...]:

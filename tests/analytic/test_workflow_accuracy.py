@@ -151,7 +151,7 @@ def test_a_mesh_that_carries_no_more_stops_it(tmp_path: Path, capsys: pytest.Cap
     assert finding.values["reached"] == check.share > finding.values["asked"] == 0.001
     show_study(result, {})
     told = capsys.readouterr().out
-    assert "NOT TO BE TRUSTED accuracy-not-reached" in told and "0.1 % asked; used: " in told
+    assert "forbids trust, accuracy-not-reached" in told and "0.1 % asked; used: " in told
     table = json.loads(json.dumps(summary(result), allow_nan=False))["cases"]["as given"]["accuracy"]
     assert table["holds"] is False and table["reached"] == check.share
     assert table["largest"]["off.z acceleration"]["unit"] == "m/s^2"

@@ -118,7 +118,7 @@ def test_the_energy_figure_counts_blows_as_put_in(taps: StudyResult) -> None:
 
 
 def test_blows_in_the_terminal(strokes: StudyResult, capsys: pytest.CaptureFixture[str]) -> None:
-    show_study(strokes, {})
+    show_study(strokes, {}, verbose=True)
     told = capsys.readouterr().out
     rows = [line for line in told.splitlines() if line.startswith("slider") and " of 5" in line]
     assert len(rows) == 10

@@ -88,7 +88,7 @@ def test_terminal_tables_and_file_say_the_same(
     printed = capsys.readouterr().out
     assert "short: estimated error, rounding alone: peak forces" in printed
     assert "against a run at a tolerance of 1e-10" in printed
-    assert "NOT TO BE TRUSTED contact-unresolved" in printed
+    assert "forbids trust, contact-unresolved" in printed
     page = report(result)
     assert page.count("estimated error") == printed.count("estimated error") == 3
     assert "error estimate " in printed.partition("CPU seconds: ")[2]  # a stage of its own

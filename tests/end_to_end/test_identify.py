@@ -107,7 +107,7 @@ def test_a_record_that_begins_late_is_not_to_be_trusted(tmp_path: Path) -> None:
     options = ["--measured", "late.csv", "--channel", CHANNEL, "--fit", FITS[0], "--fit", FITS[1]]
     done = CliRunner().invoke(app, ["identify", str(STUDY), *options, "--picture", "fit.png"])
     assert done.exit_code == 3
-    assert "NOT TO BE TRUSTED poor-fit" in done.stdout
+    assert "forbids trust, poor-fit" in done.stdout
     assert (tmp_path / "fit.png").stat().st_size > 10_000
     done = CliRunner().invoke(app, ["identify", str(STUDY), *options, "--delay"])
     assert done.exit_code == 0

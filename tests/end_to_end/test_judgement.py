@@ -99,7 +99,7 @@ def test_frf_prints_its_findings_as_comments_and_leaves_with_three(tmp_path: Pat
     ran = femstruct("frf", plate(tmp_path, damping="{ratio: 0}"), "--drive", "a.z", "--response", "a.z", "--band",
                     "10 Hz:200 Hz")  # fmt: skip
     assert ran.returncode == 3
-    assert ran.stdout.startswith("# NOT TO BE TRUSTED no-damping: ")
+    assert ran.stdout.startswith("# forbids trust, no-damping: ")
     assert np.loadtxt(ran.stdout.splitlines()).shape == (501, 3)
     assert (
         femstruct("frf", plate(tmp_path), "--drive", "a.z", "--response", "a.z", "--band", "10 Hz:200 Hz").returncode

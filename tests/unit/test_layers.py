@@ -13,7 +13,7 @@ ROOT = Path(__file__).parents[2]
 
 # A module may import from lower layers, and from names of its own layer to its left.
 LAYERS = [
-    ["femstruct.conventions", "femstruct.errors", "femstruct.arrays", "femstruct.units"],
+    ["femstruct.conventions", "femstruct.errors", "femstruct.findings", "femstruct.arrays", "femstruct.units"],
     ["femstruct.elements", "femstruct.model", "femstruct.parts"],
     ["femstruct.assembly"],
     ["femstruct.modal"],
@@ -28,7 +28,7 @@ LAYERS = [
     ["femstruct.study"],
     ["femstruct.language", "femstruct.files", "femstruct.view"],
     ["femstruct.workflow"],
-    ["femstruct.exits", "femstruct.cli"],
+    ["femstruct.exits", "femstruct.study_commands", "femstruct.cli"],
     ["femstruct.__main__"],
 ]
 ACOUSTICS = [

@@ -7,9 +7,10 @@ from pathlib import Path
 import pytest
 
 from femstruct import read_study, run_study
-from femstruct.cli import INTERRUPTED, _verdict
+from femstruct.exits import INTERRUPTED
 from femstruct.files.results import write_results
 from femstruct.files.stored import read_results
+from femstruct.study_commands import verdict
 
 STUDY = Path(__file__).parents[2] / "models" / "three_bodies.study.yaml"
 
@@ -37,7 +38,7 @@ def test_finished_cases_are_kept_and_the_rest_is_said(tmp_path: Path, monkeypatc
     assert list(result.cases) == ["a", "b"]
     assert [finding.code for finding in result.findings] == ["interrupted"]
     assert result.findings[0].severe
-    assert _verdict(result) == INTERRUPTED
+    assert verdict(result) == INTERRUPTED
     write_results(tmp_path / "results.h5", result)
     assert list(read_results(tmp_path / "results.h5").summary["cases"]) == ["a", "b"]
 

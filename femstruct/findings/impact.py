@@ -1,0 +1,205 @@
+"""Findings on simulated impacts: numerical errors, contacts, blows and loads."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from femstruct.findings.entry import CHOSEN, FORBIDS, LIMITS, REMARK, Entry, Limit
+
+IMPACT: Final = (
+    Entry(
+        "energy-drift",
+        "The energy balance does not close.",
+        LIMITS,
+        "the residual of the energy ledger is more than a share of the energy put in",
+        "Shorten the window. In Python, give 'Clock' a smaller tolerance.",
+        (
+            Limit(
+                1e-8,
+                "of the energy put in",
+                "a resolved run stays below",
+                CHOSEN,
+                "impact.judgement.ENERGY_DRIFT",
+            ),
+            Limit(
+                1e-6,
+                "of the energy put in",
+                "100 times what is allowed",
+                CHOSEN,
+                "impact.judgement.NOT_TRUSTED",
+                forbids=True,
+            ),
+        ),
+        forbids="the residual is more than 1e-6 of the energy put in",
+    ),
+    Entry(
+        "contact-closed-at-end",
+        "A contact is still closed when the window ends.",
+        LIMITS,
+        "the window ends before the last contact opens",
+        "Simulate longer.",
+    ),
+    Entry(
+        "contact-unresolved",
+        "The peak force of a contact has a numerical error that is too large.",
+        LIMITS,
+        "the estimated error of a peak force is too large, or a contact is too short for the event resolution",
+        "Shorten the window, or study the scatter of many runs. In Python, give 'Clock' a smaller tolerance.",
+        (
+            Limit(1e-3, "of the peak force", "figures are quoted to three digits", CHOSEN, "unresolved.UNRESOLVED"),
+            Limit(
+                1e-2, "of the peak force", "more than 1 % is visible", CHOSEN, "unresolved.NOT_TRUSTED", forbids=True
+            ),
+            Limit(
+                0.1,
+                "of the accuracy asked for, if less",
+                "the rest is for the modes",
+                CHOSEN,
+                "unresolved.ASKED",
+            ),
+            Limit(
+                100.0,
+                "event resolutions, shortest contact",
+                "peaks are then right to 1e-3",
+                "(pi / n)^2 / 2, and 3.3 / n^2.5 of Hertz",
+                "impact.judgement.TICKS_PER_CONTACT",
+            ),
+        ),
+        forbids="the error of the peak is more than 1 %",
+    ),
+    Entry(
+        "end-unresolved",
+        "The velocity at the end of the window has a numerical error that is too large.",
+        LIMITS,
+        "the estimated error is more than a share of the largest speed",
+        "Do not quote the end state. Each collision multiplies the errors before it; shorten the window.",
+        (Limit(1e-2, "of the largest speed", "more than 1 % is visible", CHOSEN, "unresolved.NOT_TRUSTED"),),
+    ),
+    Entry(
+        "beyond-table",
+        "The contact was compressed beyond the last point of its measured table.",
+        FORBIDS,
+        "the largest indentation is more than the last one of the table; the last slope is continued",
+        "Measure further, or use a smaller drop height.",
+    ),
+    Entry(
+        "restitution-missed",
+        "The contact law does not give the restitution that was asked for.",
+        LIMITS,
+        "the law of Lankarani and Nikravesh misses the restitution by more than the threshold",
+        "Use 'hunt-crossley', which gives it.",
+        (
+            Limit(
+                0.05,
+                "of restitution",
+                "so below a restitution of 0.79",
+                "doi:10.1115/1.2912617, integrated",
+                "impact.judgement.RESTITUTION_MISSED",
+            ),
+        ),
+    ),
+    Entry(
+        "structure-not-decayed",
+        "The structure still vibrates when the window ends.",
+        LIMITS,
+        "the energy at the end is more than a share of the largest",
+        "Simulate longer, if spectra are of interest. Peaks are not affected.",
+        (Limit(1e-2, "of the largest energy", "a decay by 20 dB", CHOSEN, "impact.judgement.NOT_DECAYED"),),
+    ),
+    Entry(
+        "contact-coarsely-sampled",
+        "The contact is so short that samples of its force miss the peak.",
+        LIMITS,
+        "the shortest contact has fewer samples than needed",
+        "Sample faster. The table of contacts has the true peak.",
+        (
+            Limit(
+                10.0,
+                "samples a contact",
+                "the peak is missed by 1 %",
+                "half sine between two samples",
+                "impact.judgement.SAMPLES_PER_CONTACT",
+            ),
+            Limit(0.05, "% of the peak", "more is visible", CHOSEN, "checks.PEAK_MISSED", forbids=True),
+        ),
+        forbids="the study records the force and its largest sample is 5 % below the peak",
+    ),
+    Entry(
+        "contact-beyond-modes",
+        "The contact force contains frequencies above the last mode.",
+        LIMITS,
+        "a share of the energy of the force spectrum lies above the last mode",
+        "Ask for more modes. Accelerations above the last mode are too low.",
+        (Limit(0.01, "% of the force spectrum", "a small part of what is excited", CHOSEN, "checks.CONTENT"),),
+    ),
+    Entry(
+        "blow-before-rest",
+        "A blow comes before the structure is at rest again.",
+        REMARK,
+        "the energy that is left of a blow is more than a share of its largest",
+        "Increase 'every', if single blows are of interest.",
+        (Limit(1e-2, "of the largest energy", "a decay by 20 dB", CHOSEN, "impact.blows.AT_REST"),),
+    ),
+    Entry(
+        "lifted-in-contact",
+        "The body is lifted for the next blow while its contact is closed.",
+        LIMITS,
+        "a contact carries a force when the body is lifted",
+        "Increase 'every'.",
+    ),
+    Entry(
+        "blows-left-out",
+        "The window is too short for all blows.",
+        LIMITS,
+        "blows begin after the end of the window",
+        "Simulate longer, or ask for fewer blows.",
+    ),
+    Entry(
+        "load-cut",
+        "A part of the load lies outside the window.",
+        LIMITS,
+        "more than a share of the impulse lies before t = 0 or after the end",
+        "Shift the times of the load, or simulate longer.",
+        (Limit(0.01, "% of the impulse", "less is rounding of a measured record", CHOSEN, "checks.CUT"),),
+        forbids="nearly all of the load lies outside",
+    ),
+    Entry(
+        "load-coarsely-sampled",
+        "The load is so short that recorded histories and spectra miss its effect.",
+        LIMITS,
+        "the load has fewer samples than needed",
+        "Sample at the stated frequency.",
+        (
+            Limit(
+                10.0,
+                "samples a load",
+                "the peak of a half sine is then missed by 1 %",
+                "half sine between two samples",
+                "study_findings.SAMPLES_OF_A_LOAD",
+            ),
+        ),
+    ),
+    Entry(
+        "high-drop",
+        "The drop height is larger than in usual tests.",
+        LIMITS,
+        "a body falls from more than the threshold",
+        "Check the unit, which may be mm. Air drag is not modelled.",
+        (Limit(10.0, "m", "contact laws are measured at some m/s", CHOSEN, "structure_findings.HIGH_DROP"),),
+    ),
+    Entry(
+        "fast-body",
+        "The impact speed is higher than in usual tests.",
+        LIMITS,
+        "a body is faster than the threshold at the start",
+        "Check the unit, which may be mm/s.",
+        (Limit(50.0, "m/s", "contact laws are measured at some m/s", CHOSEN, "structure_findings.FAST"),),
+    ),
+    Entry(
+        "failed",
+        "A run of a batch has no result.",
+        FORBIDS,
+        "the time integration of a run stopped; the message states why",
+        "Look at this run alone with 'simulate(basis, batch.scene(i), clock)'.",
+    ),
+)

@@ -1,0 +1,155 @@
+"""Findings on levels, ratings, and the standard sources that they are for."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from femstruct.findings.entry import CHOSEN, LIMITS, REMARK, Entry, Limit
+
+LEVELS: Final = (
+    Entry(
+        "band-not-settled",
+        "The record is shorter than the ringing of the lowest band filters.",
+        LIMITS,
+        "a third-octave filter needs longer than the record to decay by 60 dB",
+        "Simulate longer, unless the sound begins and ends within the record.",
+        (Limit(60.0, "dB of decay", "the usual measure of reverberation", "IEC 61260-1 filters, order 4", ""),),
+    ),
+    Entry(
+        "rating-beyond-modes",
+        "Rated bands are blank, because the modes end below them.",
+        LIMITS,
+        "the upper edge of a rated band lies above the last mode of the floor or of the room",
+        "Give 'modes: {up_to: F}' with the stated F. Single numbers are lower limits ('at least').",
+    ),
+    Entry(
+        "rating-of-few-places",
+        "The rating uses fewer source positions or microphones than the standard.",
+        LIMITS,
+        "a rated room has fewer positions than the standard of measurement",
+        "Add positions; compare cases meanwhile, not absolute numbers.",
+        (
+            Limit(
+                4.0,
+                "source positions, and microphones",
+                "the standard asks for four or more",
+                "ISO 16283-2, secondary source (sonorasrl.com)",
+                "",
+            ),
+        ),
+    ),
+    Entry(
+        "rating-of-other-blows",
+        "The source is not the one that the standard rates.",
+        LIMITS,
+        "something else strikes than one source of the standard",
+        "Use the standard source, or another standard. Single numbers are withheld.",
+    ),
+    Entry(
+        "rating-room-volume",
+        "The volume of the room is outside the scope of the standard.",
+        LIMITS,
+        "a rated room is smaller or larger than the standard allows",
+        "Quote levels of the bands, not the single number.",
+        (
+            Limit(10.0, "m^3 at least", "scope of the standard", "ISO 16283-2", ""),
+            Limit(250.0, "m^3 at most", "scope of the standard", "ISO 16283-2", ""),
+        ),
+    ),
+    Entry(
+        "floating-floor",
+        "A floating floor has its resonance in or below the rated bands.",
+        REMARK,
+        "the mass-spring-mass resonance of two plates on a layer lies below the last rated band",
+        "Use the dynamic stiffness of the layer under its load; the result depends on it.",
+    ),
+    Entry(
+        "blows-overlap",
+        "The sound of a blow has not decayed when the next blow comes.",
+        LIMITS,
+        "a tapping machine is rated by single blows and the sound decays by too little between them",
+        "Give the study the stated duration.",
+        (
+            Limit(
+                40.0,
+                "dB of decay between blows",
+                "levels are then right to 0.1 dB",
+                "tests/end_to_end/test_tapping_timing.py",
+                "workflow.rated.FALLEN_DB",
+            ),
+        ),
+    ),
+    Entry(
+        "tapping-not-steady",
+        "The tapping machine has not run long enough for a steady level.",
+        LIMITS,
+        "the level at the beginning of the average is too low by more than the threshold",
+        "Give the machine more blows, and the time for them.",
+        (
+            Limit(
+                0.2,
+                "dB below the steady level",
+                "less than the digits of a rating",
+                CHOSEN,
+                "workflow.rated.BUILT_UP_DB",
+            ),
+        ),
+    ),
+    Entry(
+        "source-off-standard",
+        "The standard source has other forces on this floor than on the rigid floor of its standard.",
+        LIMITS,
+        "force exposure, restitution or contact time is outside the tolerances of the standard",
+        "Nothing, if the floor is soft. On a stiff floor check the sampling and the contact law.",
+        (
+            Limit(1.0, "dB, octave at 31.5 Hz", "tolerance of the standard", "ISO 16283-2 table A.1", ""),
+            Limit(2.0, "dB, octave at 500 Hz", "tolerance of the standard", "ISO 16283-2 table A.1", ""),
+        ),
+    ),
+    Entry(
+        "source-coarsely-sampled",
+        "The sampling is too low to compare the source with its standard.",
+        REMARK,
+        "a dropped standard source is sampled below the threshold",
+        "Sample faster.",
+        (
+            Limit(
+                1600.0, "Hz", "the octave at 500 Hz needs it", "band edges, IEC 61260-1", "exposure.LEAST_SAMPLING_HZ"
+            ),
+        ),
+    ),
+    Entry(
+        "hammers-rebound",
+        "The levels of a tapping machine depend on how far its hammers rebound, which no standard fixes.",
+        LIMITS,
+        "a tapping machine strikes; the message states the possible error in dB",
+        "Quote the range with the level. Source: Acta Acustica 9, 14 (2025).",
+    ),
+    Entry(
+        "tapping-hammer-spacing",
+        "The hammers of the tapping machine do not have the spacing of the standard.",
+        LIMITS,
+        "two neighbouring hammers are further from the standard spacing than allowed",
+        "Use five positions for each position of the machine.",
+        (
+            Limit(0.1, "m apart", "the spacing of the standard", "ISO 10140-5 annex E", "checks.HAMMERS_APART"),
+            Limit(
+                0.003, "m of tolerance", "the tolerance of the standard", "ISO 10140-5 annex E", "checks.HAMMERS_WITHIN"
+            ),
+        ),
+    ),
+    Entry(
+        "walking-below-modes",
+        "The harmonics of the walker are all below the first mode.",
+        LIMITS,
+        "the first mode of the floor is higher than the last harmonic",
+        "Use a measured force: such a floor reacts to heel strikes, which a Fourier series does not contain.",
+    ),
+    Entry(
+        "walking-low-frequency-only",
+        "The walking model covers low-frequency vibration only.",
+        LIMITS,
+        "a room listens to a walker",
+        "Use a measured force history ('loads.NAME.file') for audible footsteps.",
+    ),
+)

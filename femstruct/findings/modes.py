@@ -1,0 +1,156 @@
+"""Findings on meshes, plate theory, modes, damping, and what depends on the modes that are left out."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from femstruct.findings.entry import CHOSEN, FORBIDS, LIMITS, REMARK, Entry, Limit
+
+_MINDLIN: Final = "estimated as of a Mindlin plate, doi:10.1115/1.4010217"
+
+MODES: Final = (
+    Entry(
+        "coarse-mesh",
+        "The mesh has too few cells or bars for the waves at the highest frequency.",
+        LIMITS,
+        "a wavelength spans fewer cells or bars than the element needs",
+        "Use cells or bars of the stated length.",
+        (
+            Limit(
+                6.0,
+                "cells a bending wavelength",
+                "frequencies of bfs16 and acm12 are right to about 1 %",
+                CHOSEN,
+                "waves.CELLS_PER_WAVE",
+            ),
+            Limit(
+                2.0,
+                "cells a bending wavelength",
+                "below, modes are those of the mesh",
+                "sampling theorem",
+                "waves.NO_WAVE",
+                forbids=True,
+            ),
+            Limit(
+                4.0,
+                "bars a wavelength, cubic interpolation",
+                "frequencies are right to 0.4 %",
+                "tests/analytic/test_frame_waves.py",
+                "frame_waves.CUBIC",
+            ),
+            Limit(
+                13.0,
+                "bars a wavelength, linear interpolation",
+                "frequencies are right to 1 %",
+                "tests/analytic/test_frame_waves.py",
+                "frame_waves.LINEAR",
+            ),
+        ),
+        forbids="a bending wavelength of a plate spans fewer than 2 cells",
+    ),
+    Entry(
+        "thick-plate",
+        "The plate is so thick that its first frequency is too high without shear.",
+        LIMITS,
+        "the estimated error of the first frequency, for shear and rotary inertia, is more than the threshold",
+        "Model the part as a block, or correct the first frequency by the stated error.",
+        (
+            Limit(
+                0.005, "% of the first frequency", "less is below the error of a mesh", _MINDLIN, "theory.NOTABLE_SHEAR"
+            ),
+            Limit(0.5, "% of the first frequency", "no plate any more", CHOSEN, "theory.GROSS_SHEAR", forbids=True),
+        ),
+        forbids="the first frequency is more than 50 % too high",
+    ),
+    Entry(
+        "thick-for-short-waves",
+        "The plate is thick for the short waves at the highest frequency.",
+        LIMITS,
+        "the bending wavelength is shorter than a number of thicknesses",
+        "Read the highest bands as a lower limit; the message states the missing level in dB.",
+        (
+            Limit(
+                10.0,
+                "thicknesses, bending wavelength",
+                "shear lowers frequencies by more than 3 %",
+                "Mindlin plate, tests/analytic/test_shear_left_out.py",
+                "waves.SLENDER",
+            ),
+        ),
+    ),
+    Entry(
+        "twist-defect",
+        "The element hermite12 is too stiff in twist at any mesh.",
+        LIMITS,
+        "a plate uses hermite12",
+        "Use bfs16.",
+    ),
+    Entry(
+        "no-modes",
+        "The structure has no mode in the range that was asked for.",
+        FORBIDS,
+        "no natural frequency lies below the given one",
+        "Ask for more modes; a plain number is in Hz.",
+    ),
+    Entry(
+        "modal-mass-low",
+        "The modes carry only a part of the mass.",
+        REMARK,
+        "the effective modal mass in a direction is less than a share of the whole",
+        "Ask for more modes, if the motion in that direction is of interest.",
+        (Limit(0.9, "% of the mass", "usual in response analysis by modes", CHOSEN, "reduction._CAPTURED"),),
+    ),
+    Entry(
+        "mode-damping-lost",
+        "A damping given for one mode is unused, because no mode of this case has its shape.",
+        LIMITS,
+        "no mode reaches the least MAC with a mode that has damping of its own",
+        "Give the case its own 'damping'.",
+        (Limit(0.5, "MAC", "below, the shapes are rather different than alike", CHOSEN, "damping._ALIKE"),),
+    ),
+    Entry(
+        "mode-damping-unused",
+        "The damping of a mode is unused, because the mode lies above those that were computed.",
+        REMARK,
+        "damping is given for a mode above the last one",
+        "Ask for more modes, or remove the line.",
+    ),
+    Entry(
+        "no-damping",
+        "Peaks of the frequency response are infinite, because modes in the band have no damping.",
+        FORBIDS,
+        "a mode in the band has the damping ratio 0",
+        "Give the model a 'damping'.",
+    ),
+    Entry(
+        "accuracy-not-reached",
+        "The result changes with the number of modes by more than the accuracy asked for.",
+        FORBIDS,
+        "the last two sets of modes differ by more than 'accuracy: within'",
+        "Give 'accuracy' a higher 'up_to', or ask for less accuracy.",
+    ),
+    Entry(
+        "peak-not-converged",
+        "A peak depends on the modes that are left out.",
+        LIMITS,
+        "residual vectors change the peak by more than the threshold",
+        "Do not quote the peak. Use 'peaks: {lowpass: F}' with F below the last mode.",
+        (Limit(0.05, "% of the peak", "more changes a figure that is quoted", CHOSEN, "peaks.CONVERGED"),),
+    ),
+    Entry(
+        "change-not-converged",
+        "The change of a peak against the baseline depends on the modes that are left out.",
+        LIMITS,
+        "the change with and without residual vectors differs by more than the threshold",
+        "Do not quote the change. Use 'peaks: {lowpass: F}' with F below the last mode.",
+        (Limit(5.0, "percentage points", "more changes a figure that is quoted", CHOSEN, "peaks.CHANGED"),),
+    ),
+    Entry(
+        "acceleration-aliased",
+        "The recorded acceleration contains motion above half the sampling frequency.",
+        LIMITS,
+        "modes above half the sampling frequency have more than a share of the rms",
+        "Sample faster, or use a low-pass on a velocity.",
+        (Limit(0.05, "% of the rms", "less changes the rms by 0.1 %", "0.05^2 / 2", "checks.ALIASED"),),
+    ),
+)

@@ -1,0 +1,215 @@
+"""Findings on what a structure is: materials and sections, how its parts are arranged, and how it rests."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from femstruct.findings.entry import CHOSEN, FORBIDS, LIMITS, REMARK, Entry, Limit
+
+_ASHBY: Final = "M. F. Ashby, Materials Selection in Mechanical Design, chart of modulus and density"
+_SOLIDS: Final = "three-dimensional solids, tests/analytic/test_rigid_in_plane.py"
+_UNITS: Final = "Check the unit; the message names the value that was probably meant."
+
+STRUCTURE: Final = (
+    Entry(
+        "implausible-material",
+        "No solid has this combination of modulus and density.",
+        FORBIDS,
+        "sqrt(E / rho) or rho lies outside the range of all solids",
+        _UNITS,
+        (
+            Limit(2.0, "m/s, slowest sqrt(E / rho)", "gelatine has 3 m/s", _ASHBY, "plausibility.SLOWEST"),
+            Limit(20e3, "m/s, fastest sqrt(E / rho)", "diamond has 18 km/s", _ASHBY, "plausibility.FASTEST"),
+            Limit(
+                300.0,
+                "m/s, slowest beyond 1100 kg/m^3 with a Poisson ratio below 0.4",
+                "PTFE has 430 m/s; below lie only rubbers and loose soils",
+                _ASHBY,
+                "plausibility.SLOWEST_HARD",
+            ),
+            Limit(1.0, "kg/m^3, lightest solid", "aerogels have 3 kg/m^3", CHOSEN, "plausibility.LIGHTEST"),
+            Limit(23e3, "kg/m^3, densest solid", "osmium has 22 590 kg/m^3", CHOSEN, "material.DENSEST"),
+        ),
+    ),
+    Entry(
+        "implausible-thickness",
+        "The plate is as thin as a foil.",
+        FORBIDS,
+        "the thickness is less than a share of the shorter side",
+        f"{_UNITS} A real foil is held by its tension, which plates do not have here.",
+        (Limit(1e-4, "of the shorter side", "sheet of 0.5 mm over 5 m", CHOSEN, "plausibility.THINNEST"),),
+    ),
+    Entry(
+        "implausible-stiffness",
+        "The plate sags far under its own weight.",
+        FORBIDS,
+        "the sag over the shorter side, simply supported, is more than a share of that side",
+        "Check E, the density, the thickness and the size.",
+        (
+            Limit(
+                0.05,
+                "% of the shorter side",
+                "floors sag by 0.1 %, thin sheets by 2 %",
+                CHOSEN,
+                "plausibility.SAGGING",
+            ),
+        ),
+    ),
+    Entry(
+        "implausible-section",
+        "The section does not fit the bar, or its area does not fit its second moments.",
+        FORBIDS,
+        "the section is too thick or too slender for its line, or I / A^2 has no possible value",
+        "Check the units: plain numbers are m, m^2 and m^4.",
+        (
+            Limit(10.0, "line lengths, side of a section", "stubs reach 5", CHOSEN, "plausibility.THICKEST_BAR"),
+            Limit(2.0, "line lengths, side above 1 m", "piers reach 1", CHOSEN, "plausibility.THICKEST_LARGE"),
+            Limit(
+                3e4, "radii of gyration, a straight piece", "wire of 4 mm over 30 m", CHOSEN, "plausibility.LONGEST_BAR"
+            ),
+            Limit(1e-5, "of A^2, least second moment", "a strip of 1:8000", CHOSEN, "plausibility.PROPORTIONS[0]"),
+            Limit(1e2, "of A^2, largest", "a tube with a wall of 1:1000", CHOSEN, "plausibility.PROPORTIONS[1]"),
+        ),
+    ),
+    Entry(
+        "implausible-mass",
+        "The density of the block is that of no solid or machine.",
+        FORBIDS,
+        "mass over volume lies outside the thresholds",
+        "Check the mass and the size; a weight in newtons is not a mass.",
+        (
+            Limit(5.0, "kg/m^3, lightest", "a rigid body of less is a balloon", CHOSEN, "plausibility.LIGHTEST_BLOCK"),
+            Limit(23e3, "kg/m^3, densest", "osmium has 22 590 kg/m^3", CHOSEN, "material.DENSEST"),
+        ),
+    ),
+    Entry(
+        "parts-not-joined",
+        "Nothing joins these parts to the rest of the structure.",
+        LIMITS,
+        "no joint, layer, spring, contact or link connects a part with the heaviest piece",
+        "Add a joint, or remove the part.",
+        forbids="the part can move freely, touches the others, or the rest is itself free",
+    ),
+    Entry(
+        "nothing-carries-weight",
+        "The study has gravity and nothing holds the part up.",
+        FORBIDS,
+        "gravity acts on a piece that can move along its weight",
+        "Add a support, layer or spring, or write 'gravity: false'.",
+    ),
+    Entry(
+        "nothing-moves",
+        "Supports hold every node of the part.",
+        FORBIDS,
+        "no node of the part is free: of a plate its deflection, else all displacements",
+        "Refine the mesh, or hold less.",
+    ),
+    Entry(
+        "one-mass-dominates",
+        "One part is so heavy that the others do not move it.",
+        FORBIDS,
+        "the mass of a part is many times that of all others",
+        "Check the units, or replace the heavy part by a support.",
+        (Limit(1e6, "times the mass of the rest", "such a mass acts as ground", CHOSEN, "arrangement.DOMINATES"),),
+    ),
+    Entry(
+        "overlapping-parts",
+        "Two parts fill the same space, so mass and stiffness count twice.",
+        LIMITS,
+        "two parallel plates, or two blocks, overlap by more than a share of the thinner one",
+        "Move one part. The origin of a plate is on its mid-surface.",
+        (
+            Limit(0.01, "% of the thinner part", "less is a rounded dimension", CHOSEN, "twice.REACHES"),
+            Limit(0.5, "of the thinner part", "most of it counts twice", CHOSEN, "twice.INSIDE", forbids=True),
+        ),
+        forbids="half of the thinner part overlaps",
+    ),
+    Entry(
+        "overlapping-lines",
+        "Bars lie on each other, so mass and stiffness count twice.",
+        LIMITS,
+        "straight pieces of frames share more than a point",
+        "Remove one of the lines. A joint between them makes a built-up bar, which is correct.",
+        forbids="the pieces belong to one frame, or no joint connects the two frames",
+    ),
+    Entry(
+        "duplicate-part",
+        "A mass, spring or layer is given twice in one place.",
+        FORBIDS,
+        "two parts are equal except for their names",
+        "Remove one, or write the sum of both as one.",
+    ),
+    Entry(
+        "layer-overhang",
+        "The elastic layer carries only a part of the smaller plate or block.",
+        REMARK,
+        "a layer 'whole' fills less than the whole side of the smaller part",
+        "Check the positions of both parts.",
+        (Limit(0.999, "of the side", "less is more than rounding", CHOSEN, "overhang.WHOLE"),),
+    ),
+    Entry(
+        "eccentric-bars",
+        "Ribs beside the mid-surface are too stiff, because plates cannot stretch in their own plane here.",
+        LIMITS,
+        "a frequency of the rib with its strip of plate is too high by more than the threshold",
+        "Model bars without 'offsets' as the lower limit of the stiffness, and report both.",
+        (
+            Limit(1e-3, "of a frequency", "less is below other errors", _SOLIDS, "eccentric.NOTABLE"),
+            Limit(1e-2, "of a frequency", "the usual error of a mesh", _SOLIDS, "eccentric.SEVERE", forbids=True),
+        ),
+        forbids="the frequency is more than 1 % too high",
+    ),
+    Entry(
+        "stiff-layer",
+        "The layer is so stiff in shear that two plates are too stiff in bending together.",
+        LIMITS,
+        "a frequency is too high by more than the threshold, because plates cannot stretch in their own plane here",
+        "Replace both plates and the layer by one plate of the same bending stiffness.",
+        (
+            Limit(1e-3, "of a frequency", "less is below other errors", _SOLIDS, "eccentric.NOTABLE"),
+            Limit(1e-2, "of a frequency", "the usual error of a mesh", _SOLIDS, "eccentric.SEVERE", forbids=True),
+        ),
+        forbids="the frequency is more than 1 % too high",
+    ),
+    Entry(
+        "folded-plates",
+        "Plates joined at an angle move in their own planes, which the model cannot follow.",
+        LIMITS,
+        "modes are asked for up to a share of the first in-plane frequency of the folded plates",
+        "Ask for modes below the stated frequency only.",
+        (
+            Limit(
+                0.5,
+                "of the first in-plane frequency",
+                "from there on modes are some per cent too high",
+                _SOLIDS,
+                "folded.NEAR",
+            ),
+        ),
+        forbids="modes are asked for beyond the first in-plane frequency",
+    ),
+    Entry(
+        "mechanism",
+        "Parts slide or turn on each other without resistance.",
+        LIMITS,
+        "there are more modes without frequency than free pieces have rigid motions",
+        "Give the layer, spring or joint a stiffness in that direction.",
+        forbids="gravity sets one of these motions going",
+    ),
+    Entry(
+        "sags-far",
+        "The structure sags far under its own weight.",
+        LIMITS,
+        "a part sags by more than a share of the size of the structure",
+        "Check the units of springs, layers and moduli, unless they are soft on purpose.",
+        (Limit(0.1, "% of the size", "springs are not built that soft", CHOSEN, "structure_findings.FAR"),),
+    ),
+    Entry(
+        "leaning-block",
+        "The block leans under its weight, because its centre of mass is not above the middle of its supports.",
+        REMARK,
+        "the tilt at rest is more than machines are levelled to",
+        "Move the springs, or the block.",
+        (Limit(1e-3, "rad", "machines are levelled to 0.1 to 1 mm a metre", CHOSEN, "weight.LEVEL"),),
+    ),
+)

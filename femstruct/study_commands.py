@@ -1,0 +1,93 @@
+"""What the commands of a study share: read, simulate, print, watch, and the exit code it deserves."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from femstruct.exits import GOOD, INTERRUPTED, NOT_TRUSTED
+
+if TYPE_CHECKING:
+    from femstruct.study.result import StudyResult
+    from femstruct.study.study import Plan
+
+
+def stages(study: Path, case: str, sets: list[str], as_json: bool, verbose: bool, with_rooms: bool) -> int:
+    """Simulate a study and print it; nothing is written. Returns the exit code."""
+    from femstruct.files.tables import summary
+
+    _, result = solved(study, sets, case, with_rooms=with_rooms)
+    if as_json:
+        print_json(summary(result))
+    else:
+        from femstruct.view.terminal import show_study
+
+        show_study(result, {}, verbose=verbose)
+    return verdict(result)
+
+
+def solved(study: Path, sets: list[str], case: str, with_rooms: bool = True) -> tuple[Plan, StudyResult]:
+    """A study as it was read, and its result."""
+    from femstruct.language import read_study
+    from femstruct.workflow.positions import positioned
+    from femstruct.workflow.run import run_study, without_rooms
+
+    plan = read_study(study, tuple(sets), only=case or None)
+    if not with_rooms:
+        plan = without_rooms(plan)
+    with progress() as tell, positioned(plan):
+        return plan, run_study(plan, tell, " ".join(["femstruct", *sys.argv[1:]]))
+
+
+def watched(study: Path, sets: list[str], case: str, folder: Path, as_json: bool, verbose: bool, pictures: bool) -> int:
+    """Rounds of a study until Ctrl-C; then all files of the last one are written."""
+    from femstruct.exits import tell
+    from femstruct.files.tables import summary
+    from femstruct.view.terminal import show_study
+    from femstruct.workflow.output import write_all
+    from femstruct.workflow.watch import rounds
+
+    code, last = GOOD, None
+    try:
+        with progress() as told:
+            for one in rounds(study, sets, case, folder, told, command=" ".join(["femstruct", *sys.argv[1:]])):
+                if one.error is not None:
+                    code = tell(one.error)
+                    said = "not run, the last results stay"
+                elif one.result is not None:
+                    code, last = verdict(one.result), one.result
+                    if as_json:
+                        print_json(summary(last))
+                    else:
+                        show_study(last, {}, str(folder), verbose)
+                    said = f"{one.seconds:.2f} s, reused: {one.reused}"
+                print(f"{said}; waiting for a change, Ctrl-C ends", file=sys.stderr)
+                told("waiting for a change of the study's files")
+    except KeyboardInterrupt:
+        if last is not None:
+            print("writing results.h5 and pictures of the last run too; Ctrl-C again leaves them out", file=sys.stderr)
+            with progress() as told:
+                write_all(last, folder, told, pictures)
+    return code
+
+
+def verdict(result: StudyResult) -> int:
+    """The exit code of a result: 3 if any finding forbids to trust it."""
+    if any(finding.code == "interrupted" for finding in result.findings):
+        return INTERRUPTED
+    severe = [finding for case in result.cases.values() for finding in case.findings if finding.severe]
+    return NOT_TRUSTED if severe else GOOD
+
+
+def progress() -> Any:
+    """A line that says what is being computed, on a terminal."""
+    from femstruct.view.console import progress as shown
+
+    return shown()
+
+
+def print_json(table: Any) -> None:
+    """A table as JSON on stdout."""
+    print(json.dumps(table, indent=1, allow_nan=False))
