@@ -3,6 +3,7 @@
 import ast
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -184,3 +185,10 @@ def test_public_names_come_from_where_the_type_checker_looks() -> None:
     assert all(getattr(femstruct, name).__doc__ for name in femstruct.__all__)
     with pytest.raises(AttributeError, match="no attribute 'fly'"):
         femstruct.fly  # noqa: B018
+
+
+def test_every_package_is_installed() -> None:
+    """Packages are listed one by one: a new folder that is left out works from a checkout alone."""
+    listed = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["setuptools"]["packages"]
+    folders = [path.parent for package in ("femstruct", "acoustics") for path in (ROOT / package).rglob("__init__.py")]
+    assert sorted(listed) == sorted(".".join(folder.relative_to(ROOT).parts) for folder in folders)
