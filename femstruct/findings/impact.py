@@ -83,6 +83,13 @@ IMPACT: Final = (
         "Measure further, or use a smaller drop height.",
     ),
     Entry(
+        "beyond-checked",
+        "The contact was compressed beyond the depth to which its own law was checked.",
+        LIMITS,
+        "the largest indentation is more than 'deepest' of a law given as Python functions",
+        "Make the law with a larger 'deepest', so that it is checked there too.",
+    ),
+    Entry(
         "restitution-missed",
         "The contact law does not give the restitution that was asked for.",
         LIMITS,
@@ -94,7 +101,7 @@ IMPACT: Final = (
                 "of restitution",
                 "so below a restitution of 0.79",
                 "doi:10.1115/1.2912617, integrated",
-                "impact.judgement.RESTITUTION_MISSED",
+                "impact.laws.law.RESTITUTION_MISSED",
             ),
         ),
     ),
