@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from typing import TypeVar
 
 from femstruct.impact.sources import BETWEEN_BLOWS, DROPPED, HAMMERS, TAPPING_MACHINE
-from femstruct.language.references import Names
+from femstruct.language.checker import Names
 from femstruct.language.schema_study import SIDES, BlowsSpec, BodySpec, ContactSpec, LinkSpec, LoadSpec, StudySpec
 from femstruct.language.sources import UNCORRELATED, turn
 from femstruct.language.spec import Measured

@@ -25,7 +25,7 @@ from femstruct.language.models import (
 from femstruct.language.opening import beside
 from femstruct.language.patch import MODEL_KEYS, Patch, study_keys
 from femstruct.language.reader import Mistakes, Position, Tree, dotted, nearest, read_yaml
-from femstruct.language.references import Names, check_names
+from femstruct.language.references import check_names, names_of
 from femstruct.language.references_model import check_model
 from femstruct.language.references_study import check_study
 from femstruct.language.schema_model import ModelSpec
@@ -174,7 +174,7 @@ def _case(
     structure, damping = built_model(one.model_spec, one.model, mistakes)
     if structure is None or damping is None:
         return None
-    names, tree = Names.of(one.model_spec), one.study
+    names, tree = names_of(one.model_spec), one.study
     changes = {**overrides, **one.changes}
 
     def built(spec: StudySpec) -> Study | None:

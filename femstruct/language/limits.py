@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Final
 
 from acoustics.methods import FIELD, RATING
+from femstruct.language.checker import Checker
 from femstruct.language.reader import Steps, nearest
-from femstruct.language.references import Checker
 from femstruct.language.schema_study import QUANTITIES, StudySpec
 from femstruct.units import DIMENSIONS
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from acoustics.errors import AcousticsError
 from acoustics.methods import method_of, refuse_source
 from femstruct.impact.sources import BETWEEN_BLOWS, HAMMERS, TAPPING_MACHINE
+from femstruct.language.checker import Checker
 from femstruct.language.reader import Steps, nearest
-from femstruct.language.references import Checker
 from femstruct.language.schema_model import ModelSpec
 from femstruct.language.schema_rooms import RoomSpec
 from femstruct.language.schema_study import FrfSpec, StudySpec

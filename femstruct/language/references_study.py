@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from femstruct.impact.sources import HAMMERS, TAPPING_MACHINE
 from femstruct.language.arrays import array_sizes, drop_counts, joined, members, spread
+from femstruct.language.checker import Checker, Names
 from femstruct.language.limits import check_limits
 from femstruct.language.reader import Mistakes, Steps, Tree, nearest
-from femstruct.language.references import Checker, Names
+from femstruct.language.references import names_of
 from femstruct.language.references_rooms import check_power, check_pressure, check_rooms
 from femstruct.language.schema_model import ModelSpec
 from femstruct.language.schema_study import SIDES, BodySpec, StudySpec, TimeSpec
@@ -17,7 +18,7 @@ MOST_SAMPLES, FEWEST_SAMPLES = 20_000_000, 5
 def check_study(study: StudySpec, tree: Tree, model: ModelSpec, mistakes: Mistakes) -> None:
     """Every name a study uses is there, of the right kind, and its keys agree with each other."""
     check = Checker(tree, mistakes)
-    names = Names.of(model)
+    names = names_of(model)
     sizes = array_sizes(study, names)
     each = members(sizes)
     ends = [*study.bodies, *each, "ground"]

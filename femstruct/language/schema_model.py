@@ -7,17 +7,12 @@ from typing import Annotated, Literal
 from pydantic import BeforeValidator, Field
 
 from femstruct.conventions import DIRECTIONS
+from femstruct.language.directions import SixStiffnesses
+from femstruct.language.materials import MaterialSpec, Modulus
+from femstruct.language.parts import AnyPartSpec
 from femstruct.language.reader import nearest
-from femstruct.language.schema_parts import (
-    Area,
-    MaterialSpec,
-    Modulus,
-    PartSpec,
-    Region,
-    RegionSpec,
-    SectionSpec,
-    SixStiffnesses,
-)
+from femstruct.language.regions import Region, RegionSpec
+from femstruct.language.sections import Area, SectionSpec
 from femstruct.language.spec import (
     Component,
     Coordinate,
@@ -249,7 +244,7 @@ class ModelSpec(Spec):
     title: Text | None = None
     materials: dict[str, MaterialSpec] = Field(default_factory=dict)
     sections: dict[str, SectionSpec] = Field(default_factory=dict)
-    parts: dict[str, PartSpec] = Field(default_factory=dict)
+    parts: dict[str, AnyPartSpec] = Field(default_factory=dict)
     joints: dict[str, JointSpec] = Field(default_factory=dict)
     points: dict[str, PointSpec] = Field(default_factory=dict)
     surfaces: dict[str, SurfaceSpec] = Field(default_factory=dict)

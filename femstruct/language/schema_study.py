@@ -7,8 +7,8 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator, ConfigDict, Field, model_validator
 
 from femstruct.impact.walking import PACES_HZ
+from femstruct.language.directions import Dashpot, Stiffness
 from femstruct.language.laws.registry import AnyLaw
-from femstruct.language.schema_parts import Dashpot, Stiffness
 from femstruct.language.schema_rooms import RoomSpec
 from femstruct.language.sources import SOURCES, from_source
 from femstruct.language.spec import (

@@ -21,6 +21,7 @@ from femstruct.model.rows import sparse_rows
 from femstruct.parts.frame import FrameMesh
 from femstruct.parts.plate import PlateMesh
 
+Per = Literal["total", "length", "area"]
 ORDER = 4  # Gauss points a direction: exact for products of two cubic deflections
 
 
@@ -37,7 +38,7 @@ class Mass(Part):
     at: str | None = None
     on: str | None = None
     region: Region | None = None
-    per: Literal["total", "length", "area"] = "total"
+    per: Per = "total"
 
     def carriers(self) -> tuple[str | None, ...]:
         return (self.at,)

@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from femstruct.impact.laws.cubic import Cubic
 from femstruct.language.laws.law import FactoredSpec, Site
-from femstruct.language.schema_parts import Stiffness
+from femstruct.language.directions import Stiffness
 from femstruct.language.spec import Quantity
 
 

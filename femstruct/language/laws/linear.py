@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from femstruct.impact.laws.linear import Linear
 from femstruct.language.laws.law import LawSpec, Positive, Restitution, Site
-from femstruct.language.schema_parts import Dashpot
+from femstruct.language.directions import Dashpot
 from femstruct.language.spec import Quantity
 
 

@@ -6,7 +6,7 @@ from typing import Literal
 
 from femstruct.impact.laws.stop import Stop
 from femstruct.language.laws.law import LawSpec, Positive, Site
-from femstruct.language.schema_parts import Dashpot
+from femstruct.language.directions import Dashpot
 
 
 class StopSpec(LawSpec):

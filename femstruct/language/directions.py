@@ -1,0 +1,34 @@
+"""Stiffnesses and dashpots by direction, as they are written."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from femstruct.language.spec import Quantity, Spec
+
+Stiffness = Annotated[float, Quantity(("stiffness",), least=0.0)]
+RotationalStiffness = Annotated[float, Quantity(("rotational stiffness",), least=0.0)]
+Dashpot = Annotated[float, Quantity(("damping",), least=0.0)]
+RotationalDashpot = Annotated[float, Quantity(("rotational damping",), least=0.0)]
+
+
+class SixStiffnesses(Spec):
+    """Stiffness by direction, global axes."""
+
+    x: Stiffness = 0.0
+    y: Stiffness = 0.0
+    z: Stiffness = 0.0
+    rx: RotationalStiffness = 0.0
+    ry: RotationalStiffness = 0.0
+    rz: RotationalStiffness = 0.0
+
+
+class SixDashpots(Spec):
+    """Dashpots by direction, global axes."""
+
+    x: Dashpot = 0.0
+    y: Dashpot = 0.0
+    z: Dashpot = 0.0
+    rx: RotationalDashpot = 0.0
+    ry: RotationalDashpot = 0.0
+    rz: RotationalDashpot = 0.0

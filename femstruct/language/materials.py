@@ -1,0 +1,24 @@
+"""Materials as they are written."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from femstruct.language.spec import AnyRatio, MaterialLossFactor, Quantity, Spec
+from femstruct.model.material import Material
+
+Modulus = Annotated[float, Quantity(("pressure",), above=0.0)]
+Density = Annotated[float, Quantity(("density",), least=0.0)]
+
+
+class MaterialSpec(Spec):
+    """A linear elastic isotropic material."""
+
+    E: Modulus
+    nu: AnyRatio
+    rho: Density
+    loss_factor: MaterialLossFactor = 0.0
+
+    def build(self, name: str) -> Material:
+        """The material it describes."""
+        return Material(name, self.E, self.nu, self.rho, self.loss_factor)
