@@ -85,8 +85,8 @@ MISTAKES = {
     "two laws of damping": (MODEL, "  ratio: 2 %\n", "  ratio: 2 %\n  loss_factor: 4 %\n", "ratio: 2 %",
         r"damping: got both ratio and loss_factor, expected exactly one"),
     "unknown kind": (STUDY, "type: hertz, stiffness: 3.7e5", "type: herz, stiffness: 3.7e5", "herz",
-        r"contacts\.ball on floor\.law\.type: got 'herz', expected one of hertz, linear, stop, hunt-crossley, "
-        r"lankarani-nikravesh, cubic, table; did you mean 'hertz'\?"),
+        r"contacts\.ball on floor\.law\.type: got 'herz', expected one of cubic, .*hertz, .*table; "
+        r"did you mean 'hertz'\?"),
     "unknown word": (MODEL, "element: hermite12", "element: hermit12", "hermit12",
         r"parts\.floor\.element: .*'hermite12'\?"),
     "stiffness per area on a rim": (MODEL, "normal: 2.21e5 N/m^2", "normal: 2.21e5 N/m^3", "2.21e5 N/m^3",
