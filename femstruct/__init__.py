@@ -79,7 +79,7 @@ if TYPE_CHECKING:
     from femstruct.parts.mass import Mass as Mass
     from femstruct.parts.plate import Plate as Plate
     from femstruct.parts.spring import Spring as Spring
-    from femstruct.radiation import surface_velocity as surface_velocity
+    from femstruct.sound.surface import surface_velocity as surface_velocity
     from femstruct.study.result import StudyResult as StudyResult
     from femstruct.study.study import Plan as Plan
     from femstruct.study.study import Study as Study
@@ -124,7 +124,7 @@ _NAMES = {
     "parts.mass": ("Mass",),
     "parts.plate": ("Plate",),
     "parts.spring": ("Spring",),
-    "radiation": ("surface_velocity",),
+    "sound.surface": ("surface_velocity",),
     "study.result": ("StudyResult",),
     "study.study": ("Plan", "Study"),
     "workflow.identify": ("Identification", "identify"),

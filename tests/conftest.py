@@ -15,12 +15,17 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 import scipy.sparse as sp
+from hypothesis import HealthCheck, settings
 from numpy.typing import NDArray
 from scipy.sparse.linalg import eigsh, splu
 
 from femstruct.elements import plate
 from femstruct.impact.compiled.workers import code_of
 from femstruct.impact.needed import ALL
+
+# A clock in a test says how busy the machine is, not whether the code is right.
+settings.register_profile("femstruct", deadline=None, suppress_health_check=[HealthCheck.too_slow])
+settings.load_profile("femstruct")
 
 W, RX, RY, TWIST = range(4)
 HELD = {  # on an edge of constant x: what is fixed; on an edge of constant y RX and RY change places

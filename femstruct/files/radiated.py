@@ -10,7 +10,7 @@ from acoustics.directivity import Directivity
 from acoustics.sound_energy import REFERENCE_J
 from femstruct.files.hdf5 import axis, group, put
 from femstruct.files.numbers import label, number
-from femstruct.power import PowerResponse, Radiated
+from femstruct.sound.power import PowerResponse, Radiated
 from femstruct.study.result import CaseResult
 
 if TYPE_CHECKING:  # slow to import, and most runs write no such file

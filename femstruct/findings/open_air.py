@@ -54,7 +54,7 @@ OPEN_AIR: Final = (
         LIMITS,
         "the sound energy is more than a share of what the structure lost in its own damping",
         "Increase the loss factor by this share, or read the levels as upper limits.",
-        (Limit(0.1, "% of the losses", "amplitudes decay 5 % faster", "sqrt(1 + 0.1)", "femstruct.power.FELT"),),
+        (Limit(0.1, "% of the losses", "amplitudes decay 5 % faster", "sqrt(1 + 0.1)", "femstruct.sound.power.FELT"),),
     ),
     Entry(
         "sound-energy-not-decayed",
@@ -109,7 +109,15 @@ OPEN_AIR: Final = (
         LIMITS,
         "the way of the body during contact is more than a share of its radius",
         "Read its own sound to a few decibels only.",
-        (Limit(0.1, "% of the radius", "1 dB, since sound goes with the height", CHOSEN, "femstruct.own_sound.MOVED"),),
+        (
+            Limit(
+                0.1,
+                "% of the radius",
+                "1 dB, since sound goes with the height",
+                CHOSEN,
+                "femstruct.sound.impactor.MOVED",
+            ),
+        ),
     ),
     Entry(
         "push-coarsely-sampled",

@@ -19,7 +19,7 @@ ROOMS: Final = (
                 "% of the stiffness of a mode",
                 "the frequency rises by more than 5 %",
                 "sqrt(1 + 0.1)",
-                "femstruct.radiation.STIFF_AIR",
+                "femstruct.sound.surface.STIFF_AIR",
             ),
         ),
     ),

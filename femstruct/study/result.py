@@ -19,7 +19,7 @@ from femstruct.impact.response import Response
 from femstruct.impact.shares import ModeEnergies
 from femstruct.modal.basis import ModalBasis
 from femstruct.model.model import Model
-from femstruct.power import PowerResponse, Radiated
+from femstruct.sound.power import PowerResponse, Radiated
 from femstruct.study.machine import Machine, Verdict
 from femstruct.study.study import Case, FrfRequest, Plan
 

@@ -14,7 +14,7 @@ from acoustics.field import HalfSpace
 from acoustics.levels import REFERENCE_PA
 from acoustics.maps import PressureMap, pressure_map
 from acoustics.room import Receiver
-from femstruct.radiation import surface_velocity
+from femstruct.sound.surface import surface_velocity
 from femstruct.study.result import StudyResult
 from femstruct.view.figures import new_figure, panels
 

@@ -17,7 +17,7 @@ from acoustics.shaped import ShapedRoom
 from acoustics.source import SurfaceVelocity
 from femstruct.arrays import Floats
 from femstruct.files.atomic import file_name, replacing
-from femstruct.radiation import heard, pressure_spectrum, surface_velocity
+from femstruct.sound.surface import heard, pressure_spectrum, surface_velocity
 from femstruct.study.result import StudyResult
 from femstruct.study.study import RoomPlan
 from femstruct.view.maps import heard_peaks

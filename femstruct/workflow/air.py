@@ -13,11 +13,11 @@ from acoustics.room import Room
 from acoustics.shaped import ShapedRoom
 from acoustics.walls import YieldingWall
 from femstruct.arrays import Floats
-from femstruct.coupling import with_cavity
 from femstruct.errors import Finding, InputError, some_of
 from femstruct.impact.response import Response
 from femstruct.modal.basis import ModalBasis
 from femstruct.model.probe import Probe, Surface
+from femstruct.sound.two_way import with_cavity
 from femstruct.study.study import RoomPlan
 from femstruct.workflow.places import Places
 

@@ -11,8 +11,8 @@ from femstruct.errors import Finding
 from femstruct.findings.catalogue import ranked
 from femstruct.impact.shares import mode_energies
 from femstruct.modal.basis import ModalBasis
-from femstruct.power import Radiated
-from femstruct.radiation import coupling_findings
+from femstruct.sound.power import Radiated
+from femstruct.sound.surface import coupling_findings
 from femstruct.study.result import SILENT, AccuracyCheck, CaseResult
 from femstruct.study.study import Case, Study
 from femstruct.workflow.accuracy import accuracy_findings

@@ -23,7 +23,7 @@ from femstruct.modal.basis import ModalBasis
 from femstruct.modal.damping import Damping, FromMaterials, LossFactor, Ratio, Rayleigh
 from femstruct.model.facts import ModelFacts, model_facts
 from femstruct.model.model import Model
-from femstruct.radiation import room_coordinates
+from femstruct.sound.surface import room_coordinates
 from femstruct.study.machine import BlockMode, Sag
 from femstruct.study.structures import ModesModel
 from femstruct.study.study import Case, Extent, Plan, RoomPlan, Study

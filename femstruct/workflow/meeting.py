@@ -22,7 +22,7 @@ from femstruct.model.probe import Surface
 from femstruct.model.structure import Structure
 from femstruct.parts.foundation import Foundation
 from femstruct.parts.plate import Plate
-from femstruct.radiation import room_coordinates
+from femstruct.sound.surface import room_coordinates
 from femstruct.study.structures import StructureModel
 from femstruct.study.study import RoomPlan, Study
 from femstruct.workflow.rated import method_for

@@ -15,7 +15,7 @@ from acoustics.sphere import TOUCHING, refuse_inside, sphere_pressures
 from femstruct.arrays import Floats
 from femstruct.errors import Finding, InputError, some_of
 from femstruct.impact.response import Response
-from femstruct.own_sound import moved_advice, sphere_of
+from femstruct.sound.impactor import moved_advice, sphere_of
 from femstruct.study.result import OwnSound
 from femstruct.study.study import PlacedBody, RoomPlan, Study
 from femstruct.workflow.air import ceiling

@@ -13,8 +13,8 @@ from femstruct.errors import Finding, InputError, some_of
 from femstruct.modal.basis import ForceRow, ModalBasis
 from femstruct.modal.frf import frf, frf_unit, moves
 from femstruct.model.probe import Probe
-from femstruct.power import power_per_force
-from femstruct.radiation import pressure_per_force
+from femstruct.sound.power import power_per_force
+from femstruct.sound.surface import pressure_per_force
 from femstruct.study.result import Frf
 from femstruct.study.study import FrfRequest, RoomPlan, Spot
 from femstruct.workflow.air import ceiling

@@ -6,7 +6,7 @@ from acoustics.errors import Advice
 from acoustics.field import HalfSpace
 from femstruct.errors import Finding
 from femstruct.impact.response import Response
-from femstruct.power import Radiated, not_taken, radiated_by
+from femstruct.sound.power import Radiated, not_taken, radiated_by
 from femstruct.study.study import Study
 from femstruct.workflow.air import ceiling
 from femstruct.workflow.places import Places

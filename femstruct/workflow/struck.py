@@ -22,7 +22,7 @@ from femstruct.impact.response import Response
 from femstruct.impact.simulate import simulate
 from femstruct.impact.unresolved import unresolved_findings
 from femstruct.modal.basis import ModalBasis
-from femstruct.radiation import surface_velocities
+from femstruct.sound.surface import surface_velocities
 from femstruct.study.machine import Verdict
 from femstruct.study.result import Drop, OwnSound
 from femstruct.study.study import Study, TimePlan

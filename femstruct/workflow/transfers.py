@@ -9,7 +9,7 @@ from acoustics.pressure import RoomResponse
 from acoustics.room import Receiver, Room
 from acoustics.source import SurfaceVelocity
 from acoustics.transfers import RoomTransfer, Searched, pressures_through, room_transfer, search
-from femstruct.radiation import AnyRoom, heard
+from femstruct.sound.surface import AnyRoom, heard
 
 MOST: Final = 8  # rooms kept, the latest
 
@@ -32,7 +32,7 @@ class RoomTransfers:
     def heard(
         self, moving: Sequence[SurfaceVelocity], room: AnyRoom, receivers: Sequence[Receiver], up_to_hz: float
     ) -> list[RoomResponse]:
-        """Pressures as `femstruct.radiation.heard` has them."""
+        """Pressures as `femstruct.sound.surface.heard` has them."""
         if not isinstance(room, Room) or room.losses.kind == "source":
             return heard(moving, room, receivers, up_to_hz)
         for number, kept in enumerate(self._kept):

@@ -16,13 +16,13 @@ from scipy.sparse import csr_array
 from acoustics import Air, ShapedRoom, YieldingWall, box_mesh
 from acoustics.coupled import Leak
 from acoustics.room import Losses, Room, losses_from_beta
-from femstruct.coupling import with_cavity
 from femstruct.impact.bodies import Clock, HalfSine, Load, Scene
 from femstruct.impact.shares import held_over_time, mode_energies
 from femstruct.impact.simulate import simulate
 from femstruct.modal.analytic import oscillator
 from femstruct.modal.basis import ModalBasis
 from femstruct.model.probe import Surface
+from femstruct.sound.two_way import with_cavity
 
 LX, LY, L, MASS, STIFFNESS = 0.58, 0.47, 0.1, 29.68, 4.641e5
 AREA = LX * LY

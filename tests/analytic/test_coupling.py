@@ -25,7 +25,6 @@ from acoustics.room import Losses, Receiver, Room, losses_from_beta, losses_from
 from acoustics.shaped import ShapedRoom
 from acoustics.walls import Wall
 from femstruct.assembly.assemble import assemble
-from femstruct.coupling import with_cavity
 from femstruct.errors import InputError
 from femstruct.impact.bodies import Clock, HalfSine, Load, Scene
 from femstruct.impact.simulate import simulate
@@ -38,7 +37,8 @@ from femstruct.modal.reduction import modal_basis
 from femstruct.model.mesher import mesh_structure
 from femstruct.model.probe import Surface
 from femstruct.model.structure import Structure
-from femstruct.radiation import heard, pressure_per_force, surface_velocity
+from femstruct.sound.surface import heard, pressure_per_force, surface_velocity
+from femstruct.sound.two_way import with_cavity
 from femstruct.workflow.air import static_stiffness
 
 C, RHO, LX, LY, L = 340.0, 1.29, 0.58, 0.47, 0.1

@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 from scipy.linalg import solve_continuous_lyapunov
 
-from femstruct.coupling import with_cavity
 from femstruct.impact.bodies import Body, Clock, Contact, Scene
 from femstruct.impact.dashpots import dashpot_losses
 from femstruct.impact.laws.hertz import Hertz
@@ -18,6 +17,7 @@ from femstruct.impact.shares import energy_shares, mode_energies
 from femstruct.impact.simulate import simulate
 from femstruct.modal.analytic import given_modes
 from femstruct.modal.basis import ModalBasis
+from femstruct.sound.two_way import with_cavity
 
 COUPLING = runpy.run_path(str(Path(__file__).with_name("test_coupling.py")))
 FREQUENCIES, RATIOS = [20.0, 33.0, 170.0], [0.02, 0.03, 0.01]

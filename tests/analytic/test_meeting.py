@@ -10,10 +10,10 @@ import pytest
 
 from acoustics.meshes import box_mesh
 from acoustics.shaped import ShapedRoom
-from femstruct.coupling import with_cavity
 from femstruct.language import read_study
 from femstruct.modal.damping import with_damping
-from femstruct.radiation import pressure_per_force
+from femstruct.sound.surface import pressure_per_force
+from femstruct.sound.two_way import with_cavity
 from femstruct.workflow.air import ceiling
 from femstruct.workflow.bases import solve_all
 from femstruct.workflow.meeting import floating, meeting_findings, meetings, mode_pairs

@@ -29,14 +29,14 @@ from acoustics import (
 )
 from acoustics.cavity_pressure import cavity_pressure, harmonic_cavity_pressure
 from acoustics.coupled import Leak
-from femstruct.coupling import with_cavity
 from femstruct.impact.bodies import Clock, HalfSine, Load, Scene
 from femstruct.impact.simulate import simulate
 from femstruct.modal.analytic import oscillator
 from femstruct.modal.damping import Damping, Ratio, with_damping
 from femstruct.modal.frf import frf
 from femstruct.model.probe import Surface
-from femstruct.radiation import heard, pressure_per_force, surface_velocity
+from femstruct.sound.surface import heard, pressure_per_force, surface_velocity
+from femstruct.sound.two_way import with_cavity
 
 AIR = Air(343.0, 1.21)
 LAWS = {

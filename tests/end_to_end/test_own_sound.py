@@ -16,7 +16,7 @@ from acoustics.sphere import Sphere, sphere_pressures
 from femstruct.conventions import GRAVITY
 from femstruct.errors import InputErrors
 from femstruct.language import read_study
-from femstruct.own_sound import pushed_velocity
+from femstruct.sound.impactor import pushed_velocity
 from femstruct.study.result import CaseResult
 from femstruct.view.terminal import study_tables
 from femstruct.workflow.inspect import inspect_file

@@ -14,7 +14,7 @@ from femstruct.errors import InputErrors
 from femstruct.files.results import write_results
 from femstruct.files.tables import summary
 from femstruct.language import read_study
-from femstruct.radiation import pressure_per_force
+from femstruct.sound.surface import pressure_per_force
 from femstruct.study.result import CaseResult, StudyResult
 from femstruct.view.plots import figures
 from femstruct.view.power import room_directivity, sound_energy

@@ -19,13 +19,7 @@ LAYERS = [
     ["femstruct.assembly"],
     ["femstruct.modal"],
     ["femstruct.impact"],
-    [
-        "femstruct.radiation",
-        "femstruct.power",
-        "femstruct.coupling_findings",
-        "femstruct.coupling",
-        "femstruct.own_sound",
-    ],
+    ["femstruct.sound"],
     ["femstruct.study"],
     ["femstruct.language", "femstruct.files", "femstruct.view"],
     ["femstruct.workflow"],
@@ -79,11 +73,7 @@ ACOUSTICS = [
     ],
 ]
 HEARS_ACOUSTICS = {
-    "radiation",
-    "power",
-    "coupling",
-    "coupling_findings",
-    "own_sound",
+    "sound",
     "study",
     "language",
     "files",

@@ -11,7 +11,7 @@ from femstruct.impact.laws.linear import Linear
 from femstruct.impact.simulate import simulate
 from femstruct.modal.analytic import given_modes
 from femstruct.model.probe import Surface
-from femstruct.radiation import surface_velocity
+from femstruct.sound.surface import surface_velocity
 
 
 def test_modes_that_do_not_move_the_ceiling_are_left_out_and_only_those():

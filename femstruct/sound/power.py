@@ -19,7 +19,7 @@ from femstruct.impact.response import Response
 from femstruct.modal.basis import ModalBasis
 from femstruct.modal.frf import modal_amplitudes
 from femstruct.model.probe import Probe, Surface
-from femstruct.radiation import ceiling_shapes, room_coordinates, surface_velocity
+from femstruct.sound.surface import ceiling_shapes, room_coordinates, surface_velocity
 
 SHOWN: Final = 3  # frequencies whose directivity is shown where none are asked for
 # sound energy over the losses of the structure above which it damps the structure by 5 % in amplitude

@@ -15,12 +15,12 @@ from acoustics.room import Enclosed, Room
 from acoustics.shaped import ShapedRoom
 from acoustics.walls import YieldingWall
 from femstruct.arrays import Floats
-from femstruct.coupling_findings import cut, of_walls, what_it_did
 from femstruct.errors import InputError
 from femstruct.modal.basis import ForceRow, Holder, Kind, ModalBasis
 from femstruct.modal.solve import signed
 from femstruct.model.probe import Surface
-from femstruct.radiation import ceiling_shapes, room_coordinates
+from femstruct.sound.surface import ceiling_shapes, room_coordinates
+from femstruct.sound.two_way_findings import cut, of_walls, what_it_did
 
 Bools = NDArray[np.bool_]
 FEEBLE: Final = 1e-3  # of the structure's motion: damping between modes that makes less is left out
