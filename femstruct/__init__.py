@@ -50,6 +50,7 @@ if TYPE_CHECKING:
     from femstruct.impact.metrics import Batch as Batch
     from femstruct.impact.response import Response as Response
     from femstruct.impact.simulate import simulate as simulate
+    from femstruct.impact.walking import Walk as Walk
     from femstruct.language import read_model as read_model
     from femstruct.language import read_study as read_study
     from femstruct.modal.analytic import beam as beam
@@ -58,8 +59,11 @@ if TYPE_CHECKING:
     from femstruct.modal.analytic import rod as rod
     from femstruct.modal.basis import ModalBasis as ModalBasis
     from femstruct.modal.damping import Damping as Damping
+    from femstruct.modal.damping import FromMaterials as FromMaterials
     from femstruct.modal.damping import LossFactor as LossFactor
+    from femstruct.modal.damping import ModeDamping as ModeDamping
     from femstruct.modal.damping import Ratio as Ratio
+    from femstruct.modal.damping import Rayleigh as Rayleigh
     from femstruct.modal.damping import with_damping as with_damping
     from femstruct.modal.frf import frf as frf
     from femstruct.modal.reduction import modal_basis as modal_basis
@@ -76,13 +80,37 @@ if TYPE_CHECKING:
     from femstruct.parts.block import Block as Block
     from femstruct.parts.foundation import Foundation as Foundation
     from femstruct.parts.frame import Frame as Frame
+    from femstruct.parts.inertia import Inertia as Inertia
     from femstruct.parts.mass import Mass as Mass
     from femstruct.parts.plate import Plate as Plate
     from femstruct.parts.spring import Spring as Spring
     from femstruct.sound.surface import surface_velocity as surface_velocity
     from femstruct.study.result import StudyResult as StudyResult
+    from femstruct.study.structures import BeamModel as BeamModel
+    from femstruct.study.structures import ModesModel as ModesModel
+    from femstruct.study.structures import NoStructure as NoStructure
+    from femstruct.study.structures import OscillatorModel as OscillatorModel
+    from femstruct.study.structures import RodModel as RodModel
+    from femstruct.study.study import AccuracyRule as AccuracyRule
+    from femstruct.study.study import Case as Case
+    from femstruct.study.study import Extent as Extent
+    from femstruct.study.study import FrfRequest as FrfRequest
+    from femstruct.study.study import InitialMotion as InitialMotion
+    from femstruct.study.study import Limit as Limit
+    from femstruct.study.study import PeakRule as PeakRule
+    from femstruct.study.study import PlacedBody as PlacedBody
     from femstruct.study.study import Plan as Plan
+    from femstruct.study.study import PlannedContact as PlannedContact
+    from femstruct.study.study import PlannedLink as PlannedLink
+    from femstruct.study.study import PlannedLoad as PlannedLoad
+    from femstruct.study.study import PlannedWalk as PlannedWalk
+    from femstruct.study.study import Record as Record
+    from femstruct.study.study import Repeat as Repeat
+    from femstruct.study.study import RigidMotion as RigidMotion
+    from femstruct.study.study import RoomPlan as RoomPlan
+    from femstruct.study.study import Spot as Spot
     from femstruct.study.study import Study as Study
+    from femstruct.study.study import TimePlan as TimePlan
     from femstruct.workflow.identify import Identification as Identification
     from femstruct.workflow.identify import identify as identify
     from femstruct.workflow.run import run_study as run_study
@@ -106,10 +134,11 @@ _NAMES = {
     "impact.metrics": ("Batch",),
     "impact.response": ("Response",),
     "impact.simulate": ("simulate",),
+    "impact.walking": ("Walk",),
     "language": ("read_model", "read_study"),
     "modal.analytic": ("beam", "given_modes", "oscillator", "rod"),
     "modal.basis": ("ModalBasis",),
-    "modal.damping": ("Damping", "LossFactor", "Ratio", "with_damping"),
+    "modal.damping": ("Damping", "FromMaterials", "LossFactor", "ModeDamping", "Ratio", "Rayleigh", "with_damping"),
     "modal.frf": ("frf",),
     "modal.reduction": ("modal_basis",),
     "model.material": ("Material",),
@@ -121,12 +150,35 @@ _NAMES = {
     "parts.block": ("Block",),
     "parts.foundation": ("Foundation",),
     "parts.frame": ("Frame",),
+    "parts.inertia": ("Inertia",),
     "parts.mass": ("Mass",),
     "parts.plate": ("Plate",),
     "parts.spring": ("Spring",),
     "sound.surface": ("surface_velocity",),
     "study.result": ("StudyResult",),
-    "study.study": ("Plan", "Study"),
+    "study.structures": ("BeamModel", "ModesModel", "NoStructure", "OscillatorModel", "RodModel"),
+    "study.study": (
+        "AccuracyRule",
+        "Case",
+        "Extent",
+        "FrfRequest",
+        "InitialMotion",
+        "Limit",
+        "PeakRule",
+        "PlacedBody",
+        "Plan",
+        "PlannedContact",
+        "PlannedLink",
+        "PlannedLoad",
+        "PlannedWalk",
+        "Record",
+        "Repeat",
+        "RigidMotion",
+        "RoomPlan",
+        "Spot",
+        "Study",
+        "TimePlan",
+    ),
     "workflow.identify": ("Identification", "identify"),
     "workflow.run": ("run_study",),
 }

@@ -34,6 +34,23 @@ Kind = Literal["model", "study"]
 OnlyCase = Annotated[str, typer.Option("--case", metavar="CASE", help="run this case alone")]
 
 
+def _tell_version(asked: bool) -> None:
+    if asked:
+        from importlib.metadata import version
+
+        print(f"femstruct {version('femstruct')}")
+        raise typer.Exit(GOOD)
+
+
+@app.callback()
+def _options(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_tell_version, is_eager=True, help="print the version and leave")
+    ] = False,
+) -> None:
+    """Impact vibration of structures and the sound it makes in a room."""
+
+
 def main() -> None:
     """Entry point: exit 0 good, 1 our bug, 2 bad input, 3 a result not to be trusted, 130 interrupted.
 

@@ -3,6 +3,7 @@
 import json
 import subprocess
 import sys
+from importlib.metadata import version
 from pathlib import Path
 
 import pytest
@@ -21,6 +22,12 @@ def _environment() -> dict[str, str]:
     import os
 
     return {**os.environ, "PYTHONPATH": str(ROOT), "PYTHONWARNINGS": "error"}
+
+
+def test_version() -> None:
+    done = femstruct("--version")
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout == f"femstruct {version('femstruct')}\n"
 
 
 def test_modes_as_json() -> None:

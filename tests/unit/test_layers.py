@@ -168,6 +168,23 @@ def test_tables_for_the_terminal_load_no_plots() -> None:
     assert not {"matplotlib", "pyvista"} & set(loaded.split())
 
 
+def test_every_noun_of_a_model_and_of_a_study_is_exported() -> None:
+    """Whoever writes a study in Python finds all of it in `femstruct`."""
+    files = [ROOT / "femstruct" / "study" / name for name in ("study.py", "structures.py")]
+    files += [
+        ROOT / "femstruct" / "model" / name for name in ("structure.py", "material.py", "section.py", "region.py")
+    ]
+    nouns = {
+        node.name
+        for path in (*files, *(ROOT / "femstruct" / "parts").glob("*.py"))
+        for node in ast.parse(path.read_text(encoding="utf-8")).body
+        if isinstance(node, ast.ClassDef)
+        and not node.name.endswith("Mesh")
+        and "Protocol" not in [ast.unparse(base) for base in node.bases]
+    }
+    assert nouns <= set(femstruct.__all__), nouns - set(femstruct.__all__)
+
+
 def test_public_names_come_from_where_the_type_checker_looks() -> None:
     """The lists for people who type-check and for those who run are two; each name must be in both."""
     looked_up = {name for name in imports(ROOT / "femstruct/__init__.py") if name.startswith("femstruct.")}
