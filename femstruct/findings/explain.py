@@ -19,7 +19,8 @@ def explanation(entry: Entry) -> str:
     sags-far (limits trust)
       The structure sags far under its own weight.
     <BLANKLINE>
-      raised when    a part sags by more than a share of the size of the structure
+      raised when    a part sags by more than the threshold share of the size of the
+                     structure
       threshold      10 % of the size: springs are not built that soft (source: engineering
                      judgement)
       what to do     Check the units of springs, layers and moduli, unless they are soft on
@@ -31,9 +32,9 @@ def explanation(entry: Entry) -> str:
         "",
     ]
     rows = [("raised when", entry.when)]
-    if entry.forbids and entry.rank is not Rank.FORBIDS:
-        rows.append(("no trust if", entry.forbids))
-    rows += [("no trust from" if limit.forbids else "threshold", _limit(limit)) for limit in entry.limits]
+    rows += [("threshold", _limit(limit)) for limit in entry.limits if not limit.forbids]
+    rows += [("no trust if", entry.forbids)] if entry.forbids else []
+    rows += [("no trust from", _limit(limit)) for limit in entry.limits if limit.forbids]
     rows.append(("what to do", entry.do))
     return "\n".join([*lines, *(_row(name, text) for name, text in rows)])
 
@@ -114,4 +115,6 @@ def _limit(limit: Limit) -> str:
 
 
 def _row(name: str, text: str) -> str:
-    return fill(text, WIDTH, initial_indent=f"  {name:<15}", subsequent_indent=" " * 17, break_on_hyphens=False)
+    kept = text.replace(" %", "\N{NO-BREAK SPACE}%")  # a number and its unit stay on one line
+    whole = fill(kept, WIDTH, initial_indent=f"  {name:<15}", subsequent_indent=" " * 17, break_on_hyphens=False)
+    return whole.replace("\N{NO-BREAK SPACE}", " ")

@@ -53,7 +53,7 @@ MODES: Final = (
         "The plate is so thick that its first frequency is too high without shear.",
         LIMITS,
         "the estimated error of the first frequency, for shear and rotary inertia, is more than the threshold",
-        "Model the part as a block, or correct the first frequency by the stated error.",
+        "Correct the first frequency by the stated error; higher modes are further off.",
         (
             Limit(
                 0.005, "% of the first frequency", "less is below the error of a mesh", _MINDLIN, "theory.NOTABLE_SHEAR"
@@ -96,7 +96,7 @@ MODES: Final = (
         "modal-mass-low",
         "The modes carry only a part of the mass.",
         REMARK,
-        "the effective modal mass in a direction is less than a share of the whole",
+        "the effective modal mass in a direction is less than the threshold share of the whole",
         "Ask for more modes, if the motion in that direction is of interest.",
         (Limit(0.9, "% of the mass", "usual in response analysis by modes", CHOSEN, "reduction._CAPTURED"),),
     ),
@@ -104,9 +104,9 @@ MODES: Final = (
         "mode-damping-lost",
         "A damping given for one mode is unused, because no mode of this case has its shape.",
         LIMITS,
-        "no mode reaches the least MAC with a mode that has damping of its own",
+        "no mode of the case reaches the MAC below with a baseline mode that has damping of its own",
         "Give the case its own 'damping'.",
-        (Limit(0.5, "MAC", "below, the shapes are rather different than alike", CHOSEN, "damping._ALIKE"),),
+        (Limit(0.5, "MAC", "below, the shapes are more different than similar", CHOSEN, "damping._ALIKE"),),
     ),
     Entry(
         "mode-damping-unused",
@@ -149,7 +149,7 @@ MODES: Final = (
         "acceleration-aliased",
         "The recorded acceleration contains motion above half the sampling frequency.",
         LIMITS,
-        "modes above half the sampling frequency have more than a share of the rms",
+        "modes above half the sampling frequency have more than the threshold share of the rms",
         "Sample faster, or use a low-pass on a velocity.",
         (Limit(0.05, "% of the rms", "less changes the rms by 0.1 %", "0.05^2 / 2", "checks.ALIASED"),),
     ),

@@ -52,7 +52,7 @@ OPEN_AIR: Final = (
         "sound-energy-not-taken",
         "The sound energy is not subtracted from the structure, although it is a part of its losses.",
         LIMITS,
-        "the sound energy is more than a share of what the structure lost in its own damping",
+        "the sound energy is more than the threshold share of what the structure lost in its own damping",
         "Increase the loss factor by this share, or read the levels as upper limits.",
         (Limit(0.1, "% of the losses", "amplitudes decay 5 % faster", "sqrt(1 + 0.1)", "femstruct.sound.power.FELT"),),
     ),
@@ -60,7 +60,7 @@ OPEN_AIR: Final = (
         "sound-energy-not-decayed",
         "The structure still radiates sound when the record ends.",
         LIMITS,
-        "the last tenth of the record has more than a share of the sound energy",
+        "the last tenth of the record has more than the threshold share of the sound energy",
         "Simulate longer.",
         (Limit(0.01, "% of the sound energy", _ONE_PER_CENT, "10 lg 1.01", "sound_energy.TOLD"),),
     ),
@@ -85,7 +85,7 @@ OPEN_AIR: Final = (
         "sound-energy-starts-moving",
         "The surface moves already when the record starts, so the sound energy contains a click.",
         LIMITS,
-        "the velocity squared at the start is more than a share of the mean square",
+        "the velocity squared at the start is more than the threshold share of the mean square",
         "Start from rest. The energy of the click grows with the sampling.",
         (Limit(0.01, "% of the mean square", _ONE_PER_CENT, "10 lg 1.01", "sound_energy._JUMP"),),
     ),
@@ -107,7 +107,7 @@ OPEN_AIR: Final = (
         "impactor-moves",
         "The impacting body moves while it is pushed, but its sound comes from a fixed place.",
         LIMITS,
-        "the way of the body during contact is more than a share of its radius",
+        "the way of the body during contact is more than the threshold share of its radius",
         "Read its own sound to a few decibels only.",
         (
             Limit(
@@ -123,7 +123,7 @@ OPEN_AIR: Final = (
         "push-coarsely-sampled",
         "The push on the sphere is too short for the sampling.",
         LIMITS,
-        "a share of the energy of the acceleration lies near half the sampling frequency or above",
+        "more than the threshold share of the energy of the push lies near half the sampling frequency or above",
         "Sample faster.",
         (
             Limit(1e-3, "% of the energy of the acceleration", "less is not audible", CHOSEN, "sphere.UNSAMPLED"),
@@ -136,7 +136,7 @@ OPEN_AIR: Final = (
         "sphere-too-large",
         "The sphere is too large for the highest frequencies of its push.",
         LIMITS,
-        "a share of the energy of the acceleration lies above the last frequency that is computed",
+        "more than the threshold share of the energy of the push lies above the last computed frequency",
         "Read the highest bands of its own sound as lower limits.",
         (
             Limit(1e-3, "% of the energy of the acceleration", "less is not audible", CHOSEN, "sphere.UNSAMPLED"),

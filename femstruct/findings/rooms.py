@@ -11,7 +11,7 @@ ROOMS: Final = (
         "one-way-stiff-air",
         "The sealed air is too stiff for one-way coupling.",
         LIMITS,
-        "the stiffness of the air is more than a share of that of a mode",
+        "the stiffness of the air is more than the threshold share of that of a mode",
         "Use 'coupling: two-way', or quote differences between cases only.",
         (
             Limit(
@@ -27,7 +27,7 @@ ROOMS: Final = (
         "one-way-resonance",
         "A floor mode and a room mode exchange energy, so levels of one-way coupling are too high.",
         LIMITS,
-        "one-way coupling is used and the exchange kappa of a floor mode and a room mode is too large",
+        "coupling is one-way and kappa, the coupling of a floor mode and a room mode over their damping, is large",
         "Use 'coupling: two-way'.",
         (
             Limit(
@@ -148,7 +148,7 @@ ROOMS: Final = (
         "surface-starts-moving",
         "The surface moves already at t = 0, so the sound begins with a click.",
         LIMITS,
-        "the velocity at t = 0 is more than a share of its peak",
+        "the velocity at t = 0 is more than the threshold share of its peak",
         "Start from rest, or start the blow a little later.",
         (Limit(1e-3, "of the peak velocity", "60 dB below the peak", CHOSEN, "acoustics.judgement.DECAYED"),),
     ),
@@ -156,7 +156,7 @@ ROOMS: Final = (
         "surface-not-decayed",
         "The surface still moves when the record ends.",
         LIMITS,
-        "the velocity in the last 5 % of the record is more than a share of its peak",
+        "the velocity in the last 5 % of the record is more than the threshold share of its peak",
         "Simulate longer. Largest Fast levels of a single blow are hardly affected.",
         (Limit(1e-3, "of the peak velocity", "60 dB below the peak", CHOSEN, "acoustics.judgement.DECAYED"),),
     ),
@@ -172,7 +172,7 @@ ROOMS: Final = (
         "orders-truncated",
         "The sum over cosines ends too early.",
         LIMITS,
-        "the last block of cosines adds more than a share of the rms pressure",
+        "the last block of cosines adds more than the threshold share of the rms pressure",
         "Place the receiver further from the ceiling. In Python, give 'pressure' more orders.",
         (Limit(1e-3, "of the rms pressure", "less than 0.01 dB", "20 lg 1.001", "acoustics.judgement.TRUNCATED"),),
     ),

@@ -35,7 +35,7 @@ STRUCTURE: Final = (
         "implausible-thickness",
         "The plate is as thin as a foil.",
         FORBIDS,
-        "the thickness is less than a share of the shorter side",
+        "the thickness is less than the threshold share of the shorter side",
         f"{_UNITS} A real foil is held by its tension, which plates do not have here.",
         (Limit(1e-4, "of the shorter side", "sheet of 0.5 mm over 5 m", CHOSEN, "plausibility.THINNEST"),),
     ),
@@ -43,7 +43,7 @@ STRUCTURE: Final = (
         "implausible-stiffness",
         "The plate sags far under its own weight.",
         FORBIDS,
-        "the sag over the shorter side, simply supported, is more than a share of that side",
+        "the sag over the shorter side, simply supported, is more than the threshold share of that side",
         "Check E, the density, the thickness and the size.",
         (
             Limit(
@@ -116,7 +116,7 @@ STRUCTURE: Final = (
         "overlapping-parts",
         "Two parts fill the same space, so mass and stiffness count twice.",
         LIMITS,
-        "two parallel plates, or two blocks, overlap by more than a share of the thinner one",
+        "two parallel plates, or two blocks, overlap by more than the threshold share of the thinner one",
         "Move one part. The origin of a plate is on its mid-surface.",
         (
             Limit(0.01, "% of the thinner part", "less is a rounded dimension", CHOSEN, "twice.REACHES"),
@@ -175,7 +175,7 @@ STRUCTURE: Final = (
         "folded-plates",
         "Plates joined at an angle move in their own planes, which the model cannot follow.",
         LIMITS,
-        "modes are asked for up to a share of the first in-plane frequency of the folded plates",
+        "modes are asked for up to the threshold share of the first in-plane frequency of the folded plates",
         "Ask for modes below the stated frequency only.",
         (
             Limit(
@@ -200,7 +200,7 @@ STRUCTURE: Final = (
         "sags-far",
         "The structure sags far under its own weight.",
         LIMITS,
-        "a part sags by more than a share of the size of the structure",
+        "a part sags by more than the threshold share of the size of the structure",
         "Check the units of springs, layers and moduli, unless they are soft on purpose.",
         (Limit(0.1, "% of the size", "springs are not built that soft", CHOSEN, "structure_findings.FAR"),),
     ),

@@ -18,7 +18,7 @@ STUDY: Final = (
         "poor-fit",
         "The best fit leaves a large part of the measured history unexplained.",
         LIMITS,
-        "the rms of the residuals is more than a share of that of the measured history",
+        "the rms of the residuals is more than the threshold share of that of the measured history",
         "Try another contact law, '--delay', or a start nearer to the minimum.",
         (
             Limit(0.05, "% of the measured rms", "a good fit leaves less", CHOSEN, "fit_findings.POOR"),
@@ -60,7 +60,7 @@ STUDY: Final = (
         "parameter-open",
         "The measurement does not determine the parameter.",
         LIMITS,
-        "half the confidence interval is more than a share of the value",
+        "half the confidence interval is more than the threshold share of the value",
         "Fix the parameter, or measure a quantity that depends on it.",
         (Limit(0.5, "% of the value", "not even the first digit is known", CHOSEN, "fit_findings.OPEN"),),
     ),
