@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from femstruct.impact.sources import HAMMERS, TAPPING_MACHINE
 from femstruct.language.arrays import array_sizes, drop_counts, joined, members, spread
 from femstruct.language.checker import Checker, Names
@@ -21,42 +23,10 @@ def check_study(study: StudySpec, tree: Tree, model: ModelSpec, mistakes: Mistak
     names = names_of(model)
     sizes = array_sizes(study, names)
     each = members(sizes)
-    ends = [*study.bodies, *each, "ground"]
     if study.modes is None and model.structure is None:
         check.wrong((), "no modes", "how many modes to use", "add 'modes: {up_to: 3 kHz}'")
-    for name, request in study.frf.items():
-        here: Steps = ("frf", name)
-        check.spot((*here, "drive"), request.drive, names, names.forces)
-        if request.kind == "power" or request.response.endswith(".power"):
-            check_power(check, study, name, request)
-        elif (request.kind == "pressure") or request.response.endswith(".pressure"):
-            check_pressure(check, study, name, request)
-        else:
-            check.spot((*here, "response"), request.response, names, names.forces)
-        if not request.band[0] < request.band[1]:
-            check.wrong((*here, "band"), f"{request.band[0]:g} to {request.band[1]:g} Hz", "a rising band [low, high]")
-        elif (request.band[1] - request.band[0]) / request.step > 1e6:
-            check.wrong((*here, "step"), f"{request.step:g} Hz", "at most a million lines", "take a wider step")
-    for name, body in study.bodies.items():
-        side, target = next(side for side in SIDES if getattr(body, side) is not None), body.target
-        if body.source == TAPPING_MACHINE and sizes.get(name, 1) != HAMMERS:
-            got = f"{sizes.get(name, 1)} places for the {HAMMERS} hammers of a tapping machine"
-            expected = f"a point of {HAMMERS} places, or of {HAMMERS} for each position"
-            check.wrong(("bodies", name, side), got, expected, "100 mm apart, in a line")
-        if names.points.get(target, 1) == 1:
-            own = [name, *members({name: sizes.get(name, 0)})]
-            check.place(("bodies", name, side), target, names, [end for end in ends if end not in own])
-    for group, items in (("contacts", study.contacts), ("links", study.links)):
-        for name, item in items.items():
-            counts = joined(item.between, sizes, names)
-            if len({count for count in counts if count > 1}) > 1:
-                told = " and ".join(f"{n} {end}" for n, end in zip(counts, item.between, strict=True))
-                check.wrong((group, name, "between"), told, "as many of both, or one", "name one of them, as NAME.1")
-            for number, end in enumerate(item.between):
-                if not counts or counts[number] == 1:
-                    check.place((group, name, "between", number), end, names, ends)
-            if item.between[0] == item.between[1]:
-                check.wrong((group, name, "between"), f"'{item.between[0]}' twice", "two different ends")
+    _check_requests(check, study, names)
+    _check_ends(check, study, names, sizes)
     for name, contact in study.contacts.items():
         if contact.gap and contact.preload:
             got = f"a gap of {contact.gap:g} m and a preload of {contact.preload:g} N"
@@ -91,6 +61,48 @@ def check_study(study: StudySpec, tree: Tree, model: ModelSpec, mistakes: Mistak
         check.wrong((), "no time", "how long to simulate", "add 'time: {duration: 1 s, sampling: 48 kHz}'")
     if study.compare is not None and study.cases:
         check.known(("compare", "baseline"), study.compare.baseline, "case", study.cases)
+
+
+def _check_requests(check: Checker, study: StudySpec, names: Names) -> None:
+    """Frequency responses: their addresses, bands and steps."""
+    for name, request in study.frf.items():
+        here: Steps = ("frf", name)
+        check.spot((*here, "drive"), request.drive, names, names.forces)
+        if request.kind == "power" or request.response.endswith(".power"):
+            check_power(check, study, name, request)
+        elif (request.kind == "pressure") or request.response.endswith(".pressure"):
+            check_pressure(check, study, name, request)
+        else:
+            check.spot((*here, "response"), request.response, names, names.forces)
+        if not request.band[0] < request.band[1]:
+            check.wrong((*here, "band"), f"{request.band[0]:g} to {request.band[1]:g} Hz", "a rising band [low, high]")
+        elif (request.band[1] - request.band[0]) / request.step > 1e6:
+            check.wrong((*here, "step"), f"{request.step:g} Hz", "at most a million lines", "take a wider step")
+
+
+def _check_ends(check: Checker, study: StudySpec, names: Names, sizes: Mapping[str, int]) -> None:
+    """What bodies stand on, and what contacts and links are between."""
+    ends = [*study.bodies, *members(sizes), "ground"]
+    for name, body in study.bodies.items():
+        side, target = next(side for side in SIDES if getattr(body, side) is not None), body.target
+        if body.source == TAPPING_MACHINE and sizes.get(name, 1) != HAMMERS:
+            got = f"{sizes.get(name, 1)} places for the {HAMMERS} hammers of a tapping machine"
+            expected = f"a point of {HAMMERS} places, or of {HAMMERS} for each position"
+            check.wrong(("bodies", name, side), got, expected, "100 mm apart, in a line")
+        if names.points.get(target, 1) == 1:
+            own = [name, *members({name: sizes.get(name, 0)})]
+            check.place(("bodies", name, side), target, names, [end for end in ends if end not in own])
+    for group, items in (("contacts", study.contacts), ("links", study.links)):
+        for name, item in items.items():
+            counts = joined(item.between, sizes, names)
+            if len({count for count in counts if count > 1}) > 1:
+                told = " and ".join(f"{n} {end}" for n, end in zip(counts, item.between, strict=True))
+                check.wrong((group, name, "between"), told, "as many of both, or one", "name one of them, as NAME.1")
+            for number, end in enumerate(item.between):
+                if not counts or counts[number] == 1:
+                    check.place((group, name, "between", number), end, names, ends)
+            if item.between[0] == item.between[1]:
+                check.wrong((group, name, "between"), f"'{item.between[0]}' twice", "two different ends")
 
 
 def _check_time(check: Checker, study: StudySpec, time: TimeSpec) -> None:

@@ -112,7 +112,6 @@ class Meshed:
     first: int
     rigid: ClassVar[bool] = False  # moves as one body
     rigid_in_plane: ClassVar[bool] = False  # bends, but neither stretches nor shears in its plane
-    kind: ClassVar[str]  # of its cells, for people
 
     @property
     def name(self) -> str:

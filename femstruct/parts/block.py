@@ -74,7 +74,6 @@ class BlockMesh(Meshed):
     part: Block
     first: int
     rigid: ClassVar[bool] = True
-    kind: ClassVar[str] = "blocks"
 
     @property
     def name(self) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import inf
-from typing import ClassVar, Literal
+from typing import Literal
 
 import numpy as np
 import scipy
@@ -122,7 +122,6 @@ class FrameMesh(Meshed):
     end: Floats
     arms: Floats
     axes: Floats
-    kind: ClassVar[str] = "bars"
 
     def __post_init__(self) -> None:
         where = f"parts.{self.part.name}"

@@ -106,7 +106,6 @@ class PlateMesh(Meshed):
     x: Floats
     y: Floats
     rigid_in_plane: ClassVar[bool] = True
-    kind: ClassVar[str] = "plate cells"
 
     def __post_init__(self) -> None:
         freeze(

@@ -9,11 +9,12 @@ from acoustics.errors import Advice
 from acoustics.field import HalfSpace
 from femstruct.errors import Finding
 from femstruct.findings.catalogue import ranked
+from femstruct.impact.response import Response
 from femstruct.impact.shares import mode_energies
 from femstruct.modal.basis import ModalBasis
 from femstruct.sound.power import Radiated
 from femstruct.sound.surface import coupling_findings
-from femstruct.study.result import SILENT, AccuracyCheck, CaseResult
+from femstruct.study.result import SILENT, AccuracyCheck, CaseResult, Channel, Frf
 from femstruct.study.study import Case, Study
 from femstruct.workflow.accuracy import accuracy_findings
 from femstruct.workflow.air import ceiling, coupled, coupled_key, weight_on_air
@@ -51,10 +52,7 @@ def run_case(
         basis = damped(case, solved, baseline)
     with clock("judgement", case.name):
         judged_before = (*all_findings(own, basis, case.studies, study.frf), *study_findings(case, own.places))
-    findings = [
-        *judged_before,
-        *(accuracy_findings(accuracy) if accuracy is not None else ()),
-    ]
+    findings = [*judged_before, *(accuracy_findings(accuracy) if accuracy is not None else ())]
     told: list[tuple[str, Advice | Finding]] = []
     vacuo = basis
     if any(plan.coupling == "two-way" for plan in study.rooms):
@@ -62,10 +60,8 @@ def run_case(
             basis, found_of_air = coupled(vacuo, study.rooms, own.places)
             told += found_of_air
     with clock("frf", case.name):
-        responses = {}
-        for request in study.frf:
-            responses[request.name], advised = frequency_response(request, own.places, basis, study.rooms)
-            told += [(request.response.name, advice) for advice in advised]
+        responses, advised = _responses(study, own.places, basis)
+        told += advised
     whole: Struck | None = None
     radiated: dict[str, Radiated] = {}
     channels, shares, drops, rated = {}, None, {}, {}
@@ -88,11 +84,7 @@ def run_case(
         with clock("levels", case.name):
             shares = mode_energies(whole.response)
             channels = record(study, own.places, whole.response, whole.rooms)
-            accelerations = motion_rows(study, own.places, basis).items()
-            findings += aliased_findings(
-                whole.response, {name: row for name, (what, row) in accelerations if what == "acceleration"}
-            )
-            findings += peak_findings(channels)
+            findings += _of_records(study, own.places, basis, whole.response, channels)
         if any(isinstance(plan.room, HalfSpace) for plan in study.rooms):
             with clock("sound energy", case.name):
                 radiated, found_of_sound = sound_energies(study, own.places, whole.response)
@@ -121,6 +113,27 @@ def run_case(
         radiated=radiated,
         heard=SILENT if whole is None else whole.heard,
     )
+
+
+def _responses(
+    study: Study, places: Places, basis: ModalBasis
+) -> tuple[dict[str, Frf], list[tuple[str, Advice | Finding]]]:
+    """The frequency responses a study asks for, by name, and what is to be known of them."""
+    found: dict[str, Frf] = {}
+    told: list[tuple[str, Advice | Finding]] = []
+    for request in study.frf:
+        found[request.name], advised = frequency_response(request, places, basis, study.rooms)
+        told += [(request.response.name, advice) for advice in advised]
+    return found, told
+
+
+def _of_records(
+    study: Study, places: Places, basis: ModalBasis, response: Response, channels: Mapping[str, Channel]
+) -> list[Finding]:
+    """What is to be known of recorded histories: what lies above their sampling, peaks that hang on the modes."""
+    rows = motion_rows(study, places, basis).items()
+    accelerations = {name: row for name, (what, row) in rows if what == "acceleration"}
+    return [*aliased_findings(response, accelerations), *peak_findings(channels)]
 
 
 def _of_rooms(study: Study, places: Places, basis: ModalBasis, vacuo: ModalBasis) -> list[tuple[str, Advice | Finding]]:
