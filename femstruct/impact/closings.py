@@ -59,7 +59,7 @@ def settle_events(record: Record, count: int, interfaces: int) -> int:
 
     Tells whether all contacts are open after each, whether each contact is closed at the end, and its shortest closing.
     """
-    closed, kept, touching = record.totals[4:], 0, 0
+    closed, kept, touching = record.closed, 0, 0
     for a in range(interfaces):
         closed[a], record.shortest[a], record.newest[a] = 0.0, np.inf, -1
     for e in range(count):

@@ -14,6 +14,7 @@ from femstruct.impact.rule import STAGES, Rule
 from femstruct.impact.system import Compiled
 
 TIME, STRUCTURE, BODIES = 0, 1, 2  # columns of a ledger row; then stored [i], lost in modes, lost [i], work, blows
+MODES, WORK, BROUGHT = 0, 1, 2  # of what is integrated, behind the interfaces: by modes; by loads; by blows
 
 
 def ledger_width(system: System) -> int:
@@ -64,9 +65,9 @@ def take_stock(t: float, system: System, state: State, place: Floats, lost: Floa
         row[at + a] = stored(system, state, a, place[a])
         row[at + m + 1 + a] = lost[a]
         total += row[at + a] + lost[a]
-    row[at + m] = lost[m]
-    row[at + 2 * m + 1], row[at + 2 * m + 2] = lost[m + 1], lost[m + 2]
-    return float(total + lost[m] - lost[m + 1] - lost[m + 2])
+    row[at + m] = lost[m + MODES]
+    row[at + 2 * m + 1], row[at + 2 * m + 2] = lost[m + WORK], lost[m + BROUGHT]
+    return float(total + lost[m + MODES] - lost[m + WORK] - lost[m + BROUGHT])
 
 
 @kernel
@@ -86,10 +87,10 @@ def integrate_losses(h: float, system: System, state: State, rule: Rule, trial: 
                 lost[a] -= h * rule.weights[p] * spring(system, a, delta)[0] * trial.rate[a, p + 1]
     for a in range(m, len(system.rows)):
         for p in range(STAGES):
-            lost[m + 1] += h * rule.weights[p] * trial.forces[a, p] * trial.rate[a, p + 1]
+            lost[m + WORK] += h * rule.weights[p] * trial.forces[a, p] * trial.rate[a, p + 1]
     for p in range(trial.modal.shape[0]):
         for i in range(trial.modal.shape[1]):
-            lost[m] -= h * rule.weights[p] * trial.modal[p, i] * trial.speeds[p, i]
+            lost[m + MODES] -= h * rule.weights[p] * trial.modal[p, i] * trial.speeds[p, i]
 
 
 def balance(row: Floats, scene: Scene, compiled: Compiled) -> EnergyBalance:

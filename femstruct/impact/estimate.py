@@ -15,13 +15,14 @@ import numpy as np
 from femstruct.arrays import Floats
 from femstruct.impact.aside import run_aside
 from femstruct.impact.bodies import Scene
+from femstruct.impact.booking import DONE, TOO_MANY_EVENTS
 from femstruct.impact.closings import CERTAIN, CLOSES, settle_events
 from femstruct.impact.collocate import MAX_STEPS, Ended, collocate, state_at_start
 from femstruct.impact.energy import TIME
 from femstruct.impact.exact.choice import largest_rate, takes_exact_march
 from femstruct.impact.exact.march import exact_march
 from femstruct.impact.exact.rule import THETA, exact_room, exact_rule
-from femstruct.impact.march import DONE, TOO_MANY_EVENTS, levels_for
+from femstruct.impact.march import levels_for
 from femstruct.impact.response import Response
 from femstruct.impact.rule import collocation_rule
 from femstruct.impact.sampling import MOST_EVENTS, Record, room_for

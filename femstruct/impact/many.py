@@ -12,6 +12,7 @@ import numpy as np
 
 from femstruct.arrays import Floats
 from femstruct.impact.attempt import Room
+from femstruct.impact.booking import DONE
 from femstruct.impact.closings import CLOSES
 from femstruct.impact.compiled.kernels import kernel, unit
 from femstruct.impact.compiled.layout import Counts, Matrix, Vector
@@ -19,10 +20,11 @@ from femstruct.impact.energy import TIME
 from femstruct.impact.exact.march import exact_march
 from femstruct.impact.exact.rule import ExactRoom, ExactRule
 from femstruct.impact.forces import State, copy_to
-from femstruct.impact.march import DONE, march
+from femstruct.impact.march import march
 from femstruct.impact.records import ManyInterfaces, ManyLoads, ManyStrikes, System
 from femstruct.impact.rule import POINTS, STAGES, Rule
-from femstruct.impact.sampling import Record
+from femstruct.impact.sampling import DRIFT, EVENTS, ROWS, WORKED, Record
+from femstruct.impact.sampling import STEPS as STEPS_TAKEN
 from femstruct.impact.strikes import HELD, SINCE, lies
 from femstruct.impact.tables import Tables
 
@@ -148,7 +150,7 @@ def run_many(frame: System, shared: Shared, tables: Tables, runs: Runs, marches:
                 frame, state, marches.rule, tables, marches.room, record, marches.halvings, marches.top_level,
                 marches.tolerance, marches.max_steps, marches.paced,
             )  # fmt: skip
-        rows, events = int(record.ended[1]), int(record.ended[2])
+        rows, events = int(record.ended[ROWS]), int(record.ended[EVENTS])
         end = record.history[rows - 1 if marches.exact else rows]  # collocation counts it with samples only
         mass, row = runs.mass[i], out.rows[i]
         _measure(frame, state, record, status, events, end, mass, shared.gravity, marches.quiet, at, row)
@@ -208,7 +210,7 @@ def _measure(system: System, state: State, record: Record, status: int, events: 
     """One row of metrics; a run that failed has its status and steps only."""
     m, k, log, times = len(system.interfaces), system.n_modes, record.events, record.event_rows[:, TIME]
     row[:] = np.nan
-    row[STATUS], row[STEPS] = status, record.totals[0]
+    row[STATUS], row[STEPS] = status, record.totals[STEPS_TAKEN]
     if status != DONE:
         return
     first = record.history[0]
@@ -216,15 +218,15 @@ def _measure(system: System, state: State, record: Record, status: int, events: 
     total = 0.0
     for i in range(1, ledger - 2):  # nothing has worked yet
         total += first[i]
-    scale = max(abs(total), record.totals[3])
-    row[RESIDUAL] = record.totals[2] / scale if scale > 0.0 else 0.0
+    scale = max(abs(total), record.totals[WORKED])
+    row[RESIDUAL] = record.totals[DRIFT] / scale if scale > 0.0 else 0.0
     for a in range(m):
         row[at.peak + a], row[at.peak_time + a] = record.peak[a, 0], record.peak[a, 1]
         for s in range(len(record.strike_peak)):  # peaks are those since the last blow
             if record.strike_peak[s, a, 0] > row[at.peak + a]:
                 row[at.peak + a], row[at.peak_time + a] = record.strike_peak[s, a, 0], record.strike_peak[s, a, 1]
         row[at.closings + a], row[at.deepest + a] = 0.0, record.deepest[a]
-        row[at.shortest + a], row[at.closed + a] = record.shortest[a], record.totals[4 + a]
+        row[at.shortest + a], row[at.closed + a] = record.shortest[a], record.closed[a]
     for e in range(events):
         a = log[e, 0]
         row[at.last + a] = times[e]

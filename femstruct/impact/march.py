@@ -10,28 +10,31 @@ import numpy as np
 
 from femstruct.arrays import Floats
 from femstruct.impact.attempt import ERROR, PART, REFUSED, Room, attempt
-from femstruct.impact.closings import CERTAIN, CLOSES, DOUBTFUL, LIFTED, OPENS, confirm, log_event, settle_events
+from femstruct.impact.booking import (
+    DONE,
+    FULL,
+    NO_FORCES,
+    STALLS,
+    TOO_MANY_EVENTS,
+    balance_books,
+    goes_on,
+    log_changes,
+    open_books,
+)
+from femstruct.impact.closings import LIFTED, OPENS, confirm, log_event, settle_events
 from femstruct.impact.compiled.kernels import kernel, unit
-from femstruct.impact.energy import TIME, integrate_losses, take_stock
+from femstruct.impact.energy import MODES, integrate_losses, take_stock
 from femstruct.impact.events import CHANGES, SHARP, UNCERTAIN, least_excess, switch
 from femstruct.impact.flow import advance
 from femstruct.impact.forces import AWAY, CLOSED, OPEN, ROUNDING, State, copy_to, load_at, net_force, rows_now
 from femstruct.impact.propagate import LONGER, Trial
 from femstruct.impact.records import CONSTANT, LINK, System
 from femstruct.impact.rule import LONGEST_DOUBLINGS, PLACES, Rule
-from femstruct.impact.sampling import Record, ended, keep, peaks, peaks_at_start, travels
+from femstruct.impact.sampling import STEPS, Record, ended, keep, peaks, peaks_at_start, travels
 from femstruct.impact.strikes import first_strike, strike, touch
 from femstruct.impact.tables import Tables
 
-DONE, TOO_MANY_STEPS, NO_FORCES, TOO_MANY_EVENTS, STICKS, STALLS, STOPPED = 0, 1, 2, 3, 4, 5, 6
 ERROR_BUDGET = 0.1  # share of the tolerance that a step may spend
-TROUBLE = {
-    TOO_MANY_STEPS: "too many steps",
-    TOO_MANY_EVENTS: "a contact chatters",
-    NO_FORCES: "no contact force was found",
-    STICKS: "contacts or one-way dashpots switch without end",
-    STALLS: "no progress",
-}
 
 
 @unit(seconds=9.0)
@@ -42,25 +45,18 @@ def march(system: System, state: State, rule: Rule, tables: Tables, room: Room, 
     paced : steps tried between two looks at the progress. A record without samples is of one interval of 2^halvings
     ticks, and keeps the first and the last ledger row only.
     """
-    history, event_rows = record.history, record.event_rows
-    m, samples = len(system.interfaces), len(record.at)
+    history, m, samples = record.history, len(system.interfaces), len(record.at)
     per_sample = 1 << halvings
     end = max(samples, 1) * per_sample
     trial, lost, bounds, place, rate = room.trial, room.lost, room.bounds, room.place, room.rate
     loaded, closed_at = room.loaded, room.closed_at
     lost[:], loaded[:], closed_at[:] = 0.0, 0.0, 0.0
-    record.newest[:], record.size[:] = -1, 0.0
-    n_events = 0
     rows_now(system, state.z, state.v, place, rate)
     _start(system, state, place, rate, loaded)
-    initial = take_stock(0.0, system, state, place, lost, history[0])
+    initial = open_books(system, state, place, lost, record)
     n_history = 1
     peaks_at_start(system, state, place, rate, record)
-    for a in range(m):
-        record.totals[4 + a] = loaded[a]
-        if loaded[a] > 0.0:
-            log_event(record, n_events, a, CLOSES, DOUBTFUL, history[0])
-            n_events += 1
+    n_events = log_changes(0.0, system, loaded, history[0], 0, record)
     stride = max(end // 2048, 1)
     while samples > 0 and top_level > 0 and (1 << top_level) > 4 * stride:  # a ledger row is the end of a step
         top_level -= 1
@@ -70,12 +66,10 @@ def march(system: System, state: State, rule: Rule, tables: Tables, room: Room, 
         blow += 1
     last, tried, seen, late = 0, 0, 0, record.late_at[0]
     while t < end:
-        if record.totals[1] >= max_steps:
-            return ended(record, TOO_MANY_STEPS, t * system.tick, n_history, n_events)
-        record.totals[1] += 1.0
+        how = goes_on(record, max_steps)
+        if how != DONE:
+            return ended(record, how, t * system.tick, n_history, n_events)
         tried += 1
-        if record.stop[0] != 0:
-            return ended(record, STOPPED, t * system.tick, n_history, n_events)
         if tried == paced:
             if t - seen < paced * (end / max_steps):  # at this pace all steps are gone before the end
                 return ended(record, STALLS, t * system.tick, n_history, n_events)
@@ -117,7 +111,7 @@ def march(system: System, state: State, rule: Rule, tables: Tables, room: Room, 
         travels(h, system, state, rule, trial, record)
         _confirm_step(system, state, trial, bounds, record)
         integrate_losses(h, system, state, rule, trial, lost)
-        lost[m] += advance(level, system, tables, trial.forces, trial.modal, state.z, state.v, room.work)
+        lost[m + MODES] += advance(level, system, tables, trial.forces, trial.modal, state.z, state.v, room.work)
         t += ticks
         now = t * system.tick
         if 0 <= late <= t:
@@ -129,7 +123,6 @@ def march(system: System, state: State, rule: Rule, tables: Tables, room: Room, 
         for a in range(len(system.rows)):
             for p in range(PLACES):
                 state.pace[a] = max(state.pace[a], abs(trial.rate[a, p]))
-        changed = False
         if changes:
             for a in range(len(place)):
                 trial.place[a, PLACES - 1], trial.rate[a, PLACES - 1] = place[a], rate[a]
@@ -138,7 +131,6 @@ def march(system: System, state: State, rule: Rule, tables: Tables, room: Room, 
                     before = loaded[a]
                     state.status[a] = switch(system, state, trial, bounds, a)
                     loaded[a] = _is_loaded(system, state, a, place[a], rate[a], least_excess(system, bounds, a), before)
-                    changed = changed or loaded[a] != before
                     closed_at[a] = moment if loaded[a] > before else closed_at[a]
         struck = blow < len(system.strikes) and system.strikes[blow]["tick"] <= t
         if struck:
@@ -148,17 +140,13 @@ def march(system: System, state: State, rule: Rule, tables: Tables, room: Room, 
                 strike(now, t, blow, system, state, place, rate, loaded, closed_at, lost, record)
                 blow += 1
             for a in range(m):
-                if (
-                    record.totals[4 + a] > 0.0
-                    and record.latest[a] >= 0
-                    and system.strikes[record.latest[a]]["tick"] == t
-                ):
+                if record.closed[a] > 0.0 and record.latest[a] >= 0 and system.strikes[record.latest[a]]["tick"] == t:
                     if n_events == len(record.events):
                         return ended(record, TOO_MANY_EVENTS, now, n_history, n_events)
                     log_event(record, n_events, a, OPENS, LIFTED, history[n_history - 1])
                     n_events += 1
-                    record.totals[4 + a] = 0.0
-            changed, moment = True, now
+                    record.closed[a] = 0.0
+            moment = now
         for a in range(m):
             if (
                 system.interfaces[a]["kind"] == LINK
@@ -167,28 +155,16 @@ def march(system: System, state: State, rule: Rule, tables: Tables, room: Room, 
             ):
                 state.status[a], state.rest[a] = CLOSED, place[a]
             state.force[a] = net_force(system, state, a, place[a], rate[a]) if state.status[a] == CLOSED else 0.0
-        total = take_stock(now, system, state, place, lost, history[n_history])
-        if not np.isfinite(total):
+        if not balance_books(now, initial, system, state, place, lost, history[n_history], record):
             return ended(record, NO_FORCES, now, n_history, n_events)
-        record.totals[2] = max(record.totals[2], abs(total - initial))
-        record.totals[3] = max(record.totals[3], abs(lost[m + 1]) + abs(lost[m + 2]))
-        if changed:
-            for a in range(m):
-                if system.interfaces[a]["kind"] != LINK and loaded[a] != record.totals[4 + a]:
-                    what = CLOSES if loaded[a] > 0.0 else OPENS
-                    if n_events == len(record.events):
-                        return ended(record, TOO_MANY_EVENTS, now, n_history, n_events)
-                    counts = CERTAIN if system.interfaces[a]["preload"] > 0.0 else DOUBTFUL
-                    log_event(record, n_events, a, what, counts, history[n_history])
-                    event_rows[n_events, TIME] = moment
-                    n_events += 1
-        for a in range(m):
-            record.totals[4 + a] = loaded[a]
+        n_events = log_changes(moment, system, loaded, history[n_history], n_events, record)
+        if n_events == FULL:
+            return ended(record, TOO_MANY_EVENTS, now, n_history, len(record.events))
         busy = (acting or _total(loaded) > 0.0) and t - last >= per_sample
         if samples > 0 and (busy or struck or t - last >= stride or t == end):
             n_history += 1
             last = t
-        record.totals[0] += 1.0
+        record.totals[STEPS] += 1.0
         if error < LONGER:
             level += 1
     return ended(record, DONE, end * system.tick, n_history, settle_events(record, n_events, m))

@@ -11,6 +11,7 @@ from femstruct.arrays import Floats, Integers
 from femstruct.errors import Finding
 from femstruct.impact.blows import left_out_finding, lifted_finding
 from femstruct.impact.bodies import Clock, Scene
+from femstruct.impact.booking import DONE, TROUBLE
 from femstruct.impact.energy import BODIES, STRUCTURE, TIME
 from femstruct.impact.fleet import Fleet
 from femstruct.impact.judgement import (
@@ -22,7 +23,6 @@ from femstruct.impact.judgement import (
 )
 from femstruct.impact.laws.registry import DOUBTS
 from femstruct.impact.many import RESIDUAL, SEPARATED, STATUS, STEPS
-from femstruct.impact.march import DONE, TROUBLE
 from femstruct.impact.outcome import Endings, Flags, outcomes_of
 from femstruct.impact.response import Outcome
 from femstruct.impact.vary import Variation

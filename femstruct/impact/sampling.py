@@ -18,6 +18,8 @@ from femstruct.impact.rule import PLACES, POINTS, STAGES, Rule
 from femstruct.impact.tables import Tables
 
 MOST_EVENTS = 500_000
+STEPS, TRIALS, DRIFT, WORKED = 0, 1, 2, 3  # columns of Record.totals
+WHEN, ROWS, EVENTS = 0, 1, 2  # and of Record.ended
 
 
 class Record(NamedTuple):
@@ -28,14 +30,15 @@ class Record(NamedTuple):
     the steps of more than one sample. kept : numbers of these states and steps. A record of no samples keeps none.
     peak [m, 2] : force and its time; deepest [m] : indentation; shortest [m] : least time from closing to
     opening [s].
-    totals : [0] steps, [1] trials, [2] largest |total - start|, [3] largest |work|, then whether each contact counts
-    as closed. history : ledger rows; events : interface, what, whether all are open then, whether it counts (see
-    `femstruct.impact.closings`); event_rows : their ledger rows. newest [m] : the last event of each contact while it
-    does not count, else -1; size [m, 2] : the most that its displacement and speed were summed from. strikes [s, 4] :
-    of every blow (see `femstruct.impact.strikes`); latest [m] : number of the last blow of a body at an interface, -1
-    before any; strike_peak [s + 1, m, 2] : peaks after every blow, in the last row before any.
+    totals : STEPS, TRIALS, DRIFT, the largest |total - start|, and WORKED, the largest |work| + |brought by blows|;
+    closed [m] : whether each contact counts as closed. history : ledger rows; events : interface, what, whether all are
+    open then, whether it counts (see `femstruct.impact.closings`); event_rows : their ledger rows. newest [m] : the
+    last event of each contact while it does not count, else -1; size [m, 2] : the most that its displacement and speed
+    were summed from. strikes [s, 4] : of every blow (see `femstruct.impact.strikes`); latest [m] : number of the last
+    blow of a body at an interface, -1 before any; strike_peak [s + 1, m, 2] : peaks after every blow, in the last row
+    before any.
     late [n] : the rates at the end of the first step that reaches the tick late_at [1], negative for none.
-    stop [1] : not zero when the march shall end at once. ended [3] : when it ended [s], ledger rows, events.
+    stop [1] : not zero when the march shall end at once. ended : WHEN [s], ledger ROWS, EVENTS.
     """
 
     at: Counts
@@ -52,6 +55,7 @@ class Record(NamedTuple):
     shortest: Vector
     travel: Vector
     totals: Vector
+    closed: Vector
     history: Matrix
     events: CountTable
     event_rows: Matrix
@@ -88,7 +92,8 @@ def room_for(system: System, n_samples: int) -> Record:
         deepest=np.zeros(m),
         shortest=np.full(m, np.inf),
         travel=np.zeros(n - system.n_modes),
-        totals=np.zeros(4 + m),
+        totals=np.zeros(4),
+        closed=np.zeros(m),
         history=np.empty((n_samples + 2100 + 2 * blows, width)),
         events=np.empty((MOST_EVENTS, 4), dtype=np.int64),
         event_rows=np.empty((MOST_EVENTS, width)),
@@ -148,7 +153,7 @@ def motion_of(record: Record, system: System, halvings: int, rule: Rule, tables:
 @kernel
 def ended(record: Record, how: int, when: float, rows: int, events: int) -> int:
     """Note how a march ended."""
-    record.ended[0], record.ended[1], record.ended[2] = when, rows, events
+    record.ended[WHEN], record.ended[ROWS], record.ended[EVENTS] = when, rows, events
     return how
 
 

@@ -11,6 +11,7 @@ from femstruct.errors import Finding, NotConverged
 from femstruct.impact.aside import run_aside
 from femstruct.impact.blows import blow_findings, blow_table
 from femstruct.impact.bodies import Clock, Scene
+from femstruct.impact.booking import DONE, NO_FORCES, STALLS, STICKS, TOO_MANY_EVENTS, TOO_MANY_STEPS
 from femstruct.impact.closings import CLOSES
 from femstruct.impact.collocate import MAX_STEPS, Ended, collocate, paced, state_at_start
 from femstruct.impact.energy import TIME, ledger
@@ -19,20 +20,12 @@ from femstruct.impact.exact.march import exact_march
 from femstruct.impact.exact.rule import exact_room, exact_rule
 from femstruct.impact.forces import State
 from femstruct.impact.judgement import Measured, decay_findings, run_findings, sampling_findings
-from femstruct.impact.march import (
-    DONE,
-    NO_FORCES,
-    STALLS,
-    STICKS,
-    TOO_MANY_EVENTS,
-    TOO_MANY_STEPS,
-    levels_for,
-)
+from femstruct.impact.march import levels_for
 from femstruct.impact.motion import DISPLACEMENT, VELOCITY, Motion, along, coordinates, sampled_motion
 from femstruct.impact.outcome import Endings, gain_of, outcomes_of
 from femstruct.impact.response import BodyHistory, ContactHistory, EnergyLedger, Event, Outcome, Response
 from femstruct.impact.rule import collocation_rule
-from femstruct.impact.sampling import Felt, Record, feel, motion_of, room_for
+from femstruct.impact.sampling import DRIFT, WORKED, Felt, Record, feel, motion_of, room_for
 from femstruct.impact.system import Compiled, compile_scene
 from femstruct.impact.tables import tabulated
 from femstruct.modal.basis import ModalBasis
@@ -104,7 +97,7 @@ def simulate(basis: ModalBasis, scene: Scene, clock: Clock) -> Response:
         record.strike_peak[number, a] = record.peak[a]
         record.peak[a] = record.strike_peak[record.strike_peak[:, a, 0].argmax(), a]
     separation = _separation(events, event_rows, clock)
-    book = ledger(history, separation, float(record.totals[3]), float(record.totals[2]), scene, compiled)
+    book = ledger(history, separation, float(record.totals[WORKED]), float(record.totals[DRIFT]), scene, compiled)
     place, speed = (along(motion, what, system.rows[:m]) for what in (DISPLACEMENT, VELOCITY))
     forces, push = np.empty((m, nt)), np.empty((r, nt))
     feel(system, state, compiled.halvings, record, Felt(place, speed, forces, push))
@@ -226,7 +219,7 @@ def _endings(
     return Endings(
         duration,
         last={name: np.array([last.get(name, np.nan)]) for name in compiled.contacts},
-        closed={name: np.array([any(record.totals[4 + a] > 0.0 for a in mine)]) for name, mine in rows},
+        closed={name: np.array([any(record.closed[a] > 0.0 for a in mine)]) for name, mine in rows},
         gain={name: np.array([gain_of(body.velocity, body.end_velocity, duration)]) for name, body in bodies.items()},
     )
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from femstruct.arrays import Floats
 from femstruct.impact.compiled.kernels import kernel
-from femstruct.impact.energy import stored
+from femstruct.impact.energy import BROUGHT, stored
 from femstruct.impact.forces import CLAMPED, CLOSED, OPEN, ROUNDING, State, copy_to, dot, law, net_force, rows_now
 from femstruct.impact.records import LINK, System
 from femstruct.impact.sampling import Record
@@ -84,4 +84,4 @@ def strike(now: float, t: int, number: int, system: System, state: State, place:
                 closed_at[a] = now
                 force = law(system, a, place[a] + system.interfaces[a]["offset"], rate[a])[0]
                 record.peak[a, 0], record.peak[a, 1] = force, now
-    lost[m + 2] += mine[ENERGY]
+    lost[m + BROUGHT] += mine[ENERGY]

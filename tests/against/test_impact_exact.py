@@ -14,13 +14,13 @@ from femstruct.errors import NotConverged
 from femstruct.impact import estimate
 from femstruct.impact import simulate as engine
 from femstruct.impact.bodies import GROUND, Body, Clock, Contact, End, HalfSine, Link, Load, Scene, Table
+from femstruct.impact.booking import DONE, STICKS
 from femstruct.impact.estimate import error_of
 from femstruct.impact.exact.march import exact_march
 from femstruct.impact.exact.rule import exact_room, exact_rule
 from femstruct.impact.forces import State
 from femstruct.impact.laws.linear import Linear
 from femstruct.impact.laws.stop import Stop
-from femstruct.impact.march import DONE, STICKS
 from femstruct.impact.response import EnergyBalance, Response
 from femstruct.impact.sampling import ended, room_for
 from femstruct.impact.simulate import simulate

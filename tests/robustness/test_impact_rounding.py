@@ -16,6 +16,7 @@ from femstruct.impact.laws.law import Law
 from femstruct.impact.laws.linear import Linear
 from femstruct.impact.laws.stop import Stop
 from femstruct.impact.response import Response
+from femstruct.impact.sampling import TRIALS
 from femstruct.modal.analytic import given_modes
 
 FREE = given_modes([], [], {})[0]
@@ -164,7 +165,7 @@ def test_a_light_part_clamped_hard_takes_no_million_steps(monkeypatch: pytest.Mo
 
     def counting(*args: object) -> engine.Ended:
         ended: engine.Ended = march(*args)  # type: ignore[arg-type]
-        seen.append(float(args[4].totals[1]))  # type: ignore[attr-defined]
+        seen.append(float(args[4].totals[TRIALS]))  # type: ignore[attr-defined]
         return ended
 
     monkeypatch.setattr(engine, "collocate", counting)

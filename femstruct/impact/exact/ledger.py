@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from femstruct.arrays import Floats
 from femstruct.impact.compiled.kernels import kernel
+from femstruct.impact.energy import MODES, WORK
 from femstruct.impact.exact.roots import crossing, magnitude, value_and_slope, value_of
 from femstruct.impact.exact.rule import GAUSS, PROBES, ExactRoom, ExactRule
 from femstruct.impact.forces import CLAMPED, CLOSED, State
@@ -32,7 +33,7 @@ def integrate_step(system: System, state: State, h: float, order: int, damped: b
         if room.force[a, 0] != 0.0 or room.force[a, 1] != 0.0:
             for g in range(GAUSS):
                 force = value_of(room.force[a], order, rule.at_nodes[g])
-                lost[m + 1] += h * rule.weights[g] * force * value_of(room.rate[a], order, rule.at_nodes[g])
+                lost[m + WORK] += h * rule.weights[g] * force * value_of(room.rate[a], order, rule.at_nodes[g])
     if not damped:
         return
     for g in range(GAUSS):
@@ -49,7 +50,7 @@ def integrate_step(system: System, state: State, h: float, order: int, damped: b
             for j in range(len(system.coupling)):
                 total += system.coupling[i, j] * v[j]
             taken += v[i] * total
-        lost[m] += rule.weights[g] * taken / h
+        lost[m + MODES] += rule.weights[g] * taken / h
 
 
 @kernel

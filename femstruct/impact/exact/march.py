@@ -4,18 +4,27 @@ from __future__ import annotations
 
 import numpy as np
 
-from femstruct.impact.closings import CERTAIN, CLOSES, DOUBTFUL, OPENS, confirm, log_event, settle_events
+from femstruct.impact.booking import (
+    DONE,
+    FULL,
+    NO_FORCES,
+    STICKS,
+    TOO_MANY_EVENTS,
+    balance_books,
+    goes_on,
+    log_changes,
+    open_books,
+)
+from femstruct.impact.closings import confirm, settle_events
 from femstruct.impact.compiled.kernels import kernel, unit
-from femstruct.impact.energy import take_stock
 from femstruct.impact.exact.ledger import integrate_step, peaks_of_step, travels_of_step
 from femstruct.impact.exact.regime import coupling_bound, evaluate, expand, fastest, load_series, settle, shorten
 from femstruct.impact.exact.roots import NEVER, value_of
 from femstruct.impact.exact.rule import ORDER, PROBES, SHORT, THETA, ExactRoom, ExactRule
 from femstruct.impact.exact.watch import switch, watch
 from femstruct.impact.forces import CLAMPED, CLOSED, OPEN, State, copy_to, load_at, move_to
-from femstruct.impact.march import DONE, NO_FORCES, STICKS, STOPPED, TOO_MANY_EVENTS, TOO_MANY_STEPS
 from femstruct.impact.records import CONSTANT, HALF_SINE, LINK, System
-from femstruct.impact.sampling import Record, ended
+from femstruct.impact.sampling import STEPS, Record, ended
 
 
 @unit(seconds=11.0)
@@ -31,17 +40,14 @@ def exact_march(system: System, state: State, rule: ExactRule, room: ExactRoom, 
     for i in range(system.n_modes):
         damped = damped or system.damping[i] > 0.0
     _begin(system, state, room)
-    record.newest[:], record.size[:] = -1, 0.0
-    initial = take_stock(0.0, system, state, room.here[:, 0], room.lost, history[0])
+    initial = open_books(system, state, room.here[:, 0], room.lost, record)
     kept, n_events, kink, at_once = 1, 0, 0, 0
     late = record.late_at[0] * system.tick if record.late_at[0] >= 0 else np.inf
     t, last, before, earlier = 0.0, 0.0, 0.0, 0.0
     while t < end:
-        if record.totals[1] >= max_steps:
-            return ended(record, TOO_MANY_STEPS, t, kept, n_events)
-        record.totals[1] += 1.0
-        if record.stop[0] != 0:
-            return ended(record, STOPPED, t, kept, n_events)
+        how = goes_on(record, max_steps)
+        if how != DONE:
+            return ended(record, how, t, kept, n_events)
         settle(system, state, room)
         bound, stiffness = fastest(system, room, coupling)
         while kink < len(system.kinks) and system.kinks[kink] * system.tick <= t:
@@ -111,23 +117,14 @@ def exact_march(system: System, state: State, rule: ExactRule, room: ExactRoom, 
         touching, changed = 0.0, False
         for a in range(m):
             touching += room.loaded[a]
-            changed = changed or room.loaded[a] != record.totals[4 + a]
-        if samples or changed or t >= end:
-            total = take_stock(t, system, state, room.here[:, 0], room.lost, history[kept])
-            if not np.isfinite(total):
-                return ended(record, NO_FORCES, t, kept, n_events)
-            record.totals[2] = max(record.totals[2], abs(total - initial))
-            record.totals[3] = max(record.totals[3], abs(room.lost[m + 1]))
-        record.totals[0] += 1.0
-        for a in range(m):
-            if room.loaded[a] != record.totals[4 + a]:
-                record.totals[4 + a] = room.loaded[a]
-                if n_events == len(record.events):
-                    return ended(record, TOO_MANY_EVENTS, t, kept, n_events)
-                what = CLOSES if room.loaded[a] > 0.0 else OPENS
-                counts = CERTAIN if system.interfaces[a]["preload"] > 0.0 else DOUBTFUL
-                log_event(record, n_events, a, what, counts, history[kept])
-                n_events += 1
+            changed = changed or room.loaded[a] != record.closed[a]
+        told, row = samples or changed or t >= end, history[kept]
+        if told and not balance_books(t, initial, system, state, room.here[:, 0], room.lost, row, record):
+            return ended(record, NO_FORCES, t, kept, n_events)
+        record.totals[STEPS] += 1.0
+        n_events = log_changes(t, system, room.loaded, row, n_events, record)
+        if n_events == FULL:
+            return ended(record, TOO_MANY_EVENTS, t, kept, len(record.events))
         busy = (acting or touching > 0.0) and t - last >= interval * (1.0 - 1e-9)
         if t >= end or (samples and (busy or t - last >= 0.5 * longest)):
             kept += 1
