@@ -27,7 +27,7 @@ def wall(law: Flores, duration: float) -> Scene:
 
 @pytest.mark.parametrize("e", [0.9, 0.5, 0.1, 1.0])
 def test_the_published_hysteresis_factor(e: float) -> None:
-    """Equation 34: chi = 8 K (1 - e) / (5 e v), of a dashpot chi d^n d' beside K d^n."""
+    """As published: chi = 8 K (1 - e) / (5 e v), of a dashpot chi d^n d' beside K d^n."""
     law = Flores(K, e, V)
     assert law.exponent == 1.5
     assert K * law.dissipation == pytest.approx(8.0 * K * (1.0 - e) / (5.0 * e * V), rel=1e-15)

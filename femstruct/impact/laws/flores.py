@@ -24,8 +24,8 @@ class Flores(Law):
 
     Raises FemstructError for a stiffness or speed that is not positive, or a restitution beyond 0 to 1.
 
-    References: Flores, Machado, Silva and Martins, Multibody System Dynamics 25 (2011) 357, equation 34,
-    doi:10.1007/s11044-010-9237-4.
+    References: Flores, Machado, Silva and Martins, On the continuous contact force models for soft materials in
+    multibody dynamics, Multibody System Dynamics 25 (2011) 357, doi:10.1007/s11044-010-9237-4.
 
     >>> law = Flores(1e8, restitution=0.5, speed=2.0)
     >>> round(law.dissipation, 6), round(law.returns, 3)

@@ -26,7 +26,8 @@ class Code(NamedTuple):
 
     spring(system, a, d) : force, its slope, and the energy it holds, all zero or straight on for d <= 0.
     force(system, a, d, d') : force without a clamp, its derivatives to d and d', and the dashpot's part of the force
-    over d'; None where the dashpot is a factor of the spring: s(d) (1 + chi d').
+    over d'; None where the dashpot is a factor of the spring: s(d) (1 + chi d'). A law of its own force that is not
+    tensile has the sign of stiffness d + damping d' while it is indented: by that its contact is clamped.
     beside(system, a, rest, x) : energy at rest + x, less that at rest and the work of the force there, where a formula
     loses no digits; None for the difference itself.
     """
