@@ -2,22 +2,20 @@
 
 The way through this wing, each step a pure function or a frozen noun::
 
-    Air, Losses -> Room, Receiver      what the room is                          air, room
+    Air, Losses -> Room, Receiver      what the room is                          air, rooms.box
     SurfaceVelocity                    how its ceiling moves: the one door in    source
-    pressure(...) -> RoomResponse      what is heard, in time and frequency      pressure (transfer functions: cavity)
-    cavity_pressure(...)               the same in rooms of any shape            cavity_pressure (fem, walls, together)
-    sphere_pressures(...)              the sound of a striking ball itself       sphere (field, multipoles)
-    sound_levels(...) -> Levels        peaks, maxima, exposures, bands           levels (bands, weighting)
-    heavy_impact_level(...), ...       single numbers of the standards           ratings grades
-    rate_room(...) -> RatedRoom        a room as the standards state it          rated
-    radiated_energy(...) -> SoundEnergy    what goes into the open air           sound_energy (radiation, directivity)
-    force_exposure_levels(...)         how hard a source strikes                 exposure
+    pressure(...) -> RoomResponse      what is heard, in time and frequency      rooms.box_pressure
+    cavity_pressure(...)               the same in rooms of any shape            meshed.meshed_pressure
+    sphere_pressures(...)              the sound of a striking ball itself       open_air.sphere
+    sound_levels(...) -> Levels        peaks, maxima, exposures, bands           levels.sound_levels
+    heavy_impact_level(...), ...       single numbers of the standards           levels.iso, levels.jis_ks
+    rate_room(...) -> RatedRoom        a room as the standards state it          levels.rated
+    radiated_energy(...) -> SoundEnergy    what goes into the open air           open_air.sound_energy
+    force_exposure_levels(...)         how hard a source strikes                 levels.exposure
 
-Layers, lowest first: ``errors arrays air room source walls | extension cavity meshes fem yielding shaped | orders
-judgement absorption together pressure transfers cavity_pressure maps harmonic coupled coupled_fem field multipoles
-sphere sheet radiation directivity | bands ending filters weighting levels ratings grades decay exposure methods
-rated sound_energy``; a module imports from lower ones only. Nothing here knows of finite elements, opens a file or
-prints.
+``rooms`` (boxes, by cosines), ``meshed`` (any shape, by finite elements) and ``open_air`` stand beside each other, the
+levels and ratings above them; `tests/unit/test_layers.py` holds the order of their modules. Nothing here knows of
+structures, opens a file or prints.
 
 Harmonic quantities are the real part of X exp(+j omega t). The surface's velocity is positive into the room, where it
 raises the pressure. Coordinates are the room's own: from its lower corner, z up, the ceiling at z = Lz.
@@ -30,8 +28,7 @@ from typing import TYPE_CHECKING, Any
 
 from acoustics.air import Air
 from acoustics.errors import AcousticsError, Advice
-from acoustics.pressure import RoomResponse, pressure
-from acoustics.room import (
+from acoustics.rooms.box import (
     Losses,
     Receiver,
     Room,
@@ -44,23 +41,14 @@ from acoustics.room import (
     room_modes,
     t60_of,
 )
+from acoustics.rooms.box_pressure import RoomResponse, pressure
 from acoustics.source import SurfaceVelocity
 
 if TYPE_CHECKING:
-    from acoustics.bands import octave_bands, third_octave_bands
-    from acoustics.cavity_pressure import cavity_pressure
-    from acoustics.decay import reverberation_time
-    from acoustics.directivity import Directivity, radiation_pattern
-    from acoustics.exposure import force_exposure_levels
-    from acoustics.fem import CavityModes, cavity_modes
-    from acoustics.field import HalfSpace
-    from acoustics.grades import ImpactGrade, InverseALevel, impact_grade, inverse_a_level
-    from acoustics.levels import Levels, equivalent_levels, level_history, level_spectrum, response_levels, sound_levels
-    from acoustics.maps import PressureMap, pressure_map
-    from acoustics.meshes import CavityMesh, box_mesh
-    from acoustics.radiation import radiated_power, radiation_efficiency, radiation_impedance, radiation_modes
-    from acoustics.rated import RatedRoom, rate_room
-    from acoustics.ratings import (
+    from acoustics.levels.bands import octave_bands, third_octave_bands
+    from acoustics.levels.decay import reverberation_time
+    from acoustics.levels.exposure import force_exposure_levels
+    from acoustics.levels.iso import (
         HeavyImpactRating,
         ImpactRating,
         energy_average,
@@ -70,29 +58,56 @@ if TYPE_CHECKING:
         standardised_maximum_level,
         weighted_impact_level,
     )
-    from acoustics.shaped import ShapedRoom
-    from acoustics.sound_energy import SoundEnergy, radiated_energy
-    from acoustics.sphere import Sphere, sphere_pressures
-    from acoustics.walls import Wall, YieldingWall, absorbing
-    from acoustics.weighting import frequency_weighting, time_weighted, weighted
+    from acoustics.levels.jis_ks import ImpactGrade, InverseALevel, impact_grade, inverse_a_level
+    from acoustics.levels.rated import RatedRoom, rate_room
+    from acoustics.levels.sound_levels import (
+        Levels,
+        equivalent_levels,
+        level_history,
+        level_spectrum,
+        response_levels,
+        sound_levels,
+    )
+    from acoustics.levels.weighting import frequency_weighting, time_weighted, weighted
+    from acoustics.meshed.cavity_mesh import CavityMesh, box_mesh
+    from acoustics.meshed.finite_elements import CavityModes, cavity_modes
+    from acoustics.meshed.meshed_pressure import cavity_pressure
+    from acoustics.meshed.meshed_room import ShapedRoom
+    from acoustics.meshed.walls import Wall, YieldingWall, absorbing
+    from acoustics.open_air.directivity import Directivity, radiation_pattern
+    from acoustics.open_air.half_space import HalfSpace
+    from acoustics.open_air.radiated_power import (
+        radiated_power,
+        radiation_efficiency,
+        radiation_impedance,
+        radiation_modes,
+    )
+    from acoustics.open_air.sound_energy import SoundEnergy, radiated_energy
+    from acoustics.open_air.sphere import Sphere, sphere_pressures
+    from acoustics.rooms.pressure_maps import PressureMap, pressure_map
 
 # What needs scipy.signal, scipy.linalg or scikit-fem is slow to import: it is fetched when first asked for (PEP 562).
 _FETCHED = {
-    "acoustics.cavity_pressure": ("cavity_pressure",),
-    "acoustics.decay": ("reverberation_time",),
-    "acoustics.directivity": ("Directivity", "radiation_pattern"),
-    "acoustics.exposure": ("force_exposure_levels",),
-    "acoustics.fem": ("CavityModes", "cavity_modes"),
-    "acoustics.field": ("HalfSpace",),
-    "acoustics.grades": ("ImpactGrade", "InverseALevel", "impact_grade", "inverse_a_level"),
-    "acoustics.radiation": ("radiated_power", "radiation_efficiency", "radiation_impedance", "radiation_modes"),
-    "acoustics.maps": ("PressureMap", "pressure_map"),
-    "acoustics.meshes": ("CavityMesh", "box_mesh"),
-    "acoustics.shaped": ("ShapedRoom",),
-    "acoustics.sphere": ("Sphere", "sphere_pressures"),
-    "acoustics.walls": ("Wall", "YieldingWall", "absorbing"),
-    "acoustics.bands": ("octave_bands", "third_octave_bands"),
-    "acoustics.levels": (
+    "acoustics.meshed.meshed_pressure": ("cavity_pressure",),
+    "acoustics.levels.decay": ("reverberation_time",),
+    "acoustics.open_air.directivity": ("Directivity", "radiation_pattern"),
+    "acoustics.levels.exposure": ("force_exposure_levels",),
+    "acoustics.meshed.finite_elements": ("CavityModes", "cavity_modes"),
+    "acoustics.open_air.half_space": ("HalfSpace",),
+    "acoustics.levels.jis_ks": ("ImpactGrade", "InverseALevel", "impact_grade", "inverse_a_level"),
+    "acoustics.open_air.radiated_power": (
+        "radiated_power",
+        "radiation_efficiency",
+        "radiation_impedance",
+        "radiation_modes",
+    ),
+    "acoustics.rooms.pressure_maps": ("PressureMap", "pressure_map"),
+    "acoustics.meshed.cavity_mesh": ("CavityMesh", "box_mesh"),
+    "acoustics.meshed.meshed_room": ("ShapedRoom",),
+    "acoustics.open_air.sphere": ("Sphere", "sphere_pressures"),
+    "acoustics.meshed.walls": ("Wall", "YieldingWall", "absorbing"),
+    "acoustics.levels.bands": ("octave_bands", "third_octave_bands"),
+    "acoustics.levels.sound_levels": (
         "Levels",
         "equivalent_levels",
         "level_history",
@@ -100,8 +115,8 @@ _FETCHED = {
         "response_levels",
         "sound_levels",
     ),
-    "acoustics.rated": ("RatedRoom", "rate_room"),
-    "acoustics.ratings": (
+    "acoustics.levels.rated": ("RatedRoom", "rate_room"),
+    "acoustics.levels.iso": (
         "HeavyImpactRating",
         "ImpactRating",
         "energy_average",
@@ -111,8 +126,8 @@ _FETCHED = {
         "standardised_maximum_level",
         "weighted_impact_level",
     ),
-    "acoustics.sound_energy": ("SoundEnergy", "radiated_energy"),
-    "acoustics.weighting": ("frequency_weighting", "time_weighted", "weighted"),
+    "acoustics.open_air.sound_energy": ("SoundEnergy", "radiated_energy"),
+    "acoustics.levels.weighting": ("frequency_weighting", "time_weighted", "weighted"),
 }
 
 __all__ = [

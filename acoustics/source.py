@@ -10,7 +10,7 @@ import numpy as np
 
 from acoustics.arrays import Floats, freeze, frozen, positive
 from acoustics.errors import AcousticsError
-from acoustics.room import Room, inside
+from acoustics.rooms.box import Room, inside
 
 
 @dataclass(frozen=True, eq=False)

@@ -111,9 +111,9 @@ if TYPE_CHECKING:
     from femstruct.study.study import Spot as Spot
     from femstruct.study.study import Study as Study
     from femstruct.study.study import TimePlan as TimePlan
-    from femstruct.workflow.identify import Identification as Identification
-    from femstruct.workflow.identify import identify as identify
-    from femstruct.workflow.run import run_study as run_study
+    from femstruct.workflow.identify.identify import Identification as Identification
+    from femstruct.workflow.identify.identify import identify as identify
+    from femstruct.workflow.run.run import run_study as run_study
 
 _NAMES = {
     "assembly.assemble": ("assemble",),
@@ -179,8 +179,8 @@ _NAMES = {
         "Study",
         "TimePlan",
     ),
-    "workflow.identify": ("Identification", "identify"),
-    "workflow.run": ("run_study",),
+    "workflow.identify.identify": ("Identification", "identify"),
+    "workflow.run.run": ("run_study",),
 }
 _HOMES = {name: f"femstruct.{module}" for module, names in _NAMES.items() for name in names}
 __all__ = sorted(_HOMES)

@@ -100,7 +100,7 @@ def run(
     pictures and tables."""
     from femstruct.files.atomic import refuse_unwritable
     from femstruct.files.tables import summary
-    from femstruct.workflow.output import write_all
+    from femstruct.workflow.run.output import write_all
 
     folder = output or Path("results") / study.name.removesuffix(".yaml").removesuffix(".study")
     refuse_unwritable(folder)
@@ -168,7 +168,7 @@ def check(
     verbose: Verbose = False,
 ) -> int:
     """Read a file and say what it means. Geometry, masses, sags, degrees of freedom, rigid modes, findings."""
-    from femstruct.workflow.inspect import inspect_file
+    from femstruct.workflow.check.inspect import inspect_file
 
     with progress() as tell:
         inspection = inspect_file(file, tuple(set_), tell)
@@ -197,7 +197,7 @@ def modes(
     verbose: Verbose = False,
 ) -> int:
     """Natural frequencies, damping ratios and kinds of modes. All modes of the mesh are found, which is proved."""
-    from femstruct.workflow.asked_modes import extent_of, modes_of
+    from femstruct.workflow.check.asked_modes import extent_of, modes_of
 
     with progress() as tell:
         tell("modes")
@@ -225,7 +225,7 @@ def frf(
     verbose: Verbose = False,
 ) -> int:
     """One frequency response of a model."""
-    from femstruct.workflow.asked_response import frf_of
+    from femstruct.workflow.check.asked_response import frf_of
 
     with progress() as tell:
         tell("modes and frequency response")
@@ -255,7 +255,7 @@ def identify(
     verbose: Verbose = False,
 ) -> int:
     """Find numbers of a study from a measured history. With their confidence intervals."""
-    from femstruct.workflow.identify import identify as identified
+    from femstruct.workflow.identify.identify import identify as identified
 
     if picture is not None:
         from femstruct.view.fitted import refuse_picture

@@ -31,8 +31,8 @@ def stages(study: Path, case: str, sets: list[str], as_json: bool, verbose: bool
 def solved(study: Path, sets: list[str], case: str, with_rooms: bool = True) -> tuple[Plan, StudyResult]:
     """A study as it was read, and its result."""
     from femstruct.language import read_study
-    from femstruct.workflow.positions import positioned
-    from femstruct.workflow.run import run_study, without_rooms
+    from femstruct.workflow.run.run import run_study, without_rooms
+    from femstruct.workflow.stages.positions import positioned
 
     plan = read_study(study, tuple(sets), only=case or None)
     if not with_rooms:
@@ -46,8 +46,8 @@ def watched(study: Path, sets: list[str], case: str, folder: Path, as_json: bool
     from femstruct.exits import tell
     from femstruct.files.tables import summary
     from femstruct.view.terminal import show_study
-    from femstruct.workflow.output import write_all
-    from femstruct.workflow.watch import rounds
+    from femstruct.workflow.run.output import write_all
+    from femstruct.workflow.run.watch import rounds
 
     code, last = GOOD, None
     try:

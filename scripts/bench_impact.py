@@ -33,8 +33,8 @@ from femstruct.impact.system import compile_scene
 from femstruct.language import read_study
 from femstruct.modal.analytic import given_modes
 from femstruct.modal.basis import ModalBasis
-from femstruct.workflow.bases import damped, solve_all
-from femstruct.workflow.staging import scene as staged
+from femstruct.workflow.stages.bases import damped, solve_all
+from femstruct.workflow.stages.staging import scene as staged
 
 FLOOR = Path(__file__).parents[1] / "models" / "floor_tennis_ball.study.yaml"
 TOLERANCE = 1e-5  # of the Hertz ball: its error is 1e-9, that of RK45 2e-5

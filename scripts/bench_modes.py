@@ -22,7 +22,7 @@ from scipy.sparse.linalg import eigsh
 from femstruct.arrays import Floats
 from femstruct.elements import plate
 from femstruct.modal.solve import modes
-from femstruct.modal.solvers import SOLVERS
+from femstruct.sparse.solvers import SOLVERS
 
 COUNT = 20
 

@@ -18,8 +18,8 @@ import time
 import numpy as np
 
 from acoustics import Air, Receiver, Room, SurfaceVelocity, losses_from_beta, losses_from_t60, pressure
-from acoustics.cavity import cosines, horizontal_wavenumber, project, transfer, vertical_wavenumber
-from acoustics.extension import extended
+from acoustics.rooms.box_transfer import cosines, horizontal_wavenumber, project, transfer, vertical_wavenumber
+from acoustics.rooms.continuation import extended
 
 ORDERS, WINDOW, RATE, FEW_LINES = 12, 10.0, 48e3, 20_000
 BLOCK = 1 << 15  # complex numbers handled at once, as the package does

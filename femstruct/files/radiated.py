@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from math import isfinite
 from typing import TYPE_CHECKING, Any
 
-from acoustics.directivity import Directivity
-from acoustics.sound_energy import REFERENCE_J
+from acoustics.open_air.directivity import Directivity
+from acoustics.open_air.sound_energy import REFERENCE_J
 from femstruct.files.hdf5 import axis, group, put
 from femstruct.files.numbers import label, number
 from femstruct.sound.power import PowerResponse, Radiated

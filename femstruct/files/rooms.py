@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Final
 
-from acoustics.field import HalfSpace
-from acoustics.grids import mode_shapes, room_grid
+from acoustics.open_air.half_space import HalfSpace
+from acoustics.rooms.receiver_grids import mode_shapes, room_grid
 from femstruct.files.atomic import replacing
 from femstruct.study.study import RoomPlan
 

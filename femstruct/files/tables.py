@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-from acoustics.levels import Levels
-from acoustics.rated import RatedRoom
+from acoustics.levels.rated import RatedRoom
+from acoustics.levels.sound_levels import Levels
 from femstruct.files.arrays import array_tables
 from femstruct.files.finding_tables import finding_table, study_findings_table
 from femstruct.files.machine import machine_table, verdict_tables

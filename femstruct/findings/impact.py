@@ -127,7 +127,7 @@ IMPACT: Final = (
                 "half sine between two samples",
                 "impact.judgement.SAMPLES_PER_CONTACT",
             ),
-            Limit(0.05, "% of the peak", "more is visible", CHOSEN, "checks.PEAK_MISSED", forbids=True),
+            Limit(0.05, "% of the peak", "more is visible", CHOSEN, "impacts.PEAK_MISSED", forbids=True),
         ),
         forbids="the study records the force and its largest sample is 5 % below the peak",
     ),
@@ -137,7 +137,7 @@ IMPACT: Final = (
         LIMITS,
         "more than the threshold share of the energy of the force spectrum lies above the last mode",
         "Ask for more modes. Accelerations above the last mode are too low.",
-        (Limit(0.01, "% of the force spectrum", "a small part of what is excited", CHOSEN, "checks.CONTENT"),),
+        (Limit(0.01, "% of the force spectrum", "a small part of what is excited", CHOSEN, "impacts.CONTENT"),),
     ),
     Entry(
         "blow-before-rest",
@@ -167,7 +167,7 @@ IMPACT: Final = (
         LIMITS,
         "more than the threshold share of the impulse lies before t = 0 or after the end",
         "Shift the times of the load, or simulate longer.",
-        (Limit(0.01, "% of the impulse", "less is rounding of a measured record", CHOSEN, "checks.CUT"),),
+        (Limit(0.01, "% of the impulse", "less is rounding of a measured record", CHOSEN, "impacts.CUT"),),
         forbids="99 % of the load lies outside",
     ),
     Entry(
@@ -182,7 +182,7 @@ IMPACT: Final = (
                 "samples a load",
                 "the peak of a half sine is then missed by 1 %",
                 "half sine between two samples",
-                "study_findings.SAMPLES_OF_A_LOAD",
+                "studies.SAMPLES_OF_A_LOAD",
             ),
         ),
     ),
@@ -192,7 +192,7 @@ IMPACT: Final = (
         LIMITS,
         "a body falls from more than the threshold",
         "Check the unit, which may be mm. Air drag is not modelled.",
-        (Limit(10.0, "m", "contact laws are measured at some m/s", CHOSEN, "structure_findings.HIGH_DROP"),),
+        (Limit(10.0, "m", "contact laws are measured at some m/s", CHOSEN, "judgement.structures.HIGH_DROP"),),
     ),
     Entry(
         "fast-body",
@@ -200,7 +200,7 @@ IMPACT: Final = (
         LIMITS,
         "a body is faster than the threshold at the start",
         "Check the unit, which may be mm/s.",
-        (Limit(50.0, "m/s", "contact laws are measured at some m/s", CHOSEN, "structure_findings.FAST"),),
+        (Limit(50.0, "m/s", "contact laws are measured at some m/s", CHOSEN, "judgement.structures.FAST"),),
     ),
     Entry(
         "failed",

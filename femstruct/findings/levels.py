@@ -75,7 +75,7 @@ LEVELS: Final = (
                 "dB of decay between blows",
                 "levels are then right to 0.1 dB",
                 "tests/end_to_end/test_tapping_timing.py",
-                "workflow.rated.FALLEN_DB",
+                "rated_rooms.FALLEN_DB",
             ),
         ),
     ),
@@ -91,7 +91,7 @@ LEVELS: Final = (
                 "dB below the steady level",
                 "less than the digits of a rating",
                 CHOSEN,
-                "workflow.rated.BUILT_UP_DB",
+                "rated_rooms.BUILT_UP_DB",
             ),
         ),
     ),
@@ -132,9 +132,13 @@ LEVELS: Final = (
         "two neighbouring hammers are further from the standard spacing than allowed",
         "Use five positions for each position of the machine.",
         (
-            Limit(0.1, "m apart", "the spacing of the standard", "ISO 10140-5 annex E", "checks.HAMMERS_APART"),
+            Limit(0.1, "m apart", "the spacing of the standard", "ISO 10140-5 annex E", "impacts.HAMMERS_APART"),
             Limit(
-                0.003, "m of tolerance", "the tolerance of the standard", "ISO 10140-5 annex E", "checks.HAMMERS_WITHIN"
+                0.003,
+                "m of tolerance",
+                "the tolerance of the standard",
+                "ISO 10140-5 annex E",
+                "impacts.HAMMERS_WITHIN",
             ),
         ),
     ),

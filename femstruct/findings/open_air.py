@@ -21,7 +21,7 @@ OPEN_AIR: Final = (
                 "points a wavelength in air",
                 "each point is then small beside the wave",
                 CHOSEN,
-                "field.POINTS_PER_WAVE",
+                "half_space.POINTS_PER_WAVE",
             ),
         ),
     ),
@@ -31,7 +31,7 @@ OPEN_AIR: Final = (
         LIMITS,
         "a receiver is nearer than some point distances",
         "Place the receiver further away, or use a finer mesh.",
-        (Limit(2.0, "point distances", "Rayleigh's integral is a sum", CHOSEN, "field.NEAR"),),
+        (Limit(2.0, "point distances", "Rayleigh's integral is a sum", CHOSEN, "half_space.NEAR"),),
     ),
     Entry(
         "power-beyond-modes",
@@ -128,7 +128,11 @@ OPEN_AIR: Final = (
         (
             Limit(1e-3, "% of the energy of the acceleration", "less is not audible", CHOSEN, "sphere.UNSAMPLED"),
             Limit(
-                0.8, "of half the sampling frequency, from there on", "spectra are faded out", CHOSEN, "extension.FADE"
+                0.8,
+                "of half the sampling frequency, from there on",
+                "spectra are faded out",
+                CHOSEN,
+                "continuation.FADE",
             ),
         ),
     ),

@@ -63,7 +63,7 @@ ROOMS: Final = (
         LIMITS,
         "the room modes that are coupled end below the frequency asked for",
         "Ask for a lower frequency, or read the highest bands as those of one-way coupling.",
-        (Limit(300.0, "coupled room modes at most", "each costs as much as a mode", CHOSEN, "coupled.MOST"),),
+        (Limit(300.0, "coupled room modes at most", "each costs as much as a mode", CHOSEN, "box_two_way.MOST"),),
     ),
     Entry(
         "two-way-absorption",
@@ -77,7 +77,7 @@ ROOMS: Final = (
                 "of the distance of two frequencies, and of a loss factor",
                 "modes are then not damped one by one",
                 CHOSEN,
-                "absorption.COUPLED",
+                "absorbing_walls.COUPLED",
             ),
         ),
     ),
@@ -93,7 +93,7 @@ ROOMS: Final = (
                 "of the distance of two frequencies",
                 "complex modes would be needed",
                 CHOSEN,
-                "absorption.COUPLED",
+                "absorbing_walls.COUPLED",
             ),
         ),
     ),
@@ -103,7 +103,7 @@ ROOMS: Final = (
         LIMITS,
         "a body ends at rest and the air adds more than the threshold to the static stiffness",
         "Give the room a 'leak', or do not quote the position at rest.",
-        (Limit(0.05, "% of the weight", "less does not change a sag visibly", CHOSEN, "workflow.air.CARRIED"),),
+        (Limit(0.05, "% of the weight", "less does not change a sag visibly", CHOSEN, "stages.air.CARRIED"),),
     ),
     Entry(
         "room-modes-missing",
@@ -124,7 +124,7 @@ ROOMS: Final = (
                 "cells a wavelength, second order",
                 "frequencies are right to 0.1 %",
                 "measured, 0.08 % along the cells",
-                "fem.CELLS_PER_WAVE",
+                "finite_elements.CELLS_PER_WAVE",
             ),
         ),
     ),
@@ -140,7 +140,7 @@ ROOMS: Final = (
                 "samples a period",
                 "third octaves are right to 0.05 dB",
                 "measured with a bang machine and two rubber balls, tests/analytic/test_acoustics_sampling.py",
-                "acoustics.judgement.SAMPLES_PER_PERIOD",
+                "acoustics.rooms.room_advice.SAMPLES_PER_PERIOD",
             ),
         ),
     ),
@@ -150,7 +150,7 @@ ROOMS: Final = (
         LIMITS,
         "the velocity at t = 0 is more than the threshold share of its peak",
         "Start from rest, or start the blow a little later.",
-        (Limit(1e-3, "of the peak velocity", "60 dB below the peak", CHOSEN, "acoustics.judgement.DECAYED"),),
+        (Limit(1e-3, "of the peak velocity", "60 dB below the peak", CHOSEN, "acoustics.rooms.room_advice.DECAYED"),),
     ),
     Entry(
         "surface-not-decayed",
@@ -158,7 +158,7 @@ ROOMS: Final = (
         LIMITS,
         "the velocity in the last 5 % of the record is more than the threshold share of its peak",
         "Simulate longer. Largest Fast levels of a single blow are hardly affected.",
-        (Limit(1e-3, "of the peak velocity", "60 dB below the peak", CHOSEN, "acoustics.judgement.DECAYED"),),
+        (Limit(1e-3, "of the peak velocity", "60 dB below the peak", CHOSEN, "acoustics.rooms.room_advice.DECAYED"),),
     ),
     Entry(
         "ceiling-points-coarse",
@@ -166,7 +166,7 @@ ROOMS: Final = (
         LIMITS,
         "the quadrature error of the highest cosine is more than the threshold",
         "Use a finer mesh of the slab.",
-        (Limit(0.05, "quadrature error", "0.4 dB of that cosine", "20 lg 1.05", "acoustics.judgement.COARSE"),),
+        (Limit(0.05, "quadrature error", "0.4 dB of that cosine", "20 lg 1.05", "acoustics.rooms.room_advice.COARSE"),),
     ),
     Entry(
         "orders-truncated",
@@ -174,7 +174,11 @@ ROOMS: Final = (
         LIMITS,
         "the last block of cosines adds more than the threshold share of the rms pressure",
         "Place the receiver further from the ceiling. In Python, give 'pressure' more orders.",
-        (Limit(1e-3, "of the rms pressure", "less than 0.01 dB", "20 lg 1.001", "acoustics.judgement.TRUNCATED"),),
+        (
+            Limit(
+                1e-3, "of the rms pressure", "less than 0.01 dB", "20 lg 1.001", "acoustics.rooms.room_advice.TRUNCATED"
+            ),
+        ),
     ),
     Entry(
         "non-causal-losses",
@@ -195,7 +199,7 @@ ROOMS: Final = (
                 "% of a reverberation time",
                 "0.4 dB of a standardised level",
                 "10 lg 1.1",
-                "acoustics.judgement.T60_MISSED",
+                "acoustics.rooms.room_advice.T60_MISSED",
             ),
         ),
     ),

@@ -5,12 +5,13 @@ from __future__ import annotations
 import numpy as np
 
 from acoustics.air import Air
-from acoustics.coupled import Leak
-from acoustics.coupled_fem import HELD
 from acoustics.errors import AcousticsError
-from acoustics.fem import probe
-from acoustics.field import HalfSpace
-from acoustics.room import (
+from acoustics.meshed.finite_elements import probe
+from acoustics.meshed.meshed_room import ShapedRoom, cut_box
+from acoustics.meshed.meshed_two_way import HELD
+from acoustics.meshed.walls import AnyWall, Wall, YieldingWall, absorbing
+from acoustics.open_air.half_space import HalfSpace
+from acoustics.rooms.box import (
     Losses,
     Receiver,
     Room,
@@ -19,8 +20,7 @@ from acoustics.room import (
     losses_from_t60,
     losses_from_t60_bands,
 )
-from acoustics.shaped import ShapedRoom, cut_box
-from acoustics.walls import AnyWall, Wall, YieldingWall, absorbing
+from acoustics.rooms.box_two_way import Leak
 from femstruct.language.build import Builder
 from femstruct.language.meshes import read_mesh
 from femstruct.language.opening import beside

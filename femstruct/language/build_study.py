@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Literal
 
-from acoustics.shaped import ShapedRoom
+from acoustics.meshed.meshed_room import ShapedRoom
 from femstruct.impact.bodies import HalfSine, Table
 from femstruct.impact.walking import Walk, design_harmonics
 from femstruct.language.build import Builder

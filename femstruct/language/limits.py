@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from acoustics.methods import FIELD, RATING
+from acoustics.levels.methods import FIELD, RATING
 from femstruct.language.checker import Checker
 from femstruct.language.reader import Steps, nearest
 from femstruct.language.schema_study import QUANTITIES, StudySpec

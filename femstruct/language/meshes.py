@@ -13,7 +13,7 @@ import numpy as np
 
 from acoustics.arrays import Integers
 from acoustics.errors import AcousticsError
-from acoustics.meshes import CavityMesh
+from acoustics.meshed.cavity_mesh import CavityMesh
 from femstruct.errors import InputError
 from femstruct.language.opening import content
 from femstruct.language.reader import Mistakes, Position

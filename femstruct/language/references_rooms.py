@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from acoustics.errors import AcousticsError
-from acoustics.methods import method_of, refuse_source
+from acoustics.levels.methods import method_of, refuse_source
 from femstruct.impact.sources import BETWEEN_BLOWS, HAMMERS, TAPPING_MACHINE
 from femstruct.language.checker import Checker
 from femstruct.language.reader import Steps, nearest

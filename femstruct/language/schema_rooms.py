@@ -6,8 +6,8 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import BeforeValidator, Field, model_validator
 
-from acoustics.methods import STANDARDS
-from acoustics.walls import MOST_ABSORBED
+from acoustics.levels.methods import STANDARDS
+from acoustics.meshed.walls import MOST_ABSORBED
 from femstruct.language.schema_model import coordinates
 from femstruct.language.spec import (
     Duration,

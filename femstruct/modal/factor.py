@@ -10,8 +10,8 @@ from scipy.sparse import csc_array
 
 from femstruct.arrays import Floats
 from femstruct.errors import SingularSystem
-from femstruct.modal.patterns import Pattern, Values, aligned
-from femstruct.modal.solvers import FASTEST, SOLVERS, Analysis, Factored, ZeroPivot
+from femstruct.sparse.patterns import Pattern, Values, aligned
+from femstruct.sparse.solvers import FASTEST, SOLVERS, Analysis, Factored, ZeroPivot
 
 # Reciprocal condition (rows and columns scaled by the diagonal) under which a matrix is looked at for a null vector.
 # Sound structures reach about 1e-11 on meshes of 200 x 200; the look itself does not refuse anything.

@@ -15,9 +15,9 @@ from femstruct.errors import InputError, NotConverged
 from femstruct.modal.basis import ForceRow, ModalBasis
 from femstruct.modal.damping import Damping, FromMaterials, LossFactor, Rayleigh
 from femstruct.modal.outputs import AXES
-from femstruct.modal.patterns import aligned
-from femstruct.modal.solvers import FASTEST, SOLVERS, Factored, ZeroPivot
 from femstruct.model.probe import Probe
+from femstruct.sparse.patterns import aligned
+from femstruct.sparse.solvers import FASTEST, SOLVERS, Factored, ZeroPivot
 
 Complex = NDArray[np.complex128]
 FrfKind = Literal["receptance", "mobility", "accelerance", "transmissibility"]

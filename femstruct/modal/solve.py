@@ -14,7 +14,7 @@ from femstruct.arrays import Floats
 from femstruct.errors import FemstructError, InputError, NotConverged
 from femstruct.modal.factor import Factor, Pencil, factorise, relative_energy
 from femstruct.modal.krylov import Krylov, converge
-from femstruct.modal.solvers import FASTEST
+from femstruct.sparse.solvers import FASTEST
 
 MOST_MODES = 3000  # they take minutes, and gigabytes in anything that rings for a while
 _DENSE = 300  # degrees of freedom up to which full matrices cost less than the set-up of Lanczos
@@ -61,7 +61,7 @@ def modes(
     """Undamped, mass-normalised modes, up to a frequency [Hz] or a number of them; none is skipped.
 
     K, M [n, n] : sparse, symmetric, positive semi-definite; K may have any number of rigid modes and mechanisms.
-    labels [n] : names of the degrees of freedom, for messages. solver : one of `femstruct.modal.solvers.SOLVERS`.
+    labels [n] : names of the degrees of freedom, for messages. solver : one of `femstruct.sparse.solvers.SOLVERS`.
 
     Raises SingularSystem when K and M share a null vector, NotConverged when the inertia count and the modes
     found do not agree after several attempts.

@@ -11,10 +11,10 @@ from femstruct.conventions import DIRECTIONS, N_COMPONENTS, TWIST
 from femstruct.errors import InputError, some_of
 from femstruct.model.anchors import listed, places_of, point_rows
 from femstruct.model.fastened import Elastic, Tie
+from femstruct.model.grid.touching import stretch_inside
 from femstruct.model.model import Model
 from femstruct.model.rows import node_rows
 from femstruct.model.structure import Joint, Support
-from femstruct.model.touching import stretch_inside
 
 _TRANSLATIONS = 3
 _SIX = 6

@@ -10,10 +10,10 @@ from femstruct.arrays import Floats
 from femstruct.errors import InputError, some_of
 from femstruct.model.constraints import joint, support
 from femstruct.model.fastened import Elastic, Inert, Tie
+from femstruct.model.grid.planning import planned
 from femstruct.model.mesh import Mesh
 from femstruct.model.model import Model
 from femstruct.model.part import Meshed, Part
-from femstruct.model.planning import planned
 from femstruct.model.probe import Point
 from femstruct.model.structure import Joint, PlaceOn, Structure, Support, SurfaceOn
 

@@ -4,7 +4,7 @@ A `Part` is described, a `Meshed` part has nodes. Whoever adds a kind overrides 
 The way of a part, in order::
 
     corners, body              how large it is, what it fills                  before there is a mesh
-    lay_out, needs             grid lines of its own, nodes it needs of others  femstruct.model.layout
+    lay_out, needs             grid lines of its own, nodes it needs of others  femstruct.model.grid.layout
     meshed -> Meshed           its nodes, and what they can do
     fastened -> Elastic, Inert  springs and masses on the nodes of others      once all parts are meshed
 """
@@ -24,7 +24,7 @@ from femstruct.model.fastened import Elastic, Inert
 from femstruct.model.probe import Point, Surface
 
 if TYPE_CHECKING:
-    from femstruct.model.layout import Grids, Layout
+    from femstruct.model.grid.layout import Grids, Layout
     from femstruct.model.model import Model
     from femstruct.model.structure import PlaceOn, Support, SurfaceOn
 

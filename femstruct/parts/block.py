@@ -11,7 +11,7 @@ from scipy.sparse import csr_array
 from femstruct.arrays import Floats, Integers
 from femstruct.conventions import N_COMPONENTS
 from femstruct.errors import InputError
-from femstruct.model.layout import Grids, Layout
+from femstruct.model.grid.layout import Grids, Layout
 from femstruct.model.part import Body, Drawn, Meshed, OwnDofs, Part, refuse_patch, six_at_nodes
 from femstruct.model.probe import Point
 from femstruct.model.region import Vector

@@ -12,13 +12,13 @@ from scipy.sparse import csr_array
 from femstruct.arrays import Floats
 from femstruct.errors import InputError
 from femstruct.model.fastened import Elastic
-from femstruct.model.geometry import to_rectangle
-from femstruct.model.layers import Layer, layer_of
-from femstruct.model.layout import Layout
+from femstruct.model.grid.geometry import to_rectangle
+from femstruct.model.grid.layers import Layer, layer_of
+from femstruct.model.grid.layout import Layout
+from femstruct.model.grid.regions import grid_points
 from femstruct.model.model import Model
 from femstruct.model.part import Meshed, Part
 from femstruct.model.region import Region
-from femstruct.model.regions import grid_points
 from femstruct.model.rows import sparse_rows
 from femstruct.model.structure import bodies_of
 from femstruct.parts.plate import PlateMesh

@@ -17,15 +17,15 @@ from femstruct.elements import frame, placement
 from femstruct.elements.frame import nodes_per_bar
 from femstruct.elements.placement import directions
 from femstruct.errors import InputError
-from femstruct.model.geometry import distance_to_segments
-from femstruct.model.layout import Grids, Layout
+from femstruct.model.grid.geometry import distance_to_segments
+from femstruct.model.grid.layout import Grids, Layout
+from femstruct.model.grid.scatter import scattered
 from femstruct.model.material import Material
 from femstruct.model.model import Model
 from femstruct.model.part import Drawn, Meshed, OwnDofs, Part, refuse_patch, six_at_nodes
 from femstruct.model.probe import Point
 from femstruct.model.region import Vector
 from femstruct.model.rows import flat_rows, sparse_rows
-from femstruct.model.scatter import scattered
 from femstruct.model.section import Section
 from femstruct.model.structure import PlaceOn
 from femstruct.parts.frame_lines import frame_segments

@@ -9,7 +9,7 @@ import numpy as np
 
 from femstruct.arrays import Floats
 from femstruct.errors import InputError
-from femstruct.model.layout import Segment
+from femstruct.model.grid.layout import Segment
 from femstruct.model.region import Vector
 
 

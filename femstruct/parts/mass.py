@@ -12,11 +12,11 @@ from femstruct.elements.quadrature import gauss_interval
 from femstruct.errors import InputError, some_of
 from femstruct.model.anchors import places_of, point_rows
 from femstruct.model.fastened import Inert
-from femstruct.model.layout import Layout
+from femstruct.model.grid.layout import Layout
+from femstruct.model.grid.regions import grid_points, region_box
 from femstruct.model.model import Model
 from femstruct.model.part import Part
 from femstruct.model.region import Region
-from femstruct.model.regions import grid_points, region_box
 from femstruct.model.rows import sparse_rows
 from femstruct.parts.frame import FrameMesh
 from femstruct.parts.plate import PlateMesh

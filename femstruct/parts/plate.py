@@ -12,16 +12,16 @@ from femstruct.arrays import Floats, Integers, freeze, frozen
 from femstruct.conventions import N_COMPONENTS, TWIST
 from femstruct.elements import plate
 from femstruct.errors import InputError
-from femstruct.model.geometry import distance_to_rectangle, from_rectangle, rectangle_axes, to_rectangle
-from femstruct.model.layout import Grids, Layout
+from femstruct.model.grid.geometry import distance_to_rectangle, from_rectangle, rectangle_axes, to_rectangle
+from femstruct.model.grid.layout import Grids, Layout
+from femstruct.model.grid.regions import area_points, region_box
+from femstruct.model.grid.scatter import scattered
 from femstruct.model.material import Material
 from femstruct.model.model import Model
 from femstruct.model.part import Body, Drawn, Meshed, OwnDofs, Part
 from femstruct.model.probe import Point, Surface
 from femstruct.model.region import Pair, Region, Side, Vector
-from femstruct.model.regions import area_points, region_box
 from femstruct.model.rows import carried, flat_rows, sparse_rows
-from femstruct.model.scatter import scattered
 from femstruct.model.structure import PlaceOn, Support, SurfaceOn
 from femstruct.parts.patches import patch_points
 

@@ -7,8 +7,8 @@ from typing import Final
 import numpy as np
 
 from acoustics.errors import Advice
-from acoustics.field import HalfSpace
-from acoustics.sphere import Sphere
+from acoustics.open_air.half_space import HalfSpace
+from acoustics.open_air.sphere import Sphere
 from femstruct.arrays import Floats
 from femstruct.impact.bodies import Body
 from femstruct.impact.response import Response

@@ -8,11 +8,11 @@ from typing import Final
 
 import numpy as np
 
-from acoustics.directivity import Directivity, radiation_pattern
 from acoustics.errors import Advice
-from acoustics.field import POINTS_PER_WAVE, HalfSpace
-from acoustics.radiation import plane_wave_power, radiated_power
-from acoustics.sound_energy import TOLD, SoundEnergy, at_rest, ended_energy, loudest, radiated_energy
+from acoustics.open_air.directivity import Directivity, radiation_pattern
+from acoustics.open_air.half_space import POINTS_PER_WAVE, HalfSpace
+from acoustics.open_air.radiated_power import plane_wave_power, radiated_power
+from acoustics.open_air.sound_energy import TOLD, SoundEnergy, at_rest, ended_energy, loudest, radiated_energy
 from femstruct.arrays import Floats
 from femstruct.errors import Finding
 from femstruct.impact.response import Response

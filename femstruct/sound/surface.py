@@ -8,14 +8,14 @@ from math import inf
 import numpy as np
 
 from acoustics.arrays import Complexes
-from acoustics.cavity_pressure import cavity_pressures, harmonic_cavity_pressure
 from acoustics.errors import Advice
-from acoustics.fem import OFF_WALL, off_boundary
-from acoustics.field import HalfSpace, field_pressures, harmonic_field
-from acoustics.harmonic import harmonic_pressure
-from acoustics.pressure import RoomResponse, pressures
-from acoustics.room import Enclosed, Receiver, Room, air_stiffness_ratio
-from acoustics.shaped import ShapedRoom
+from acoustics.meshed.finite_elements import OFF_WALL, off_boundary
+from acoustics.meshed.meshed_pressure import cavity_pressures, harmonic_cavity_pressure
+from acoustics.meshed.meshed_room import ShapedRoom
+from acoustics.open_air.half_space import HalfSpace, field_pressures, harmonic_field
+from acoustics.rooms.box import Enclosed, Receiver, Room, air_stiffness_ratio
+from acoustics.rooms.box_harmonic import harmonic_pressure
+from acoustics.rooms.box_pressure import RoomResponse, pressures
 from acoustics.source import SurfaceVelocity
 from femstruct.arrays import Floats
 from femstruct.errors import Finding, InputError
@@ -154,7 +154,8 @@ def pressure_per_force(
 def pressure_spectrum(moving: SurfaceVelocity, room: AnyRoom, frequency_hz: Floats, places: Floats) -> Complexes:
     """Fourier transform [n, nf] [Pa/Hz] of the pressure at places [n, 3] of a room whose ceiling moves as recorded.
 
-    As of `acoustics.maps.pressure_map`: of the velocity's record times the transfer function at that frequency.
+    As of `acoustics.rooms.pressure_maps.pressure_map`: of the velocity's record times the transfer function at that
+    frequency.
 
     Raises AcousticsError: a place outside the room, a room without losses at a resonance.
     """

@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import block_diag, eigh
 
-from acoustics.coupled import CoupledAir, Leak, coupled_air
-from acoustics.coupled_fem import coupled_cavity
-from acoustics.room import Enclosed, Room
-from acoustics.shaped import ShapedRoom
-from acoustics.walls import YieldingWall
+from acoustics.meshed.meshed_room import ShapedRoom
+from acoustics.meshed.meshed_two_way import coupled_cavity
+from acoustics.meshed.walls import YieldingWall
+from acoustics.rooms.box import Enclosed, Room
+from acoustics.rooms.box_two_way import CoupledAir, Leak, coupled_air
 from femstruct.arrays import Floats
 from femstruct.errors import InputError
 from femstruct.modal.basis import ForceRow, Holder, Kind, ModalBasis
@@ -57,9 +57,9 @@ def with_cavity(
 
     Notes
     -----
-    K = diag(Omega^2, 0) + b_0^T b_0 + B^T B and M = 1 + the air's: see `acoustics.coupled`. The air's losses are those
-    of the room, the same that its pressure has. Frequencies are Rayleigh quotients of the energies, summed without
-    cancellation. A room without a leak takes away one rigid mode, if any of them displaces volume.
+    K = diag(Omega^2, 0) + b_0^T b_0 + B^T B and M = 1 + the air's: see `acoustics.rooms.box_two_way`. The air's losses
+    are those of the room, the same that its pressure has. Frequencies are Rayleigh quotients of the energies, summed
+    without cancellation. A room without a leak takes away one rigid mode, if any of them displaces volume.
 
     Damping couples the new modes. Where that makes less than 1e-3 of the structure's motion, and there is no leak and
     no resistance of a wall that yields, only the diagonal is kept, which costs less than a tenth in `simulate`; the

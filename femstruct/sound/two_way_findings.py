@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from acoustics.absorption import COUPLED, absorbed, coupling
-from acoustics.coupled import CoupledAir
-from acoustics.shaped import ShapedRoom
+from acoustics.meshed.absorbing_walls import COUPLED, absorbed, coupling
+from acoustics.meshed.meshed_room import ShapedRoom
+from acoustics.rooms.box_two_way import CoupledAir
 from femstruct.arrays import Floats
 from femstruct.errors import Finding
 from femstruct.modal.basis import ModalBasis

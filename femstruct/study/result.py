@@ -9,9 +9,9 @@ from typing import Final
 from numpy import complex128
 from numpy.typing import NDArray
 
-from acoustics.levels import Levels
-from acoustics.pressure import RoomResponse
-from acoustics.rated import RatedRoom
+from acoustics.levels.rated import RatedRoom
+from acoustics.levels.sound_levels import Levels
+from acoustics.rooms.box_pressure import RoomResponse
 from femstruct.arrays import Floats
 from femstruct.errors import Finding
 from femstruct.impact.estimate import ErrorEstimate
@@ -202,7 +202,7 @@ class StudyResult:
 
     models holds None for closed-form structures. findings : of the run as a whole. timings : CPU seconds by stage.
     provenance : versions, platform, date, command line. verdicts : by case, on the limits of the study. machine : by
-    case, where the study is about one (see `femstruct.workflow.machine`), else empty.
+    case, where the study is about one (see `femstruct.workflow.compare.machines`), else empty.
     """
 
     plan: Plan

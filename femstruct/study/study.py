@@ -15,10 +15,10 @@ from femstruct.model.region import Pair, Vector
 from femstruct.study.structures import StructureModel
 
 if TYPE_CHECKING:  # a model's modes need none of these
-    from acoustics.coupled import Leak
-    from acoustics.field import HalfSpace
-    from acoustics.room import Receiver, Room
-    from acoustics.shaped import ShapedRoom
+    from acoustics.meshed.meshed_room import ShapedRoom
+    from acoustics.open_air.half_space import HalfSpace
+    from acoustics.rooms.box import Receiver, Room
+    from acoustics.rooms.box_two_way import Leak
     from femstruct.impact.bodies import HalfSine, Table
     from femstruct.impact.laws.law import Law
     from femstruct.impact.walking import Walk
@@ -223,7 +223,7 @@ class RoomPlan:
     offset : of the surface's centre from the ceiling's centre [m], room axes.
     coupling : one-way, the air does not push back, or two-way. leak : of a room that pushes back.
     t60_asked : reverberation times that its losses were made from {frequency [Hz]: [s]}, empty for other losses.
-    levels : standards by which it is rated, of `acoustics.methods.STANDARDS`.
+    levels : standards by which it is rated, of `acoustics.levels.methods.STANDARDS`.
     animate : frequencies [Hz] of which a moving picture is made, None for the pulse.
     directivity : frequencies [Hz] at which the directivity of a half space is shown, the loudest if empty.
     """
@@ -247,7 +247,7 @@ class RoomPlan:
     @property
     def complete_below_hz(self) -> float:
         """Where the room's own modes end [Hz]; of a box or the half space there is no end."""
-        from acoustics.shaped import ShapedRoom
+        from acoustics.meshed.meshed_room import ShapedRoom
 
         return self.room.up_to_hz or self.room.carried_hz if isinstance(self.room, ShapedRoom) else inf
 

@@ -9,8 +9,8 @@ from typing import Any, Final
 import numpy as np
 from scipy.sparse import csr_array
 
-from acoustics.field import HalfSpace
-from acoustics.shaped import ShapedRoom
+from acoustics.meshed.meshed_room import ShapedRoom
+from acoustics.open_air.half_space import HalfSpace
 from femstruct.arrays import Floats
 from femstruct.conventions import N_COMPONENTS
 from femstruct.model.model import Model

@@ -9,9 +9,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 
-from acoustics.levels import level_history
-from acoustics.pressure import RoomResponse
-from acoustics.rated import RatedRoom
+from acoustics.levels.rated import RatedRoom
+from acoustics.levels.sound_levels import level_history
+from acoustics.rooms.box_pressure import RoomResponse
 from femstruct.study.result import StudyResult
 from femstruct.view.figures import TOTAL, case_colours, case_lines, finish, legend_above, new_figure, panels, thinned
 from femstruct.view.rated import struck_first, told

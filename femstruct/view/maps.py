@@ -10,10 +10,10 @@ import scipy
 from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 
-from acoustics.field import HalfSpace
-from acoustics.levels import REFERENCE_PA
-from acoustics.maps import PressureMap, pressure_map
-from acoustics.room import Receiver
+from acoustics.levels.sound_levels import REFERENCE_PA
+from acoustics.open_air.half_space import HalfSpace
+from acoustics.rooms.box import Receiver
+from acoustics.rooms.pressure_maps import PressureMap, pressure_map
 from femstruct.sound.surface import surface_velocity
 from femstruct.study.result import StudyResult
 from femstruct.view.figures import new_figure, panels

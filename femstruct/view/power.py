@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.projections.polar import PolarAxes
 from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
-from acoustics.directivity import Directivity
+from acoustics.open_air.directivity import Directivity
 from femstruct.study.result import StudyResult
 from femstruct.view.figures import COLOURS, case_colours, finish, legend_above, mode_lines, new_figure, panels
 from femstruct.view.rated import struck_first

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from math import isfinite
 
-from acoustics.methods import SingleNumber
-from acoustics.rated import RatedRoom
+from acoustics.levels.methods import SingleNumber
+from acoustics.levels.rated import RatedRoom
 from femstruct.study.result import CaseResult, StudyResult
 from femstruct.view.grid import Grid
 

@@ -9,11 +9,11 @@ from typing import Any, Final
 import numpy as np
 
 from acoustics.arrays import Complexes
-from acoustics.field import HalfSpace
-from acoustics.grids import RoomGrid, room_grid
-from acoustics.levels import REFERENCE_PA
-from acoustics.room import Receiver, Room
-from acoustics.shaped import ShapedRoom
+from acoustics.levels.sound_levels import REFERENCE_PA
+from acoustics.meshed.meshed_room import ShapedRoom
+from acoustics.open_air.half_space import HalfSpace
+from acoustics.rooms.box import Receiver, Room
+from acoustics.rooms.receiver_grids import RoomGrid, room_grid
 from acoustics.source import SurfaceVelocity
 from femstruct.arrays import Floats
 from femstruct.files.atomic import file_name, replacing

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
-from acoustics.levels import level_spectrum
+from acoustics.levels.sound_levels import level_spectrum
 from femstruct.arrays import Floats
 from femstruct.modal.basis import ModalBasis
 from femstruct.study.result import Frf, StudyResult

@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 from matplotlib.figure import Figure
 
-from acoustics.levels import REFERENCE_PA, level_spectrum
+from acoustics.levels.sound_levels import REFERENCE_PA, level_spectrum
 from femstruct.study.result import StudyResult
 from femstruct.view.figures import case_lines, finish, legend_above, mode_lines, new_figure, panels, thinned
 from femstruct.view.spectra import DYNAMIC_RANGE_DB, LOWEST_HZ, numbered, plain_ticks, shown_to

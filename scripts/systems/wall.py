@@ -10,7 +10,7 @@ import numpy as np
 from femstruct import GROUND, Body, Clock, Contact, Hertz, HuntCrossley, Linear, Scene, simulate
 from femstruct.impact.pulse import pulse_of
 from femstruct.modal.analytic import given_modes
-from femstruct.workflow.fit import Fit, fit
+from femstruct.workflow.identify.fit import Fit, fit
 
 NOISE = 0.01  # of the peak
 GRAVITY = 9.81  # [m/s^2]

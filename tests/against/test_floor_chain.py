@@ -18,13 +18,13 @@ from scipy.integrate import solve_ivp
 from scipy.interpolate import CubicHermiteSpline
 from scipy.signal import cont2discrete, lfilter
 
-from acoustics.ending import ended
-from acoustics.pressure import RoomResponse
-from acoustics.room import Receiver
+from acoustics.levels.ending import ended
+from acoustics.rooms.box import Receiver
+from acoustics.rooms.box_pressure import RoomResponse
 from femstruct.files.results import write_results
 from femstruct.language import read_study
 from femstruct.study.result import StudyResult
-from femstruct.workflow.run import run_study
+from femstruct.workflow.run.run import run_study
 
 Floats = NDArray[np.float64]
 STUDY = Path(__file__).parents[2] / "models" / "floor_tennis_ball.study.yaml"

@@ -25,8 +25,8 @@ from femstruct.language import read_study
 from femstruct.modal.analytic import beam, given_modes
 from femstruct.modal.basis import ModalBasis
 from femstruct.model.probe import Probe
-from femstruct.workflow.bases import damped, solve_all
-from femstruct.workflow.staging import scene
+from femstruct.workflow.stages.bases import damped, solve_all
+from femstruct.workflow.stages.staging import scene
 
 ACCURACY = 1e-6  # what is asked of a peak force
 MODELS = Path(__file__).parents[2] / "models"

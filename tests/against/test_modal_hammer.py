@@ -13,7 +13,7 @@ from femstruct.language.models import read_model
 from femstruct.modal.damping import Damping, FromMaterials, Ratio, with_damping
 from femstruct.modal.frf import direct_frf, frf
 from femstruct.modal.reduction import modal_basis
-from femstruct.workflow.run import run_study
+from femstruct.workflow.run.run import run_study
 
 MODELS = Path(__file__).parents[2] / "models"
 HAMMER = MODELS / "forging_hammer.yaml"

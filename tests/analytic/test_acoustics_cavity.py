@@ -16,12 +16,12 @@ from acoustics import (
     losses_from_t60,
     pressure,
 )
-from acoustics.absorption import absorbed
-from acoustics.cavity_pressure import cavity_pressure
-from acoustics.decay import reverberation_time
-from acoustics.fem import cavity_modes, drive, probe, wall_integrals
-from acoustics.meshes import CavityMesh, box_mesh
-from acoustics.walls import Wall, absorbing, random_incidence_absorption
+from acoustics.levels.decay import reverberation_time
+from acoustics.meshed.absorbing_walls import absorbed
+from acoustics.meshed.cavity_mesh import CavityMesh, box_mesh
+from acoustics.meshed.finite_elements import cavity_modes, drive, probe, wall_integrals
+from acoustics.meshed.meshed_pressure import cavity_pressure
+from acoustics.meshed.walls import Wall, absorbing, random_incidence_absorption
 
 FS = 48e3
 BOX = (0.58, 0.47, 0.1)

@@ -7,8 +7,8 @@ import pytest
 from scipy.special import j1, struve
 
 from acoustics import AcousticsError, Air, Receiver, SurfaceVelocity
-from acoustics.field import HalfSpace, field_pressures, harmonic_field
-from acoustics.radiation import radiated_power, radiation_efficiency, radiation_impedance, radiation_modes
+from acoustics.open_air.half_space import HalfSpace, field_pressures, harmonic_field
+from acoustics.open_air.radiated_power import radiated_power, radiation_efficiency, radiation_impedance, radiation_modes
 
 AIR = Air(343.0, 1.21)
 RADIUS = 0.1

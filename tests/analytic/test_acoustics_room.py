@@ -20,9 +20,9 @@ from acoustics import (
     pressure_map,
     room_modes,
 )
-from acoustics.cavity import cosines, horizontal_wavenumber, overlaps, transfer
-from acoustics.levels import sound_levels
-from acoustics.pressure import pressures
+from acoustics.levels.sound_levels import sound_levels
+from acoustics.rooms.box_pressure import pressures
+from acoustics.rooms.box_transfer import cosines, horizontal_wavenumber, overlaps, transfer
 
 SIZE = [0.58, 0.47, 0.1]
 AIR = Air(c=340, rho=1.29)
@@ -251,7 +251,7 @@ def test_waves_that_have_decayed_on_the_way_are_left_out(kind, monkeypatch):
         transfers.append(len(s) * len(k_lm))
         return transfer(room, s, k_lm, z)
 
-    stage = sys.modules["acoustics.pressure"]  # of which the package shows the function
+    stage = sys.modules["acoustics.rooms.box_pressure"]
     monkeypatch.setattr(stage, "transfer", counted)
     monkeypatch.setattr(stage, "_TILE", 64)
     found = pressure(moving, room, here, orders=24).p

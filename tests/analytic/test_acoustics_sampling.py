@@ -5,16 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from acoustics import (
-    AcousticsError,
-    Receiver,
-    Room,
-    SurfaceVelocity,
-    losses_from_t60,
-    pressure,
-    sound_levels,
-)
-from acoustics.pressure import pressures
+from acoustics import AcousticsError, Receiver, Room, SurfaceVelocity, losses_from_t60, pressure, sound_levels
+from acoustics.rooms.box_pressure import pressures
 
 ROOM = Room([3.0, 2.0, 2.5], losses=losses_from_t60(0.4))
 HERE = [Receiver("mic", [0.8, 0.7, 1.2])]

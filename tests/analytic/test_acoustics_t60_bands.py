@@ -17,7 +17,7 @@ from acoustics import (
     room_modes,
     t60_of,
 )
-from acoustics.judgement import t60_missed
+from acoustics.rooms.room_advice import t60_missed
 
 LN = 3 * np.log(10)
 BANDS = np.array([63.0, 125.0, 250.0, 500.0])

@@ -11,7 +11,7 @@ from scipy.signal import lfilter
 
 from femstruct.impact.sources import RUBBER_BALL
 from femstruct.language import read_study
-from femstruct.workflow.run import run_study
+from femstruct.workflow.run.run import run_study
 
 MODELS = Path(__file__).parents[2] / "models"
 C, RHO = 343.0, 1.21  # of air

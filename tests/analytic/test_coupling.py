@@ -18,12 +18,12 @@ from scipy.optimize import brentq
 from scipy.sparse import csr_array
 
 from acoustics.air import Air
-from acoustics.coupled import Leak
-from acoustics.meshes import box_mesh
-from acoustics.pressure import pressure
-from acoustics.room import Losses, Receiver, Room, losses_from_beta, losses_from_loss_factor, losses_from_t60
-from acoustics.shaped import ShapedRoom
-from acoustics.walls import Wall
+from acoustics.meshed.cavity_mesh import box_mesh
+from acoustics.meshed.meshed_room import ShapedRoom
+from acoustics.meshed.walls import Wall
+from acoustics.rooms.box import Losses, Receiver, Room, losses_from_beta, losses_from_loss_factor, losses_from_t60
+from acoustics.rooms.box_pressure import pressure
+from acoustics.rooms.box_two_way import Leak
 from femstruct.assembly.assemble import assemble
 from femstruct.errors import InputError
 from femstruct.impact.bodies import Clock, HalfSine, Load, Scene
@@ -39,7 +39,7 @@ from femstruct.model.probe import Surface
 from femstruct.model.structure import Structure
 from femstruct.sound.surface import heard, pressure_per_force, surface_velocity
 from femstruct.sound.two_way import with_cavity
-from femstruct.workflow.air import static_stiffness
+from femstruct.workflow.stages.air import static_stiffness
 
 C, RHO, LX, LY, L = 340.0, 1.29, 0.58, 0.47, 0.1
 S, V, MASS, STIFFNESS = LX * LY, LX * LY * L, 29.68, 4.641e5

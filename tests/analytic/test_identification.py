@@ -13,8 +13,8 @@ from femstruct.arrays import Floats
 from femstruct.errors import FemstructError, InputError
 from femstruct.impact.pulse import LASTS, LOSES, pulse_of
 from femstruct.modal.analytic import given_modes
-from femstruct.workflow.fit import Fit, fit
-from femstruct.workflow.fit_findings import fit_findings
+from femstruct.workflow.identify.fit import Fit, fit
+from femstruct.workflow.identify.fit_findings import fit_findings
 
 MASS, SPEED = 0.2, 1.5
 SAMPLES, SAMPLING = 80, 8e3

@@ -8,15 +8,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from acoustics.meshes import box_mesh
-from acoustics.shaped import ShapedRoom
+from acoustics.meshed.cavity_mesh import box_mesh
+from acoustics.meshed.meshed_room import ShapedRoom
 from femstruct.language import read_study
 from femstruct.modal.damping import with_damping
 from femstruct.sound.surface import pressure_per_force
 from femstruct.sound.two_way import with_cavity
-from femstruct.workflow.air import ceiling
-from femstruct.workflow.bases import solve_all
-from femstruct.workflow.meeting import floating, meeting_findings, meetings, mode_pairs
+from femstruct.workflow.judgement.meeting import floating, meeting_findings, meetings, mode_pairs
+from femstruct.workflow.stages.air import ceiling
+from femstruct.workflow.stages.bases import solve_all
 
 MODEL = """
 materials: {concrete: {E: 30 GPa, nu: 0.2, rho: 2400}, screed: {E: 25 GPa, nu: 0.2, rho: 2000}}

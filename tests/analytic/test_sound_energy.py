@@ -7,10 +7,10 @@ import pytest
 from scipy.special import j1
 
 from acoustics import Air, Receiver, SurfaceVelocity
-from acoustics.directivity import radiation_pattern
-from acoustics.field import HalfSpace, field_pressures
-from acoustics.radiation import far_field, radiated_power, radiation_efficiency
-from acoustics.sound_energy import REFERENCE_J, ended_energy, radiated_energy
+from acoustics.open_air.directivity import radiation_pattern
+from acoustics.open_air.half_space import HalfSpace, field_pressures
+from acoustics.open_air.radiated_power import far_field, radiated_power, radiation_efficiency
+from acoustics.open_air.sound_energy import REFERENCE_J, ended_energy, radiated_energy
 
 AIR = Air(343.0, 1.21)
 NORMAL, ALONG = np.array([0.0, 0.0, 1.0]), np.eye(3)[:2]
@@ -40,7 +40,8 @@ def pulse(t: np.ndarray, length: float) -> np.ndarray:
 
 @pytest.mark.parametrize(("size", "top"), [((0.6, 0.4), 3000.0), ((5.0, 0.02), 800.0), ((0.0, 0.0), 500.0)])
 def test_few_sources_radiate_as_all_points_do(size: tuple[float, float], top: float) -> None:
-    """Power of any motion by `acoustics.sheet` against the sum over all points in every direction, turned in space."""
+    """Power of any motion by `acoustics.open_air.sheet` against the sum over all points in every direction, turned in
+    space."""
     rng = np.random.default_rng(5)
     points = (rng.random((60, 2)) - 0.5) * size
     turn, _ = np.linalg.qr(rng.normal(size=(3, 3)))

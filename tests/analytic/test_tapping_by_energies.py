@@ -12,10 +12,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from acoustics.rated import RatedRoom
+from acoustics.levels.rated import RatedRoom
 from femstruct.arrays import Floats
 from femstruct.language import read_study
-from femstruct.workflow.run import run_study
+from femstruct.workflow.run.run import run_study
 
 MODELS = Path(__file__).parents[2] / "models"
 C, RHO = 343.0, 1.21  # of air

@@ -12,7 +12,7 @@ from femstruct.errors import FemstructError, InputErrors
 from femstruct.impact.walking import Walk, design_harmonics
 from femstruct.language import read_study
 from femstruct.study.result import CaseResult
-from femstruct.workflow.run import run_study
+from femstruct.workflow.run.run import run_study
 
 WALK = Walk(70.0, 2.0, 8, (0.4, 0.1, 0.05))
 G = 70.0 * 9.80665

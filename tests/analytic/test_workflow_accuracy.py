@@ -15,9 +15,9 @@ from femstruct.files.tables import summary
 from femstruct.language import read_study
 from femstruct.study.result import CaseResult, StudyResult
 from femstruct.view.terminal import show_study
-from femstruct.workflow.accuracy import acceleration_in_band
-from femstruct.workflow.channels import in_band
-from femstruct.workflow.run import run_study
+from femstruct.workflow.run.accuracy import acceleration_in_band
+from femstruct.workflow.run.run import run_study
+from femstruct.workflow.stages.channels import in_band
 
 ROD = """
 structure: {type: rod, length: 2 m, E: 200 GPa, rho: 7850, area: 314.16 mm2, modes: MODES}

@@ -27,8 +27,8 @@ from acoustics import (
     losses_from_beta,
     losses_from_t60,
 )
-from acoustics.cavity_pressure import cavity_pressure, harmonic_cavity_pressure
-from acoustics.coupled import Leak
+from acoustics.meshed.meshed_pressure import cavity_pressure, harmonic_cavity_pressure
+from acoustics.rooms.box_two_way import Leak
 from femstruct.impact.bodies import Clock, HalfSine, Load, Scene
 from femstruct.impact.simulate import simulate
 from femstruct.modal.analytic import oscillator

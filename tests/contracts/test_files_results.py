@@ -19,7 +19,7 @@ from femstruct.files.stored import read_results
 from femstruct.files.tables import summary
 from femstruct.language import read_study
 from femstruct.model.probe import Probe
-from femstruct.workflow.run import run_study
+from femstruct.workflow.run.run import run_study
 
 BY_HAND = runpy.run_path(str(Path(__file__).parents[1] / "data" / "study_by_hand.py"))
 

@@ -19,8 +19,8 @@ from femstruct.model.facts import part_masses
 from femstruct.model.mesher import mesh_structure
 from femstruct.model.structure import Structure
 from femstruct.view.plots import figures
-from femstruct.workflow import run, struck
-from femstruct.workflow.run import run_study
+from femstruct.workflow.run import run, struck
+from femstruct.workflow.run.run import run_study
 
 MODELS = Path(__file__).parents[2] / "models"
 STUDIES = sorted(MODELS.glob("*.study.yaml"))

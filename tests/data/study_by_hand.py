@@ -5,9 +5,9 @@ Loaded with ``runpy`` by the tests of files and pictures, which need the nouns b
 
 import numpy as np
 
-from acoustics.levels import sound_levels
-from acoustics.pressure import RoomResponse
-from acoustics.room import Receiver, Room, losses_from_beta
+from acoustics.levels.sound_levels import sound_levels
+from acoustics.rooms.box import Receiver, Room, losses_from_beta
+from acoustics.rooms.box_pressure import RoomResponse
 from femstruct.conventions import N_COMPONENTS, RX, RY, TWIST, UZ
 from femstruct.errors import Finding
 from femstruct.impact.bodies import Body, Clock, Contact, Link, Scene

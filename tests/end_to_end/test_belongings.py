@@ -14,9 +14,9 @@ import pytest
 from femstruct.files.belongings import COMING, EARLIER, NAME, WRITTEN, together
 from femstruct.language import read_study
 from femstruct.study.result import StudyResult
-from femstruct.workflow import output
-from femstruct.workflow.output import write_all
-from femstruct.workflow.run import run_study
+from femstruct.workflow.run import output
+from femstruct.workflow.run.output import write_all
+from femstruct.workflow.run.run import run_study
 
 MODEL = """
 materials: {steel: {E: 210 GPa, nu: 0.3, rho: 7850}}

@@ -12,7 +12,7 @@ import h5py
 import numpy as np
 import pytest
 
-from acoustics.levels import level_spectrum
+from acoustics.levels.sound_levels import level_spectrum
 from femstruct.files.machine import verdict_word
 from femstruct.files.results import write_results
 from femstruct.files.tables import summary
@@ -21,9 +21,9 @@ from femstruct.study.result import StudyResult
 from femstruct.view.loudness import rated_bands
 from femstruct.view.spectra import sound
 from femstruct.view.terminal import show_study
-from femstruct.workflow.inspect import inspect_file
-from femstruct.workflow.limits import verdicts
-from femstruct.workflow.run import run_study
+from femstruct.workflow.check.inspect import inspect_file
+from femstruct.workflow.compare.verdicts import verdicts
+from femstruct.workflow.run.run import run_study
 
 MODEL = Path(__file__).parents[2] / "models" / "bedroom.yaml"
 STUDY = """model: bedroom.yaml

@@ -15,8 +15,8 @@ from femstruct.language import read_study
 from femstruct.study.result import StudyResult
 from femstruct.view.histories import energy
 from femstruct.view.terminal import show_study
-from femstruct.workflow.output import write_all
-from femstruct.workflow.run import run_study
+from femstruct.workflow.run.output import write_all
+from femstruct.workflow.run.run import run_study
 
 MODELS = Path(__file__).parents[2] / "models"
 MODEL = """structure:

@@ -19,9 +19,9 @@ from femstruct.view.report import report
 from femstruct.view.spectra import sound
 from femstruct.view.structure import show_inspection
 from femstruct.view.terminal import show_study
-from femstruct.workflow import struck
-from femstruct.workflow.inspect import inspect_file
-from femstruct.workflow.run import run_study, without_rooms
+from femstruct.workflow.check.inspect import inspect_file
+from femstruct.workflow.run import struck
+from femstruct.workflow.run.run import run_study, without_rooms
 
 MODEL = """
 materials: {concrete: {E: 30 GPa, nu: 0.2, rho: 2400}}

@@ -23,7 +23,7 @@ from femstruct.modal.analytic import given_modes
 from femstruct.study.result import StudyResult
 from femstruct.view.report import report
 from femstruct.view.terminal import show_study
-from femstruct.workflow.run import run_study
+from femstruct.workflow.run.run import run_study
 
 MODEL = "structure: {type: modes, frequency: [40, 310], ratio: [0, 0], points: {p: [1.5, 1.1]}}"
 STUDY = """

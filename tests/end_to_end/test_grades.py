@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from acoustics import energy_average, equivalent_levels, impact_grade, inverse_a_level
-from acoustics.grades import HEAVY_OCTAVES, LIGHT_OCTAVES, grade_curve, inverse_a_curve
+from acoustics.levels.jis_ks import HEAVY_OCTAVES, LIGHT_OCTAVES, grade_curve, inverse_a_curve
 from femstruct.errors import InputErrors
 from femstruct.files.results import write_results
 from femstruct.files.tables import summary
@@ -17,7 +17,7 @@ from femstruct.language import read_study
 from femstruct.study.result import StudyResult
 from femstruct.view.loudness import rated_bands
 from femstruct.view.terminal import show_study
-from femstruct.workflow.run import run_study
+from femstruct.workflow.run.run import run_study
 
 MODEL = """
 materials: {concrete: {E: 30 GPa, nu: 0.2, rho: 2400}}

@@ -13,7 +13,7 @@ from typer.testing import CliRunner
 from femstruct import read_study, run_study
 from femstruct.cli import app
 from femstruct.errors import FemstructError
-from femstruct.workflow.identify import identify
+from femstruct.workflow.identify.identify import identify
 
 MODELS = Path(__file__).parents[2] / "models"
 STUDY, RECORD, CHANNEL = MODELS / "tennis_ball_drop.study.yaml", MODELS / "tennis_ball_drop.csv", "ball on ground force"

@@ -9,8 +9,8 @@ import pytest
 
 from femstruct.errors import InputErrors
 from femstruct.language import read_study
-from femstruct.workflow.inspect import inspect_file
-from femstruct.workflow.run import run_study
+from femstruct.workflow.check.inspect import inspect_file
+from femstruct.workflow.run.run import run_study
 
 STUDY = """
 model: plate.yaml

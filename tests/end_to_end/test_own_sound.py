@@ -10,18 +10,18 @@ import numpy as np
 import pytest
 
 from acoustics import Air, Receiver
-from acoustics.field import HalfSpace
-from acoustics.levels import sound_levels
-from acoustics.sphere import Sphere, sphere_pressures
+from acoustics.levels.sound_levels import sound_levels
+from acoustics.open_air.half_space import HalfSpace
+from acoustics.open_air.sphere import Sphere, sphere_pressures
 from femstruct.conventions import GRAVITY
 from femstruct.errors import InputErrors
 from femstruct.language import read_study
 from femstruct.sound.impactor import pushed_velocity
 from femstruct.study.result import CaseResult
 from femstruct.view.terminal import study_tables
-from femstruct.workflow.inspect import inspect_file
-from femstruct.workflow.output import write_all
-from femstruct.workflow.run import run_study
+from femstruct.workflow.check.inspect import inspect_file
+from femstruct.workflow.run.output import write_all
+from femstruct.workflow.run.run import run_study
 
 PLATE = """
 materials: {steel: {E: 210 GPa, nu: 0.3, rho: 7850}}

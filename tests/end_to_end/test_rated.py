@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from acoustics import heavy_impact_level, standardised_maximum_level
-from acoustics.ratings import A_THIRDS
+from acoustics.levels.iso import A_THIRDS
 from femstruct.files.machine import verdict_word
 from femstruct.files.results import write_results
 from femstruct.files.tables import summary
@@ -18,8 +18,8 @@ from femstruct.language import read_study
 from femstruct.study.result import StudyResult
 from femstruct.study.study import Limit
 from femstruct.view.terminal import show_study
-from femstruct.workflow.limits import verdicts
-from femstruct.workflow.run import run_study
+from femstruct.workflow.compare.verdicts import verdicts
+from femstruct.workflow.run.run import run_study
 
 MODEL = """
 materials: {concrete: {E: 30 GPa, nu: 0.2, rho: 2400}}

@@ -12,8 +12,8 @@ from pathlib import Path
 import pytest
 
 from femstruct.language import read_study
-from femstruct.workflow.output import write_all
-from femstruct.workflow.run import run_study
+from femstruct.workflow.run.output import write_all
+from femstruct.workflow.run.run import run_study
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
 FLAGS = (

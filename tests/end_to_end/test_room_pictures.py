@@ -9,14 +9,15 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from acoustics import Room, grids
-from acoustics.grids import mode_shapes, room_grid
+from acoustics import Room
+from acoustics.rooms import receiver_grids as grids
+from acoustics.rooms.receiver_grids import mode_shapes, room_grid
 from femstruct.errors import InputErrors
 from femstruct.files.rooms import write_room_modes
 from femstruct.language import read_study
 from femstruct.view import room_scene
 from femstruct.view.opengl import NoOpenGL, require_opengl
-from femstruct.workflow.run import run_study
+from femstruct.workflow.run.run import run_study
 
 STUDY = """
 model: plate.yaml

@@ -9,7 +9,7 @@ from typer.testing import CliRunner
 
 from femstruct.cli import app
 from femstruct.language import read_study
-from femstruct.workflow.run import run_study
+from femstruct.workflow.run.run import run_study
 
 MODEL = "structure: {type: oscillator, mass: 10 kg, stiffness: 1 MN/m}\npoints: {m: {}}\n"
 STUDY = """model: model.yaml

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from femstruct.errors import InputError
 from femstruct.language import read_study
 from femstruct.study.result import CaseResult
-from femstruct.workflow.rest import rest_states
-from femstruct.workflow.run import run_study
+from femstruct.workflow.run.run import run_study
+from femstruct.workflow.stages.rest import rest_states
 
 Floats = NDArray[np.float64]
 Run = Callable[[str, str], CaseResult]

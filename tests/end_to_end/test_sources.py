@@ -9,7 +9,7 @@ import pytest
 from femstruct.impact.sources import RUBBER_BALL
 from femstruct.language import read_study
 from femstruct.study.result import StudyResult
-from femstruct.workflow.run import run_study
+from femstruct.workflow.run.run import run_study
 
 FLOOR = """structure: {{type: modes, frequency: [{frequency}], ratio: [3 %], points: {{p: [{shape}]}}}}
 """

@@ -8,8 +8,8 @@ import h5py
 
 from femstruct.files.stored import read_results
 from femstruct.language import read_study
-from femstruct.workflow.output import write_all
-from femstruct.workflow.run import run_study
+from femstruct.workflow.run.output import write_all
+from femstruct.workflow.run.run import run_study
 
 MODEL = """
 materials: {$\\foo$: {E: 210 GPa, nu: 0.3, rho: 7850}}

@@ -20,7 +20,7 @@ from femstruct.model.probe import Probe
 from femstruct.study.result import StudyResult
 from femstruct.view.histories import energy as energy_figure
 from femstruct.view.terminal import show_study
-from femstruct.workflow.run import run_study, without_rooms
+from femstruct.workflow.run.run import run_study, without_rooms
 
 STUDY = Path(__file__).parents[2] / "models" / "floor_two_way.study.yaml"
 BFS16 = ("parts.floor.element=bfs16", "parts.slab.element=bfs16")

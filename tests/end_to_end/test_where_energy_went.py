@@ -12,7 +12,7 @@ from femstruct.files.tables import summary
 from femstruct.language import read_study
 from femstruct.study.result import StudyResult
 from femstruct.view.terminal import show_study
-from femstruct.workflow.run import run_study
+from femstruct.workflow.run.run import run_study
 
 MODEL = """
 structure: {type: modes, frequency: [100 Hz, 20 kHz], ratio: [1 %, 1 %], points: {P: [1.0, 1.0]}}

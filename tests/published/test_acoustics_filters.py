@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 import scipy.signal
 
-from acoustics.bands import band_filter, octave_bands, ringing_time, third_octave_bands
-from acoustics.extension import faded
-from acoustics.filters import band_passes
-from acoustics.levels import sound_levels
-from acoustics.weighting import time_weighted
+from acoustics.levels.bands import band_filter, octave_bands, ringing_time, third_octave_bands
+from acoustics.levels.filters import band_passes
+from acoustics.levels.sound_levels import sound_levels
+from acoustics.levels.weighting import time_weighted
+from acoustics.rooms.continuation import faded
 
 RATE, SAMPLES = 48e3, 48000
 
@@ -73,7 +73,8 @@ def test_time_weightings_are_those_of_the_recursion() -> None:
 def test_levels_need_no_signal_package() -> None:
     """Importing scipy.signal takes longer than the levels of a record."""
     code = (
-        "import sys, numpy as np; from acoustics.levels import sound_levels; sound_levels(np.ones(4800), 1 / 48e3); "
+        "import sys, numpy as np; from acoustics.levels.sound_levels import sound_levels; "
+        "sound_levels(np.ones(4800), 1 / 48e3); "
         "print('scipy.signal' in sys.modules)"
     )
     told = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout

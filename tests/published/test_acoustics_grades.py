@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from acoustics import AcousticsError, impact_grade, inverse_a_level
-from acoustics.grades import (
+from acoustics.levels.jis_ks import (
     CURVE_50,
     HEAVY_OCTAVES,
     INVERSE_A,

@@ -7,8 +7,8 @@ import pytest
 from scipy.signal import sosfreqz
 
 from acoustics import sound_levels, third_octave_bands
-from acoustics.bands import band_filter, octave_bands
-from acoustics.weighting import frequency_weighting, time_weighted, weighted
+from acoustics.levels.bands import band_filter, octave_bands
+from acoustics.levels.weighting import frequency_weighting, time_weighted, weighted
 
 # IEC 61672-1:2013 table 3, A-weighting [dB] at nominal frequencies, rounded there to 0.1 dB
 TABLE_A = {

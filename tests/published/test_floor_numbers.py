@@ -18,7 +18,7 @@ from femstruct.modal.reduction import modal_basis
 from femstruct.model.mesher import mesh_structure
 from femstruct.model.structure import Structure
 from femstruct.study.result import StudyResult
-from femstruct.workflow.run import run_study
+from femstruct.workflow.run.run import run_study
 
 MODELS = Path(__file__).parents[2] / "models"
 BFS16 = ("parts.floor.element=bfs16", "parts.slab.element=bfs16")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from acoustics.exposure import force_exposure_levels
+from acoustics.levels.exposure import force_exposure_levels
 from femstruct.impact.bodies import GROUND, Body, Clock, Contact, Scene
 from femstruct.impact.simulate import simulate
 from femstruct.impact.sources import (

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from acoustics import normalised_impact_level, weighted_impact_level
-from acoustics.rated import RatedRoom
-from acoustics.ratings import ImpactRating
+from acoustics.levels.iso import ImpactRating
+from acoustics.levels.rated import RatedRoom
 from femstruct.language import read_study
 from femstruct.study.result import StudyResult
-from femstruct.workflow.run import run_study
+from femstruct.workflow.run.run import run_study
 
 STUDY = Path(__file__).parents[2] / "models" / "tapping.study.yaml"
 VOLUME = 4.2 * 3.1 * 2.5

@@ -21,9 +21,9 @@ from acoustics import (
     third_octave_bands,
     weighted_impact_level,
 )
-from acoustics.grades import HEAVY_OCTAVES
-from acoustics.methods import STANDARDS, Blows, method_of, rating_of, refuse_source, single_number
-from acoustics.ratings import A_THIRDS, CURVE_THIRDS, equal_parts, shifted_curve
+from acoustics.levels.iso import A_THIRDS, CURVE_THIRDS, equal_parts, shifted_curve
+from acoustics.levels.jis_ks import HEAVY_OCTAVES
+from acoustics.levels.methods import STANDARDS, Blows, method_of, rating_of, refuse_source, single_number
 
 ROOM = Room([5.0, 4.0, 2.5], losses=losses_from_t60(0.5))  # 50 m^3, .5 s: what levels are standardised to
 STANDARDISED, PLAIN = "L'_iA,Fmax,V,T", "L_iA,Fmax"

@@ -9,8 +9,8 @@ import pytest
 from femstruct import read_study
 from femstruct.errors import InputError, InputErrors
 from femstruct.language import json_schema
-from femstruct.workflow.bases import solve_all
-from femstruct.workflow.staging import scene
+from femstruct.workflow.stages.bases import solve_all
+from femstruct.workflow.stages.staging import scene
 
 MODEL = """structure:
   type: modes

@@ -18,7 +18,7 @@ from femstruct.impact.laws.linear import Linear
 from femstruct.impact.laws.stop import Stop
 from femstruct.impact.laws.tabulated import Tabulated
 from femstruct.language import json_schema, read_study
-from femstruct.workflow.run import run_study
+from femstruct.workflow.run.run import run_study
 
 SHIPPED = Path(__file__).parents[2] / "models" / "contact_laws.study.yaml"
 MODEL = "structure: {type: oscillator, mass: 1 kg, stiffness: 100 N/m}\npoints: {m: {}}\n"

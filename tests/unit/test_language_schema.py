@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from acoustics.methods import STANDARDS
+from acoustics.levels.methods import STANDARDS
 from femstruct.language import json_schema
 from femstruct.language.reader import read_yaml
 

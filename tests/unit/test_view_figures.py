@@ -13,10 +13,10 @@ import numpy as np
 import pytest
 from matplotlib.colors import to_rgb
 
-from acoustics.ending import ended
-from acoustics.levels import response_levels
-from acoustics.maps import PressureMap
-from acoustics.room import Receiver
+from acoustics.levels.ending import ended
+from acoustics.levels.sound_levels import response_levels
+from acoustics.rooms.box import Receiver
+from acoustics.rooms.pressure_maps import PressureMap
 from femstruct.modal.analytic import given_modes
 from femstruct.study.result import Channel
 from femstruct.study.study import RoomPlan
@@ -27,7 +27,7 @@ from femstruct.view.plots import figures, plot_all
 from femstruct.view.scales import scaled
 from femstruct.view.spectra import frequency_response, sound
 from femstruct.view.vibration import spectrum
-from femstruct.workflow.compare import compare
+from femstruct.workflow.compare.compare import compare
 
 BY_HAND = runpy.run_path(str(Path(__file__).parents[1] / "data" / "study_by_hand.py"))
 BESIDE = "damper 0.6 / new"

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from femstruct.study.result import Channel
-from femstruct.workflow import compare as module
-from femstruct.workflow.compare import compare
+from femstruct.workflow.compare import compare as module
+from femstruct.workflow.compare.compare import compare
 
 BY_HAND = runpy.run_path(str(Path(__file__).parents[1] / "data" / "study_by_hand.py"))
 

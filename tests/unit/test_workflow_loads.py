@@ -14,7 +14,7 @@ from femstruct.impact.bodies import HalfSine, Table
 from femstruct.language import read_study
 from femstruct.study.study import PlannedLoad, Repeat
 from femstruct.view.scales import scaled
-from femstruct.workflow.checks import hammer_findings, load_findings
+from femstruct.workflow.judgement.impacts import hammer_findings, load_findings
 
 TRIANGLE = Table(np.array([0.0, 0.01, 0.02]), np.array([0.0, 1000.0, 0.0]))  # 10 N s
 

@@ -10,8 +10,8 @@ import pytest
 from femstruct.language import read_study
 from femstruct.modal.analytic import given_modes
 from femstruct.study.study import Study
-from femstruct.workflow.rated import overlap_findings, rated_findings, running
-from femstruct.workflow.run import run_study, without_rooms
+from femstruct.workflow.run.run import run_study, without_rooms
+from femstruct.workflow.stages.rated_rooms import overlap_findings, rated_findings, running
 
 MODES = given_modes((5000.0,), (0.01,), {"p": (1.0,)})[0]
 MODEL = """

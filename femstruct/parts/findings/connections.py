@@ -13,7 +13,7 @@ from scipy.sparse.csgraph import connected_components
 
 from femstruct.arrays import Floats, Integers, freeze, frozen, frozen_integers
 from femstruct.conventions import N_COMPONENTS
-from femstruct.model.geometry import distance_to_rectangle, to_rectangle
+from femstruct.model.grid.geometry import distance_to_rectangle, to_rectangle
 from femstruct.model.model import Model
 from femstruct.parts.foundation import Foundation
 from femstruct.parts.plate import plates_of

@@ -28,8 +28,8 @@ import numpy as np
 
 from femstruct.arrays import Floats
 from femstruct.errors import Finding
-from femstruct.model.geometry import distance_to_rectangle, to_rectangle
-from femstruct.model.layers import layer_of
+from femstruct.model.grid.geometry import distance_to_rectangle, to_rectangle
+from femstruct.model.grid.layers import layer_of
 from femstruct.model.model import Model
 from femstruct.model.structure import Joint
 from femstruct.parts.foundation import Foundation

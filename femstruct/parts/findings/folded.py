@@ -22,7 +22,7 @@ import scipy
 
 from femstruct.arrays import Floats
 from femstruct.errors import Finding, InputError, some_of
-from femstruct.model.geometry import meeting_line
+from femstruct.model.grid.geometry import meeting_line
 from femstruct.model.model import Model
 from femstruct.parts.findings.connections import held_directions
 from femstruct.parts.plate import PlateMesh, plates_of

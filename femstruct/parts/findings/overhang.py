@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from femstruct.errors import Finding
-from femstruct.model.layers import layer_of
+from femstruct.model.grid.layers import layer_of
 from femstruct.model.model import Model
 from femstruct.model.part import Body
 from femstruct.model.structure import bodies_of

@@ -12,7 +12,7 @@ import numpy as np
 
 from femstruct.conventions import GRAVITY
 from femstruct.errors import Finding
-from femstruct.model.geometry import rectangle_axes
+from femstruct.model.grid.geometry import rectangle_axes
 from femstruct.model.material import DENSEST, Material
 from femstruct.model.part import Part
 from femstruct.parts.block import Block

@@ -1,0 +1,1 @@
+"""Levels and ratings: bands, weighting, decay, single numbers of the standards."""

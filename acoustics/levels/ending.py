@@ -1,0 +1,60 @@
+"""Where a sound ends: above the last frequency that is known of what makes it there is nothing to be heard."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from acoustics.arrays import Floats
+from acoustics.levels.bands import THIRD_EDGE, Fraction, band_edges
+from acoustics.rooms.box_pressure import RoomResponse
+from acoustics.rooms.continuation import extended, fast_length
+
+
+def ended(response: RoomResponse, complete_below_hz: float) -> RoomResponse:
+    """A room's sound without what lies above a frequency [Hz], of which `complete_below_hz` tells.
+
+    What is left out of a structure by modes is made up for by pseudo-modes, which are right in forces and in what is
+    heard below the last mode; they ring at frequencies of their own above it.
+
+    Notes
+    -----
+    Below the end nothing is changed, neither in size nor in time; from there to half a third octave above it lines fade
+    as half a cosine. A pulse with content there is heard some periods of the end before its time.
+
+    >>> from acoustics import Receiver
+    >>> t = np.arange(48000) / 48e3
+    >>> tones = [np.sin(2 * np.pi * f * t) * np.sin(np.pi * t) ** 2 for f in (400.0, 600.0)]
+    >>> heard = ended(RoomResponse((Receiver("a", [0, 0, 0]), Receiver("b", [1, 0, 0])), t, tones), 450.0)
+    >>> bool(np.abs(heard.p - tones)[0].max() < 1e-4), bool(np.abs(heard.p[1]).max() < 1e-4), heard.complete_below_hz
+    (True, True, 450.0)
+    """
+    return replace(
+        response,
+        p=_low_passed(response.p, response.dt, complete_below_hz),
+        complete_below_hz=min(complete_below_hz, response.complete_below_hz),
+    )
+
+
+def shown(centre_hz: float, complete_below_hz: float, fraction: Fraction = 3) -> bool:
+    """Whether a band with an exact centre lies below a frequency, its upper edge included.
+
+    >>> shown(630.957, 710.0), shown(794.328, 710.0)
+    (True, False)
+    """
+    return band_edges(centre_hz, fraction)[1] <= complete_below_hz
+
+
+def _low_passed(p: Floats, dt: float, end_hz: float) -> Floats:
+    if not 0.0 < end_hz < 0.5 / dt:
+        return p  # complete, or modes that are given and complete to no frequency
+    nt = p.shape[1]
+    length = fast_length(2 * nt)
+    lines = np.fft.rfftfreq(length, dt)
+    above = np.clip((lines / end_hz - 1.0) / (THIRD_EDGE - 1.0), 0.0, 1.0)
+    spectrum = np.fft.rfft(extended(p, length), axis=1)
+    low: Floats = np.fft.irfft(spectrum * (0.5 + 0.5 * np.cos(np.pi * above)), length, axis=1)[:, :nt]
+    low = np.ascontiguousarray(low)
+    low.flags.writeable = False
+    return low

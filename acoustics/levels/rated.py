@@ -1,0 +1,231 @@
+"""A room's impact sound as the standards state it: levels by band over blows and receivers, and single numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from math import isfinite
+from types import MappingProxyType
+from typing import Final
+
+import numpy as np
+
+from acoustics.arrays import Floats, freeze, frozen
+from acoustics.errors import AcousticsError
+from acoustics.levels.bands import octave_bands
+from acoustics.levels.iso import energy_average
+from acoustics.levels.methods import FIELD, RATING, Blows, Method, Number, SingleNumber, method_of, single_number
+from acoustics.rooms.box import Enclosed, t60_of
+
+_OCTAVES: Final = frozenset(octave_bands(1e6))  # nominal centres [Hz] of all that is heard
+
+
+@dataclass(frozen=True, eq=False)
+class RatedRoom:
+    """What is heard of standard blows in one room, by band, and the single numbers made of it.
+
+    method : how the standards rate these blows. measured_db : levels in the room [drops, receivers, b] [dB], nan in
+    bands that are not known. correction_db : what standardising adds to them for the room's volume and reverberation
+    time [b] [dB], 0 where nothing is standardised. t60_s : reverberation times {nominal centre [Hz]: [s]}.
+
+    Notes
+    -----
+    Averages over receivers are of the energy. Over drops (places of the blow) ISO 16283-2 averages the energy too, as
+    it has it for fixed microphones, JIS A 1418 the levels. Spreads are standard deviations of a sample, nan for one
+    value: of a number over drops, each averaged over its receivers, and over receivers, each averaged over the drops.
+    """
+
+    method: Method
+    measured_db: Floats
+    correction_db: Floats
+    t60_s: Mapping[float, float]
+
+    def __post_init__(self) -> None:
+        bands = len(self.bands_hz)
+        freeze(
+            self,
+            measured_db=frozen("measured levels", self.measured_db, (None, None, bands), blanks=True),
+            correction_db=frozen("correction", self.correction_db, (bands,)),
+            t60_s=MappingProxyType(dict(self.t60_s)),
+        )
+
+    @property
+    def standards(self) -> tuple[str, ...]:
+        """Those that were applied."""
+        return self.method.standards
+
+    @property
+    def bands_hz(self) -> tuple[float, ...]:
+        """Nominal centres [Hz]."""
+        return self.method.bands_hz
+
+    @property
+    def blank_hz(self) -> tuple[float, ...]:
+        """Nominal centres [Hz] of the bands that are not known."""
+        unknown = np.isnan(self.measured_db.sum(axis=(0, 1)))
+        return tuple(self.bands_hz[i] for i in np.flatnonzero(unknown))
+
+    @property
+    def band_quantity(self) -> str:
+        """Symbol of the levels by band."""
+        return self.method.band_quantity
+
+    @property
+    def drops(self) -> int:
+        """At how many places the blow was struck."""
+        return int(self.measured_db.shape[0])
+
+    @property
+    def receivers(self) -> int:
+        """How many listened."""
+        return int(self.measured_db.shape[1])
+
+    @cached_property
+    def bands_db(self) -> Mapping[float, float]:
+        """Averages over drops and receivers {nominal centre [Hz]: `band_quantity` [dB]}."""
+        places = energy_average(self.measured_db + self.correction_db, axis=1)
+        return self._by_band(self.method.average(places))
+
+    @cached_property
+    def spread_db(self) -> Mapping[float, float]:
+        """Standard deviation of a band's levels over all drops and receivers {nominal centre [Hz]: [dB]}."""
+        return self._by_band(_deviation(self.measured_db.reshape(-1, len(self.bands_hz))))
+
+    @cached_property
+    def numbers(self) -> Mapping[str, SingleNumber]:
+        """Single numbers by symbol, the first the one to state: of `bands_db`, then, where these are standardised, of
+        the levels as they are in the room."""
+        return MappingProxyType({one.symbol: self._rated(one, self.measured_db) for one in self.method.numbers})
+
+    @cached_property
+    def curves(self) -> Mapping[str, SingleNumber]:
+        """Those of the single numbers that are made of `bands_db` and can be drawn beside them."""
+        shown = self.method.correct is not None
+        return MappingProxyType(
+            {one.symbol: self.numbers[one.symbol] for one in self.method.numbers if one.standardised == shown}
+        )
+
+    @property
+    def rating(self) -> SingleNumber | None:
+        """The first of the numbers, None where the standards make none."""
+        return next(iter(self.numbers.values()), None)
+
+    @cached_property
+    def drops_spread_db(self) -> Mapping[str, float]:
+        """Standard deviation over the drops of their own single numbers, before rounding {symbol: [dB]}."""
+        return _deviations(self._own(self._at_drops))
+
+    @cached_property
+    def receivers_spread_db(self) -> Mapping[str, float]:
+        """Standard deviation over the receivers of their own single numbers, before rounding {symbol: [dB]}."""
+        return _deviations(self._own([one[:, None] for one in np.swapaxes(self.measured_db, 0, 1)]))
+
+    def above(self, other: RatedRoom) -> dict[str, float]:
+        """What the numbers are above those of another room, before rounding {symbol: [dB]}; only those that both
+        have, nan where either is not known but for a bound."""
+        return {
+            symbol: one.known_db - other.numbers[symbol].known_db
+            for symbol, one in self.numbers.items()
+            if symbol in other.numbers
+        }
+
+    def above_spread_db(self, other: RatedRoom) -> Mapping[str, float]:
+        """Standard deviation over the drops of what `above` says, each drop against the same one there {symbol: [dB]};
+        nan for one drop, or where the other room has not as many."""
+        mine, theirs = self._own(self._at_drops), other._own(other._at_drops)
+        both = [symbol for symbol in mine if symbol in theirs]
+        if self.drops != other.drops:
+            return MappingProxyType(dict.fromkeys(both, float("nan")))
+        return _deviations({symbol: mine[symbol] - theirs[symbol] for symbol in both})
+
+    @property
+    def _at_drops(self) -> list[Floats]:
+        """Levels of one drop each [1, receivers, b]."""
+        return [one[None] for one in self.measured_db]
+
+    def _rated(self, number: Number, levels_db: Floats) -> SingleNumber:
+        """A number of levels [drops, receivers, b] in the room."""
+        places = energy_average(levels_db + self.correction_db * number.standardised, axis=1)
+        return single_number(number, self.bands_hz, places)
+
+    def _own(self, parts: Sequence[Floats]) -> dict[str, Floats]:
+        """Single numbers of parts of the levels, before rounding {symbol: [parts]}."""
+        return {
+            one.symbol: np.array([self._rated(one, part).known_db for part in parts]) for one in self.method.numbers
+        }
+
+    def _by_band(self, values: Floats) -> Mapping[float, float]:
+        return MappingProxyType(dict(zip(self.bands_hz, values.tolist(), strict=True)))
+
+
+def rate_room(
+    levels_db: Sequence[Sequence[Mapping[float, float]]],
+    room: Enclosed,
+    standards: Sequence[str] = (FIELD, RATING),
+    blows: Blows = "heavy",
+) -> RatedRoom:
+    """Impact sound levels of a room from those of every drop at every receiver, by the standards asked for.
+
+    levels_db : by drop and receiver, {nominal centre [Hz]: [dB]}, in the bands of the standards, third octaves of ISO,
+        octaves of JIS and KS: `Levels.bands_db` or `Levels.octaves_db` of heavy blows, `equivalent_levels` of a tapping
+        machine; bands beyond those rated are not looked at. Octaves are not made of third octaves: maxima do not
+        add. nan is a level that is not known: numbers that need it are lower bounds.
+    standards : ISO 16283-2 and ISO 717-2, or JIS A 1419-2 and KS F 2863-2; see `acoustics.levels.methods`.
+
+    Raises AcousticsError: nobody who listens, standards that `acoustics.levels.methods.method_of` refuses, third
+    octaves for octaves, bands missing (sampled too low), a room without losses where ISO 16283-2 needs its
+    reverberation time.
+
+    Notes
+    -----
+    The reverberation time is that of the room as it is modelled, T60 of its losses at the band's centre.
+
+    References
+    ----------
+    ISO 16283-2:2020 formulae 1 and 4 to 6, ISO 717-2:2020 clause 4 and annex D; see `acoustics.levels.iso`. JIS A
+    1419-2, KS F 2863-2; see `acoustics.levels.jis_ks`.
+
+    Two drops heard at one place, 60 and 70 dB in every band, in a room of 50 m^3 and half a second:
+
+    >>> from acoustics import Room, losses_from_t60
+    >>> bedroom = Room([5.0, 4.0, 2.5], losses=losses_from_t60(0.5))
+    >>> bands = method_of(["ISO 717-2"]).bands_hz
+    >>> found = rate_room([[dict.fromkeys(bands, level)] for level in (60.0, 70.0)], bedroom)
+    >>> round(found.bands_db[63.0], 1), found.rating.value_db, round(found.drops_spread_db["L'_iA,Fmax,V,T"], 2)
+    (67.4, 70.0, 7.07)
+    """
+    method = method_of(standards, blows)
+    if not levels_db or not all(levels_db):
+        raise AcousticsError("levels", got="no receiver", expected="one or more")
+    bands = method.bands_hz
+    between = [band for drop in levels_db for one in drop for band in one if band not in _OCTAVES]
+    if method.fraction == 1 and between:
+        got = f"a level at {between[0]:g} Hz, of third octaves"
+        raise AcousticsError("levels", got=got, expected="octaves", do="give octaves that were filtered as such")
+    missing = [band for band in bands if any(band not in one for drop in levels_db for one in drop)]
+    if missing:
+        raise AcousticsError("levels", got=f"nothing at {missing[0]:g} Hz", expected="all bands", do="sample faster")
+    t60 = {band: t60_of(room.losses, band) for band in bands}
+    correction = dict.fromkeys(bands, 0.0)
+    if method.correct is not None:
+        if not all(map(isfinite, t60.values())):
+            raise AcousticsError("room.losses", got="none", expected="a reverberation time", do="give the room losses")
+        correction = method.correct(correction, room.volume, t60)
+    return RatedRoom(
+        method=method,
+        measured_db=np.array([[[one[band] for band in bands] for one in drop] for drop in levels_db]),
+        correction_db=np.array(list(correction.values())),
+        t60_s=t60,
+    )
+
+
+def _deviations(values: Mapping[str, Floats]) -> Mapping[str, float]:
+    return MappingProxyType({name: float(_deviation(one)) for name, one in values.items()})
+
+
+def _deviation(values: Floats) -> Floats:
+    """Standard deviation of a sample along its first axis, nan for one value."""
+    if len(values) < 2:
+        return np.full(values.shape[1:], np.nan)
+    return np.asarray(np.std(values, axis=0, ddof=1))

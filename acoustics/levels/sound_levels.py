@@ -1,0 +1,213 @@
+"""Levels of what is heard: peaks, maxima by time weighting, exposures, octaves and third octaves.
+
+Levels are 20 lg(p / p0), p0 = 20 uPa.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import ceil, inf, log10, nan
+from types import MappingProxyType
+from typing import Final
+
+import numpy as np
+
+from acoustics.arrays import Floats, freeze, frozen, positive
+from acoustics.errors import AcousticsError, Advice
+from acoustics.levels.bands import Fraction, octave_bands, ringing_time, third_octave_bands
+from acoustics.levels.filters import band_passes
+from acoustics.levels.weighting import FrequencyWeighting, TimeWeighting, time_weighted, weighted, weighted_by
+from acoustics.rooms.box_pressure import RoomResponse
+
+REFERENCE_PA: Final = 20e-6
+_SILENCE: Final = 1e-30  # Pa^2, -205 dB: the level of nothing is a number
+
+
+@dataclass(frozen=True, eq=False)
+class Levels:
+    """Single numbers, octaves and third octaves of one pressure history, levels in dB re 20 uPa.
+
+    peak_pa : largest |p| [Pa], unweighted; l_peak_db : its level. l_cpeak_db : the same, C-weighted.
+    l_afmax_db, l_asmax_db, l_aimax_db : largest A-weighted Fast, Slow and Impulse level.
+    l_aeq_db : A-weighted level of the mean square over the record. l_ae_db : A-weighted sound exposure level,
+        10 lg(integral of p_A^2 dt / (p0^2 1 s)).
+    bands_db : {nominal centre [Hz]: largest Fast level in the third octave, L_Fmax}, what the impact-sound standards
+        of heavy blows use. octaves_db : the same of octaves.
+    exposure_db : {nominal centre [Hz]: unweighted sound exposure level in the third octave}.
+    findings : advice; reference_pa : p0 [Pa]. complete_below_hz : where the sound ends; bands with an upper edge above
+    it are nan, single numbers are of the sound below.
+    """
+
+    peak_pa: float
+    l_peak_db: float
+    l_cpeak_db: float
+    l_afmax_db: float
+    l_asmax_db: float
+    l_aimax_db: float
+    l_aeq_db: float
+    l_ae_db: float
+    bands_db: Mapping[float, float]
+    octaves_db: Mapping[float, float]
+    exposure_db: Mapping[float, float]
+    findings: tuple[Advice, ...] = ()
+    reference_pa: float = REFERENCE_PA
+    complete_below_hz: float = inf
+
+    def __post_init__(self) -> None:
+        for name in ("bands_db", "octaves_db", "exposure_db"):
+            freeze(self, **{name: MappingProxyType(dict(getattr(self, name)))})
+
+    @property
+    def single_numbers(self) -> dict[str, float]:
+        """The levels that are one number each, by name [dB]."""
+        names = ("l_peak_db", "l_cpeak_db", "l_afmax_db", "l_asmax_db", "l_aimax_db", "l_aeq_db", "l_ae_db")
+        return {name: getattr(self, name) for name in names}
+
+
+def response_levels(response: RoomResponse, bands_of: RoomResponse | None = None) -> dict[str, Levels]:
+    """Levels of every receiver of a room response, by name; see `sound_levels`.
+
+    bands_of : the same before it was ended at `response.complete_below_hz`: of a band whose upper edge lies just below,
+        what its filter hears from beyond the edge is up to 0.1 dB.
+    """
+    end = response.complete_below_hz
+    rows = zip(response.receivers, response.p, (bands_of or response).p, strict=True)
+    return {receiver.name: _levels(p, whole, response.dt, end) for receiver, p, whole in rows}
+
+
+def sound_levels(p: Floats, dt: float) -> Levels:
+    """Peaks, maxima, exposures and band levels of a pressure history `p` [nt] [Pa] sampled every `dt` [s].
+
+    Raises AcousticsError: a shape other than [nt], numbers that are not finite, dt not positive.
+
+    Notes
+    -----
+    The filters start at rest and run on beyond the record's end until they have settled, over a tail in which the
+    last pressure fades to zero as half a cosine: a band's maximum may come after the blow's, and a jump to zero would
+    be heard in all bands. Bands whose filter rings longer than the record lasts are named by ``band-not-settled``.
+
+    >>> import numpy as np
+    >>> t = np.arange(96000) / 48e3
+    >>> tone = sound_levels(np.sqrt(2) * np.sin(2 * np.pi * 1000 * t), 1 / 48e3)
+    >>> round(tone.l_afmax_db, 2), round(tone.bands_db[1000.0], 2), round(tone.l_peak_db, 2), round(tone.l_ae_db, 2)
+    (93.98, 93.98, 96.99, 96.99)
+    """
+    p = frozen("p", p, (None,))
+    return _levels(p, p, positive("dt", dt, "s"), inf)
+
+
+def _levels(p: Floats, whole: Floats, dt: float, end_hz: float) -> Levels:
+    """Levels of a history `p` [nt] that ends at a frequency, its bands of the `whole` one."""
+    bands, exposures = _band_levels(whole, dt, 3, end_hz)
+    by_ear, nearly_flat = weighted_by(p, dt, ("A", "C"))
+    square = by_ear**2
+    peak, total = float(np.abs(p).max()), float(square.sum()) * dt
+    return Levels(
+        peak_pa=peak,
+        l_peak_db=_decibel(peak**2),
+        l_cpeak_db=_decibel(float(np.abs(nearly_flat).max()) ** 2),
+        l_afmax_db=_decibel(float(time_weighted(square, dt, "F").max())),
+        l_asmax_db=_decibel(float(time_weighted(square, dt, "S").max())),
+        l_aimax_db=_decibel(float(time_weighted(square, dt, "I").max())),
+        l_aeq_db=_decibel(total / (len(p) * dt)),
+        l_ae_db=_decibel(total),
+        bands_db=bands,
+        octaves_db=_band_levels(whole, dt, 1, end_hz)[0],
+        exposure_db=exposures,
+        findings=_unsettled(len(p) * dt, third_octave_bands(1 / dt)),
+        complete_below_hz=end_hz,
+    )
+
+
+def _band_levels(
+    p: Floats, dt: float, fraction: Fraction, end_hz: float
+) -> tuple[dict[float, float], dict[float, float]]:
+    """({nominal: largest Fast level}, {nominal: exposure level}) of octaves (1) or third octaves (3) [Hz], nan beyond
+    the sound's end."""
+    centres = octave_bands(1 / dt) if fraction == 1 else third_octave_bands(1 / dt)
+    largest, exposures = dict.fromkeys(centres, nan), dict.fromkeys(centres, nan)
+    passes = band_passes(len(p), 1 / dt, fraction, end_hz)
+    spectrum = np.fft.rfft(p, next((one.length for one in passes.values()), len(p)))
+    for nominal, one in passes.items():
+        heard = one.of(spectrum, float(p[-1]))
+        largest[nominal] = _decibel(float(time_weighted(heard.values**2, dt, "F", heard.every).max()))
+        exposures[nominal] = _decibel(float(heard.values @ heard.values) * heard.every * dt)
+    return largest, exposures
+
+
+def _unsettled(record_s: float, centres: Mapping[float, float]) -> tuple[Advice, ...]:
+    """Advice that names the third octaves {nominal: exact} [Hz] whose filter rings longer than the record lasts."""
+    unsettled = [nominal for nominal, centre in centres.items() if ringing_time(centre) > record_s]
+    if not unsettled:
+        return ()
+    return (
+        Advice(
+            "band-not-settled",
+            f"the record of {record_s:.3g} s is shorter than the ringing of the third octaves up to "
+            f"{max(unsettled):g} Hz; believe them only if the sound begins and ends within it",
+            {"record_s": record_s, "highest_hz": max(unsettled), "needed_s": ringing_time(centres[min(unsettled)])},
+        ),
+    )
+
+
+def equivalent_levels(
+    p: Floats, dt: float, since_s: float = 0.0, fraction: Fraction = 3, complete_below_hz: float = inf
+) -> dict[float, float]:
+    """Levels of the mean square in third octaves {nominal centre [Hz]: [dB re 20 uPa]} of `p` [nt] [Pa] from a time on.
+
+    since_s : what comes before [s] runs through the filters and is not averaged: they start at rest. fraction : 3, or 1
+        for octaves. complete_below_hz : bands with an upper edge above it are nan.
+
+    Raises AcousticsError: a record that ends before.
+
+    A tone of 94 dB, from the second half second on:
+
+    >>> import numpy as np
+    >>> tone = np.sqrt(2) * np.sin(2 * np.pi * 1000 * np.arange(48000) / 48e3)
+    >>> round(equivalent_levels(tone, 1 / 48e3, 0.5)[1000.0], 2)
+    93.98
+    """
+    p = frozen("p", p, (None,))
+    first = ceil(since_s / positive("dt", dt, "s") - 1e-6)
+    if not 0 <= first < len(p):
+        raise AcousticsError("p", got=f"a record of {len(p) * dt:g} s", expected=f"more than {since_s:g} s")
+    centres = octave_bands(1 / dt) if fraction == 1 else third_octave_bands(1 / dt)
+    found = dict.fromkeys(centres, nan)
+    passes = band_passes(len(p), 1 / dt, fraction, complete_below_hz, thinned=False)
+    spectrum = np.fft.rfft(p, next((one.length for one in passes.values()), len(p)))
+    for nominal, one in passes.items():
+        heard = one.of(spectrum, 0.0).values[first : len(p)]
+        found[nominal] = _decibel(float(np.mean(heard**2)))
+    return found
+
+
+def level_history(p: Floats, dt: float, frequency: FrequencyWeighting = "A", time: TimeWeighting = "F") -> Floats:
+    """Level over time [nt] [dB re 20 uPa] of a history `p` [nt] [Pa] as a meter shows it, L_AF(t) if nothing is said.
+
+    >>> import numpy as np
+    >>> tone = np.sqrt(2) * np.sin(2 * np.pi * 1000 * np.arange(96000) / 48e3)
+    >>> level_history(tone, 1 / 48e3)[[5999, 95999]].round(1).tolist()  # after 125 ms: 1 - 1/e of it, 2 dB less
+    [92.0, 94.0]
+    """
+    square = weighted(frozen("p", p, (None,)), positive("dt", dt, "s"), frequency) ** 2
+    return 10 * np.log10(np.maximum(time_weighted(square, dt, time), _SILENCE) / REFERENCE_PA**2)
+
+
+def level_spectrum(p: Floats, dt: float) -> tuple[Floats, Floats]:
+    """Frequencies [nf] [Hz] and levels [nf] [dB re 20 uPa] of the lines of a history `p` [nt]: the rms of each line.
+
+    Notes
+    -----
+    No window; lines 1/T apart, T = nt dt. The sum of 10^(L/10) is the mean square over p0^2: lines other than 0 and
+    the last of an even record stand for two bins. A blow's line levels fall by 3 dB per doubling of T beyond its end.
+    """
+    p = frozen("p", p, (None,))
+    square = np.abs(np.fft.rfft(p) / len(p)) ** 2
+    square[1 : (len(p) + 1) // 2] *= 2
+    frequency_hz = np.asarray(np.fft.rfftfreq(len(p), dt), dtype=np.float64)
+    return frequency_hz, 10 * np.log10(np.maximum(square, _SILENCE) / REFERENCE_PA**2)
+
+
+def _decibel(square: float) -> float:
+    return float(10 * log10(max(square, _SILENCE) / REFERENCE_PA**2))

@@ -1,0 +1,52 @@
+"""What the walls of a room of any shape take up: how they damp its modes, and couple them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Final
+
+import numpy as np
+
+from acoustics.air import Air
+from acoustics.arrays import Floats
+from acoustics.errors import Advice
+from acoustics.meshed.finite_elements import CavityModes, wall_integrals
+from acoustics.meshed.walls import AnyWall, Wall
+
+COUPLED: Final = 0.05  # what walls couple two modes by, over the distance of their frequencies, to need complex modes
+
+
+def absorbed(modes: CavityModes, walls: Mapping[str, AnyWall], air: Air) -> Floats:
+    """Integrals of beta psi_n psi_m over all walls, over the volume [n, n] [1/m]; beta is the two modes' geometric
+    mean. Walls that yield are not among them."""
+    frequency_hz = modes.wavenumber * air.c / (2 * np.pi)
+    total = np.zeros((len(frequency_hz), len(frequency_hz)))
+    for name, wall in walls.items():
+        if isinstance(wall, Wall):
+            root = np.sqrt(wall.at(frequency_hz))
+            total += root[:, None] * wall_integrals(modes, name) * root / modes.mesh.volume
+    return total
+
+
+def coupling(modes: CavityModes, taken_up: Floats, air: Air) -> float:
+    """Largest rate by which walls couple two modes, c |A_nm|, over the distance of their frequencies or, where they lie
+    closer than that, over their own rates.
+
+    taken_up [n, n] : of `absorbed` [1/m].
+    """
+    distance = air.c * np.abs(modes.wavenumber[:, None] - modes.wavenumber)
+    rates = air.c * np.abs(taken_up)
+    off = rates - np.diag(np.diag(rates))
+    span = np.hypot(distance, np.add.outer(np.diag(rates), np.diag(rates)))
+    ratio = np.divide(off, span, out=np.zeros_like(off), where=off > 0)
+    return float(ratio.max(initial=0.0))
+
+
+def coupled_walls(coupled: float) -> Advice:
+    """Advice ``coupled-absorption``: modes are damped one by one where walls couple them."""
+    return Advice(
+        "coupled-absorption",
+        f"walls couple two modes by {coupled:.2g} of the distance of their frequencies, above {COUPLED:g}; "
+        "with absorption that depends on frequency each mode is damped by itself, which is then rough",
+        {"coupling": coupled, "allowed": COUPLED},
+    )

@@ -1,0 +1,245 @@
+"""Pressure in a room of any shape, from its modes: the same moving surface, the same causal transform as a box."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from acoustics.air import Air
+from acoustics.arrays import Complexes, Floats
+from acoustics.errors import AcousticsError, Advice
+from acoustics.meshed.absorbing_walls import COUPLED, absorbed, coupled_walls, coupling
+from acoustics.meshed.coupled_wall_modes import Answer, complex_modes
+from acoustics.meshed.finite_elements import CELLS_PER_WAVE, CavityModes, drive, probe, wall_forces, with_answers
+from acoustics.meshed.meshed_room import ShapedRoom
+from acoustics.meshed.walls import AnyWall, Wall
+from acoustics.meshed.yielding_walls import wall_motion
+from acoustics.rooms.box import Losses, Receiver, positions
+from acoustics.rooms.box_pressure import RoomResponse
+from acoustics.rooms.box_transfer import wavenumber_squared
+from acoustics.rooms.continuation import extended, source_bandwidth, transform_axis
+from acoustics.source import SurfaceVelocity, alike
+
+_BATCH: Final = 1 << 23  # complex numbers of one batch
+
+
+def cavity_pressure(
+    surface: SurfaceVelocity,
+    modes: CavityModes,
+    air: Air,
+    losses: Losses,
+    receivers: Sequence[Receiver],
+    walls: Mapping[str, AnyWall] | None = None,
+) -> RoomResponse:
+    """Pressure at the receivers of a room of any shape, part of whose boundary moves with the given velocity.
+
+    modes : of `cavity_modes`, up to twice the band of interest. walls : what the named walls take up, or how they
+    yield; others are rigid.
+
+    Returns RoomResponse; its findings name a velocity beyond the modes, a mesh too coarse for them, and walls that
+    take up too much for what is said of them.
+
+    Raises AcousticsError: surface points off the boundary, receivers outside, walls without a name in the mesh, losses
+    of kind ``source``, which are not causal.
+
+    Notes
+    -----
+    With s = j omega + a as in `pressure`, mode n of a volume V answers the velocity of the surface with
+
+        P_n = rho d(s) (integral of psi_n v) / (V (k_n^2 - k^2(s) + d(s)/c (integral of beta psi_n^2) / V))
+
+    and the modes left out as pseudo-modes: their answers at rest to the shapes of the surface. Walls couple modes by
+    the integrals of beta psi_n psi_m; where these matter, beside the distance of the frequencies, and the walls are
+    constant in frequency, the coupled system is solved by its complex modes instead. So it is with walls that yield,
+    whose displacement is part of that system.
+
+    A piston that stops after pushing 0.1 mm into a box of 1 m height compresses it by 1e-4:
+
+    >>> from acoustics.meshed.finite_elements import cavity_modes
+    >>> from acoustics.meshed.cavity_mesh import box_mesh
+    >>> t = np.arange(4800) / 48e3
+    >>> push = np.where(t < 0.02, 0.01 * (1 - np.cos(2 * np.pi * t / 0.02)) / 2, 0)
+    >>> ceiling = SurfaceVelocity([[0.25, 0.25, 1]], [0.25], [[1]], [push], dt=1 / 48e3)
+    >>> modes = cavity_modes(box_mesh([0.5, 0.5, 1], [1, 1, 2]), up_to=1.0)
+    >>> heard = cavity_pressure(ceiling, modes, Air(340, 1.29), Losses(), [Receiver("mic", [0.2, 0.2, 0.5])])
+    >>> round(float(heard.p[0, -1]), 1)
+    14.9
+    """
+    return cavity_pressures([surface], modes, air, losses, receivers, walls)[0]
+
+
+def cavity_pressures(
+    surfaces: Sequence[SurfaceVelocity],
+    modes: CavityModes,
+    air: Air,
+    losses: Losses,
+    receivers: Sequence[Receiver],
+    walls: Mapping[str, AnyWall] | None = None,
+) -> list[RoomResponse]:
+    """Pressure at the receivers for each of several motions of one ceiling: as `cavity_pressure` of each, the transfer
+    functions found once.
+
+    surfaces : of the same points, weights, shapes and sampling; they differ in their rates.
+
+    Raises AcousticsError as `cavity_pressure` does, and for no surface or surfaces that differ.
+    """
+    if losses.kind == "source":
+        raise AcousticsError("losses", got="kind source", expected="a causal kind", do="use form: causal")
+    alike(surfaces)
+    first = surfaces[0]
+    way = _way(modes, air, losses, walls or {}, first.points, first.weights, first.shapes, positions(receivers))
+    nt = first.rates.shape[1]
+    s, weight = transform_axis(nt, first.dt)
+    found = []
+    for surface in surfaces:
+        spectra = np.fft.rfft(extended(way.driving @ surface.rates, len(weight)) * weight, axis=1)
+        p = np.fft.irfft(way.heard(s, spectra), len(weight), axis=1)[:, :nt] / weight[:nt]
+        p.flags.writeable = False
+        findings = (*_judgement(surface, modes, air), *way.advice)
+        found.append(RoomResponse(tuple(receivers), surface.t, p, findings))
+    return found
+
+
+def harmonic_cavity_pressure(
+    room: ShapedRoom,
+    points: Floats,
+    weights: Floats,
+    shapes: Floats,
+    rates: Complexes,
+    frequency_hz: Floats,
+    receivers: Sequence[Receiver],
+) -> tuple[Complexes, tuple[Advice, ...]]:
+    """Complex pressure [n_receivers, nf] [Pa] in a room of any shape whose ceiling moves with exp(+j omega t).
+
+    The rest as `acoustics.rooms.box_harmonic.harmonic_pressure`, with the modes of the room and their answers at rest.
+
+    Raises AcousticsError: a frequency not above 0, a room without losses at a resonance, and as `cavity_pressure`.
+    """
+    if not (frequency_hz > 0).all():
+        raise AcousticsError("frequency", got=f"{frequency_hz.min():g} Hz", expected="frequencies above 0")
+    way = _way(room.modes, room.air, room.losses, room.walls, points, weights, shapes, positions(receivers))
+    with np.errstate(divide="ignore", invalid="ignore"):  # a resonance without losses is refused just below
+        p = way.heard(np.asarray(2j * np.pi * frequency_hz), way.driving @ rates)
+    if not np.isfinite(p).all():
+        raise AcousticsError("frequency", got="a resonance of a room without losses", expected="losses")
+    highest_hz = float(frequency_hz.max())
+    return p, (*_limits(highest_hz, room.modes, room.air), *way.advice)
+
+
+def cavity_spectrum(surface: SurfaceVelocity, room: ShapedRoom, frequency_hz: Floats, places: Floats) -> Complexes:
+    """Fourier transform of the pressure [nf, r] [Pa/Hz] at places [r, 3] of a room of any shape.
+
+    As of `acoustics.rooms.pressure_maps.pressure_map`: of the velocity's record times the transfer function at that
+    frequency.
+
+    Raises AcousticsError: a place outside the room, a room without losses at a resonance.
+    """
+    s = np.asarray(2j * np.pi * frequency_hz)
+    way = _way(room.modes, room.air, room.losses, room.walls, surface.points, surface.weights, surface.shapes, places)
+    kernel = surface.dt * np.exp(-np.outer(surface.t, s))
+    with np.errstate(divide="ignore", invalid="ignore"):  # a resonance without losses is refused just below
+        p = way.heard(s, way.driving @ (surface.rates @ kernel)).T
+    if not np.isfinite(p).all():
+        raise AcousticsError("frequency", got="a resonance of a room without losses", expected="losses")
+    return p
+
+
+@dataclass(frozen=True, eq=False)
+class _Way:
+    """From integrals of the modes over what moves, driving [n, k] times rates, to pressures of the receivers."""
+
+    driving: Floats
+    mixed: Floats | Complexes
+    right: Floats | Complexes
+    term: Callable[[Complexes], Complexes]
+    advice: tuple[Advice, ...]
+
+    def heard(self, s: Complexes, driven: Complexes) -> Complexes:
+        """Pressures [n_receivers, nf] of the driven modes [n, nf] at complex frequencies s [nf]."""
+        p = np.zeros((len(self.mixed), len(s)), dtype=np.complex128)
+        width = max(1, _BATCH // len(self.right))
+        for start in range(0, len(s), width):
+            band = slice(start, start + width)
+            p[:, band] = self.mixed @ (self.term(s[band]) * (self.right @ driven[:, band]))
+        return p
+
+
+def _way(
+    modes: CavityModes,
+    air: Air,
+    losses: Losses,
+    walls: Mapping[str, AnyWall],
+    points: Floats,
+    weights: Floats,
+    shapes: Floats,
+    places: Floats,
+) -> _Way:
+    """The transfer from what moves to places [r, 3], and advice on the walls."""
+    loads = drive(modes, points, weights, shapes)
+    listening = probe(modes.mesh, places)
+    coupled = coupling(modes, absorbed(modes, walls, air), air)
+    resistive = {name: wall for name, wall in walls.items() if isinstance(wall, Wall)}
+    constant = all(wall.constant for wall in resistive.values())
+    together = len(resistive) < len(walls) or (coupled > COUPLED and constant)
+    forces = [wall_forces(modes, wall) for wall in resistive] if together else []
+    modes = with_answers(modes, np.hstack([loads, wall_motion(modes, walls).loads, *forces]))
+    motion = wall_motion(modes, walls)  # in all that there is now of pressure on the walls
+    taken = absorbed(modes, resistive, air)
+    if together:
+        left, right, term = complex_modes(modes, air, losses, taken if constant else np.diag(np.diag(taken)), motion)
+    else:
+        left, right, term = _separate_modes(modes, air, losses, taken)
+    advice = (coupled_walls(coupled),) if coupled > COUPLED and not constant else ()
+    hearing = np.asarray(listening @ modes.shapes)
+    return _Way(modes.shapes.T @ loads, hearing @ left, right, term, advice)
+
+
+def _separate_modes(modes: CavityModes, air: Air, losses: Losses, absorbed: Floats) -> Answer:
+    """(left, right, term): pressures of the modes are left @ (term(s) * (right @ integrals of psi_n v)), each mode by
+    itself."""
+    squared, own = modes.wavenumber[:, None] ** 2, np.diag(absorbed)[:, None]
+
+    def term(s: Complexes) -> Complexes:
+        below = squared - wavenumber_squared(losses, air, s) + (s + 2 * losses.decay_rate) / air.c * own
+        ratio: Complexes = air.rho * (s + 2 * losses.decay_rate) / (modes.mesh.volume * below)
+        return ratio
+
+    unit = np.eye(len(absorbed))
+    return unit, unit, term
+
+
+def _judgement(surface: SurfaceVelocity, modes: CavityModes, air: Air) -> tuple[Advice, ...]:
+    """Advice on a velocity beyond the modes and on cells too coarse for them."""
+    # of the surface itself: the modes that are there cannot tell what drives those that are not
+    loudest = np.abs(surface.shapes).max(axis=0)
+    return _limits(source_bandwidth(loudest[:, None] * surface.rates, surface.dt), modes, air)
+
+
+def _limits(highest_hz: float, modes: CavityModes, air: Air) -> tuple[Advice, ...]:
+    """Advice on a source up to a frequency, beyond the modes, and on cells too coarse for them."""
+    complete_hz = modes.complete_below * air.c / (2 * np.pi)
+    found = []
+    if highest_hz > complete_hz:
+        found.append(
+            Advice(
+                "room-modes-missing",
+                f"the surface moves up to {highest_hz:.4g} Hz, the modes of the room end at {complete_hz:.4g} Hz; "
+                "above it only their answer at rest is there",
+                {"source_highest_hz": highest_hz, "complete_below_hz": complete_hz},
+            )
+        )
+    top_hz = min(highest_hz, complete_hz)
+    per_wave = air.c / (top_hz * modes.mesh.largest_cell) if top_hz else np.inf
+    if per_wave < CELLS_PER_WAVE:
+        found.append(
+            Advice(
+                "room-mesh-coarse",
+                f"a wave at {top_hz:.4g} Hz has {per_wave:.1f} cells of {modes.mesh.largest_cell:.3g} m, "
+                f"{CELLS_PER_WAVE:g} are needed for 0.1 % in frequency",
+                {"cells_per_wave": per_wave, "needed": CELLS_PER_WAVE},
+            )
+        )
+    return tuple(found)

@@ -1,0 +1,180 @@
+"""Where nodes are needed: by the parts themselves, by regions, supports, joints, and points that carry something."""
+
+from __future__ import annotations
+
+from math import inf
+
+import numpy as np
+
+from femstruct.arrays import Floats
+from femstruct.errors import InputError
+from femstruct.model.grid.geometry import clip, distance_to_rectangle, distance_to_segments, meeting_line, to_rectangle
+from femstruct.model.grid.gridlines import SharedLine, Track
+from femstruct.model.grid.layout import Layout, Segment
+from femstruct.model.grid.touching import lines_under, stretch_inside
+from femstruct.model.region import Region
+from femstruct.model.structure import Joint, PlaceOn, Structure, extent
+
+RELATIVE_TOLERANCE = 1e-6
+"""Places closer than this share of the structure's extent are one place."""
+
+
+def planned(structure: Structure) -> Layout:
+    """The layout of a structure: all that asks for a node has asked.
+
+    Raises InputError for sizes that cannot be, for names that do not exist, and for joined parts that do not touch.
+    """
+    layout = Layout(RELATIVE_TOLERANCE * extent(structure))
+    for part in structure.parts:
+        part.lay_out(layout)
+    for part in structure.parts:
+        part.needs(layout)
+    for surface in structure.surfaces:
+        layout.on_region(f"surfaces.{surface.name}.region", surface.on, surface.region)
+    for support in structure.supports:
+        if support.line is not None:
+            layout.on_region(f"supports.{support.name}.line", support.on or "", Region("line", line=support.line))
+    _carrying_points(structure, layout)
+    for joint in structure.joints:
+        _joint(layout, joint)
+    return layout
+
+
+def _carrying_points(structure: Structure, layout: Layout) -> None:
+    """Springs, masses and supports hold a node; a point that is only hit or heard does not."""
+    used = {name for part in structure.parts for name in part.carriers()}
+    used |= {support.at for support in structure.supports}
+    for point in structure.points:
+        numbered = {f"{point.name}.{number + 1}" for number in range(len(point.at))}
+        for number, place in enumerate(point.at):
+            if point.name in used or (f"{point.name}.{number + 1}" in used & numbered):
+                _carrying_place(layout, point, np.asarray(place, dtype=np.float64))
+
+
+def _carrying_place(layout: Layout, point: PlaceOn, place: Floats) -> None:
+    if point.on in layout.rectangles:
+        layout.on_rectangle(point.on, np.clip(place[:2], 0.0, layout.rectangles[point.on].size))
+    elif point.on in layout.segments:
+        layout.on_bars(point.on, place)
+
+
+def _joint(layout: Layout, joint: Joint) -> None:
+    for end in (joint.a, joint.b):
+        if end not in layout.rectangles and end not in layout.segments and end not in layout.boxes:
+            expected = "the name of a plate, a frame or a block"
+            raise InputError(f"joints.{joint.name}", got=f"'{end}'", expected=expected)
+    if joint.a == joint.b:
+        raise InputError(f"joints.{joint.name}", got=f"'{joint.a}' twice", expected="two parts")
+    if joint.a in layout.boxes or joint.b in layout.boxes:
+        _on_box(layout, *((joint.b, joint.a) if joint.a in layout.boxes else (joint.a, joint.b)))
+    elif joint.a in layout.rectangles and joint.b in layout.rectangles:
+        _rectangle_on_rectangle(layout, joint.a, joint.b)
+    elif joint.a in layout.segments and joint.b in layout.segments:
+        _bars_on_bars(layout, joint)
+    elif joint.a in layout.segments:
+        _bars_on_rectangle(layout, joint, joint.a, joint.b)
+    else:
+        _bars_on_rectangle(layout, joint, joint.b, joint.a)
+
+
+def _rectangle_on_rectangle(layout: Layout, first: str, second: str) -> None:
+    start, end = meeting_line(layout.rectangles[first], layout.rectangles[second], layout.tolerance)
+    tracks = []
+    for name in (first, second):
+        ends = to_rectangle(layout.rectangles[name], layout.axes_of[name], np.stack([start, end]))
+        layout.on_rectangle(name, ends[0])
+        layout.on_rectangle(name, ends[1])
+        direction = int(np.argmax(np.abs(ends[1] - ends[0])))
+        tracks.append(Track((name, direction), float(ends[0, direction]), float(ends[1, direction])))
+    if np.linalg.norm(end - start) > layout.tolerance:
+        layout.shared += [SharedLine(tracks[0], tracks[1]), SharedLine(tracks[1], tracks[0])]
+
+
+def _bars_on_bars(layout: Layout, joint: Joint) -> None:
+    nearest = inf
+    for one, other in ((joint.a, joint.b), (joint.b, joint.a)):
+        starts, ends = np.stack([segment.feet for segment in layout.segments[other]], axis=1)
+        for vertex in layout.vertices[one]:
+            nearest = min(nearest, float(distance_to_segments(vertex, starts, ends)[0].min()))
+            layout.on_bars(other, vertex)
+    _refuse_apart(layout, joint, nearest)
+
+
+def _bars_on_rectangle(layout: Layout, joint: Joint, frame: str, plate: str) -> None:
+    size, tolerance = layout.rectangles[plate].size, layout.tolerance
+    vertices = layout.vertices[frame]
+    local = to_rectangle(layout.rectangles[plate], layout.axes_of[plate], vertices)
+    distances = distance_to_rectangle(local, size)
+    for vertex in local[distances <= tolerance]:
+        layout.on_rectangle(plate, np.clip(vertex[:2], 0.0, size))
+    touching = bool((distances <= tolerance).any())
+    for segment in layout.segments[frame]:
+        touching |= _segment_on_rectangle(layout, segment, plate)
+    if not touching:
+        _refuse_apart(layout, joint, float(distances.min()))
+
+
+def _segment_on_rectangle(layout: Layout, segment: Segment, plate: str) -> bool:
+    size, tolerance = layout.rectangles[plate].size, layout.tolerance
+    ends = to_rectangle(layout.rectangles[plate], layout.axes_of[plate], segment.feet)
+    heights = ends[:, 2]
+    axis = layout.grids[segment.key]
+    if np.abs(heights).max() > tolerance:
+        if heights[0] * heights[1] > 0:
+            return False
+        share = heights[0] / (heights[0] - heights[1])
+        place = ends[0] + share * (ends[1] - ends[0])
+        if distance_to_rectangle(place, size) > tolerance:
+            return False
+        layout.on_rectangle(plate, np.clip(place[:2], 0.0, size))
+        axis.require(float(share) * axis.length)
+        return True
+    stretch = clip(ends[0], ends[1], size, tolerance)
+    if stretch is None:
+        return False
+    inside = [float(np.clip(share, 0.0, 1.0)) for share in stretch]
+    places = [np.clip(ends[0] + share * (ends[1] - ends[0]), 0.0, [*size, inf]) for share in inside]
+    for share, place in zip(inside, places, strict=True):
+        axis.require(share * axis.length)
+        layout.on_rectangle(plate, place)
+    own = Track(segment.key, inside[0] * axis.length, inside[1] * axis.length)
+    if own.end - own.start > tolerance:
+        _share(layout, own, plate, places[0], places[1])
+    return True
+
+
+def _share(layout: Layout, own: Track, plate: str, start: Floats, end: Floats) -> None:
+    """A frame line in a plate takes the plate's nodes; an oblique one gives it crossings at its own."""
+    along = np.abs(end - start)[:2] > layout.tolerance
+    for direction in np.flatnonzero(along):
+        track = Track((plate, int(direction)), float(start[direction]), float(end[direction]))
+        if along.all():
+            layout.shared.append(SharedLine(own, track))
+        else:
+            layout.grids[own.key].given.append((own.start, own.end))
+            layout.shared += [SharedLine(track, own), SharedLine(own, track)]
+
+
+def _on_box(layout: Layout, name: str, box: str) -> None:
+    """Nodes of a plate or frame where it enters and leaves a block."""
+    solid = layout.boxes[box]
+    if name in layout.rectangles:
+        for place in lines_under(solid, layout.rectangles[name], layout.axes_of[name]):
+            layout.on_rectangle(name, place)
+    low = np.asarray(solid.origin)
+    for segment in layout.segments.get(name, ()):
+        middle, half = segment.feet.mean(axis=0), np.diff(segment.feet, axis=0)[0] / 2.0
+        first, last = stretch_inside(middle[None], half, low - layout.tolerance, low + solid.size + layout.tolerance)
+        if first[0] <= last[0]:
+            length = layout.grids[segment.key].length
+            layout.grids[segment.key].require(*((1.0 + share) / 2.0 * length for share in (first[0], last[0])))
+
+
+def _refuse_apart(layout: Layout, joint: Joint, distance: float) -> None:
+    if distance > layout.tolerance:
+        raise InputError(
+            f"joints.{joint.name}",
+            got=f"{joint.a} and {joint.b} {distance:.4g} m apart",
+            expected="parts that touch: an end or a line of a frame on the mid-surface of a plate or on a frame",
+            do="move one of them",
+        )

@@ -1,0 +1,1 @@
+"""What the command line asks of models and studies without running them."""

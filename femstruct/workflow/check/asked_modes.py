@@ -1,0 +1,78 @@
+"""The modes of a model, as the command line asks for them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from femstruct.errors import InputError
+from femstruct.files.finding_tables import finding_table
+from femstruct.files.numbers import number
+from femstruct.language import read_model_file
+from femstruct.modal.basis import ModalBasis
+from femstruct.modal.damping import Damping, with_damping
+from femstruct.sparse.solvers import FASTEST
+from femstruct.study.study import Extent
+from femstruct.units import quantity
+from femstruct.workflow.judgement.structures import structure_findings
+from femstruct.workflow.stages.bases import Solved, solve
+from femstruct.workflow.stages.positions import positioned
+
+DEFAULT_MODES = 30
+Table = dict[str, Any]
+
+
+def extent_of(count: int | None, up_to: str) -> Extent:
+    """How many modes the command line asks for.
+
+    Raises InputError when both a count and a frequency are given, or the frequency is none.
+    """
+    if count is not None and up_to:
+        raise InputError("--count and --up-to", got="both", expected="one of them")
+    if up_to:
+        return Extent(up_to_hz=frequency_option(up_to, "--up-to"))
+    return Extent(count=count or DEFAULT_MODES)
+
+
+def frequency_option(text: str, option: str) -> float:
+    """A frequency given on the command line [Hz].
+
+    Raises InputError that begins with the option's name.
+    """
+    try:
+        return quantity(text, "frequency")
+    except InputError as error:
+        raise InputError(option, got=error.got, expected=error.expected, do=error.do) from error
+
+
+def modes_of(path: Path, extent: Extent, overrides: tuple[str, ...] = ()) -> Table:
+    """Table of modes of a model file: frequencies, damping ratios, kinds, effective masses, findings."""
+    source = read_model_file(path, overrides)
+    with positioned(source):
+        solved = solve(source.structure, extent)
+        basis = damped_as_far_as_solved(solved.basis, source.damping)
+    true = basis.modes
+    return {
+        "title": source.title,
+        "frequency_hz": basis.frequency_hz[true].tolist(),
+        "damping_ratio": [number(ratio) for ratio in basis.damping_ratio[true]],
+        "kind": list(basis.kind[true]),
+        "modal_mass_kg": {axis: basis.modal_mass[i, true].tolist() for i, axis in enumerate("xyz")},
+        "rigid_body_modes": basis.n_rigid,
+        "complete_below_hz": number(basis.complete_below_hz),
+        "solver": FASTEST,
+        "rigid_in_plane": _rigid_in_plane(solved),
+        "mass_kg": basis.total_mass,
+        "findings": [finding_table(finding) for finding in structure_findings(solved, basis)],
+    }
+
+
+def damped_as_far_as_solved(basis: ModalBasis, damping: Damping) -> ModalBasis:
+    """Damping of the modes there are; ratios of modes beyond the ones asked for have nothing to act on yet."""
+    known = len(basis.kind[basis.modes])
+    return with_damping(basis, Damping(damping.base, tuple(mode for mode in damping.modes if mode.number <= known)))
+
+
+def _rigid_in_plane(solved: Solved) -> list[str]:
+    parts = {} if solved.model is None else solved.model.parts
+    return [name for name, part in parts.items() if part.rigid_in_plane]

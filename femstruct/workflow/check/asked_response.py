@@ -1,0 +1,117 @@
+"""One frequency response of a model, as the command line asks for it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from femstruct.assembly.assemble import assemble
+from femstruct.errors import InputError
+from femstruct.files.finding_tables import finding_table
+from femstruct.language import read_model_file
+from femstruct.modal.damping import Damping, with_damping
+from femstruct.modal.frf import KINDS, direct_frf
+from femstruct.model.probe import Probe
+from femstruct.study.result import Frf
+from femstruct.study.study import Extent, FrfRequest, Spot, Study
+from femstruct.workflow.check.asked_modes import frequency_option
+from femstruct.workflow.judgement.all_findings import all_findings
+from femstruct.workflow.stages.bases import Solved, solve
+from femstruct.workflow.stages.positions import positioned
+from femstruct.workflow.stages.responses import force_axis, frequency_response
+
+DEFAULT_LINES = 500
+MOST_LINES = 1_000_000
+Table = dict[str, Any]
+
+
+def frf_of(
+    path: Path,
+    drive: str,
+    response: str,
+    band: str,
+    step: str,
+    kind: str,
+    method: str,
+    overrides: tuple[str, ...] = (),
+) -> Table:
+    """One frequency response of a model file, by modes with residuals or, as their check, line by line.
+
+    kind : "" for accelerance, and transmissibility of a force.
+
+    Notes
+    -----
+    The basis holds all modes up to 2.5 times the upper end of the band, where residual vectors leave 1e-3.
+    """
+    request = _request(drive, response, band, step, kind)
+    if method not in ("modal", "direct"):
+        raise InputError("--method", got=f"'{method}'", expected="modal or direct")
+    source = read_model_file(path, overrides)
+    with positioned(source):
+        asking = Study(source.title, source.structure, source.damping, Extent(), frf=(request,))
+        solved = solve(source.structure, Extent(up_to_hz=2.5 * request.band[1]), (asking,))
+        basis = with_damping(solved.basis, source.damping)
+        answer, _ = frequency_response(request, solved.places, basis)
+        findings = all_findings(solved, basis, requests=(request,), up_to_hz=request.band[1])
+        values = _direct(request, solved, source.damping, answer) if method == "direct" else answer.values
+    return {
+        "title": source.title,
+        "drive": drive,
+        "response": response,
+        "kind": request.kind,
+        "method": method,
+        "frequency_hz": answer.frequency_hz.tolist(),
+        "real": np.real(values).tolist(),
+        "imag": np.imag(values).tolist(),
+        "unit": answer.unit,
+        "findings": [finding_table(finding) for finding in findings],
+    }
+
+
+def _direct(request: FrfRequest, solved: Solved, damping: Damping, answer: Frf) -> NDArray[np.complex128]:
+    if solved.model is None:
+        raise InputError(
+            "--method", got="'direct' of a closed-form structure", expected="modal", do="it has no matrices"
+        )
+    response: Probe | str = f"{request.response.name}.{force_axis(request.response)}"
+    if not request.response.what.startswith("force"):
+        response = solved.places.point(request.response.name, "--response").probe(request.response.what)
+    drive = solved.places.point(request.drive.name, "--drive").probe(request.drive.what)
+    assert request.kind != "pressure" and request.kind != "power"  # a model has no rooms
+    return direct_frf(assemble(solved.model), drive, response, answer.frequency_hz, damping, request.kind)
+
+
+def _request(drive: str, response: str, band: str, step: str, kind: str) -> FrfRequest:
+    """What the command line asks for, checked.
+
+    Raises InputError that begins with the option's own name.
+    """
+    listened = _spot(response, "--response")
+    chosen = kind or ("transmissibility" if listened.what.startswith("force") else "accelerance")
+    if chosen not in KINDS:
+        raise InputError("--kind", got=f"'{kind}'", expected=", ".join(KINDS))
+    low, high = _band(band)
+    width = frequency_option(step, "--step") if step else (high - low) / DEFAULT_LINES
+    if not width > 0 or (high - low) / width > MOST_LINES:
+        raise InputError("--step", got=f"'{step}'", expected=f"a positive step, for at most {MOST_LINES:,} lines")
+    return FrfRequest("", _spot(drive, "--drive"), listened, chosen, (low, high), width)
+
+
+def _band(text: str) -> tuple[float, float]:
+    low, colon, high = text.partition(":")
+    if not colon:
+        raise InputError("--band", got=f"'{text}'", expected="two frequencies, such as '1 Hz:500 Hz'")
+    band = frequency_option(low.strip(), "--band"), frequency_option(high.strip(), "--band")
+    if not 0 <= band[0] < band[1]:
+        raise InputError("--band", got=f"'{text}'", expected="a lower and a higher frequency")
+    return band
+
+
+def _spot(text: str, where: str) -> Spot:
+    name, _, what = text.rpartition(".")
+    if not name:
+        raise InputError(where, got=f"'{text}'", expected="POINT.direction or NAME.force, such as O_s.z")
+    return Spot(name, what)

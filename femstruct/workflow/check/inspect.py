@@ -1,0 +1,274 @@
+"""What a file means, without hitting anything: its structure and its modes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from acoustics.meshed.meshed_room import ShapedRoom
+from acoustics.open_air.half_space import HalfSpace
+from acoustics.rooms.box import modal_damping_ratio, room_modes
+from femstruct.arrays import Floats
+from femstruct.assembly.assemble import assemble
+from femstruct.errors import Finding
+from femstruct.files.finding_tables import finding_table
+from femstruct.files.numbers import number
+from femstruct.findings.catalogue import ranked
+from femstruct.language import ModelFile, read_any
+from femstruct.modal.basis import ModalBasis
+from femstruct.modal.damping import Damping, FromMaterials, LossFactor, Ratio, Rayleigh
+from femstruct.model.facts import ModelFacts, model_facts
+from femstruct.model.model import Model
+from femstruct.sound.surface import room_coordinates
+from femstruct.study.machine import BlockMode, Sag
+from femstruct.study.structures import ModesModel
+from femstruct.study.study import Case, Extent, Plan, RoomPlan, Study
+from femstruct.workflow.check.asked_modes import DEFAULT_MODES, damped_as_far_as_solved
+from femstruct.workflow.check.weight import block_modes, sags, weight_findings
+from femstruct.workflow.judgement.all_findings import all_findings, early_findings, of_cases
+from femstruct.workflow.judgement.blank_bands import blanks_before
+from femstruct.workflow.judgement.impacts import room_findings
+from femstruct.workflow.judgement.studies import study_findings
+from femstruct.workflow.run.provenance import Progress
+from femstruct.workflow.stages.air import ceiling
+from femstruct.workflow.stages.bases import Meshed, Solved, key_of, meshed, solve
+from femstruct.workflow.stages.channels import refuse_absent_forces
+from femstruct.workflow.stages.places import Places
+from femstruct.workflow.stages.positions import positioned
+from femstruct.workflow.stages.responses import response_row
+from femstruct.workflow.stages.rest import Rest, rest_states
+from femstruct.workflow.stages.staging import force_probes, scene
+from femstruct.workflow.stages.struck_bodies import spheres_before
+
+Table = dict[str, Any]
+
+
+@dataclass(frozen=True, eq=False)
+class Inspection:
+    """What `check` tells of a file. model and facts are None for closed-form structures; plan for a model file.
+
+    drops : places that a source strikes, where it strikes several. positions : of points; None for one of given modes
+    that does not say where it is.
+    """
+
+    title: str
+    plan: Plan | None
+    model: Model | None
+    facts: ModelFacts | None
+    degrees_of_freedom: int | None
+    basis: ModalBasis
+    positions: Mapping[str, tuple[float, float, float] | None]
+    damping: tuple[str, ...]
+    rests: tuple[Rest, ...]
+    sags: tuple[Sag, ...]
+    block_modes: tuple[BlockMode, ...]
+    rooms: tuple[RoomPlan, ...]
+    drops: tuple[str, ...]
+    findings: tuple[Finding, ...]
+
+    def table(self) -> Table:
+        """The same for JSON."""
+        facts = self.facts
+        return {
+            "title": self.title,
+            **({} if self.plan is None else _study_table(self.plan)),
+            "masses_kg": {} if facts is None else facts.masses,
+            "mass_kg": self.basis.total_mass,
+            "box_m": None if facts is None else [facts.low.tolist(), facts.high.tolist()],
+            "counts": {} if facts is None else facts.counts,
+            "degrees_of_freedom": self.degrees_of_freedom,
+            "rigid_body_modes": self.basis.n_rigid,
+            "first_frequencies_hz": [float(f) for f in self.basis.frequency_hz[self.basis.modes]],
+            "points_m": {
+                name: None if position is None else list(position) for name, position in self.positions.items()
+            },
+            "damping": list(self.damping),
+            "rest": {rest.body: {"weight_n": rest.weight, "sag_m": rest.sag} for rest in self.rests},
+            "sags": {sag.part: {"sag_m": sag.sag, "tilt_rad": sag.tilt} for sag in self.sags},
+            "block_modes": [
+                {
+                    "mode": mode.number,
+                    "frequency_hz": mode.frequency_hz,
+                    "damping_ratio": number(mode.ratio),
+                    "shares": mode.shares,
+                }
+                for mode in self.block_modes
+            ],
+            "rooms": {plan.name: _room_table(plan) for plan in self.rooms},
+            "drops": list(self.drops),
+            "findings": [finding_table(finding) for finding in self.findings],
+        }
+
+
+def inspect_file(path: Path, overrides: tuple[str, ...] = (), progress: Progress = lambda line: None) -> Inspection:
+    """Read a model or a study, mesh it, and solve for its modes, the first 30 of a model; of a study, its baseline is
+    inspected, and all its cases are judged as far as they can be without their own modes.
+
+    Raises InputError as reading, meshing and staging do, so that what passes here can be run.
+    """
+    progress("reading")
+    source = read_any(path, overrides)
+    progress("modes")
+    if isinstance(source, ModelFile):
+        title, structure, damping, case = source.title, source.structure, source.damping, None
+    else:
+        case = next(case for case in source.cases if case.name == source.baseline)
+        title, structure, damping = source.title, case.study.structure, case.study.damping
+    study = None if case is None else case.study
+    with positioned(source):
+        extent = Extent(count=DEFAULT_MODES) if case is None else case.study.extent
+        solved = solve(structure, extent, () if case is None else case.studies)
+        basis = damped_as_far_as_solved(solved.basis, damping)
+        progress("judgement")
+        told = _early(source, case, solved, basis)
+    model = solved.model
+    under_weight = () if model is None else sags(model, basis)
+    return Inspection(
+        title=title,
+        plan=None if isinstance(source, ModelFile) else source,
+        model=model,
+        facts=None if model is None else model_facts(model),
+        degrees_of_freedom=None if model is None else assemble(model).K.shape[0],
+        basis=basis,
+        positions=_positions(solved),
+        damping=damping_sentences(damping, given=isinstance(structure, ModesModel)),
+        rests=() if study is None else rest_states(study),
+        sags=under_weight,
+        block_modes=() if model is None else block_modes(model, basis),
+        rooms=() if study is None else study.rooms,
+        drops=() if case is None else tuple(case.drops),
+        findings=ranked((*told, *weight_findings(under_weight), *_left_blank(source, basis))),
+    )
+
+
+def _left_blank(source: ModelFile | Plan, basis: ModalBasis) -> tuple[Finding, ...]:
+    """Rated bands that the modes of a study's cases leave blank; basis : of its baseline."""
+    if isinstance(source, ModelFile):
+        return ()
+    return tuple(room_findings(blanks_before(source.cases, {source.baseline: basis.complete_below_hz})))
+
+
+def _positions(solved: Solved) -> dict[str, tuple[float, float, float] | None]:
+    """Where the points are; given modes know it along their axis only, and of the points that say so."""
+    structure, points = solved.structure, solved.places.points
+    if isinstance(structure, ModesModel):
+        return {name: (0.0, 0.0, structure.at[name]) if name in structure.at else None for name in points}
+    return {name: tuple(point.position.tolist()) for name, point in points.items()}
+
+
+def damping_sentences(damping: Damping, given: bool = False) -> tuple[str, ...]:
+    """The damping of a file in both of its usual measures; given : to modes that bring ratios of their own.
+
+    >>> damping_sentences(Damping(Ratio(0.02)))
+    ('damping: ratio 2 % = loss factor 4 %',)
+    """
+    match damping.base:
+        case Ratio(value):
+            base = _ratio_and_loss_factor(value)
+        case LossFactor(value):
+            base = _ratio_and_loss_factor(value / 2.0)
+        case Rayleigh(alpha, beta):
+            base = f"Rayleigh, alpha {alpha:g} 1/s, beta {beta:g} s"
+        case FromMaterials():
+            base = "loss factors of the materials and foundations"
+    exceptions = (
+        f"mode {mode.number} near {mode.near_hz:g} Hz: "
+        + _ratio_and_loss_factor(mode.ratio if mode.ratio is not None else (mode.loss_factor or 0.0) / 2.0)
+        for mode in damping.modes
+    )
+    if given:
+        none = damping.base == Ratio(0.0) and not damping.modes
+        base = "the ratios given with the modes" if none else f"{base}, added to the ratios given with the modes"
+    return (f"damping: {base}", *exceptions)
+
+
+def _ratio_and_loss_factor(ratio: float) -> str:
+    return f"ratio {100 * ratio:g} % = loss factor {200 * ratio:g} %"
+
+
+def _early(source: ModelFile | Plan, baseline: Case | None, solved: Solved, basis: ModalBasis) -> tuple[Finding, ...]:
+    """Findings of a model, or of all cases of a study: of the baseline's structure with its modes, of others without.
+
+    Raises what running any of the cases would raise before anything is computed.
+    """
+    if isinstance(source, ModelFile) or baseline is None:
+        return all_findings(solved, basis)
+    others: dict[str, Meshed] = {}
+    told: dict[str, tuple[Finding, ...]] = {}
+    for case in source.cases:
+        key = key_of(case.study)
+        if key == key_of(baseline.study):
+            for study in case.studies:
+                _try(study, solved, basis)
+            found = all_findings(solved, basis, case.studies, case.study.frf)
+            told[case.name] = (*found, *study_findings(case, solved.places))
+            continue
+        if key not in others:
+            others[key] = meshed(case.study.structure, case.studies)
+        own = others[key]
+        for study in case.studies:
+            _try_places(study, own.places)
+        told[case.name] = early_findings(case, own)
+    return of_cases(told)
+
+
+def _try(study: Study, solved: Solved, basis: ModalBasis) -> None:
+    """Raise what running the study would raise before anything is computed."""
+    scene(study, solved.places, basis)
+    refuse_absent_forces(study, basis)
+    for request in study.frf:
+        if request.kind not in ("pressure", "power"):
+            response_row(request.response, solved.places, basis, f"frf.{request.name}.response")
+    _try_places(study, solved.places)
+
+
+def _try_places(study: Study, places: Places) -> None:
+    """The same as far as it takes no modes."""
+    force_probes(study, places)
+    for plan in study.rooms:
+        room_coordinates(ceiling(plan, places), plan.room, plan.offset, plan.name)
+        spheres_before(plan, study, places)
+
+
+def _study_table(plan: Plan) -> Table:
+    """What happens to the structure, in the baseline."""
+    study = next(case.study for case in plan.cases if case.name == plan.baseline)
+    time = study.time
+    return {
+        "cases": [case.name for case in plan.cases],
+        "baseline": plan.baseline,
+        "bodies": {
+            body.name: {"mass_kg": body.mass, "side": body.side, "target": body.target, "speed_m_s": body.speed}
+            for body in study.bodies
+        },
+        "time": None if time is None else {"duration_s": time.duration, "sampling_hz": time.sampling},
+    }
+
+
+def _room_table(plan: RoomPlan) -> Table:
+    room = plan.room
+    size: Floats
+    if isinstance(room, HalfSpace):
+        return {
+            "side": "above" if room.normal[2] > 0 else "below",
+            "receivers_m": {receiver.name: receiver.position.tolist() for receiver in plan.receivers},
+        } | ({"directivity_hz": list(plan.directivity)} if plan.directivity else {})
+    cells: Table = {}
+    if isinstance(room, ShapedRoom):
+        size, found = np.ptp(room.extent, axis=0), room.frequency_hz[1:]
+        cells = {"largest_cell_m": room.mesh.largest_cell, "own_modes_up_to_hz": room.up_to_hz}
+    else:
+        size, found = room.size, room_modes(room, 1000.0)[0]
+    frequencies = [float(f) for f in found[:3]]
+    return {
+        "size_m": size.tolist(),
+        **cells,
+        "coupling": plan.coupling,
+        "first_modes_hz": frequencies,
+        "damping_ratio": {f"{f:g}": modal_damping_ratio(plan.room.losses, f) for f in (20.0, *frequencies) if f > 0},
+        "receivers_m": {receiver.name: receiver.position.tolist() for receiver in plan.receivers},
+    }

@@ -1,0 +1,1 @@
+"""Cases beside their baseline, limits and their verdicts."""

@@ -1,0 +1,1 @@
+"""Numbers of a study found from measured histories."""

@@ -1,0 +1,1 @@
+"""Reasons to believe results less, by what they are of."""

@@ -1,0 +1,77 @@
+"""Rated bands that the modes of a floor or of its room leave blank, told before anything is computed and after."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from math import ceil, inf
+from types import MappingProxyType
+from typing import Final
+
+from acoustics.levels.bands import octave_bands, third_octave_bands
+from acoustics.levels.ending import shown
+from acoustics.levels.methods import Method
+from femstruct.errors import Finding
+from femstruct.study.study import Case, RoomPlan, Study
+from femstruct.workflow.stages.rated_rooms import method_for
+
+_SOLVED: Final[Mapping[str, float]] = MappingProxyType({})
+_FAST_HZ: Final = 1e6  # a sampling that has all bands
+
+
+def blank_findings(plan: RoomPlan, study: Study, complete_below_hz: float) -> tuple[Finding, ...]:
+    """A finding where modes that are complete below a frequency leave rated bands of a room blank.
+
+    complete_below_hz : of the floor; a room of any shape has modes of its own that end.
+    """
+    method = method_for(plan, study)
+    if method is None:
+        return ()
+    end = plan.heard_to_hz(complete_below_hz)
+    blank = blank_bands(method, end)
+    if not blank:
+        return ()
+    told = f"{blank[0]:g} Hz is" if len(blank) == 1 else f"{blank[0]:g} to {blank[-1]:g} Hz are"
+    all_of_them = len(blank) == len(method.bands_hz)
+    numbers = "there is no single number" if all_of_them else "single numbers are lower bounds ('at least')"
+    whose = "floor" if complete_below_hz <= plan.complete_below_hz else "room"
+    return (
+        Finding(
+            "rating-beyond-modes",
+            f"the rated {method.bands}s go up to {method.highest_hz:.0f} Hz, the modes of the {whose} to {end:.0f} Hz: "
+            f"{told} blank{f', and {numbers}' if method.numbers else ''}; give the {whose} "
+            f"'modes: {{up_to: {10 * ceil(method.highest_hz / 10)} Hz}}'",
+            {
+                "highest_hz": method.highest_hz,
+                "complete_below_hz": end,
+                "blank_bands": len(blank),
+                "first_blank_hz": blank[0],
+            },
+        ),
+    )
+
+
+def blank_bands(method: Method, end_hz: float) -> tuple[float, ...]:
+    """Nominal centres [Hz] of the bands of a method whose upper edges lie above a frequency."""
+    centres = octave_bands(_FAST_HZ) if method.fraction == 1 else third_octave_bands(_FAST_HZ)
+    return tuple(band for band in method.bands_hz if not shown(centres[band], end_hz, method.fraction))
+
+
+def blanks_before(cases: Sequence[Case], solved: Mapping[str, float] = _SOLVED) -> list[tuple[str, Finding]]:
+    """What the modes that cases ask for will leave blank of the rated bands of their rooms, by room; each told once.
+
+    solved : what the modes of cases are complete to [Hz], by case, where that is known; of others it is what they ask
+        for, and nothing is told of a number of modes.
+    """
+    found: dict[tuple[str, str], tuple[list[str], Finding]] = {}
+    for case in cases:
+        end = solved.get(case.name, case.study.extent.up_to_hz or inf)
+        for plan in case.study.rooms:
+            for finding in blank_findings(plan, case.study, end):
+                found.setdefault((plan.name, finding.message), ([], finding))[0].append(case.name)
+    return [
+        (
+            room if len(names) == len(cases) else f"{room} ({', '.join(names)})",
+            finding,
+        )
+        for (room, _), (names, finding) in found.items()
+    ]

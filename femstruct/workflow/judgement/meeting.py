@@ -1,0 +1,243 @@
+"""What makes a level hang on a few hertz: floors that float, floor modes that meet modes of the room, what one-way
+coupling leaves out there; and rooms that a standard is not for."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import inf, isfinite, log10, pi, sqrt
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from acoustics.levels.methods import Method
+from acoustics.meshed.meshed_room import ShapedRoom
+from acoustics.open_air.half_space import HalfSpace
+from acoustics.rooms.box import Room, modal_damping_ratios, room_modes, t60_of
+from acoustics.rooms.box_transfer import overlaps
+from femstruct.arrays import Floats
+from femstruct.errors import Finding
+from femstruct.modal.basis import ModalBasis
+from femstruct.model.probe import Surface
+from femstruct.model.structure import Structure
+from femstruct.parts.foundation import Foundation
+from femstruct.parts.plate import Plate
+from femstruct.sound.surface import room_coordinates
+from femstruct.study.structures import StructureModel
+from femstruct.study.study import RoomPlan, Study
+from femstruct.workflow.stages.rated_rooms import method_for
+
+TOLD: Final = 5  # pairs that are named
+ALIKE: Final = 0.3  # of two shapes on the ceiling from which on one drives the other
+MOVES: Final = 0.1  # rms motion of the ceiling, of the floor mode that moves it most, from which on a mode counts
+EXCHANGED: Final = 0.12  # kappa: 0.5 dB in a band, 1 dB at a line
+SINGLE_MODES: Final = 2000.0  # sqrt(m^3/s)/s: above 2000 sqrt(T / V) modes of a room overlap (Schroeder)
+BESIDE: Final = 1.5  # of the last mode of the floor: modes of the room above it exchange nothing with any
+DECAY_HZ: Final = 100.0  # where a room's reverberation time is taken to tell up to where its modes stand alone
+
+
+@dataclass(frozen=True, eq=False)
+class ModePairs:
+    """Modes of a floor beside those of the room below it: frequencies [m] and [n] [Hz]; for every pair [m, n] whether
+    they are within each other's bandwidth, the likeness of their shapes on the ceiling [1], and what they exchange,
+    kappa [1]; and how far each mode of the floor moves the ceiling [m], of the one that moves it most [1]."""
+
+    floor_hz: Floats
+    room_hz: Floats
+    near: NDArray[np.bool_]
+    likeness: Floats
+    kappa: Floats
+    motion: Floats
+
+
+def meeting_findings(plan: RoomPlan, study: Study, surface: Surface, basis: ModalBasis) -> tuple[Finding, ...]:
+    """Findings on a rated room: its volume, floating floors in its bands, and floor modes that meet its own modes; and
+    on any room what one-way coupling leaves out where they do.
+
+    surface : the ceiling. basis : of the structure without the air, damped.
+    """
+    pairs = mode_pairs(plan, surface, basis)
+    left_out = exchange_findings(plan, pairs) if plan.receivers else ()
+    method = method_for(plan, study)
+    if method is None:
+        return left_out
+    found = [*_volume(plan, method), *floating(study.structure, method.bands_hz)]
+    meet = meetings(pairs)
+    if meet:
+        told = ", ".join(f"{floor:.1f} Hz of the floor and {room:.1f} Hz of the room" for floor, room, _ in meet[:TOLD])
+        more = f", and {len(meet) - TOLD} more" if len(meet) > TOLD else ""
+        found.append(
+            Finding(
+                "floor-room-resonance",
+                f"modes within each other's bandwidth, of like shape on the ceiling: {told}{more}; there the levels "
+                f"depend on a few hertz of either{_exchanged(pairs) if plan.coupling == 'one-way' else ''}",
+                {
+                    "pairs": len(meet),
+                    "floor_hz": meet[0][0],
+                    "room_hz": meet[0][1],
+                    "likeness": meet[0][2],
+                    "kappa": float(pairs.kappa.max()),
+                },
+            )
+        )
+    return (*found, *left_out)
+
+
+def mode_pairs(plan: RoomPlan, surface: Surface, basis: ModalBasis) -> ModePairs:
+    """All modes of a floor and of the room below it up to the frequency above which a room's modes overlap.
+
+    That is 2000 sqrt(T60 / V) (M. R. Schroeder, J. Acoust. Soc. Am. 99, 3240 (1996), doi:10.1121/1.414868). No pairs in
+    the open, and in a room without losses.
+
+    Notes
+    -----
+    Likeness is the cosine of the angle between the two shapes on the ceiling. With a structure's mode phi of unit modal
+    mass and a room's psi, damped with the rates d_p and d_r of their energies, and frequencies apart by w,
+
+        kappa = g^2 / (d_p d_r) / (1 + (2 w / (d_p + d_r))^2),  g = c sqrt(rho) int_S phi psi dS / sqrt(int_V psi^2 dV),
+
+    of two oscillators that gyroscopic forces g couple. In resonance the room's answer to a given force on the structure
+    is 1 + kappa times smaller with the air pushing back, its energy under forces of all frequencies as much.
+    """
+    room = plan.room
+    t60 = t60_of(room.losses, DECAY_HZ)
+    if isinstance(room, HalfSpace) or not isfinite(t60):
+        return _no_pairs()
+    top = SINGLE_MODES * sqrt(t60 / room.volume)
+    elastic = np.flatnonzero((np.array(basis.kind) == "elastic") & (basis.frequency_hz <= top))
+    if not len(elastic):
+        return _no_pairs()
+    top = min(top, BESIDE * float(basis.frequency_hz[elastic].max()))
+    points = room_coordinates(surface, room, plan.offset, plan.name)
+    shapes, weights = surface.shapes(basis.shapes[:, :, elastic]), surface.weights
+    room_hz, products, others, squares = _on_ceiling(room, points, weights, shapes, top)
+    if not len(room_hz):
+        return _no_pairs()
+    sizes, products = np.sqrt(weights @ shapes**2), np.abs(products)
+    both = np.outer(sizes, others)
+    floor_hz = basis.frequency_hz[elastic]
+    floor_width = 2 * np.nan_to_num(basis.damping_ratio[elastic]) * floor_hz
+    room_width = 2 * modal_damping_ratios(room.losses, room_hz) * room_hz
+    apart = np.abs(floor_hz[:, None] - room_hz)
+    widths = floor_width[:, None] + room_width
+    exchange = room.air.c * np.sqrt(room.air.rho / squares) * products / (2 * pi)  # g / 2 pi
+    losses = np.outer(floor_width, room_width) * (1 + (2 * apart / widths) ** 2)
+    return ModePairs(
+        floor_hz,
+        room_hz,
+        near=apart <= 0.5 * widths,
+        likeness=np.divide(products, both, out=np.zeros_like(products), where=both > 0),
+        kappa=np.divide(exchange**2, losses, out=np.full_like(losses, inf), where=losses > 0),
+        motion=sizes / sizes.max() if sizes.max() > 0 else sizes,
+    )
+
+
+def _no_pairs() -> ModePairs:
+    none = np.zeros((0, 0))
+    return ModePairs(np.zeros(0), np.zeros(0), none.astype(bool), none, none, np.zeros(0))
+
+
+def meetings(pairs: ModePairs) -> list[tuple[float, float, float]]:
+    """Modes of the floor that move the ceiling and modes of the room that meet: (floor [Hz], room [Hz], likeness of
+    shapes [1]), by frequency."""
+    meets = pairs.near & (pairs.likeness >= ALIKE) & (pairs.motion >= MOVES)[:, None]
+    at = np.argwhere(meets)
+    return sorted((float(pairs.floor_hz[i]), float(pairs.room_hz[j]), float(pairs.likeness[i, j])) for i, j in at)
+
+
+def exchange_findings(plan: RoomPlan, pairs: ModePairs) -> tuple[Finding, ...]:
+    """A finding where one-way coupling leaves out that a room takes energy back from the floor mode that drives it."""
+    if plan.coupling != "one-way" or not pairs.kappa.size or pairs.kappa.max() < EXCHANGED:
+        return ()
+    i, j = np.unravel_index(int(pairs.kappa.argmax()), pairs.kappa.shape)
+    kappa = float(pairs.kappa[i, j])
+    line, band = 20 * log10(1 + kappa), 10 * log10(1 + kappa)
+    return (
+        Finding(
+            "one-way-resonance",
+            f"{pairs.floor_hz[i]:.1f} Hz of the floor and {pairs.room_hz[j]:.1f} Hz of the room exchange energy, "
+            f"which one-way coupling leaves out (kappa {kappa:.2f}; below {EXCHANGED:g} it may be): levels are up to "
+            f"{line:.1f} dB too high at that frequency, and {band:.1f} dB in its band where the blows have no fixed "
+            "interval. Give the room 'coupling: two-way'",
+            {
+                "kappa": kappa,
+                "allowed": EXCHANGED,
+                "floor_hz": float(pairs.floor_hz[i]),
+                "room_hz": float(pairs.room_hz[j]),
+                "line_db": line,
+                "band_db": band,
+            },
+        ),
+    )
+
+
+def _exchanged(pairs: ModePairs) -> str:
+    """What one-way coupling makes of the pair that exchanges most."""
+    band = 10 * log10(1 + float(pairs.kappa.max()))
+    return f", and with one-way coupling they are up to {band:.1f} dB too loud in a band"
+
+
+def _on_ceiling(
+    room: Room | ShapedRoom, points: Floats, weights: Floats, shapes: Floats, up_to_hz: float
+) -> tuple[Floats, Floats, Floats, Floats]:
+    """Modes of a room up to a frequency, without the uniform one: frequencies [n] [Hz]; integrals over the surface of
+    their shapes times shapes [p, k] of a floor [k, n]; roots of those of their squares [n]; integrals of their squares
+    over the room [n] [m^3]."""
+    if isinstance(room, ShapedRoom):
+        chosen = np.flatnonzero((room.frequency_hz <= up_to_hz) & (np.arange(len(room.frequency_hz)) > 0))
+        sounds = room.modes.at(points)[:, chosen]
+        products, sizes = shapes.T @ (weights[:, None] * sounds), np.sqrt(weights @ sounds**2)
+        return room.frequency_hz[chosen], products, sizes, np.full(len(chosen), room.volume)
+    frequency_hz, indices = room_modes(room, up_to_hz)
+    squares = room.volume * np.where(indices > 0, 0.5, 1.0).prod(axis=1)
+    orders, at = np.unique(indices[:, :2], axis=0, return_inverse=True)  # on the ceiling many modes look alike
+    products = overlaps(room, orders, points, weights[:, None] * shapes).T
+    # cos^2 a cos^2 b = (1 + cos 2a + cos 2b + cos 2a cos 2b) / 4
+    doubled = sum(overlaps(room, orders * twice, points, weights[:, None])[:, 0] for twice in ([2, 0], [0, 2], [2, 2]))
+    sizes = np.sqrt(np.maximum(weights.sum() + doubled, 0.0) / 4.0)
+    return frequency_hz, products[:, at.ravel()], sizes[at.ravel()], squares
+
+
+def floating(structure: StructureModel, bands_hz: tuple[float, ...]) -> list[Finding]:
+    """Plates that float on others with a resonance up to the last of the bands: two masses per area on a spring per
+    area, f = sqrt(s (1 / m1 + 1 / m2)) / 2 pi."""
+    if not isinstance(structure, Structure):
+        return []
+    plates = {part.name: part for part in structure.parts if isinstance(part, Plate)}
+    found = []
+    for part in structure.parts:
+        if not (
+            isinstance(part, Foundation) and part.on in plates and part.to in plates and part.region.kind == "whole"
+        ):
+            continue
+        upper, lower = (plates[str(name)].material.rho * plates[str(name)].thickness for name in (part.on, part.to))
+        resonance = sqrt(part.normal * (1 / upper + 1 / lower)) / (2 * pi)
+        if resonance <= bands_hz[-1]:
+            found.append(
+                Finding(
+                    "floating-floor",
+                    f"{part.name}: {part.on} and {part.to} resonate on it at {resonance:.1f} Hz; up to "
+                    f"{sqrt(2) * resonance:.0f} Hz the floor is louder for it, above quieter, and both depend on its "
+                    f"stiffness, {part.normal:.3g} N/m^3, under the load it has there",
+                    {
+                        "resonance_hz": resonance,
+                        "stiffness_n_m3": part.normal,
+                        "upper_kg_m2": upper,
+                        "lower_kg_m2": lower,
+                    },
+                )
+            )
+    return found
+
+
+def _volume(plan: RoomPlan, method: Method) -> list[Finding]:
+    low, high = method.volume_m3 or (0.0, inf)
+    if low <= plan.room.volume <= high:
+        return []
+    return [
+        Finding(
+            "rating-room-volume",
+            f"{method.measured_by} is for rooms of {low:g} to {high:g} m^3; this one has {plan.room.volume:.4g} m^3",
+            {"volume_m3": plan.room.volume, "least_m3": low, "most_m3": high},
+        )
+    ]

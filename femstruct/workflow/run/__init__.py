@@ -1,0 +1,1 @@
+"""A study from its cases to its files: run, watched, with what it took."""

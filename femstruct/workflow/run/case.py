@@ -1,0 +1,151 @@
+"""One case of a study through all its stages: damping, responses, impacts, rooms, levels, and what is told of them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import partial
+
+from acoustics.errors import Advice
+from acoustics.open_air.half_space import HalfSpace
+from femstruct.errors import Finding
+from femstruct.findings.catalogue import ranked
+from femstruct.impact.response import Response
+from femstruct.impact.shares import mode_energies
+from femstruct.modal.basis import ModalBasis
+from femstruct.sound.power import Radiated
+from femstruct.sound.surface import coupling_findings
+from femstruct.study.result import SILENT, AccuracyCheck, CaseResult, Channel, Frf
+from femstruct.study.study import Case, Study
+from femstruct.workflow.compare.verdicts import judged
+from femstruct.workflow.judgement.all_findings import all_findings
+from femstruct.workflow.judgement.blank_bands import blank_findings
+from femstruct.workflow.judgement.impacts import aliased_findings, room_findings
+from femstruct.workflow.judgement.meeting import meeting_findings
+from femstruct.workflow.judgement.studies import study_findings
+from femstruct.workflow.run.accuracy import accuracy_findings
+from femstruct.workflow.run.provenance import Stopwatch
+from femstruct.workflow.run.struck import Struck, strike, told_once
+from femstruct.workflow.stages.air import ceiling, coupled, coupled_key, weight_on_air
+from femstruct.workflow.stages.bases import Solved, damped
+from femstruct.workflow.stages.channels import motion_rows, record, refuse_absent_forces
+from femstruct.workflow.stages.peaks import peak_findings
+from femstruct.workflow.stages.places import Places
+from femstruct.workflow.stages.rated_rooms import overlap_findings, rate_rooms
+from femstruct.workflow.stages.responses import frequency_response
+from femstruct.workflow.stages.room_transfers import RoomTransfers
+from femstruct.workflow.stages.sound_energies import sound_energies
+
+
+def run_case(
+    case: Case,
+    solved: Mapping[str, Solved],
+    baseline: Case,
+    clock: Stopwatch,
+    accuracy: AccuracyCheck | None = None,
+    *,
+    transfers: RoomTransfers,
+) -> CaseResult:
+    """One case through every stage that its study asks for; accuracy : what came of asking for one; transfers : of
+    rooms heard before."""
+    study, own = case.study, solved[case.name]
+    with clock("damping", case.name):
+        basis = damped(case, solved, baseline)
+    with clock("judgement", case.name):
+        judged_before = (*all_findings(own, basis, case.studies, study.frf), *study_findings(case, own.places))
+    findings = [*judged_before, *(accuracy_findings(accuracy) if accuracy is not None else ())]
+    told: list[tuple[str, Advice | Finding]] = []
+    vacuo = basis
+    if any(plan.coupling == "two-way" for plan in study.rooms):
+        with clock("coupling", case.name):
+            basis, found_of_air = coupled(vacuo, study.rooms, own.places)
+            told += found_of_air
+    with clock("frf", case.name):
+        responses, advised = _responses(study, own.places, basis)
+        told += advised
+    whole: Struck | None = None
+    radiated: dict[str, Radiated] = {}
+    channels, shares, drops, rated = {}, None, {}, {}
+    if study.time is not None:
+        refuse_absent_forces(study, basis)
+        struck = strike(
+            case.drops or {"": study},
+            study.time,
+            own.places,
+            basis,
+            vacuo,
+            partial(clock, case=case.name),
+            transfers,
+        )
+        whole = next(iter(struck.values()))  # of the other drops only numbers are kept
+        drops = {
+            place: struck[place].drop(judged(of_drop, own.places, struck[place].response))
+            for place, of_drop in case.drops.items()
+        }
+        with clock("levels", case.name):
+            shares = mode_energies(whole.response)
+            channels = record(study, own.places, whole.response, whole.rooms)
+            findings += _of_records(study, own.places, basis, whole.response, channels)
+        if any(isinstance(plan.room, HalfSpace) for plan in study.rooms):
+            with clock("sound energy", case.name):
+                radiated, found_of_sound = sound_energies(study, own.places, whole.response)
+                told += found_of_sound
+        findings += told_once({place: one.findings for place, one in struck.items()})
+        rated = rate_rooms(study, [one.bands_db for one in struck.values()])
+        told += weight_on_air(whole.response, vacuo, study.rooms)
+        with clock("judgement", case.name):
+            told += _of_rooms(study, own.places, basis, vacuo)
+    findings += room_findings(told)
+    return CaseResult(
+        case=case,
+        basis_key=coupled_key(own.key, study.rooms),
+        basis=basis,
+        response=None if whole is None else whole.response,
+        frf=responses,
+        channels=channels,
+        rooms={} if whole is None else whole.rooms,
+        levels={} if whole is None else whole.levels,
+        findings=ranked(findings),
+        accuracy=accuracy,
+        shares=shares,
+        rated=rated,
+        drops=drops,
+        errors=None if whole is None else whole.errors,
+        radiated=radiated,
+        heard=SILENT if whole is None else whole.heard,
+    )
+
+
+def _responses(
+    study: Study, places: Places, basis: ModalBasis
+) -> tuple[dict[str, Frf], list[tuple[str, Advice | Finding]]]:
+    """The frequency responses a study asks for, by name, and what is to be known of them."""
+    found: dict[str, Frf] = {}
+    told: list[tuple[str, Advice | Finding]] = []
+    for request in study.frf:
+        found[request.name], advised = frequency_response(request, places, basis, study.rooms)
+        told += [(request.response.name, advice) for advice in advised]
+    return found, told
+
+
+def _of_records(
+    study: Study, places: Places, basis: ModalBasis, response: Response, channels: Mapping[str, Channel]
+) -> list[Finding]:
+    """What is to be known of recorded histories: what lies above their sampling, peaks that hang on the modes."""
+    rows = motion_rows(study, places, basis).items()
+    accelerations = {name: row for name, (what, row) in rows if what == "acceleration"}
+    return [*aliased_findings(response, accelerations), *peak_findings(channels)]
+
+
+def _of_rooms(study: Study, places: Places, basis: ModalBasis, vacuo: ModalBasis) -> list[tuple[str, Advice | Finding]]:
+    """What the modes tell of rooms, by room. basis : with the air that pushes back; vacuo : without it."""
+    told: list[tuple[str, Advice | Finding]] = []
+    for plan in study.rooms:
+        surface = ceiling(plan, places)
+        found: list[Advice | Finding] = [
+            *overlap_findings(plan, study, vacuo),
+            *blank_findings(plan, study, basis.complete_below_hz),
+            *meeting_findings(plan, study, surface, vacuo),
+            *(coupling_findings(vacuo, surface, plan.room) if plan.coupling == "one-way" else ()),
+        ]
+        told += [(plan.name, one) for one in found]
+    return told

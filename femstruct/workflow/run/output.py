@@ -1,0 +1,181 @@
+"""What a run leaves behind: one results file, tables, sound, and pictures."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Final, NamedTuple
+
+import numpy as np
+
+from femstruct.arrays import Floats
+from femstruct.errors import some_of
+from femstruct.files.atomic import file_name, replacing, short
+from femstruct.files.audio import listening_scale, write_sequence, write_wav
+from femstruct.files.belongings import NAME, together
+from femstruct.files.results import write_results
+from femstruct.files.rooms import write_room_modes
+from femstruct.files.tables import summary
+from femstruct.study.result import StudyResult
+from femstruct.view.report import write_report
+from femstruct.workflow.run.provenance import Progress, Stopwatch
+
+NO_PICTURES: Final = "Pictures left out, as asked by --no-pictures."
+NAMED: Final = 4  # files of those that are removed
+
+
+def write_all(
+    result: StudyResult, folder: Path, progress: Progress = lambda line: None, pictures: bool = True
+) -> tuple[dict[str, float], str]:
+    """Write results.h5, summary.json, a WAV for every receiver and case, one to listen to with all cases in turn, all
+    pictures, and report.html with tables, pictures and what to listen to.
+
+    All files take their places together when the last is complete, so that a folder holds those of one run; those of
+    an earlier run that this one does not make are then removed, and nothing else (files.belongings). All sounds of a
+    study have one full scale, so that cases can be compared by ear. pictures : False for numbers, tables, sound alone.
+
+    Returns CPU seconds by stage, and sentences, a line each, about pictures that were left out and files that were
+    removed, or kept though they are older ("" for none).
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    clock = Stopwatch(progress)
+    with together(folder, finished=len(result.cases) == len(result.plan.cases)) as stage:
+        left_out = _write(result, stage.path, clock, pictures)
+    return clock.seconds, "\n".join(filter(None, (left_out, _cleared(stage.removed), _older(stage.older))))
+
+
+def _older(kept: Sequence[str]) -> str:
+    """What is said of files of an earlier run beside those of one with cases missing.
+
+    >>> _older(["a.wav"])
+    'older, of an earlier run, since cases are missing: a.wav (written_by_femstruct.json lists them)'
+    """
+    names = some_of(kept, NAMED)
+    return f"older, of an earlier run, since cases are missing: {names} ({NAME} lists them)" if kept else ""
+
+
+def _cleared(removed: Sequence[str]) -> str:
+    """What is said of files that are no longer there.
+
+    >>> _cleared(["a.wav", "b.wav"]), _cleared([])
+    ('removed what an earlier run left and this one does not make: a.wav, b.wav', '')
+    """
+    names = some_of(removed, NAMED)
+    return f"removed what an earlier run left and this one does not make: {names}" if removed else ""
+
+
+def write_numbers(result: StudyResult, folder: Path, progress: Progress = lambda line: None) -> str:
+    """Write summary.json, the sounds, and report.html without pictures: what a person changes a number for.
+
+    Files take their places as those of `write_all` do. Returns sentences about what was removed or is older.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    clock = Stopwatch(progress)
+    with together(folder, finished=len(result.cases) == len(result.plan.cases)) as stage:
+        _write_summary(result, stage.path)
+        with clock("sound"):
+            sounds = _write_sounds(result, stage.path)
+        heard = {name: (stage.path / name).read_bytes() for name in sounds}
+        write_report(result, stage.path / "report.html", sounds=heard)
+    return "\n".join(filter(None, (_cleared(stage.removed), _older(stage.older))))
+
+
+def _write_summary(result: StudyResult, folder: Path) -> None:
+    with replacing(folder / "summary.json") as path:
+        path.write_text(json.dumps(summary(result), indent=1, allow_nan=False) + "\n", encoding="utf-8")
+
+
+def _write(result: StudyResult, folder: Path, clock: Stopwatch, pictures: bool) -> str:
+    """All files in their order; a sentence about pictures that were left out."""
+    with clock("sound"):
+        sounds = _write_sounds(result, folder)
+    with clock("results file"):
+        write_results(folder / "results.h5", result)
+        _write_summary(result, folder)
+        for plan in result.cases[result.plan.baseline].case.study.rooms:
+            write_room_modes(plan, (folder / file_name("room_modes", plan.name)).with_suffix(".vtu"))
+    shown, left_out = _drawn(result, folder, clock) if pictures else ([], NO_PICTURES)
+    with clock("report"):
+        inside = [{name: (folder / name).read_bytes() for name in names} for names in (shown, sounds)]
+        write_report(result, folder / "report.html", *inside)
+    return left_out
+
+
+def _drawn(result: StudyResult, folder: Path, clock: Stopwatch) -> tuple[list[str], str]:
+    """Draw all pictures, those in three dimensions in a process beside this one: their names in the order of the page,
+    and a sentence about those that were left out."""
+    from femstruct.view.beside import drawn_beside
+    from femstruct.view.opengl import NoOpenGL
+    from femstruct.view.plots import plot_all
+    from femstruct.view.room_scene import room_pictures
+    from femstruct.view.scene import shapes_all
+
+    with clock("pictures"):
+        solid = drawn_beside(lambda: (shapes_all(result, folder), room_pictures(result, folder)))
+        flat = plot_all(result, folder)
+    with clock("pictures in three dimensions"):
+        try:
+            (shapes, left_out), (moving, _) = solid()
+        except NoOpenGL as error:
+            shapes, moving, left_out = [], [], str(error)
+    first = sorted(flat, key=lambda path: not path.name.startswith(("rated", "level", "own_sound")))
+    return [path.name for path in (*first, *moving, *shapes)], left_out
+
+
+class _Heard(NamedTuple):
+    """A pressure history at ROOM.RECEIVER in a case: of what the structure radiates, or with the bodies themselves."""
+
+    case: str
+    total: bool
+    receiver: str
+    p: Floats
+    sampling: float
+
+
+def _write_sounds(result: StudyResult, folder: Path) -> list[str]:
+    """A WAV for every receiver and case, and for every receiver one of all cases in turn, for listening: their names.
+
+    Where striking bodies are heard themselves there are two of a case: of what the structure radiates, as elsewhere,
+    and CASE.ROOM.RECEIVER.total.wav, which follows it in the sequence. All are at one scale, the sequence a decibel
+    below it. Cases of another sampling than the baseline's cannot follow it in one file: they are not in the sequence.
+    """
+    heard = [
+        _Heard(case, total, f"{room}.{receiver.name}", p, item.case.study.time.sampling)
+        for case, item in result.cases.items()
+        if item.case.study.time is not None
+        for room, borne in item.rooms.items()
+        for i, receiver in enumerate(borne.receivers)
+        for total, of in ((False, item.rooms), (True, item.heard.total))
+        if room in of
+        for p in (of[room].p[i],)
+    ]
+    loudest = max((float(np.abs(one.p).max()) for one in heard), default=0.0)
+    if not loudest > 0.0:
+        return []
+    for one in heard:
+        name = _sound_name(one.case, one.receiver, *(["total"] if one.total else []))
+        write_wav(folder / name, one.p, one.sampling, full_scale=loudest)
+    baseline = result.cases[result.plan.baseline].case.study.time
+    names = []
+    for receiver in dict.fromkeys(one.receiver for one in heard):
+        sounds = {
+            f"{one.case}{', total' if one.total else ''}": one.p
+            for one in heard
+            if one.receiver == receiver and baseline is not None and one.sampling == baseline.sampling
+        }
+        if sounds and baseline is not None:
+            names.append(_sound_name("listen", receiver))
+            scale = listening_scale(loudest)
+            write_sequence(folder / names[-1], sounds, baseline.sampling, full_scale=scale, form="pcm24")
+    return names
+
+
+def _sound_name(*words: str) -> str:
+    """A name for a sound, with the spaces of its words; what some system does not take in a name is a line.
+
+    >>> _sound_name("damper 0.6 / new", "box.mic")
+    'damper 0.6 _ new.box.mic.wav'
+    """
+    return short(re.sub(r'[/\\:*?"<>|]', "_", ".".join(words))) + ".wav"

@@ -1,0 +1,77 @@
+"""Where a result comes from, and the CPU seconds that its stages took."""
+
+from __future__ import annotations
+
+import os
+import platform
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from datetime import UTC, datetime
+from functools import cache
+from importlib.metadata import version
+
+from femstruct.sparse.solvers import FASTEST
+
+Progress = Callable[[str], None]
+
+
+def provenance(command: str) -> dict[str, str]:
+    """Versions, platform, time and command line of a run."""
+    return _versions() | {
+        "sparse_solver": FASTEST,
+        "python": sys.version.split()[0],
+        "platform": platform.platform(),
+        "utc": datetime.now(UTC).isoformat(timespec="seconds"),
+        "command": command,
+    }
+
+
+@cache
+def _versions() -> dict[str, str]:
+    packages: tuple[str, ...] = ("femstruct", "numpy", "scipy", "numba", "h5py")
+    packages += ("rslab",) if FASTEST == "rslab" else ()
+    return {f"{name}_version": version(name) for name in packages}
+
+
+class Stopwatch:
+    """CPU seconds by stage, told to a listener as each stage starts."""
+
+    def __init__(self, progress: Progress) -> None:
+        self._progress = progress
+        self._place = ""
+        self.seconds: dict[str, float] = {}
+
+    def at(self, number: int, of: int, since: float) -> None:
+        """Say from now on which of several cases is run, and about how long all of them still take.
+
+        since : when the first of them began, by `time.monotonic`.
+        """
+        self._place = place(number, of, time.monotonic() - since)
+
+    @contextmanager
+    def __call__(self, stage: str, case: str = "") -> Iterator[None]:
+        self._progress((f"{case}: {stage}" if case else stage) + self._place)
+        begin = _cpu_seconds()
+        try:
+            yield
+        finally:
+            self.seconds[stage] = self.seconds.get(stage, 0.0) + _cpu_seconds() - begin
+
+
+def place(number: int, of: int, elapsed: float) -> str:
+    """Which of several cases it is, counted from 1, and about how long all that are left take [s]; "" for one alone.
+
+    >>> place(1, 3, 0.0), place(3, 4, 10.0), place(1, 1, 0.0)
+    (' (1 of 3)', ' (3 of 4, about 10 s left)', '')
+    """
+    if of == 1:
+        return ""
+    left = f", about {elapsed * (of - number + 1) / (number - 1):.0f} s left" if number > 1 else ""
+    return f" ({number} of {of}{left})"
+
+
+def _cpu_seconds() -> float:
+    """Of this process and of those it has waited for."""
+    return time.process_time() + sum(os.times()[2:4])

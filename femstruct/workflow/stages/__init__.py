@@ -1,0 +1,1 @@
+"""The stages of a case, from the basis to the sound."""

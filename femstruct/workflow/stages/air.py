@@ -1,0 +1,118 @@
+"""The air that pushes back: bases of structures joined to the rooms of a study whose coupling is two-way."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Sequence
+from typing import Final
+
+import numpy as np
+
+from acoustics.meshed.meshed_room import ShapedRoom
+from acoustics.meshed.walls import YieldingWall
+from acoustics.open_air.half_space import HalfSpace
+from acoustics.rooms.box import Room
+from femstruct.arrays import Floats
+from femstruct.errors import Finding, InputError, some_of
+from femstruct.impact.response import Response
+from femstruct.modal.basis import ModalBasis
+from femstruct.model.probe import Probe, Surface
+from femstruct.sound.two_way import with_cavity
+from femstruct.study.study import RoomPlan
+from femstruct.workflow.stages.places import Places
+
+CARRIED: Final = 0.05  # share of a weight at rest that sealed air may carry
+_HELD: Final = 1e-9  # share of a probe's motion in rigid modes that is rounding
+
+
+def ceiling(plan: RoomPlan, places: Places) -> Surface:
+    """The surface a room lies under.
+
+    Raises InputError when the structure has no such surface.
+    """
+    if plan.under not in places.surfaces:
+        raise InputError(
+            f"rooms.{plan.name}.under", got=f"'{plan.under}'", expected=some_of(places.surfaces) or "a surface"
+        )
+    return places.surfaces[plan.under]
+
+
+def coupled(
+    basis: ModalBasis, rooms: Sequence[RoomPlan], places: Places
+) -> tuple[ModalBasis, list[tuple[str, Finding]]]:
+    """The basis with the air of all rooms whose coupling is two-way, and what is to be known of it, by room.
+
+    basis : in vacuo, damped; rooms are joined to it one after the other.
+    """
+    told: list[tuple[str, Finding]] = []
+    for plan in rooms:
+        if plan.coupling == "two-way" and not isinstance(plan.room, HalfSpace):
+            known = len(basis.findings)
+            surface = ceiling(plan, places)
+            basis = with_cavity(basis, surface, plan.room, plan.offset, leak=plan.leak, name=plan.name)
+            told += [(plan.name, found) for found in basis.findings[known:]]
+    return basis, told
+
+
+def weight_on_air(response: Response, vacuo: ModalBasis, rooms: Sequence[RoomPlan]) -> list[tuple[str, Finding]]:
+    """What came to rest on a structure whose weight sealed air helps to carry, by room.
+
+    response : of the basis with the air. vacuo : the basis without it.
+
+    Only bodies that fall put a static load on a simulation: its structure is at rest under its own weight at t = 0,
+    where the air has no pressure of its own.
+    """
+    scene = response.scene
+    falling = {body.name: body.mass * scene.gravity for body in scene.bodies if body.falls and scene.gravity}
+    found = []
+    for contact in scene.contacts:
+        ends = (contact.upper, contact.lower)
+        body = next((end for end in ends if isinstance(end, str) and end in falling), None)
+        place = next((end for end in ends if isinstance(end, Probe)), None)
+        if body is None or place is None or contact.preload or not response.contacts[contact.name].force[-1] > 0.0:
+            continue
+        weight, stiffness, alone = falling[body], *(static_stiffness(one, place) for one in (response.basis, vacuo))
+        share = 1.0 - alone / stiffness
+        if not share > CARRIED:
+            continue
+        sinks = f"{1e6 * weight / alone:.4g} um" if alone else "without end"
+        finding = Finding(
+            "sealed-air-carries-load",
+            f"{body} ends at rest on {contact.name}, on a static stiffness of {stiffness:.4g} N/m, {alone:.4g} N/m of "
+            f"which is the structure's: the sealed air carries {100 * share:.0f} % of its weight and keeps its "
+            f"pressure. A room leaks, and the weight sinks from {1e6 * weight / stiffness:.4g} um to {sinks}: believe "
+            "what moves, not where it comes to rest, or give the room a leak",
+            {"with_air_n_m": stiffness, "without_air_n_m": alone, "share": share, "allowed": CARRIED},
+        )
+        found += [(plan.name, finding) for plan in rooms if plan.coupling == "two-way"]
+    return found
+
+
+def static_stiffness(basis: ModalBasis, place: Probe) -> float:
+    """Force over displacement at rest at a place of the structure [N/m]; 0 where nothing holds it."""
+    row: Floats = place.of(basis.shapes)
+    free = basis.omega == 0.0
+    if np.abs(row[free]).max(initial=0.0) > _HELD * np.abs(row).max(initial=0.0):
+        return 0.0
+    return 1.0 / float(((row[~free] / basis.omega[~free]) ** 2).sum())
+
+
+def coupled_key(key: str, rooms: Sequence[RoomPlan]) -> str:
+    """The name of a basis joined to rooms: that of the structure alone where none pushes back."""
+    joined = [
+        (plan.name, plan.under, plan.offset, _shape(plan.room), plan.room.air.c, plan.room.air.rho)
+        + (() if plan.leak is None else (plan.leak.inertance,))
+        for plan in rooms
+        if plan.coupling == "two-way"
+    ]
+    return hashlib.sha256(repr((key, joined)).encode()).hexdigest()[:12] if joined else key
+
+
+def _shape(room: Room | ShapedRoom | HalfSpace) -> object:
+    """What tells rooms apart, but for their air."""
+    if isinstance(room, ShapedRoom):
+        cells = hashlib.sha256(room.mesh.points.tobytes() + room.mesh.cells.tobytes()).hexdigest()
+        yielding = {name: wall for name, wall in room.walls.items() if isinstance(wall, YieldingWall)}
+        springs = [(name, wall.mass, wall.stiffness) for name, wall in sorted(yielding.items())]
+        return cells, room.ceiling, room.up_to_hz, springs
+    return room.size.tolist() if isinstance(room, Room) else ()

@@ -1,0 +1,154 @@
+"""From a structure to its modal basis, solved once for every distinct structure and set of pushed places."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+from femstruct.assembly.assemble import assemble
+from femstruct.modal.analytic import beam, given_modes, oscillator, rod
+from femstruct.modal.basis import ModalBasis
+from femstruct.modal.damping import carry_damping, with_damping
+from femstruct.modal.reduction import modal_basis
+from femstruct.model.mesher import mesh_structure
+from femstruct.model.model import Model
+from femstruct.model.probe import Point, Probe
+from femstruct.model.structure import Structure
+from femstruct.study.structures import BeamModel, ModesModel, NoStructure, OscillatorModel, RodModel, StructureModel
+from femstruct.study.study import Case, Extent, Study
+from femstruct.workflow.stages.fingerprint import fingerprint
+from femstruct.workflow.stages.places import Places
+from femstruct.workflow.stages.rest import axis_of
+
+
+@dataclass(frozen=True, eq=False)
+class Solved:
+    """A structure with its undamped basis; model is None for closed-form structures.
+
+    pushed : names of the places that its residual vectors are for.
+    """
+
+    key: str
+    structure: StructureModel
+    model: Model | None
+    places: Places
+    basis: ModalBasis
+    pushed: frozenset[str] = frozenset()
+
+
+@dataclass(frozen=True, eq=False)
+class Meshed:
+    """A structure without its modes; model is None for closed-form structures."""
+
+    structure: StructureModel
+    model: Model | None
+    places: Places
+
+
+def meshed(structure: StructureModel, studies: Sequence[Study] = ()) -> Meshed:
+    """Mesh a structure, or find the points of a closed form."""
+    if isinstance(structure, Structure):
+        model = mesh_structure(structure)
+        return Meshed(structure, model, Places(model.points, model.surfaces))
+    return Meshed(structure, None, Places(_closed_form(structure, _axis(studies))[1], {}))
+
+
+def solve_all(cases: Sequence[Case], before: Iterable[Solved] = ()) -> dict[str, Solved]:
+    """The undamped basis of every case, by case name; cases of one structure share one.
+
+    before : bases of another run, taken where they are of the same structure, as many modes and the same places.
+
+    Notes
+    -----
+    Shared bases hold residual vectors for the places that any of their cases pushes, so that cases differ by what
+    happens to the structure and never by the basis it is described in.
+    """
+    groups: dict[str, list[Case]] = {}
+    for case in cases:
+        groups.setdefault(key_of(case.study), []).append(case)
+    solved: dict[str, Solved] = {}
+    for key, members in groups.items():
+        studies = [study for case in members for study in case.studies]
+        shared = next((one for one in before if one.key == key and one.pushed == _pushed(one.places, studies)), None)
+        if shared is None:
+            shared = solve(members[0].study.structure, members[0].study.extent, studies, key)
+        solved |= {case.name: shared for case in members}
+    return solved
+
+
+def solve(structure: StructureModel, extent: Extent, studies: Sequence[Study] = (), key: str = "") -> Solved:
+    """Mesh, assemble and solve one structure, with residual vectors for what the studies push."""
+    if isinstance(structure, Structure):
+        model = mesh_structure(structure)
+        places = Places(model.points, model.surfaces)
+        probes: dict[str, Probe] = {}
+        for study in studies:
+            probes |= _force_probes(study, places)
+        assembly = assemble(model)
+        # A structure of a few rigid blocks has fewer modes than anyone asks for: then all there are.
+        count = None if extent.count is None else min(extent.count, assembly.K.shape[0])
+        basis = modal_basis(
+            assembly, up_to=extent.up_to_hz, count=count, probes=[probes[name] for name in sorted(probes)]
+        )
+        return Solved(key, structure, model, places, basis, frozenset(probes))
+    basis, points = _closed_form(structure, _axis(studies))
+    return Solved(key, structure, None, Places(points, {}), basis)
+
+
+def _pushed(places: Places, studies: Sequence[Study]) -> frozenset[str]:
+    """Names of all places of a meshed structure that studies push; of a closed form none has a residual vector."""
+    if not places.surfaces and not isinstance(studies[0].structure, Structure):
+        return frozenset()
+    return frozenset(name for study in studies for name in _force_probes(study, places))
+
+
+def _force_probes(study: Study, places: Places) -> dict[str, Probe]:
+    from femstruct.workflow.stages.staging import force_probes  # modes alone need nothing of impacts
+
+    return force_probes(study, places)
+
+
+def damped(case: Case, solved: Mapping[str, Solved], baseline: Case) -> ModalBasis:
+    """The basis of a case with its damping.
+
+    Notes
+    -----
+    A case that changes the structure but not the damping keeps the baseline's ratios mode by mode, by shape (MAC);
+    mode numbers would give them to other modes.
+    """
+    own, reference = solved[case.name], solved[baseline.name]
+    if own.key == reference.key or changes_damping(case):
+        return with_damping(own.basis, case.study.damping)
+    return carry_damping(baseline.study.damping, reference.basis, own.basis)
+
+
+def changes_damping(case: Case) -> bool:
+    """Whether a case says itself how its structure is damped."""
+    return any(path.split(".")[0] == "damping" for path in case.changes)
+
+
+def _closed_form(
+    structure: OscillatorModel | RodModel | BeamModel | ModesModel | NoStructure, axis: Literal["x", "z"]
+) -> tuple[ModalBasis, Mapping[str, Point]]:
+    match structure:
+        case OscillatorModel(mass, frequency_hz, stiffness, points):
+            return oscillator(mass, frequency_hz=frequency_hz, stiffness=stiffness, points=tuple(points), axis=axis)
+        case RodModel(length, E, rho, area, modes, points):
+            return rod(length, E, rho, area, modes, points)
+        case BeamModel(length, ends, EI, mass_per_length, modes, points):
+            return beam(length, EI, mass_per_length, ends, modes, points)
+        case ModesModel(frequency_hz, ratio, shapes, at):
+            return given_modes(frequency_hz, ratio, shapes, axis=axis, at=at)
+        case NoStructure():
+            return given_modes((), (), {})
+
+
+def _axis(studies: Sequence[Study]) -> Literal["x", "z"]:
+    """Oscillators and given modes have no direction of their own: they move along the axis their study uses."""
+    return axis_of(studies[0]) if studies else "z"
+
+
+def key_of(study: Study) -> str:
+    """A short stable name for all that an undamped basis depends on."""
+    return fingerprint((study.structure, study.extent, axis_of(study)))

@@ -1,0 +1,223 @@
+"""What a study records: histories of points, forces, bodies and rooms, with their peaks."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+import scipy
+
+from acoustics.rooms.box_pressure import RoomResponse
+from femstruct.arrays import Floats
+from femstruct.errors import InputError
+from femstruct.impact.passed import on_the_ground, passed_on
+from femstruct.impact.response import Event, Response
+from femstruct.modal.basis import ForceRow, ModalBasis
+from femstruct.study.result import NET_FORCE, Channel
+from femstruct.study.structures import ModesModel
+from femstruct.study.study import PeakRule, Record, RoomPlan, Study
+from femstruct.workflow.stages.places import Places
+from femstruct.workflow.stages.rest import axis_of, planned_contacts
+from femstruct.workflow.stages.staging import ordered
+
+UNITS = {"displacement": "m", "velocity": "m/s", "acceleration": "m/s^2", "force": "N", "travel": "m", "pressure": "Pa"}
+MOTIONS = ("displacement", "velocity", "acceleration")
+AXES = "xyz"
+FILTER_ORDER = 4
+SETTLED = 10.0  # periods of a band's lowest edge after which a filter of order 4 has forgotten
+DUST = 1e-9  # share of the largest value below which a peak is rounding, or a filter's tail
+GROUND = "ground"
+SIDEWAYS = 1e-6  # of the largest: the eigen solver leaves shapes a residual of 1e-9, their forces some 1e-7
+
+
+def record(study: Study, places: Places, response: Response, rooms: Mapping[str, RoomResponse]) -> dict[str, Channel]:
+    """All channels of a case: what the study records, the net force where contacts meet the structure, and pressures.
+
+    Raises InputError when a record names something that has no such quantity.
+    """
+    histories: dict[str, tuple[Floats, str]] = {}
+    for wanted in study.records:
+        histories |= _recorded(wanted, study, places, response)
+    histories |= {f"{NET_FORCE}{name}": (force, "N") for name, force in _net_forces(study, places, response).items()}
+    for plan in study.rooms:
+        if plan.name in rooms:
+            histories |= _pressures(plan, rooms[plan.name])
+    window = first_window(study.peaks, response)
+    channels = {
+        name: _channel(name, values, unit, study.peaks, response, window) for name, (values, unit) in histories.items()
+    }
+    true = np.array([kind != "residual" for kind in response.basis.kind])
+    for name, (what, row) in motion_rows(study, places, response.basis).items() if not true.all() else ():
+        alone = _channel(name, _moved(response, what, row * true), "", study.peaks, response, window)
+        channels[name] = replace(channels[name], by_modes=(alone.first_impact, alone.whole))
+    return channels
+
+
+def refuse_absent_forces(study: Study, basis: ModalBasis) -> None:
+    """Raise InputError for a recorded force that nothing of the structure, its contacts and links has."""
+    pairs = {contact.name: contact.between for contact in planned_contacts(study)}
+    pairs |= {link.name: link.between for link in study.links}
+    on_ground = any(GROUND in between for between in pairs.values())
+    rows = {name.rpartition(".")[0] for name in basis.outputs}
+    for wanted in study.records:
+        target = wanted.target
+        if wanted.what != "force" or target in pairs or target in rows or (target == GROUND and on_ground):
+            continue
+        if target != GROUND:
+            expected, do = "a part, joint or support that carries a force", "record another one"
+        elif isinstance(study.structure, ModesModel):
+            expected = "given modes and a link or contact between one of their points and the ground"
+            do = "write what stands on the ground as a link, and give the modes of the structure without it"
+        else:
+            expected = "a support, spring, foundation, link or contact that stands on the ground"
+            do = "add one, or do not record it"
+        raise InputError(f"record.{target}", got=f"no force of '{target}'", expected=expected, do=do)
+
+
+def filter_sentence(rule: PeakRule) -> str:
+    """What every peak went through."""
+    if rule.lowpass_hz is None:
+        return "no filter"
+    return f"low-pass {rule.lowpass_hz:g} Hz (Butterworth, order {FILTER_ORDER}, forwards and backwards)"
+
+
+def first_window(rule: PeakRule, response: Response) -> float:
+    """End of the first impact [s]: its window after the first closing, or until a contact closes again.
+
+    A preloaded contact is a clamp that may rattle: it neither begins nor ends an impact.
+    """
+    closed = closings(response)
+    start = min((event.t for event in closed), default=0.0)
+    if rule.first_impact is not None:
+        return start + rule.first_impact
+    seen: set[str] = set()
+    for event in closed:
+        if event.contact in seen:
+            return event.t
+        seen.add(event.contact)
+    return float(response.t[-1])
+
+
+def closings(response: Response) -> list[Event]:
+    """The closings that begin and end impacts: those of contacts without a preload."""
+    clamps = {contact.name for contact in response.scene.contacts if contact.preload > 0.0}
+    return [event for event in response.events if event.what == "closes" and event.contact not in clamps]
+
+
+def in_band(values: Floats, sampling: float, band: tuple[float, float]) -> Floats:
+    """A history [nt] between two frequencies: Butterworth, order 4, forwards and backwards; low-pass where one is 0.
+
+    It goes on as it was before the start and after the end: a structure at rest has been at rest.
+    """
+    low, high = band
+    if low > 0.0:
+        sos = scipy.signal.butter(FILTER_ORDER, (low, high), "bandpass", fs=sampling, output="sos")
+    else:
+        sos = scipy.signal.butter(FILTER_ORDER, high, "lowpass", fs=sampling, output="sos")
+    padding = min(int(SETTLED * sampling / (low or high)), len(values) - 1)
+    filtered: Floats = scipy.signal.sosfiltfilt(sos, values, padtype="constant", padlen=padding)
+    return filtered
+
+
+def _channel(name: str, values: Floats, unit: str, rule: PeakRule, response: Response, window: float) -> Channel:
+    filtered = values
+    if rule.lowpass_hz is not None:
+        filtered = in_band(values, response.clock.sampling, (0.0, rule.lowpass_hz))
+    size = np.abs(filtered)
+    largest = float(size.max())
+    first = float(size[response.t <= window].max(initial=0.0))
+    return Channel(name, values, unit, first if first > DUST * largest else 0.0, largest)
+
+
+def _recorded(wanted: Record, study: Study, places: Places, response: Response) -> dict[str, tuple[Floats, str]]:
+    target, what, unit = wanted.target, wanted.what, UNITS[wanted.what]
+    bodies = {body.name: body for body in study.bodies}
+    if target in response.bodies:
+        body = response.bodies[target]
+        if what == "travel":
+            placed_on = motion_of(bodies[target].target, study, places, response)
+            return {str(wanted): (body.displacement - placed_on, unit)}
+        if what in ("displacement", "velocity"):
+            return {str(wanted): (getattr(body, what), unit)}
+    if what == "force":
+        if target in response.contacts:
+            return {str(wanted): (response.contacts[target].force, unit)}
+        if target in response.links:
+            return {str(wanted): (response.links[target], unit)}
+        rows = {
+            axis: response.basis.outputs[key] for axis in AXES if (key := f"{target}.{axis}") in response.basis.outputs
+        }
+        direct = on_the_ground(response) if target == GROUND else None
+        if rows or direct is not None:
+            return _forces(target, rows, response, {} if direct is None else {axis_of(study): direct})
+    name, _, direction = target.rpartition(".")
+    if what in MOTIONS and name:
+        row = places.point(name, f"record.{target}").probe(direction).of(response.basis.shapes)
+        return {str(wanted): (_moved(response, what, row), unit)}
+    raise InputError(
+        f"record.{target}",
+        got=f"'{what}' of '{target}'",
+        expected="motion of POINT.x, displacement, velocity or travel of a body, or force of a contact, link, spring, "
+        "foundation, support, joint or ground",
+    )
+
+
+def motion_rows(study: Study, places: Places, basis: ModalBasis) -> dict[str, tuple[str, Floats]]:
+    """What a study records of the motion of points, by channel: which motion, and its modal row [k]."""
+    rows: dict[str, tuple[str, Floats]] = {}
+    bodies = {body.name for body in study.bodies}
+    for wanted in study.records:
+        name, _, direction = wanted.target.rpartition(".")
+        if wanted.what in MOTIONS and name and wanted.target not in bodies:
+            probe = places.point(name, f"record.{wanted.target}").probe(direction)
+            rows[str(wanted)] = (wanted.what, probe.of(basis.shapes))
+    return rows
+
+
+def _moved(response: Response, what: str, row: Floats) -> Floats:
+    """Displacement, velocity or acceleration of a row of modes [nt]."""
+    return {"displacement": response.displacement, "velocity": response.velocity}.get(what, response.acceleration)(row)
+
+
+def _forces(
+    target: str, rows: Mapping[str, ForceRow], response: Response, beside: Mapping[str, Floats]
+) -> dict[str, tuple[Floats, str]]:
+    """The vertical force under the plain name, and the horizontal ones that are more than the rounding of mode shapes
+    beside the largest; beside : what else there is along an axis."""
+    found = {
+        axis: response.displacement(row.stiffness)
+        + response.velocity(row.damping)
+        + response.acceleration(row.inertia)
+        + passed_on(response, row.direct)
+        for axis, row in rows.items()
+    }
+    found |= {axis: force + found.get(axis, 0.0) for axis, force in beside.items()}
+    largest = max((np.abs(force).max() for force in found.values()), default=0.0)
+    named = {f"{target} force": (found["z"], "N")} if "z" in found else {}
+    for axis in "xy":
+        if axis in found and np.abs(found[axis]).max() > SIDEWAYS * largest:
+            named[f"{target} force {axis}"] = (found[axis], "N")
+    return named
+
+
+def motion_of(name: str, study: Study, places: Places, response: Response) -> Floats:
+    """Displacement [nt] of a body or a point along the axis of the bodies [m]."""
+    if name in response.bodies:
+        return response.bodies[name].displacement
+    return response.displacement(places.point(name, "bodies").probe(axis_of(study)).of(response.basis.shapes))
+
+
+def _net_forces(study: Study, places: Places, response: Response) -> dict[str, Floats]:
+    """Sum of all contact forces on every point of the structure that contacts touch, positive along the axis."""
+    sums: dict[str, Floats] = {}
+    for planned in planned_contacts(study):
+        force = response.contacts[planned.name].force
+        for name, sign in zip(ordered(study, places, planned), (1.0, -1.0), strict=True):
+            if name != "ground" and name not in response.bodies:
+                sums[name] = sums.get(name, 0.0) + sign * force
+    return sums
+
+
+def _pressures(plan: RoomPlan, room: RoomResponse) -> dict[str, tuple[Floats, str]]:
+    return {f"{plan.name}.{receiver.name} pressure": (room.p[i], "Pa") for i, receiver in enumerate(plan.receivers)}

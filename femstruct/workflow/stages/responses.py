@@ -1,0 +1,130 @@
+"""Frequency responses as studies and the command line ask for them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from acoustics.errors import Advice
+from acoustics.open_air.half_space import HalfSpace
+from femstruct.arrays import Floats
+from femstruct.errors import Finding, InputError, some_of
+from femstruct.modal.basis import ForceRow, ModalBasis
+from femstruct.modal.frf import frf, frf_unit, moves
+from femstruct.model.probe import Probe
+from femstruct.sound.power import power_per_force
+from femstruct.sound.surface import pressure_per_force
+from femstruct.study.result import Frf
+from femstruct.study.study import FrfRequest, RoomPlan, Spot
+from femstruct.workflow.stages.air import ceiling
+from femstruct.workflow.stages.places import Places
+
+
+def frequency_response(
+    request: FrfRequest, places: Places, basis: ModalBasis, rooms: Sequence[RoomPlan] = ()
+) -> tuple[Frf, tuple[Advice, ...]]:
+    """One frequency response of a study from the modal basis, and advice where it is heard in a room."""
+    start, stop = request.band
+    lines = np.arange(int(np.floor((stop - start) / request.step + 1e-9)) + 1, dtype=np.float64)
+    frequency = start + request.step * lines
+    drive = places.point(request.drive.name, _asked(request, "drive")).probe(request.drive.what)
+    if request.kind == "pressure":
+        return _pressure(request, drive, places, basis, rooms, frequency)
+    if request.kind == "power":
+        return _power(request, drive, places, basis, rooms, frequency)
+    response = response_row(request.response, places, basis, _asked(request, "response"))
+    for end, spot, probe in (("drive", request.drive, drive), ("response", request.response, response)):
+        if isinstance(probe, Probe) and not moves(basis, probe):
+            raise InputError(
+                _asked(request, end),
+                got=f"'{spot}', no mode moves along {spot.what}",
+                expected="a direction in which the structure can move",
+            )
+    values = frf(basis, drive, response, frequency, request.kind)
+    return Frf(request, frequency, values, frf_unit(request.kind, request.drive.what, request.response.what)), ()
+
+
+def undamped_findings(basis: ModalBasis, request: FrfRequest) -> tuple[Finding, ...]:
+    """A frequency response whose peaks are no numbers: modes without damping in its band.
+
+    Severe: at such a mode the response is infinite, and a peak is as high as a line happens to be near.
+    """
+    low, high = request.band
+    ratio, hz = basis.damping_ratio, basis.frequency_hz
+    true = np.array([kind == "elastic" for kind in basis.kind], dtype=bool)
+    bare = np.flatnonzero(true & (ratio == 0.0) & (hz >= low) & (hz <= high))
+    if not len(bare):
+        return ()
+    first = float(hz[bare[0]])
+    name = f"frf.{request.name}" if request.name else f"{request.response} / {request.drive}"
+    modes = "1 mode" if len(bare) == 1 else f"{len(bare)} modes"
+    return (
+        Finding(
+            "no-damping",
+            f"{name}: {modes} between {low:g} and {high:g} Hz, the first at {first:.4g} Hz, without damping: "
+            f"peaks there are infinite, and how high they are drawn depends on the step of {request.step:g} Hz alone. "
+            "Give the model a 'damping'",
+            {"modes": len(bare), "first_hz": first, "damping_ratio": 0.0, "step_hz": request.step},
+            severe=True,
+        ),
+    )
+
+
+def _pressure(
+    request: FrfRequest, drive: Probe, places: Places, basis: ModalBasis, rooms: Sequence[RoomPlan], frequency: Floats
+) -> tuple[Frf, tuple[Advice, ...]]:
+    """Pressure at a receiver, ROOM.RECEIVER.pressure, per unit force."""
+    heard = {f"{plan.name}.{receiver.name}": (plan, receiver) for plan in rooms for receiver in plan.receivers}
+    if request.response.name not in heard:
+        raise InputError(
+            _asked(request, "response"), got=f"'{request.response}'", expected=" or ".join(heard) or "a room"
+        )
+    plan, receiver = heard[request.response.name]
+    surface = ceiling(plan, places)
+    values, advice = pressure_per_force(basis, drive, surface, plan.room, [receiver], frequency, plan.offset, plan.name)
+    unit = "Pa/(N m)" if request.drive.what.startswith("r") else "Pa/N"
+    return Frf(request, frequency, values[0], unit), advice
+
+
+def _power(
+    request: FrfRequest, drive: Probe, places: Places, basis: ModalBasis, rooms: Sequence[RoomPlan], frequency: Floats
+) -> tuple[Frf, tuple[Advice, ...]]:
+    """Sound power into an open room, ROOM.power, over the mean square of the force."""
+    plans = {plan.name: plan for plan in rooms if isinstance(plan.room, HalfSpace)}
+    plan = plans.get(request.response.name)
+    if plan is None or not isinstance(plan.room, HalfSpace):
+        expected = " or ".join(f"{name}.power" for name in plans) or "an open room"
+        raise InputError(_asked(request, "response"), got=f"'{request.response}'", expected=expected)
+    surface = ceiling(plan, places)
+    sound, advice = power_per_force(basis, drive, surface, plan.room, frequency, plan.directivity, plan.name)
+    unit = "W/(N m)^2" if request.drive.what.startswith("r") else "W/N^2"
+    return Frf(request, frequency, sound.power.astype(np.complex128), unit, sound), advice
+
+
+def response_row(spot: Spot, places: Places, basis: ModalBasis, asked_by: str) -> Probe | ForceRow:
+    """What a frequency response listens to: a point's direction or a force of the structure.
+
+    Raises InputError when there is no such force or place.
+    """
+    if not spot.what.startswith("force"):
+        return places.point(spot.name, asked_by).probe(spot.what)
+    key = f"{spot.name}.{force_axis(spot)}"
+    if key not in basis.outputs:
+        forces = sorted({name.rpartition(".")[0] for name in basis.outputs})
+        raise InputError(
+            asked_by,
+            got=f"'{spot}'",
+            expected=f"a force of {some_of(forces) or 'nothing'}",
+        )
+    return basis.outputs[key]
+
+
+def force_axis(spot: Spot) -> str:
+    """The axis of a force: z where none is said."""
+    return spot.what.removeprefix("force").lstrip("_") or "z"
+
+
+def _asked(request: FrfRequest, end: str) -> str:
+    """Who asks for an end of a response: a named request of a study, or an option of the command line."""
+    return f"frf.{request.name}.{end}" if request.name else f"--{end}"

@@ -1,0 +1,301 @@
+"""Names become probes: the scene of a study, once its structure has points to hit."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from femstruct.arrays import Floats
+from femstruct.conventions import GRAVITY
+from femstruct.errors import InputError
+from femstruct.impact.bodies import GROUND, Blows, Body, Contact, End, Link, Load, Scene
+from femstruct.modal.basis import ModalBasis
+from femstruct.model.probe import Probe
+from femstruct.study.structures import ModesModel
+from femstruct.study.study import InitialMotion, PlacedBody, PlannedContact, PlannedLink, Study
+from femstruct.workflow.stages.places import Places
+from femstruct.workflow.stages.rest import (
+    at_rest,
+    axis_of,
+    lying_bodies,
+    mass_on,
+    planned_contacts,
+    refuse_restless,
+    weighs,
+)
+
+HORIZONTAL = np.cos(np.radians(45.0))
+
+
+def scene(study: Study, places: Places, basis: ModalBasis | None = None) -> Scene:
+    """Bodies, contacts, links and loads of a study between probes.
+
+    basis : for start velocities of the structure, and to see that what is hit can move.
+
+    Raises InputError when a place is missing or ambiguous, when it cannot be told which end of a contact is above,
+    or when gravity leaves a body without a state of rest.
+
+    Notes
+    -----
+    Bodies above and below move along z, bodies before and after along x, where gravity does not act. The end that is
+    higher (further along x) is the upper one; a body is just above or below what it was placed on.
+    """
+    stage = _Stage(study, places)
+    _refuse_mixed_axes(study)
+    contacts = tuple(stage.contact(contact) for contact in planned_contacts(study))
+    links = tuple(stage.link(link) for link in study.links)
+    refuse_restless(study)
+    resting = at_rest(study)
+    bodies = tuple(_body(body, body.name not in resting) for body in study.bodies)
+    if basis is not None:
+        _refuse_immovable(basis, contacts, links, stage.axis)
+    velocity = _modal_velocity(study.initial, places, basis) if basis is not None else None
+    gravity = GRAVITY if weighs(study) else 0.0
+    return Scene(bodies, contacts, links, stage.loads(), velocity, gravity, stage.blows())
+
+
+def ordered(study: Study, places: Places, planned: PlannedContact) -> tuple[str, str]:
+    """Names of the upper and the lower end of a contact."""
+    return _Stage(study, places).names(planned.between, f"contacts.{planned.name}")
+
+
+def force_probes(study: Study, places: Places) -> dict[str, Probe]:
+    """All places where forces act on the structure, by address: each gets residual vectors in the basis.
+
+    The air of a room that pushes back is one of them.
+    """
+    stage = _Stage(study, places)
+    pairs = [contact.between for contact in planned_contacts(study)] + [link.between for link in study.links]
+    ends = {end for pair in pairs for end in pair}
+    probes = {
+        f"{end}.{stage.axis}": stage.end(end, "contacts")
+        for end in sorted(ends)
+        if end != "ground" and end not in stage.bodies
+    }
+    found = {address: probe for address, probe in probes.items() if isinstance(probe, Probe)}
+    for load in stage.loads():
+        if isinstance(load.on, Probe):
+            found[f"load {load.name}"] = load.on
+    for plan in study.rooms:
+        if plan.coupling == "two-way" and plan.under in places.surfaces:
+            found[f"air of {plan.name}"] = places.surfaces[plan.under].pressure()
+    for request in study.frf:
+        asked_by = f"frf.{request.name}.drive" if request.name else "--drive"
+        found[str(request.drive)] = places.point(request.drive.name, asked_by).probe(request.drive.what)
+    return found
+
+
+@dataclass(frozen=True)
+class _Stage:
+    study: Study
+    places: Places
+
+    @property
+    def bodies(self) -> dict[str, PlacedBody]:
+        return {body.name: body for body in self.study.bodies}
+
+    @property
+    def axis(self) -> str:
+        return axis_of(self.study)
+
+    def end(self, name: str, asked_by: str) -> End:
+        if name == "ground":
+            return GROUND
+        if name in self.bodies:
+            return name
+        point = self.places.point(name, asked_by)
+        if self.axis == "z" and abs(point.normal[2]) < HORIZONTAL:
+            raise InputError(
+                asked_by,
+                got=f"{name} on a part inclined by {np.degrees(np.arccos(abs(point.normal[2]))):.0f} deg",
+                expected="a part within 45 deg of horizontal, where above and below mean something",
+            )
+        return point.probe(self.axis)
+
+    def height(self, name: str, asked_by: str, depth: int = 0) -> tuple[float, int]:
+        """Position along the axis and, at one place, the order of what lies on it: greater is above."""
+        if name == "ground":
+            return (-np.inf, 0)
+        if name not in self.bodies:
+            return (float(self.places.point(name, asked_by).position["xyz".index(self.axis)]), 0)
+        body = self.bodies[name]
+        if depth > len(self.bodies):
+            raise InputError(
+                f"bodies.{name}", got="bodies placed on each other in a circle", expected="a place to start"
+            )
+        at, rank = self.height(body.target, f"bodies.{name}", depth + 1)
+        return (at, rank + (1 if body.side in ("above", "after") else -1))
+
+    def names(self, between: tuple[str, str], asked_by: str) -> tuple[str, str]:
+        """The two ends, the upper one first."""
+        self._refuse_unknown_heights(between, asked_by)
+        heights = [self.height(name, asked_by) for name in between]
+        if heights[0] == heights[1]:
+            raise InputError(
+                f"{asked_by}.between",
+                got=f"{between[0]} and {between[1]} at one height",
+                expected="one end above the other",
+                do=f"move one of them along {self.axis}, or put a body between",
+            )
+        return between if heights[0] > heights[1] else (between[1], between[0])
+
+    def _refuse_unknown_heights(self, between: tuple[str, str], asked_by: str) -> None:
+        """Points of given modes are nowhere unless they say: what stands at one is neither above nor below another."""
+        structure = self.study.structure
+        if not isinstance(structure, ModesModel) or "ground" in between:
+            return
+        at = {name for name in map(self._stands_at, between) if name in structure.points}
+        if len(at) == 2 and not at <= structure.at.keys():
+            raise InputError(
+                f"{asked_by}.between",
+                got=f"{between[0]} and {between[1]}, at points of given modes without positions",
+                expected="to know which end is above the other",
+                do=f"write structure.points.{min(at - structure.at.keys())} as {{shape: [..], at: 0.2 m}}",
+            )
+
+    def _stands_at(self, name: str) -> str:
+        """The point at which a body stands, maybe on other bodies; a point itself."""
+        seen: set[str] = set()
+        while name in self.bodies and name not in seen:
+            seen.add(name)
+            name = self.bodies[name].target
+        return name
+
+    def ordered(self, between: tuple[str, str], asked_by: str) -> tuple[End, End]:
+        upper, lower = self.names(between, asked_by)
+        return self.end(upper, asked_by), self.end(lower, asked_by)
+
+    def contact(self, planned: PlannedContact) -> Contact:
+        where = f"contacts.{planned.name}"
+        upper, lower = self.ordered(planned.between, where)
+        preload = planned.preload + self.resting_weight(planned)
+        return Contact(planned.name, upper, lower, planned.law, planned.gap, preload)
+
+    def resting_weight(self, planned: PlannedContact) -> float:
+        """Weight of a body that lies still on the contact when gravity starts [N]."""
+        if not weighs(self.study):
+            return 0.0
+        lying = lying_bodies(self.study)
+        here = [body for body in lying.values() if {body.name, body.target} == set(planned.between)]
+        return sum(mass_on(body, lying) for body in here) * GRAVITY
+
+    def link(self, planned: PlannedLink) -> Link:
+        upper, lower = self.ordered(planned.between, f"links.{planned.name}")
+        return Link(
+            planned.name,
+            upper,
+            lower,
+            planned.stiffness,
+            planned.closing,
+            planned.opening,
+            planned.release_at,
+            planned.preload,
+        )
+
+    def loads(self) -> tuple[Load, ...]:
+        loads = []
+        for load in self.study.loads:
+            where = f"loads.{load.name}"
+            if load.kind == "point" and not isinstance(load.on, str):
+                on: Probe | str = self.places.point(load.on.name, where).probe(load.on.what)
+            elif load.kind == "surface":
+                on = self.places.surfaces[str(load.on)].pressure()
+            else:
+                on = str(load.on)
+            again = load.repeat
+            loads.append(Load(load.name, on, load.history, again.first, again.every, again.count))
+        for walker in self.study.walks:
+            where, again = f"loads.{walker.name}", walker.repeat
+            path = [place for name in walker.along for place in self.places.of(name, where)]
+            for place, history in zip(path, walker.walk.tables(len(path)), strict=True):
+                name = f"{walker.name} at {place}"
+                probe = self.places.point(place, where).probe("z")
+                loads.append(Load(name, probe, history, again.first, again.every, again.count))
+        return tuple(loads)
+
+    def blows(self) -> tuple[Blows, ...]:
+        """Bodies that strike several times; what lies below another body is placed before it."""
+        planned = [(body, body.blows) for body in self.study.bodies if body.blows is not None]
+        planned.sort(key=lambda pair: abs(self.height(pair[0].name, f"bodies.{pair[0].name}")[1]))
+        return tuple(
+            Blows(body.name, self.end(body.target, f"bodies.{body.name}"), again.every, again.count, again.first)
+            for body, again in planned
+        )
+
+
+def _refuse_immovable(basis: ModalBasis, contacts: Sequence[Contact], links: Sequence[Link], axis: str) -> None:
+    """A place that no mode moves is held, or moves along another axis than its bodies: hitting it is a mistake."""
+    pairs = [(f"contacts.{contact.name}", contact.upper, contact.lower) for contact in contacts]
+    pairs += [(f"links.{link.name}", link.upper, link.lower) for link in links]
+    for where, *ends in pairs:
+        for end in ends:
+            if isinstance(end, Probe) and not end.of(basis.shapes).any():
+                raise InputError(
+                    where,
+                    got=f"an end that no mode moves along {axis}",
+                    expected="a place that can move along the axis of the bodies",
+                    do="connect it to `ground` if it is meant to be held",
+                )
+
+
+def _refuse_mixed_axes(study: Study) -> None:
+    along_x = [body.name for body in study.bodies if body.side in ("before", "after")]
+    along_z = [body.name for body in study.bodies if body.side in ("above", "below")]
+    if along_x and along_z:
+        raise InputError(
+            f"bodies.{along_z[0]}",
+            got=f"above or below, while {along_x[0]} is before or after",
+            expected="bodies that move along one axis",
+        )
+
+
+def _body(body: PlacedBody, falls: bool) -> Body:
+    towards = 1.0 if body.side in ("below", "before") else -1.0
+    return Body(body.name, body.mass, towards * body.speed, falls)
+
+
+def _modal_velocity(initial: InitialMotion, places: Places, basis: ModalBasis) -> Floats | None:
+    """Modal velocities with the given point velocities and the least kinetic energy, or of a rigid motion."""
+    if initial.rigid is not None:
+        about = places.point(initial.rigid.about, "initial.rigid.about")
+        arm = basis.points - about.position
+        wanted = np.concatenate(
+            [
+                np.asarray(initial.rigid.velocity) + np.cross(initial.rigid.spin, arm),
+                np.tile(initial.rigid.spin, (len(arm), 1)),
+            ],
+            axis=1,
+        )
+        rigid = np.array([kind == "rigid" for kind in basis.kind])
+        shapes = basis.shapes[:, :6, rigid].reshape(-1, int(rigid.sum()))
+        q, *_ = np.linalg.lstsq(shapes, wanted.ravel(), rcond=None)
+        missed = np.abs(shapes @ q - wanted.ravel()).max() / np.abs(wanted).max() if wanted.any() else 0.0
+        if missed > 1e-6:
+            raise InputError(
+                "initial.rigid",
+                got=f"a motion its {int(rigid.sum())} rigid-body modes miss by {100 * missed:.2g} %",
+                expected="a structure that is free to move so",
+                do="remove the supports and springs that hold it",
+            )
+        moving = np.zeros(len(basis.omega))
+        moving[rigid] = q
+        return moving
+    if not initial.velocities:
+        return None
+    rows = np.array(
+        [
+            places.point(spot.name, f"initial.velocity.{spot}").probe(spot.what).of(basis.shapes)
+            for spot, _ in initial.velocities
+        ]
+    )
+    values = np.array([value for _, value in initial.velocities])
+    velocity: Floats = np.linalg.lstsq(rows, values, rcond=None)[0]
+    if not np.allclose(rows @ velocity, values, rtol=1e-9, atol=1e-12):
+        raise InputError(
+            "initial.velocity",
+            got="start velocities that the modes cannot follow together",
+            expected="velocities of independent directions that move in some mode",
+        )
+    return velocity

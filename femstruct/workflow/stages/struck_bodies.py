@@ -1,0 +1,175 @@
+"""What striking bodies are heard themselves in open air: which of them, where they are, and what is left out."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from acoustics.errors import AcousticsError, Advice
+from acoustics.levels.sound_levels import Levels, response_levels
+from acoustics.open_air.half_space import HalfSpace
+from acoustics.open_air.sphere import TOUCHING, refuse_inside, sphere_pressures
+from acoustics.rooms.box_pressure import RoomResponse
+from femstruct.arrays import Floats
+from femstruct.errors import Finding, InputError, some_of
+from femstruct.impact.response import Response
+from femstruct.sound.impactor import moved_advice, sphere_of
+from femstruct.study.result import OwnSound
+from femstruct.study.study import PlacedBody, RoomPlan, Study
+from femstruct.workflow.stages.air import ceiling
+from femstruct.workflow.stages.places import Places
+
+
+def spheres_before(plan: RoomPlan, study: Study, places: Places) -> dict[str, tuple[float, Floats]]:
+    """Radius [m] and centre [3] [m] of all bodies with a radius that are in the air of a half space, by name.
+
+    Centres are in the coordinates of the half space, from its surface's centre. Empty for a room.
+
+    Raises InputError for a receiver inside a sphere.
+
+    Notes
+    -----
+    A body is its radius above (below) what it is placed on, where it is pushed; what gap there is at the start is then
+    closed. A body that is placed on another one is above the top of its sphere.
+    """
+    if not isinstance(plan.room, HalfSpace) or not plan.receivers:
+        return {}
+    found = {}
+    for body in study.bodies:
+        centre = _from_surface(body, plan, study, places)
+        height = None if centre is None else float(centre @ plan.room.normal)
+        if body.radius is None or centre is None or height is None or height < body.radius * (1 - TOUCHING):
+            continue
+        if _upward(body) * plan.room.normal[2] < 0:  # placed below what is above the surface
+            continue
+        try:
+            refuse_inside(body.radius, centre, plan.receivers)
+        except AcousticsError as error:
+            raise InputError(f"rooms.{plan.name}.receivers", got=error.got, expected=error.expected) from error
+        found[body.name] = (body.radius, centre)
+    return found
+
+
+def heard_themselves(
+    study: Study,
+    places: Places,
+    response: Response,
+    rooms: Mapping[str, RoomResponse],
+    whole: Mapping[str, RoomResponse],
+) -> OwnSound:
+    """Striking bodies heard in open air, and all that is heard there with what the structure radiates, by room.
+
+    rooms : of the structure, which end where its modes do; whole : the same before.
+
+    Raises InputError as `spheres_before` does.
+    """
+    sounds = {plan.name: _own_sound(plan, study, places, response) for plan in study.rooms if plan.name in rooms}
+    own = {name: one for name, one in sounds.items() if one is not None}
+    total = {name: replace(rooms[name], p=rooms[name].p + one.p, findings=()) for name, one in own.items()}
+    both = {name: replace(total[name], p=whole[name].p + one.p) for name, one in own.items()}
+    return OwnSound(own, total, levels_by_receiver(own, own), levels_by_receiver(total, both))
+
+
+def levels_by_receiver(rooms: Mapping[str, RoomResponse], whole: Mapping[str, RoomResponse]) -> dict[str, Levels]:
+    """Levels of the pressures in rooms, by "ROOM.RECEIVER"; their bands of the whole pressures, before they ended."""
+    return {
+        f"{room}.{receiver}": levels
+        for room, response in rooms.items()
+        for receiver, levels in response_levels(response, whole[room]).items()
+    }
+
+
+def _own_sound(plan: RoomPlan, study: Study, places: Places, response: Response) -> RoomResponse | None:
+    """Pressures that the bodies in the air of a half space make themselves; None where there are none."""
+    placed = spheres_before(plan, study, places)
+    if not placed or not isinstance(plan.room, HalfSpace):
+        return None
+    spheres = [sphere_of(response, name, *sphere, plan.room) for name, sphere in placed.items()]
+    heard = sphere_pressures(spheres, plan.room, plan.receivers)
+    moved = [advice for name, (radius, _) in placed.items() for advice in moved_advice(response, name, radius)]
+    return replace(heard, findings=(*heard.findings, *moved))
+
+
+def own_findings(
+    study: Study, places: Places, response: Response, heard: OwnSound
+) -> list[tuple[str, Advice | Finding]]:
+    """How far to believe the sound of bodies, by room; bodies that strike from the side where somebody listens and are
+    not heard; radii of no use."""
+    told: list[tuple[str, Advice | Finding]] = [(name, one) for name, own in heard.own.items() for one in own.findings]
+    sounding: set[str] = set()
+    for plan in study.rooms:
+        sounding |= spheres_before(plan, study, places).keys()
+        silent = [body.name for body in study.bodies if _left_out(body, plan, study, places, response)]
+        if silent:
+            verb = "strike" if len(silent) > 1 else "strikes"
+            told.append(
+                (
+                    plan.name,
+                    Finding(
+                        "own-sound-left-out",
+                        f"{some_of(silent)} {verb} from the side where somebody listens: only what the surface "
+                        "radiates is heard, not the bodies' own sound, which may be louder at high frequencies; give "
+                        "what is like a sphere its 'radius'",
+                        {"bodies": len(silent)},
+                    ),
+                )
+            )
+    listening = [plan for plan in study.rooms if isinstance(plan.room, HalfSpace) and plan.receivers]
+    for body in study.bodies:
+        if body.radius is not None and body.name not in sounding and listening:
+            finding = Finding(
+                "radius-unused",
+                f"{body.name} is not in front of the surface of {some_of(plan.name for plan in listening)}: its "
+                f"radius of {1e3 * body.radius:g} mm makes no sound there",
+                {"radius_m": body.radius},
+            )
+            told.append((body.name, finding))
+    return told
+
+
+def _left_out(body: PlacedBody, plan: RoomPlan, study: Study, places: Places, response: Response) -> bool:
+    """Whether a body without a radius strikes something in the air of a half space where somebody listens."""
+    if body.radius is not None or not isinstance(plan.room, HalfSpace) or not plan.receivers:
+        return False
+    centre = _from_surface(body, plan, study, places)
+    strikes = any(
+        response.contacts[contact.name].closings
+        for contact in response.scene.contacts
+        if body.name in (contact.upper, contact.lower)
+    )
+    on_side = _upward(body) * plan.room.normal[2] > 0
+    return strikes and on_side and centre is not None and float(centre @ plan.room.normal) > -1e-9
+
+
+def _from_surface(body: PlacedBody, plan: RoomPlan, study: Study, places: Places) -> Floats | None:
+    """Centre of a body from that of a surface [3] [m]; None for one that moves along x, or over the ground."""
+    if body.side not in ("above", "below"):
+        return None
+    found = _centre(body, {one.name: one for one in study.bodies}, places, ())
+    if found is None:
+        return None
+    surface = ceiling(plan, places)
+    centre: Floats = found - (surface.corner + surface.size @ surface.along / 2.0)
+    return centre
+
+
+def _centre(body: PlacedBody, bodies: Mapping[str, PlacedBody], places: Places, seen: Sequence[str]) -> Floats | None:
+    """Centre of a body when it touches what it is placed on, global axes [3] [m]."""
+    if body.target == "ground" or body.name in seen:
+        return None
+    radii, carrier = body.radius or 0.0, bodies.get(body.target)
+    if carrier is None:
+        at = places.point(body.target, f"bodies.{body.name}").position
+    else:
+        found = _centre(carrier, bodies, places, (*seen, body.name))
+        if found is None:
+            return None
+        at, radii = found, radii + (carrier.radius or 0.0)
+    centre: Floats = at + np.array([0.0, 0.0, _upward(body) * radii])
+    return centre
+
+
+def _upward(body: PlacedBody) -> float:
+    return 1.0 if body.side == "above" else -1.0
