@@ -12,7 +12,7 @@ from femstruct.assembly.dofs import DofLabels, RawDofs, number_dofs
 from femstruct.assembly.forces import force_rows, grounded
 from femstruct.assembly.matrices import Assembly, DofMap
 from femstruct.assembly.ties import Elimination, eliminate
-from femstruct.errors import InputError, SingularSystem, some_of
+from femstruct.errors import FemstructError, InputError, SingularSystem, some_of
 from femstruct.model.facts import part_masses
 from femstruct.model.model import Model
 
@@ -53,7 +53,13 @@ def assemble(model: Model) -> Assembly:
             loss_factors[name] = part.loss_factor
     for elastic in model.elastics:
         rows = csr_array(elastic.rows @ dofs.output)
-        stiffness[elastic.name] = _congruent(rows, elastic.stiffness)
+        added = _congruent(rows, elastic.stiffness)
+        if elastic.name in stiffness:  # of a part that has both cells and springs
+            if elastic.loss_factor != loss_factors[elastic.name]:
+                got = f"loss factors of {loss_factors[elastic.name]:g} and {elastic.loss_factor:g}"
+                raise FemstructError(f"parts.{elastic.name}", got=got, expected="one for all that has its name")
+            added = csr_array(stiffness[elastic.name] + added)
+        stiffness[elastic.name] = added
         dashpots.append(_congruent(rows, elastic.damping))
         loss_factors[elastic.name] = elastic.loss_factor
     masses += [_congruent(csr_array(inert.rows @ dofs.output), inert.mass) for inert in model.inerts]

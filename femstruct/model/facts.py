@@ -13,7 +13,8 @@ from femstruct.model.model import Model
 def part_masses(model: Model) -> dict[str, float]:
     """Mass of every part that has one, by name [kg]."""
     masses = {name: part.mass for name, part in model.parts.items()}
-    masses |= {inert.name: inert.total for inert in model.inerts}
+    for inert in model.inerts:
+        masses[inert.name] = masses.get(inert.name, 0.0) + inert.total
     return {name: mass for name, mass in masses.items() if mass > 0}
 
 

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from femstruct.arrays import Floats
-from femstruct.errors import InputError, some_of
+from femstruct.errors import FemstructError, InputError, some_of
 from femstruct.model.constraints import joint, support
 from femstruct.model.fastened import Elastic, Inert, Tie
 from femstruct.model.grid.planning import planned
@@ -90,14 +90,16 @@ def _part_of(where: str, name: str, parts: Mapping[str, Meshed]) -> Meshed:
 def _fastened(
     structure: Structure, bare: Model, tolerance: float
 ) -> tuple[tuple[Elastic, ...], tuple[Inert, ...], tuple[Tie, ...]]:
-    found = [part.fastened(bare, tolerance) for part in structure.parts]
-    elastics = [one for one in found if isinstance(one, Elastic)]
-    ties = [support(item, bare, tolerance) for item in structure.supports]
+    found = [one for part in structure.parts for one in part.fastened(bare, tolerance)]
+    found += [support(item, bare, tolerance) for item in structure.supports]
     for item in structure.joints:
-        tie, elastic = joint(item, bare, tolerance)
-        ties += [tie] if tie is not None else []
-        elastics += [elastic] if elastic is not None else []
-    return tuple(elastics), tuple(one for one in found if isinstance(one, Inert)), tuple(ties)
+        found += [one for one in joint(item, bare, tolerance) if one is not None]
+    elastics = tuple(one for one in found if isinstance(one, Elastic))
+    inerts = tuple(one for one in found if isinstance(one, Inert))
+    ties = tuple(one for one in found if isinstance(one, Tie))
+    if len(elastics) + len(inerts) + len(ties) != len(found):
+        raise FemstructError("parts", got="something fastened that is no Elastic, Inert or Tie", expected="one of them")
+    return elastics, inerts, ties
 
 
 def _check_names(structure: Structure) -> None:

@@ -6,7 +6,9 @@ The way of a part, in order::
     corners, body              how large it is, what it fills                  before there is a mesh
     lay_out, needs             grid lines of its own, nodes it needs of others  femstruct.model.grid.layout
     meshed -> Meshed           its nodes, and what they can do
-    fastened -> Elastic, Inert  springs and masses on the nodes of others      once all parts are meshed
+    fastened -> Elastic, Inert, Tie    what it adds to nodes, its own or others'  once all parts are meshed
+
+A kind may have nodes, be fastened to those of others, or both: then what is fastened may have the part's own name.
 """
 
 from __future__ import annotations
@@ -20,7 +22,7 @@ from scipy.sparse import csr_array
 from femstruct.arrays import Floats, Integers
 from femstruct.conventions import COMPONENTS, N_COMPONENTS
 from femstruct.errors import InputError
-from femstruct.model.fastened import Elastic, Inert
+from femstruct.model.fastened import Elastic, Inert, Tie
 from femstruct.model.probe import Point, Surface
 
 if TYPE_CHECKING:
@@ -62,16 +64,16 @@ class Part:
         """Ask for nodes of other parts where this one acts on them."""
 
     def carriers(self) -> tuple[str | None, ...]:
-        """Names of the points it is fastened to: they have nodes."""
+        """Names of the points it is fastened to: asked for here, each gets a node."""
         return ()
 
     def meshed(self, layout: Layout, grids: Grids, first: int) -> Meshed | None:
         """The part with nodes, numbered from `first`; None for what has none of its own."""
         return None
 
-    def fastened(self, model: Model, tolerance: float) -> Elastic | Inert | None:
-        """What it adds to the nodes of other parts."""
-        return None
+    def fastened(self, model: Model, tolerance: float) -> tuple[Elastic | Inert | Tie, ...]:
+        """What it adds to nodes: springs, masses, equations."""
+        return ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,7 +81,8 @@ class OwnDofs:
     """Degrees of freedom of one part before ties, and the nodal components they make.
 
     labels : of the DOFs at a node, by name. extra : labels of those that belong to the part as a whole; they come after
-    all nodes. rows, columns, values [m] : nodal components (7 a node of the part, in its order) from the DOFs.
+    all nodes. rows, columns, values [m] : nodal components from the DOFs, both counted within the part from 0 on: row
+    7 i + c is component c of the i-th of its places.
     translations [n, 3] : DOFs of unit translations along x, y, z.
     """
 
@@ -107,10 +110,14 @@ class Drawn(NamedTuple):
 
 
 class Meshed:
-    """A part with nodes of its own, numbered from `first` on; the base of all kinds that have some."""
+    """A part with nodes of its own, numbered from `first` on in the whole structure; the base of kinds that have some.
+
+    Every kind has a name, places, mass, lumps, dofs, stiffness_and_mass, point, drawn; the rest is for those that have
+    it. Node numbers are those of the whole structure everywhere but in `dofs`.
+    """
 
     first: int
-    rigid: ClassVar[bool] = False  # moves as one body
+    rigid: ClassVar[bool] = False  # one node with six degrees of freedom, as a block has: it can lean, and be counted
     rigid_in_plane: ClassVar[bool] = False  # bends, but neither stretches nor shears in its plane
 
     @property
@@ -155,7 +162,7 @@ class Meshed:
 
     @property
     def held_together(self) -> list[Integers]:
-        """Groups of its nodes that its cells hold together."""
+        """Groups of its nodes that its cells hold together; all of them, unless the kind says otherwise."""
         return [self.nodes]
 
     @property
@@ -204,7 +211,8 @@ class Meshed:
         raise InputError(f"surfaces.{item.name}.on", got=f"'{item.on}'", expected="a plate")
 
     def motion_at(self, places: Floats, tolerance: float) -> tuple[Integers, Floats]:
-        """Motion of places [p, 3] [m] that move with it: nodes [p, k], rows [p, 6, k, 7], global axes."""
+        """Motion of places [p, 3] [m] that move with it, for layers against its faces: nodes [p, k], rows
+        [p, 6, k, 7], global axes."""
         raise NotImplementedError
 
     def drawn(self, divisions: int, along: int, n_nodes: int) -> Drawn:

@@ -58,7 +58,7 @@ class Foundation(Part):
                 for corner in to_rectangle(rectangle, layout.axes_of[name], layer.corners):
                     layout.on_rectangle(name, np.clip(corner[:2], 0.0, rectangle.size))
 
-    def fastened(self, model: Model, tolerance: float) -> Elastic:
+    def fastened(self, model: Model, tolerance: float) -> tuple[Elastic]:
         """A Winkler foundation at Gauss points: along its normal, and along both directions in its plane in shear.
 
         Between two parts it resists the motion of the first less that of the second, both carried to the middle of
@@ -75,7 +75,7 @@ class Foundation(Part):
         places, n_nodes = layer.places(local), model.mesh.n_nodes
         motions = [_motion(side, places, layer.axes[kept], n_nodes, tolerance) for side in sides]
         stiffness = (weights[:, None] * values[kept]).ravel()
-        return Elastic(
+        elastic = Elastic(
             self.name,
             motions[0] if self.to is None else csr_array(motions[0] - motions[1]),
             stiffness,
@@ -85,6 +85,7 @@ class Foundation(Part):
             loss_factor=self.loss_factor,
             places=layer.places(local) if all(side.rigid for side in sides) else np.zeros((0, 3)),
         )
+        return (elastic,)
 
 
 def _layer_points(layer: Layer, region: Region, sides: Sequence[Meshed], tolerance: float) -> tuple[Floats, Floats]:

@@ -70,7 +70,7 @@ class Inertia(Part):
     def carriers(self) -> tuple[str, ...]:
         return (self.at,)
 
-    def fastened(self, model: Model, tolerance: float) -> Inert:
+    def fastened(self, model: Model, tolerance: float) -> tuple[Inert]:
         points = places_of(f"parts.{self.name}.at", self.at, model)
         moments, axes = self.principal()
         motions = [point_rows(point, np.asarray(self.offset), model) for point in points]
@@ -78,4 +78,4 @@ class Inertia(Part):
         rows = csr_array(vstack([*(motion[:3] for motion in motions), *turns]))
         count = len(points)
         masses = np.concatenate([np.full(3 * count, self.mass), np.tile(moments.clip(min=0.0), count)])
-        return Inert(self.name, rows, masses, count)
+        return (Inert(self.name, rows, masses, count),)

@@ -47,10 +47,10 @@ class Mass(Part):
         if self.on is not None and self.on not in layout.segments:
             layout.on_region(f"parts.{self.name}.region", self.on, self.region or Region("whole"))
 
-    def fastened(self, model: Model, tolerance: float) -> Inert:
+    def fastened(self, model: Model, tolerance: float) -> tuple[Inert]:
         if not self.mass > 0:
             raise InputError(f"parts.{self.name}.mass", got=f"{self.mass:g}", expected="a positive mass")
-        return self._lumped(model) if self.at is not None else self._spread(model, tolerance)
+        return (self._lumped(model) if self.at is not None else self._spread(model, tolerance),)
 
     def _lumped(self, model: Model) -> Inert:
         """A particle at every place of a point; the mass is that of each."""

@@ -36,7 +36,7 @@ class Spring(Part):
     def carriers(self) -> tuple[str | None, ...]:
         return self.a, self.b
 
-    def fastened(self, model: Model, tolerance: float) -> Elastic:
+    def fastened(self, model: Model, tolerance: float) -> tuple[Elastic]:
         """Springs between places, one for each pair, or one for each place to the ground.
 
         Two places apart from each other act in the middle between them, each through a rigid arm of its own rotation,
@@ -67,7 +67,7 @@ class Spring(Part):
         count = len(matrices)
         directions = np.zeros((len(DIRECTIONS), 3))
         directions[:3] = np.eye(3)
-        return Elastic(
+        elastic = Elastic(
             self.name,
             csr_array(vstack(matrices)),
             np.tile(values[0, kept], count),
@@ -76,3 +76,4 @@ class Spring(Part):
             grounded=self.b is None,
             places=positions,
         )
+        return (elastic,)
