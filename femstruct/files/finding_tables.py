@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from acoustics.errors import Advice
 from femstruct.errors import Finding
 from femstruct.files.numbers import number
 from femstruct.findings.catalogue import place_of, rank_of
-from femstruct.study.result import StudyResult
+
+if TYPE_CHECKING:  # tables of one structure need nothing of impacts
+    from femstruct.study.result import StudyResult
 
 
 def finding_table(found: Finding | Advice) -> dict[str, Any]:

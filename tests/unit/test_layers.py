@@ -168,6 +168,14 @@ def test_help_loads_nothing_but_the_command_line() -> None:
     assert not loaded & {"numpy", "scipy", "numba", "h5py", "pyvista", "matplotlib", "pydantic", "ruamel"}
 
 
+def test_modes_load_nothing_of_impacts_or_results() -> None:
+    """A third of what `femstruct modes` takes to start would be nouns that it does not use."""
+    code = "import sys, femstruct.workflow.check.asked_modes; print(*sys.modules)"
+    loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT).stdout
+    found = [name for name in loaded.split() if name.startswith(("femstruct.impact", "femstruct.study.result"))]
+    assert not found
+
+
 def test_tables_for_the_terminal_load_no_plots() -> None:
     """`impact` and `sound` draw nothing: matplotlib would be half of what their start takes."""
     code = "import sys, femstruct.view.terminal; print(*sys.modules)"
