@@ -31,7 +31,7 @@ def support(item: Support, model: Model, tolerance: float) -> Tie:
         return Tie(item.name, rows, np.tile(_AXES[held], (len(points), 1)), grounded=True)
     name, n_nodes = item.on or "", model.mesh.n_nodes
     if name not in model.parts:
-        raise InputError(f"{where}.on", got=f"'{name}'", expected=f"a part: {some_of(model.parts)}")
+        raise InputError(f"{where}.on", got=f"'{name}'", expected=f"a part with nodes: {some_of(model.parts)}")
     part = model.parts[name]
     if item.edge is None and item.line is None:
         components = np.eye(N_COMPONENTS)[listed(where, _named(item))]
@@ -65,6 +65,9 @@ def joint(item: Joint, model: Model, tolerance: float) -> tuple[Tie | None, Elas
     makes the slope across the line continuous between nodes; where one lies on a block it cannot twist.
     """
     where = f"joints.{item.name}"
+    for end in (item.a, item.b):
+        if end not in model.parts:
+            raise InputError(where, got=f"'{end}'", expected=f"a part with nodes: {some_of(model.parts)}")
     one, other = model.parts[item.a], model.parts[item.b]
     boxes = [part for part in (one, other) if part.box is not None]
     pairs = _box_pairs(item, model, tolerance) if boxes else _pairs(item, model, tolerance)

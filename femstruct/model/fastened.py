@@ -44,18 +44,18 @@ class Inert:
     """Mass without elasticity on generalised displacements.
 
     rows [m, n_nodes * 7] : global x, y, z displacements of its places, one place after the other, then rotations.
-    mass [m] : of each place, three times [kg], then moments of inertia [kg m^2]. places : how many there are.
+    mass [m] : of each place, three times [kg], then moments of inertia [kg m^2]. n_places : how many there are.
     """
 
     name: str
     rows: csr_array
     mass: Floats
-    places: int
+    n_places: int
 
     @property
     def total(self) -> float:
         """What moves with a translation [kg]."""
-        return float(self.mass[: 3 * self.places : 3].sum())
+        return float(self.mass[: 3 * self.n_places : 3].sum())
 
     def __post_init__(self) -> None:
         freeze(self, mass=frozen(f"{self.name} mass", self.mass, (self.rows.shape[0],)))

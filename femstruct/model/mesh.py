@@ -16,14 +16,13 @@ class Mesh:
     points [n, 3] : coordinates of the nodes [m].
     quads [q, 4] : corner nodes of plate cells, in the order (0, 0) (0, b) (a, b) (a, 0) along the plate's own axes.
     bars [b, 2] : end nodes of bars.
-    nodes, cells : by part: its nodes, and its rows of `quads` (a plate) or `bars` (a frame).
+    nodes : by part.
     """
 
     points: Floats
     quads: Integers
     bars: Integers
     nodes: Mapping[str, Integers]
-    cells: Mapping[str, Integers]
 
     def __post_init__(self) -> None:
         points = frozen("Mesh points", self.points, (None, 3))
@@ -33,7 +32,6 @@ class Mesh:
             quads=frozen_integers("Mesh quads", self.quads, (None, 4)),
             bars=frozen_integers("Mesh bars", self.bars, (None, 2)),
             nodes={name: frozen_integers(f"Mesh nodes of {name}", rows, (None,)) for name, rows in self.nodes.items()},
-            cells={name: frozen_integers(f"Mesh cells of {name}", rows, (None,)) for name, rows in self.cells.items()},
         )
         for name, cells in (("quads", self.quads), ("bars", self.bars)):
             if cells.size and not (cells.min() >= 0 and cells.max() < len(points)):

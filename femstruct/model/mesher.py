@@ -6,7 +6,6 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from femstruct.arrays import Floats
 from femstruct.errors import FemstructError, InputError, some_of
 from femstruct.model.constraints import joint, support
 from femstruct.model.fastened import Elastic, Inert, Tie
@@ -59,15 +58,12 @@ def mesh_structure(structure: Structure) -> Model:
 
 
 def _mesh_of(parts: Mapping[str, Meshed]) -> Mesh:
-    quads, bars = np.empty((0, 4), np.int64), np.empty((0, 2), np.int64)
-    cells = {}
-    for name, part in parts.items():
-        if len(part.quads) or len(part.lines):  # of either kind, not both
-            start = len(quads) if len(part.quads) else len(bars)
-            cells[name] = np.arange(start, start + len(part.quads) + len(part.lines))
-        quads, bars = np.concatenate([quads, part.quads]), np.concatenate([bars, part.lines])
-    places: list[Floats] = [part.places for part in parts.values()]
-    return Mesh(np.concatenate(places), quads, bars, {name: part.nodes for name, part in parts.items()}, cells)
+    return Mesh(
+        np.concatenate([part.places for part in parts.values()]),
+        np.concatenate([part.quads for part in parts.values()]),
+        np.concatenate([part.lines for part in parts.values()]),
+        {name: part.nodes for name, part in parts.items()},
+    )
 
 
 def _points(places: tuple[PlaceOn, ...], parts: Mapping[str, Meshed], tolerance: float) -> dict[str, Point]:

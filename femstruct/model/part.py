@@ -13,6 +13,8 @@ A kind may have nodes, be fastened to those of others, or both: then what is fas
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar, NamedTuple
 
@@ -67,6 +69,11 @@ class Part:
         """Names of the points it is fastened to: asked for here, each gets a node."""
         return ()
 
+    def identity(self, places: Mapping[str, object]) -> tuple[object, ...] | None:
+        """What it is called and all that makes it what it is but its name; two parts of one identity are one, given
+        twice. None for what is judged by the space it fills. places : what to put for the name of a point."""
+        return None
+
     def meshed(self, layout: Layout, grids: Grids, first: int) -> Meshed | None:
         """The part with nodes, numbered from `first`; None for what has none of its own."""
         return None
@@ -109,11 +116,11 @@ class Drawn(NamedTuple):
     lines: Integers
 
 
-class Meshed:
+class Meshed(ABC):
     """A part with nodes of its own, numbered from `first` on in the whole structure; the base of kinds that have some.
 
-    Every kind has a name, places, mass, lumps, dofs, stiffness_and_mass, point, drawn; the rest is for those that have
-    it. Node numbers are those of the whole structure everywhere but in `dofs`.
+    What is abstract every kind has; the rest is for those that have it. Node numbers are those of the whole structure
+    everywhere but in `dofs`.
     """
 
     first: int
@@ -121,14 +128,14 @@ class Meshed:
     rigid_in_plane: ClassVar[bool] = False  # bends, but neither stretches nor shears in its plane
 
     @property
+    @abstractmethod
     def name(self) -> str:
         """Name of the part."""
-        raise NotImplementedError
 
     @property
+    @abstractmethod
     def places(self) -> Floats:
         """Of its nodes [n, 3] [m]."""
-        raise NotImplementedError
 
     @property
     def nodes(self) -> Integers:
@@ -146,9 +153,9 @@ class Meshed:
         return np.empty((0, 2), np.int64)
 
     @property
+    @abstractmethod
     def mass(self) -> float:
         """Its mass [kg]."""
-        raise NotImplementedError
 
     @property
     def loss_factor(self) -> float:
@@ -156,9 +163,9 @@ class Meshed:
         return 0.0
 
     @property
+    @abstractmethod
     def lumps(self) -> Floats:
         """Its mass as particles at its nodes [n] [kg], to see what carries its weight."""
-        raise NotImplementedError
 
     @property
     def held_together(self) -> list[Integers]:
@@ -194,17 +201,17 @@ class Meshed:
         """Places [m, 3] it reaches to beyond its nodes [m]."""
         return np.zeros((0, 3))
 
+    @abstractmethod
     def dofs(self) -> OwnDofs:
         """Its degrees of freedom."""
-        raise NotImplementedError
 
+    @abstractmethod
     def stiffness_and_mass(self) -> tuple[csr_array | None, csr_array]:
         """Matrices [n, n] on its degrees of freedom; no stiffness where nothing of it deforms."""
-        raise NotImplementedError
 
+    @abstractmethod
     def point(self, name: str, place: PlaceOn, at: Floats, tolerance: float) -> Point:
         """A named place of it. Raises InputError for a place off the part, saying by how much."""
-        raise NotImplementedError
 
     def surface(self, item: SurfaceOn, n_nodes: int, tolerance: float) -> Surface:
         """A named side of it that radiates or is pressed."""
@@ -213,11 +220,13 @@ class Meshed:
     def motion_at(self, places: Floats, tolerance: float) -> tuple[Integers, Floats]:
         """Motion of places [p, 3] [m] that move with it, for layers against its faces: nodes [p, k], rows
         [p, 6, k, 7], global axes."""
-        raise NotImplementedError
+        raise InputError(
+            f"parts.{self.name}", got="no face that a layer can lie against", expected="a plate or a block"
+        )
 
+    @abstractmethod
     def drawn(self, divisions: int, along: int, n_nodes: int) -> Drawn:
         """It for pictures; divisions : pieces of a cell's side, along : of a bar."""
-        raise NotImplementedError
 
 
 def six_at_nodes(count: int) -> OwnDofs:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -49,6 +49,9 @@ class Foundation(Part):
     def ends(self) -> tuple[str, ...]:
         """Names of the parts it acts on."""
         return (self.on,) if self.to is None else (self.on, self.to)
+
+    def identity(self, places: Mapping[str, object]) -> tuple[object, ...]:
+        return "layer", self.on, self.to, self.region, self.normal, self.shear
 
     def needs(self, layout: Layout) -> None:
         layer = layer_of(self, layout.bodies, layout.tolerance)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -69,6 +70,9 @@ class Inertia(Part):
 
     def carriers(self) -> tuple[str, ...]:
         return (self.at,)
+
+    def identity(self, places: Mapping[str, object]) -> tuple[object, ...]:
+        return "concentrated body", self.mass, self.moments, self.products, self.offset, places.get(self.at, self.at)
 
     def fastened(self, model: Model, tolerance: float) -> tuple[Inert]:
         points = places_of(f"parts.{self.name}.at", self.at, model)

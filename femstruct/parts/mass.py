@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
@@ -42,6 +43,10 @@ class Mass(Part):
 
     def carriers(self) -> tuple[str | None, ...]:
         return (self.at,)
+
+    def identity(self, places: Mapping[str, object]) -> tuple[object, ...]:
+        where = places.get(self.at, self.at) if self.at is not None else (self.on, self.region)
+        return "mass", self.mass, self.per, where
 
     def needs(self, layout: Layout) -> None:
         if self.on is not None and self.on not in layout.segments:

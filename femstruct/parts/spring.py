@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -35,6 +36,10 @@ class Spring(Part):
 
     def carriers(self) -> tuple[str | None, ...]:
         return self.a, self.b
+
+    def identity(self, places: Mapping[str, object]) -> tuple[object, ...]:
+        ends = frozenset(str(places.get(end, end)) for end in (self.a, self.b) if end is not None)
+        return "spring", self.stiffness, self.damping, ends
 
     def fastened(self, model: Model, tolerance: float) -> tuple[Elastic]:
         """Springs between places, one for each pair, or one for each place to the ground.

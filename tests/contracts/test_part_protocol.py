@@ -7,12 +7,15 @@ import pytest
 from scipy.sparse import csr_array
 
 from femstruct.assembly.assemble import assemble
-from femstruct.errors import FemstructError
+from femstruct.errors import FemstructError, InputError
 from femstruct.model.facts import part_masses
 from femstruct.model.fastened import Elastic, Inert
 from femstruct.model.material import Material
 from femstruct.model.mesher import mesh_structure
+from femstruct.model.part import Meshed
+from femstruct.model.section import rectangle
 from femstruct.model.structure import Structure
+from femstruct.parts.frame import Frame
 from femstruct.parts.plate import Plate
 
 STEEL = Material("steel", 210e9, 0.3, 7850.0)
@@ -54,6 +57,21 @@ def test_a_part_with_cells_and_springs_of_one_name_keeps_both() -> None:
 def test_two_loss_factors_under_one_name_are_refused() -> None:
     with pytest.raises(FemstructError, match=r"plate: got loss factors of 0 and 0\.1, expected one"):
         assemble(mesh_structure(Structure("a", (sprung(spring_loss=0.1),))))
+
+
+def test_what_every_kind_must_have_is_asked_for_by_name() -> None:
+    class Half(Meshed):
+        name = "half"
+
+    with pytest.raises(TypeError, match=r"abstract.*dofs.*drawn.*lumps.*mass.*places.*point.*stiffness_and_mass"):
+        Half()
+
+
+def test_a_part_without_a_face_says_so_in_words() -> None:
+    rod = Frame("rod", STEEL, rectangle("bar", 0.02, 0.02), (((0.0, 0.0, 0.0), (1.0, 0.0, 0.0)),))
+    part = mesh_structure(Structure("a", (rod,))).parts["rod"]
+    with pytest.raises(InputError, match=r"parts.rod: got no face that a layer can lie against, expected a plate or a"):
+        part.motion_at(np.zeros((1, 3)), 1e-6)
 
 
 def test_what_cannot_be_fastened_is_refused() -> None:

@@ -92,7 +92,6 @@ def model_by_hand(divisions=8):
         plate.quads,
         bars,
         {"floor": nodes.ravel(), "post": np.arange(first, first + 3)},
-        {"floor": np.arange(len(plate.quads)), "post": np.arange(2)},
     )
     surfaces = {"ceiling": ceiling_by_hand(plate, len(points))}
     structure = Structure("Plate and post", (plate.part, frame.part))

@@ -84,7 +84,10 @@ FAULTS = {
         Structure("steep", (WALL,), surfaces=(SurfaceOn("S", "wall"),)),
         r"surfaces.S.side: got 'above' of a plate at 90 degrees",
     ),
-    "unknown joint": (replace(BASE, joints=(Joint("j", "post", "flor"),)), r"joints.j: got 'flor'"),
+    "unknown joint": (
+        replace(BASE, joints=(Joint("j", "post", "flor"),)),
+        r"joints.j: got 'flor', expected a part with nodes: floor, post",
+    ),
     "unknown point": (
         replace(BASE, parts=(FLOOR, Spring("k", "Q", None, (1e3, 0, 0, 0, 0, 0)))),
         r"parts.k.between: got 'Q', expected a point: P",

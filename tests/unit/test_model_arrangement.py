@@ -20,6 +20,7 @@ from femstruct.parts.findings.connections import pieces
 from femstruct.parts.findings.twice import twice_findings
 from femstruct.parts.foundation import Foundation
 from femstruct.parts.frame import Frame
+from femstruct.parts.inertia import Inertia
 from femstruct.parts.mass import Mass
 from femstruct.parts.plate import Plate
 from femstruct.parts.spring import Spring
@@ -229,6 +230,10 @@ def test_masses_springs_and_layers_given_twice() -> None:
     assert "felt and cork are one layer" in the(twice(TOP, *layers)).message
     spread = (Mass(name, 5.0, on="top", region=Region("rim", (1.0, 0.6)), per="length") for name in ("m", "n"))
     assert "m and n are one mass" in the(twice(TOP, *spread)).message
+    pumps = [Inertia(name, at, 8.0, (0.1, 0.1, 0.2), offset=(0.0, 0.0, 0.05)) for name, at in (("m", "p"), ("n", "q"))]
+    assert "m and n are one concentrated body" in the(twice(TOP, *pumps, points=points)).message
+    for other in (replace(pumps[1], at="r"), replace(pumps[1], products=(0.01, 0.0, 0.0))):
+        assert twice(TOP, pumps[0], other, points=points) == ()
 
 
 @pytest.mark.parametrize(("normal", "shear", "free"), [(1e6, 1e6, 0), (1e6, 0.0, 3), (0.0, 1e6, 3)])

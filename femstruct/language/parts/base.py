@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import ClassVar
@@ -57,9 +58,9 @@ class PartSpec(Spec):
     def check(self, steps: Steps, around: Surroundings) -> None:
         """Note names that are not there, and keys that do not agree with each other."""
 
+    @abstractmethod
     def build(self, name: str, of: Library) -> Part:
         """The noun it describes."""
-        raise NotImplementedError
 
     def check_place(self, steps: Steps, places: Places, check: Checker) -> None:
         """Note what is wrong with a point on it."""

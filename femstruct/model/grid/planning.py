@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from math import inf
 
 import numpy as np
@@ -12,6 +13,7 @@ from femstruct.model.grid.geometry import clip, distance_to_rectangle, distance_
 from femstruct.model.grid.gridlines import SharedLine, Track
 from femstruct.model.grid.layout import Layout, Segment
 from femstruct.model.grid.touching import lines_under, stretch_inside
+from femstruct.model.part import Part
 from femstruct.model.region import Region
 from femstruct.model.structure import Joint, PlaceOn, Structure, extent
 
@@ -36,7 +38,7 @@ def planned(structure: Structure) -> Layout:
             layout.on_region(f"supports.{support.name}.line", support.on or "", Region("line", line=support.line))
     _carrying_points(structure, layout)
     for joint in structure.joints:
-        _joint(layout, joint)
+        _joint(layout, joint, {part.name: part for part in structure.parts})
     return layout
 
 
@@ -58,14 +60,13 @@ def _carrying_place(layout: Layout, point: PlaceOn, place: Floats) -> None:
         layout.on_bars(point.on, place)
 
 
-def _joint(layout: Layout, joint: Joint) -> None:
-    for end in (joint.a, joint.b):
-        if end not in layout.rectangles and end not in layout.segments and end not in layout.boxes:
-            expected = "the name of a plate, a frame or a block"
-            raise InputError(f"joints.{joint.name}", got=f"'{end}'", expected=expected)
+def _joint(layout: Layout, joint: Joint, parts: Mapping[str, Part]) -> None:
     if joint.a == joint.b:
         raise InputError(f"joints.{joint.name}", got=f"'{joint.a}' twice", expected="two parts")
-    if joint.a in layout.boxes or joint.b in layout.boxes:
+    known = layout.rectangles.keys() | layout.segments.keys() | layout.boxes.keys()
+    if not {joint.a, joint.b} <= known:
+        _at_corners(layout, [part for end in (joint.a, joint.b) if (part := parts.get(end)) is not None])
+    elif joint.a in layout.boxes or joint.b in layout.boxes:
         _on_box(layout, *((joint.b, joint.a) if joint.a in layout.boxes else (joint.a, joint.b)))
     elif joint.a in layout.rectangles and joint.b in layout.rectangles:
         _rectangle_on_rectangle(layout, joint.a, joint.b)
@@ -75,6 +76,20 @@ def _joint(layout: Layout, joint: Joint) -> None:
         _bars_on_rectangle(layout, joint, joint.a, joint.b)
     else:
         _bars_on_rectangle(layout, joint, joint.b, joint.a)
+
+
+def _at_corners(layout: Layout, parts: Sequence[Part]) -> None:
+    """Nodes of plates and frames at the corners of the parts they are joined to, of kinds whose nodes are their own."""
+    for part in parts:
+        for other in parts:
+            for corner in other.corners() if other is not part else ():
+                if part.name in layout.rectangles:
+                    rectangle = layout.rectangles[part.name]
+                    local = to_rectangle(rectangle, layout.axes_of[part.name], corner)
+                    if distance_to_rectangle(local, rectangle.size) <= layout.tolerance:
+                        layout.on_rectangle(part.name, np.clip(local[:2], 0.0, rectangle.size))
+                elif part.name in layout.segments:
+                    layout.on_bars(part.name, corner)
 
 
 def _rectangle_on_rectangle(layout: Layout, first: str, second: str) -> None:

@@ -194,7 +194,7 @@ def _weights(model: Model, motion: Floats) -> Floats:
         lumps[part.nodes] = part.lumps
     weights = lumps[:, None] * motion.reshape(-1, N_COMPONENTS, 6)[:, 2]
     for inert in model.inerts:
-        rises = slice(2, 3 * inert.places, 3)
+        rises = slice(2, 3 * inert.n_places, 3)
         upwards = csr_array(inert.rows[rises])
         upwards.eliminate_zeros()
         some = np.flatnonzero(np.diff(upwards.indptr))

@@ -8,12 +8,9 @@ import numpy as np
 
 from femstruct.arrays import Floats
 from femstruct.errors import Finding
-from femstruct.model.part import Body, Part
+from femstruct.model.part import Body
 from femstruct.model.structure import Structure, bodies_of, extent
-from femstruct.parts.foundation import Foundation
 from femstruct.parts.frame import Frame
-from femstruct.parts.mass import Mass
-from femstruct.parts.spring import Spring
 
 SAME = 1e-6  # of the structure's size: places closer are one
 REACHES = 0.01  # of the thinner part: less is a rounded dimension
@@ -112,7 +109,7 @@ def _overlapping(ends: Floats, tolerance: float) -> list[tuple[int, int, float]]
 
 
 def _given_again(structure: Structure) -> list[Finding]:
-    """Masses, springs and layers that are equal in all but their names."""
+    """Parts that are equal in all but their names."""
     places = {point.name: (point.on, point.at) for point in structure.points}
     numbered = {
         f"{point.name}.{number}": (point.on, (at,))
@@ -122,32 +119,18 @@ def _given_again(structure: Structure) -> list[Finding]:
     seen: dict[object, str] = {}
     found = []
     for part in structure.parts:
-        said = _said(part, {**numbered, **places})
-        if said is None:
+        identity = part.identity({**numbered, **places})
+        if identity is None:
             continue
-        if said in seen:
-            kind = "mass" if isinstance(part, Mass) else "spring" if isinstance(part, Spring) else "layer"
+        if identity in seen:
             found.append(
                 Finding(
                     "duplicate-part",
-                    f"{seen[said]} and {part.name} are one {kind} in one place, given twice: remove one, or write the "
-                    "sum of both as one",
+                    f"{seen[identity]} and {part.name} are one {identity[0]} in one place, given twice: remove one, "
+                    "or write the sum of both as one",
                     {"times": 2},
                     severe=True,
                 )
             )
-        seen.setdefault(said, part.name)
+        seen.setdefault(identity, part.name)
     return found
-
-
-def _said(part: Part, places: dict[str, tuple[str, tuple[tuple[float, ...], ...]]]) -> object:
-    """All that is said of a mass, spring or layer but its name; None for other parts."""
-    if isinstance(part, Mass):
-        where = places.get(part.at, part.at) if part.at is not None else (part.on, part.region)
-        return "mass", part.mass, part.per, where
-    if isinstance(part, Spring):
-        ends = frozenset(str(places.get(end, end)) for end in (part.a, part.b) if end is not None)
-        return "spring", part.stiffness, part.damping, ends
-    if isinstance(part, Foundation):
-        return "layer", part.on, part.to, part.region, part.normal, part.shear
-    return None
