@@ -1,6 +1,7 @@
 """Imports go down only: the order of the house, held by reading every import statement."""
 
 import ast
+import re
 import subprocess
 import sys
 import tomllib
@@ -116,7 +117,7 @@ def place(name: str, layers: list[list[str]]) -> tuple[int, int]:
         for j, member in enumerate(layer):
             if name == member or name.startswith(member + "."):
                 return i, j
-    raise AssertionError(f"{name} is in no layer: give it one in this test and in the README")
+    raise AssertionError(f"{name} is in no layer: give it one in this test and in docs/architecture.md")
 
 
 @pytest.mark.parametrize("path", [p for p in modules("femstruct") if name_of(p) != "femstruct"], ids=name_of)
@@ -149,6 +150,18 @@ def test_lower_layers_open_no_file_and_draw_nothing(path: Path) -> None:
         return
     used = {imported.split(".")[0] for imported in imports(path)} & OPENS_FILES
     assert not used, f"{name_of(path)} imports {used}"
+
+
+def test_the_page_of_the_architecture_is_up_to_date() -> None:
+    page = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+    block = page.split("```text\n")[1].split("```")[0]
+    assert [line.split() for line in block.splitlines()] == [[m.split(".", 1)[1] for m in layer] for layer in LAYERS]
+    importers = page.split("Of `femstruct`, only ")[1].split(" import it")[0]
+    assert set(re.findall(r"`(.*?)`", importers)) == HEARS_ACOUSTICS
+    folders = {str(p.parent.relative_to(ROOT)) for name in ("femstruct", "acoustics") for p in modules(name)}
+    assert {f for f in folders if f"`{f}`" not in page and f.count("/") == 1} == set(), "folders without a line"
+    listed = set(re.findall(r"^\| `((?:femstruct|acoustics)/[\w/]+)` \|", page, re.MULTILINE))
+    assert listed <= folders, "lines without a folder"
 
 
 def test_import_loads_no_heavy_library() -> None:
