@@ -29,16 +29,8 @@ if TYPE_CHECKING:
     from femstruct.errors import InputError as InputError
     from femstruct.files.results import write_results as write_results
     from femstruct.files.stored import read_results as read_results
-    from femstruct.impact.batch import simulate_batch as simulate_batch
-    from femstruct.impact.bodies import GROUND as GROUND
-    from femstruct.impact.bodies import Body as Body
-    from femstruct.impact.bodies import Clock as Clock
-    from femstruct.impact.bodies import Contact as Contact
-    from femstruct.impact.bodies import HalfSine as HalfSine
-    from femstruct.impact.bodies import Link as Link
-    from femstruct.impact.bodies import Load as Load
-    from femstruct.impact.bodies import Scene as Scene
-    from femstruct.impact.bodies import Table as Table
+    from femstruct.impact.batch.batch import simulate_batch as simulate_batch
+    from femstruct.impact.batch.metrics import Batch as Batch
     from femstruct.impact.laws.cubic import Cubic as Cubic
     from femstruct.impact.laws.hertz import Hertz as Hertz
     from femstruct.impact.laws.hunt_crossley import HuntCrossley as HuntCrossley
@@ -47,10 +39,18 @@ if TYPE_CHECKING:
     from femstruct.impact.laws.own import OwnLaw as OwnLaw
     from femstruct.impact.laws.stop import Stop as Stop
     from femstruct.impact.laws.tabulated import Tabulated as Tabulated
-    from femstruct.impact.metrics import Batch as Batch
-    from femstruct.impact.response import Response as Response
+    from femstruct.impact.result.response import Response as Response
+    from femstruct.impact.scene.bodies import GROUND as GROUND
+    from femstruct.impact.scene.bodies import Body as Body
+    from femstruct.impact.scene.bodies import Clock as Clock
+    from femstruct.impact.scene.bodies import Contact as Contact
+    from femstruct.impact.scene.bodies import HalfSine as HalfSine
+    from femstruct.impact.scene.bodies import Link as Link
+    from femstruct.impact.scene.bodies import Load as Load
+    from femstruct.impact.scene.bodies import Scene as Scene
+    from femstruct.impact.scene.bodies import Table as Table
+    from femstruct.impact.scene.walking import Walk as Walk
     from femstruct.impact.simulate import simulate as simulate
-    from femstruct.impact.walking import Walk as Walk
     from femstruct.language import read_model as read_model
     from femstruct.language import read_study as read_study
     from femstruct.modal.analytic import beam as beam
@@ -121,8 +121,8 @@ _NAMES = {
     "errors": ("FemstructError", "Finding", "InputError"),
     "files.results": ("write_results",),
     "files.stored": ("read_results",),
-    "impact.batch": ("simulate_batch",),
-    "impact.bodies": ("GROUND", "Body", "Clock", "Contact", "HalfSine", "Link", "Load", "Scene", "Table"),
+    "impact.batch.batch": ("simulate_batch",),
+    "impact.scene.bodies": ("GROUND", "Body", "Clock", "Contact", "HalfSine", "Link", "Load", "Scene", "Table"),
     "impact.laws.cubic": ("Cubic",),
     "impact.laws.hertz": ("Hertz",),
     "impact.laws.hunt_crossley": ("HuntCrossley",),
@@ -131,10 +131,10 @@ _NAMES = {
     "impact.laws.own": ("OwnLaw",),
     "impact.laws.stop": ("Stop",),
     "impact.laws.tabulated": ("Tabulated",),
-    "impact.metrics": ("Batch",),
-    "impact.response": ("Response",),
+    "impact.batch.metrics": ("Batch",),
+    "impact.result.response": ("Response",),
     "impact.simulate": ("simulate",),
-    "impact.walking": ("Walk",),
+    "impact.scene.walking": ("Walk",),
     "language": ("read_model", "read_study"),
     "modal.analytic": ("beam", "given_modes", "oscillator", "rod"),
     "modal.basis": ("ModalBasis",),

@@ -112,7 +112,7 @@ def run(
     if as_json:
         print_json(summary(result))
     else:
-        from femstruct.view.terminal import show_study
+        from femstruct.view.tables.terminal import show_study
 
         show_study(result, seconds, str(folder), verbose)
         if told:
@@ -125,7 +125,7 @@ def warm_up() -> int:
     """Compile the simulation kernels now: some 15 seconds, once. Without it the first simulation does."""
     from femstruct.impact.compiled.store import folder
     from femstruct.impact.compiled.workers import compilation
-    from femstruct.impact.needed import ALL
+    from femstruct.impact.engine.needed_units import ALL
 
     with progress() as tell, compilation(ALL) as kernels:
         kernels.wait(tell)
@@ -173,13 +173,13 @@ def check(
     with progress() as tell:
         inspection = inspect_file(file, tuple(set_), tell)
     if picture is not None:
-        from femstruct.view.scene import picture_model
+        from femstruct.view.scenes.scene import picture_model
 
         picture_model(inspection.model, inspection.rooms, picture)
     if as_json:
         print_json(inspection.table())
     else:
-        from femstruct.view.structure import show_inspection
+        from femstruct.view.tables.structure_tables import show_inspection
 
         show_inspection(inspection.table(), str(picture or ""), verbose)
     return NOT_TRUSTED if any(finding.severe for finding in inspection.findings) else GOOD
@@ -205,7 +205,7 @@ def modes(
     if as_json:
         print_json(table)
     else:
-        from femstruct.view.structure import show_modes
+        from femstruct.view.tables.structure_tables import show_modes
 
         show_modes(table, verbose)
     return NOT_TRUSTED if any(finding["severe"] for finding in table["findings"]) else GOOD
@@ -233,7 +233,7 @@ def frf(
     if as_json:
         print_json(table)
     else:
-        from femstruct.view.structure import show_frf
+        from femstruct.view.tables.structure_tables import show_frf
 
         show_frf(table, verbose)
     return NOT_TRUSTED if any(finding["severe"] for finding in table["findings"]) else GOOD
@@ -258,21 +258,21 @@ def identify(
     from femstruct.workflow.identify.identify import identify as identified
 
     if picture is not None:
-        from femstruct.view.fitted import refuse_picture
+        from femstruct.view.figures.fitted import refuse_picture
 
         refuse_picture(picture)
     with progress() as tell:
         found = identified(study, measured, channel, fit, delay, case, tuple(set_), tell)
     if picture is not None:
-        from femstruct.view.figures import save
-        from femstruct.view.fitted import fit_figure
+        from femstruct.view.figures.drawing import save
+        from femstruct.view.figures.fitted import fit_figure
 
         save(fit_figure(found.t, found.measured, found.computed, found.channel, found.unit), picture)
     table = found.table()
     if as_json:
         print_json(table)
     else:
-        from femstruct.view.identified import show_identification
+        from femstruct.view.tables.identified_table import show_identification
 
         show_identification(table, verbose)
     return NOT_TRUSTED if any(finding["severe"] for finding in table["findings"]) else GOOD

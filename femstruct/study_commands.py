@@ -22,7 +22,7 @@ def stages(study: Path, case: str, sets: list[str], as_json: bool, verbose: bool
     if as_json:
         print_json(summary(result))
     else:
-        from femstruct.view.terminal import show_study
+        from femstruct.view.tables.terminal import show_study
 
         show_study(result, {}, verbose=verbose)
     return verdict(result)
@@ -45,7 +45,7 @@ def watched(study: Path, sets: list[str], case: str, folder: Path, as_json: bool
     """Rounds of a study until Ctrl-C; then all files of the last one are written."""
     from femstruct.exits import tell
     from femstruct.files.tables import summary
-    from femstruct.view.terminal import show_study
+    from femstruct.view.tables.terminal import show_study
     from femstruct.workflow.run.output import write_all
     from femstruct.workflow.run.watch import rounds
 
@@ -83,7 +83,7 @@ def verdict(result: StudyResult) -> int:
 
 def progress() -> Any:
     """A line that says what is being computed, on a terminal."""
-    from femstruct.view.console import progress as shown
+    from femstruct.view.tables.console import progress as shown
 
     return shown()
 

@@ -21,7 +21,7 @@ from scipy.sparse.linalg import eigsh, splu
 
 from femstruct.elements import plate
 from femstruct.impact.compiled.workers import code_of
-from femstruct.impact.needed import ALL
+from femstruct.impact.engine.needed_units import ALL
 
 # A clock in a test says how busy the machine is, not whether the code is right.
 settings.register_profile("femstruct", deadline=None, suppress_health_check=[HealthCheck.too_slow])

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from femstruct.impact.bodies import Contact, Link
-from femstruct.impact.response import EnergyBalance, Response
+from femstruct.impact.result.response import EnergyBalance, Response
+from femstruct.impact.scene.bodies import Contact, Link
 
 Table = dict[str, Any]
 TERMS = ("kinetic_j", "stored_j", "dissipated_j")

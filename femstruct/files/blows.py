@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from femstruct.files.hdf5 import axis, put
-from femstruct.impact.response import Blow
+from femstruct.impact.result.response import Blow
 
 if TYPE_CHECKING:  # slow to import, and most runs write no such file
     import h5py

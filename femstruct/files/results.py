@@ -38,8 +38,8 @@ from femstruct.files.sound import write_levels, write_own, write_own_levels, wri
 from femstruct.files.tables import summary
 from femstruct.files.trust import write_accuracy, write_errors
 from femstruct.files.vtkhdf import write_vtkhdf
-from femstruct.impact.response import EnergyBalance, EnergyLedger, Response
-from femstruct.impact.shares import ModeEnergies
+from femstruct.impact.result.response import EnergyBalance, EnergyLedger, Response
+from femstruct.impact.result.shares import ModeEnergies
 from femstruct.study.machine import Verdict
 from femstruct.study.result import CaseComparison, CaseResult, StudyResult
 

@@ -13,8 +13,8 @@ from femstruct.files.machine import machine_table, verdict_tables
 from femstruct.files.numbers import label, number
 from femstruct.files.radiated import radiated_beside, radiated_table
 from femstruct.files.trust import accuracy_table, error_table
-from femstruct.impact.response import Blow, EnergyBalance, Response
-from femstruct.impact.shares import EnergyGroup, ModeEnergies
+from femstruct.impact.result.response import Blow, EnergyBalance, Response
+from femstruct.impact.result.shares import EnergyGroup, ModeEnergies
 from femstruct.study.result import CaseComparison, CaseResult, Drop, StudyResult
 
 Table = dict[str, Any]

@@ -132,13 +132,13 @@ LEVELS: Final = (
         "two neighbouring hammers are further from the standard spacing than allowed",
         "Use five positions for each position of the machine.",
         (
-            Limit(0.1, "m apart", "the spacing of the standard", "ISO 10140-5 annex E", "impacts.HAMMERS_APART"),
+            Limit(0.1, "m apart", "the standard's spacing", "ISO 10140-5 annex E", "impact_findings.HAMMERS_APART"),
             Limit(
                 0.003,
                 "m of tolerance",
                 "the tolerance of the standard",
                 "ISO 10140-5 annex E",
-                "impacts.HAMMERS_WITHIN",
+                "impact_findings.HAMMERS_WITHIN",
             ),
         ),
     ),

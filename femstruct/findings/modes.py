@@ -151,6 +151,6 @@ MODES: Final = (
         LIMITS,
         "modes above half the sampling frequency have more than the threshold share of the rms",
         "Sample faster, or use a low-pass on a velocity.",
-        (Limit(0.05, "% of the rms", "less changes the rms by 0.1 %", "0.05^2 / 2", "impacts.ALIASED"),),
+        (Limit(0.05, "% of the rms", "less changes the rms by 0.1 %", "0.05^2 / 2", "impact_findings.ALIASED"),),
     ),
 )

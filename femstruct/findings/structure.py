@@ -202,7 +202,7 @@ STRUCTURE: Final = (
         LIMITS,
         "a part sags by more than the threshold share of the size of the structure",
         "Check the units of springs, layers and moduli, unless they are soft on purpose.",
-        (Limit(0.1, "% of the size", "springs are not built that soft", CHOSEN, "judgement.structures.FAR"),),
+        (Limit(0.1, "% of the size", "springs are not built that soft", CHOSEN, "structure_findings.FAR"),),
     ),
     Entry(
         "leaning-block",

@@ -1,6 +1,6 @@
 """Impacts on a modal basis: what meets, the laws, the march through time, and where the energy goes.
 
-Modules, each importing only from those to its left: ``collisions restitution compiled records laws bodies rule system
-tables forces motion response flow propagate events energy sampling closings strikes booking march collocate outcome
-judgement blows simulate estimate unresolved vary many fleet metrics batch``.
+``scene`` says what meets, ``laws`` with which force; ``compiled`` turns kernels into machine code; ``engine`` is what
+both marches share, ``collocation`` and ``exact`` are the marches; ``simulate`` runs one scene, ``estimate`` says how
+far off it is; ``result`` is what it brought, ``batch`` many runs of one scene.
 """

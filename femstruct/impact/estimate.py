@@ -13,21 +13,21 @@ from typing import NamedTuple
 import numpy as np
 
 from femstruct.arrays import Floats
-from femstruct.impact.aside import run_aside
-from femstruct.impact.bodies import Scene
-from femstruct.impact.booking import DONE, TOO_MANY_EVENTS
-from femstruct.impact.closings import CERTAIN, CLOSES, settle_events
-from femstruct.impact.collocate import MAX_STEPS, Ended, collocate, state_at_start
-from femstruct.impact.energy import TIME
+from femstruct.impact.collocation.collocate import MAX_STEPS, Ended, collocate, state_at_start
+from femstruct.impact.collocation.collocation_march import levels_for
+from femstruct.impact.engine.aside import run_aside
+from femstruct.impact.engine.booking import DONE, TOO_MANY_EVENTS
+from femstruct.impact.engine.closings import CERTAIN, CLOSES, settle_events
+from femstruct.impact.engine.energy import TIME
+from femstruct.impact.engine.gauss_points import collocation_rule
+from femstruct.impact.engine.modal_tables import Tables, tabulated
+from femstruct.impact.engine.sampling import MOST_EVENTS, Record, room_for
+from femstruct.impact.engine.system import Compiled, compile_scene
 from femstruct.impact.exact.choice import largest_rate, takes_exact_march
-from femstruct.impact.exact.march import exact_march
-from femstruct.impact.exact.rule import THETA, exact_room, exact_rule
-from femstruct.impact.march import levels_for
-from femstruct.impact.response import Response
-from femstruct.impact.rule import collocation_rule
-from femstruct.impact.sampling import MOST_EVENTS, Record, room_for
-from femstruct.impact.system import Compiled, compile_scene
-from femstruct.impact.tables import Tables, tabulated
+from femstruct.impact.exact.exact_constants import THETA, exact_room, exact_rule
+from femstruct.impact.exact.exact_march import exact_march
+from femstruct.impact.result.response import Response
+from femstruct.impact.scene.bodies import Scene
 
 STRICTER = 100.0
 STRICT = 1e-10  # at the latest here the tolerance limits every step; a loose one need not
@@ -89,7 +89,7 @@ def error_of(response: Response) -> ErrorEstimate:
 
     A ball of 1 kg on a wall by Hertz: the peak is k (5 m v^2 / 4 k)^(3/5).
 
-    >>> from femstruct.impact.bodies import GROUND, Body, Clock, Contact, Scene
+    >>> from femstruct.impact.scene.bodies import GROUND, Body, Clock, Contact, Scene
     >>> from femstruct.impact.laws.hertz import Hertz
     >>> from femstruct.impact.simulate import simulate
     >>> from femstruct.modal.analytic import given_modes

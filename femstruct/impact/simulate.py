@@ -8,26 +8,26 @@ import numpy as np
 
 from femstruct.arrays import Floats, Integers
 from femstruct.errors import Finding, NotConverged
-from femstruct.impact.aside import run_aside
-from femstruct.impact.blows import blow_findings, blow_table
-from femstruct.impact.bodies import Clock, Scene
-from femstruct.impact.booking import DONE, NO_FORCES, STALLS, STICKS, TOO_MANY_EVENTS, TOO_MANY_STEPS
-from femstruct.impact.closings import CLOSES
-from femstruct.impact.collocate import MAX_STEPS, Ended, collocate, paced, state_at_start
-from femstruct.impact.energy import TIME, ledger
+from femstruct.impact.collocation.collocate import MAX_STEPS, Ended, collocate, paced, state_at_start
+from femstruct.impact.collocation.collocation_march import levels_for
+from femstruct.impact.engine.aside import run_aside
+from femstruct.impact.engine.booking import DONE, NO_FORCES, STALLS, STICKS, TOO_MANY_EVENTS, TOO_MANY_STEPS
+from femstruct.impact.engine.closings import CLOSES
+from femstruct.impact.engine.energy import TIME, ledger
+from femstruct.impact.engine.gauss_points import collocation_rule
+from femstruct.impact.engine.instant_forces import State
+from femstruct.impact.engine.modal_tables import tabulated
+from femstruct.impact.engine.motion import DISPLACEMENT, VELOCITY, Motion, along, coordinates, sampled_motion
+from femstruct.impact.engine.sampling import DRIFT, WORKED, Felt, Record, feel, motion_of, room_for
+from femstruct.impact.engine.system import Compiled, compile_scene
 from femstruct.impact.exact.choice import takes_exact_march
-from femstruct.impact.exact.march import exact_march
-from femstruct.impact.exact.rule import exact_room, exact_rule
-from femstruct.impact.forces import State
-from femstruct.impact.judgement import Measured, decay_findings, run_findings, sampling_findings
-from femstruct.impact.march import levels_for
-from femstruct.impact.motion import DISPLACEMENT, VELOCITY, Motion, along, coordinates, sampled_motion
-from femstruct.impact.outcome import Endings, gain_of, outcomes_of
-from femstruct.impact.response import BodyHistory, ContactHistory, EnergyLedger, Event, Outcome, Response
-from femstruct.impact.rule import collocation_rule
-from femstruct.impact.sampling import DRIFT, WORKED, Felt, Record, feel, motion_of, room_for
-from femstruct.impact.system import Compiled, compile_scene
-from femstruct.impact.tables import tabulated
+from femstruct.impact.exact.exact_constants import exact_room, exact_rule
+from femstruct.impact.exact.exact_march import exact_march
+from femstruct.impact.result.blow_by_blow import blow_findings, blow_table
+from femstruct.impact.result.contact_findings import Measured, decay_findings, run_findings, sampling_findings
+from femstruct.impact.result.outcome import Endings, gain_of, outcomes_of
+from femstruct.impact.result.response import BodyHistory, ContactHistory, EnergyLedger, Event, Outcome, Response
+from femstruct.impact.scene.bodies import Clock, Scene
 from femstruct.modal.basis import ModalBasis
 
 LEDGER_ROWS = 512  # at least
@@ -47,15 +47,16 @@ def simulate(basis: ModalBasis, scene: Scene, clock: Clock) -> Response:
     without end: never a result cut short; it names the contact that is nearest to a change.
     FemstructError for a scene that contradicts itself.
 
-    Notes: a contact is never missed: see `femstruct.impact.events` and `femstruct.impact.exact.roots`. A contact that
-    touches without speed closes when the leading derivative of its indentation is positive. Damping of the modes is
-    `basis.time_damping`; off its diagonal collocation iterates it within each step, which costs sixty times the
-    diagonal case with 225 modes. Closings and openings within rounding are not told (`femstruct.impact.closings`). The
-    march runs beside the thread that waits for it, so that Ctrl-C ends it at once.
+    Notes: a contact is never missed: see `femstruct.impact.collocation.events` and `femstruct.impact.exact.roots`. A
+    contact that touches without speed closes when the leading derivative of its indentation is positive. Damping of
+    the modes is `basis.time_damping`; off its diagonal collocation iterates it within each step, which costs sixty
+    times the diagonal case with 225 modes. Closings and openings within rounding are not told
+    (`femstruct.impact.engine.closings`). The march runs beside the thread that waits
+    for it, so that Ctrl-C ends it at once.
 
     A ball of 1 kg meets a wall through a spring of pi^2 N/m: half a period of contact, 1 s.
 
-    >>> from femstruct.impact.bodies import GROUND, Body, Clock, Contact, Scene
+    >>> from femstruct.impact.scene.bodies import GROUND, Body, Clock, Contact, Scene
     >>> from femstruct.impact.laws.linear import Linear
     >>> from femstruct.modal.analytic import given_modes
     >>> wall = Contact("wall", upper="ball", lower=GROUND, law=Linear(np.pi**2))

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TypeVar
 
-from femstruct.impact.sources import BETWEEN_BLOWS, DROPPED, HAMMERS, TAPPING_MACHINE
+from femstruct.impact.scene.impact_sources import BETWEEN_BLOWS, DROPPED, HAMMERS, TAPPING_MACHINE
 from femstruct.language.checker import Names
 from femstruct.language.schema_study import SIDES, BlowsSpec, BodySpec, ContactSpec, LinkSpec, LoadSpec, StudySpec
 from femstruct.language.sources import UNCORRELATED, turn

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Literal
 
 from acoustics.meshed.meshed_room import ShapedRoom
-from femstruct.impact.bodies import HalfSine, Table
-from femstruct.impact.walking import Walk, design_harmonics
+from femstruct.impact.scene.bodies import HalfSine, Table
+from femstruct.impact.scene.walking import Walk, design_harmonics
 from femstruct.language.build import Builder
 from femstruct.language.build_laws import ends_of, law_of, start_speed
 from femstruct.language.build_rooms import room_of

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from acoustics.errors import AcousticsError
 from acoustics.levels.methods import method_of, refuse_source
-from femstruct.impact.sources import BETWEEN_BLOWS, HAMMERS, TAPPING_MACHINE
+from femstruct.impact.scene.impact_sources import BETWEEN_BLOWS, HAMMERS, TAPPING_MACHINE
 from femstruct.language.checker import Checker
 from femstruct.language.reader import Steps, nearest
 from femstruct.language.schema_model import ModelSpec

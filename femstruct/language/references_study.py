@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from femstruct.impact.sources import HAMMERS, TAPPING_MACHINE
+from femstruct.impact.scene.impact_sources import HAMMERS, TAPPING_MACHINE
 from femstruct.language.arrays import array_sizes, drop_counts, joined, members, spread
 from femstruct.language.checker import Checker, Names
 from femstruct.language.limits import check_limits

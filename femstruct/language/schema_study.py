@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, ConfigDict, Field, model_validator
 
-from femstruct.impact.walking import PACES_HZ
+from femstruct.impact.scene.walking import PACES_HZ
 from femstruct.language.directions import Dashpot, Stiffness
 from femstruct.language.laws.registry import AnyLaw
 from femstruct.language.schema_rooms import RoomSpec

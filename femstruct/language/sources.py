@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, Final
 
-from femstruct.impact.sources import (
+from femstruct.impact.scene.impact_sources import (
     BANG_MACHINE,
     BETWEEN_BLOWS,
     DROPPED,

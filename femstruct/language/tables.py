@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Final
 
 from femstruct.errors import FemstructError, InputError
-from femstruct.impact.bodies import Table
 from femstruct.impact.laws.tabulated import Tabulated
+from femstruct.impact.scene.bodies import Table
 from femstruct.language.opening import content
 from femstruct.language.reader import Mistakes, Position
 from femstruct.units import QuantityError, quantity, shown_as

@@ -10,8 +10,8 @@ from acoustics.errors import Advice
 from acoustics.open_air.half_space import HalfSpace
 from acoustics.open_air.sphere import Sphere
 from femstruct.arrays import Floats
-from femstruct.impact.bodies import Body
-from femstruct.impact.response import Response
+from femstruct.impact.result.response import Response
+from femstruct.impact.scene.bodies import Body
 
 MOVED: Final = 0.1  # radii by which a sphere may move while it is pushed: 1 dB, as the sound goes with its height
 

@@ -15,7 +15,7 @@ from acoustics.open_air.radiated_power import plane_wave_power, radiated_power
 from acoustics.open_air.sound_energy import TOLD, SoundEnergy, at_rest, ended_energy, loudest, radiated_energy
 from femstruct.arrays import Floats
 from femstruct.errors import Finding
-from femstruct.impact.response import Response
+from femstruct.impact.result.response import Response
 from femstruct.modal.basis import ModalBasis
 from femstruct.modal.frf import modal_amplitudes
 from femstruct.model.probe import Probe, Surface

@@ -19,7 +19,7 @@ from acoustics.rooms.box_pressure import RoomResponse, pressures
 from acoustics.source import SurfaceVelocity
 from femstruct.arrays import Floats
 from femstruct.errors import Finding, InputError
-from femstruct.impact.response import Response
+from femstruct.impact.result.response import Response
 from femstruct.modal.basis import ModalBasis
 from femstruct.modal.frf import modal_amplitudes
 from femstruct.model.probe import Probe, Surface
@@ -59,7 +59,7 @@ def surface_velocity(
 
     >>> import numpy as np
     >>> from scipy.sparse import csr_array
-    >>> from femstruct.impact.bodies import Body, Clock, Contact, Scene
+    >>> from femstruct.impact.scene.bodies import Body, Clock, Contact, Scene
     >>> from femstruct.impact.laws.linear import Linear
     >>> from femstruct.impact.simulate import simulate
     >>> from femstruct.modal.analytic import oscillator

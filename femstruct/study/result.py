@@ -15,8 +15,8 @@ from acoustics.rooms.box_pressure import RoomResponse
 from femstruct.arrays import Floats
 from femstruct.errors import Finding
 from femstruct.impact.estimate import ErrorEstimate
-from femstruct.impact.response import Response
-from femstruct.impact.shares import ModeEnergies
+from femstruct.impact.result.response import Response
+from femstruct.impact.result.shares import ModeEnergies
 from femstruct.modal.basis import ModalBasis
 from femstruct.model.model import Model
 from femstruct.sound.power import PowerResponse, Radiated

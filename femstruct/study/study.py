@@ -19,9 +19,9 @@ if TYPE_CHECKING:  # a model's modes need none of these
     from acoustics.open_air.half_space import HalfSpace
     from acoustics.rooms.box import Receiver, Room
     from acoustics.rooms.box_two_way import Leak
-    from femstruct.impact.bodies import HalfSine, Table
     from femstruct.impact.laws.law import Law
-    from femstruct.impact.walking import Walk
+    from femstruct.impact.scene.bodies import HalfSine, Table
+    from femstruct.impact.scene.walking import Walk
 
 FrfKind = Literal["receptance", "mobility", "accelerance", "transmissibility", "pressure", "power"]
 
@@ -80,7 +80,8 @@ class PlacedBody:
 
     speed is sqrt(2 g h) of a drop height h; `dropped` says that it falls (its weight acts when there is gravity).
     law : of its own contact, None where a named contact or nothing joins them.
-    blows : when it is given this start again; None for a body that strikes once. See `femstruct.impact.bodies.Blows`.
+    blows : when it is given this start again; None for a body that strikes once. See
+    `femstruct.impact.scene.bodies.Blows`.
     source : the standard source it is, None for any other body. radius : of a rigid sphere that is heard itself [m],
     None for a body that is not.
     """
@@ -110,7 +111,7 @@ class PlannedContact:
 
 @dataclass(frozen=True)
 class PlannedLink:
-    """A spring and dashpot between two named ends; see `femstruct.impact.bodies.Link`."""
+    """A spring and dashpot between two named ends; see `femstruct.impact.scene.bodies.Link`."""
 
     name: str
     between: tuple[str, str]

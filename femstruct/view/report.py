@@ -13,11 +13,11 @@ from femstruct.files.atomic import replacing
 from femstruct.files.finding_tables import findings_by_case
 from femstruct.findings.entry import Rank
 from femstruct.study.result import StudyResult
-from femstruct.view.findings import finding_lines
-from femstruct.view.grid import Grid
-from femstruct.view.rated import first_drop
-from femstruct.view.terminal import study_tables
-from femstruct.view.trust import outcomes, trust
+from femstruct.view.tables.accuracy_table import outcomes, trust
+from femstruct.view.tables.finding_lines import finding_lines
+from femstruct.view.tables.grid import Grid
+from femstruct.view.tables.rated_table import first_drop
+from femstruct.view.tables.terminal import study_tables
 
 _STYLE: Final = """
 body { font: 15px/1.5 system-ui, sans-serif; margin: 2em auto; max-width: 72em; padding: 0 1em; color: #222; }

@@ -9,7 +9,7 @@ from scipy.special import gamma
 from systems import rigid, rod, wall
 
 from femstruct import Body, Clock, Contact, Linear, Scene, simulate
-from femstruct.impact.collisions import collide
+from femstruct.impact.scene.collisions import collide
 from femstruct.modal.analytic import rod as rod_basis
 from ledger.row import Row
 

@@ -11,7 +11,7 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 from femstruct import Body, Clock, Contact, Linear, Load, Response, Scene, simulate
-from femstruct.impact.bodies import HalfSine
+from femstruct.impact.scene.bodies import HalfSine
 from femstruct.modal.analytic import beam, given_modes, oscillator
 from femstruct.modal.basis import ModalBasis
 from femstruct.model.probe import Point

@@ -21,7 +21,7 @@ from femstruct import (
     read_model,
     simulate,
 )
-from femstruct.impact.bodies import HalfSine, Load
+from femstruct.impact.scene.bodies import HalfSine, Load
 from systems import boat
 
 MODEL = Path(__file__).parents[2] / "models" / "foam_hull.yaml"

@@ -25,7 +25,7 @@ from femstruct import (
     simulate,
     simulate_batch,
 )
-from femstruct.impact.bodies import Ground
+from femstruct.impact.scene.bodies import Ground
 from femstruct.modal.analytic import given_modes
 from femstruct.model.probe import Probe
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from femstruct import GROUND, Body, Clock, Contact, Hertz, HuntCrossley, Linear, Scene, simulate
-from femstruct.impact.pulse import pulse_of
+from femstruct.impact.scene.force_pulse import pulse_of
 from femstruct.modal.analytic import given_modes
 from femstruct.workflow.identify.fit import Fit, fit
 

@@ -9,9 +9,9 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
-from femstruct.impact.bodies import GROUND, Body, Clock, Contact, HalfSine, Link, Load, Scene
 from femstruct.impact.laws.hertz import Hertz
 from femstruct.impact.laws.linear import Linear
+from femstruct.impact.scene.bodies import GROUND, Body, Clock, Contact, HalfSine, Link, Load, Scene
 from femstruct.impact.simulate import simulate
 from femstruct.modal.analytic import given_modes, oscillator
 from femstruct.modal.basis import ModalBasis

@@ -13,18 +13,18 @@ import pytest
 from femstruct.errors import NotConverged
 from femstruct.impact import estimate
 from femstruct.impact import simulate as engine
-from femstruct.impact.bodies import GROUND, Body, Clock, Contact, End, HalfSine, Link, Load, Scene, Table
-from femstruct.impact.booking import DONE, STICKS
+from femstruct.impact.engine.booking import DONE, STICKS
+from femstruct.impact.engine.instant_forces import State
+from femstruct.impact.engine.sampling import ended, room_for
+from femstruct.impact.engine.system import compile_scene
 from femstruct.impact.estimate import error_of
-from femstruct.impact.exact.march import exact_march
-from femstruct.impact.exact.rule import exact_room, exact_rule
-from femstruct.impact.forces import State
+from femstruct.impact.exact.exact_constants import exact_room, exact_rule
+from femstruct.impact.exact.exact_march import exact_march
 from femstruct.impact.laws.linear import Linear
 from femstruct.impact.laws.stop import Stop
-from femstruct.impact.response import EnergyBalance, Response
-from femstruct.impact.sampling import ended, room_for
+from femstruct.impact.result.response import EnergyBalance, Response
+from femstruct.impact.scene.bodies import GROUND, Body, Clock, Contact, End, HalfSine, Link, Load, Scene, Table
 from femstruct.impact.simulate import simulate
-from femstruct.impact.system import compile_scene
 from femstruct.modal.analytic import given_modes
 from femstruct.modal.basis import ModalBasis
 

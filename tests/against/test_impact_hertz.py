@@ -10,22 +10,22 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from femstruct.impact.bodies import GROUND, Body, Clock, Contact, Scene
-from femstruct.impact.collocate import collocate, state_at_start
+from femstruct.impact.collocation.collocate import collocate, state_at_start
+from femstruct.impact.collocation.collocation_march import levels_for
+from femstruct.impact.engine.gauss_points import collocation_rule
+from femstruct.impact.engine.modal_tables import tabulated
+from femstruct.impact.engine.sampling import room_for
+from femstruct.impact.engine.system import compile_scene
 from femstruct.impact.estimate import STRICTEST, error_of
 from femstruct.impact.laws.hertz import Hertz
-from femstruct.impact.march import levels_for
-from femstruct.impact.response import Response
-from femstruct.impact.rule import collocation_rule
-from femstruct.impact.sampling import room_for
+from femstruct.impact.result.response import Response
+from femstruct.impact.scene.bodies import GROUND, Body, Clock, Contact, Scene
 from femstruct.impact.simulate import simulate
-from femstruct.impact.system import compile_scene
-from femstruct.impact.tables import tabulated
 from femstruct.language import read_study
 from femstruct.modal.analytic import beam, given_modes
 from femstruct.modal.basis import ModalBasis
 from femstruct.model.probe import Probe
-from femstruct.workflow.stages.bases import damped, solve_all
+from femstruct.workflow.stages.modal_bases import damped, solve_all
 from femstruct.workflow.stages.staging import scene
 
 ACCURACY = 1e-6  # what is asked of a peak force

@@ -11,7 +11,6 @@ from scipy.integrate import solve_ivp
 from scipy.interpolate import PchipInterpolator
 from scipy.optimize import minimize_scalar
 
-from femstruct.impact.bodies import GROUND, Body, Clock, Contact, HalfSine, Link, Load, Scene
 from femstruct.impact.laws.cubic import Cubic
 from femstruct.impact.laws.hertz import Hertz
 from femstruct.impact.laws.hunt_crossley import HuntCrossley
@@ -19,6 +18,7 @@ from femstruct.impact.laws.lankarani_nikravesh import LankaraniNikravesh
 from femstruct.impact.laws.law import Law
 from femstruct.impact.laws.linear import Linear
 from femstruct.impact.laws.tabulated import Tabulated
+from femstruct.impact.scene.bodies import GROUND, Body, Clock, Contact, HalfSine, Link, Load, Scene
 from femstruct.impact.simulate import simulate
 from femstruct.modal.analytic import given_modes
 

@@ -9,11 +9,11 @@ import pytest
 from scipy.integrate import quad, solve_ivp
 
 from femstruct.errors import FemstructError
-from femstruct.impact.bodies import GROUND, Body, Clock, Contact, Scene
+from femstruct.impact.engine.system import compile_scene
 from femstruct.impact.laws.dispatch import spring
 from femstruct.impact.laws.flores import Flores
+from femstruct.impact.scene.bodies import GROUND, Body, Clock, Contact, Scene
 from femstruct.impact.simulate import simulate
-from femstruct.impact.system import compile_scene
 from femstruct.language import read_study
 from femstruct.modal.analytic import given_modes
 

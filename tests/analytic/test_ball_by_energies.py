@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from femstruct.impact.sources import RUBBER_BALL
+from femstruct.impact.scene.impact_sources import RUBBER_BALL
 from femstruct.language import read_study
 from femstruct.workflow.run.run import run_study
 

@@ -16,8 +16,8 @@ from scipy.sparse import csr_array
 from acoustics import Air, ShapedRoom, YieldingWall, box_mesh
 from acoustics.rooms.box import Losses, Room, losses_from_beta
 from acoustics.rooms.box_two_way import Leak
-from femstruct.impact.bodies import Clock, HalfSine, Load, Scene
-from femstruct.impact.shares import held_over_time, mode_energies
+from femstruct.impact.result.shares import held_over_time, mode_energies
+from femstruct.impact.scene.bodies import Clock, HalfSine, Load, Scene
 from femstruct.impact.simulate import simulate
 from femstruct.modal.analytic import oscillator
 from femstruct.modal.basis import ModalBasis

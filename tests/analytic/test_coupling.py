@@ -26,7 +26,7 @@ from acoustics.rooms.box_pressure import pressure
 from acoustics.rooms.box_two_way import Leak
 from femstruct.assembly.assemble import assemble
 from femstruct.errors import InputError
-from femstruct.impact.bodies import Clock, HalfSine, Load, Scene
+from femstruct.impact.scene.bodies import Clock, HalfSine, Load, Scene
 from femstruct.impact.simulate import simulate
 from femstruct.language import read_model_file
 from femstruct.modal.analytic import oscillator

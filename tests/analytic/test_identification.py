@@ -11,7 +11,7 @@ from scipy.integrate import quad
 from femstruct import GROUND, Body, Clock, Contact, Hertz, Linear, Scene, simulate
 from femstruct.arrays import Floats
 from femstruct.errors import FemstructError, InputError
-from femstruct.impact.pulse import LASTS, LOSES, pulse_of
+from femstruct.impact.scene.force_pulse import LASTS, LOSES, pulse_of
 from femstruct.modal.analytic import given_modes
 from femstruct.workflow.identify.fit import Fit, fit
 from femstruct.workflow.identify.fit_findings import fit_findings

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from femstruct.impact.bodies import GROUND, Body, Clock, Contact, Scene
 from femstruct.impact.laws.hertz import Hertz
 from femstruct.impact.laws.linear import Linear
-from femstruct.impact.response import Outcome, Response
+from femstruct.impact.result.response import Outcome, Response
+from femstruct.impact.scene.bodies import GROUND, Body, Clock, Contact, Scene
 from femstruct.impact.simulate import simulate
 from femstruct.modal.analytic import given_modes
 

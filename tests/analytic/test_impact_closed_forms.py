@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from scipy.special import gamma
 
-from femstruct.impact.bodies import GROUND, Body, Clock, Contact, HalfSine, Link, Load, Scene, Table
 from femstruct.impact.laws.hertz import Hertz
 from femstruct.impact.laws.linear import Linear
 from femstruct.impact.laws.stop import Stop
-from femstruct.impact.response import Outcome
+from femstruct.impact.result.response import Outcome
+from femstruct.impact.scene.bodies import GROUND, Body, Clock, Contact, HalfSine, Link, Load, Scene, Table
 from femstruct.impact.simulate import simulate
 from femstruct.modal.analytic import given_modes, oscillator
 

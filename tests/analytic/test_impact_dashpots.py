@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 from scipy.linalg import solve_continuous_lyapunov
 
-from femstruct.impact.bodies import Body, Clock, Contact, Scene
-from femstruct.impact.dashpots import dashpot_losses
 from femstruct.impact.laws.hertz import Hertz
-from femstruct.impact.shares import energy_shares, mode_energies
+from femstruct.impact.result.dashpots import dashpot_losses
+from femstruct.impact.result.shares import energy_shares, mode_energies
+from femstruct.impact.scene.bodies import Body, Clock, Contact, Scene
 from femstruct.impact.simulate import simulate
 from femstruct.modal.analytic import given_modes
 from femstruct.modal.basis import ModalBasis

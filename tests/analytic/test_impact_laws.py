@@ -11,7 +11,6 @@ from scipy.optimize import brentq
 from scipy.special import ellipk, gamma
 
 from femstruct.errors import FemstructError
-from femstruct.impact.bodies import GROUND, Body, Clock, Contact, Scene
 from femstruct.impact.laws.cubic import Cubic
 from femstruct.impact.laws.hertz import Hertz
 from femstruct.impact.laws.hunt_crossley import HuntCrossley
@@ -20,8 +19,9 @@ from femstruct.impact.laws.law import Law
 from femstruct.impact.laws.linear import Linear
 from femstruct.impact.laws.stop import Stop
 from femstruct.impact.laws.tabulated import Tabulated
-from femstruct.impact.response import Response
-from femstruct.impact.restitution import damping_ratio_for, dissipation_for, restitution_of
+from femstruct.impact.result.response import Response
+from femstruct.impact.scene.bodies import GROUND, Body, Clock, Contact, Scene
+from femstruct.impact.scene.restitution import damping_ratio_for, dissipation_for, restitution_of
 from femstruct.impact.simulate import simulate
 from femstruct.modal.analytic import given_modes
 

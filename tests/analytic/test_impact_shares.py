@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from femstruct.impact.bodies import GROUND, Body, Clock, Contact, HalfSine, Link, Load, Scene
 from femstruct.impact.laws.hertz import Hertz
 from femstruct.impact.laws.law import Law
 from femstruct.impact.laws.linear import Linear
-from femstruct.impact.shares import energy_shares, grouped, mode_energies
+from femstruct.impact.result.shares import energy_shares, grouped, mode_energies
+from femstruct.impact.scene.bodies import GROUND, Body, Clock, Contact, HalfSine, Link, Load, Scene
 from femstruct.impact.simulate import simulate
 from femstruct.modal.analytic import given_modes
 

@@ -16,7 +16,7 @@ from femstruct.sound.surface import pressure_per_force
 from femstruct.sound.two_way import with_cavity
 from femstruct.workflow.judgement.meeting import floating, meeting_findings, meetings, mode_pairs
 from femstruct.workflow.stages.air import ceiling
-from femstruct.workflow.stages.bases import solve_all
+from femstruct.workflow.stages.modal_bases import solve_all
 
 MODEL = """
 materials: {concrete: {E: 30 GPa, nu: 0.2, rho: 2400}, screed: {E: 25 GPa, nu: 0.2, rho: 2000}}

@@ -11,8 +11,8 @@ from scipy.sparse.linalg import spsolve
 from femstruct.assembly.assemble import assemble
 from femstruct.assembly.matrices import Assembly
 from femstruct.errors import InputError
-from femstruct.impact.bodies import Body, Clock, Contact, Scene
 from femstruct.impact.laws.hertz import Hertz
+from femstruct.impact.scene.bodies import Body, Clock, Contact, Scene
 from femstruct.impact.simulate import simulate
 from femstruct.language import read_model
 from femstruct.modal.reduction import modal_basis

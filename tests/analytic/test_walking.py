@@ -9,7 +9,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from femstruct.errors import FemstructError, InputErrors
-from femstruct.impact.walking import Walk, design_harmonics
+from femstruct.impact.scene.walking import Walk, design_harmonics
 from femstruct.language import read_study
 from femstruct.study.result import CaseResult
 from femstruct.workflow.run.run import run_study

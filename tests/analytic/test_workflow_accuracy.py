@@ -14,7 +14,7 @@ from femstruct.files.results import write_results
 from femstruct.files.tables import summary
 from femstruct.language import read_study
 from femstruct.study.result import CaseResult, StudyResult
-from femstruct.view.terminal import show_study
+from femstruct.view.tables.terminal import show_study
 from femstruct.workflow.run.accuracy import acceleration_in_band
 from femstruct.workflow.run.run import run_study
 from femstruct.workflow.stages.channels import in_band

@@ -29,7 +29,7 @@ from acoustics import (
 )
 from acoustics.meshed.meshed_pressure import cavity_pressure, harmonic_cavity_pressure
 from acoustics.rooms.box_two_way import Leak
-from femstruct.impact.bodies import Clock, HalfSine, Load, Scene
+from femstruct.impact.scene.bodies import Clock, HalfSine, Load, Scene
 from femstruct.impact.simulate import simulate
 from femstruct.modal.analytic import oscillator
 from femstruct.modal.damping import Damping, Ratio, with_damping

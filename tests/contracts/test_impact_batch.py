@@ -8,17 +8,17 @@ import numpy as np
 import pytest
 
 from femstruct.errors import FemstructError
-from femstruct.impact.batch import simulate_batch
-from femstruct.impact.bodies import GROUND, Blows, Body, Clock, Contact, HalfSine, Link, Load, Scene
-from femstruct.impact.judgement import unresolved
+from femstruct.impact.batch.batch import simulate_batch
+from femstruct.impact.batch.metrics import Batch, Energies
 from femstruct.impact.laws.hertz import Hertz
 from femstruct.impact.laws.hunt_crossley import HuntCrossley
 from femstruct.impact.laws.lankarani_nikravesh import LankaraniNikravesh
 from femstruct.impact.laws.linear import Linear
 from femstruct.impact.laws.stop import Stop
 from femstruct.impact.laws.tabulated import Tabulated
-from femstruct.impact.metrics import Batch, Energies
-from femstruct.impact.response import EnergyBalance, Outcome
+from femstruct.impact.result.contact_findings import unresolved
+from femstruct.impact.result.response import EnergyBalance, Outcome
+from femstruct.impact.scene.bodies import GROUND, Blows, Body, Clock, Contact, HalfSine, Link, Load, Scene
 from femstruct.impact.simulate import simulate
 from femstruct.modal.analytic import given_modes
 from femstruct.modal.basis import ModalBasis

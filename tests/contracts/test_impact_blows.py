@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from femstruct.errors import FemstructError
-from femstruct.impact.bodies import GROUND, Blows, Body, Clock, Contact, HalfSine, Link, Load, Scene, Table
 from femstruct.impact.laws.hertz import Hertz
 from femstruct.impact.laws.linear import Linear
-from femstruct.impact.response import Response
+from femstruct.impact.result.response import Response
+from femstruct.impact.scene.bodies import GROUND, Blows, Body, Clock, Contact, HalfSine, Link, Load, Scene, Table
 from femstruct.impact.simulate import simulate
 from femstruct.modal.analytic import given_modes
 

@@ -9,13 +9,13 @@ import pytest
 
 from femstruct.arrays import Floats
 from femstruct.errors import FemstructError, NotConverged
-from femstruct.impact import collocate
 from femstruct.impact import simulate as engine
-from femstruct.impact.bodies import GROUND, Body, Clock, Contact, HalfSine, Link, Load, Scene
+from femstruct.impact.collocation import collocate
 from femstruct.impact.laws.hertz import Hertz
 from femstruct.impact.laws.linear import Linear
 from femstruct.impact.laws.stop import Stop
-from femstruct.impact.response import Outcome, Response
+from femstruct.impact.result.response import Outcome, Response
+from femstruct.impact.scene.bodies import GROUND, Body, Clock, Contact, HalfSine, Link, Load, Scene
 from femstruct.impact.simulate import simulate
 from femstruct.modal.analytic import given_modes, oscillator, rod
 from femstruct.model.probe import Point, Probe

@@ -10,9 +10,10 @@ import numpy as np
 import pytest
 
 import femstruct
-from femstruct.impact.bodies import GROUND, Body, Clock, Contact, Scene
-from femstruct.impact.forces import law as force_at
-from femstruct.impact.forces import sense
+from femstruct.impact.engine.instant_forces import law as force_at
+from femstruct.impact.engine.instant_forces import sense
+from femstruct.impact.engine.records import INTERFACE, System
+from femstruct.impact.engine.system import compile_scene
 from femstruct.impact.laws.cubic import Cubic
 from femstruct.impact.laws.dispatch import beside, spring
 from femstruct.impact.laws.flores import Flores
@@ -25,8 +26,7 @@ from femstruct.impact.laws.own import OwnLaw
 from femstruct.impact.laws.registry import CODES, DOUBTS, LAWS
 from femstruct.impact.laws.stop import Stop
 from femstruct.impact.laws.tabulated import Tabulated
-from femstruct.impact.records import INTERFACE, System
-from femstruct.impact.system import compile_scene
+from femstruct.impact.scene.bodies import GROUND, Body, Clock, Contact, Scene
 from femstruct.language.laws.registry import SPECS
 from femstruct.modal.analytic import given_modes
 

@@ -10,12 +10,12 @@ import pytest
 from numba import njit
 
 from femstruct.errors import FemstructError
-from femstruct.impact.batch import simulate_batch
-from femstruct.impact.bodies import GROUND, Body, Clock, Contact, Scene
+from femstruct.impact.batch.batch import simulate_batch
 from femstruct.impact.laws.hertz import Hertz
 from femstruct.impact.laws.law import Law
 from femstruct.impact.laws.own import OwnLaw
-from femstruct.impact.response import Response
+from femstruct.impact.result.response import Response
+from femstruct.impact.scene.bodies import GROUND, Body, Clock, Contact, Scene
 from femstruct.impact.simulate import simulate
 from femstruct.modal.analytic import given_modes
 

@@ -11,14 +11,14 @@ from matplotlib.axes import Axes
 from scipy.sparse.linalg import splu
 
 from femstruct.assembly.assemble import assemble
-from femstruct.impact.bodies import Clock
+from femstruct.impact.scene.bodies import Clock
 from femstruct.language import read_model_file, read_study
 from femstruct.modal.factor import count_below
 from femstruct.modal.reduction import modal_basis
 from femstruct.model.facts import part_masses
 from femstruct.model.mesher import mesh_structure
 from femstruct.model.structure import Structure
-from femstruct.view.plots import figures
+from femstruct.view.figures.plots import figures
 from femstruct.workflow.run import run, struck
 from femstruct.workflow.run.run import run_study
 

@@ -10,11 +10,10 @@ from acoustics.rooms.box import Receiver, Room, losses_from_beta
 from acoustics.rooms.box_pressure import RoomResponse
 from femstruct.conventions import N_COMPONENTS, RX, RY, TWIST, UZ
 from femstruct.errors import Finding
-from femstruct.impact.bodies import Body, Clock, Contact, Link, Scene
+from femstruct.impact.engine.motion import sampled_motion
 from femstruct.impact.estimate import ErrorEstimate, Resolved
 from femstruct.impact.laws.hertz import Hertz
-from femstruct.impact.motion import sampled_motion
-from femstruct.impact.response import (
+from femstruct.impact.result.response import (
     BodyHistory,
     ContactHistory,
     EnergyBalance,
@@ -23,6 +22,7 @@ from femstruct.impact.response import (
     Outcome,
     Response,
 )
+from femstruct.impact.scene.bodies import Body, Clock, Contact, Link, Scene
 from femstruct.modal.basis import ForceRow, ModalBasis
 from femstruct.model.material import Material
 from femstruct.model.mesh import Mesh

@@ -12,7 +12,7 @@ from femstruct.errors import InputErrors
 from femstruct.files.tables import summary
 from femstruct.language import read_study
 from femstruct.study.result import StudyResult
-from femstruct.view.terminal import show_study
+from femstruct.view.tables.terminal import show_study
 from femstruct.workflow.run.run import run_study
 
 MODEL = """materials: {steel: {E: 210 GPa, nu: 0.3, rho: 7850, loss_factor: 1 %}}

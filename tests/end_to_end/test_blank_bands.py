@@ -18,9 +18,9 @@ from femstruct.files.results import write_results
 from femstruct.files.tables import summary
 from femstruct.language import read_study
 from femstruct.study.result import StudyResult
-from femstruct.view.loudness import rated_bands
-from femstruct.view.spectra import sound
-from femstruct.view.terminal import show_study
+from femstruct.view.figures.loudness import rated_bands
+from femstruct.view.figures.spectra import sound
+from femstruct.view.tables.terminal import show_study
 from femstruct.workflow.check.inspect import inspect_file
 from femstruct.workflow.compare.verdicts import verdicts
 from femstruct.workflow.run.run import run_study

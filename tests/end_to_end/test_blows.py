@@ -13,8 +13,8 @@ from femstruct.errors import InputErrors
 from femstruct.files.tables import summary
 from femstruct.language import read_study
 from femstruct.study.result import StudyResult
-from femstruct.view.histories import energy
-from femstruct.view.terminal import show_study
+from femstruct.view.figures.histories import energy
+from femstruct.view.tables.terminal import show_study
 from femstruct.workflow.run.output import write_all
 from femstruct.workflow.run.run import run_study
 

@@ -14,11 +14,11 @@ from femstruct.files.results import write_results
 from femstruct.files.tables import summary
 from femstruct.language import read_study
 from femstruct.study.result import StudyResult
-from femstruct.view.loudness import levels_over_time, rated_bands
+from femstruct.view.figures.loudness import levels_over_time, rated_bands
+from femstruct.view.figures.spectra import sound
 from femstruct.view.report import report
-from femstruct.view.spectra import sound
-from femstruct.view.structure import show_inspection
-from femstruct.view.terminal import show_study
+from femstruct.view.tables.structure_tables import show_inspection
+from femstruct.view.tables.terminal import show_study
 from femstruct.workflow.check.inspect import inspect_file
 from femstruct.workflow.run import struck
 from femstruct.workflow.run.run import run_study, without_rooms

@@ -13,16 +13,16 @@ from femstruct.exits import leave_with
 from femstruct.files.results import write_results
 from femstruct.files.stored import read_results
 from femstruct.files.tables import summary
-from femstruct.impact.bodies import GROUND, Body, Clock, Contact, Scene
 from femstruct.impact.estimate import ErrorEstimate, Resolved, error_of
 from femstruct.impact.laws.hertz import Hertz
+from femstruct.impact.scene.bodies import GROUND, Body, Clock, Contact, Scene
 from femstruct.impact.simulate import simulate
 from femstruct.impact.unresolved import unresolved_findings
 from femstruct.language import read_study
 from femstruct.modal.analytic import given_modes
 from femstruct.study.result import StudyResult
 from femstruct.view.report import report
-from femstruct.view.terminal import show_study
+from femstruct.view.tables.terminal import show_study
 from femstruct.workflow.run.run import run_study
 
 MODEL = "structure: {type: modes, frequency: [40, 310], ratio: [0, 0], points: {p: [1.5, 1.1]}}"

@@ -15,8 +15,8 @@ from femstruct.files.results import write_results
 from femstruct.files.tables import summary
 from femstruct.language import read_study
 from femstruct.study.result import StudyResult
-from femstruct.view.loudness import rated_bands
-from femstruct.view.terminal import show_study
+from femstruct.view.figures.loudness import rated_bands
+from femstruct.view.tables.terminal import show_study
 from femstruct.workflow.run.run import run_study
 
 MODEL = """

@@ -13,12 +13,12 @@ import pytest
 
 from femstruct.language import read_study
 from femstruct.study.result import CaseResult
-from femstruct.view.terminal import study_tables
+from femstruct.view.tables.terminal import study_tables
 from femstruct.workflow.check.asked_response import frf_of
 from femstruct.workflow.check.inspect import inspect_file
 from femstruct.workflow.identify.identify import identify
 from femstruct.workflow.run.run import run_study
-from femstruct.workflow.stages.bases import solve_all
+from femstruct.workflow.stages.modal_bases import solve_all
 
 ROOT = Path(__file__).parents[2]
 PLATE = """

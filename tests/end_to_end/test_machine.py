@@ -17,7 +17,7 @@ from femstruct.files.results import write_results
 from femstruct.files.tables import summary
 from femstruct.language import read_study
 from femstruct.study.result import StudyResult
-from femstruct.view.terminal import show_study
+from femstruct.view.tables.terminal import show_study
 from femstruct.workflow.run.run import run_study
 
 MODELS = Path(__file__).parents[2] / "models"

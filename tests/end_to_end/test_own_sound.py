@@ -18,7 +18,7 @@ from femstruct.errors import InputErrors
 from femstruct.language import read_study
 from femstruct.sound.impactor import pushed_velocity
 from femstruct.study.result import CaseResult
-from femstruct.view.terminal import study_tables
+from femstruct.view.tables.terminal import study_tables
 from femstruct.workflow.check.inspect import inspect_file
 from femstruct.workflow.run.output import write_all
 from femstruct.workflow.run.run import run_study
@@ -184,7 +184,7 @@ def test_what_is_wrong_is_said(tmp_path: Path, bodies: str, rooms: str, told: st
 
 
 def test_files_keep_both(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("femstruct.view.scene.shapes_all", lambda *_: ([], ""))  # they take time
+    monkeypatch.setattr("femstruct.view.scenes.scene.shapes_all", lambda *_: ([], ""))  # they take time
     result = run_study(read_study(written(tmp_path, more="cases: {ball: {}, hollow: {bodies.ball.mass: 10 g}}")))
     write_all(result, tmp_path)
     case = result.cases["hollow"]

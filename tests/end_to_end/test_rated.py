@@ -17,7 +17,7 @@ from femstruct.files.tables import summary
 from femstruct.language import read_study
 from femstruct.study.result import StudyResult
 from femstruct.study.study import Limit
-from femstruct.view.terminal import show_study
+from femstruct.view.tables.terminal import show_study
 from femstruct.workflow.compare.verdicts import verdicts
 from femstruct.workflow.run.run import run_study
 

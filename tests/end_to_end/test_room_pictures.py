@@ -15,8 +15,8 @@ from acoustics.rooms.receiver_grids import mode_shapes, room_grid
 from femstruct.errors import InputErrors
 from femstruct.files.rooms import write_room_modes
 from femstruct.language import read_study
-from femstruct.view import room_scene
-from femstruct.view.opengl import NoOpenGL, require_opengl
+from femstruct.view.scenes import room_scene
+from femstruct.view.scenes.opengl import NoOpenGL, require_opengl
 from femstruct.workflow.run.run import run_study
 
 STUDY = """

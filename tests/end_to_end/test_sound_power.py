@@ -16,13 +16,13 @@ from femstruct.files.tables import summary
 from femstruct.language import read_study
 from femstruct.sound.surface import pressure_per_force
 from femstruct.study.result import CaseResult, StudyResult
-from femstruct.view.plots import figures
-from femstruct.view.power import room_directivity, sound_energy
+from femstruct.view.figures.plots import figures
+from femstruct.view.figures.power import room_directivity, sound_energy
 from femstruct.view.report import report
-from femstruct.view.terminal import study_tables
+from femstruct.view.tables.terminal import study_tables
 from femstruct.workflow.check.inspect import inspect_file
 from femstruct.workflow.run.run import run_study, without_rooms
-from femstruct.workflow.stages.bases import solve_all
+from femstruct.workflow.stages.modal_bases import solve_all
 
 A, B, H = 0.5, 0.4, 3e-3
 E, NU, RHO = 210e9, 0.3, 7850.0

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from femstruct.impact.sources import RUBBER_BALL
+from femstruct.impact.scene.impact_sources import RUBBER_BALL
 from femstruct.language import read_study
 from femstruct.study.result import StudyResult
 from femstruct.workflow.run.run import run_study

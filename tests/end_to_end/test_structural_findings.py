@@ -15,9 +15,9 @@ from femstruct.model.mesher import mesh_structure
 from femstruct.study.study import Extent
 from femstruct.workflow.check.asked_modes import modes_of
 from femstruct.workflow.check.inspect import inspect_file
-from femstruct.workflow.judgement.structures import structure_findings_after, structure_findings_before
+from femstruct.workflow.judgement.structure_findings import structure_findings_after, structure_findings_before
 from femstruct.workflow.run.run import run_study
-from femstruct.workflow.stages.bases import solve
+from femstruct.workflow.stages.modal_bases import solve
 
 ROOT = Path(__file__).parents[2]
 MODELS = ROOT / "models"

@@ -18,8 +18,8 @@ from femstruct.files.tables import summary
 from femstruct.language import read_study
 from femstruct.model.probe import Probe
 from femstruct.study.result import StudyResult
-from femstruct.view.histories import energy as energy_figure
-from femstruct.view.terminal import show_study
+from femstruct.view.figures.histories import energy as energy_figure
+from femstruct.view.tables.terminal import show_study
 from femstruct.workflow.run.run import run_study, without_rooms
 
 STUDY = Path(__file__).parents[2] / "models" / "floor_two_way.study.yaml"

@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from femstruct.impact.bodies import Body, Clock, Contact, Link, Scene
 from femstruct.impact.laws.linear import Linear
-from femstruct.impact.response import Response
+from femstruct.impact.result.response import Response
+from femstruct.impact.scene.bodies import Body, Clock, Contact, Link, Scene
 from femstruct.impact.simulate import simulate
 from femstruct.modal.analytic import given_modes, oscillator
 

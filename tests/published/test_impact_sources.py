@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 from acoustics.levels.exposure import force_exposure_levels
-from femstruct.impact.bodies import GROUND, Body, Clock, Contact, Scene
-from femstruct.impact.simulate import simulate
-from femstruct.impact.sources import (
+from femstruct.impact.scene.bodies import GROUND, Body, Clock, Contact, Scene
+from femstruct.impact.scene.impact_sources import (
     BANG_MACHINE,
     CONTACT_S,
     EXPOSURE_ALLOWED_DB,
@@ -16,6 +15,7 @@ from femstruct.impact.sources import (
     RUBBER_BALL,
     StandardSource,
 )
+from femstruct.impact.simulate import simulate
 from femstruct.modal.analytic import given_modes
 
 NOTHING = given_modes([], [], {})[0]

@@ -14,16 +14,16 @@ import numpy as np
 from numba import njit
 from scipy.integrate import solve_ivp
 
-from femstruct.impact.bodies import GROUND, Body, Clock, Contact, Link, Scene
+from femstruct.impact.engine.records import CONSTANT, LINK
+from femstruct.impact.engine.system import compile_scene
 from femstruct.impact.laws.hertz import CODE, Hertz
 from femstruct.impact.laws.law import Law
 from femstruct.impact.laws.linear import Linear
 from femstruct.impact.laws.registry import CODES
 from femstruct.impact.laws.stop import Stop
-from femstruct.impact.records import CONSTANT, LINK
-from femstruct.impact.response import Outcome, Response
+from femstruct.impact.result.response import Outcome, Response
+from femstruct.impact.scene.bodies import GROUND, Body, Clock, Contact, Link, Scene
 from femstruct.impact.simulate import simulate
-from femstruct.impact.system import compile_scene
 from femstruct.modal.analytic import given_modes
 from femstruct.modal.basis import ModalBasis
 

@@ -14,7 +14,7 @@ import pytest
 from femstruct.errors import FemstructError
 from femstruct.impact.compiled import store, workers
 from femstruct.impact.compiled.workers import code_of, compilation
-from femstruct.impact.sampling import feel
+from femstruct.impact.engine.sampling import feel
 
 ROOT = Path(__file__).parents[2]
 
@@ -70,7 +70,7 @@ def test_a_command_survives_damaged_code(elsewhere: Path, piece: bytes) -> None:
     store.keep(feel, piece, store.folder())
     (path,) = elsewhere.glob("*.unit")
     path.write_bytes(b"noise" * 100)
-    code = "from femstruct.impact.sampling import feel\nfrom femstruct.impact.compiled.workers import code_of\n"
+    code = "from femstruct.impact.engine.sampling import feel\nfrom femstruct.impact.compiled.workers import code_of\n"
     code += "code_of([feel])"
     ran = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=ROOT, check=True)
     assert ran.stderr.count("is damaged") == 1 and "Traceback" not in ran.stderr

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from femstruct.impact.bodies import GROUND, Body, Clock, Contact, Link, Scene
 from femstruct.impact.laws.cubic import Cubic
 from femstruct.impact.laws.hertz import Hertz
 from femstruct.impact.laws.hunt_crossley import HuntCrossley
@@ -13,7 +12,8 @@ from femstruct.impact.laws.law import Law
 from femstruct.impact.laws.linear import Linear
 from femstruct.impact.laws.stop import Stop
 from femstruct.impact.laws.tabulated import Tabulated
-from femstruct.impact.response import Response
+from femstruct.impact.result.response import Response
+from femstruct.impact.scene.bodies import GROUND, Body, Clock, Contact, Link, Scene
 from femstruct.impact.simulate import simulate
 from femstruct.modal.analytic import given_modes
 

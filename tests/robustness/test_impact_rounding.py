@@ -9,14 +9,14 @@ import numpy as np
 import pytest
 
 import femstruct.impact.simulate as engine
-from femstruct.impact.batch import simulate_batch
-from femstruct.impact.bodies import GROUND, Body, Clock, Contact, Link, Scene
+from femstruct.impact.batch.batch import simulate_batch
+from femstruct.impact.engine.sampling import TRIALS
 from femstruct.impact.laws.hertz import Hertz
 from femstruct.impact.laws.law import Law
 from femstruct.impact.laws.linear import Linear
 from femstruct.impact.laws.stop import Stop
-from femstruct.impact.response import Response
-from femstruct.impact.sampling import TRIALS
+from femstruct.impact.result.response import Response
+from femstruct.impact.scene.bodies import GROUND, Body, Clock, Contact, Link, Scene
 from femstruct.modal.analytic import given_modes
 
 FREE = given_modes([], [], {})[0]

@@ -9,11 +9,11 @@ import time
 import numpy as np
 import pytest
 
-import femstruct.impact.collocate as march
+import femstruct.impact.collocation.collocate as march
 from femstruct.errors import NotConverged
-from femstruct.impact.batch import simulate_batch
-from femstruct.impact.bodies import GROUND, Body, Clock, Contact, Link, Scene
+from femstruct.impact.batch.batch import simulate_batch
 from femstruct.impact.laws.hertz import Hertz
+from femstruct.impact.scene.bodies import GROUND, Body, Clock, Contact, Link, Scene
 from femstruct.impact.simulate import simulate
 from femstruct.modal.analytic import given_modes
 

@@ -11,18 +11,18 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from femstruct.impact.bodies import GROUND, Body, Clock, Contact, Scene
-from femstruct.impact.collocate import state_at_start
+from femstruct.impact.batch.batch_march import run_many
+from femstruct.impact.collocation.collocate import state_at_start
+from femstruct.impact.collocation.collocation_march import march
 from femstruct.impact.compiled.kernels import Unit, kernels_of, unit, units_called
 from femstruct.impact.compiled.layout import Matrix, Vector, laid_out, layout_of
-from femstruct.impact.exact.march import exact_march
-from femstruct.impact.exact.rule import exact_room, exact_rule
+from femstruct.impact.engine.needed_units import ALL
+from femstruct.impact.engine.sampling import room_for
+from femstruct.impact.engine.system import compile_scene
+from femstruct.impact.exact.exact_constants import exact_room, exact_rule
+from femstruct.impact.exact.exact_march import exact_march
 from femstruct.impact.laws.linear import Linear
-from femstruct.impact.many import run_many
-from femstruct.impact.march import march
-from femstruct.impact.needed import ALL
-from femstruct.impact.sampling import room_for
-from femstruct.impact.system import compile_scene
+from femstruct.impact.scene.bodies import GROUND, Body, Clock, Contact, Scene
 from femstruct.modal.analytic import given_modes
 
 ROOT = Path(__file__).parents[2]
@@ -113,8 +113,9 @@ def test_machine_code_and_python_agree() -> None:
 def test_a_simulation_needs_no_compiler() -> None:
     """numba takes half a second to import: only processes that compile do."""
     code = (
-        "import sys\nfrom femstruct.impact.compiled.workers import code_of\nfrom femstruct.impact.needed import ALL\n"
-        "from femstruct.impact.bodies import *\nfrom femstruct.impact.laws.hertz import Hertz\n"
+        "import sys\nfrom femstruct.impact.compiled.workers import code_of\n"
+        "from femstruct.impact.engine.needed_units import ALL\n"
+        "from femstruct.impact.scene.bodies import *\nfrom femstruct.impact.laws.hertz import Hertz\n"
         "from femstruct.impact.simulate import simulate\nfrom femstruct.modal.analytic import given_modes\n"
         "scene = Scene((Body('b', 1.0, -1.0),), (Contact('c', 'b', GROUND, Hertz(1e6)),))\n"
         "simulate(given_modes([], [], {})[0], scene, Clock(0.02, 1e4))\nassert 'numba' not in sys.modules"

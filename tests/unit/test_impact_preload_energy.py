@@ -6,17 +6,17 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from femstruct.impact.bodies import GROUND, Body, Clock, Contact, Scene
-from femstruct.impact.collocate import state_at_start
-from femstruct.impact.energy import stored
-from femstruct.impact.forces import CLOSED
+from femstruct.impact.collocation.collocate import state_at_start
+from femstruct.impact.engine.energy import stored
+from femstruct.impact.engine.instant_forces import CLOSED
+from femstruct.impact.engine.system import compile_scene
 from femstruct.impact.laws.cubic import Cubic
 from femstruct.impact.laws.hertz import Hertz
 from femstruct.impact.laws.hunt_crossley import HuntCrossley
 from femstruct.impact.laws.law import Law
 from femstruct.impact.laws.linear import Linear
+from femstruct.impact.scene.bodies import GROUND, Body, Clock, Contact, Scene
 from femstruct.impact.simulate import simulate
-from femstruct.impact.system import compile_scene
 from femstruct.modal.analytic import given_modes
 
 FREE = given_modes([], [], {})[0]

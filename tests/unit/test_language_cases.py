@@ -6,9 +6,9 @@ from pathlib import Path
 import pytest
 
 from femstruct.errors import FemstructError, InputErrors
-from femstruct.impact.bodies import HalfSine, Table
 from femstruct.impact.laws.linear import Linear
 from femstruct.impact.laws.stop import Stop
+from femstruct.impact.scene.bodies import HalfSine, Table
 from femstruct.language import read_model_file, read_study, with_position
 from femstruct.model.structure import Structure
 from femstruct.parts.mass import Mass

@@ -9,7 +9,7 @@ import pytest
 from femstruct import read_study
 from femstruct.errors import InputError, InputErrors
 from femstruct.language import json_schema
-from femstruct.workflow.stages.bases import solve_all
+from femstruct.workflow.stages.modal_bases import solve_all
 from femstruct.workflow.stages.staging import scene
 
 MODEL = """structure:

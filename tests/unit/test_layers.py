@@ -191,7 +191,7 @@ def test_modes_load_nothing_of_impacts_or_results() -> None:
 
 def test_tables_for_the_terminal_load_no_plots() -> None:
     """`impact` and `sound` draw nothing: matplotlib would be half of what their start takes."""
-    code = "import sys, femstruct.view.terminal; print(*sys.modules)"
+    code = "import sys, femstruct.view.tables.terminal; print(*sys.modules)"
     loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT).stdout
     assert not {"matplotlib", "pyvista"} & set(loaded.split())
 

@@ -9,8 +9,8 @@ import pytest
 
 import femstruct
 from femstruct.errors import FemstructError
-from femstruct.impact.bodies import GROUND, Body, Contact, Scene
 from femstruct.impact.laws.linear import Linear
+from femstruct.impact.scene.bodies import GROUND, Body, Contact, Scene
 from femstruct.model.material import Material
 from femstruct.model.structure import PlaceOn, Support, SurfaceOn
 from femstruct.parts.plate import Plate

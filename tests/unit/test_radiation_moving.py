@@ -6,8 +6,8 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from acoustics import Room
-from femstruct.impact.bodies import Body, Clock, Contact, Scene
 from femstruct.impact.laws.linear import Linear
+from femstruct.impact.scene.bodies import Body, Clock, Contact, Scene
 from femstruct.impact.simulate import simulate
 from femstruct.modal.analytic import given_modes
 from femstruct.model.probe import Surface

@@ -11,8 +11,8 @@ import pytest
 
 from femstruct.errors import FemstructError
 from femstruct.study.result import StudyResult
-from femstruct.view.beside import FORKS, drawn_beside
-from femstruct.view.opengl import LEFT_OUT, WAYS, NoOpenGL
+from femstruct.view.scenes.beside import FORKS, drawn_beside
+from femstruct.view.scenes.opengl import LEFT_OUT, WAYS, NoOpenGL
 from femstruct.workflow.run.output import NO_PICTURES, write_all
 
 BY_HAND = runpy.run_path(str(Path(__file__).parents[1] / "data" / "study_by_hand.py"))

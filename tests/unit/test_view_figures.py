@@ -20,13 +20,13 @@ from acoustics.rooms.pressure_maps import PressureMap
 from femstruct.modal.analytic import given_modes
 from femstruct.study.result import Channel
 from femstruct.study.study import RoomPlan
-from femstruct.view.figures import case_colours, case_lines, new_figure, save, thinned
-from femstruct.view.histories import contact_forces, energy, history, travels
-from femstruct.view.maps import draw_map, heard_peaks, pressure_maps
-from femstruct.view.plots import figures, plot_all
-from femstruct.view.scales import scaled
-from femstruct.view.spectra import frequency_response, sound
-from femstruct.view.vibration import spectrum
+from femstruct.view.figures.drawing import case_colours, case_lines, new_figure, save, thinned
+from femstruct.view.figures.histories import contact_forces, energy, history, travels
+from femstruct.view.figures.maps import draw_map, heard_peaks, pressure_maps
+from femstruct.view.figures.plots import figures, plot_all
+from femstruct.view.figures.spectra import frequency_response, sound
+from femstruct.view.figures.vibration import spectrum
+from femstruct.view.tables.scales import scaled
 from femstruct.workflow.compare.compare import compare
 
 BY_HAND = runpy.run_path(str(Path(__file__).parents[1] / "data" / "study_by_hand.py"))
@@ -395,7 +395,7 @@ def test_drawing_has_no_global_effects():
         "def settings():  # 'backend' resolves, and imports pyplot, when it is looked at\n"
         "    return {name: matplotlib.rcParams[name] for name in matplotlib.rcParams if name != 'backend'}\n"
         "before = settings()\n"
-        "import femstruct.view.plots, femstruct.view.scene\n"
+        "import femstruct.view.figures.plots, femstruct.view.scenes.scene\n"
         "assert 'matplotlib.pyplot' not in sys.modules and 'pyvista' not in sys.modules\n"
         "assert settings() == before\n"
     )

@@ -20,10 +20,10 @@ from femstruct.files.results import write_results
 from femstruct.files.stored import read_results
 from femstruct.files.tables import summary
 from femstruct.study.result import StudyResult
-from femstruct.view.findings import show_findings
 from femstruct.view.report import report
-from femstruct.view.structure import show_frf
-from femstruct.view.terminal import show_study
+from femstruct.view.tables.finding_lines import show_findings
+from femstruct.view.tables.structure_tables import show_frf
+from femstruct.view.tables.terminal import show_study
 
 AIR = Finding("two-way-coupling", "The air pushes back.")
 FLOAT = Finding("floating-floor", "It floats.")

@@ -13,9 +13,9 @@ import numpy as np
 import pytest
 
 from femstruct.errors import Finding
-from femstruct.view.loudness import levels_over_time, rated_bands
+from femstruct.view.figures.loudness import levels_over_time, rated_bands
 from femstruct.view.report import report, write_report
-from femstruct.view.terminal import study_tables
+from femstruct.view.tables.terminal import study_tables
 
 BY_HAND = runpy.run_path(str(Path(__file__).parents[1] / "data" / "study_by_hand.py"))
 ALONE = {"meta", "img"}

@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 
 from femstruct.errors import InputError
-from femstruct.view import opengl
-from femstruct.view.labels import MASS, POINT, SUPPORT, Label, merged
-from femstruct.view.opengl import LEFT_OUT, NoOpenGL
-from femstruct.view.scene import picture_model, shapes_all
+from femstruct.view.scenes import opengl
+from femstruct.view.scenes.labels import MASS, POINT, SUPPORT, Label, merged
+from femstruct.view.scenes.opengl import LEFT_OUT, NoOpenGL
+from femstruct.view.scenes.scene import picture_model, shapes_all
 
 DATA = Path(__file__).parents[1] / "data" / "study_by_hand.py"
 BY_HAND = runpy.run_path(str(DATA))
@@ -23,7 +23,7 @@ import runpy, sys
 from pathlib import Path
 from acoustics.rooms.box import Receiver, Room
 from femstruct import assemble, modal_basis, read_model
-from femstruct.view.scene import picture_model, picture_modes, shapes_all
+from femstruct.view.scenes.scene import picture_model, picture_modes, shapes_all
 made = runpy.run_path(sys.argv[1])
 result = made["study_by_hand"]()
 folder = Path(sys.argv[2])

@@ -9,9 +9,10 @@ import pytest
 from rich.console import Console
 
 from femstruct.errors import Finding
-from femstruct.view import structure, terminal
-from femstruct.view.energies import energies
-from femstruct.view.grid import Grid
+from femstruct.view.tables import structure_tables as structure
+from femstruct.view.tables import terminal
+from femstruct.view.tables.energy_table import energies
+from femstruct.view.tables.grid import Grid
 
 BY_HAND = runpy.run_path(str(Path(__file__).parents[1] / "data" / "study_by_hand.py"))
 MODES = {

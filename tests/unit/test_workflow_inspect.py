@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from femstruct.view.structure import show_inspection
+from femstruct.view.tables.structure_tables import show_inspection
 from femstruct.workflow.check.inspect import inspect_file
 
 MODELS = Path(__file__).parents[2] / "models"

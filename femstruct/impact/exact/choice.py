@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from femstruct.impact.exact.rule import THETA
-from femstruct.impact.records import CONSTANT, HALF_SINE, LINK, TABLE, System
+from femstruct.impact.engine.records import CONSTANT, HALF_SINE, LINK, TABLE, System
+from femstruct.impact.exact.exact_constants import THETA
 
 MOST_STEPS = 3000
 

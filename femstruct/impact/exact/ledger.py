@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from femstruct.arrays import Floats
 from femstruct.impact.compiled.kernels import kernel
-from femstruct.impact.energy import MODES, WORK
+from femstruct.impact.engine.energy import MODES, WORK
+from femstruct.impact.engine.instant_forces import CLAMPED, CLOSED, State
+from femstruct.impact.engine.records import LINK, System
+from femstruct.impact.engine.sampling import Record
+from femstruct.impact.exact.exact_constants import GAUSS, PROBES, ExactRoom, ExactRule
 from femstruct.impact.exact.roots import crossing, magnitude, value_and_slope, value_of
-from femstruct.impact.exact.rule import GAUSS, PROBES, ExactRoom, ExactRule
-from femstruct.impact.forces import CLAMPED, CLOSED, State
-from femstruct.impact.records import LINK, System
-from femstruct.impact.sampling import Record
 
 
 @kernel

@@ -6,9 +6,9 @@ import numpy as np
 
 from femstruct.arrays import Floats
 from femstruct.impact.compiled.kernels import kernel, summing
-from femstruct.impact.exact.rule import ExactRoom, ExactRule
-from femstruct.impact.forces import CLOSED, State
-from femstruct.impact.records import CONSTANT, HALF_SINE, LINK, System
+from femstruct.impact.engine.instant_forces import CLOSED, State
+from femstruct.impact.engine.records import CONSTANT, HALF_SINE, LINK, System
+from femstruct.impact.exact.exact_constants import ExactRoom, ExactRule
 
 
 @kernel

@@ -10,7 +10,7 @@ import numpy as np
 
 from femstruct.arrays import Floats
 from femstruct.impact.compiled.kernels import kernel, summing
-from femstruct.impact.exact.rule import COARSE, DEPTH, ORDER
+from femstruct.impact.exact.exact_constants import COARSE, DEPTH, ORDER
 
 NEVER = 2.0
 ROUNDING = 2e-15  # of a Bernstein coefficient, relative to the sum of the powers' coefficients

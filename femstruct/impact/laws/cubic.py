@@ -9,8 +9,8 @@ import scipy
 
 from femstruct.errors import FemstructError
 from femstruct.impact.compiled.kernels import kernel
+from femstruct.impact.engine.records import System
 from femstruct.impact.laws.law import Code, Law, Stored, refuse_negative
-from femstruct.impact.records import System
 
 
 @kernel

@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import Any, Final
 
 from femstruct.impact.compiled.kernels import kernel
+from femstruct.impact.engine.records import System
 from femstruct.impact.laws.law import Kernel
 from femstruct.impact.laws.registry import CODES
-from femstruct.impact.records import System
 
 
 def _of_one(kind: int, mine: Kernel, other: Kernel) -> Kernel:

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from femstruct.arrays import Floats
+from femstruct.impact.engine.records import Records
 from femstruct.impact.laws.hunt_crossley import CODE, indentation_of_power, refuse_exponent, rests_of_power
 from femstruct.impact.laws.law import Law, Stored, refuse_unless_positive
-from femstruct.impact.records import Records
-from femstruct.impact.restitution import refuse_restitution, restitution_of
+from femstruct.impact.scene.restitution import refuse_restitution, restitution_of
 
 
 @dataclass(frozen=True)

@@ -11,8 +11,8 @@ import numpy as np
 from femstruct.arrays import Floats
 from femstruct.errors import FemstructError
 from femstruct.impact.compiled.kernels import kernel
+from femstruct.impact.engine.records import Records, System
 from femstruct.impact.laws.law import Code, Law, Stored, refuse_negative, refuse_unless_positive
-from femstruct.impact.records import Records, System
 
 
 @kernel

@@ -8,9 +8,9 @@ from typing import ClassVar, Final
 from femstruct.arrays import Floats
 from femstruct.errors import FemstructError
 from femstruct.impact.compiled.kernels import kernel
+from femstruct.impact.engine.records import Records, System
 from femstruct.impact.laws.law import Code, Law, Stored, refuse_negative, refuse_unless_positive
-from femstruct.impact.records import Records, System
-from femstruct.impact.restitution import dissipation_for
+from femstruct.impact.scene.restitution import dissipation_for
 
 
 @kernel

@@ -9,10 +9,10 @@ from typing import ClassVar
 
 from femstruct.arrays import Floats
 from femstruct.errors import Finding
+from femstruct.impact.engine.records import Records
 from femstruct.impact.laws.hunt_crossley import CODE, indentation_of_power, refuse_exponent, rests_of_power
 from femstruct.impact.laws.law import MISSED, Law, Stored, missed_restitution, misses, refuse_unless_positive
-from femstruct.impact.records import Records
-from femstruct.impact.restitution import refuse_restitution, restitution_of
+from femstruct.impact.scene.restitution import refuse_restitution, restitution_of
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ import numpy as np
 
 from femstruct.arrays import Floats
 from femstruct.errors import FemstructError, Finding
-from femstruct.impact.records import NUMBERS, Records
+from femstruct.impact.engine.records import NUMBERS, Records
 
 Kernel = Callable[..., Any]
 RESTITUTION_MISSED = 0.05  # of a restitution: Lankarani and Nikravesh's law misses it from 0.79 down

@@ -11,9 +11,9 @@ import numpy as np
 from femstruct.arrays import Floats
 from femstruct.errors import FemstructError
 from femstruct.impact.compiled.kernels import kernel
+from femstruct.impact.engine.records import Records, System
 from femstruct.impact.laws.law import Code, Law, Stored, refuse_negative, refuse_unless_positive
-from femstruct.impact.records import Records, System
-from femstruct.impact.restitution import damping_ratio_for, swing
+from femstruct.impact.scene.restitution import damping_ratio_for, swing
 
 
 @kernel
@@ -75,7 +75,7 @@ class Linear(Law):
         mass [kg] : of the body; two bodies that meet count with m1 m2 / (m1 + m2). duration [s] : of the contact, from
         the first touch to the end of its force; or the stiffness [N/m], and the duration follows.
 
-        Notes: c = 2 z sqrt(k m) with z from `femstruct.impact.restitution.damping_ratio_for`; the contact lasts
+        Notes: c = 2 z sqrt(k m) with z from `femstruct.impact.scene.restitution.damping_ratio_for`; the contact lasts
         T = 2 swing(z) sqrt(m / k) without tension, and sqrt(pi^2 + ln^2 e) sqrt(m / k) with it.
 
         Raises FemstructError unless 0 < restitution <= 1, mass and duration or stiffness are positive, and one of these

@@ -13,8 +13,8 @@ from numpy.typing import ArrayLike
 from femstruct.arrays import Floats, freeze, frozen
 from femstruct.errors import FemstructError, Finding
 from femstruct.impact.compiled.kernels import call_at, kernel
+from femstruct.impact.engine.records import NUMBERS, System
 from femstruct.impact.laws.law import Code, Law, Stored, refuse_unless_positive
-from femstruct.impact.records import NUMBERS, System
 
 STEP: Final = 6e-6  # of a depth or a rate, for central differences: the cube root of rounding
 SLOW: Final = 0.1  # m/s: what a rate counts at least

@@ -12,8 +12,8 @@ import scipy
 from femstruct.arrays import Floats, freeze, frozen
 from femstruct.errors import FemstructError, Finding
 from femstruct.impact.compiled.kernels import kernel
+from femstruct.impact.engine.records import NUMBERS, System
 from femstruct.impact.laws.law import Code, Law, Stored, refuse_negative
-from femstruct.impact.records import NUMBERS, System
 
 
 @kernel

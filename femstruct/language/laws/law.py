@@ -13,7 +13,7 @@ from typing import Annotated, Any
 from pydantic import ValidationInfo, field_validator
 
 from femstruct.impact.laws.law import Law
-from femstruct.impact.restitution import dissipation_for
+from femstruct.impact.scene.restitution import dissipation_for
 from femstruct.language.build import Builder
 from femstruct.language.reader import Steps, dotted
 from femstruct.language.spec import Flag, Quantity, Spec, refuse

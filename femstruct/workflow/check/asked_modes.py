@@ -14,8 +14,8 @@ from femstruct.modal.damping import Damping, with_damping
 from femstruct.sparse.solvers import FASTEST
 from femstruct.study.study import Extent
 from femstruct.units import quantity
-from femstruct.workflow.judgement.structures import structure_findings
-from femstruct.workflow.stages.bases import Solved, solve
+from femstruct.workflow.judgement.structure_findings import structure_findings
+from femstruct.workflow.stages.modal_bases import Solved, solve
 from femstruct.workflow.stages.positions import positioned
 
 DEFAULT_MODES = 30

@@ -19,7 +19,7 @@ from femstruct.study.result import Frf
 from femstruct.study.study import Extent, FrfRequest, Spot, Study
 from femstruct.workflow.check.asked_modes import frequency_option
 from femstruct.workflow.judgement.all_findings import all_findings
-from femstruct.workflow.stages.bases import Solved, solve
+from femstruct.workflow.stages.modal_bases import Solved, solve
 from femstruct.workflow.stages.positions import positioned
 from femstruct.workflow.stages.responses import force_axis, frequency_response
 

@@ -31,12 +31,12 @@ from femstruct.workflow.check.asked_modes import DEFAULT_MODES, damped_as_far_as
 from femstruct.workflow.check.weight import block_modes, sags, weight_findings
 from femstruct.workflow.judgement.all_findings import all_findings, early_findings, of_cases
 from femstruct.workflow.judgement.blank_bands import blanks_before
-from femstruct.workflow.judgement.impacts import room_findings
-from femstruct.workflow.judgement.studies import study_findings
+from femstruct.workflow.judgement.impact_findings import room_findings
+from femstruct.workflow.judgement.study_findings import study_findings
 from femstruct.workflow.run.provenance import Progress
 from femstruct.workflow.stages.air import ceiling
-from femstruct.workflow.stages.bases import Meshed, Solved, key_of, meshed, solve
 from femstruct.workflow.stages.channels import refuse_absent_forces
+from femstruct.workflow.stages.modal_bases import Meshed, Solved, key_of, meshed, solve
 from femstruct.workflow.stages.places import Places
 from femstruct.workflow.stages.positions import positioned
 from femstruct.workflow.stages.responses import response_row

@@ -11,14 +11,14 @@ import numpy as np
 
 from femstruct.conventions import GRAVITY
 from femstruct.files.tables import growth
-from femstruct.impact.response import EnergyBalance, Response
+from femstruct.impact.result.response import EnergyBalance, Response
 from femstruct.study.machine import Companion, EnergyShare, GroundForce, Machine, Rest
 from femstruct.study.result import CaseResult
 from femstruct.study.study import Study
 from femstruct.workflow.check.weight import block_modes, sags
 from femstruct.workflow.compare.verdicts import settling
-from femstruct.workflow.stages.bases import Solved
 from femstruct.workflow.stages.channels import motion_of
+from femstruct.workflow.stages.modal_bases import Solved
 from femstruct.workflow.stages.places import Places
 from femstruct.workflow.stages.rest import carried_bodies, lying_bodies, planned_contacts, weighs
 from femstruct.workflow.stages.staging import ordered

@@ -9,8 +9,8 @@ from math import isfinite
 import numpy as np
 
 from acoustics.levels.rated import RatedRoom
-from femstruct.impact.blows import AT_REST, structure_energy
-from femstruct.impact.response import Response
+from femstruct.impact.result.blow_by_blow import AT_REST, structure_energy
+from femstruct.impact.result.response import Response
 from femstruct.language.limits import SETTLED
 from femstruct.study.machine import Verdict
 from femstruct.study.result import CaseResult, Channel, Drop

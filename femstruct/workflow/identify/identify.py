@@ -16,7 +16,7 @@ from femstruct.errors import Finding, InputError, InputErrors
 from femstruct.files.finding_tables import finding_table
 from femstruct.files.numbers import number
 from femstruct.findings.catalogue import ranked
-from femstruct.impact.bodies import Table as Measured
+from femstruct.impact.scene.bodies import Table as Measured
 from femstruct.language import read_measured, read_study
 from femstruct.language.reader import nearest
 from femstruct.study.result import CaseResult
@@ -26,8 +26,8 @@ from femstruct.workflow.identify.fit_findings import fit_findings
 from femstruct.workflow.run.case import run_case
 from femstruct.workflow.run.provenance import Progress, Stopwatch
 from femstruct.workflow.run.run import without_rooms
-from femstruct.workflow.stages.bases import Solved, key_of, solve_all
 from femstruct.workflow.stages.channels import UNITS
+from femstruct.workflow.stages.modal_bases import Solved, key_of, solve_all
 from femstruct.workflow.stages.positions import positioned
 from femstruct.workflow.stages.room_transfers import RoomTransfers
 

@@ -9,12 +9,12 @@ from femstruct.errors import Finding, some_of
 from femstruct.findings.catalogue import ranked
 from femstruct.modal.basis import ModalBasis
 from femstruct.study.study import Case, FrfRequest, Study
-from femstruct.workflow.judgement.structures import (
+from femstruct.workflow.judgement.structure_findings import (
     structure_findings,
     structure_findings_before,
 )
-from femstruct.workflow.judgement.studies import study_findings
-from femstruct.workflow.stages.bases import Meshed, Solved
+from femstruct.workflow.judgement.study_findings import study_findings
+from femstruct.workflow.stages.modal_bases import Meshed, Solved
 from femstruct.workflow.stages.responses import undamped_findings
 
 

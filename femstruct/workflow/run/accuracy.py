@@ -14,8 +14,8 @@ import numpy as np
 
 from femstruct.arrays import Floats
 from femstruct.errors import Finding
-from femstruct.impact.bodies import Clock
-from femstruct.impact.response import Response
+from femstruct.impact.result.response import Response
+from femstruct.impact.scene.bodies import Clock
 from femstruct.impact.simulate import simulate
 from femstruct.model.model import Model
 from femstruct.parts.findings.waves import CELLS_PER_WAVE, carried_hz
@@ -23,8 +23,8 @@ from femstruct.study.result import AccuracyCheck, Deviation
 from femstruct.study.structures import BeamModel, RodModel
 from femstruct.study.study import AccuracyRule, Case, Extent
 from femstruct.workflow.stages.air import coupled
-from femstruct.workflow.stages.bases import Solved, damped, key_of, solve
 from femstruct.workflow.stages.channels import UNITS, closings, first_window, in_band, record
+from femstruct.workflow.stages.modal_bases import Solved, damped, key_of, solve
 from femstruct.workflow.stages.staging import scene
 
 GROWTH = 2  # in frequency, or in the number of modes of a closed-form structure

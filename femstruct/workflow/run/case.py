@@ -9,8 +9,8 @@ from acoustics.errors import Advice
 from acoustics.open_air.half_space import HalfSpace
 from femstruct.errors import Finding
 from femstruct.findings.catalogue import ranked
-from femstruct.impact.response import Response
-from femstruct.impact.shares import mode_energies
+from femstruct.impact.result.response import Response
+from femstruct.impact.result.shares import mode_energies
 from femstruct.modal.basis import ModalBasis
 from femstruct.sound.power import Radiated
 from femstruct.sound.surface import coupling_findings
@@ -19,15 +19,15 @@ from femstruct.study.study import Case, Study
 from femstruct.workflow.compare.verdicts import judged
 from femstruct.workflow.judgement.all_findings import all_findings
 from femstruct.workflow.judgement.blank_bands import blank_findings
-from femstruct.workflow.judgement.impacts import aliased_findings, room_findings
+from femstruct.workflow.judgement.impact_findings import aliased_findings, room_findings
 from femstruct.workflow.judgement.meeting import meeting_findings
-from femstruct.workflow.judgement.studies import study_findings
+from femstruct.workflow.judgement.study_findings import study_findings
 from femstruct.workflow.run.accuracy import accuracy_findings
 from femstruct.workflow.run.provenance import Stopwatch
 from femstruct.workflow.run.struck import Struck, strike, told_once
 from femstruct.workflow.stages.air import ceiling, coupled, coupled_key, weight_on_air
-from femstruct.workflow.stages.bases import Solved, damped
 from femstruct.workflow.stages.channels import motion_rows, record, refuse_absent_forces
+from femstruct.workflow.stages.modal_bases import Solved, damped
 from femstruct.workflow.stages.peaks import peak_findings
 from femstruct.workflow.stages.places import Places
 from femstruct.workflow.stages.rated_rooms import overlap_findings, rate_rooms

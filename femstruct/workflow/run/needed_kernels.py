@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from femstruct.impact.bodies import Clock, Scene
+from femstruct.impact.engine.needed_units import BY_COLLOCATION, EXACTLY, Units
+from femstruct.impact.engine.system import compile_scene
 from femstruct.impact.exact.choice import takes_exact_march
-from femstruct.impact.needed import BY_COLLOCATION, EXACTLY, Units
-from femstruct.impact.system import compile_scene
+from femstruct.impact.scene.bodies import Clock, Scene
 from femstruct.modal.basis import ModalBasis
 from femstruct.study.study import Case
 

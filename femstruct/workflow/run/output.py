@@ -106,11 +106,11 @@ def _write(result: StudyResult, folder: Path, clock: Stopwatch, pictures: bool) 
 def _drawn(result: StudyResult, folder: Path, clock: Stopwatch) -> tuple[list[str], str]:
     """Draw all pictures, those in three dimensions in a process beside this one: their names in the order of the page,
     and a sentence about those that were left out."""
-    from femstruct.view.beside import drawn_beside
-    from femstruct.view.opengl import NoOpenGL
-    from femstruct.view.plots import plot_all
-    from femstruct.view.room_scene import room_pictures
-    from femstruct.view.scene import shapes_all
+    from femstruct.view.figures.plots import plot_all
+    from femstruct.view.scenes.beside import drawn_beside
+    from femstruct.view.scenes.opengl import NoOpenGL
+    from femstruct.view.scenes.room_scene import room_pictures
+    from femstruct.view.scenes.scene import shapes_all
 
     with clock("pictures"):
         solid = drawn_beside(lambda: (shapes_all(result, folder), room_pictures(result, folder)))

@@ -20,8 +20,8 @@ from femstruct.workflow.run.case import run_case
 from femstruct.workflow.run.needed_kernels import expected_units
 from femstruct.workflow.run.provenance import Progress, Stopwatch, provenance
 from femstruct.workflow.stages.air import coupled
-from femstruct.workflow.stages.bases import Solved, changes_damping, key_of, solve_all
 from femstruct.workflow.stages.fingerprint import fingerprint
+from femstruct.workflow.stages.modal_bases import Solved, changes_damping, key_of, solve_all
 from femstruct.workflow.stages.peaks import change_findings
 from femstruct.workflow.stages.room_transfers import RoomTransfers
 

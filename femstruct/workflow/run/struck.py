@@ -14,11 +14,11 @@ from acoustics.levels.sound_levels import Levels
 from acoustics.open_air.half_space import HalfSpace
 from acoustics.rooms.box_pressure import RoomResponse
 from femstruct.errors import Finding
-from femstruct.impact.bodies import Clock
 from femstruct.impact.compiled.workers import compilation
+from femstruct.impact.engine.needed_units import have
 from femstruct.impact.estimate import ErrorEstimate, error_of
-from femstruct.impact.needed import have
-from femstruct.impact.response import Response
+from femstruct.impact.result.response import Response
+from femstruct.impact.scene.bodies import Clock
 from femstruct.impact.simulate import simulate
 from femstruct.impact.unresolved import unresolved_findings
 from femstruct.modal.basis import ModalBasis
@@ -26,8 +26,8 @@ from femstruct.sound.surface import surface_velocities
 from femstruct.study.machine import Verdict
 from femstruct.study.result import Drop, OwnSound
 from femstruct.study.study import Study, TimePlan
-from femstruct.workflow.judgement.impacts import impact_findings, room_findings, sampled_findings
-from femstruct.workflow.judgement.sources import source_findings, walking_findings
+from femstruct.workflow.judgement.impact_findings import impact_findings, room_findings, sampled_findings
+from femstruct.workflow.judgement.source_findings import source_findings, walking_findings
 from femstruct.workflow.run.needed_kernels import units_of
 from femstruct.workflow.stages.air import ceiling
 from femstruct.workflow.stages.places import Places

@@ -14,7 +14,7 @@ from acoustics.open_air.half_space import HalfSpace
 from acoustics.rooms.box import Room
 from femstruct.arrays import Floats
 from femstruct.errors import Finding, InputError, some_of
-from femstruct.impact.response import Response
+from femstruct.impact.result.response import Response
 from femstruct.modal.basis import ModalBasis
 from femstruct.model.probe import Probe, Surface
 from femstruct.sound.two_way import with_cavity

@@ -11,8 +11,8 @@ import scipy
 from acoustics.rooms.box_pressure import RoomResponse
 from femstruct.arrays import Floats
 from femstruct.errors import InputError
-from femstruct.impact.passed import on_the_ground, passed_on
-from femstruct.impact.response import Event, Response
+from femstruct.impact.result.force_on_ground import on_the_ground, passed_on
+from femstruct.impact.result.response import Event, Response
 from femstruct.modal.basis import ForceRow, ModalBasis
 from femstruct.study.result import NET_FORCE, Channel
 from femstruct.study.structures import ModesModel

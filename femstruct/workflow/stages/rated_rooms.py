@@ -17,7 +17,7 @@ from acoustics.rooms.box import t60_of
 from acoustics.rooms.box_pressure import RoomResponse
 from acoustics.rooms.room_advice import t60_missed
 from femstruct.errors import Finding, some_of
-from femstruct.impact.sources import BETWEEN_BLOWS, HAMMERS, TAPPING_MACHINE
+from femstruct.impact.scene.impact_sources import BETWEEN_BLOWS, HAMMERS, TAPPING_MACHINE
 from femstruct.modal.basis import ModalBasis
 from femstruct.study.study import RoomPlan, Study
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from acoustics.errors import Advice
 from acoustics.open_air.half_space import HalfSpace
 from femstruct.errors import Finding
-from femstruct.impact.response import Response
+from femstruct.impact.result.response import Response
 from femstruct.sound.power import Radiated, not_taken, radiated_by
 from femstruct.study.study import Study
 from femstruct.workflow.stages.air import ceiling

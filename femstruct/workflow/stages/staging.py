@@ -10,7 +10,7 @@ import numpy as np
 from femstruct.arrays import Floats
 from femstruct.conventions import GRAVITY
 from femstruct.errors import InputError
-from femstruct.impact.bodies import GROUND, Blows, Body, Contact, End, Link, Load, Scene
+from femstruct.impact.scene.bodies import GROUND, Blows, Body, Contact, End, Link, Load, Scene
 from femstruct.modal.basis import ModalBasis
 from femstruct.model.probe import Probe
 from femstruct.study.structures import ModesModel

@@ -14,7 +14,7 @@ from acoustics.open_air.sphere import TOUCHING, refuse_inside, sphere_pressures
 from acoustics.rooms.box_pressure import RoomResponse
 from femstruct.arrays import Floats
 from femstruct.errors import Finding, InputError, some_of
-from femstruct.impact.response import Response
+from femstruct.impact.result.response import Response
 from femstruct.sound.impactor import moved_advice, sphere_of
 from femstruct.study.result import OwnSound
 from femstruct.study.study import PlacedBody, RoomPlan, Study

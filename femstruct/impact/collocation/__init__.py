@@ -1,0 +1,1 @@
+"""The collocation march: steps through Gauss points, events between them."""

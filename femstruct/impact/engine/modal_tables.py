@@ -1,0 +1,217 @@
+"""What a step of one length does to every mode: exact for forces that are polynomials over the step.
+
+A step is tau 2^level long, so that each length is tabulated once. Long steps follow from short ones by doubling.
+"""
+
+from __future__ import annotations
+
+from math import factorial
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from femstruct.arrays import Floats
+from femstruct.impact.compiled.layout import Cube, Floats4, Floats5, Floats6
+from femstruct.impact.engine.gauss_points import PLACES, POINTS, STAGES, TERMS, Rule
+from femstruct.impact.engine.records import System
+
+FORMS = (STAGES + 2) * (STAGES + 3) // 2
+SLOW = 6.0  # rate times step below which a remainder bounds what interpolation misses
+MODES_AT_ONCE = 4000  # room for their responses: some 5 MB
+
+
+class Tables(NamedTuple):
+    """What is known of steps of every length, by level.
+
+    free [level, 2, n, q] : rows' displacements and velocities at the points from the modes' displacement, velocity;
+    q = (row * POINTS + point) * 2 + (0 displacement, 1 velocity).
+    forced [level, r, POINTS, 2, r, s] : from unit values of the rows' forces at the nodes.
+    flow [level, 4, n] : modes over the step; push [level, 2, s, n] : by unit modal force at a node.
+    loss [level, FORMS, n] : the energy a mode's dashpot takes, a quadratic form in start and nodal forces.
+    stray [level, 2, n], stray_push [level, 2, s, r, r] : bounds of what interpolation at PLACES can miss of a row's
+    displacement and velocity, per modal energy norm and per force derivative (the last of s: per largest force).
+    mode_free [level, POINTS, 2, n], mode_forced [level, POINTS, s, n] : velocities of the modes at the points, and
+    mode_place : their displacements by force; for coupled damping only.
+    """
+
+    free: Floats4
+    forced: Floats6
+    flow: Cube
+    push: Floats4
+    loss: Cube
+    stray: Cube
+    stray_push: Floats5
+    mode_free: Floats4
+    mode_forced: Floats4
+    mode_place: Floats4
+
+
+def flows(omega: Floats, damping: Floats, t: Floats) -> Floats:
+    """The 2 x 2 flows [x x0, x v0, v x0, v v0] of free oscillators over the times t: [4, n, len(t)], any damping.
+
+    >>> flows(np.array([2.0]), np.array([0.0]), np.array([np.pi / 4])).ravel().round(12).tolist()
+    [0.0, 0.5, -2.0, 0.0]
+    """
+    sigma, w = 0.5 * damping[:, None], omega[:, None]
+    discriminant = (w - sigma) * (w + sigma)
+    g = np.empty((len(omega), len(t)))
+    rate = np.empty_like(g)
+    kind = discriminant[:, 0]
+    rings, still, creeps = kind > 0.0, kind == 0.0, kind < 0.0
+    if rings.any():
+        ringing, s = np.sqrt(discriminant[rings]), sigma[rings]
+        decay, phase = np.exp(-s * t), ringing * t
+        sine = np.sin(phase) / ringing
+        g[rings], rate[rings] = decay * sine, decay * (np.cos(phase) - s * sine)
+    if still.any():
+        decay = np.exp(-sigma[still] * t)
+        g[still], rate[still] = t * decay, decay * (1.0 - sigma[still] * t)
+    if creeps.any():
+        spread = np.sqrt(-discriminant[creeps])
+        fast = sigma[creeps] + spread
+        slow = w[creeps] * w[creeps] / fast
+        rise = -np.expm1(-2.0 * spread * t) / (2.0 * spread)
+        decay = np.exp(-slow * t)
+        g[creeps], rate[creeps] = decay * rise, decay * (1.0 - fast * rise)
+    return np.stack((rate + damping[:, None] * g, g, -w * w * g, rate))
+
+
+def tabulated(system: System, levels: int, rule: Rule) -> Tables:
+    """The tables of all steps tick 2^level, level = 0 .. levels - 1."""
+    n, r = len(system.omega), len(system.rows)
+    coupled = levels if system.coupling.size else 0
+    tables = Tables(
+        free=np.empty((levels, 2, n, r * POINTS * 2)),
+        forced=np.zeros((levels, r, POINTS, 2, r, STAGES)),
+        flow=np.empty((levels, 4, n)),
+        push=np.empty((levels, 2, STAGES, n)),
+        loss=np.empty((levels, FORMS, n)),
+        stray=np.empty((levels, 2, n)),
+        stray_push=np.zeros((levels, 2, STAGES + 1, r, r)),
+        mode_free=np.empty((coupled, POINTS, 2, n)),
+        mode_forced=np.empty((coupled, POINTS, STAGES, n)),
+        mode_place=np.empty((coupled, POINTS, STAGES, n)),
+    )
+    for first in range(0, n, MODES_AT_ONCE):
+        _fill(system, rule, tables, slice(first, min(first + MODES_AT_ONCE, n)))
+    return tables
+
+
+def _fill(system: System, rule: Rule, tables: Tables, some: slice) -> None:
+    """Fill in what some modes are, and add what they do to the rows."""
+    omega, damping, rows = system.omega[some], system.damping[some], system.rows[:, some]
+    below = _halvings_below(omega, damping, system.tick)
+    short = _series(omega, damping, system.tick * 0.5**below, rule)
+    for level in range(-below, len(tables.flow)):
+        h = system.tick * 2.0**level
+        if level > -below:
+            long = (omega + damping) * h > 1.0
+            doubled = _doubled(omega[long], damping[long], 0.5 * h, rule, _of(short, long))
+            short = _series(omega, damping, h, rule)
+            for whole, part in zip(short, doubled, strict=True):
+                whole[long] = part
+        if level >= 0:
+            _book(system, rule, tables, level, h, some, short, flows(omega, damping, rule.ends * h), rows)
+
+
+def _halvings_below(omega: Floats, damping: Floats, tick: float) -> int:
+    """How often a tick is halved until the power series holds for every mode."""
+    fastest = float(np.max(omega + damping, initial=0.0)) * tick
+    return max(int(np.ceil(np.log2(fastest))), 0) if fastest > 0.0 else 0
+
+
+class _Step(NamedTuple):
+    """Of a step, by mode: responses x, v [n, POINTS, s] at the points to unit polynomials, and the loss as a form
+    [n, s + 2, s + 2]."""
+
+    x: Floats
+    v: Floats
+    form: Floats
+
+
+def _of(step: _Step, which: NDArray[np.bool_]) -> _Step:
+    return _Step(*(part[which] for part in step))
+
+
+def _series(omega: Floats, damping: Floats, h: float, rule: Rule) -> _Step:
+    """A step of modes with (omega + damping) h <= 1, by power series; of others it says nothing."""
+    fast = (omega + damping) * h > 1.0
+    wh, ch = np.where(fast, 0.0, omega * h), np.where(fast, 0.0, damping * h)
+    terms = np.empty((len(omega), TERMS + 1))  # derivatives of the response to unit velocity, times h^(m - 1)
+    terms[:, 0], terms[:, 1] = 0.0, 1.0
+    for m in range(2, TERMS + 1):
+        terms[:, m] = -ch * terms[:, m - 1] - wh * wh * terms[:, m - 2]
+    moments = rule.moments.reshape(TERMS, -1)
+    shape = (len(omega), POINTS, STAGES)
+    x, v = (h * h * (terms[:, :-1] @ moments)).reshape(shape), (h * (terms[:, 1:] @ moments)).reshape(shape)
+    flow = flows(wh / h, ch / h, rule.nodes * h)
+    rates = np.concatenate((np.moveaxis(flow[2:], 0, 2), v[:, :STAGES]), axis=2)
+    weighted = rates * (ch[:, None] * rule.weights)[:, :, None]
+    return _Step(x, v, np.swapaxes(weighted, 1, 2) @ rates)
+
+
+def _doubled(omega: Floats, damping: Floats, h: float, rule: Rule, step: _Step) -> _Step:
+    """A step of 2 h from one of h."""
+    x, v, form = step
+    width = STAGES + 2
+    first, second = np.zeros((width, width)), np.zeros((len(omega), width, width))
+    first[0, 0], first[1, 1], first[2:, 2:] = 1.0, 1.0, rule.left
+    whole = flows(omega, damping, np.array([h]))[..., 0]
+    second[:, 0, :2], second[:, 1, :2] = whole[:2].T, whole[2:].T
+    second[:, 0, 2:], second[:, 1, 2:] = x[:, STAGES] @ rule.left, v[:, STAGES] @ rule.left
+    second[:, 2:, 2:] = rule.right
+    flow = flows(omega, damping, rule.ends * h)[..., None]
+    early_x, early_v = x @ rule.left, v @ rule.left
+    late_x, late_v = (np.swapaxes(np.swapaxes(part, 0, 1) @ rule.shift, 0, 1) for part in (x, v))
+    return _Step(
+        flow[0] * early_x + flow[1] * early_v + late_x,
+        flow[2] * early_x + flow[3] * early_v + late_v,
+        first.T @ form @ first + np.swapaxes(second, 1, 2) @ form @ second,
+    )
+
+
+def _book(system: System, rule: Rule, tables: Tables, level: int, h: float, some: slice, step: _Step, flow: Floats,
+          rows: Floats) -> None:  # fmt: skip
+    """Write what is known of a step of some modes into the tables."""
+    x, v, form = step
+    n, r = len(x), len(rows)
+    tables.flow[level, :, some] = flow[:, :, STAGES]
+    tables.push[level, 0, :, some], tables.push[level, 1, :, some] = x[:, STAGES].T, v[:, STAGES].T
+    upper = np.triu_indices(STAGES + 2)
+    tables.loss[level, :, some] = (form[:, upper[0], upper[1]] * np.where(upper[0] == upper[1], 1.0, 2.0)).T
+    free = tables.free[level].reshape(2, len(system.omega), r, POINTS, 2)
+    for start in range(2):  # from a displacement, from a velocity
+        for what in range(2):
+            np.multiply(rows.T[:, :, None], flow[2 * what + start][:, None], out=free[start, some, :, :, what])
+    pairs = (rows[:, None] * rows).reshape(r * r, n)
+    for what, response in enumerate((x, v)):
+        sums = (pairs @ response.reshape(n, -1)).reshape(r, r, POINTS, STAGES)
+        tables.forced[level, :, :, what] += np.moveaxis(sums * system.sign[:, None, None], 1, 2)
+    if len(tables.mode_free):
+        tables.mode_free[level, :, :, some] = np.moveaxis(flow[2:], 2, 0)
+        tables.mode_forced[level, :, :, some] = np.moveaxis(v, 0, 2)
+        tables.mode_place[level, :, :, some] = np.moveaxis(x, 0, 2)
+    _stray(system.omega[some], system.damping[some], h, rule, tables, level, some, np.abs(pairs))
+
+
+def _stray(omega: Floats, damping: Floats, h: float, rule: Rule, tables: Tables, level: int, some: slice,
+           sizes: Floats) -> None:  # fmt: skip
+    """What interpolation at the places can miss: its remainder for slow modes, its norm for fast ones."""
+    lagrange, cap = rule.node_polynomial / factorial(PLACES), 1.0 + rule.lebesgue
+    z = (omega + damping) * h
+    slow = z < SLOW
+    period = np.divide(1.0, omega, out=np.full(len(omega), np.inf), where=omega > 0.0)
+    with np.errstate(over="ignore"):
+        remainder = lagrange * z ** (PLACES - 1)
+        tables.stray[level, 0, some] = np.minimum(remainder * h, cap * np.minimum(h, period))
+        tables.stray[level, 1, some] = np.minimum(remainder * z, cap)
+    r = tables.stray_push.shape[-1]
+    powers = np.where(slow, z, 0.0)[:, None] ** np.arange(STAGES + 1, 0, -1) * slow[:, None]
+    push = tables.stray_push[level]
+    sums = (sizes @ powers).T.reshape(STAGES + 1, r, r) * lagrange * h
+    push[0, :STAGES] += sums[1:] * h
+    push[1, :STAGES] += sums[:STAGES]
+    fast = ~slow
+    push[0, STAGES] += cap * (sizes @ (fast * np.minimum(0.5 * h * h, 2.0 * period**2))).reshape(r, r)
+    push[1, STAGES] += cap * (sizes @ (fast * np.minimum(h, 2.0 * period))).reshape(r, r)

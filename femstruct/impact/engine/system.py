@@ -1,0 +1,243 @@
+"""A scene compiled to arrays: every contact, link and load is a row over the coordinates [modes; bodies]."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from femstruct.arrays import Floats
+from femstruct.errors import FemstructError
+from femstruct.impact.engine.gauss_points import FINEST_HALVINGS
+from femstruct.impact.engine.records import (
+    CONSTANT,
+    HALF_SINE,
+    INTERFACE,
+    LINK,
+    LOAD,
+    NUMBERS,
+    STRIKE,
+    TABLE,
+    Records,
+    System,
+)
+from femstruct.impact.laws.law import Law
+from femstruct.impact.laws.registry import CODES
+from femstruct.impact.scene.bodies import Clock, End, Ground, HalfSine, Load, Scene
+from femstruct.modal.basis import ModalBasis
+from femstruct.model.probe import Probe
+
+
+@dataclass(frozen=True, eq=False)
+class Compiled:
+    """A System, the start of its coordinates, and which rows carry which name.
+
+    start [2, n]; scale [n] : coordinate over displacement (1 for modes, sqrt(m) for bodies).
+    contacts : rows of a contact by name (two for a stop); links : row of a link by name.
+    """
+
+    system: System
+    start: Floats
+    scale: Floats
+    contacts: Mapping[str, tuple[int, ...]]
+    links: Mapping[str, int]
+    n_samples: int
+    halvings: int
+
+
+def compile_scene(basis: ModalBasis, scene: Scene, clock: Clock, finest: int = FINEST_HALVINGS) -> Compiled:
+    """The scene as rows over [modes; bodies]. finest : halvings of the sampling interval to a tick, at most.
+
+    Raises FemstructError for a name used twice, an end that is no body, a preloaded stop, a modal velocity of the
+    wrong length, or nothing that could move.
+    """
+    k, bodies = len(basis.omega), {body.name: i for i, body in enumerate(scene.bodies)}
+    _refuse_duplicates("bodies", [body.name for body in scene.bodies])
+    _refuse_duplicates("contacts and links", [c.name for c in scene.contacts] + [link.name for link in scene.links])
+    if k + len(bodies) == 0:
+        raise FemstructError("scene", got="no mode and no body", expected="something that moves")
+    scale = np.concatenate((np.ones(k), np.sqrt([body.mass for body in scene.bodies])))
+    n_samples, halvings, tick = _ticks(clock, finest)
+    first_blow = {blows.body: round(blows.first / tick) for blows in scene.blows}
+
+    def row(end: End, where: str) -> Floats:
+        values = np.zeros(k + len(bodies))
+        if isinstance(end, Probe):
+            values[:k] = end.of(basis.shapes)
+        elif isinstance(end, str):
+            if end not in bodies:
+                raise FemstructError(where, got=f"'{end}'", expected=f"a body: {', '.join(bodies) or 'there is none'}")
+            values[k + bodies[end]] = 1.0 / scale[k + bodies[end]]
+        else:
+            assert isinstance(end, Ground)
+        return values
+
+    interfaces = _Interfaces()
+    contact_rows: dict[str, tuple[int, ...]] = {}
+    for contact in scene.contacts:
+        where = f"contacts.{contact.name}"
+        approach = row(contact.lower, where) - row(contact.upper, where)
+        law = contact.law
+        if len(law.sides) > 1 and contact.preload:
+            raise FemstructError(where, got="a preload on a stop", expected="none", do="preload one side by a contact")
+        rest = law.indentation(contact.preload) if contact.preload else 0.0
+        release = max(first_blow.get(e, 0) if isinstance(e, str) else 0 for e in (contact.upper, contact.lower))
+        first = len(interfaces.rows)
+        for side in law.sides:
+            interfaces.add(side * approach, law, rest - contact.gap, contact.preload, release)
+        contact_rows[contact.name] = tuple(range(first, len(interfaces.rows)))
+    link_rows: dict[str, int] = {}
+    kinks: set[int] = set()
+    for link in scene.links:
+        where = f"links.{link.name}"
+        link_rows[link.name] = len(interfaces.rows)
+        release = round(link.release_at / tick)
+        kinks.add(release)
+        interfaces.rows.append(row(link.lower, where) - row(link.upper, where))
+        interfaces.laws.append(
+            (LINK, 0, 1, link.stiffness, link.closing, link.opening, 0.0, link.preload, 0, release, 0.0, 0, 0, 0, 0)
+        )
+
+    loads = _Loads()
+    for load in scene.loads:
+        kinks |= loads.add(row(load.on, f"loads.{load.name}"), load, tick, clock.duration)
+    falling = {first_blow.get(body.name, 0) for body in scene.bodies if body.falls} if scene.gravity else set()
+    for since in sorted(falling):
+        falls = [float(body.falls and first_blow.get(body.name, 0) == since) for body in scene.bodies]
+        loads.rows.append(np.concatenate((np.zeros(k), falls)) * scale)
+        loads.laws.append((CONSTANT, -scene.gravity, 0.0, 0, 0, since * tick, 0.0, 1, 0.0))
+    _refuse_held(scene, bodies)
+    strikes = _strikes(scene, bodies, k, scale, tick, n_samples << halvings)
+    over = [row(blows.over, f"bodies.{blows.body}.blows") * scale[k + bodies[blows.body]] for blows in scene.blows]
+    kinks |= {int(strike["tick"]) for strike in strikes}
+
+    n = k + len(bodies)
+    matrix = np.array(interfaces.rows + loads.rows).reshape(-1, n)
+    time_damping = basis.time_damping
+    coupling = time_damping - np.diag(np.diag(time_damping))
+    velocity = np.zeros(k) if scene.velocity is None else np.asarray(scene.velocity, dtype=np.float64)
+    if velocity.shape != (k,):
+        raise FemstructError("scene velocity", got=f"shape {velocity.shape}", expected=f"({k},)")
+    start = np.zeros((2, n))
+    moving = [body.velocity if first_blow.get(body.name, 0) == 0 else 0.0 for body in scene.bodies]
+    start[1] = np.concatenate((velocity, moving)) * scale
+    system = System(
+        omega=np.concatenate((basis.omega, np.zeros(len(bodies)))),
+        damping=np.concatenate((np.diag(time_damping), np.zeros(len(bodies)))),
+        coupling=np.ascontiguousarray(coupling) if coupling.any() else np.zeros((0, 0)),
+        n_modes=k,
+        rows=np.ascontiguousarray(matrix),
+        sign=np.concatenate((-np.ones(len(interfaces.rows)), np.ones(len(loads.rows)))),
+        mobility=(matrix**2).sum(axis=1),
+        interfaces=np.array(interfaces.laws, dtype=INTERFACE),
+        curves=np.concatenate((np.zeros((0, NUMBERS)), *interfaces.curves)),
+        loads=np.array(loads.laws, dtype=LOAD),
+        table=np.array([loads.times, loads.values], dtype=np.float64).T.copy(),
+        strikes=strikes,
+        over=np.array(over, dtype=np.float64).reshape(-1, n),
+        kinks=np.array(sorted(kink for kink in kinks if kink > 0), dtype=np.int64),
+        tick=tick,
+    )
+    return Compiled(system, start, scale, contact_rows, link_rows, n_samples, halvings)
+
+
+class _Interfaces:
+    """Rows and laws of contacts and links while they are collected."""
+
+    def __init__(self) -> None:
+        self.rows: list[Floats] = []
+        self.laws: list[tuple[float, ...]] = []
+        self.curves: list[Floats] = []
+
+    def add(self, row: Floats, law: Law, offset: float, preload: float, release: int) -> None:
+        self.rows.append(row)
+        stored, first = law.stored, sum(map(len, self.curves))
+        self.curves.append(stored.rows)
+        self.laws.append(
+            (
+                CODES.index(law.code),
+                int(law.code.force is None),
+                int(law.straight),
+                stored.stiffness,
+                stored.damping,
+                stored.damping,
+                offset,
+                preload,
+                int(law.tensile),
+                release,
+                stored.shape,
+                first,
+                len(stored.rows),
+                stored.force_at,
+                stored.energy_at,
+            )
+        )
+
+
+class _Loads:
+    """Rows and histories of loads while they are collected."""
+
+    def __init__(self) -> None:
+        self.rows: list[Floats] = []
+        self.laws: list[tuple[float, ...]] = []
+        self.times: list[float] = []
+        self.values: list[float] = []
+
+    def add(self, row: Floats, load: Load, tick: float, duration: float) -> set[int]:
+        """Keep the load; returns the ticks at which its formula changes."""
+        self.rows.append(row)
+        history, times = load.history, (load.first, load.every, load.count)
+        if isinstance(history, HalfSine):
+            bends = np.array([0.0, 0.5 / history.frequency])
+            self.laws.append((HALF_SINE, history.amplitude, history.frequency, 0, 0, *times, bends[-1]))
+        else:
+            bends = np.asarray(history.times)
+            self.laws.append((TABLE, 0.0, 0.0, len(self.times), len(bends), *times, bends[-1]))
+            self.times.extend(history.times)
+            self.values.extend(history.values)
+        starts = load.first + load.every * np.arange(load.count)
+        changes = np.add.outer(starts[starts < duration], bends).ravel()
+        return set(np.rint(changes[changes < duration] / tick).astype(np.int64).tolist())
+
+
+def _strikes(scene: Scene, bodies: Mapping[str, int], k: int, scale: Floats, tick: float, end: int) -> Records:
+    """All blows before the end, in the order of time; those of one instant in the order of the scene."""
+    found = []
+    for number, blows in enumerate(scene.blows):
+        i = bodies[blows.body]
+        velocity = scene.bodies[i].velocity * scale[k + i]
+        times = np.rint((blows.first + blows.every * np.arange(blows.count)) / tick).astype(np.int64)
+        found += [(int(at), number, k + i, velocity) for at in times[times < end]]
+    return np.array(sorted(found, key=lambda strike: strike[0]), dtype=STRIKE)
+
+
+def _refuse_held(scene: Scene, bodies: Mapping[str, int]) -> None:
+    """A body that is lifted again and again is held by nothing but its contacts."""
+    _refuse_duplicates("blows", [blows.body for blows in scene.blows])
+    for blows in scene.blows:
+        where = f"bodies.{blows.body}.blows"
+        if blows.body not in bodies:
+            raise FemstructError(where, got=f"'{blows.body}'", expected=f"a body: {', '.join(bodies)}")
+        held = [link.name for link in scene.links if blows.body in (link.upper, link.lower)]
+        held += [c.name for c in scene.contacts if c.preload and blows.body in (c.upper, c.lower)]
+        if held:
+            raise FemstructError(
+                where,
+                got=f"a body that '{held[0]}' holds",
+                expected="one that nothing holds: it is lifted off at every blow",
+                do="remove its link or preload, or its blows",
+            )
+
+
+def _ticks(clock: Clock, finest: int) -> tuple[int, int, float]:
+    """Number of samples, halvings of the sampling interval to a tick, tick [s]."""
+    n_samples = max(round(clock.duration * clock.sampling), 1)
+    halvings = min(finest, 61 - n_samples.bit_length())
+    return n_samples, halvings, 1.0 / clock.sampling / 2.0**halvings
+
+
+def _refuse_duplicates(where: str, names: list[str]) -> None:
+    twice = sorted({name for name in names if names.count(name) > 1})
+    if twice:
+        raise FemstructError(where, got=f"'{twice[0]}' twice", expected="a name of its own for each")

@@ -1,0 +1,1 @@
+"""What an impact brought: histories, shares of energy, blow by blow, findings."""

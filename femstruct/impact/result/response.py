@@ -1,0 +1,243 @@
+"""Response: what happened in an impact, and where its energy went."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import Enum
+
+import numpy as np
+
+from femstruct.arrays import Floats, Integers
+from femstruct.errors import Finding
+from femstruct.impact.engine.motion import DISPLACEMENT, VELOCITY, Motion, along, coordinates, only
+from femstruct.impact.scene.bodies import Clock, Scene
+from femstruct.modal.basis import ModalBasis
+
+
+class Outcome(Enum):
+    """How a simulation ended; the value is the sentence to show."""
+
+    SEPARATED = "All contacts opened and stayed open to the end."
+    CLOSED_AT_END = "A contact is closed at the end of the window: the collision is not over."
+    RESTING = "Bodies under gravity came to rest on their contacts."
+    NEVER_TOUCHED = "No contact ever closed."
+    NO_CONTACTS = "There is no contact: a forced or free vibration."
+
+
+@dataclass(frozen=True)
+class Event:
+    """A contact closed or opened: time [s], contact name, "closes" or "opens".
+
+    Open is: without force (a clamped dashpot may end it before the indentation), or below the preload.
+    """
+
+    t: float
+    contact: str
+    what: str
+
+
+@dataclass(frozen=True, eq=False)
+class ContactHistory:
+    """One contact over the window: force [nt] [N], indentation [nt] [m] (negative when open), both at the samples;
+    peak_force [N] and peak_time [s] from the dense solution; closings beyond rounding; first_open [s] or None."""
+
+    force: Floats
+    indentation: Floats
+    peak_force: float
+    peak_time: float
+    closings: int
+    first_open: float | None
+
+
+@dataclass(frozen=True, eq=False)
+class BodyHistory:
+    """One body: displacement [nt] [m] and velocity [nt] [m/s] along its axis, at the samples; end_velocity [m/s] at the
+    end of the window, an interval after the last of them."""
+
+    displacement: Floats
+    velocity: Floats
+    end_velocity: float
+
+
+@dataclass(frozen=True)
+class Blow:
+    """One blow of a body that strikes several times; interval [s] : to the next blow of any body, after the last one
+    as long as the body waits between two, at most to the end of the window (`seen` is False where that cuts it).
+
+    t [s] : when it is given its starting state. energy [J], impulse [N s] : what it brings then less what it takes
+    along when it is lifted off (the first blow at t = 0 brings what the run starts with). peak_force [N] at peak_time
+    [s] of its contacts, and how often they close, until its own next blow.
+    largest_energy, left_energy [J] : of the structure in the interval and at its end. rest_after [s] : when the
+    structure's energy is below 1 % of the largest for good, None when not in the interval.
+    held_force [N] : contact force at the lift that ends this blow, and since when the contact is closed: 0 and None
+    when it is open, as it should be.
+    """
+
+    body: str
+    number: int
+    t: float
+    energy: float
+    impulse: float
+    peak_force: float
+    peak_time: float
+    closings: int
+    largest_energy: float
+    left_energy: float
+    rest_after: float | None
+    interval: float
+    seen: bool
+    held_force: float
+    held_since: float | None
+
+
+@dataclass(frozen=True)
+class EnergyBalance:
+    """Energy at one instant t [s], in J: every term integrated or evaluated by itself, none a remainder.
+
+    bodies : kinetic energy by name (gravity is in the work). structure : kinetic and elastic energy of the modes.
+    contacts, links : stored energy by name, from zero at rest; a link's preload counts from the start.
+    lost_modes (all damping of the structure, its own dashpots too), lost_contacts, lost_links : dissipated until t.
+    work : done by loads and gravity until t. blows : what repeated blows brought until t, less what bodies took along
+    when they were lifted off; lifting works against no weight, gravity works on bodies only while they move.
+    """
+
+    t: float
+    bodies: Mapping[str, float]
+    structure: float
+    contacts: Mapping[str, float]
+    links: Mapping[str, float]
+    lost_modes: float
+    lost_contacts: Mapping[str, float]
+    lost_links: Mapping[str, float]
+    work: float
+    blows: float
+
+    @property
+    def dissipated(self) -> float:
+        """All losses until t [J]."""
+        return self.lost_modes + sum(self.lost_contacts.values()) + sum(self.lost_links.values())
+
+    @property
+    def total(self) -> float:
+        """Stored and dissipated energy less work and blows since the start [J]: constant when the ledger closes."""
+        stored = sum(self.bodies.values()) + sum(self.contacts.values()) + sum(self.links.values()) + self.structure
+        return stored + self.dissipated - self.work - self.blows
+
+
+@dataclass(frozen=True, eq=False)
+class EnergyLedger:
+    """Energies over time, each term by itself [J].
+
+    start, end : balances at t = 0 and at the end. at_separation : at the end of the collision (the first instant after
+    the first closing at which all contacts are open and none closes again within `quiet`), None if never.
+    t [m] and the histories [m] are for pictures: bodies, structure, stored (contacts and links), lost_modes,
+    lost_contacts and lost_links by name, work, blows. At a blow there are two rows, before and after.
+    residual : largest |total(t) - total(0)| over the larger of the starting energy and what work and blows
+    brought [1].
+    """
+
+    start: EnergyBalance
+    at_separation: EnergyBalance | None
+    end: EnergyBalance
+    t: Floats
+    bodies: Mapping[str, Floats]
+    structure: Floats
+    stored: Floats
+    lost_modes: Floats
+    lost_contacts: Mapping[str, Floats]
+    lost_links: Mapping[str, Floats]
+    work: Floats
+    blows: Floats
+    residual: float
+
+    @property
+    def dissipated(self) -> Floats:
+        """All losses until then [m] [J]."""
+        total = self.lost_modes.copy()
+        for lost in (*self.lost_contacts.values(), *self.lost_links.values()):
+            total += lost
+        return total
+
+
+@dataclass(frozen=True, eq=False)
+class Response:
+    """Motion and forces of a simulated impact; it remembers its problem.
+
+    t [nt] [s]; motion : of the modes, then the bodies, kept at the starts of steps: its samples follow when asked for.
+    pushed [p, k], pushes [p, nt] : rows of all that pushes the modes, and their forces [N]: what accelerations need.
+    bodies, contacts by name; links : force by name [nt] [N], positive in compression (pushing its ends apart).
+    blows : of all bodies that strike several times, in the order of time.
+
+    The motion of a point is a row of its mode shapes, `point.probe("z").of(basis.shapes)`, through `displacement`,
+    `velocity` or `acceleration`. A ball of 1 kg hands its speed of 1 m/s over to a mass of 1 kg:
+
+    >>> from femstruct.impact.scene.bodies import Body, Clock, Contact, Scene
+    >>> from femstruct.impact.laws.linear import Linear
+    >>> from femstruct.impact.simulate import simulate
+    >>> from femstruct.modal.analytic import oscillator
+    >>> basis, points = oscillator(1.0, frequency_hz=0.0, axis="z")
+    >>> mass = points["m"].probe("z")
+    >>> hit = Contact("hit", upper="ball", lower=mass, law=Linear(1e6))
+    >>> response = simulate(basis, Scene((Body("ball", 1.0, -1.0),), (hit,)), Clock(0.01, 10e3))
+    >>> round(float(response.velocity(mass.of(basis.shapes))[-1]), 9), response.contacts["hit"].closings
+    (-1.0, 1)
+    """
+
+    basis: ModalBasis
+    scene: Scene
+    clock: Clock
+    t: Floats
+    motion: Motion
+    pushed: Floats
+    pushes: Floats
+    bodies: Mapping[str, BodyHistory]
+    contacts: Mapping[str, ContactHistory]
+    links: Mapping[str, Floats]
+    events: tuple[Event, ...]
+    blows: tuple[Blow, ...]
+    ledger: EnergyLedger
+    outcome: Outcome
+    findings: tuple[Finding, ...]
+
+    def displacement(self, row: Floats) -> Floats:
+        """Weighted sum of the modal coordinates [nt], row [k]: exact at every sample."""
+        total: Floats = along(self.motion, DISPLACEMENT, row[None])[0]
+        return total
+
+    def velocity(self, row: Floats) -> Floats:
+        """Weighted sum of the modal velocities [nt], row [k]: exact at every sample."""
+        total: Floats = along(self.motion, VELOCITY, row[None])[0]
+        return total
+
+    def acceleration(self, row: Floats) -> Floats:
+        """Weighted sum of the modal accelerations [nt], row [k]: q'' = pushes - damping q' - omega^2 q."""
+        basis = self.basis
+        inner: Floats = self.displacement(row * basis.omega**2) + self.velocity(row @ basis.time_damping)
+        return (self.pushed @ row) @ self.pushes - inner
+
+    @property
+    def q(self) -> Floats:
+        """Modal coordinates [k, nt] [kg^.5 m]: large, and evaluated at each use; `displacement` needs no such room."""
+        return coordinates(self.motion, DISPLACEMENT, 0, len(self.basis.omega))
+
+    @property
+    def qd(self) -> Floats:
+        """Modal velocities [k, nt] [kg^.5 m/s]: large, and evaluated at each use; `velocity` needs no such room."""
+        return coordinates(self.motion, VELOCITY, 0, len(self.basis.omega))
+
+    def velocities(self, modes: Integers) -> Floats:
+        """Velocities of some modes at all samples [len(modes), nt] [kg^.5 m/s]."""
+        return coordinates(only(self.motion, modes), VELOCITY, 0, len(modes))
+
+    def amplitudes(self) -> Floats:
+        """Largest velocity that each mode's energy allows [k] [kg^.5 m/s], over the starts of all steps."""
+        k = len(self.basis.omega)
+        speeds: Floats = np.hypot(self.motion.v[:, :k], self.basis.omega * self.motion.z[:, :k]).max(axis=0)
+        return speeds
+
+    @property
+    def qdd(self) -> Floats:
+        """Modal accelerations [k, nt] [kg^.5 m/s^2], evaluated at each use."""
+        basis = self.basis
+        return self.pushed.T @ self.pushes - (basis.omega**2)[:, None] * self.q - basis.time_damping @ self.qd

@@ -1,0 +1,225 @@
+"""Where the structure's energy is: by mode, in groups, and by what holds it, at any instant of a run."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+import scipy
+
+from femstruct.arrays import Floats
+from femstruct.impact.engine.instant_forces import law, load_at
+from femstruct.impact.engine.motion import DISPLACEMENT, VELOCITY, state_at
+from femstruct.impact.engine.records import LINK, System
+from femstruct.impact.engine.system import Compiled, compile_scene
+from femstruct.impact.result.dashpots import dashpot_losses
+from femstruct.impact.result.response import EnergyBalance, Response
+from femstruct.modal.basis import ModalBasis
+
+ALONE = 10  # elastic modes that are told one by one
+EXACT = 3e-14  # relative tolerance from a sample to the instant: the least that the integrator takes
+
+
+@dataclass(frozen=True)
+class EnergyGroup:
+    """Energy [J] of some modes of the structure: "rigid", "mode 4" (rigid ones counted), "modes 14 to 29" of an octave,
+    "residual vectors"; their natural frequencies reach from from_hz to to_hz."""
+
+    name: str
+    from_hz: float
+    to_hz: float
+    energy: float
+
+
+@dataclass(frozen=True)
+class ModeEnergies:
+    """The structure's term of the ledger by groups of modes, at the separation (None without one) and at the end; and
+    what of the losses in modes its own dashpots took until then [J].
+
+    held_at_separation, held_at_end : the same term by what holds it [J], as structure and air of a room; empty where
+    all of it is the structure's.
+    """
+
+    at_separation: tuple[EnergyGroup, ...] | None
+    end: tuple[EnergyGroup, ...]
+    dashpots_at_separation: float | None
+    dashpots_at_end: float
+    held_at_separation: Mapping[str, float] = field(default_factory=dict)
+    held_at_end: Mapping[str, float] = field(default_factory=dict)
+
+
+def mode_energies(response: Response) -> ModeEnergies:
+    """How the structure's energy is shared among rigid modes, the first ten elastic ones and octaves of the others.
+
+    Notes: modes are normalised to the mass and share no energy, however they are damped: the groups add up to
+    `EnergyBalance.structure`. From the last sample before the instant the motion is integrated to it, to 3e-14.
+    """
+    basis, separation, end = response.basis, response.ledger.at_separation, response.ledger.end
+    compiled = compile_scene(basis, response.scene, response.clock)
+    then = None if separation is None else modes_at(response, compiled, separation.t)
+    last = modes_at(response, compiled, end.t)
+    return ModeEnergies(
+        None if then is None else grouped(basis, _by_mode(basis, *then)),
+        grouped(basis, _by_mode(basis, *last)),
+        *dashpot_losses(response),
+        {} if then is None else held(basis, *then),
+        held(basis, *last),
+    )
+
+
+def held(basis: ModalBasis, q: Floats, qd: Floats) -> dict[str, float]:
+    """Energy of the modes by what holds it [J], of modal coordinates and velocities [k]; empty for one holder."""
+    return {name: float(holder.energy(q, qd)) for name, holder in basis.holders.items()}
+
+
+def held_over_time(response: Response, t: Floats) -> dict[str, Floats]:
+    """The same at the samples next to times [m] of the run: histories [m] [J], for pictures."""
+    if not response.basis.holders:
+        return {}
+    samples = np.clip(np.round(t * response.clock.sampling).astype(int), 0, len(response.t) - 1)
+    k = len(response.basis.omega)
+    q, qd = (
+        np.stack([state_at(response.motion, what, int(sample))[:k] for sample in samples], axis=1)
+        for what in (DISPLACEMENT, VELOCITY)
+    )
+    return {name: holder.energy(q, qd) for name, holder in response.basis.holders.items()}
+
+
+def _by_mode(basis: ModalBasis, q: Floats, qd: Floats) -> Floats:
+    """Kinetic and elastic energy of every mode [k] [J]."""
+    energy: Floats = 0.5 * (qd**2 + (basis.omega * q) ** 2)
+    return energy
+
+
+def grouped(basis: ModalBasis, energy: Floats) -> tuple[EnergyGroup, ...]:
+    """Energies of modes [k] [J] in groups, in the order of their frequencies; none is empty."""
+    kinds, hz = np.array(basis.kind, dtype=object), basis.frequency_hz
+    elastic = np.flatnonzero(kinds == "elastic")
+    groups: dict[str, list[int]] = {"rigid": np.flatnonzero(kinds == "rigid").tolist()}
+    groups |= {f"mode {i + 1}": [int(i)] for i in elastic[:ALONE]}
+    left = elastic[ALONE:]
+    while left.size:
+        octave = left[hz[left] <= 2.0 * hz[left[0]]]
+        groups[f"modes {octave[0] + 1} to {octave[-1] + 1}" if octave.size > 1 else f"mode {octave[0] + 1}"] = (
+            octave.tolist()
+        )
+        left = left[len(octave) :]
+    groups["residual vectors"] = np.flatnonzero(kinds == "residual").tolist()
+    return tuple(
+        EnergyGroup(name, float(hz[own].min()), float(hz[own].max()), float(energy[own].sum()))
+        for name, own in groups.items()
+        if own
+    )
+
+
+def modes_at(response: Response, compiled: Compiled, t: float) -> tuple[Floats, Floats]:
+    """Modal coordinates and velocities [k] at a time of the run."""
+    system, sampling = compiled.system, response.clock.sampling
+    sample = min(int(t * sampling), compiled.n_samples - 1)
+    if sample / sampling > t:
+        sample -= 1
+    z, v = (state_at(response.motion, what, sample) for what in (DISPLACEMENT, VELOCITY))
+    now = sample / sampling
+    rest = _rests(response, compiled, sample, z, v)
+    while now < t:
+        then = min((when for when in _breaks(system) if now < when < t), default=t)
+        z, v = _carry(system, rest, now, then, z, v)
+        now = then
+        if now < t:
+            _renew(system, rest, now, z, v)
+    return z[: system.n_modes], v[: system.n_modes]
+
+
+def _rests(response: Response, compiled: Compiled, sample: int, z: Floats, v: Floats) -> Floats:
+    """Elongations of links at their release, from the forces they have at a sample."""
+    system, rest = compiled.system, np.zeros(len(compiled.system.interfaces))
+    released = sample << compiled.halvings
+    for name, a in compiled.links.items():
+        link = system.interfaces[a]
+        if 0 < link["release"] <= released and link["stiffness"] > 0.0:
+            place, rate = float(system.rows[a] @ z), float(system.rows[a] @ v)
+            damping = link["opening"] if rate < 0.0 else link["closing"]
+            force = response.links[name][sample] - damping * rate - link["preload"]
+            rest[a] = place - force / link["stiffness"]
+    return rest
+
+
+def _breaks(system: System) -> list[float]:
+    """Times at which a link is released or a body strikes [s]."""
+    links = system.interfaces["kind"] == LINK
+    ticks = {*system.interfaces["release"][links].tolist(), *system.strikes["tick"].tolist()}
+    return [tick * system.tick for tick in sorted(ticks)]
+
+
+def _renew(system: System, rest: Floats, now: float, z: Floats, v: Floats) -> None:
+    """Release the links and place the bodies whose time is now."""
+    for a in np.flatnonzero((system.interfaces["kind"] == LINK) & (system.interfaces["release"] * system.tick == now)):
+        rest[a] = system.rows[a] @ z
+    for blow in system.strikes[system.strikes["tick"] * system.tick == now]:
+        z[blow["coordinate"]] = system.over[blow["over"]] @ z
+        v[blow["coordinate"]] = blow["velocity"]
+
+
+def _carry(system: System, rest: Floats, begin: float, end: float, z: Floats, v: Floats) -> tuple[Floats, Floats]:
+    """The state some fraction of a sample later, by scipy's DOP853."""
+    n = len(z)
+    pace = float(np.sqrt(np.sum(v**2 + (system.omega * z) ** 2))) or 1.0
+    atol = EXACT * pace * np.concatenate((np.full(n, end - begin), np.ones(n)))
+    run = scipy.integrate.solve_ivp(
+        _rates, (begin, end), np.concatenate((z, v)), "DOP853", rtol=EXACT, atol=atol, args=(system, rest)
+    )
+    return run.y[:n, -1], run.y[n:, -1]
+
+
+def _rates(t: float, y: Floats, system: System, rest: Floats) -> Floats:
+    """Velocities and accelerations of all coordinates, from their values alone."""
+    n, m = len(system.omega), len(system.interfaces)
+    z, v = y[:n], y[n:]
+    place, rate = system.rows @ z, system.rows @ v
+    force = np.array(
+        [_force(t, system, rest, a, place[a], rate[a]) for a in range(m)]
+        + [load_at(system, i, t) for i in range(len(system.loads))]
+    )
+    acceleration = -(system.omega**2) * z - system.damping * v + (system.sign * force) @ system.rows
+    if len(system.coupling):
+        k = system.n_modes
+        acceleration[:k] -= system.coupling @ v[:k]
+    return np.concatenate((v, acceleration))
+
+
+def _force(t: float, system: System, rest: Floats, a: int, place: float, rate: float) -> float:
+    """Force of an interface: a contact acts while it is indented, and pulls only if it is tensile."""
+    kind, begun = system.interfaces[a]["kind"], t >= system.interfaces[a]["release"] * system.tick
+    if kind == LINK:
+        return law(system, a, place - rest[a], rate)[0] if begun else 0.0
+    delta, force = place + system.interfaces[a]["offset"], 0.0
+    if begun and delta > 0.0:
+        force = law(system, a, delta, rate)[0]
+        if system.interfaces[a]["tensile"] == 0:
+            force = max(force, 0.0)
+    return float(force - system.interfaces[a]["preload"])
+
+
+def energy_shares(balance: EnergyBalance, groups: Sequence[EnergyGroup], dashpots: float = 0.0) -> dict[str, float]:
+    """What holds energy and what took it, by name, as shares of all that is stored and lost at that instant [1].
+
+    An array of bodies, "NAME.1" and on, counts as one. dashpots : what of `lost_modes` the structure's own took [J].
+    """
+    held: dict[str, float] = {}
+    for body, energy in balance.bodies.items():
+        array = body.rpartition(".")[0] or body
+        held[array] = held.get(array, 0.0) + energy
+    for group in groups:
+        hz = f" ({group.from_hz:.4g} Hz)" if group.from_hz == group.to_hz > 0.0 else ""
+        held[group.name + hz] = group.energy
+    held |= {
+        "held by contacts": sum(balance.contacts.values()),
+        "held by links": sum(balance.links.values()),
+        "lost in modes": balance.lost_modes - dashpots,
+        "lost in dashpots of the structure": dashpots,
+        "lost in contacts": sum(balance.lost_contacts.values()),
+        "lost in links": sum(balance.lost_links.values()),
+    }
+    whole = sum(abs(energy) for energy in held.values())
+    return {name: energy / whole for name, energy in held.items()} if whole else {}

@@ -1,0 +1,1 @@
+"""Plots of histories, spectra, levels and maps."""

@@ -1,0 +1,122 @@
+"""Figures of what is heard: levels over time as a meter shows them, and rooms rated by the standards."""
+
+from __future__ import annotations
+
+from typing import Any, Final
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patheffects import withStroke
+
+from acoustics.levels.rated import RatedRoom
+from acoustics.levels.sound_levels import level_history
+from acoustics.rooms.box_pressure import RoomResponse
+from femstruct.study.result import StudyResult
+from femstruct.view.figures.drawing import (
+    TOTAL,
+    case_colours,
+    case_lines,
+    finish,
+    legend_above,
+    new_figure,
+    panels,
+    thinned,
+)
+from femstruct.view.tables.rated_table import struck_first, told
+
+SHOWN_DB: Final = 50.0  # below the loudest that is drawn
+CURVES: Final = ("--", ":", "-.")  # of the single numbers in their order
+
+
+def levels_over_time(result: StudyResult, room: str) -> Figure | None:
+    """L_AF(t) at every receiver of a room in all cases, a panel each; the legend gives the largest. None if nobody
+    hears it. Dashed: with the sound of striking bodies themselves.
+
+    Where a source strikes several places it is the first of them.
+    """
+    cases = {name: case for name, case in result.cases.items() if room in case.rooms and case.rooms[room].receivers}
+    if not cases:
+        return None
+    looks = case_lines(result.cases, result.plan.baseline)
+    names = list(dict.fromkeys(one.name for case in cases.values() for one in case.rooms[room].receivers))
+    rows = -(-len(names) // 2)
+    columns = min(2, len(names))
+    legend = 0.155 * (len(cases) + sum(room in case.heard.total for case in cases.values()))  # inches
+    where = f", source at {place}" if (place := struck_first(result)) else ""
+    figure = new_figure(11.0, 0.9 + rows * (2.3 + legend), f"Level over time in {room}: A-weighted, Fast{where}")
+    grid = panels(figure, rows, columns, between=0.55 + legend, top=0.5 + legend, sharex=True, sharey=True)
+    panes: list[Axes] = grid.ravel().tolist()
+    loudest = -np.inf
+    for axes, receiver in zip(panes, names, strict=False):
+        for name, case in cases.items():
+            drawn: list[tuple[RoomResponse, str, dict[str, Any]]] = [(case.rooms[room], name, {"linewidth": 1.0})]
+            if room in case.heard.total:
+                drawn.append((case.heard.total[room], f"{name} with the bodies' own sound", TOTAL))
+            for response, who, look in drawn:
+                for p, one in zip(response.p, response.receivers, strict=True):
+                    if one.name == receiver:
+                        level = level_history(p, response.dt)
+                        x, y = thinned(response.t, level)
+                        label = f"{who}: largest {level.max():.1f} dB"
+                        axes.plot(x, y, **(looks[name] | look), label=label)
+                        loudest = max(loudest, float(level.max()))
+        finish(axes, "", f"{receiver}: L_AF in dB re 20 µPa")
+        legend_above(axes)
+    for axes in panes[len(names) :]:
+        axes.set_visible(False)
+    for axes in panes[: len(names)][-columns:]:  # the lowest of each column
+        axes.set_xlabel("time in s")
+        axes.tick_params(labelbottom=True)
+    panes[0].set_xlim(0.0, max(float(case.rooms[room].t[-1]) for case in cases.values()))
+    panes[0].set_ylim(loudest - SHOWN_DB, loudest + 3.0)
+    return figure
+
+
+def rated_bands(result: StudyResult, room: str) -> Figure | None:
+    """Bands of a rated room in all cases, with what they spread over drops and receivers (one standard deviation to
+    each side), and what its single numbers hold them against as curves; None if nobody rates it.
+
+    The curves belong to the baseline: reference curves shifted to a number, the curve of a grade, or the levels that
+    would put equal parts into a sum, so that what exceeds them decides it; a number that is but a bound has none. Cases
+    with other bands are not drawn, nor are bands beyond the modes.
+    """
+    rated = {name: case.rated[room] for name, case in result.cases.items() if room in case.rated}
+    if not rated:
+        return None
+    colours = case_colours(result.cases, result.plan.baseline)
+    first = rated.get(result.plan.baseline) or next(iter(rated.values()))
+    kind = (first.band_quantity, first.bands_hz)
+    shown = {name: one for name, one in rated.items() if (one.band_quantity, one.bands_hz) == kind}
+    title = f"Impact sound in {room}: {', '.join(first.standards)}, {first.drops} drops x {first.receivers} receivers"
+    figure = new_figure(11.0, 4.6 + 0.155 * (len(shown) + len(first.curves)), title)
+    ((axes,),) = panels(figure, 1, 1, between=0.5, top=0.55 + 0.155 * (len(shown) + len(first.curves)))
+    width = 0.8 / len(shown)
+    heard = [level for one in shown.values() for level in one.bands_db.values() if np.isfinite(level)] or [0.0]
+    highest, lowest = max(heard), min(heard)
+    floor = 10.0 * np.floor((max(lowest, highest - SHOWN_DB) - 3.0) / 10.0)
+    for number, (name, one) in enumerate(shown.items()):
+        x = np.arange(len(one.bands_hz)) + (number - (len(shown) - 1) / 2) * width
+        levels, spread = (np.array(list(values.values())) for values in (one.bands_db, one.spread_db))
+        known = np.isfinite(levels)
+        x, levels, spread = x[known], levels[known], spread[known]
+        bars = {"yerr": spread, "error_kw": {"ecolor": "0.45", "elinewidth": 0.8}} if np.isfinite(spread).all() else {}
+        axes.bar(x, levels - floor, width, bottom=floor, color=colours[name], label=_label(name, one), **bars)
+    drawn = {symbol: rating for symbol, rating in first.curves.items() if rating.curve_db}
+    for style, (symbol, rating) in zip(CURVES, drawn.items(), strict=False):
+        curve, label = list(rating.curve_db.values()), f"baseline, {symbol}: {rating.curve}"
+        outlined = [withStroke(linewidth=2.5, foreground="white")]  # or it is lost on dark bars
+        look = {"color": "0.2", "linestyle": style, "linewidth": 1.1, "path_effects": outlined}
+        axes.plot(np.arange(len(curve)), curve, label=label, **look)
+    axes.set_xticks(range(len(first.bands_hz)), [f"{band:g}" for band in first.bands_hz], fontsize=8)
+    axes.set_xlim(-0.6, len(first.bands_hz) - 0.4)
+    axes.set_ylim(floor, max(highest, *axes.get_ylim()) + 2.0)
+    finish(axes, f"{first.method.bands}, nominal centre in Hz", f"{first.band_quantity} in dB re 20 µPa")
+    legend_above(axes)
+    axes.grid(False, axis="x")
+    return figure
+
+
+def _label(name: str, rated: RatedRoom) -> str:
+    numbers = ", ".join(f"{symbol} {told(one)}" for symbol, one in rated.curves.items())
+    return f"{name}: {numbers}" if numbers else name

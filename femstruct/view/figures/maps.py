@@ -1,0 +1,111 @@
+"""Maps of the pressure on a plane of a room."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Final
+
+import numpy as np
+import scipy
+from matplotlib.figure import Figure
+from matplotlib.patheffects import withStroke
+
+from acoustics.levels.sound_levels import REFERENCE_PA
+from acoustics.open_air.half_space import HalfSpace
+from acoustics.rooms.box import Receiver
+from acoustics.rooms.pressure_maps import PressureMap, pressure_map
+from femstruct.sound.surface import surface_velocity
+from femstruct.study.result import StudyResult
+from femstruct.view.figures.drawing import new_figure, panels
+
+MOST: Final = 4
+PROMINENT: Final = 6.0  # dB a peak stands above the valleys beside it
+SILENCE: Final = 1e-6  # share of the loudest line below which there are no peaks, only rounding
+NEAR: Final = 0.02
+RIM: Final = (withStroke(linewidth=2.5, foreground="white"),)  # to be read on any colour
+
+
+def pressure_maps(result: StudyResult, room: str) -> Figure | None:
+    """Pressure on the horizontal plane of a room's first receiver, at the most prominent peaks of the baseline.
+
+    None where the baseline has no such room, no response or no peak that is heard.
+    """
+    case = result.cases[result.plan.baseline]
+    plan = next((item for item in case.case.study.rooms if item.name == room), None)
+    model = result.models.get(case.basis_key)
+    if plan is None or room not in case.rooms or case.response is None or model is None:
+        return None
+    if isinstance(plan.room, HalfSpace):
+        return None
+    frequencies = heard_peaks(result, room)
+    if not frequencies:
+        return None
+    ceiling = surface_velocity(case.response, model.surfaces[plan.under], plan.room, plan.offset, plan.name)
+    height = float(plan.receivers[0].position[2])
+    drawn = pressure_map(ceiling, plan.room, list(frequencies.values()), at=height)
+    return draw_map(
+        drawn, list(frequencies), plan.receivers, f"{result.plan.baseline}: pressure in {room} at z = {height:g} m"
+    )
+
+
+def heard_peaks(result: StudyResult, room: str) -> dict[str, float]:
+    """The loudest peaks of the baseline's sound at a room's first receiver: names and frequencies [Hz].
+
+    Only those that stand out of what is beside them, and none above the modal basis or the room's own modes, where the
+    answer is not complete.
+    A peak within 2 % of a mode of the structure carries that mode's number, any other is one of the room's or of the
+    force.
+    """
+    case = result.cases[result.plan.baseline]
+    heard = case.rooms[room]
+    spectrum = np.abs(heard.spectrum[0])
+    level = 20.0 * np.log10(np.maximum(spectrum, SILENCE * spectrum.max(initial=0.0)) + np.finfo(float).tiny)
+    tops, _ = scipy.signal.find_peaks(level, prominence=PROMINENT)
+    tops = tops[heard.frequency_hz[tops] <= min(case.basis.complete_below_hz, heard.complete_below_hz)]
+    chosen = np.sort(tops[np.argsort(-level[tops])[:MOST]])
+    elastic = np.flatnonzero([kind == "elastic" for kind in case.basis.kind])
+    named = {}
+    for frequency in heard.frequency_hz[chosen].tolist():
+        away = np.abs(case.basis.frequency_hz[elastic] / frequency - 1.0)
+        near = int(elastic[away.argmin()]) + 1 if elastic.size and away.min() < NEAR else 0
+        named[f"mode {near}, {frequency:.1f} Hz" if near else f"{frequency:.1f} Hz"] = frequency
+    return named
+
+
+def draw_map(drawn: PressureMap, names: Sequence[str], receivers: Sequence[Receiver], title: str) -> Figure:
+    """A pane a frequency: the pressure in phase with its largest value, red compressed and blue rarefied.
+
+    drawn : normal to z. names : one a frequency. The range of the level over the plane stands above each pane.
+    """
+    count = len(drawn.frequency_hz)
+    width, height = 1.6 + 3.3 * count, 3.9
+    figure = new_figure(width, height, f"{title};  Re P / max |P|, red and blue of opposite phase")
+    (row,) = panels(figure, 1, count, between=0.0, top=0.85, right=0.85)
+    images = []
+    for axes, spectrum, name in zip(row, drawn.spectrum, names, strict=True):
+        level = 20.0 * np.log10(np.maximum(np.abs(spectrum), np.finfo(float).tiny) / REFERENCE_PA)
+        level = level[np.isfinite(level)]  # nan outside the room
+        largest = spectrum.ravel()[np.nanargmax(np.abs(spectrum))]
+        shown = np.real(spectrum / largest) if largest else np.zeros(spectrum.shape)
+        half = [0.5 * (along[1] - along[0]) for along in (drawn.first, drawn.second)]  # a pixel is centred on its point
+        ends = [(along[0], along[-1]) for along in (drawn.first, drawn.second)]
+        sides = np.ravel([(low - by, high + by) for (low, high), by in zip(ends, half, strict=True)]).tolist()
+        image = axes.imshow(
+            shown.T, origin="lower", extent=sides, cmap="RdBu_r", vmin=-1.0, vmax=1.0, interpolation="bilinear"
+        )
+        axes.set_xlim(*ends[0])
+        axes.set_ylim(*ends[1])
+        images.append(image)
+        for receiver in receivers:
+            axes.plot(*receiver.position[:2], "k+", markersize=9, path_effects=RIM)
+            axes.annotate(
+                receiver.name, receiver.position[:2], (5, 5), textcoords="offset points", fontsize=8, path_effects=RIM
+            )  # fmt: skip
+        axes.set_aspect("equal")
+        axes.set_title(f"{name}\n{level.min():.0f} to {level.max():.0f} dB re 20 µPa/Hz", fontsize=8)
+        axes.set_xlabel("x in m")
+        axes.tick_params(labelsize=8)
+    row[0].set_ylabel("y in m")
+    scale = figure.add_axes((1.0 - 0.65 / width, 0.6 / height, 0.13 / width, 1.0 - 1.5 / height))
+    figure.colorbar(images[-1], cax=scale, ticks=(-1.0, 0.0, 1.0), label="of the largest")
+    return figure

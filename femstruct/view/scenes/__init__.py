@@ -1,0 +1,1 @@
+"""Three-dimensional pictures of structures and rooms."""

@@ -1,0 +1,231 @@
+"""Sound in a room in three dimensions: surfaces of equal pressure, and moving pictures of a tone or of the pulse."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+
+from acoustics.arrays import Complexes
+from acoustics.levels.sound_levels import REFERENCE_PA
+from acoustics.meshed.meshed_room import ShapedRoom
+from acoustics.open_air.half_space import HalfSpace
+from acoustics.rooms.box import Receiver, Room
+from acoustics.rooms.receiver_grids import RoomGrid, room_grid
+from acoustics.source import SurfaceVelocity
+from femstruct.arrays import Floats
+from femstruct.files.atomic import file_name, replacing
+from femstruct.sound.surface import heard, pressure_spectrum, surface_velocity
+from femstruct.study.result import StudyResult
+from femstruct.study.study import RoomPlan
+from femstruct.view.figures.maps import heard_peaks
+from femstruct.view.scenes.opengl import NoOpenGL, require_opengl
+from femstruct.view.scenes.scene import add_scales
+
+LEVELS: Final = (-0.75, -0.5, -0.25, 0.25, 0.5, 0.75)  # of the largest
+SHARE: Final = "Re P over its largest amount"
+PANE: Final = (560, 500)  # pixels
+MOST: Final = 4  # frequencies on one sheet
+FRAMES: Final = 24
+PULSE: Final = 48  # pictures of the pulse
+CROSSINGS: Final = 3.0  # times the sound crosses the room while it is shown
+STEP_MS: Final = 80  # how long a picture stands
+
+
+def room_pictures(result: StudyResult, folder: str | Path) -> tuple[list[Path], str]:
+    """Surfaces of equal pressure of every room of the baseline at its most prominent peaks, and what the study wants
+    animated: PNG and GIF files.
+
+    Returns the paths, and a sentence where a machine without OpenGL cannot draw ("" otherwise).
+    """
+    case, paths = result.cases[result.plan.baseline], []
+    model = result.models.get(case.basis_key)
+    for plan in case.case.study.rooms:
+        room = plan.room
+        if isinstance(room, HalfSpace) or model is None or case.response is None or plan.name not in case.rooms:
+            continue
+        moving = surface_velocity(case.response, model.surfaces[plan.under], room, plan.offset, plan.name)
+        try:
+            require_opengl()
+            peaks = dict(list(heard_peaks(result, plan.name).items())[:MOST])
+            if peaks:
+                paths.append(Path(folder) / file_name("pressure_surfaces", plan.name))
+                picture_surfaces(moving, room, plan, peaks, paths[-1], result.plan.baseline)
+            for wanted in plan.animate:
+                word = "pulse" if wanted is None else f"{wanted:g} Hz"
+                paths.append((Path(folder) / file_name("animation", plan.name, word)).with_suffix(".gif"))
+                animate(moving, room, plan, wanted, paths[-1], result.plan.baseline)
+        except NoOpenGL as error:
+            return paths, str(error)
+    return paths, ""
+
+
+def picture_surfaces(
+    moving: SurfaceVelocity, room: Room | ShapedRoom, plan: RoomPlan, peaks: dict[str, float], path: Path, title: str
+) -> None:
+    """Draw surfaces of equal pressure at some frequencies on one sheet, a pane each, in phase with the largest.
+
+    peaks : {name: frequency [Hz]}. Raises NoOpenGL where VTK cannot draw.
+    """
+    import pyvista
+
+    grid = room_grid(room)
+    p = pressure_spectrum(moving, room, np.array(list(peaks.values())), grid.points)
+    plotter: Any = pyvista.Plotter(
+        off_screen=True, shape=(1, len(peaks)), window_size=[PANE[0] * len(peaks), PANE[1]], border=False
+    )
+    for pane, (name, own) in enumerate(zip(peaks, p.T, strict=True)):
+        plotter.subplot(0, pane)
+        cells = _cells(grid)
+        largest = own[np.abs(own).argmax()]
+        cells[SHARE] = np.real(own / largest)
+        surfaces = cells.contour(list(LEVELS), scalars=SHARE)
+        look = {"scalars": SHARE, "cmap": "RdBu_r", "clim": (-1, 1), "show_scalar_bar": pane == 0}
+        look["scalar_bar_args"] = _BAR | {"title": f"{SHARE}\n"}  # lifted off the numbers
+        if surfaces.n_points:
+            plotter.add_mesh(surfaces, opacity=0.75, smooth_shading=True, **look)
+        else:  # nearly uniform: no surface lies in the room
+            skin = cells.extract_surface(algorithm="dataset_surface")
+            plotter.add_mesh(skin, opacity=0.6, lighting=False, **look)
+        _furnish(plotter, cells, plan.receivers)
+        level = 20.0 * np.log10(float(np.abs(largest)) / REFERENCE_PA)
+        low, high = float(cells[SHARE].min()), float(cells[SHARE].max())
+        amount = f"largest {level:.0f} dB re 20 µPa/Hz; Re P from {low:.2f} to {high:.2f} of it"
+        words = f"{title}: {plan.name}, {name}\n{amount}"
+        plotter.add_text(words, position="upper_left", font_size=8, color="black")
+    plotter.set_background("white")
+    _save(plotter, path)
+
+
+_BAR: Final = {
+    "color": "black", "title_font_size": 13, "label_font_size": 12, "n_labels": 5, "fmt": "%.1f", "width": 0.5,
+    "height": 0.06, "position_x": 0.25, "position_y": 0.02,
+}  # fmt: skip
+
+
+def animate(
+    moving: SurfaceVelocity, room: Room | ShapedRoom, plan: RoomPlan, frequency_hz: float | None, path: Path, title: str
+) -> None:
+    """Write a moving picture (GIF) of the pressure on the boundary and on two planes through the first receiver.
+
+    frequency_hz : one period of that frequency, of the record's spectrum; None: the first milliseconds of the pulse.
+
+    Raises NoOpenGL where VTK cannot draw.
+    """
+    require_opengl()
+    grid = room_grid(room)
+    if frequency_hz is not None:
+        p = pressure_spectrum(moving, room, np.array([frequency_hz]), grid.points)[:, 0]
+        _write(plan, grid, path, *_tone(p, frequency_hz, f"{title}: {plan.name}"))
+    else:
+        _write(plan, grid, path, *_pulse(moving, room, grid, f"{title}: {plan.name}"))
+
+
+_Frames = tuple[Callable[[int], Floats], int, float, str, Callable[[int], str]]
+
+
+def _tone(p: Complexes, frequency_hz: float, title: str) -> _Frames:
+    largest = float(np.abs(p).max()) or 1.0
+
+    def frame(i: int) -> Floats:
+        return np.asarray(np.real(p * np.exp(2j * np.pi * i / FRAMES)))
+
+    def words(i: int) -> str:
+        return f"{title}, {frequency_hz:g} Hz, {1e3 * i / FRAMES / frequency_hz:.1f} ms of a period"
+
+    return frame, FRAMES, largest, "Re P [Pa/Hz]", words
+
+
+def _pulse(moving: SurfaceVelocity, room: Room | ShapedRoom, grid: RoomGrid, title: str) -> _Frames:
+    """From the surface's first motion until sound has crossed the room some times."""
+    across = float(np.linalg.norm(np.ptp(grid.points, axis=0))) / room.air.c
+    size = np.sqrt(np.einsum("kt,kt->t", moving.rates, moving.rates))
+    start = int(np.argmax(size > 1e-3 * size.max()))
+    count = min(len(size), start + max(2, int(CROSSINGS * across / moving.dt)))
+    short = SurfaceVelocity(moving.points, moving.weights, moving.shapes, moving.rates[:, :count], moving.dt)
+    receivers = [Receiver(str(i), place) for i, place in enumerate(grid.points)]
+    p = heard([short], room, receivers)[0].p
+    shown = np.linspace(start, count - 1, min(PULSE, count - start)).astype(int)
+
+    def words(i: int) -> str:
+        return f"{title}, t = {1e3 * shown[i] * moving.dt:.1f} ms"
+
+    return lambda i: p[:, shown[i]], len(shown), float(np.abs(p).max()) or 1.0, "p [Pa]", words
+
+
+def _write(
+    plan: RoomPlan,
+    grid: RoomGrid,
+    path: Path,
+    frame: Callable[[int], Floats],
+    count: int,
+    largest: float,
+    unit: str,
+    words: Callable[[int], str],
+) -> None:
+    import pyvista
+    from PIL import Image
+
+    cells = _cells(grid)
+    place = plan.receivers[0].position
+    cells[unit] = np.zeros(len(grid.points))
+    planes = [cells.slice(normal=normal, origin=place) for normal in ("z", "y")]
+    planes = [plane for plane in planes if plane.n_points]
+    plotter: Any = pyvista.Plotter(off_screen=True, window_size=[PANE[0] + 120, PANE[1] + 40])
+    for number, plane in enumerate(planes):
+        plotter.add_mesh(
+            plane, scalars=unit, cmap="RdBu_r", clim=(-largest, largest), show_scalar_bar=number == 0,
+            scalar_bar_args=_BAR | {"fmt": "%.2g", "title": f"{unit}\n"}, lighting=False, copy_mesh=False,
+        )  # fmt: skip
+    _furnish(plotter, cells, plan.receivers)
+    plotter.set_background("white")
+    pictures = []
+    for i in range(count):
+        cells[unit] = frame(i)
+        for plane in planes:
+            plane[unit] = plane.sample(cells)[unit]
+        plotter.add_text(words(i), position="upper_left", font_size=9, color="black", name="words")
+        pictures.append(Image.fromarray(plotter.screenshot(None, return_img=True)))
+    plotter.close()
+    # one set of colours for all: the scale must not change from picture to picture
+    some = np.concatenate([np.asarray(one) for one in pictures[:: max(1, count // 6)]])
+    colours = Image.fromarray(some).quantize(255)
+    pictures = [one.quantize(palette=colours, dither=Image.Dither.NONE) for one in pictures]
+    with replacing(path) as temporary:
+        pictures[0].save(temporary, format="GIF", save_all=True, append_images=pictures[1:], duration=STEP_MS, loop=0)
+
+
+def _cells(grid: RoomGrid) -> Any:
+    import pyvista
+
+    corners = grid.cells.shape[1]
+    kind = pyvista.CellType.HEXAHEDRON if corners == 8 else pyvista.CellType.TETRA
+    faces = np.insert(grid.cells, 0, corners, axis=1).ravel()
+    return pyvista.UnstructuredGrid(faces, np.full(len(grid.cells), kind), grid.points.copy())
+
+
+def _furnish(plotter: Any, cells: Any, receivers: tuple[Receiver, ...]) -> None:
+    """The room's edges, who listens, and scales in metres."""
+    edges = cells.extract_surface(algorithm="dataset_surface").extract_feature_edges(20.0, boundary_edges=False)
+    plotter.add_mesh(edges, color="#555555", line_width=2)
+    if receivers:
+        places = np.stack([one.position for one in receivers])
+        plotter.add_point_labels(
+            places, [one.name for one in receivers], point_color="black", point_size=9, font_size=12, shape=None,
+            text_color="black", render_points_as_spheres=True, always_visible=True,
+        )  # fmt: skip
+    plotter.view_isometric()
+    add_scales(plotter)
+    plotter.enable_parallel_projection()
+    plotter.camera.zoom(0.85)
+
+
+def _save(plotter: Any, path: Path) -> None:
+    from PIL import Image
+
+    image = Image.fromarray(plotter.screenshot(None, return_img=True))
+    plotter.close()
+    with replacing(path) as temporary:
+        image.save(temporary)

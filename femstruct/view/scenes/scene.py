@@ -1,0 +1,190 @@
+"""Pictures in three dimensions: mode shapes on one sheet, the model with its names."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+
+from femstruct.arrays import Floats
+from femstruct.errors import InputError
+from femstruct.files.atomic import file_name, refuse_unwritable_file, replacing
+from femstruct.modal.basis import ModalBasis
+from femstruct.model.model import Model
+from femstruct.model.refine import Refined, refined
+from femstruct.study.result import StudyResult
+from femstruct.study.study import RoomPlan
+from femstruct.view.scenes.labels import add_labels
+from femstruct.view.scenes.opengl import NoOpenGL, require_opengl
+
+MOST_MODES: Final = 12
+PANE: Final = (340, 300)  # pixels of one mode
+DIVISIONS: Final = 3
+ALONG: Final = 8  # pieces of a bar, which is curved more than a cell of a plate
+MOST_TICKS: Final = 5
+THIN: Final = 0.08  # of the largest extent: no room for ticks
+TITLE: Final = 34  # pixels above the panes
+LIFT: Final = 0.12  # of half a pane: a shape stands above its words
+DEFORMATION: Final = 0.06  # largest displacement in a picture, of the diagonal of the structure
+PART_COLOURS: Final = ("#9ecae1", "#fdae6b", "#636363", "#a1d99b", "#bcbddc", "#e7cb94", "#d6616b", "#8ca252")
+
+
+def shapes_all(result: StudyResult, folder: str | Path) -> tuple[list[Path], str]:
+    """A sheet of the first elastic modes for every distinct structure of a study, as PNG files in a folder.
+
+    Returns the paths and, where something is left out, a sentence that says why ("" otherwise): a machine without
+    OpenGL cannot draw, a structure in closed form has no shape to draw. Of no structure nothing is left out.
+    """
+    paths: list[Path] = []
+    alike: dict[str, list[str]] = {}
+    for name in dict.fromkeys((result.plan.baseline, *result.cases)):
+        alike.setdefault(result.cases[name].basis_key, []).append(name)
+    for key, (name, *others) in alike.items():
+        model = result.models.get(key)
+        if model is None:
+            continue
+        words = ("mode_shapes",) if name == result.plan.baseline else ("mode_shapes", name)
+        path = Path(folder) / file_name(*words)
+        try:
+            picture_modes(model, result.cases[name].basis, path, ", ".join((name, *others)))
+        except NoOpenGL as error:
+            return paths, str(error)
+        paths.append(path)
+    known = any(case.basis.omega.size for case in result.cases.values())
+    return paths, "Pictures of shapes left out: the structure is in closed form." if known and not paths else ""
+
+
+def picture_modes(model: Model, basis: ModalBasis, path: str | Path, title: str = "", most: int = MOST_MODES) -> None:
+    """Draw the first elastic modes on one sheet: deformed, smooth between the nodes, coloured by displacement.
+
+    Each is scaled to the same largest displacement and coloured, red up and blue down, by the global direction it
+    moves most in, which its title names beside number, frequency and damping ratio.
+
+    Raises NoOpenGL where VTK cannot draw.
+    """
+    modes = [mode for mode, kind in enumerate(basis.kind) if kind == "elastic"][:most]
+    if not modes:
+        raise InputError("modes", got="no elastic mode", expected="at least one to draw")
+    require_opengl()
+    import pyvista
+
+    fine = refined(model, DIVISIONS, ALONG)
+    moved = fine.displacement(basis.shapes[:, :, modes])
+    columns = min(4, len(modes))
+    rows = -(-len(modes) // columns)
+    top: Any = [(0, slice(None))]
+    plotter: Any = pyvista.Plotter(
+        off_screen=True, shape=(rows + 1, columns), row_weights=[TITLE, *[PANE[1]] * rows], groups=top,
+        window_size=[PANE[0] * columns, TITLE + PANE[1] * rows], border=False,
+    )  # fmt: skip
+    plotter.subplot(0, 0)
+    meaning = "colour: displacement along the axis named, red 1, blue -1 of the mode's largest; no unit"
+    plotter.add_text(f"{title}    {meaning}".strip(), position=(10, 8), font_size=8, color="black")
+    rest = _mesh(fine, fine.points)
+    edges = rest  # of bars alone; of faces their boundary
+    if len(fine.quads):
+        edges = rest.extract_feature_edges(
+            boundary_edges=True, feature_edges=False, non_manifold_edges=False, manifold_edges=False
+        )
+    for place, mode in enumerate(modes):
+        plotter.subplot(place // columns + 1, place % columns)
+        direction = _draw_mode(plotter, fine, edges, moved[:, :, place])
+        ratio = 100.0 * basis.damping_ratio[mode]
+        words = f"{mode + 1}:  {basis.frequency_hz[mode]:.2f} Hz,  damping {ratio:.2g} %,  {direction}"
+        plotter.add_text(words, position=(10, 8), font_size=8, color="black")
+    plotter.set_background("white")
+    _save(plotter, path)
+
+
+def picture_model(model: Model | None, rooms: Sequence[RoomPlan], path: str | Path) -> None:
+    """Draw a model with its names: parts, supports, springs and foundations, points, surfaces, rooms, axes in metres.
+
+    Raises InputError for a structure in closed form, a name that is no picture's or a folder that is not there,
+    NoOpenGL where VTK cannot draw.
+    """
+    if model is None:
+        raise InputError("--picture", got="a structure in closed form", expected="a model with parts")
+    if (suffix := Path(path).suffix.lower()) not in (".png", ".jpg", ".jpeg", ".tif"):
+        raise InputError("--picture", got=f"'{suffix}'", expected="a name that ends in .png, .jpg or .tif")
+    refuse_unwritable_file(Path(path))
+    require_opengl()
+    import pyvista
+
+    plotter: Any = pyvista.Plotter(off_screen=True, window_size=[1300, 950])
+    fine = refined(model, 1)
+    for number, name in enumerate(fine.parts):
+        own = fine.part_of_point == number
+        mesh = _mesh(fine, fine.points, own)
+        colour = PART_COLOURS[number % len(PART_COLOURS)]
+        solid = len(model.parts[name].drawn(1, 1, model.mesh.n_nodes).quads) > 0
+        look = {"opacity": 0.75, "show_edges": True, "edge_color": "#8a8a8a"} if solid else {"line_width": 5}
+        plotter.add_mesh(mesh, color=colour, label=name, **look)
+    add_labels(plotter, model, rooms)
+    plotter.add_legend(bcolor=None, border=False, size=(0.22, 0.035 * max(len(fine.parts), 3)), loc="upper left")
+    plotter.add_axes()
+    plotter.view_isometric()
+    add_scales(plotter)
+    plotter.set_background("white")
+    plotter.enable_parallel_projection()
+    plotter.camera.zoom(0.85)  # what is tall keeps its scales and names inside
+    _save(plotter, path)
+
+
+def add_scales(plotter: Any) -> None:
+    """Scales in metres along the box of all that is drawn, with ticks where there is room for them."""
+    low, high = np.reshape(plotter.bounds, (3, 2)).T
+    largest = float((high - low).max()) or 1.0
+    share = (high - low) / largest
+    decimals = max(0, 3 - int(np.floor(np.log10(3.0 * largest))))
+    scales: dict[str, Any] = {}
+    for axis, start, end, part in zip("xyz", low, high, share, strict=True):
+        thin = part < THIN
+        scales[f"{axis}title"] = f"{axis} {start:.{decimals}f} to {end:.{decimals}f} m" if thin else f"{axis} in m"
+        scales[f"show_{axis}labels"] = not thin
+        scales[f"n_{axis}labels"] = int(min(1 + np.ceil(4.0 * part), MOST_TICKS))
+    plotter.show_bounds(grid=False, location="outer", font_size=11, color="#444444", fmt=f"%.{decimals}f", **scales)
+
+
+def _draw_mode(plotter: Any, fine: Refined, edges: Any, moved: Floats) -> str:
+    """Add one deformed shape to the current pane; returns the direction it is coloured by."""
+    diagonal = float(np.linalg.norm(np.ptp(fine.points, axis=0)))
+    largest = float(np.linalg.norm(moved, axis=1).max())
+    axis = int((moved**2).sum(axis=0).argmax())
+    mesh = _mesh(fine, fine.points + moved * (DEFORMATION * diagonal / largest if largest else 0.0))
+    mesh["displacement"] = moved[:, axis] / largest if largest else moved[:, axis]
+    plotter.add_mesh(edges, color="#b0b0b0", line_width=1)
+    plotter.add_mesh(
+        mesh, scalars="displacement", cmap="coolwarm", clim=(-1.0, 1.0), show_scalar_bar=False, line_width=3,
+        smooth_shading=False,
+    )  # fmt: skip
+    plotter.view_isometric()
+    plotter.enable_parallel_projection()
+    plotter.camera.zoom(0.95)
+    plotter.camera.SetWindowCenter(0.0, -LIFT)
+    return "xyz"[axis]
+
+
+def _mesh(fine: Refined, points: Floats, own: Any = None) -> Any:
+    """Faces and lines of a refined model, or of one part of it, at these points."""
+    import pyvista
+
+    quads = fine.quads if own is None else fine.quads[own[fine.quads[:, 0]]]
+    lines = fine.lines if own is None else fine.lines[own[fine.lines[:, 0]]]
+    mesh = pyvista.PolyData()
+    mesh.points = np.ascontiguousarray(points)
+    if len(quads):
+        mesh.faces = np.insert(quads, 0, 4, axis=1).ravel()
+    if len(lines):
+        mesh.lines = np.insert(lines, 0, 2, axis=1).ravel()
+    return mesh
+
+
+def _save(plotter: Any, path: str | Path) -> None:
+    from PIL import Image
+
+    image = Image.fromarray(plotter.screenshot(None, return_img=True))
+    plotter.close()
+    with replacing(path) as temporary:
+        image.save(temporary)  # which has the suffix of path

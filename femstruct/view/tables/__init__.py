@@ -1,0 +1,1 @@
+"""Tables and lines a person reads in the terminal."""

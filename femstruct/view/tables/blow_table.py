@@ -1,0 +1,38 @@
+"""The table of blows a person reads in the terminal."""
+
+from __future__ import annotations
+
+from femstruct.files.tables import growth
+from femstruct.study.result import StudyResult
+from femstruct.view.tables.grid import Grid
+from femstruct.view.tables.scales import digits
+
+SHOWN_BLOWS = 5  # at each end of a row of blows
+
+
+def blows(result: StudyResult) -> Grid:
+    """Blow by blow; of a long row the first and the last, all are in summary.json."""
+    grid = Grid(
+        "blows",
+        ("", "case", "blow", "t [ms]", "peak force [N]", "closings", "structure at most [mJ]", "at rest after [ms]"),
+        keys=3,
+    )
+    for case_name, case in result.cases.items():
+        struck = case.response.blows if case.response is not None else ()
+        for body in dict.fromkeys(blow.body for blow in struck):
+            mine = [blow for blow in struck if blow.body == body]
+            for blow in mine if len(mine) <= 2 * SHOWN_BLOWS else (*mine[:SHOWN_BLOWS], *mine[-SHOWN_BLOWS:]):
+                grown = growth((mine[0], blow))
+                change = f" ({100.0 * (grown - 1.0):+.1f} %)" if blow.number > 1 and grown is not None else ""
+                rest = "" if not blow.seen else f"not in {1e3 * blow.interval:.4g}"
+                grid.add(
+                    body,
+                    case_name,
+                    f"{blow.number} of {len(mine)}",
+                    f"{1e3 * blow.t:.3f}",
+                    digits(blow.peak_force),
+                    str(blow.closings),
+                    f"{1e3 * blow.largest_energy:.4g}{change}",
+                    rest if blow.rest_after is None else f"{1e3 * blow.rest_after:.4g}",
+                )
+    return grid

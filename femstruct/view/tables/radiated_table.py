@@ -1,0 +1,53 @@
+"""Sound energy into the open: a row for every case and half space."""
+
+from __future__ import annotations
+
+from math import isfinite
+
+from femstruct.study.result import StudyResult
+from femstruct.view.tables.grid import Grid
+from femstruct.view.tables.scales import scaled
+
+
+def radiated(result: StudyResult) -> Grid:
+    """Levels re 1 pJ, energy, difference to the baseline, efficiency, share of what was put in, loudest band."""
+    rooms = dict.fromkeys(room for case in result.cases.values() for room in case.radiated)
+    rows = [(room, name, c.radiated[room]) for room in rooms for name, c in result.cases.items() if room in c.radiated]
+    factor, unit = scaled("J", max((one.energy.energy_j for _, _, one in rows), default=0.0))
+    grid = Grid(
+        "sound energy that surfaces send into the open, in the whole window",
+        (
+            "room",
+            "case",
+            "L_J [dB re 1 pJ]",
+            "L_JA [dB]",
+            "difference [dB]",
+            f"energy [{unit}]",
+            "efficiency",
+            "of the energy put into the structure",
+            "most at [Hz]",
+        ),
+        keys=2,
+    )
+    baseline = result.cases[result.comparison.baseline].radiated
+    for room, name, one in rows:
+        energy = one.energy
+        first = baseline.get(room)
+        bands = {band: one for band, one in energy.bands_j.items() if isfinite(one)}
+        change = energy.level_db - first.energy.level_db if first is not None else float("nan")
+        grid.add(
+            room,
+            name,
+            _decibel(energy.level_db),
+            _decibel(energy.weighted_db),
+            "" if name == result.comparison.baseline else f"{change:+.1f}" if isfinite(change) else "-",
+            f"{factor * energy.energy_j:.4g}",
+            f"{energy.efficiency:.3g}" if isfinite(energy.efficiency) else "-",
+            f"{100 * one.share:.2g} %" if isfinite(one.share) else "-",
+            f"{max(bands, key=lambda band: bands[band]):g}" if energy.energy_j > 0 and bands else "-",
+        )
+    return grid
+
+
+def _decibel(value: float) -> str:
+    return f"{value:.1f}" if isfinite(value) else "-"

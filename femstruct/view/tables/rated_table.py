@@ -1,0 +1,146 @@
+"""Rooms as the standards state them: a row for every case, and their bands side by side."""
+
+from __future__ import annotations
+
+from math import isfinite
+
+from acoustics.levels.methods import SingleNumber
+from acoustics.levels.rated import RatedRoom
+from femstruct.study.result import CaseResult, StudyResult
+from femstruct.view.tables.grid import Grid
+
+BLANK = "blank"  # of a band that reaches beyond the modes
+ASSUMED = "the floor alone radiates, no flanking; walls and floor of the room are rigid but for its reverberation time"
+
+
+def ratings(result: StudyResult) -> Grid:
+    """A row for every rated room, single number and case: the number and what is stated with it, difference to the
+    baseline, spreads, deciding band."""
+    rated = [(room, name, one) for name, case in result.cases.items() for room, one in case.rated.items()]
+    besides = list(
+        dict.fromkeys(name for _, _, one in rated for number in one.numbers.values() for name in number.beside)
+    )
+    grid = Grid(
+        f"impact sound by the standards ({ASSUMED})",
+        (
+            "room",
+            "single number",
+            "case",
+            "[dB]",
+            *besides,
+            "difference (its spread over drops) [dB]",
+            "spread over drops [dB]",
+            "over receivers [dB]",
+            "decided at [Hz]",
+        ),
+        keys=3,
+    )
+    baseline = result.comparison.baseline
+    for room, symbol in dict.fromkeys((room, symbol) for room, _, one in rated for symbol in one.numbers):
+        beside = result.cases[baseline].rated.get(room)
+        for there, name, one in rated:
+            if there != room or symbol not in one.numbers:
+                continue
+            change = "" if name == baseline else _change(one, beside, symbol)
+            number = one.numbers[symbol]
+            grid.add(
+                room,
+                symbol,
+                name,
+                bounded(number),
+                *(f"{number.beside[other]:g}" if other in number.beside else "" for other in besides),
+                change,
+                f"{_number(one.drops_spread_db[symbol])} ({one.drops})",
+                f"{_number(one.receivers_spread_db[symbol])} ({one.receivers})",
+                f"{number.deciding_hz:g}" if isfinite(number.deciding_hz) else "-",
+            )
+    return grid
+
+
+def first_drop(result: StudyResult) -> str:
+    """A sentence that says which drop all but the ratings is of, where a source strikes several places; "" else."""
+    count = max((len(case.drops) for case in result.cases.values()), default=0)
+    if not count:
+        return ""
+    whole = "ratings are of all" if not any(result.verdicts.values()) else "ratings are of all, limits of the worst"
+    return f"the source strikes {count} places; {whole}, the rest is of the first, {struck_first(result)}"
+
+
+def struck_first(result: StudyResult) -> str:
+    """The place that histories and pictures are of, where a source strikes several; "" else."""
+    return ", ".join(dict.fromkeys(next(iter(case.drops)) for case in result.cases.values() if case.drops))
+
+
+def bands(result: StudyResult) -> Grid:
+    """Bands of every rated room and their spread over drops and receivers; rows only where there are any."""
+    rated = [(room, one.method) for case in result.cases.values() for room, one in case.rated.items()]
+    kinds = " and ".join(dict.fromkeys(method.bands for _, method in rated))
+    blank = any(one.blank_hz for case in result.cases.values() for one in case.rated.values())
+    why = f"; {BLANK}: beyond the modes" if blank else ""
+    about = f"impact sound by {kinds}, re 20 µPa: average over drops and receivers (spread){why}"
+    grid = Grid(about, ("", *result.cases))
+    for room, quantity, kind, band in dict.fromkeys(
+        (room, method.band_quantity, method.bands, band) for room, method in rated for band in method.bands_hz
+    ):
+        row = (_band(case, room, quantity, kind, band) for case in result.cases.values())
+        grid.add(f"{room} {quantity} {band:g} Hz [dB]", *row)
+    return grid
+
+
+def told(number: SingleNumber) -> str:
+    """A single number as its standard states it, with what goes with it in brackets.
+
+    >>> told(SingleNumber(72.0, 71.6, 1000.0, {}, "", {"C_I": -11.0}))
+    '72 dB (C_I -11)'
+    """
+    beside = ", ".join(f"{name} {value:g}" for name, value in number.beside.items())
+    return f"{bounded(number)} dB" + (f" ({beside})" if beside else "")
+
+
+def bounded(number: SingleNumber) -> str:
+    """A single number without its unit, "at least" one some of whose bands are blank, "-" where all of them are.
+
+    >>> bounded(SingleNumber(51.0, 51.2, 80.0, {}, "", blank_hz=(250.0, 315.0)))
+    'at least 51'
+    """
+    if not isfinite(number.value_db):
+        return "-"
+    return f"{'at least ' if number.blank_hz else ''}{number.value_db:g}"
+
+
+def _change(rated: RatedRoom, baseline: RatedRoom | None, symbol: str) -> str:
+    """What a single number is above the baseline's, and what that spreads over the drops."""
+    above = {} if baseline is None else rated.above(baseline)
+    if baseline is None or symbol not in above:
+        return "-"
+    spread = rated.above_spread_db(baseline)[symbol]
+    if not isfinite(above[symbol]):
+        return "-"
+    return f"{above[symbol]:+z.1f}" + (f" ({spread:.1f})" if isfinite(spread) else "")
+
+
+def _number(value: float) -> str:
+    return f"{value:.1f}" if isfinite(value) else "-"
+
+
+def _band(case: CaseResult, room: str, quantity: str, kind: str, band: float) -> str:
+    found = case.rated.get(room)
+    if found is None or (found.band_quantity, found.method.bands) != (quantity, kind) or band not in found.bands_db:
+        return "-"
+    if not isfinite(found.bands_db[band]):
+        return BLANK
+    spread = found.spread_db[band]
+    return f"{found.bands_db[band]:.1f}" + (f" ({spread:.1f})" if isfinite(spread) else "")
+
+
+def add_totals(grid: Grid, result: StudyResult) -> None:
+    """A line for every receiver where striking bodies are heard themselves: levels of all that is heard."""
+    for name in dict.fromkeys(name for case in result.cases.values() for name in case.heard.total_levels):
+        grid.add(f"{name} total L_peak / L_AFmax [dB]", *(_total(case, name) for case in result.cases.values()))
+
+
+def _total(case: CaseResult, name: str) -> str:
+    if name not in case.heard.total_levels:
+        return "-"
+    total = case.heard.total_levels[name]
+    return f"{total.l_peak_db:.1f} / {total.l_afmax_db:.1f}"

@@ -1,0 +1,158 @@
+"""What a person reads of a structure: its modes, a frequency response, what `check` found."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from rich.console import Console
+
+from femstruct.errors import Finding, some_of
+from femstruct.files.finding_tables import finding_from
+from femstruct.view.tables.console import console
+from femstruct.view.tables.finding_lines import finding_lines, show_findings
+from femstruct.view.tables.grid import Grid
+
+Row = Mapping[str, Any]
+DUST = 1e-6  # rad: a micrometre a metre is rounding, or nobody's concern
+
+
+def show_modes(table: Row, verbose: bool = False) -> None:
+    """Mode numbers, frequencies, damping ratios, kinds and effective masses; verbose : remarks, too."""
+    screen = console()
+    grid = Grid(
+        table["title"], ("mode", "frequency [Hz]", "damping ratio", "kind", "x [%]", "y [%]", "z [%] of the mass")
+    )
+    for i, frequency in enumerate(table["frequency_hz"]):
+        ratio = table["damping_ratio"][i]
+        shares = [_percentage(table["modal_mass_kg"][axis][i], table["mass_kg"]) for axis in "xyz"]
+        grid.add(
+            str(i + 1),
+            f"{frequency:.2f}",
+            "" if ratio is None else f"{100 * ratio:.2f} %",
+            table["kind"][i],
+            *shares,
+        )
+    grid.show(screen)
+    if table["mass_kg"]:
+        screen.print(f"mass {table['mass_kg']:.4g} kg")
+    if told := _completeness(table["complete_below_hz"], table["rigid_in_plane"]):
+        screen.print(told)
+        screen.print(f"sparse solver: {table['solver']}")
+    show_findings(screen, _read(table["findings"]), verbose)
+
+
+def show_frf(table: Row, verbose: bool = False) -> None:
+    """A frequency response as columns, findings before them as comments: what plots columns leaves comments out."""
+    for _, told in finding_lines(_read(table["findings"]), verbose):
+        print(f"# {told}")
+    print(f"# {table['kind']} {table['response']} / {table['drive']}, {table['method']}, {table['unit']}")
+    print("# frequency_hz real imag")
+    for line in zip(table["frequency_hz"], table["real"], table["imag"], strict=True):
+        print("{:.6g} {:.8e} {:.8e}".format(*line))
+
+
+def show_inspection(table: Row, picture: str = "", verbose: bool = False) -> None:
+    """What `check` found: masses, box, degrees of freedom, rigid modes, damping, sags, blocks, rooms, findings."""
+    screen = console()
+    screen.print(table["title"], style="bold")
+    if "cases" in table:
+        _show_happening(screen, table)
+    if table["masses_kg"]:
+        grid = Grid("masses", ("part", "mass [kg]"))
+        for name, mass in table["masses_kg"].items():
+            grid.add(name, f"{mass:.5g}")
+        grid.add("all", f"{table['mass_kg']:.5g}")
+        grid.show(screen)
+        low, high = table["box_m"]
+        screen.print("box " + " x ".join(f"{b - a:.4g}" for a, b in zip(low, high, strict=True)) + " m")
+        screen.print(", ".join(f"{count} {name}" for name, count in table["counts"].items()))
+    if table["degrees_of_freedom"] is not None:
+        screen.print(f"{table['degrees_of_freedom']} degrees of freedom")
+    screen.print(_modes_told(table))
+    for sentence in table["damping"] if table["first_frequencies_hz"] else ():
+        screen.print(sentence)
+    for name, position in table["points_m"].items():
+        where = "somewhere" if position is None else f"at ({', '.join(f'{x:.4g}' for x in position)}) m"
+        screen.print(f"point {name} {where}")
+    for body, rest in table["rest"].items():
+        screen.print(f"{body}: weight {rest['weight_n']:.4g} N sags {1e3 * rest['sag_m']:.3g} mm on its links")
+    for part, sag in table["sags"].items():
+        seen = sag["tilt_rad"] is not None and sag["tilt_rad"] > DUST
+        leaning = f" and leans by {1e3 * sag['tilt_rad']:.2g} mm a metre" if seen else ""
+        screen.print(f"{part} sags {1e3 * sag['sag_m']:.3g} mm under the weight of all{leaning}")
+    for mode in table["block_modes"]:
+        shares = ", ".join(f"{name} {100 * share:.0f} %" for name, share in mode["shares"].items())
+        damped = "" if mode["damping_ratio"] is None else f", damping {100 * mode['damping_ratio']:.3g} %"
+        screen.print(f"mode {mode['mode']}, {mode['frequency_hz']:.2f} Hz{damped}: {shares}")
+    for name, room in table["rooms"].items():
+        if "side" in room:
+            screen.print(f"{name}: open air {room['side']} the surface, in a rigid baffle without end")
+            continue
+        ratios = ", ".join(f"{100 * ratio:.3g} % at {float(f):.4g} Hz" for f, ratio in room["damping_ratio"].items())
+        first = ", ".join(f"{f:.1f}" for f in room["first_modes_hz"])
+        screen.print(f"room {name}: {room['coupling']} coupling; first modes {first} Hz; damping {ratios}")
+        if "largest_cell_m" in room:
+            cells, most = f"{room['largest_cell_m']:.3g} m", f"{room['own_modes_up_to_hz']:.4g} Hz"
+            screen.print(f"  cells of {cells} at most; modes of its own, as of rigid walls, up to {most}")
+    if table["drops"]:
+        screen.print(f"the source strikes {some_of(table['drops'])}: a simulation each")
+    show_findings(screen, _read(table["findings"]), verbose)
+    if picture:
+        screen.print(f"picture: {picture}")
+
+
+def _show_happening(screen: Console, table: Row) -> None:
+    """Cases, bodies and window of a study."""
+    baseline = f"; below is the baseline, {table['baseline']}" if len(table["cases"]) > 1 else ""
+    screen.print(f"{_counted(len(table['cases']), 'case')}: {some_of(table['cases'])}{baseline}", soft_wrap=True)
+    for name, body in table["bodies"].items():
+        speed = f", towards it at {body['speed_m_s']:.4g} m/s" if body["speed_m_s"] else ""
+        screen.print(f"{name}: {body['mass_kg']:.4g} kg, {body['side']} {body['target']}{speed}")
+    if time := table["time"]:
+        screen.print(f"window of {time['duration_s']:.4g} s, sampled at {time['sampling_hz']:.6g} Hz")
+
+
+def _modes_told(table: Row) -> str:
+    """How many rigid modes there are, and the first others.
+
+    >>> _modes_told({"rigid_body_modes": 1, "first_frequencies_hz": [0.0, 68.012, 220.4]})
+    '1 rigid-body mode; first frequencies [Hz]: 68.01, 220.40'
+    """
+    rigid = table["rigid_body_modes"]
+    elastic = ", ".join(f"{f:.2f}" for f in table["first_frequencies_hz"][rigid:][:6])
+    if not rigid and not elastic:
+        return "no modes: bodies alone"
+    others = f"first frequencies [Hz]: {elastic}" if elastic else "no others"
+    return f"{_counted(rigid, 'rigid-body mode')}; {others}"
+
+
+def _counted(count: int, what: str) -> str:
+    return f"{count} {what}" + ("" if count == 1 else "s")
+
+
+def _completeness(below_hz: float | None, rigid_in_plane: Sequence[str] = ()) -> str:
+    """Which modes are proven to be here: below a frequency, all of them (None), or none (0); and which the model of the
+    structure cannot have.
+
+    >>> _completeness(None), _completeness(0.0), _completeness(512.0)
+    ('all modes of this model are here', '', 'no mode of this model is missing below 512 Hz')
+    >>> _completeness(512.0, ["floor"])
+    'no mode of this model is missing below 512 Hz; its plates (floor) have none in their own planes'
+    """
+    if below_hz is not None and not below_hz > 0.0:
+        return ""
+    told = "all modes of this model are here"
+    if below_hz is not None:
+        told = f"no mode of this model is missing below {below_hz:.5g} Hz"
+    names = some_of(rigid_in_plane, 3)
+    return f"{told}; its plates ({names}) have none in their own planes" if names else told
+
+
+def _percentage(part: float, whole: float) -> str:
+    return f"{100 * part / whole:.1f}" if whole else "-"
+
+
+def _read(findings: Sequence[Row]) -> list[tuple[Finding, str]]:
+    """Findings of a table of one structure, where there are no cases to name."""
+    return [(finding_from(one), "") for one in findings]

@@ -1,0 +1,212 @@
+"""What a person reads of a study: its cases side by side."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from math import inf, isfinite
+
+from rich.console import Console
+
+from femstruct.errors import some_of
+from femstruct.files.finding_tables import findings_by_case
+from femstruct.study.result import NET_FORCE, CaseComparison, CaseResult, StudyResult
+from femstruct.view.tables.accuracy_table import anything_meets, outcomes, trust
+from femstruct.view.tables.array_table import arrays
+from femstruct.view.tables.blow_table import blows
+from femstruct.view.tables.console import console
+from femstruct.view.tables.energy_table import energies, whither
+from femstruct.view.tables.finding_lines import show_findings
+from femstruct.view.tables.grid import Grid
+from femstruct.view.tables.machine_table import limits, machine
+from femstruct.view.tables.radiated_table import radiated
+from femstruct.view.tables.rated_table import add_totals, bands, first_drop, ratings
+from femstruct.view.tables.scales import digits
+
+SPOKEN_RECEIVERS = 2  # of a room
+SPOKEN_MODES = 12  # of a channel
+SPOKEN_HZ = 500.0  # modes above it are in summary.json; a terminal shows those that floors and presses are judged by
+
+
+def show_study(result: StudyResult, written: Mapping[str, float], folder: str = "", verbose: bool = False) -> None:
+    """Cases side by side: ratings, machine, limits, peaks, contacts, energy, levels, changes, findings, timings.
+
+    verbose : show remarks, too.
+    """
+    screen = console()
+    screen.print(result.plan.title, style="bold")
+    for line in (*outcomes(result), *trust(result)):
+        screen.print(f"  {line}", soft_wrap=True)
+    if told := first_drop(result):
+        screen.print(f"  {told}", soft_wrap=True)
+    for table in study_tables(result):
+        table.show(screen)
+    show_findings(
+        screen,
+        [
+            (finding, "" if len(cases) in (0, len(result.cases)) else _in_cases(cases))
+            for finding, cases in findings_by_case(result)
+        ],
+        verbose,
+    )
+    _show_timings(screen, {**result.timings, **written})
+    if folder:
+        screen.print(f"written to {folder}")
+
+
+def study_tables(result: StudyResult) -> tuple[Grid, ...]:
+    """All tables of a study in their order, the empty ones among them."""
+    return (
+        ratings(result),
+        machine(result),
+        limits(result),
+        _peaks(result),
+        _contacts(result),
+        blows(result),
+        energies(result),
+        whither(result),
+        arrays(result),
+        _levels(result),
+        radiated(result),
+        bands(result),
+        _modes_db(result),
+    )
+
+
+def _peaks(result: StudyResult) -> Grid:
+    told = "first impact / whole window" if anything_meets(result) else "whole window"
+    unsure = any(not one.converged for beside in result.comparison.cases.values() for one in beside.peaks.values())
+    mark = "; ? : do not quote, see change-not-converged" if unsure else ""
+    grid = Grid(f"peaks: {told} ({result.comparison.filter}{mark})", ("", *result.cases))
+    names = list(dict.fromkeys(name for case in result.cases.values() for name in case.channels))
+    for name in names:
+        unit = next(case.channels[name].unit for case in result.cases.values() if name in case.channels)
+        grid.add(f"{name} [{unit}]", *(_peak(result, case, name) for case in result.cases))
+    return grid
+
+
+def _peak(result: StudyResult, case: str, name: str) -> str:
+    channel = result.cases[case].channels.get(name)
+    if channel is None:
+        return "-"
+    beside = result.comparison.cases.get(case)
+    change = beside.peaks.get(name) if beside else None
+    texts = [[digits(channel.first_impact), digits(channel.whole)]]
+    if change is not None:
+        mark = "" if change.converged else " ?"
+        texts.append([f"{_percent(one)}{mark}" for one in (change.first_impact_percent, change.whole_percent)])
+    start = 0 if anything_meets(result) else 1
+    return "\n".join(" / ".join(both[start:]) for both in texts)
+
+
+def _percent(value: float | None) -> str:
+    return "-" if value is None else f"{value:+.1f} %"
+
+
+def _contacts(result: StudyResult) -> Grid:
+    grid = Grid(
+        "contacts (peak forces at any instant, between samples too)",
+        ("", "case", "peak force [N]", "closings", "first opens [ms]"),
+        keys=2,
+    )
+    for case_name, case in result.cases.items():
+        if case.response is None:
+            continue
+        for name, contact in case.response.contacts.items():
+            opens = "never" if contact.first_open is None else f"{1e3 * contact.first_open:.3f}"
+            grid.add(name, case_name, digits(contact.peak_force), str(contact.closings), opens)
+    return grid
+
+
+def _levels(result: StudyResult) -> Grid:
+    told = "; total: with the bodies' own sound" if any(c.heard.total for c in result.cases.values()) else ""
+    ends = {
+        name: min((one.complete_below_hz for one in case.levels.values()), default=inf)
+        for name, case in result.cases.items()
+    }
+    cut = any(isfinite(end) for end in ends.values())
+    told += "; of the sound up to where the modes end: a lower bound of the whole" if cut else ""
+    grid = Grid(f"levels re 20 µPa{told}", ("receiver", *result.cases))
+    names = list(dict.fromkeys(name for case in result.cases.values() for name in case.levels))
+    for name in names:
+        grid.add(f"{name} L_peak [dB]", *(_level(case, name, "l_peak_db") for case in result.cases.values()))
+        grid.add(f"{name} L_AFmax [dB]", *(_level(case, name, "l_afmax_db") for case in result.cases.values()))
+    add_totals(grid, result)
+    if cut:
+        grid.add("sound ends at [Hz]", *(f"{end:.4g}" if isfinite(end) else "-" for end in ends.values()))
+    return grid
+
+
+def _level(case: CaseResult, name: str, what: str) -> str:
+    return f"{getattr(case.levels[name], what):.1f}" if name in case.levels else "-"
+
+
+def _modes_db(result: StudyResult) -> Grid:
+    """Attenuation at the baseline's spectral peaks: motion, pressures and the net force side by side."""
+    others = result.comparison.cases
+    grid = Grid(
+        f"attenuation at the modes of '{result.comparison.baseline}' [dB]",
+        ("channel", "mode", "f [Hz]", *others),
+        keys=3,
+    )
+    reference = result.cases[result.comparison.baseline]
+    moving = [name for name in reference.channels if name.endswith("velocity") or _only_accelerates(reference, name)]
+    pressures = [name for name in reference.channels if name.endswith(" pressure")]
+    heard = [*moving, *_first_receivers(pressures)]
+    forces = [name for name in reference.channels if name.startswith(NET_FORCE) and _changes(result, name)]
+    modes = {name: {mode for beside in others.values() for mode in beside.modes_db.get(name, {})} for name in heard}
+    spoken = set().union(*modes.values())
+    unspoken = 0
+    for channel in (*heard, *forces):
+        numbers = sorted(modes.get(channel, spoken))
+        shown = [mode for mode in numbers if reference.basis.frequency_hz[mode - 1] <= SPOKEN_HZ][:SPOKEN_MODES]
+        unspoken = max(unspoken, len(numbers) - len(shown))
+        for mode in shown:
+            frequency = reference.basis.frequency_hz[mode - 1]
+            grid.add(channel, str(mode), f"{frequency:.1f}", *(_mode_db(c, channel, mode) for c in others.values()))
+    left = len(pressures) + len(moving) - len(heard)
+    more = [f"{count} more {word}" for count, word in ((left, "receivers"), (unspoken, "modes")) if count]
+    return replace(grid, title=f"{grid.title} ({' and '.join(more)} in summary.json)") if more else grid
+
+
+def _only_accelerates(case: CaseResult, name: str) -> bool:
+    """Whether a channel is the acceleration of what has no velocity recorded, which would be attenuated alike."""
+    where = name.removesuffix("acceleration")
+    return where != name and f"{where}velocity" not in case.channels
+
+
+def _first_receivers(pressures: Sequence[str]) -> list[str]:
+    """Of many receivers in a room the first two.
+
+    >>> _first_receivers(["hall.a pressure", "bed.a.1 pressure", "bed.a.2 pressure", "bed.a.3 pressure"])
+    ['hall.a pressure', 'bed.a.1 pressure', 'bed.a.2 pressure']
+    """
+    rooms: dict[str, list[str]] = {}
+    for name in pressures:  # names hold no dots
+        rooms.setdefault(name.partition(".")[0], []).append(name)
+    return [name for names in rooms.values() for name in names[:SPOKEN_RECEIVERS]]
+
+
+def _changes(result: StudyResult, channel: str) -> bool:
+    """Whether any case changes a channel at any mode by what two decimals show; a force that none does says nothing."""
+    others = result.comparison.cases.values()
+    return any(abs(value) >= 0.005 for beside in others for value in beside.modes_db.get(channel, {}).values())
+
+
+def _mode_db(beside: CaseComparison, channel: str, mode: int) -> str:
+    value = beside.modes_db.get(channel, {}).get(mode)
+    return "-" if value is None else f"{value:z.2f}"
+
+
+def _in_cases(names: Sequence[str]) -> str:
+    """The cases a finding holds for.
+
+    >>> _in_cases(["light", "heavy"])
+    ' (cases light, heavy)'
+    """
+    return f" (case{'s' if len(names) > 1 else ''} {some_of(names)})"
+
+
+def _show_timings(screen: Console, seconds: Mapping[str, float]) -> None:
+    told = ", ".join(f"{stage} {spent:.2f}" for stage, spent in seconds.items())
+    screen.print(f"CPU seconds: {told}", soft_wrap=True)

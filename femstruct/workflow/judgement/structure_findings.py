@@ -1,0 +1,196 @@
+"""All there is to know of a structure before anything hits it, in two functions: without its modes, and with them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from femstruct.conventions import GRAVITY
+from femstruct.errors import Finding
+from femstruct.findings.catalogue import ranked
+from femstruct.modal.basis import ModalBasis
+from femstruct.model.material import Material
+from femstruct.model.model import Model
+from femstruct.model.structure import Structure
+from femstruct.parts.findings.arrangement import arrangement_findings
+from femstruct.parts.findings.connections import pieces
+from femstruct.parts.findings.eccentric import eccentric_findings
+from femstruct.parts.findings.folded import folded_findings
+from femstruct.parts.findings.overhang import overhang_findings
+from femstruct.parts.findings.plausibility import material_findings, plausibility_findings
+from femstruct.parts.findings.theory import model_findings
+from femstruct.parts.findings.twice import twice_findings
+from femstruct.parts.findings.waves import mesh_findings
+from femstruct.study.structures import RodModel, StructureModel
+from femstruct.study.study import Study
+from femstruct.workflow.check.weight import falling, sags
+from femstruct.workflow.stages.modal_bases import Solved
+from femstruct.workflow.stages.rest import planned_contacts, weighs
+
+HIGH_DROP, FAST = 10.0, 50.0  # m and m/s: from here on air counts, or a unit was mistaken
+FAR = 0.1  # of the size of a structure: springs that sag by more have a slip of a unit, or are to stand for none
+
+
+def structure_findings(
+    solved: Solved, basis: ModalBasis, studies: Sequence[Study] = (), up_to_hz: float | None = None
+) -> tuple[Finding, ...]:
+    """All that can be said of a structure and its modes, by rank.
+
+    basis : with its damping. up_to_hz : the highest frequency that is looked at [Hz]; without it the mesh is judged as
+    far as the modes are complete.
+    """
+    return ranked(
+        (
+            *structure_findings_before(solved.structure, solved.model, studies),
+            *structure_findings_after(solved.model, basis, studies, up_to_hz),
+        )
+    )
+
+
+def structure_findings_before(
+    structure: StructureModel,
+    model: Model | None,
+    studies: Sequence[Study] = (),
+    up_to_hz: float | None = None,
+) -> tuple[Finding, ...]:
+    """All that can be said of a structure without its modes, by rank.
+
+    structure, model : what is described, and its mesh; None in closed form. studies : what happens to it, for what they
+    join (contacts, links), for gravity, and for their bodies. up_to_hz : the highest frequency asked for [Hz]; without
+    it meshes and plates joined at an angle are not judged, since that takes a frequency.
+
+    Notes
+    -----
+    Materials, sections and thicknesses, theories that do not fit (thick plates, ribs beside plates, folded plates),
+    parts that nothing joins or holds up, that cannot move or are there twice, and drops no laboratory has; see
+    `femstruct.parts.findings`.
+    """
+    found: list[Finding] = []
+    if isinstance(structure, RodModel):
+        found += material_findings(Material("the rod", structure.E, 0.3, structure.rho))
+    if isinstance(structure, Structure) and model is not None:
+        found += plausibility_findings(structure.parts)
+        found += model_findings(model)
+        found += overhang_findings(model)
+        found += twice_findings(structure)
+        found += arrangement_findings(model, _joined(model, studies), any(weighs(study) for study in studies))
+        found += eccentric_findings(model)
+        if up_to_hz is not None:
+            found += _of_frequencies(model, up_to_hz)
+    for study in studies:
+        found += _hasty(study)
+    return ranked(found)
+
+
+def structure_findings_after(
+    model: Model | None, basis: ModalBasis, studies: Sequence[Study] = (), up_to_hz: float | None = None
+) -> tuple[Finding, ...]:
+    """What the modes of a structure show of it, by rank: their own findings, whether the mesh carries
+    them, whether parts slide or turn on each other, and whether springs sag by more than is meant.
+
+    up_to_hz : the highest frequency that is looked at [Hz]; without it that to which the modes are complete.
+    """
+    found = list(basis.findings)
+    if model is None:
+        return ranked(found)
+    top = up_to_hz or basis.complete_below_hz
+    if not 0.0 < top < np.inf:
+        top = float(basis.frequency_hz[basis.modes].max(initial=0.0))
+    if top > 0.0:
+        found += _of_frequencies(model, top)
+    gravity = any(weighs(study) for study in studies)
+    found += _mechanisms(model, basis, studies, gravity)
+    if gravity or not studies:
+        found += _far_sags(model, basis)
+    return ranked(found)
+
+
+def _of_frequencies(model: Model, up_to_hz: float) -> tuple[Finding, ...]:
+    return (*mesh_findings(model, up_to_hz), *folded_findings(model, up_to_hz))
+
+
+def _joined(model: Model, studies: Sequence[Study]) -> set[tuple[str, str]]:
+    """Pairs of points that contacts and links of studies hold together, directly or through bodies between them."""
+    known = {point.name for point in model.structure.points} | set(model.points)
+    pairs: set[tuple[str, str]] = set()
+    for study in studies:
+        between = [item.between for item in planned_contacts(study)] + [item.between for item in study.links]
+        beside: dict[str, set[str]] = {}
+        for a, b in between:
+            beside.setdefault(a, set()).add(b)
+            beside.setdefault(b, set()).add(a)
+        for start in known & beside.keys():
+            reached, ahead = {start}, [start]
+            while ahead:
+                new = {name for name in beside[ahead.pop()] if name != "ground"} - reached
+                reached |= new
+                ahead += [name for name in new if name not in known]  # a body hands on, a point is of a part
+            pairs |= {(start, other) for other in reached & known if other > start}
+    return pairs
+
+
+def _hasty(study: Study) -> list[Finding]:
+    """Bodies that fall from higher or come faster than most that is tested."""
+    told = []
+    for body in study.bodies:
+        height = body.speed**2 / (2.0 * GRAVITY)
+        if body.dropped and height > HIGH_DROP:
+            told.append(
+                Finding(
+                    "high-drop",
+                    f"{body.name} falls {height:.4g} m and arrives at {body.speed:.3g} m/s; air is left out, and laws "
+                    f"of contact are known for some m/s. Is it {height:.4g} mm?",
+                    {"height_m": height, "speed_m_s": body.speed},
+                )
+            )
+        elif not body.dropped and abs(body.speed) > FAST:
+            told.append(
+                Finding(
+                    "fast-body",
+                    f"{body.name} comes at {body.speed:.4g} m/s; laws of contact are known for some m/s. Is it "
+                    f"{body.speed:.4g} mm/s?",
+                    {"speed_m_s": body.speed},
+                )
+            )
+    return told
+
+
+def _mechanisms(model: Model, basis: ModalBasis, studies: Sequence[Study], gravity: bool) -> list[Finding]:
+    """Rigid modes beyond those of the pieces as wholes: parts that slide or turn on each other without resistance."""
+    if not basis.n_rigid:
+        return []
+    extra = basis.n_rigid - sum(len(piece.free) for piece in pieces(model))
+    if extra <= 0:
+        return []
+    told_before = any(piece.falls for piece in pieces(model, _joined(model, studies)))
+    falls = gravity and falling(basis) and not told_before
+    return [
+        Finding(
+            "mechanism",
+            f"{extra} of the {basis.n_rigid} modes without frequency are not motions of the structure, or of a piece, "
+            "as a whole: parts slide or turn on each other and nothing resists, as on a layer or spring without "
+            "stiffness in that direction" + ("; one of them falls by its weight" if falls else ""),
+            {"mechanisms": extra, "rigid_modes": basis.n_rigid},
+            severe=falls,
+        )
+    ]
+
+
+def _far_sags(model: Model, basis: ModalBasis) -> list[Finding]:
+    under_weight = sags(model, basis)
+    if not under_weight:
+        return []
+    size = float(np.ptp(model.mesh.points, axis=0).max())
+    size = max([size, *(float(np.ptp(part.bounds, axis=0).max()) for part in model.parts.values() if part.rigid)])
+    worst = max(under_weight, key=lambda sag: sag.sag)
+    if worst.sag <= FAR * size:
+        return []
+    return [
+        Finding(
+            "sags-far",
+            f"{worst.part} sags by {worst.sag:.4g} m under the weight of all, the structure is {size:.4g} m large: "
+            "check the units of springs, layers and moduli, unless they are soft on purpose",
+            {"sag_m": worst.sag, "size_m": size},
+        )
+    ]

@@ -1,0 +1,83 @@
+"""What a study's own numbers say against it before anything is computed: window, samples, blows, loads, ratings."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from acoustics.levels.exposure import LEAST_SAMPLING_HZ
+from femstruct.errors import Finding
+from femstruct.impact.result.blow_by_blow import left_out_finding
+from femstruct.impact.scene.bodies import Blows, HalfSine
+from femstruct.impact.scene.impact_sources import DROPPED
+from femstruct.study.study import Case, PlacedBody, PlannedLoad, Study, TimePlan
+from femstruct.workflow.judgement.impact_findings import hammer_findings, load_findings, room_findings
+from femstruct.workflow.judgement.source_findings import source_unresolved
+from femstruct.workflow.stages.places import Places
+from femstruct.workflow.stages.rated_rooms import rated_findings
+
+SAMPLES_OF_A_LOAD = 10  # in the shortest load: the peak of a half sine between samples is then missed by 1 %
+
+
+def study_findings(case: Case, places: Places) -> list[Finding]:
+    """All that can be said of what a case does to its structure, and of how it listens, without any solution.
+
+    Notes
+    -----
+    The window and the samples beside loads, blows and standard sources; the places of a tapping machine's hammers; what
+    rooms are rated for, and by what. Findings of a run that say the same have the same words.
+    """
+    study, time = case.study, case.study.time
+    found: list[Finding] = []
+    if time is not None:
+        found += hammer_findings(study, places)
+        found += load_findings(study.loads, time.duration)
+        found += _coarse_loads(study, time)
+        found += _blows_left_out(study, time)
+        found += _sources_unresolved(study, time)
+        told = [(plan.name, one) for plan in study.rooms for one in rated_findings(plan, study, len(case.studies))]
+        found += room_findings(told)
+    return found
+
+
+def _coarse_loads(study: Study, time: TimePlan) -> Iterator[Finding]:
+    """Loads that last for few samples: histories and spectra do not show them as they are."""
+    for load in study.loads:
+        lasts = _duration(load)
+        if lasts * time.sampling < SAMPLES_OF_A_LOAD:
+            yield Finding(
+                "load-coarsely-sampled",
+                f"{load.name} lasts {lasts:.3g} s, {lasts * time.sampling:.1f} samples of {time.sampling:g} Hz: "
+                f"recorded histories and spectra miss what it does. Sample at {SAMPLES_OF_A_LOAD / lasts:.3g} Hz or "
+                "more",
+                {"duration_s": lasts, "sampling_hz": time.sampling, "needed_hz": SAMPLES_OF_A_LOAD / lasts},
+            )
+
+
+def _duration(load: PlannedLoad) -> float:
+    if isinstance(load.history, HalfSine):
+        return 0.5 / load.history.frequency
+    return float(load.history.times[-1] - load.history.times[0])
+
+
+def _blows_left_out(study: Study, time: TimePlan) -> Iterator[Finding]:
+    """Blows that the window does not reach."""
+    for body in study.bodies:
+        again = body.blows
+        if again is None:
+            continue
+        seen = int((again.first + again.every * np.arange(again.count) < time.duration).sum())
+        if seen < again.count:
+            plan = Blows(body.name, body.target, again.every, again.count, again.first)
+            yield left_out_finding(plan, seen, time.duration)
+
+
+def _sources_unresolved(study: Study, time: TimePlan) -> Iterator[Finding]:
+    for body in study.bodies:
+        if _is_standard(body) and time.sampling < LEAST_SAMPLING_HZ:
+            yield source_unresolved(body, time.sampling)
+
+
+def _is_standard(body: PlacedBody) -> bool:
+    return body.source in DROPPED
