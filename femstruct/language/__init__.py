@@ -16,12 +16,12 @@ if TYPE_CHECKING:
     from femstruct.language.models import read_model as read_model
     from femstruct.language.models import read_model_file as read_model_file
     from femstruct.language.models import with_position as with_position
-    from femstruct.language.tables import read_measured as read_measured
+    from femstruct.language.yaml.tables import read_measured as read_measured
 
 _MODULES = {
     "cases": ("json_schema", "read_any", "read_study"),
     "models": ("ModelFile", "read_model", "read_model_file", "with_position"),
-    "tables": ("read_measured",),
+    "yaml.tables": ("read_measured",),
 }
 _WHERE = {name: module for module, names in _MODULES.items() for name in names}
 __all__ = [

@@ -9,10 +9,10 @@ from collections.abc import Mapping
 from typing import TypeVar
 
 from femstruct.impact.scene.impact_sources import BETWEEN_BLOWS, DROPPED, HAMMERS, TAPPING_MACHINE
-from femstruct.language.checker import Names
 from femstruct.language.schema_study import SIDES, BlowsSpec, BodySpec, ContactSpec, LinkSpec, LoadSpec, StudySpec
 from femstruct.language.sources import UNCORRELATED, turn
-from femstruct.language.spec import Measured
+from femstruct.language.yaml.checker import Names
+from femstruct.language.yaml.spec import Measured
 
 Ends = tuple[str, str]
 Joining = TypeVar("Joining", ContactSpec, LinkSpec)

@@ -6,10 +6,10 @@ from math import inf, sqrt
 
 from femstruct.conventions import GRAVITY
 from femstruct.impact.laws.law import Law
-from femstruct.language.build import Builder
 from femstruct.language.laws.law import Ends, LawSpec, Site
-from femstruct.language.reader import Steps
 from femstruct.language.schema_study import BodySpec, StudySpec
+from femstruct.language.yaml.build import Builder
+from femstruct.language.yaml.reader import Steps
 
 
 def ends_of(study: StudySpec, a: str, b: str) -> Ends:

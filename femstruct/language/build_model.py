@@ -5,10 +5,10 @@ from __future__ import annotations
 from itertools import pairwise
 
 from femstruct.errors import FemstructError
-from femstruct.language.build import Builder
 from femstruct.language.parts.base import Library
-from femstruct.language.reader import Mistakes, Tree
 from femstruct.language.schema_model import BeamSpec, GivenModesSpec, ModelSpec, OscillatorSpec, PointSpec, RodSpec
+from femstruct.language.yaml.build import Builder
+from femstruct.language.yaml.reader import Mistakes, Tree
 from femstruct.modal.damping import Damping, FromMaterials, LossFactor, ModeDamping, Ratio, Rayleigh
 from femstruct.model.part import Part
 from femstruct.model.structure import Joint, PlaceOn, Structure, Support, SurfaceOn

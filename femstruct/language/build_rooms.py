@@ -21,11 +21,11 @@ from acoustics.rooms.box import (
     losses_from_t60_bands,
 )
 from acoustics.rooms.box_two_way import Leak
-from femstruct.language.build import Builder
-from femstruct.language.meshes import read_mesh
-from femstruct.language.opening import beside
-from femstruct.language.reader import Steps, dotted, nearest
 from femstruct.language.schema_rooms import RoomSpec, WallSpec
+from femstruct.language.yaml.build import Builder
+from femstruct.language.yaml.meshes import read_mesh
+from femstruct.language.yaml.opening import beside
+from femstruct.language.yaml.reader import Steps, dotted, nearest
 from femstruct.study.study import RoomPlan
 
 SCALE_HZ = 1000.0  # a wall's one admittance is the same at all frequencies: this is as good as any

@@ -7,16 +7,16 @@ from typing import Literal
 from acoustics.meshed.meshed_room import ShapedRoom
 from femstruct.impact.scene.bodies import HalfSine, Table
 from femstruct.impact.scene.walking import Walk, design_harmonics
-from femstruct.language.build import Builder
 from femstruct.language.build_laws import ends_of, law_of, start_speed
 from femstruct.language.build_rooms import room_of
 from femstruct.language.extents import as_many
 from femstruct.language.limits import limited_room
-from femstruct.language.opening import beside
-from femstruct.language.reader import Mistakes, Steps, Tree, dotted
 from femstruct.language.schema_study import SIDES, BodySpec, ContactSpec, LoadSpec, StudySpec
 from femstruct.language.sources import UNCORRELATED
-from femstruct.language.tables import read_history
+from femstruct.language.yaml.build import Builder
+from femstruct.language.yaml.opening import beside
+from femstruct.language.yaml.reader import Mistakes, Steps, Tree, dotted
+from femstruct.language.yaml.tables import read_history
 from femstruct.modal.damping import Damping
 from femstruct.study.structures import StructureModel
 from femstruct.study.study import (

@@ -22,15 +22,15 @@ from femstruct.language.models import (
     refuse_kind,
     title_of,
 )
-from femstruct.language.opening import beside
-from femstruct.language.patch import MODEL_KEYS, Patch, study_keys
-from femstruct.language.reader import Mistakes, Position, Tree, dotted, nearest, read_yaml
 from femstruct.language.references import check_names, names_of
 from femstruct.language.references_model import check_model
 from femstruct.language.references_study import check_study
 from femstruct.language.schema_model import ModelSpec
 from femstruct.language.schema_study import StudySpec
-from femstruct.language.validation import validate
+from femstruct.language.yaml.opening import beside
+from femstruct.language.yaml.patch import MODEL_KEYS, Patch, study_keys
+from femstruct.language.yaml.reader import Mistakes, Position, Tree, dotted, nearest, read_yaml
+from femstruct.language.yaml.validation import validate
 from femstruct.study.study import Case, Plan, Study
 from femstruct.units import shown_as
 

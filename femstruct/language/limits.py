@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import Final
 
 from acoustics.levels.methods import FIELD, RATING
-from femstruct.language.checker import Checker
-from femstruct.language.reader import Steps, nearest
 from femstruct.language.schema_study import QUANTITIES, StudySpec
+from femstruct.language.yaml.checker import Checker
+from femstruct.language.yaml.reader import Steps, nearest
 from femstruct.units import DIMENSIONS
 
 SETTLED: Final = "settled"

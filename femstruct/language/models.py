@@ -8,12 +8,12 @@ from pathlib import Path
 
 from femstruct.errors import FemstructError, InputErrors
 from femstruct.language.build_model import damping_of, structure_of
-from femstruct.language.patch import MODEL_KEYS, Patch, study_keys
-from femstruct.language.reader import Mistakes, Position, Tree, dotted, near_name, parse_value, read_yaml
 from femstruct.language.references import check_names
 from femstruct.language.references_model import check_model
 from femstruct.language.schema_model import ModelSpec
-from femstruct.language.validation import validate
+from femstruct.language.yaml.patch import MODEL_KEYS, Patch, study_keys
+from femstruct.language.yaml.reader import Mistakes, Position, Tree, dotted, near_name, parse_value, read_yaml
+from femstruct.language.yaml.validation import validate
 from femstruct.modal.damping import Damping
 from femstruct.model.mesher import mesh_structure
 from femstruct.model.model import Model

@@ -5,9 +5,9 @@ from __future__ import annotations
 import re
 from typing import Any
 
-from femstruct.language.checker import Checker, Names
-from femstruct.language.reader import Mistakes, Steps, Tree
 from femstruct.language.schema_model import ModelSpec, PointSpec
+from femstruct.language.yaml.checker import Checker, Names
+from femstruct.language.yaml.reader import Mistakes, Steps, Tree
 
 _NAMESPACE = ("parts", "joints", "points", "surfaces", "supports", "bodies", "contacts", "links", "loads", "rooms")
 _ALL_NAMED = (*_NAMESPACE, "materials", "sections", "frf")

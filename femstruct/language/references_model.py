@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import re
 
-from femstruct.language.checker import Checker
 from femstruct.language.parts.base import Surroundings
-from femstruct.language.reader import Mistakes, Steps, Tree
 from femstruct.language.references import names_of
 from femstruct.language.schema_model import ModelSpec, PointSpec
 from femstruct.language.sections import check_section
+from femstruct.language.yaml.checker import Checker
+from femstruct.language.yaml.reader import Mistakes, Steps, Tree
 
 
 def check_model(model: ModelSpec, tree: Tree, mistakes: Mistakes) -> None:

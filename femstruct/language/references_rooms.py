@@ -5,11 +5,11 @@ from __future__ import annotations
 from acoustics.errors import AcousticsError
 from acoustics.levels.methods import method_of, refuse_source
 from femstruct.impact.scene.impact_sources import BETWEEN_BLOWS, HAMMERS, TAPPING_MACHINE
-from femstruct.language.checker import Checker
-from femstruct.language.reader import Steps, nearest
 from femstruct.language.schema_model import ModelSpec
 from femstruct.language.schema_rooms import RoomSpec
 from femstruct.language.schema_study import FrfSpec, StudySpec
+from femstruct.language.yaml.checker import Checker
+from femstruct.language.yaml.reader import Steps, nearest
 
 DENSEST_GAS, SLOWEST_LIQUID = 1000.0, 500.0  # kg/m^3: carbon dioxide at 700 bar; m/s: fluorinated liquids have 550
 

@@ -6,13 +6,13 @@ from collections.abc import Mapping
 
 from femstruct.impact.scene.impact_sources import HAMMERS, TAPPING_MACHINE
 from femstruct.language.arrays import array_sizes, drop_counts, joined, members, spread
-from femstruct.language.checker import Checker, Names
 from femstruct.language.limits import check_limits
-from femstruct.language.reader import Mistakes, Steps, Tree, nearest
 from femstruct.language.references import names_of
 from femstruct.language.references_rooms import check_power, check_pressure, check_rooms
 from femstruct.language.schema_model import ModelSpec
 from femstruct.language.schema_study import SIDES, BodySpec, StudySpec, TimeSpec
+from femstruct.language.yaml.checker import Checker, Names
+from femstruct.language.yaml.reader import Mistakes, Steps, Tree, nearest
 
 MOST_SAMPLES, FEWEST_SAMPLES = 20_000_000, 5
 

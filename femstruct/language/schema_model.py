@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import BeforeValidator, Field
+from pydantic import Field
 
 from femstruct.conventions import DIRECTIONS
 from femstruct.language.directions import SixStiffnesses
 from femstruct.language.materials import MaterialSpec, Modulus
-from femstruct.language.parts import AnyPartSpec
-from femstruct.language.reader import nearest
+from femstruct.language.parts import AnyPart
 from femstruct.language.regions import Region, RegionSpec
 from femstruct.language.sections import Area, SectionSpec
-from femstruct.language.spec import (
+from femstruct.language.yaml.reader import nearest
+from femstruct.language.yaml.spec import (
     Component,
     Coordinate,
     Count,
@@ -30,6 +30,7 @@ from femstruct.language.spec import (
     read_by,
     refuse,
 )
+from femstruct.model.structure import Edge
 from femstruct.units import QuantityError, quantity, shown_as
 
 
@@ -37,7 +38,7 @@ class JointSpec(Spec):
     """Where two parts touch they move together; directions with a stiffness are springs instead."""
 
     connect: tuple[Text, Text]
-    kind: Annotated[Literal["rigid", "pinned"], BeforeValidator(only(("rigid", "pinned")))] = "rigid"
+    kind: Literal["rigid", "pinned"] = "rigid"
     stiffness: SixStiffnesses = SixStiffnesses()
 
 
@@ -70,7 +71,7 @@ At = Annotated[
     AtWord | tuple[tuple[float, ...], ...],
     read_by(_places, _WrittenAt),
 ]
-Side = Annotated[Literal["above", "below"], BeforeValidator(only(("above", "below")))]
+Side = Literal["above", "below"]
 
 
 def _patch(value: object) -> object:
@@ -108,9 +109,6 @@ def _fix(value: object) -> object:
             only(DIRECTIONS)(one)
         return tuple(value)
     raise refuse(shown_as(value), "simple, clamped or a list of x, y, z, rx, ry, rz", "write it like [z, rx]")
-
-
-Edge = Annotated[Literal["x0", "x1", "y0", "y1", "all"], BeforeValidator(only(("x0", "x1", "y0", "y1", "all")))]
 
 
 _Directions = list[Literal["x", "y", "z", "rx", "ry", "rz"]]
@@ -157,7 +155,7 @@ class DampingSpec(Spec):
     ratio: Ratio | None = None
     loss_factor: LossFactor | None = None
     rayleigh: RayleighSpec | None = None
-    source: Annotated[str | None, BeforeValidator(only(("materials",)))] = Field(default=None, alias="from")
+    source: Literal["materials"] | None = Field(default=None, alias="from")
     modes: dict[str, ModeDampingSpec] = Field(default_factory=dict)
 
 
@@ -244,7 +242,7 @@ class ModelSpec(Spec):
     title: Text | None = None
     materials: dict[str, MaterialSpec] = Field(default_factory=dict)
     sections: dict[str, SectionSpec] = Field(default_factory=dict)
-    parts: dict[str, AnyPartSpec] = Field(default_factory=dict)
+    parts: dict[str, AnyPart] = Field(default_factory=dict)
     joints: dict[str, JointSpec] = Field(default_factory=dict)
     points: dict[str, PointSpec] = Field(default_factory=dict)
     surfaces: dict[str, SurfaceSpec] = Field(default_factory=dict)

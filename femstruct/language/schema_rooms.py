@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import Field, model_validator
 
 from acoustics.levels.methods import STANDARDS
 from acoustics.meshed.walls import MOST_ABSORBED
 from femstruct.language.schema_model import coordinates
-from femstruct.language.spec import (
+from femstruct.language.yaml.spec import (
     Duration,
     Frequency,
     Length,
@@ -230,9 +230,9 @@ class RoomSpec(Spec):
     at: Position2 | None = None
     air: AirSpec = AirSpec()
     losses: LossesSpec | None = None
-    form: Annotated[Literal["causal", "source"], BeforeValidator(only(("causal", "source")))] = "causal"
+    form: Literal["causal", "source"] = "causal"
     receivers: dict[str, Receivers] = Field(default_factory=dict)
-    coupling: Annotated[Literal["one-way", "two-way"], BeforeValidator(only(("one-way", "two-way")))] = "one-way"
+    coupling: Literal["one-way", "two-way"] = "one-way"
     leak: LeakSpec | None = None
     animate: Annotated[
         tuple[float | None, ...], read_by(_animated, Frequency | Literal["pulse"] | list[Frequency | Literal["pulse"]])

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, ConfigDict, Field, model_validator
+from pydantic import ConfigDict, Field, model_validator
 
 from femstruct.impact.scene.walking import PACES_HZ
 from femstruct.language.directions import Dashpot, Stiffness
-from femstruct.language.laws.registry import AnyLaw
+from femstruct.language.laws import AnyLaw
 from femstruct.language.schema_rooms import RoomSpec
 from femstruct.language.sources import SOURCES, from_source
-from femstruct.language.spec import (
+from femstruct.language.yaml.spec import (
     Count,
     Duration,
     Flag,
@@ -30,6 +30,7 @@ from femstruct.language.spec import (
     read_by,
     refuse,
 )
+from femstruct.study.study import FrfKind
 from femstruct.units import shown_as
 
 _Quantity = Literal["displacement", "velocity", "acceleration", "force", "travel"]
@@ -67,19 +68,13 @@ class ModesSpec(Spec):
     count: Count | None = None
 
 
-FRF_KINDS = ("receptance", "mobility", "accelerance", "transmissibility", "pressure", "power")
-
-
 class FrfSpec(Spec):
     """A frequency response; addresses are POINT.x, NAME.force, of kind pressure ROOM.RECEIVER.pressure, or of kind
     power, sound power over the mean square of the force, ROOM.power."""
 
     drive: Text
     response: Text
-    kind: Annotated[
-        Literal["receptance", "mobility", "accelerance", "transmissibility", "pressure", "power"],
-        BeforeValidator(only(FRF_KINDS)),
-    ]
+    kind: FrfKind
     band: tuple[Annotated[float, Quantity(("frequency",), least=0.0)], Frequency]
     step: Frequency
 
@@ -128,7 +123,7 @@ class BodySpec(Spec):
     at_most_one_of = (("drop_height", "speed"),)
     model_config = ConfigDict(json_schema_extra=_mass_or_source)
 
-    source: Annotated[_Source | None, BeforeValidator(only(SOURCES))] = None
+    source: _Source | None = None
     mass: MassKg
     above: Text | None = None
     below: Text | None = None
@@ -334,4 +329,4 @@ class StudySpec(Spec):
     rooms: dict[str, RoomSpec] = Field(default_factory=dict)
     cases: dict[str, Annotated[dict[str, Any], read_by(_changes, dict[str, Any] | None)]] = Field(default_factory=dict)
     compare: CompareSpec | None = None
-    save: Annotated[Literal["modal"] | None, BeforeValidator(only(("modal",)))] = None
+    save: Literal["modal"] | None = None

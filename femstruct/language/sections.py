@@ -6,9 +6,9 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Discriminator, Tag
 
-from femstruct.language.checker import Checker
-from femstruct.language.reader import Steps
-from femstruct.language.spec import Factor, Length, Quantity, Spec
+from femstruct.language.yaml.checker import Checker
+from femstruct.language.yaml.reader import Steps
+from femstruct.language.yaml.spec import Factor, Length, Quantity, Spec
 from femstruct.model import section
 from femstruct.model.section import Section
 

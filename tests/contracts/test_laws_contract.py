@@ -27,7 +27,7 @@ from femstruct.impact.laws.registry import CODES, DOUBTS, LAWS
 from femstruct.impact.laws.stop import Stop
 from femstruct.impact.laws.tabulated import Tabulated
 from femstruct.impact.scene.bodies import GROUND, Body, Clock, Contact, Scene
-from femstruct.language.laws.registry import SPECS
+from femstruct.language.laws import KINDS
 from femstruct.modal.analytic import given_modes
 
 ROOT = Path(femstruct.__file__).parent
@@ -118,7 +118,7 @@ def test_what_varies_is_where_the_engine_has_it(law: Law) -> None:
 
 def test_a_study_file_knows_every_law_with_a_word() -> None:
     words = {law.word for law in LAWS if law.word}
-    types = {spec.model_fields["type"].annotation.__args__[0] for spec in SPECS}  # type: ignore[union-attr]
+    types = {spec.model_fields["type"].annotation.__args__[0] for spec in KINDS}  # type: ignore[union-attr]
     assert words == types
 
 

@@ -10,7 +10,7 @@ import pytest
 
 from acoustics.levels.methods import STANDARDS
 from femstruct.language import json_schema
-from femstruct.language.reader import read_yaml
+from femstruct.language.yaml.reader import read_yaml
 
 MODELS = Path(__file__).parents[2] / "models"
 TYPES: dict[str, type | tuple[type, ...]] = {

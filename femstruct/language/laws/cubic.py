@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 from femstruct.impact.laws.cubic import Cubic
 from femstruct.language.directions import Stiffness
 from femstruct.language.laws.law import FactoredSpec, Site
-from femstruct.language.spec import Quantity
+from femstruct.language.yaml.spec import Quantity
 
 
 class CubicSpec(FactoredSpec):

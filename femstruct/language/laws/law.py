@@ -1,6 +1,6 @@
 """What every contact law of a study file has, and what it is given to become one.
 
-A law is a module of this package with a `LawSpec` and nothing to enter anywhere else: `registry` finds it. d is the
+A law is a module of this package with a `LawSpec` and nothing to enter anywhere else: the package finds it. d is the
 indentation, d' its rate, positive while the ends approach.
 """
 
@@ -14,9 +14,9 @@ from pydantic import ValidationInfo, field_validator
 
 from femstruct.impact.laws.law import Law
 from femstruct.impact.scene.restitution import dissipation_for
-from femstruct.language.build import Builder
-from femstruct.language.reader import Steps, dotted
-from femstruct.language.spec import Flag, Quantity, Spec, refuse
+from femstruct.language.yaml.build import Builder
+from femstruct.language.yaml.reader import Steps, dotted
+from femstruct.language.yaml.spec import Flag, Quantity, Spec, refuse
 from femstruct.units import QuantityError, power_stiffness, shown_as
 
 Positive = Annotated[float, Quantity(("stiffness",), above=0.0)]
@@ -62,6 +62,7 @@ class Site:
 class LawSpec(Spec):
     """A contact law."""
 
+    type: str
     tensile: Flag = False
 
     @property

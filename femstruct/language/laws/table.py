@@ -9,10 +9,10 @@ from pydantic import Field
 
 from femstruct.impact.laws.tabulated import Tabulated
 from femstruct.language.laws.law import FactoredSpec, Site
-from femstruct.language.opening import beside
-from femstruct.language.reader import dotted
-from femstruct.language.spec import Quantity, Text
-from femstruct.language.tables import read_curve
+from femstruct.language.yaml.opening import beside
+from femstruct.language.yaml.reader import dotted
+from femstruct.language.yaml.spec import Quantity, Text
+from femstruct.language.yaml.tables import read_curve
 
 Depth = Annotated[float, Quantity(("length",), least=0.0)]
 Push = Annotated[float, Quantity(("force",), least=0.0)]

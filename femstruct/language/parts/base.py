@@ -7,9 +7,9 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
-from femstruct.language.checker import Checker
-from femstruct.language.reader import Steps
-from femstruct.language.spec import Spec
+from femstruct.language.yaml.checker import Checker
+from femstruct.language.yaml.reader import Steps
+from femstruct.language.yaml.spec import Spec
 from femstruct.model.material import Material
 from femstruct.model.part import Part
 from femstruct.model.section import Section

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import Annotated, ClassVar, Literal
 
-from femstruct.language.checker import Checker
 from femstruct.language.parts.base import Library, PartSpec, Places, check_coordinates
-from femstruct.language.reader import Steps
-from femstruct.language.spec import Length, MassKg, Position3, Quantity
+from femstruct.language.yaml.checker import Checker
+from femstruct.language.yaml.reader import Steps
+from femstruct.language.yaml.spec import Length, MassKg, Position3, Quantity
 from femstruct.parts.block import Block
 
 Inertia = Annotated[float, Quantity(("inertia",), above=0.0)]
@@ -36,6 +36,3 @@ class BlockSpec(PartSpec):
 
     def build(self, name: str, of: Library) -> Block:
         return Block(name, self.mass, self.origin, self.size, self.center, self.inertia)
-
-
-SPEC = BlockSpec

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from femstruct.language.checker import Checker
 from femstruct.language.parts.base import Library, PartSpec, Surroundings
-from femstruct.language.reader import Steps
 from femstruct.language.regions import Region, RegionSpec
-from femstruct.language.spec import MaterialLossFactor, Measured, Quantity, Spec, Text
+from femstruct.language.yaml.checker import Checker
+from femstruct.language.yaml.reader import Steps
+from femstruct.language.yaml.spec import MaterialLossFactor, Measured, Quantity, Spec, Text
 from femstruct.parts.foundation import Foundation
 
 Spread = Annotated[Measured, Quantity(("stiffness/area", "stiffness/length"), least=0.0, which=True)]
@@ -65,6 +65,3 @@ class FoundationSpec(PartSpec):
         normal, shear = self.stiffness.normal.value, self.stiffness.shear.value
         on, to = self.between or (self.on or "", None)
         return Foundation(name, on, self.region.build(), normal, shear, self.loss_factor, to)
-
-
-SPEC = FoundationSpec

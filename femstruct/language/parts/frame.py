@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import Annotated, ClassVar, Literal
 
-from pydantic import BeforeValidator, Field
+from pydantic import Field
 
-from femstruct.language.checker import Checker
 from femstruct.language.parts.base import Library, PartSpec, Places, Surroundings
-from femstruct.language.reader import Steps
-from femstruct.language.spec import Direction3, Length, Position3, Spec, Text, only
+from femstruct.language.yaml.checker import Checker
+from femstruct.language.yaml.reader import Steps
+from femstruct.language.yaml.spec import Direction3, Length, Position3, Spec, Text
 from femstruct.parts.frame import Frame
 
 
@@ -30,9 +30,7 @@ class FrameSpec(PartSpec):
     lines: Annotated[list[Annotated[list[Position3], Field(min_length=2)]], Field(min_length=1)]
     mesh: Length | None = None
     orientation: Direction3 | None = None
-    element: Annotated[
-        Literal["timoshenko18", "timoshenko", "euler"], BeforeValidator(only(("timoshenko18", "timoshenko", "euler")))
-    ] = "timoshenko18"
+    element: Literal["timoshenko18", "timoshenko", "euler"] = "timoshenko18"
     offsets: OffsetsSpec = OffsetsSpec()
 
     has_nodes: ClassVar[bool] = True
@@ -60,6 +58,3 @@ class FrameSpec(PartSpec):
             self.offsets.start,
             self.offsets.end,
         )
-
-
-SPEC = FrameSpec

@@ -7,8 +7,8 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from femstruct.language.parts.base import Library, PartSpec, Surroundings
-from femstruct.language.reader import Steps
-from femstruct.language.spec import MassKg, Position3, Quantity, Text, read_by, refuse
+from femstruct.language.yaml.reader import Steps
+from femstruct.language.yaml.spec import MassKg, Position3, Quantity, Text, read_by, refuse
 from femstruct.parts.inertia import Inertia
 from femstruct.units import shown_as
 
@@ -41,6 +41,3 @@ class InertiaSpec(PartSpec):
     def build(self, name: str, of: Library) -> Inertia:
         xx, yy, zz, xy, yz, zx = (*self.inertia, 0.0, 0.0, 0.0)[:6]
         return Inertia(name, self.at, self.mass, (xx, yy, zz), (xy, yz, zx), self.offset)
-
-
-SPEC = InertiaSpec

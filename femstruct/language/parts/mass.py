@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import Annotated, Literal
 
 from femstruct.language.parts.base import Library, PartSpec, Surroundings
-from femstruct.language.reader import Steps
 from femstruct.language.regions import Region
-from femstruct.language.spec import Measured, Quantity, Text
+from femstruct.language.yaml.reader import Steps
+from femstruct.language.yaml.spec import Measured, Quantity, Text
 from femstruct.model import region
 from femstruct.parts.mass import Mass, Per
 
@@ -67,6 +67,3 @@ class MassSpec(PartSpec):
         per = PER.get(self.mass.dimension or "mass", "total")
         area = self.region.build() if self.region is not None else region.Region("whole")
         return Mass(name, self.mass.value, on=self.on, region=area, per=per)
-
-
-SPEC = MassSpec

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from typing import Annotated, ClassVar, Literal
 
-from pydantic import BeforeValidator
-
-from femstruct.language.checker import Checker
 from femstruct.language.parts.base import Library, PartSpec, Places, Surroundings, check_coordinates
-from femstruct.language.reader import Steps
-from femstruct.language.spec import Count, Direction3, Length, Position3, Quantity, Text, only, read_by, refuse
+from femstruct.language.yaml.checker import Checker
+from femstruct.language.yaml.reader import Steps
+from femstruct.language.yaml.spec import Count, Direction3, Length, Position3, Quantity, Text, read_by, refuse
 from femstruct.parts.plate import Plate
 from femstruct.units import shown_as
 
@@ -32,9 +30,7 @@ class PlateSpec(PartSpec):
     type: Literal["plate"]
     material: Text
     thickness: Length
-    element: Annotated[
-        Literal["hermite12", "acm12", "bfs16"], BeforeValidator(only(("hermite12", "acm12", "bfs16")))
-    ] = "bfs16"
+    element: Literal["hermite12", "acm12", "bfs16"] = "bfs16"
     origin: Position3
     size: tuple[Length, Length]
     mesh: Mesh
@@ -70,6 +66,3 @@ class PlateSpec(PartSpec):
             self.normal,
             self.x_direction,
         )
-
-
-SPEC = PlateSpec

@@ -6,8 +6,8 @@ from typing import Literal
 
 from femstruct.language.directions import SixDashpots, SixStiffnesses
 from femstruct.language.parts.base import Library, PartSpec, Surroundings
-from femstruct.language.reader import Steps
-from femstruct.language.spec import Text
+from femstruct.language.yaml.reader import Steps
+from femstruct.language.yaml.spec import Text
 from femstruct.parts.spring import Spring
 
 
@@ -41,6 +41,3 @@ class SpringSpec(PartSpec):
             (k.x, k.y, k.z, k.rx, k.ry, k.rz),
             (c.x, c.y, c.z, c.rx, c.ry, c.rz),
         )
-
-
-SPEC = SpringSpec

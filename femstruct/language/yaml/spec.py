@@ -16,7 +16,7 @@ from pydantic import (
 )
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
-from femstruct.language.reader import nearest
+from femstruct.language.yaml.reader import nearest
 from femstruct.model.material import MOST_LOSSES
 from femstruct.units import DIMENSIONS, QuantityError, quantity_of, shown_as
 
@@ -176,14 +176,12 @@ def read_by(reader: Callable[[Any], object], written: Any) -> BeforeValidator:
     return BeforeValidator(reader, json_schema_input_type=written)
 
 
-def only(words: Sequence[str], later: Sequence[str] = ()) -> Callable[[object], object]:
+def only(words: Sequence[str]) -> Callable[[object], object]:
     """Validator of a field that takes some words; others are refused with the nearest."""
 
     def read(value: object) -> object:
         if isinstance(value, str) and value in words:
             return value
-        if isinstance(value, str) and value in later:
-            raise refuse(f"'{value}', which is {LATER}", f"one of {', '.join(words)}")
         raise refuse(shown_as(value), f"one of {', '.join(words)}", nearest(str(value), words) if value else "")
 
     return read

@@ -10,8 +10,8 @@ from typing import Final
 from femstruct.errors import FemstructError, InputError
 from femstruct.impact.laws.tabulated import Tabulated
 from femstruct.impact.scene.bodies import Table
-from femstruct.language.opening import content
-from femstruct.language.reader import Mistakes, Position
+from femstruct.language.yaml.opening import content
+from femstruct.language.yaml.reader import Mistakes, Position
 from femstruct.units import QuantityError, quantity, shown_as
 
 LARGEST: Final = 50_000_000  # bytes

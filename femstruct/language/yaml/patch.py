@@ -8,8 +8,8 @@ from collections.abc import Mapping
 from functools import cache
 from typing import Any, Final
 
-from femstruct.language.reader import Mistakes, Position, Steps, Tree, dotted, nearest
 from femstruct.language.schema_model import ModelSpec
+from femstruct.language.yaml.reader import Mistakes, Position, Steps, Tree, dotted, nearest
 from femstruct.units import shown_as
 
 MODEL_KEYS: Final = frozenset(ModelSpec.model_fields) - {"title"}

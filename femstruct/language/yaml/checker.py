@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from femstruct.conventions import DIRECTIONS
-from femstruct.language.reader import Mistakes, Steps, Tree, dotted, nearest
+from femstruct.language.yaml.reader import Mistakes, Steps, Tree, dotted, nearest
 
 POINT_DIRECTIONS = (*DIRECTIONS, "n")
 FORCES = ("force", "force_x", "force_y", "force_z")

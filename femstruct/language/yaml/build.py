@@ -8,7 +8,7 @@ from typing import Any, TypeVar
 
 from acoustics.errors import AcousticsError
 from femstruct.errors import FemstructError
-from femstruct.language.reader import Mistakes, Steps, Tree, dotted
+from femstruct.language.yaml.reader import Mistakes, Steps, Tree, dotted
 
 T = TypeVar("T")
 

@@ -8,8 +8,8 @@ from typing import Annotated, Any, Final, TypeVar, Union, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 
-from femstruct.language.reader import Mistakes, Steps, Tree, dotted, near_name, nearest
-from femstruct.language.spec import LATER
+from femstruct.language.yaml.reader import Mistakes, Steps, Tree, dotted, near_name, nearest
+from femstruct.language.yaml.spec import LATER
 from femstruct.units import shown_as
 
 S = TypeVar("S", bound=BaseModel)
@@ -77,7 +77,8 @@ def _note(error: Any, schema: type[BaseModel], tree: Tree, mistakes: Mistakes) -
         got = f"'{word}'" + (f", which is {LATER}" if later else "")
         expected, do = f"one of {', '.join(known)}", "" if later else nearest(word, known)
     elif kind == "literal_error":
-        expected = f"one of {context['expected']}".replace("'", "")
+        words = re.findall("'([^']*)'", context["expected"])
+        expected, do = f"one of {', '.join(words)}", nearest(str(error["input"]), words) if error["input"] else ""
     mistakes.add(tree.position(steps, of_key), dotted(steps), got=got, expected=expected, do=do)
 
 

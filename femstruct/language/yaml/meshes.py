@@ -15,8 +15,8 @@ from acoustics.arrays import Integers
 from acoustics.errors import AcousticsError
 from acoustics.meshed.cavity_mesh import CavityMesh
 from femstruct.errors import InputError
-from femstruct.language.opening import content
-from femstruct.language.reader import Mistakes, Position
+from femstruct.language.yaml.opening import content
+from femstruct.language.yaml.reader import Mistakes, Position
 
 LARGEST: Final = 50_000_000  # bytes
 _NAMELESS: Final = (".med", ".h5m", ".hmf", ".cgns", ".xdmf", ".xmf", ".e", ".ex2", ".exo")
