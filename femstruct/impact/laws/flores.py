@@ -5,15 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from femstruct.arrays import Floats
-from femstruct.impact.engine.records import Records
-from femstruct.impact.laws.hunt_crossley import CODE, indentation_of_power, refuse_exponent, rests_of_power
-from femstruct.impact.laws.law import Law, Stored, refuse_unless_positive
-from femstruct.impact.scene.restitution import refuse_restitution, restitution_of
+from femstruct.impact.laws.by_restitution import ByRestitution
 
 
 @dataclass(frozen=True)
-class Flores(Law):
+class Flores(ByRestitution):
     """f = k d^n (1 + chi d') with chi = 8 (1 - e) / (5 e v): as published, by restitution e and meeting speed v [m/s].
 
     Its spring holds k d^(n+1) / (n + 1). Published for all restitutions from 0 to 1, it returns a little less than it
@@ -33,39 +29,8 @@ class Flores(Law):
     """
 
     word: ClassVar = "flores"
-    code: ClassVar = CODE
-    varies: ClassVar = {"stiffness": "stiffness", "exponent": "shape"}
-
-    stiffness: float
-    restitution: float
-    speed: float
-    exponent: float = 1.5
-    tensile: bool = False
-
-    def __post_init__(self) -> None:
-        refuse_unless_positive("flores law stiffness", self.stiffness)
-        refuse_exponent("flores", self.exponent)
-        refuse_restitution(self.restitution)
-        refuse_unless_positive("flores law speed", self.speed)
 
     @property
     def dissipation(self) -> float:
         """Dissipation factor chi [s/m]."""
         return 1.6 * (1.0 - self.restitution) / (self.restitution * self.speed)
-
-    @property
-    def returns(self) -> float:
-        """Restitution that it returns at its meeting speed."""
-        return restitution_of(self.dissipation, self.speed)
-
-    @property
-    def stored(self) -> Stored:
-        return Stored(self.stiffness, self.dissipation, self.exponent)
-
-    def indentation(self, force: float) -> float:
-        """Indentation under a force at rest [m]."""
-        return indentation_of_power(force, self.stiffness, self.exponent)
-
-    @staticmethod
-    def rests(preload: Floats, laws: Records) -> Floats:
-        return rests_of_power(preload, laws)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import log, pi, sqrt
-from typing import ClassVar, Final
+from typing import ClassVar, Final, Self
 
 import numpy as np
 
@@ -58,8 +58,8 @@ class Linear(Law):
     tensile: bool = False
 
     def __post_init__(self) -> None:
-        refuse_unless_positive("linear law stiffness", self.stiffness)
-        refuse_negative("linear law damping", self.damping)
+        refuse_unless_positive(f"{self.word} law stiffness", self.stiffness)
+        refuse_negative(f"{self.word} law damping", self.damping)
 
     @classmethod
     def returning(
@@ -69,7 +69,7 @@ class Linear(Law):
         duration: float | None = None,
         stiffness: float | None = None,
         tensile: bool = False,
-    ) -> Linear:
+    ) -> Self:
         """The law with which a mass returns from a rigid wall with a restitution, at every speed.
 
         mass [kg] : of the body; two bodies that meet count with m1 m2 / (m1 + m2). duration [s] : of the contact, from

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from importlib import import_module
+from inspect import isabstract
 from pkgutil import iter_modules
 from typing import Final
 
@@ -17,7 +18,7 @@ def _laws() -> Iterator[type[Law]]:
         if name not in ("registry", "dispatch"):
             module = import_module(f"{package}.{name}")
             mine = [one for one in vars(module).values() if isinstance(one, type) and issubclass(one, Law)]
-            yield from (one for one in mine if one.__module__ == module.__name__ and one is not Law)
+            yield from (one for one in mine if one.__module__ == module.__name__ and not isabstract(one))
 
 
 LAWS: Final[tuple[type[Law], ...]] = tuple(_laws())

@@ -19,8 +19,28 @@ FINENESS = 0.2  # Hz between spectral lines at most, so that 2 % of the lowest m
 PADDING = 100  # ... but no more lines than that many times the record's own: two in 2 % of the lowest mode it shows
 
 
-def compare(baseline: str, results: Mapping[str, CaseResult]) -> Comparison:
+class Spectra:
+    """Amplitude spectra of channels, held by who compares cases: a channel that is compared again keeps its own."""
+
+    def __init__(self) -> None:
+        self._kept: WeakKeyDictionary[Channel, tuple[float, Floats]] = WeakKeyDictionary()
+
+    def of(self, channel: Channel, sampling: float) -> Floats:
+        """|FFT| of the whole record, padded with zeros; sampling [Hz]."""
+        kept = self._kept.get(channel)
+        if kept is not None and kept[0] == sampling:
+            return kept[1]
+        wanted = min(sampling / FINENESS, PADDING * len(channel.values))
+        length = 2 ** int(np.ceil(np.log2(max(2 * len(channel.values), wanted))))
+        spectrum = np.abs(np.fft.rfft(channel.values, length))
+        self._kept[channel] = sampling, spectrum
+        return spectrum
+
+
+def compare(baseline: str, results: Mapping[str, CaseResult], spectra: Spectra) -> Comparison:
     """All other cases beside the baseline.
+
+    spectra : of channels that were compared before; those of these cases are added.
 
     Notes
     -----
@@ -29,12 +49,14 @@ def compare(baseline: str, results: Mapping[str, CaseResult]) -> Comparison:
     """
     reference = results[baseline]
     sampling = reference.response.clock.sampling if reference.response is not None else 1.0
-    spectra = {name: _spectrum(channel, sampling) for name, channel in reference.channels.items()}
-    others = {name: _beside(reference, spectra, result) for name, result in results.items() if name != baseline}
+    before = {name: spectra.of(channel, sampling) for name, channel in reference.channels.items()}
+    others = {name: _beside(reference, before, result, spectra) for name, result in results.items() if name != baseline}
     return Comparison(baseline, others, filter_sentence(reference.case.study.peaks))
 
 
-def _beside(reference: CaseResult, spectra: Mapping[str, Floats], result: CaseResult) -> CaseComparison:
+def _beside(
+    reference: CaseResult, before: Mapping[str, Floats], result: CaseResult, spectra: Spectra
+) -> CaseComparison:
     shared = [name for name in reference.channels if name in result.channels]
     return CaseComparison(
         peaks={name: _peak_change(reference.channels[name], result.channels[name]) for name in shared},
@@ -43,7 +65,7 @@ def _beside(reference: CaseResult, spectra: Mapping[str, Floats], result: CaseRe
             for name, levels in reference.levels.items()
             if name in result.levels
         },
-        modes_db={name: _mode_attenuation(reference, spectra[name], result, name) for name in shared},
+        modes_db={name: _mode_attenuation(reference, before[name], result, name, spectra) for name in shared},
         frequencies=mode_table(reference.basis, result.basis),
     )
 
@@ -68,7 +90,9 @@ def _band_attenuation(reference: Mapping[float, float], levels: Mapping[float, f
     }
 
 
-def _mode_attenuation(reference: CaseResult, before: Floats, result: CaseResult, channel: str) -> dict[int, float]:
+def _mode_attenuation(
+    reference: CaseResult, before: Floats, result: CaseResult, channel: str, spectra: Spectra
+) -> dict[int, float]:
     """Attenuation [dB] of a channel's spectrum at the baseline's own peaks, by the number of the mode they belong to.
 
     A mode is listed when the baseline's spectrum has a local maximum within 2 % of its frequency; a net force, which
@@ -78,7 +102,7 @@ def _mode_attenuation(reference: CaseResult, before: Floats, result: CaseResult,
     """
     if reference.response is None or result.response is None or reference.response.blows or result.response.blows:
         return {}
-    after = _spectrum(result.channels[channel], result.response.clock.sampling)
+    after = spectra.of(result.channels[channel], result.response.clock.sampling)
     if len(before) != len(after):
         return {}
     sampling = reference.response.clock.sampling
@@ -114,17 +138,3 @@ def mode_table(reference: ModalBasis, basis: ModalBasis) -> dict[int, tuple[int,
         mode + 1: (int(partner) + 1, float(basis.frequency_hz[partner]), float(alike[mode, partner]))
         for mode, partner in enumerate(best)
     }
-
-
-_SPECTRA: WeakKeyDictionary[Channel, tuple[float, Floats]] = WeakKeyDictionary()  # of cases that are compared again
-
-
-def _spectrum(channel: Channel, sampling: float) -> Floats:
-    kept = _SPECTRA.get(channel)
-    if kept is not None and kept[0] == sampling:
-        return kept[1]
-    wanted = min(sampling / FINENESS, PADDING * len(channel.values))
-    length = 2 ** int(np.ceil(np.log2(max(2 * len(channel.values), wanted))))
-    spectrum = np.abs(np.fft.rfft(channel.values, length))
-    _SPECTRA[channel] = sampling, spectrum
-    return spectrum

@@ -12,7 +12,7 @@ from femstruct.impact.compiled.workers import compilation
 from femstruct.modal.basis import ModalBasis
 from femstruct.study.result import AccuracyCheck, CaseResult, StudyResult
 from femstruct.study.study import Case, Plan, Study
-from femstruct.workflow.compare.compare import compare
+from femstruct.workflow.compare.compare import Spectra, compare
 from femstruct.workflow.compare.machines import machines
 from femstruct.workflow.compare.verdicts import verdicts
 from femstruct.workflow.run.accuracy import hold_accuracy
@@ -28,8 +28,8 @@ from femstruct.workflow.stages.room_transfers import RoomTransfers
 
 @dataclass(frozen=True, eq=False)
 class Kept:
-    """What a run leaves for the next one: its bases, its cases by what each was made from, and transfers of rooms (see
-    `run_again`).
+    """What a run leaves for the next one: its bases, its cases by what each was made from, transfers of rooms and
+    spectra of channels (see `run_again`).
 
     reused : what it took from the one before itself, in words; "nothing" where all was new.
     """
@@ -37,6 +37,7 @@ class Kept:
     solved: tuple[Solved, ...] = ()
     cases: Mapping[str, CaseResult] = field(default_factory=dict)
     rooms: RoomTransfers = field(default_factory=RoomTransfers)
+    spectra: Spectra = field(default_factory=Spectra)
     reused: str = "nothing"
 
 
@@ -129,7 +130,7 @@ def run_again(
     left = len(order) - len(results)
     with clock("comparison"):
         finished = {case.name: results[case.name] for case in plan.cases if case.name in results}
-        comparison = compare(plan.baseline, finished)
+        comparison = compare(plan.baseline, finished, before.spectra)
         reference = finished[plan.baseline].channels
         finished = {
             name: replace(one, findings=ranked((*one.findings, *change_findings(reference, one.channels))))
@@ -142,6 +143,7 @@ def run_again(
         solved=bases,
         cases={made_from[name]: results[name] for name in finished if name in made_from},
         rooms=before.rooms,
+        spectra=before.spectra,
         reused=_reused(any(one in before.solved for one in bases), tuple(known)),
     )
     result = StudyResult(
