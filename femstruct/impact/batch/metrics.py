@@ -150,71 +150,25 @@ class Batch:
 
 def batch_of(basis: ModalBasis, clock: Clock, varied: Variation, fleet: Fleet, table: Floats) -> Batch:
     """The columns of the table with names."""
-    compiled, at = fleet.compiled, fleet.columns
-    m, bodies = len(compiled.system.interfaces), [body.name for body in varied.scene.bodies]
     table.flags.writeable = False
+    rows = _Rows(table, fleet, tuple(body.name for body in varied.scene.bodies))
+    at, contacts = fleet.columns, fleet.compiled.contacts
     status = table[:, STATUS].astype(np.int64)
-    peaks = {name: [at.peak + a for a in rows] for name, rows in compiled.contacts.items()}
-    largest = {name: table[:, rows].argmax(axis=1) for name, rows in peaks.items()}  # of the sides of a stop
-
-    def chosen(first: int, name: str) -> Floats:
-        rows = np.array([first + a for a in compiled.contacts[name]])
-        values: Floats = np.take_along_axis(table[:, rows], largest[name][:, None], axis=1)[:, 0]
-        return values
-
-    def energies(first: int) -> Energies:
-        held = first + BODIES + len(bodies)
-        lost = held + m + 1
-        contacts = compiled.contacts
-        return Energies(
-            t=table[:, first + TIME],
-            bodies={name: table[:, first + BODIES + i] for i, name in enumerate(bodies)},
-            structure=table[:, first + STRUCTURE],
-            contacts={name: table[:, [held + a for a in rows]].sum(axis=1) for name, rows in contacts.items()},
-            links={name: table[:, held + a] for name, a in compiled.links.items()},
-            lost_modes=table[:, held + m],
-            lost_contacts={name: table[:, [lost + a for a in rows]].sum(axis=1) for name, rows in contacts.items()},
-            lost_links={name: table[:, lost + a] for name, a in compiled.links.items()},
-            work=table[:, lost + m],
-            blows=table[:, lost + m + 1],
-        )
-
-    def first_open(name: str) -> Floats:
-        columns = table[:, [at.first_open + a for a in compiled.contacts[name]]]
-        never = np.isnan(columns).all(axis=1)
-        return np.where(never, np.nan, np.where(np.isnan(columns), np.inf, columns).min(axis=1))
-
-    def last(name: str) -> Floats:
-        found: Floats = np.fmax.reduce(table[:, [at.last + a for a in compiled.contacts[name]]], axis=1)
-        return found
-
-    done = status == DONE
     closed: dict[str, Flags] = {
-        name: np.asarray((table[:, [at.closed + a for a in rows]] > 0.0).any(axis=1))
-        for name, rows in compiled.contacts.items()
+        name: np.asarray((one > 0.0).any(axis=1)) for name, one in rows.sides(at.closed).items()
     }
     endings = Endings(
         fleet.clock.duration,
-        last={name: last(name) for name in peaks},
+        last={name: np.fmax.reduce(one, axis=1) for name, one in rows.sides(at.last).items()},
         closed=closed,
-        gain={name: table[:, at.gain + i] for i, name in enumerate(bodies)},
+        gain=rows.of_bodies(at.gain),
     )
-    outcome = tuple(
-        one if ended else None for one, ended in zip(outcomes_of(varied.scene, endings, len(table)), done, strict=True)
-    )
-    deepest = {name: table[:, [at.deepest + a for a in rows]].max(axis=1) for name, rows in compiled.contacts.items()}
-    lifts = {
-        plan.body: Lifts(
-            int((compiled.system.strikes["over"] == number).sum()),
-            *(
-                table[:, first + bodies.index(plan.body)]
-                for first in (at.lifts, at.lift_number, at.lift_force, at.lift_since)
-            ),
-        )
-        for number, plan in enumerate(varied.scene.blows)
-    }
-    shortest = {name: table[:, [at.shortest + a for a in rows]].min(axis=1) for name, rows in compiled.contacts.items()}
-    tick = 0.0 if fleet.exact else compiled.system.tick
+    outcomes = outcomes_of(varied.scene, endings, len(table))
+    outcome = tuple(one if ended else None for one, ended in zip(outcomes, status == DONE, strict=True))
+    deepest = {name: one.max(axis=1) for name, one in rows.sides(at.deepest).items()}
+    shortest = {name: one.min(axis=1) for name, one in rows.sides(at.shortest).items()}
+    lifts = {plan.body: rows.lifts(number, plan.body) for number, plan in enumerate(varied.scene.blows)}
+    tick = 0.0 if fleet.exact else fleet.compiled.system.tick
     flags = _flags(varied.scene, outcome, table[:, RESIDUAL], deepest, shortest, tick, lifts)
     batch = Batch(
         basis=basis,
@@ -224,18 +178,18 @@ def batch_of(basis: ModalBasis, clock: Clock, varied: Variation, fleet: Fleet, t
         status=status,
         outcome=outcome,
         steps=table[:, STEPS].astype(np.int64),
-        peak_force={name: chosen(at.peak, name) for name in peaks},
-        peak_time={name: chosen(at.peak_time, name) for name in peaks},
+        peak_force=rows.at_largest(at.peak),
+        peak_time=rows.at_largest(at.peak_time),
         deepest=deepest,
-        closings={name: table[:, [at.closings + a for a in compiled.contacts[name]]].sum(axis=1) for name in peaks},
-        first_open={name: first_open(name) for name in peaks},
+        closings={name: one.sum(axis=1) for name, one in rows.sides(at.closings).items()},
+        first_open={name: _earliest(one) for name, one in rows.sides(at.first_open).items()},
         shortest=shortest,
-        closed_since={name: np.where(closed[name], endings.last[name], np.nan) for name in peaks},
+        closed_since={name: np.where(closed[name], endings.last[name], np.nan) for name in contacts},
         separated=table[:, SEPARATED],
-        at_separation=energies(at.separation),
-        end=energies(at.end),
-        end_velocity={name: table[:, at.velocity + i] for i, name in enumerate(bodies)},
-        travel={name: table[:, at.travel + i] for i, name in enumerate(bodies)},
+        at_separation=rows.energies(at.separation),
+        end=rows.energies(at.end),
+        end_velocity=rows.of_bodies(at.velocity),
+        travel=rows.of_bodies(at.travel),
         residual=table[:, RESIDUAL],
         lifts=lifts,
         flags=flags,
@@ -243,6 +197,58 @@ def batch_of(basis: ModalBasis, clock: Clock, varied: Variation, fleet: Fleet, t
     for whole in (status, batch.steps, *flags.values()):
         whole.flags.writeable = False
     return batch
+
+
+@dataclass(frozen=True, eq=False)
+class _Rows:
+    """The table of a batch [runs, columns], read by names of contacts, links and bodies."""
+
+    table: Floats
+    fleet: Fleet
+    bodies: tuple[str, ...]
+
+    def sides(self, first: int) -> dict[str, Floats]:
+        """Columns of the contacts' sides [runs, sides]; a stop has two."""
+        return {name: self.table[:, [first + a for a in rows]] for name, rows in self.fleet.compiled.contacts.items()}
+
+    def at_largest(self, first: int) -> dict[str, Floats]:
+        """Of the side on which the force is largest."""
+        largest = {name: one.argmax(axis=1)[:, None] for name, one in self.sides(self.fleet.columns.peak).items()}
+        return {name: np.take_along_axis(one, largest[name], axis=1)[:, 0] for name, one in self.sides(first).items()}
+
+    def of_bodies(self, first: int) -> dict[str, Floats]:
+        return {name: self.table[:, first + i] for i, name in enumerate(self.bodies)}
+
+    def lifts(self, number: int, body: str) -> Lifts:
+        """Of the plan of blows of this number."""
+        at, i = self.fleet.columns, self.bodies.index(body)
+        columns = (at.lifts, at.lift_number, at.lift_force, at.lift_since)
+        blows = int((self.fleet.compiled.system.strikes["over"] == number).sum())
+        return Lifts(blows, *(self.table[:, first + i] for first in columns))
+
+    def energies(self, first: int) -> Energies:
+        compiled = self.fleet.compiled
+        interfaces = len(compiled.system.interfaces)
+        held = first + BODIES + len(self.bodies)
+        lost = held + interfaces + 1
+        return Energies(
+            t=self.table[:, first + TIME],
+            bodies=self.of_bodies(first + BODIES),
+            structure=self.table[:, first + STRUCTURE],
+            contacts={name: one.sum(axis=1) for name, one in self.sides(held).items()},
+            links={name: self.table[:, held + a] for name, a in compiled.links.items()},
+            lost_modes=self.table[:, held + interfaces],
+            lost_contacts={name: one.sum(axis=1) for name, one in self.sides(lost).items()},
+            lost_links={name: self.table[:, lost + a] for name, a in compiled.links.items()},
+            work=self.table[:, lost + interfaces],
+            blows=self.table[:, lost + interfaces + 1],
+        )
+
+
+def _earliest(times: Floats) -> Floats:
+    """The least of the sides [runs, sides] that is not nan; nan where all are."""
+    found: Floats = np.fmin.reduce(times, axis=1)
+    return found
 
 
 def _flags(

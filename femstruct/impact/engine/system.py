@@ -24,7 +24,7 @@ from femstruct.impact.engine.records import (
 )
 from femstruct.impact.laws.law import Law
 from femstruct.impact.laws.registry import CODES
-from femstruct.impact.scene.bodies import Clock, End, Ground, HalfSine, Load, Scene
+from femstruct.impact.scene.bodies import Clock, Contact, End, Ground, HalfSine, Link, Load, Scene
 from femstruct.modal.basis import ModalBasis
 from femstruct.model.probe import Probe
 
@@ -52,76 +52,26 @@ def compile_scene(basis: ModalBasis, scene: Scene, clock: Clock, finest: int = F
     Raises FemstructError for a name used twice, an end that is no body, a preloaded stop, a modal velocity of the
     wrong length, or nothing that could move.
     """
-    k, bodies = len(basis.omega), {body.name: i for i, body in enumerate(scene.bodies)}
-    _refuse_duplicates("bodies", [body.name for body in scene.bodies])
-    _refuse_duplicates("contacts and links", [c.name for c in scene.contacts] + [link.name for link in scene.links])
-    if k + len(bodies) == 0:
-        raise FemstructError("scene", got="no mode and no body", expected="something that moves")
-    scale = np.concatenate((np.ones(k), np.sqrt([body.mass for body in scene.bodies])))
     n_samples, halvings, tick = _ticks(clock, finest)
-    first_blow = {blows.body: round(blows.first / tick) for blows in scene.blows}
-
-    def row(end: End, where: str) -> Floats:
-        values = np.zeros(k + len(bodies))
-        if isinstance(end, Probe):
-            values[:k] = end.of(basis.shapes)
-        elif isinstance(end, str):
-            if end not in bodies:
-                raise FemstructError(where, got=f"'{end}'", expected=f"a body: {', '.join(bodies) or 'there is none'}")
-            values[k + bodies[end]] = 1.0 / scale[k + bodies[end]]
-        else:
-            assert isinstance(end, Ground)
-        return values
-
+    on = _coordinates(basis, scene, tick)
+    k, bodies = len(basis.omega), on.bodies
     interfaces = _Interfaces()
-    contact_rows: dict[str, tuple[int, ...]] = {}
-    for contact in scene.contacts:
-        where = f"contacts.{contact.name}"
-        approach = row(contact.lower, where) - row(contact.upper, where)
-        law = contact.law
-        if len(law.sides) > 1 and contact.preload:
-            raise FemstructError(where, got="a preload on a stop", expected="none", do="preload one side by a contact")
-        rest = law.indentation(contact.preload) if contact.preload else 0.0
-        release = max(first_blow.get(e, 0) if isinstance(e, str) else 0 for e in (contact.upper, contact.lower))
-        first = len(interfaces.rows)
-        for side in law.sides:
-            interfaces.add(side * approach, law, rest - contact.gap, contact.preload, release)
-        contact_rows[contact.name] = tuple(range(first, len(interfaces.rows)))
-    link_rows: dict[str, int] = {}
-    kinks: set[int] = set()
-    for link in scene.links:
-        where = f"links.{link.name}"
-        link_rows[link.name] = len(interfaces.rows)
-        release = round(link.release_at / tick)
-        kinks.add(release)
-        interfaces.rows.append(row(link.lower, where) - row(link.upper, where))
-        interfaces.laws.append(
-            (LINK, 0, 1, link.stiffness, link.closing, link.opening, 0.0, link.preload, 0, release, 0.0, 0, 0, 0, 0)
-        )
-
+    contact_rows = {contact.name: interfaces.add_contact(contact, on) for contact in scene.contacts}
+    link_rows = {link.name: interfaces.add_link(link, on) for link in scene.links}
     loads = _Loads()
-    for load in scene.loads:
-        kinks |= loads.add(row(load.on, f"loads.{load.name}"), load, tick, clock.duration)
-    falling = {first_blow.get(body.name, 0) for body in scene.bodies if body.falls} if scene.gravity else set()
-    for since in sorted(falling):
-        falls = [float(body.falls and first_blow.get(body.name, 0) == since) for body in scene.bodies]
-        loads.rows.append(np.concatenate((np.zeros(k), falls)) * scale)
-        loads.laws.append((CONSTANT, -scene.gravity, 0.0, 0, 0, since * tick, 0.0, 1, 0.0))
+    bends = [loads.add(load, on, clock.duration) for load in scene.loads]
+    weights = loads.add_weights(scene, on)
     _refuse_held(scene, bodies)
-    strikes = _strikes(scene, bodies, k, scale, tick, n_samples << halvings)
-    over = [row(blows.over, f"bodies.{blows.body}.blows") * scale[k + bodies[blows.body]] for blows in scene.blows]
-    kinks |= {int(strike["tick"]) for strike in strikes}
+    strikes = _strikes(scene, bodies, k, on.scale, tick, n_samples << halvings)
+    over = [
+        on.row(blows.over, f"bodies.{blows.body}.blows") * on.scale[k + bodies[blows.body]] for blows in scene.blows
+    ]
+    releases = {round(link.release_at / tick) for link in scene.links}
+    kinks = releases.union(weights, {int(strike["tick"]) for strike in strikes}, *bends)
 
-    n = k + len(bodies)
-    matrix = np.array(interfaces.rows + loads.rows).reshape(-1, n)
+    matrix = np.array(interfaces.rows + loads.rows).reshape(-1, len(on.scale))
     time_damping = basis.time_damping
     coupling = time_damping - np.diag(np.diag(time_damping))
-    velocity = np.zeros(k) if scene.velocity is None else np.asarray(scene.velocity, dtype=np.float64)
-    if velocity.shape != (k,):
-        raise FemstructError("scene velocity", got=f"shape {velocity.shape}", expected=f"({k},)")
-    start = np.zeros((2, n))
-    moving = [body.velocity if first_blow.get(body.name, 0) == 0 else 0.0 for body in scene.bodies]
-    start[1] = np.concatenate((velocity, moving)) * scale
     system = System(
         omega=np.concatenate((basis.omega, np.zeros(len(bodies)))),
         damping=np.concatenate((np.diag(time_damping), np.zeros(len(bodies)))),
@@ -135,11 +85,62 @@ def compile_scene(basis: ModalBasis, scene: Scene, clock: Clock, finest: int = F
         loads=np.array(loads.laws, dtype=LOAD),
         table=np.array([loads.times, loads.values], dtype=np.float64).T.copy(),
         strikes=strikes,
-        over=np.array(over, dtype=np.float64).reshape(-1, n),
+        over=np.array(over, dtype=np.float64).reshape(-1, len(on.scale)),
         kinks=np.array(sorted(kink for kink in kinks if kink > 0), dtype=np.int64),
         tick=tick,
     )
-    return Compiled(system, start, scale, contact_rows, link_rows, n_samples, halvings)
+    return Compiled(system, _start(scene, on), on.scale, contact_rows, link_rows, n_samples, halvings)
+
+
+@dataclass(frozen=True, eq=False)
+class _Coordinates:
+    """Modes, then bodies by name. scale [n] : as in `Compiled`; first_blow : its tick, by body that strikes again."""
+
+    basis: ModalBasis
+    bodies: Mapping[str, int]
+    scale: Floats
+    first_blow: Mapping[str, int]
+    tick: float
+
+    def row(self, end: End, where: str) -> Floats:
+        """How an end moves with the coordinates [n]."""
+        k = len(self.basis.omega)
+        values = np.zeros(len(self.scale))
+        if isinstance(end, Probe):
+            values[:k] = end.of(self.basis.shapes)
+        elif isinstance(end, str):
+            if end not in self.bodies:
+                known = ", ".join(self.bodies) or "there is none"
+                raise FemstructError(where, got=f"'{end}'", expected=f"a body: {known}")
+            values[k + self.bodies[end]] = 1.0 / self.scale[k + self.bodies[end]]
+        else:
+            assert isinstance(end, Ground)
+        return values
+
+    def approach(self, upper: End, lower: End, where: str) -> Floats:
+        return self.row(lower, where) - self.row(upper, where)
+
+
+def _coordinates(basis: ModalBasis, scene: Scene, tick: float) -> _Coordinates:
+    k, bodies = len(basis.omega), {body.name: i for i, body in enumerate(scene.bodies)}
+    _refuse_duplicates("bodies", [body.name for body in scene.bodies])
+    _refuse_duplicates("contacts and links", [c.name for c in scene.contacts] + [link.name for link in scene.links])
+    if k + len(bodies) == 0:
+        raise FemstructError("scene", got="no mode and no body", expected="something that moves")
+    scale = np.concatenate((np.ones(k), np.sqrt([body.mass for body in scene.bodies])))
+    return _Coordinates(basis, bodies, scale, {b.body: round(b.first / tick) for b in scene.blows}, tick)
+
+
+def _start(scene: Scene, on: _Coordinates) -> Floats:
+    """Displacements and velocities of the coordinates at the start [2, n]; bodies that strike again still lie."""
+    k = len(on.basis.omega)
+    velocity = np.zeros(k) if scene.velocity is None else np.asarray(scene.velocity, dtype=np.float64)
+    if velocity.shape != (k,):
+        raise FemstructError("scene velocity", got=f"shape {velocity.shape}", expected=f"({k},)")
+    start = np.zeros((2, len(on.scale)))
+    moving = [body.velocity if on.first_blow.get(body.name, 0) == 0 else 0.0 for body in scene.bodies]
+    start[1] = np.concatenate((velocity, moving)) * on.scale
+    return start
 
 
 class _Interfaces:
@@ -150,7 +151,28 @@ class _Interfaces:
         self.laws: list[tuple[float, ...]] = []
         self.curves: list[Floats] = []
 
-    def add(self, row: Floats, law: Law, offset: float, preload: float, release: int) -> None:
+    def add_contact(self, contact: Contact, on: _Coordinates) -> tuple[int, ...]:
+        """A row for each side on which its law acts; returns their numbers."""
+        where, law, first = f"contacts.{contact.name}", contact.law, len(self.rows)
+        approach = on.approach(contact.upper, contact.lower, where)
+        if len(law.sides) > 1 and contact.preload:
+            raise FemstructError(where, got="a preload on a stop", expected="none", do="preload one side by a contact")
+        rest = law.indentation(contact.preload) if contact.preload else 0.0
+        release = max(on.first_blow.get(e, 0) if isinstance(e, str) else 0 for e in (contact.upper, contact.lower))
+        for side in law.sides:
+            self._add(side * approach, law, rest - contact.gap, contact.preload, release)
+        return tuple(range(first, len(self.rows)))
+
+    def add_link(self, link: Link, on: _Coordinates) -> int:
+        """Returns the number of its row."""
+        self.rows.append(on.approach(link.upper, link.lower, f"links.{link.name}"))
+        release = round(link.release_at / on.tick)
+        self.laws.append(
+            (LINK, 0, 1, link.stiffness, link.closing, link.opening, 0.0, link.preload, 0, release, 0.0, 0, 0, 0, 0)
+        )
+        return len(self.rows) - 1
+
+    def _add(self, row: Floats, law: Law, offset: float, preload: float, release: int) -> None:
         self.rows.append(row)
         stored, first = law.stored, sum(map(len, self.curves))
         self.curves.append(stored.rows)
@@ -184,9 +206,9 @@ class _Loads:
         self.times: list[float] = []
         self.values: list[float] = []
 
-    def add(self, row: Floats, load: Load, tick: float, duration: float) -> set[int]:
-        """Keep the load; returns the ticks at which its formula changes."""
-        self.rows.append(row)
+    def add(self, load: Load, on: _Coordinates, duration: float) -> set[int]:
+        """Returns the ticks at which its formula changes."""
+        self.rows.append(on.row(load.on, f"loads.{load.name}"))
         history, times = load.history, (load.first, load.every, load.count)
         if isinstance(history, HalfSine):
             bends = np.array([0.0, 0.5 / history.frequency])
@@ -198,7 +220,17 @@ class _Loads:
             self.values.extend(history.values)
         starts = load.first + load.every * np.arange(load.count)
         changes = np.add.outer(starts[starts < duration], bends).ravel()
-        return set(np.rint(changes[changes < duration] / tick).astype(np.int64).tolist())
+        return set(np.rint(changes[changes < duration] / on.tick).astype(np.int64).tolist())
+
+    def add_weights(self, scene: Scene, on: _Coordinates) -> set[int]:
+        """One load for all bodies that begin to fall at one tick; returns these ticks."""
+        since = [on.first_blow.get(body.name, 0) for body in scene.bodies]
+        falling = {at for at, body in zip(since, scene.bodies, strict=True) if body.falls} if scene.gravity else set()
+        for begin in sorted(falling):
+            falls = [float(body.falls and at == begin) for at, body in zip(since, scene.bodies, strict=True)]
+            self.rows.append(np.concatenate((np.zeros(len(on.basis.omega)), falls)) * on.scale)
+            self.laws.append((CONSTANT, -scene.gravity, 0.0, 0, 0, begin * on.tick, 0.0, 1, 0.0))
+        return falling
 
 
 def _strikes(scene: Scene, bodies: Mapping[str, int], k: int, scale: Floats, tick: float, end: int) -> Records:
