@@ -16,16 +16,18 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar, NamedTuple
+from typing import TYPE_CHECKING, ClassVar, Literal, NamedTuple
 
 import numpy as np
 from scipy.sparse import csr_array
 
 from femstruct.arrays import Floats, Integers
 from femstruct.conventions import COMPONENTS, N_COMPONENTS
-from femstruct.errors import InputError
+from femstruct.errors import Finding, InputError
 from femstruct.model.fastened import Elastic, Inert, Tie
+from femstruct.model.material import Material
 from femstruct.model.probe import Point, Surface
+from femstruct.model.region import Region
 
 if TYPE_CHECKING:
     from femstruct.model.grid.layout import Grids, Layout
@@ -74,6 +76,18 @@ class Part:
         twice. None for what is judged by the space it fills. places : what to put for the name of a point."""
         return None
 
+    def materials(self) -> tuple[Material, ...]:
+        """What it is made of."""
+        return ()
+
+    def bears(self) -> tuple[str, ...]:
+        """Names of the parts that lie on it or under it all over, and so do not sag by themselves."""
+        return ()
+
+    def implausible(self, lies: bool) -> tuple[Finding, ...]:
+        """Numbers of its own that are surely not meant, materials aside; lies : whether another part bears it."""
+        return ()
+
     def meshed(self, layout: Layout, grids: Grids, first: int) -> Meshed | None:
         """The part with nodes, numbered from `first`; None for what has none of its own."""
         return None
@@ -114,6 +128,17 @@ class Drawn(NamedTuple):
     rows: csr_array
     quads: Integers
     lines: Integers
+
+
+class Spread(NamedTuple):
+    """Points over a region of a part: nodes [p, k], rows [p, 6, k, 7] of their motion, global axes, weights [p] [m or
+    m^2]; what a thing spread over it is counted by beside the total, and the word for the region."""
+
+    nodes: Integers
+    rows: Floats
+    weights: Floats
+    per: Literal["length", "area"]
+    over: str
 
 
 class Meshed(ABC):
@@ -223,6 +248,14 @@ class Meshed(ABC):
         raise InputError(
             f"parts.{self.name}", got="no face that a layer can lie against", expected="a plate or a block"
         )
+
+    def spread(self, where: str, region: Region, tolerance: float, order: int) -> Spread | None:
+        """Gauss points over a region of it, to spread something evenly; None where nothing can be spread over it."""
+        return None
+
+    def lines_across(self, along: Floats, origin: Floats) -> Floats:
+        """Places of the lines between its cells along a direction [3] in its face, from an origin [3] on [m]."""
+        return np.zeros(0)
 
     @abstractmethod
     def drawn(self, divisions: int, along: int, n_nodes: int) -> Drawn:

@@ -10,13 +10,14 @@ from scipy.sparse import csr_array
 
 from femstruct.arrays import Floats, Integers
 from femstruct.conventions import N_COMPONENTS
-from femstruct.errors import InputError
+from femstruct.errors import Finding, InputError
 from femstruct.model.grid.layout import Grids, Layout
 from femstruct.model.part import Body, Drawn, Meshed, OwnDofs, Part, refuse_patch, six_at_nodes
 from femstruct.model.probe import Point
 from femstruct.model.region import Vector
 from femstruct.model.rows import carried, flat_rows, sparse_rows
 from femstruct.model.structure import PlaceOn
+from femstruct.parts.plausibility import density_findings
 
 
 @dataclass(frozen=True)
@@ -58,6 +59,9 @@ class Block(Part):
     def body(self) -> Body:
         origin, size = (np.asarray(one, dtype=np.float64) for one in (self.origin, self.size))
         return Body(origin, np.eye(3), size, across=None)
+
+    def implausible(self, lies: bool) -> tuple[Finding, ...]:
+        return density_findings(self.name, self.mass, self.size)
 
     def lay_out(self, layout: Layout) -> None:
         layout.boxes[self.name] = self

@@ -21,7 +21,6 @@ from femstruct.model.part import Meshed, Part
 from femstruct.model.region import Region
 from femstruct.model.rows import sparse_rows
 from femstruct.model.structure import bodies_of
-from femstruct.parts.plate import PlateMesh
 
 ORDER = 4  # Gauss points a direction: exact for products of two cubic deflections
 
@@ -52,6 +51,9 @@ class Foundation(Part):
 
     def identity(self, places: Mapping[str, object]) -> tuple[object, ...]:
         return "layer", self.on, self.to, self.region, self.normal, self.shear
+
+    def bears(self) -> tuple[str, ...]:
+        return self.ends
 
     def needs(self, layout: Layout) -> None:
         layer = layer_of(self, layout.bodies, layout.tolerance)
@@ -99,17 +101,10 @@ def _layer_points(layer: Layer, region: Region, sides: Sequence[Meshed], toleran
 
 
 def _lines_across(layer: Layer, direction: int, sides: Sequence[Meshed], tolerance: float) -> Floats:
-    """Ascending coordinates of the grid lines of all plates of a layer inside its region, and of the region's ends."""
+    """Ascending coordinates of the grid lines of all parts of a layer inside its region, and of the region's ends."""
     low, high = layer.box[2 * direction : 2 * direction + 2]
-    along = layer.axes[direction]
-    lines = [np.array([low, high])]
-    for plate in sides:
-        if isinstance(plate, PlateMesh):
-            sign = plate.axes[:2] @ along
-            grid = (plate.x, plate.y)[int(np.argmax(np.abs(sign)))]
-            start = float((np.asarray(plate.part.origin) - layer.origin) @ along)
-            lines.append(start + np.sign(sign[np.argmax(np.abs(sign))]) * grid)
-    found = np.sort(np.concatenate(lines))
+    lines = [side.lines_across(layer.axes[direction], layer.origin) for side in sides]
+    found = np.sort(np.concatenate([[low, high], *lines]))
     found = found[(found >= low) & (found <= high)]
     return np.array([low, *(b for a, b in pairwise(found) if b - a > tolerance)])
 

@@ -16,19 +16,21 @@ from femstruct.conventions import N_COMPONENTS
 from femstruct.elements import frame, placement
 from femstruct.elements.frame import nodes_per_bar
 from femstruct.elements.placement import directions
-from femstruct.errors import InputError
+from femstruct.elements.quadrature import gauss_interval
+from femstruct.errors import Finding, InputError
 from femstruct.model.grid.geometry import distance_to_segments
 from femstruct.model.grid.layout import Grids, Layout
 from femstruct.model.grid.scatter import scattered
 from femstruct.model.material import Material
 from femstruct.model.model import Model
-from femstruct.model.part import Drawn, Meshed, OwnDofs, Part, refuse_patch, six_at_nodes
+from femstruct.model.part import Drawn, Meshed, OwnDofs, Part, Spread, refuse_patch, six_at_nodes
 from femstruct.model.probe import Point
-from femstruct.model.region import Vector
+from femstruct.model.region import Region, Vector
 from femstruct.model.rows import flat_rows, sparse_rows
 from femstruct.model.section import Section
 from femstruct.model.structure import PlaceOn
 from femstruct.parts.frame_lines import frame_segments
+from femstruct.parts.plausibility import section_findings
 
 MOST_BARS = 100_000  # more is a slip of a unit, and does not fit into memory
 
@@ -61,6 +63,12 @@ class Frame(Part):
 
     def corners(self) -> Floats:
         return np.array([point for line in self.lines for point in line], dtype=np.float64).reshape(-1, 3)
+
+    def materials(self) -> tuple[Material, ...]:
+        return (self.material,)
+
+    def implausible(self, lies: bool) -> tuple[Finding, ...]:
+        return section_findings(self.name, self.section, self.lines)
 
     def lay_out(self, layout: Layout) -> None:
         segments = frame_segments(self, layout.tolerance)
@@ -242,6 +250,14 @@ class FrameMesh(Meshed):
         nodes, rows = self.rows(np.array([bar]), shares[[bar]])
         position = self.start[bar] + shares[bar] * (self.end[bar] - self.start[bar])
         return Point(name, position, *flat_rows(nodes, rows, np.ones(1)), normal=up)
+
+    def spread(self, where: str, region: Region, tolerance: float, order: int) -> Spread:
+        if region.kind != "whole":
+            raise InputError(where, got=f"a {region.kind} of a frame", expected="all of the frame")
+        places, shares = gauss_interval(order)
+        bars = np.repeat(np.arange(len(self.bars)), order)
+        weights = self.lengths[bars] * np.tile(shares, len(self.bars))
+        return Spread(*self.rows(bars, np.tile(places, len(self.bars))), weights, "length", "frame")
 
     def drawn(self, divisions: int, along: int, n_nodes: int) -> Drawn:
         bars = np.repeat(np.arange(len(self.bars)), along + 1)

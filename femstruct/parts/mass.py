@@ -9,18 +9,14 @@ from typing import Literal
 import numpy as np
 from scipy.sparse import csr_array, vstack
 
-from femstruct.elements.quadrature import gauss_interval
 from femstruct.errors import InputError, some_of
 from femstruct.model.anchors import places_of, point_rows
 from femstruct.model.fastened import Inert
 from femstruct.model.grid.layout import Layout
-from femstruct.model.grid.regions import grid_points, region_box
 from femstruct.model.model import Model
 from femstruct.model.part import Part
 from femstruct.model.region import Region
 from femstruct.model.rows import sparse_rows
-from femstruct.parts.frame import FrameMesh
-from femstruct.parts.plate import PlateMesh
 
 Per = Literal["total", "length", "area"]
 ORDER = 4  # Gauss points a direction: exact for products of two cubic deflections
@@ -71,27 +67,13 @@ class Mass(Part):
         where = f"parts.{self.name}"
         region = self.region or Region("whole")
         part = model.parts.get(self.on or "")
-        frame = part if isinstance(part, FrameMesh) else None
-        if frame is not None and region.kind != "whole":
-            raise InputError(f"{where}.region", got=f"a {region.kind} of a frame", expected="all of the frame")
-        spread = "area" if region.kind in ("whole", "rectangle") and frame is None else "length"
-        if self.per not in ("total", spread):
-            raise InputError(
-                f"{where}.mass",
-                got=f"a mass per {self.per} over a {region.kind if frame is None else 'frame'}",
-                expected=f"kg or per {spread}",
-            )
-        if frame is not None:
-            places, shares = gauss_interval(ORDER)
-            bars = np.repeat(np.arange(len(frame.bars)), ORDER)
-            weights = frame.lengths[bars] * np.tile(shares, len(frame.bars))
-            nodes, rows = frame.rows(bars, np.tile(places, len(frame.bars)))
-        elif isinstance(part, PlateMesh):
-            box = region_box(f"{where}.region", part.name, part.part.size, region, tolerance)
-            local, weights = grid_points(part.x, part.y, region, box, tolerance, ORDER)
-            nodes, rows = part.rows(local)
-        else:
+        over = None if part is None else part.spread(f"{where}.region", region, tolerance, ORDER)
+        if over is None:
             known = some_of([name for name, one in model.parts.items() if not one.rigid])
             raise InputError(f"{where}.on", got=f"'{self.on}'", expected=f"a plate or a frame: {known}")
-        mass = self.mass * weights / (weights.sum() if self.per == "total" else 1.0)
-        return Inert(self.name, sparse_rows(nodes, rows[:, :3], model.mesh.n_nodes), np.repeat(mass, 3), len(mass))
+        if self.per not in ("total", over.per):
+            got = f"a mass per {self.per} over a {over.over}"
+            raise InputError(f"{where}.mass", got=got, expected=f"kg or per {over.per}")
+        mass = self.mass * over.weights / (over.weights.sum() if self.per == "total" else 1.0)
+        rows = sparse_rows(over.nodes, over.rows[:, :3], model.mesh.n_nodes)
+        return Inert(self.name, rows, np.repeat(mass, 3), len(mass))

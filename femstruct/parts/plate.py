@@ -11,22 +11,23 @@ from scipy.sparse import csr_array
 from femstruct.arrays import Floats, Integers, freeze, frozen
 from femstruct.conventions import N_COMPONENTS, TWIST
 from femstruct.elements import plate
-from femstruct.errors import InputError
+from femstruct.errors import Finding, InputError
+from femstruct.model.grid.cell_sides import cell_sides
 from femstruct.model.grid.geometry import distance_to_rectangle, from_rectangle, rectangle_axes, to_rectangle
 from femstruct.model.grid.layout import Grids, Layout
-from femstruct.model.grid.regions import area_points, region_box
+from femstruct.model.grid.lines import divided, interval_of, snapped
+from femstruct.model.grid.regions import area_points, grid_points, region_box
 from femstruct.model.grid.scatter import scattered
 from femstruct.model.material import Material
 from femstruct.model.model import Model
-from femstruct.model.part import Body, Drawn, Meshed, OwnDofs, Part
+from femstruct.model.part import Body, Drawn, Meshed, OwnDofs, Part, Spread
 from femstruct.model.probe import Point, Surface
 from femstruct.model.region import Pair, Region, Side, Vector
 from femstruct.model.rows import carried, flat_rows, sparse_rows
 from femstruct.model.structure import PlaceOn, Support, SurfaceOn
 from femstruct.parts.patches import patch_points
+from femstruct.parts.plausibility import thickness_findings
 
-MOST_DIVISIONS = 2000  # of a side
-MOST_CELLS = 300_000  # 1.6 million of them were killed by a machine of some gigabytes
 OUT_OF_PLANE = ("deflection", "rotation about x", "rotation about y", "twist")
 IN_PLANE = tuple(f"{what}, in its plane" for what in ("shift along x", "shift along y", "rotation about the normal"))
 STEEP = float(np.cos(np.radians(45.0)))  # from there on neither side is above or below
@@ -83,10 +84,16 @@ class Plate(Part):
         corner = np.asarray(self.origin, dtype=np.float64) - self.thickness / 2.0 * axes[2]
         return Body(corner, axes, np.array([*self.size, self.thickness]), across=2)
 
+    def materials(self) -> tuple[Material, ...]:
+        return (self.material,)
+
+    def implausible(self, lies: bool) -> tuple[Finding, ...]:
+        flat = abs(float(rectangle_axes(self)[2, 2])) > np.sqrt(0.5)
+        return thickness_findings(self.name, self.material, self.thickness, min(self.size), flat and not lies)
+
     def lay_out(self, layout: Layout) -> None:
-        layout.add_rectangle(self, (_cell_size(self, 0), _cell_size(self, 1)))
+        layout.add_rectangle(self, cell_sides(f"parts.{self.name}.mesh", self.size, self.mesh))
         layout.bodies[self.name] = self.body()
-        _refuse_many_cells(self)
 
     def meshed(self, layout: Layout, grids: Grids, first: int) -> PlateMesh:
         return PlateMesh(self, first, layout.axes_of[self.name], grids[self.name, 0], grids[self.name, 1])
@@ -239,8 +246,8 @@ class PlateMesh(Meshed):
         Returns nodes [p, 4] and rows [p, 6, 4, 7]: three displacements and three rotations, global axes. The deflection
         follows the element's shape functions; motion in the plane, where the plate is rigid, is bilinear, exactly.
         """
-        column, xi, a = _cells_of(self.x, local[:, 0])
-        row, eta, b = _cells_of(self.y, local[:, 1])
+        column, xi, a = interval_of(self.x, local[:, 0])
+        row, eta, b = interval_of(self.y, local[:, 1])
         kind = self.part.element
         shapes = plate.interpolate(kind, a, b, xi, eta).reshape(len(local), 4, 4, plate.dofs_per_node(kind))
         linear = np.stack([(1 - xi) * (1 - eta), (1 - xi) * eta, xi * eta, xi * (1 - eta)], axis=1)
@@ -272,8 +279,8 @@ class PlateMesh(Meshed):
     def motion_at(self, places: Floats, tolerance: float) -> tuple[Integers, Floats]:
         """Off its mid-surface, places stand on its normals."""
         local = to_rectangle(self.part, self.axes, places)
-        snapped = [_snapped(local[:, i], lines, tolerance) for i, lines in enumerate((self.x, self.y))]
-        nodes, rows = self.rows(np.stack(snapped, axis=1))
+        on_lines = [snapped(local[:, i], lines, tolerance) for i, lines in enumerate((self.x, self.y))]
+        nodes, rows = self.rows(np.stack(on_lines, axis=1))
         height = float(local[:, 2].mean())
         return nodes, carried(rows, height * self.axes[2]) if abs(height) > tolerance else rows
 
@@ -345,8 +352,21 @@ class PlateMesh(Meshed):
             found = list(sides.values()) if item.edge == "all" else [sides[str(item.edge)]]
         return [(nodes, clamped, clamped[[0, 1, 2, 4 if along == 0 else 3]]) for nodes, along in found]
 
+    def spread(self, where: str, region: Region, tolerance: float, order: int) -> Spread:
+        box = region_box(where, self.name, self.part.size, region, tolerance)
+        local, weights = grid_points(self.x, self.y, region, box, tolerance, order)
+        per: Literal["length", "area"] = "area" if region.kind in ("whole", "rectangle") else "length"
+        return Spread(*self.rows(local), weights, per, region.kind)
+
+    def lines_across(self, along: Floats, origin: Floats) -> Floats:
+        cosines = self.axes[:2] @ along
+        own = int(np.argmax(np.abs(cosines)))
+        start = float((np.asarray(self.part.origin) - origin) @ along)
+        lines: Floats = start + np.sign(cosines[own]) * (self.x, self.y)[own]
+        return lines
+
     def drawn(self, divisions: int, along: int, n_nodes: int) -> Drawn:
-        x, y = (_divided(lines, divisions) for lines in (self.x, self.y))
+        x, y = (divided(lines, divisions) for lines in (self.x, self.y))
         local = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1).reshape(-1, 2)
         nodes, rows = self.rows(local)
         n = np.arange(len(local)).reshape(len(x), len(y))
@@ -358,58 +378,3 @@ class PlateMesh(Meshed):
 def plates_of(model: Model) -> list[PlateMesh]:
     """The plates of a model."""
     return [part for part in model.parts.values() if isinstance(part, PlateMesh)]
-
-
-def _cells_of(grid: Floats, places: Floats) -> tuple[Integers, Floats, Floats]:
-    """Interval of each place, where it lies in it from 0 to 1, and the length of the interval."""
-    index = np.clip(np.searchsorted(grid, places, side="right") - 1, 0, len(grid) - 2)
-    size = grid[index + 1] - grid[index]
-    return index, np.clip((places - grid[index]) / size, 0.0, 1.0), size
-
-
-def _snapped(values: Floats, grid: Floats, tolerance: float) -> Floats:
-    """The values, those within the tolerance of a grid line on it."""
-    index = np.clip(np.searchsorted(grid, values), 1, len(grid) - 1)
-    left, right = grid[index - 1], grid[index]
-    near = np.where(values - left < right - values, left, right)
-    return np.where(np.abs(near - values) <= tolerance, near, values)
-
-
-def _divided(grid: Floats, divisions: int) -> Floats:
-    steps = np.arange(divisions) / divisions
-    between = grid[:-1, None] + np.diff(grid)[:, None] * steps
-    return np.append(between.ravel(), grid[-1])
-
-
-def _refuse_many_cells(part: Plate) -> None:
-    """A mesh that fills the memory of most machines is stopped here: there, the system kills it without a word."""
-    cells = 1.0
-    for direction in (0, 1):
-        cells *= part.size[direction] / _cell_size(part, direction)
-    if cells > MOST_CELLS * (1.0 + 1e-9):
-        side = (part.size[0] * part.size[1] / MOST_CELLS) ** 0.5
-        raise InputError(
-            f"parts.{part.name}.mesh",
-            got=f"{cells:.3g} cells",
-            expected=f"at most {MOST_CELLS}",
-            do=f"use cells of {side:.2g} m or more",
-        )
-
-
-def _cell_size(part: Plate, direction: int) -> float:
-    where = f"parts.{part.name}.mesh"
-    side, mesh = part.size[direction], part.mesh
-    if isinstance(mesh, tuple):
-        if not 1 <= mesh[direction] <= MOST_DIVISIONS:
-            raise InputError(where, got=f"{mesh[direction]} divisions", expected=f"1 to {MOST_DIVISIONS}")
-        return side / mesh[direction]
-    if not mesh > 0:
-        raise InputError(where, got=f"{mesh:g} m", expected="a positive length")
-    if side > MOST_DIVISIONS * mesh * (1.0 + 1e-9):
-        raise InputError(
-            where,
-            got=f"{mesh:g} m, {side / mesh:.3g} divisions of a side of {side:g} m",
-            expected=f"at most {MOST_DIVISIONS} divisions",
-            do=f"use {side / MOST_DIVISIONS:.2g} m or more",
-        )
-    return mesh

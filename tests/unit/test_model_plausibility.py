@@ -15,11 +15,11 @@ from femstruct.model.section import Section, circle, rectangle, tube
 from femstruct.model.structure import Structure
 from femstruct.parts.block import Block
 from femstruct.parts.findings.overhang import overhang_findings
-from femstruct.parts.findings.plausibility import material_findings, plausibility_findings, sag_of
 from femstruct.parts.findings.theory import model_findings
 from femstruct.parts.foundation import Foundation
 from femstruct.parts.frame import Frame
 from femstruct.parts.plate import Plate
+from femstruct.parts.plausibility import material_findings, plausibility_findings, sag_of
 
 CONCRETE = Material("concrete", E=30e9, nu=0.2, rho=2400.0)
 STEEL = Material("steel", E=210e9, nu=0.3, rho=7850.0)
@@ -164,7 +164,7 @@ def test_a_floor_that_would_hang_through_is_told(name: str) -> None:
 
 def test_the_sag_of_a_strip_and_what_may_sag() -> None:
     q, D = 2400 * 9.80665 * 0.18, 30e9 * 0.18**3 / 12 / (1 - 0.2**2)
-    assert sag_of(SLAB) == pytest.approx(5 * q * 4.0**4 / (384 * D), rel=1e-12)
+    assert sag_of(CONCRETE, SLAB.thickness, 4.0) == pytest.approx(5 * q * 4.0**4 / (384 * D), rel=1e-12)
     soft = SOFT["E of a thousandth, timber"]
     mat = Foundation("bed", "deck", Region("whole"), 1e7)
     assert plausibility_findings([soft, mat]) == ()  # it lies on something

@@ -18,10 +18,10 @@ from femstruct.parts.findings.connections import pieces
 from femstruct.parts.findings.eccentric import eccentric_findings
 from femstruct.parts.findings.folded import folded_findings
 from femstruct.parts.findings.overhang import overhang_findings
-from femstruct.parts.findings.plausibility import material_findings, plausibility_findings
 from femstruct.parts.findings.theory import model_findings
 from femstruct.parts.findings.twice import twice_findings
 from femstruct.parts.findings.waves import mesh_findings
+from femstruct.parts.plausibility import material_findings, plausibility_findings
 from femstruct.study.structures import RodModel, StructureModel
 from femstruct.study.study import Study
 from femstruct.workflow.check.weight import falling, sags

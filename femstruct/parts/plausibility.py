@@ -1,24 +1,21 @@
 """Numbers that are physically possible, or nearly, and surely not meant: units that were forgotten or mistaken.
 
-All of it is judged by what materials, plates, bars and blocks there are; nothing needs a mesh. What cannot mean
+All of it is judged by what parts say of themselves (`Part.implausible`); nothing needs a mesh. What cannot mean
 anything at all is refused where it is written (`Material`, `Plate`, the schemas of the language).
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 
 import numpy as np
 
 from femstruct.conventions import GRAVITY
 from femstruct.errors import Finding
-from femstruct.model.grid.geometry import rectangle_axes
 from femstruct.model.material import DENSEST, Material
 from femstruct.model.part import Part
-from femstruct.parts.block import Block
-from femstruct.parts.foundation import Foundation
-from femstruct.parts.frame import Frame
-from femstruct.parts.plate import Plate
+from femstruct.model.region import Vector
+from femstruct.model.section import Section
 
 # sqrt(E / rho) [m/s]. M. F. Ashby, Materials Selection in Mechanical Design, chart of modulus and density: foams and
 # rubbers from 30 m/s on, gelatine (10 kPa) 3; beryllium 12.5 km/s, diamond 18 km/s.
@@ -41,19 +38,10 @@ SLIPS = (1e3, 1e-3, 1.0 / GRAVITY, 1e6, 1e-6, 1e9, 1e-9)  # 1 / g: a weight give
 
 def plausibility_findings(parts: Sequence[Part]) -> tuple[Finding, ...]:
     """Materials no solid has, plates and bars too thin, too thick or too soft, and blocks too light or too heavy."""
-    materials = {part.material.name: part.material for part in parts if isinstance(part, Plate | Frame)}
-    lying = {name for part in parts if isinstance(part, Foundation) for name in (part.on, part.to)}
-    found: list[Finding] = []
-    for material in materials.values():
-        found += material_findings(material)
-    for part in parts:
-        if isinstance(part, Plate):
-            found += _of_plate(part, lies=part.name in lying)
-        elif isinstance(part, Frame):
-            found += _of_frame(part)
-        elif isinstance(part, Block):
-            found += _of_block(part)
-    return tuple(found)
+    materials = {material.name: material for part in parts for material in part.materials()}
+    lying = {name for part in parts for name in part.bears()}
+    found = [finding for material in materials.values() for finding in material_findings(material)]
+    return (*found, *(finding for part in parts for finding in part.implausible(lies=part.name in lying)))
 
 
 def material_findings(material: Material) -> tuple[Finding, ...]:
@@ -109,53 +97,49 @@ def _length(value: float) -> str:
     return f"{value:.4g} m" if value >= 1.0 else f"{1e3 * value:.4g} mm"
 
 
-def _of_plate(part: Plate, lies: bool) -> list[Finding]:
-    """A film for a plate, or one that would hang through; lies : on an elastic layer, which carries it."""
-    side, h, material = min(part.size), part.thickness, part.material
+def thickness_findings(name: str, material: Material, h: float, side: float, hangs: bool) -> tuple[Finding, ...]:
+    """A film for a plate, or one that would hang through; h, side : thickness and shorter side [m]; hangs : whether it
+    lies flat on nothing."""
     if h < THINNEST * side:
         meant = _meant(h, lambda other: side / 300.0 <= other <= side / 5.0)
         asked = "" if meant is None else f". {_length(meant)}?"
-        return [
+        return (
             Finding(
                 "implausible-thickness",
-                f"{part.name}: {_length(h)} thick, 1/{side / h:.0f} of its shorter side of {_length(side)}: a foil, "
+                f"{name}: {_length(h)} thick, 1/{side / h:.0f} of its shorter side of {_length(side)}: a foil, "
                 f"which its tension would hold{asked}",
                 {"thickness_m": h, "side_m": side},
                 severe=True,
-            )
-        ]
-    flat = abs(float(rectangle_axes(part)[2, 2])) > np.sqrt(0.5)
-    sag = sag_of(part)
-    if not flat or lies or material.nu >= RUBBER or side / h > STOUT or sag <= SAGGING * side:
-        return []
-    return [
+            ),
+        )
+    sag = sag_of(material, h, side)
+    if not hangs or material.nu >= RUBBER or side / h > STOUT or sag <= SAGGING * side:
+        return ()
+    return (
         Finding(
             "implausible-stiffness",
-            f"{part.name}: {_length(h)} thick and simply supported over its shorter side of {_length(side)} it would "
+            f"{name}: {_length(h)} thick and simply supported over its shorter side of {_length(side)} it would "
             f"sag by {_length(sag)} under its own weight, {100 * sag / side:.0f} %; floors sag by 0.1 %. Check E "
             f"{_pressure(material.E)}, rho {material.rho:.4g} kg/m^3, the thickness and the size",
             {"sag_m": sag, "side_m": side},
             severe=True,
-        )
-    ]
+        ),
+    )
 
 
-def sag_of(part: Plate) -> float:
-    """Sag of a plate under its own weight over its shorter side, simply supported at both ends [m].
+def sag_of(material: Material, thickness: float, a: float) -> float:
+    """Sag of a plate under its own weight over a length a, simply supported at both ends [m].
 
     5 q a^4 / (384 D) with q = rho g h and D = E h^3 / 12 (1 - nu^2).
     """
-    material, a = part.material, min(part.size)
-    return 60.0 * (1.0 - material.nu**2) * material.rho * GRAVITY * a**4 / (384.0 * material.E * part.thickness**2)
+    return 60.0 * (1.0 - material.nu**2) * material.rho * GRAVITY * a**4 / (384.0 * material.E * thickness**2)
 
 
-def _of_frame(part: Frame) -> list[Finding]:
-    """A section that does not fit the lines it runs along, or itself."""
-    section = part.section
-    lines = [np.asarray(line, dtype=np.float64) for line in part.lines if len(line) > 1]
-    pieces = [np.linalg.norm(np.diff(line, axis=0), axis=1) for line in lines]
+def section_findings(name: str, section: Section, lines: Iterable[Sequence[Vector]]) -> tuple[Finding, ...]:
+    """A section that does not fit the lines it runs along [m], or itself."""
+    pieces = [np.linalg.norm(np.diff(np.asarray(line), axis=0), axis=1) for line in lines if len(line) > 1]
     if not pieces:
-        return []
+        return ()
     longest_piece = max(float(lengths.max()) for lengths in pieces)
     longest_line = max(float(lengths.sum()) for lengths in pieces)
     side, gyration = np.sqrt(section.A), np.sqrt(min(section.Iy, section.Iz) / section.A)
@@ -165,37 +149,37 @@ def _of_frame(part: Frame) -> list[Finding]:
     elif gyration < longest_piece / LONGEST_BAR:
         told = f"a radius of gyration of {gyration:.3g} m on a straight piece of {_length(longest_piece)}"
     else:
-        for name, moment in (("Iy", section.Iy), ("Iz", section.Iz)):
+        for axis, moment in (("Iy", section.Iy), ("Iz", section.Iz)):
             low, high = PROPORTIONS
             if not low <= moment / section.A**2 <= high:
                 told = (
-                    f"A {section.A:.4g} m^2 and {name} {moment:.4g} m^4, {moment / section.A**2:.3g} of A^2; a square "
+                    f"A {section.A:.4g} m^2 and {axis} {moment:.4g} m^4, {moment / section.A**2:.3g} of A^2; a square "
                     f"has 0.083, others {low:g} to {high:g}"
                 )
     if not told:
-        return []
-    return [
+        return ()
+    return (
         Finding(
             "implausible-section",
-            f"{part.name}: its section {section.name} has {told}. Plain numbers are m, m^2 and m^4",
+            f"{name}: its section {section.name} has {told}. Plain numbers are m, m^2 and m^4",
             {"area_m2": section.A, "radius_of_gyration_m": float(gyration), "length_m": longest_piece},
             severe=True,
-        )
-    ]
+        ),
+    )
 
 
-def _of_block(part: Block) -> list[Finding]:
-    """A rigid body denser than any solid, or lighter than what has a shape."""
-    density = part.mass / float(np.prod(part.size))
+def density_findings(name: str, mass: float, size: Vector) -> tuple[Finding, ...]:
+    """A rigid body [kg] in a box [m] denser than any solid, or lighter than what has a shape."""
+    density = mass / float(np.prod(size))
     if LIGHTEST_BLOCK <= density <= DENSEST:
-        return []
-    sides = " x ".join(f"{side:.4g}" for side in part.size)
-    return [
+        return ()
+    sides = " x ".join(f"{side:.4g}" for side in size)
+    return (
         Finding(
             "implausible-mass",
-            f"{part.name}: {part.mass:.4g} kg in {sides} m is {density:.3g} kg/m^3; solids and machines have "
+            f"{name}: {mass:.4g} kg in {sides} m is {density:.3g} kg/m^3; solids and machines have "
             f"{LIGHTEST_BLOCK:g} to {DENSEST:.0f}",
-            {"density_kg_m3": density, "mass_kg": part.mass},
+            {"density_kg_m3": density, "mass_kg": mass},
             severe=True,
-        )
-    ]
+        ),
+    )
