@@ -279,3 +279,5 @@ def test_what_is_no_room_is_refused():
         absorbing(0.99)
     with pytest.raises(AcousticsError, match="record longer"):
         reverberation_time(np.ones(100), 1e-3)
+    with pytest.raises(AcousticsError, match="got silence, expected a decay"):
+        reverberation_time(np.zeros(100), 1e-3)

@@ -13,7 +13,7 @@ from scipy.sparse.linalg import eigsh
 
 from femstruct.assembly.assemble import assemble
 from femstruct.assembly.dofs import number_dofs
-from femstruct.assembly.ties import eliminate
+from femstruct.assembly.ties import RANK, eliminate
 from femstruct.model.material import Material
 from femstruct.model.mesher import mesh_structure
 from femstruct.model.region import Region
@@ -217,6 +217,28 @@ def test_elimination_of_arbitrary_equations(seed: int) -> None:
     assert solved.E.shape == (40, 40 - rank)
     scale = max(1.0, np.abs(solved.E.toarray()).max()) * np.abs(dense).max()
     assert np.abs(dense @ solved.E.toarray()).max() <= 1e-10 * scale
+
+
+@pytest.mark.parametrize("unit", [1e-14, 1e14])
+def test_the_unit_of_an_equation_does_not_matter(unit: float) -> None:
+    random = np.random.default_rng(6)
+    dense = random.integers(-2, 3, (12, 20)).astype(float)
+    scaled = np.where(np.arange(12) % 2, 1.0, unit)[:, None] * dense
+    one, other = eliminate(csr_array(dense)), eliminate(csr_array(scaled))
+    assert np.array_equal(one.kept, other.kept) and np.array_equal(one.pivots, other.pivots)
+    assert np.abs((one.E - other.E).toarray()).max() <= 1e-12  # rounding of a dozen sums
+
+
+@pytest.mark.parametrize(("share", "rank"), [(0.3, 20), (3.0, 21)])
+def test_an_equation_is_redundant_by_its_share_of_the_largest(share: float, rank: int) -> None:
+    """20 equations repeated 20 times, one of them with a direction of its own of 6e-10 and 6e-9 of the longest column,
+    which has the length sqrt(400)."""
+    random = np.random.default_rng(7)
+    base = np.concatenate([np.ones((20, 1)), random.uniform(-0.5, 0.5, (20, 20))], axis=1)
+    equations = np.tile(base, (20, 1))
+    turned, _ = np.linalg.qr(base.T, mode="complete")
+    equations[0] += share * RANK * 20.0 * turned[:, -1]  # a direction that no other equation has
+    assert len(eliminate(csr_array(equations)).kept) == rank
 
 
 def test_plates_at_right_angles_have_six_rigid_motions() -> None:

@@ -121,4 +121,11 @@ def test_terminal_shows_intervals_and_findings() -> None:
     done = CliRunner().invoke(app, ["identify", str(STUDY), *options])
     assert done.exit_code == 0
     assert "95 % interval" in done.stdout
-    assert "residuals-not-noise" in done.stdout or "Neighbouring residuals" in done.stdout
+    table = json.loads(CliRunner().invoke(app, ["identify", str(STUDY), *options, "--json"]).stdout)
+    one = table["parameters"][STIFFNESS]
+    assert one["low"] < one["value"] < one["high"]
+    # five digits are shown, without zeros at their end
+    assert f"{one['value']:.5g}  {one['low']:.5g} .. {one['high']:.5g}" in done.stdout
+    assert [finding["code"] for finding in table["findings"]] == ["poor-fit", "residuals-not-noise"]  # a wrong damping
+    for finding in table["findings"]:
+        assert f"limits trust, {finding['code']}: {finding['message']}\n" in done.stdout

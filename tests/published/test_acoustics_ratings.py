@@ -105,6 +105,17 @@ def test_rubber_ball_of_table_d4():
     assert (rating.rating_db, rating.deciding_hz) == (55, 500.0)
 
 
+def test_a_weights_are_those_of_the_filter_as_printed():
+    """ISO 717-2 has the curve of IEC 61672-1, annex E, at the nominal frequencies, to the tenth of a decibel."""
+    bands = (50.0, 63.0, 80.0, 100.0, 125.0, 160.0, 200.0, 250.0, 315.0, 400.0, 500.0, 630.0)
+    squared = np.array(bands) ** 2
+    low, second, third, high = np.array([20.598997, 107.65265, 737.86223, 12194.217]) ** 2  # [Hz^2]
+    share = high * squared**2 / ((squared + low) * (squared + high))
+    weights = 10 * np.log10(share**2 / ((squared + second) * (squared + third))) + 2.0
+    assert dict(zip(bands, weights.round(1).tolist(), strict=True)) == A_THIRDS
+    assert {band: A_THIRDS[band] for band in (63.0, 125.0, 250.0, 500.0)} == A_OCTAVES
+
+
 def test_third_octaves_are_preferred_and_halves_are_rounded_up():
     level = 60.5 - 10 * np.log10(sum(10 ** (a / 10) for a in A_THIRDS.values())) + 1e-9
     rating = heavy_impact_level({**dict.fromkeys(A_THIRDS, level), 10_000.0: 200.0})

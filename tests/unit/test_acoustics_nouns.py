@@ -27,6 +27,7 @@ from acoustics import (
     sound_levels,
     third_octave_bands,
 )
+from acoustics.rooms.cosine_orders import band_orders
 
 BOX = Room([0.58, 0.47, 0.1], Air(340, 1.29), losses_from_beta(0.0116, 293))
 MIC = Receiver("mic", [0.2, 0.3, 0.05])
@@ -141,6 +142,12 @@ def test_orders_are_added_until_they_do_not_matter():
     assert np.abs(chosen - many).max() < 1e-4 * np.abs(many).max()
     codes = {finding.code for finding in pressure(tilt, BOX, [Receiver("at", [0.2, 0.2, 0.1])], orders=4).findings}
     assert "orders-truncated" in codes
+
+
+@pytest.mark.parametrize(("highest_hz", "orders"), [(100.0, (4, 4)), (300.0, (5, 4)), (2000.0, (10, 9))])
+def test_orders_of_a_band_are_those_that_propagate_and_three_more(highest_hz, orders):
+    """Cosine l propagates above l c / (2 L): across 0.58 m from 0, 293, 586 .. Hz, across 0.47 m from 0, 362, 723 .."""
+    assert band_orders(BOX, highest_hz) == orders
 
 
 def test_advice_on_the_record():

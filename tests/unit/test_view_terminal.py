@@ -28,6 +28,12 @@ MODES = {
 }
 
 
+def table(result, begins):
+    """The table of a study whose title begins so."""
+    (found,) = (grid for grid in terminal.study_tables(result) if grid.title.startswith(begins))
+    return found
+
+
 @pytest.mark.parametrize("width", [36, 50, 200])  # the narrowest holds the name of a row and one cell
 def test_no_cell_is_broken(width):
     grid = Grid("peaks", ("", *(f"case {i}" for i in range(5))))
@@ -117,7 +123,7 @@ def test_of_many_receivers_two_are_told_and_the_others_counted():
         name: replace(beside, modes_db={one: {1: 3.0} for one in (*names, f"{room}.mic pressure")})
         for name, beside in result.comparison.cases.items()
     }
-    grid = terminal._modes_db(replace(result, cases=cases, comparison=replace(result.comparison, cases=others)))
+    grid = table(replace(result, cases=cases, comparison=replace(result.comparison, cases=others)), "attenuation")
     told = [row[0] for row in grid.rows if row[0].endswith("pressure")]
     assert told == [f"{room}.mic pressure", f"{room}.a pressure"]
     assert grid.title.endswith("(3 more receivers in summary.json)")
@@ -138,7 +144,7 @@ def test_an_acceleration_is_told_where_no_velocity_is():
 def test_without_contacts_there_is_no_first_impact():
     result = BY_HAND["study_by_hand"]()
     cases = {name: replace(case, response=replace(case.response, contacts={})) for name, case in result.cases.items()}
-    grid = terminal._peaks(replace(result, cases=cases))
+    grid = table(replace(result, cases=cases), "peaks")
     assert grid.title == "peaks: whole window (no filter)"
     assert not any("/" in cell for row in grid.rows for cell in row[1:])
-    assert "first impact / whole" in terminal._peaks(result).title
+    assert "first impact / whole" in table(result, "peaks").title
