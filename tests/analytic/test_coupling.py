@@ -299,6 +299,28 @@ def test_rigid_modes_and_forces_of_the_ground() -> None:
         with_cavity(piston(), underside(), box(), name="hall")
 
 
+@pytest.mark.parametrize("resistance", [500.0, 2000.0])
+def test_damping_between_modes_is_weighed_beside_rigid_ones(resistance: float) -> None:
+    """A free mass over a leaking column floats as a whole: what the leak's resistance between the modes makes of the
+    motion, against the responses by the whole matrix of damping and by its diagonal, at the resonances."""
+    free, _ = oscillator(MASS, frequency_hz=0.0, axis="z")
+    leaking = Leak(20.0, resistance)
+    basis = with_cavity(free, underside(), box(LOSSES["kelvin-voigt"]), leak=leaking, up_to_hz=1000.0)
+    assert basis.n_rigid == 1
+    (told,) = [finding.values for finding in basis.findings if finding.code == "two-way-coupling"]
+    shape = basis.shapes[0, 2]
+
+    def motion(damping: np.ndarray) -> np.ndarray:
+        elastic = basis.omega[basis.n_rigid :]
+        systems = np.array([np.diag(basis.omega**2 - at**2) + 1j * at * damping for at in elastic])
+        return np.linalg.solve(systems, np.broadcast_to(shape, (len(elastic), len(shape)))[..., None])[..., 0] @ shape
+
+    alone = motion(np.diag(np.diag(basis.viscous)))
+    share = np.linalg.norm(motion(basis.viscous) - alone) / np.linalg.norm(alone)
+    assert 0.01 < share < 0.1
+    assert told["damping_between_modes"] == pytest.approx(share, rel=share)  # it is of first order
+
+
 def test_two_rooms_in_either_order() -> None:
     """Two boxes on one piston: the exact equation with both columns, whichever is coupled first."""
     low, high = box(), box(height=0.25)
