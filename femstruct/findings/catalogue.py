@@ -9,13 +9,13 @@ from typing import Final, Protocol, TypeVar
 
 from femstruct.errors import InputError
 from femstruct.findings.entry import FORBIDS, LIMITS, Entry, Rank
-from femstruct.findings.impact import IMPACT
-from femstruct.findings.levels import LEVELS
-from femstruct.findings.modes import MODES
-from femstruct.findings.open_air import OPEN_AIR
-from femstruct.findings.rooms import ROOMS
-from femstruct.findings.structure import STRUCTURE
-from femstruct.findings.study import STUDY
+from femstruct.findings.impact_entries import IMPACT
+from femstruct.findings.level_entries import LEVELS
+from femstruct.findings.mode_entries import MODES
+from femstruct.findings.open_air_entries import OPEN_AIR
+from femstruct.findings.room_entries import ROOMS
+from femstruct.findings.structure_entries import STRUCTURE
+from femstruct.findings.study_entries import STUDY
 
 SUBJECTS: Final[Mapping[str, tuple[Entry, ...]]] = MappingProxyType(
     {

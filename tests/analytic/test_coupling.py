@@ -39,7 +39,7 @@ from femstruct.model.probe import Surface
 from femstruct.model.structure import Structure
 from femstruct.sound.surface import heard, pressure_per_force, surface_velocity
 from femstruct.sound.two_way import with_cavity
-from femstruct.workflow.stages.air import static_stiffness
+from femstruct.workflow.stages.coupled_air import static_stiffness
 
 C, RHO, LX, LY, L = 340.0, 1.29, 0.58, 0.47, 0.1
 S, V, MASS, STIFFNESS = LX * LY, LX * LY * L, 29.68, 4.641e5

@@ -15,7 +15,7 @@ from femstruct.modal.damping import with_damping
 from femstruct.sound.surface import pressure_per_force
 from femstruct.sound.two_way import with_cavity
 from femstruct.workflow.judgement.meeting import floating, meeting_findings, meetings, mode_pairs
-from femstruct.workflow.stages.air import ceiling
+from femstruct.workflow.stages.coupled_air import ceiling
 from femstruct.workflow.stages.modal_bases import solve_all
 
 MODEL = """

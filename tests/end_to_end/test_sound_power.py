@@ -17,7 +17,7 @@ from femstruct.language import read_study
 from femstruct.sound.surface import pressure_per_force
 from femstruct.study.result import CaseResult, StudyResult
 from femstruct.view.figures.plots import figures
-from femstruct.view.figures.power import room_directivity, sound_energy
+from femstruct.view.figures.power_figures import room_directivity, sound_energy
 from femstruct.view.report import report
 from femstruct.view.tables.terminal import study_tables
 from femstruct.workflow.check.inspect import inspect_file

@@ -14,8 +14,8 @@ import pytest
 from femstruct.impact.batch.batch_march import run_many
 from femstruct.impact.collocation.collocate import state_at_start
 from femstruct.impact.collocation.collocation_march import march
+from femstruct.impact.compiled.byte_layout import Matrix, Vector, laid_out, layout_of
 from femstruct.impact.compiled.kernels import Unit, kernels_of, unit, units_called
-from femstruct.impact.compiled.layout import Matrix, Vector, laid_out, layout_of
 from femstruct.impact.engine.needed_units import ALL
 from femstruct.impact.engine.sampling import room_for
 from femstruct.impact.engine.system import compile_scene

@@ -13,8 +13,8 @@ import numpy as np
 from femstruct.arrays import Floats
 from femstruct.impact.collocation.attempt import Room
 from femstruct.impact.collocation.collocation_march import march
+from femstruct.impact.compiled.byte_layout import Counts, Matrix, Vector
 from femstruct.impact.compiled.kernels import kernel, unit
-from femstruct.impact.compiled.layout import Counts, Matrix, Vector
 from femstruct.impact.engine.booking import DONE
 from femstruct.impact.engine.closings import CLOSES
 from femstruct.impact.engine.energy import TIME

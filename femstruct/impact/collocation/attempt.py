@@ -7,8 +7,8 @@ from typing import NamedTuple
 import numpy as np
 
 from femstruct.impact.collocation.events import strays, watch
+from femstruct.impact.compiled.byte_layout import Matrix, Vector
 from femstruct.impact.compiled.kernels import unit
-from femstruct.impact.compiled.layout import Matrix, Vector
 from femstruct.impact.engine.gauss_points import STAGES, Rule
 from femstruct.impact.engine.instant_forces import State
 from femstruct.impact.engine.modal_tables import Tables

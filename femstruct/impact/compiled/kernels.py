@@ -19,7 +19,7 @@ from types import CodeType, FunctionType
 from typing import Any, Final, Generic, ParamSpec, TypeVar, get_type_hints
 
 from femstruct.arrays import Floats
-from femstruct.impact.compiled.layout import Slot, laid_out, slot_of
+from femstruct.impact.compiled.byte_layout import Slot, laid_out, slot_of
 
 F = TypeVar("F", bound=Callable[..., object])
 P = ParamSpec("P")
@@ -161,7 +161,7 @@ def _code(code: CodeType) -> bytes:
 def _surroundings() -> str:
     """Versions, processor, and the text of what translates."""
     here = Path(__file__).parent
-    texts = [(here / name).read_bytes() for name in ("layout.py", "translate.py")]
+    texts = [(here / name).read_bytes() for name in ("byte_layout.py", "translate.py")]
     versions = [version(package) for package in ("numba", "llvmlite", "numpy")]
     return repr((sys.version_info[:3], platform.machine(), _processor(), LEVEL, versions, texts))
 

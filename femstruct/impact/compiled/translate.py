@@ -34,8 +34,8 @@ from numba.extending import (
 from numba.np.arrayobj import populate_array
 
 from femstruct.errors import FemstructError
+from femstruct.impact.compiled.byte_layout import Layout, Slot
 from femstruct.impact.compiled.kernels import LEVEL, MARK, Unit, call_at, kernels_of, units_called
-from femstruct.impact.compiled.layout import Layout, Slot
 
 OPTIONS: Final[dict[str, Any]] = {"error_model": "numpy", "_nrt": False}
 INNER: Final[dict[str, Any]] = {**OPTIONS, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}

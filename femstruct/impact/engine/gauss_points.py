@@ -10,7 +10,7 @@ import numpy as np
 from numpy.polynomial import legendre
 
 from femstruct.arrays import Floats
-from femstruct.impact.compiled.layout import Cube, Matrix, Vector
+from femstruct.impact.compiled.byte_layout import Cube, Matrix, Vector
 
 STAGES = 8
 POINTS = STAGES + 1  # the Gauss points and the end of the step

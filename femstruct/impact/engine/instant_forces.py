@@ -7,8 +7,8 @@ from typing import NamedTuple
 import numpy as np
 
 from femstruct.arrays import Floats
+from femstruct.impact.compiled.byte_layout import Counts, Vector
 from femstruct.impact.compiled.kernels import kernel, summing
-from femstruct.impact.compiled.layout import Counts, Vector
 from femstruct.impact.engine.records import CONSTANT, HALF_SINE, LINK, System
 from femstruct.impact.laws.dispatch import force as force_of
 

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from femstruct.arrays import Floats
-from femstruct.impact.compiled.layout import Cube, Floats4, Floats5, Floats6
+from femstruct.impact.compiled.byte_layout import Cube, Floats4, Floats5, Floats6
 from femstruct.impact.engine.gauss_points import PLACES, POINTS, STAGES, TERMS, Rule
 from femstruct.impact.engine.records import System
 

@@ -11,8 +11,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from femstruct.impact.compiled.byte_layout import Counts, Cube, Matrix, Vector
 from femstruct.impact.compiled.kernels import kernel
-from femstruct.impact.compiled.layout import Counts, Cube, Matrix, Vector
 from femstruct.impact.engine.dense import solve_dense
 from femstruct.impact.engine.gauss_points import PLACES, POINTS, STAGES, Rule
 from femstruct.impact.engine.instant_forces import CLOSED, ROUNDING, State, dot, law, load_at, net_force

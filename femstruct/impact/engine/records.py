@@ -7,7 +7,7 @@ from typing import Annotated, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from femstruct.impact.compiled.layout import Counts, Matrix, Vector
+from femstruct.impact.compiled.byte_layout import Counts, Matrix, Vector
 
 LINK = -1  # kind of an interface that is no contact
 CONSTANT, HALF_SINE, TABLE = 0, 1, 2  # kinds of loads

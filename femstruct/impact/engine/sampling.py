@@ -7,8 +7,8 @@ from typing import NamedTuple
 import numpy as np
 
 from femstruct.arrays import Floats
+from femstruct.impact.compiled.byte_layout import Counts, CountTable, Cube, Matrix, Vector
 from femstruct.impact.compiled.kernels import kernel, unit
-from femstruct.impact.compiled.layout import Counts, CountTable, Cube, Matrix, Vector
 from femstruct.impact.engine.energy import ledger_width
 from femstruct.impact.engine.gauss_points import PLACES, POINTS, STAGES, Rule
 from femstruct.impact.engine.instant_forces import CLOSED, State, copy_to, law, load_at, net_force

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.polynomial import legendre
 
 from femstruct.arrays import Floats
-from femstruct.impact.compiled.layout import Counts, CountTable, Matrix, Vector
+from femstruct.impact.compiled.byte_layout import Counts, CountTable, Matrix, Vector
 from femstruct.impact.engine.records import System
 
 ORDER = 26  # of the power series of a step

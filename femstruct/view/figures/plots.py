@@ -13,7 +13,7 @@ from femstruct.view.figures.drawing import save
 from femstruct.view.figures.histories import contact_forces, energy, history, travels
 from femstruct.view.figures.loudness import levels_over_time, rated_bands
 from femstruct.view.figures.maps import pressure_maps
-from femstruct.view.figures.power import power_directivity, room_directivity, sound_energy, sound_power
+from femstruct.view.figures.power_figures import power_directivity, room_directivity, sound_energy, sound_power
 from femstruct.view.figures.spectra import frequency_response, sound
 from femstruct.view.figures.struck_sound import own_sounds
 from femstruct.view.figures.vibration import spectrum

@@ -34,8 +34,8 @@ from femstruct.workflow.judgement.blank_bands import blanks_before
 from femstruct.workflow.judgement.impact_findings import room_findings
 from femstruct.workflow.judgement.study_findings import study_findings
 from femstruct.workflow.run.provenance import Progress
-from femstruct.workflow.stages.air import ceiling
 from femstruct.workflow.stages.channels import refuse_absent_forces
+from femstruct.workflow.stages.coupled_air import ceiling
 from femstruct.workflow.stages.modal_bases import Meshed, Solved, key_of, meshed, solve
 from femstruct.workflow.stages.places import Places
 from femstruct.workflow.stages.positions import positioned

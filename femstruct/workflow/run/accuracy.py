@@ -22,8 +22,8 @@ from femstruct.parts.findings.waves import CELLS_PER_WAVE, carried_hz
 from femstruct.study.result import AccuracyCheck, Deviation
 from femstruct.study.structures import BeamModel, RodModel
 from femstruct.study.study import AccuracyRule, Case, Extent
-from femstruct.workflow.stages.air import coupled
 from femstruct.workflow.stages.channels import UNITS, closings, first_window, in_band, record
+from femstruct.workflow.stages.coupled_air import coupled
 from femstruct.workflow.stages.modal_bases import Solved, damped, key_of, solve
 from femstruct.workflow.stages.staging import scene
 

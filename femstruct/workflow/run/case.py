@@ -25,8 +25,8 @@ from femstruct.workflow.judgement.study_findings import study_findings
 from femstruct.workflow.run.accuracy import accuracy_findings
 from femstruct.workflow.run.provenance import Stopwatch
 from femstruct.workflow.run.struck import Struck, strike, told_once
-from femstruct.workflow.stages.air import ceiling, coupled, coupled_key, weight_on_air
 from femstruct.workflow.stages.channels import motion_rows, record, refuse_absent_forces
+from femstruct.workflow.stages.coupled_air import ceiling, coupled, coupled_key, weight_on_air
 from femstruct.workflow.stages.modal_bases import Solved, damped
 from femstruct.workflow.stages.peaks import peak_findings
 from femstruct.workflow.stages.places import Places

@@ -19,7 +19,7 @@ from femstruct.workflow.run.accuracy import hold_accuracy
 from femstruct.workflow.run.case import run_case
 from femstruct.workflow.run.needed_kernels import expected_units
 from femstruct.workflow.run.provenance import Progress, Stopwatch, provenance
-from femstruct.workflow.stages.air import coupled
+from femstruct.workflow.stages.coupled_air import coupled
 from femstruct.workflow.stages.fingerprint import fingerprint
 from femstruct.workflow.stages.modal_bases import Solved, changes_damping, key_of, solve_all
 from femstruct.workflow.stages.peaks import change_findings

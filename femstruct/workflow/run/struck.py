@@ -29,7 +29,7 @@ from femstruct.study.study import Study, TimePlan
 from femstruct.workflow.judgement.impact_findings import impact_findings, room_findings, sampled_findings
 from femstruct.workflow.judgement.source_findings import source_findings, walking_findings
 from femstruct.workflow.run.needed_kernels import units_of
-from femstruct.workflow.stages.air import ceiling
+from femstruct.workflow.stages.coupled_air import ceiling
 from femstruct.workflow.stages.places import Places
 from femstruct.workflow.stages.rated_rooms import band_levels, blows_of, method_for
 from femstruct.workflow.stages.room_transfers import RoomTransfers

@@ -17,7 +17,7 @@ from femstruct.sound.power import power_per_force
 from femstruct.sound.surface import pressure_per_force
 from femstruct.study.result import Frf
 from femstruct.study.study import FrfRequest, RoomPlan, Spot
-from femstruct.workflow.stages.air import ceiling
+from femstruct.workflow.stages.coupled_air import ceiling
 from femstruct.workflow.stages.places import Places
 
 

@@ -8,7 +8,7 @@ from femstruct.errors import Finding
 from femstruct.impact.result.response import Response
 from femstruct.sound.power import Radiated, not_taken, radiated_by
 from femstruct.study.study import Study
-from femstruct.workflow.stages.air import ceiling
+from femstruct.workflow.stages.coupled_air import ceiling
 from femstruct.workflow.stages.places import Places
 
 

@@ -18,7 +18,7 @@ from femstruct.impact.result.response import Response
 from femstruct.sound.impactor import moved_advice, sphere_of
 from femstruct.study.result import OwnSound
 from femstruct.study.study import PlacedBody, RoomPlan, Study
-from femstruct.workflow.stages.air import ceiling
+from femstruct.workflow.stages.coupled_air import ceiling
 from femstruct.workflow.stages.places import Places
 
 

@@ -103,7 +103,7 @@ ROOMS: Final = (
         LIMITS,
         "a body ends at rest and the air adds more than the threshold to the static stiffness",
         "Give the room a 'leak', or do not quote the position at rest.",
-        (Limit(0.05, "% of the weight", "less does not change a sag visibly", CHOSEN, "stages.air.CARRIED"),),
+        (Limit(0.05, "% of the weight", "less does not change a sag visibly", CHOSEN, "coupled_air.CARRIED"),),
     ),
     Entry(
         "room-modes-missing",
