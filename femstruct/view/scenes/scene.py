@@ -118,7 +118,7 @@ def picture_model(model: Model | None, rooms: Sequence[RoomPlan], path: str | Pa
         own = fine.part_of_point == number
         mesh = _mesh(fine, fine.points, own)
         colour = PART_COLOURS[number % len(PART_COLOURS)]
-        solid = len(model.parts[name].drawn(1, 1, model.mesh.n_nodes).quads) > 0
+        solid = bool(own[fine.quads[:, 0]].any())
         look = {"opacity": 0.75, "show_edges": True, "edge_color": "#8a8a8a"} if solid else {"line_width": 5}
         plotter.add_mesh(mesh, color=colour, label=name, **look)
     add_labels(plotter, model, rooms)
