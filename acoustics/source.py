@@ -93,7 +93,7 @@ def on_ceiling(surface: SurfaceVelocity, room: Room) -> None:
             "surface.weights",
             got=f"a sum of {surface.area:g} m^2",
             expected=f"at most the ceiling, {room.ceiling_area:g} m^2",
-            do="give each point the area it stands for",
+            do="give each point its share of the area",
         )
 
 
@@ -110,4 +110,4 @@ def alike(surfaces: Sequence[SurfaceVelocity]) -> None:
             np.array_equal(getattr(first, word), getattr(other, word)) for word in ("points", "weights", "shapes")
         )
         if not same or other.dt != first.dt or other.rates.shape != first.rates.shape:
-            raise AcousticsError("surfaces", got="surfaces that differ", expected="motions of one ceiling")
+            raise AcousticsError("surfaces", got="surfaces that differ", expected="the same ceiling")

@@ -48,8 +48,8 @@ BALL: Final = "rubber ball"
 BANG_MACHINE: Final = "bang machine"
 TAPPING_MACHINE: Final = "tapping machine"
 _SILENCE_DB: Final = -200.0  # of a band that is not known, for the least that a number can be
-_NOT_FOUND: Final = "was not found in a source that can be read and checked"
-_OF_BALL: Final = f"what it makes of a rubber ball {_NOT_FOUND}: write {RATING}"
+_NOT_FOUND: Final = "has no accessible source to check it against"
+_OF_BALL: Final = f"its rating of a rubber ball {_NOT_FOUND}: write {RATING}"
 _REFUSED: Final = {  # (standard, source): (expected, why)
     (GRADES, BALL): ("a bang machine or a tapping machine", _OF_BALL),
     (INVERSE, BALL): ("a bang machine", _OF_BALL),
@@ -170,7 +170,7 @@ def method_of(standards: Sequence[str], blows: Blows = "heavy") -> Method:
             "levels",
             got=f"{in_thirds[0]}, in third octaves, with {in_octaves[0]}, in octaves",
             expected="standards of the same bands",
-            do="add a second room of the same size at the same place for the other",
+            do="for the other, add a second room of the same size at the same place",
         )
     if blows == "tapping":
         refuse_source(wanted, TAPPING_MACHINE)
@@ -260,7 +260,9 @@ def _by_octaves(standards: tuple[str, ...], blows: Blows) -> Method:
 def _a_weighted(places_db: Floats) -> SingleNumber:
     found = heavy_impact_level(dict(zip(A_THIRDS, energy_average(places_db).tolist(), strict=True)))
     curve = equal_parts(found.unrounded_db)
-    return SingleNumber(float(found.rating_db), found.unrounded_db, found.deciding_hz, curve, "equal parts of it")
+    return SingleNumber(
+        float(found.rating_db), found.unrounded_db, found.deciding_hz, curve, "equal shares of all bands"
+    )
 
 
 def _weighted(places_db: Floats) -> SingleNumber:
@@ -271,7 +273,7 @@ def _weighted(places_db: Floats) -> SingleNumber:
         finely.weighted_db,
         found.deciding_hz,
         shifted_curve(found.weighted_db),
-        "reference curve, shifted to it",
+        "shifted reference curve",
         {"C_I": found.adaptation_db},
     )
 
@@ -293,7 +295,7 @@ def _inverse_a(places_db: Floats) -> SingleNumber:
     levels = dict(zip(HEAVY_OCTAVES, _arithmetic(places_db).tolist(), strict=True))
     found, finely = inverse_a_level(levels), inverse_a_level(levels, step_db=0.1)
     curve = inverse_a_curve(found.level_db)
-    return SingleNumber(found.level_db, finely.level_db, found.deciding_hz, curve, "inverse A curve, shifted to it")
+    return SingleNumber(found.level_db, finely.level_db, found.deciding_hz, curve, "shifted inverse A curve")
 
 
 def _standardised(levels_db: Mapping[float, float], volume: float, t60_s: Mapping[float, float]) -> dict[float, float]:

@@ -202,7 +202,7 @@ def rate_room(
     between = [band for drop in levels_db for one in drop for band in one if band not in _OCTAVES]
     if method.fraction == 1 and between:
         got = f"a level at {between[0]:g} Hz, of third octaves"
-        raise AcousticsError("levels", got=got, expected="octaves", do="give octaves that were filtered as such")
+        raise AcousticsError("levels", got=got, expected="octaves", do="filter the pressure in octaves")
     missing = [band for band in bands if any(band not in one for drop in levels_db for one in drop)]
     if missing:
         raise AcousticsError("levels", got=f"nothing at {missing[0]:g} Hz", expected="all bands", do="sample faster")

@@ -144,8 +144,8 @@ def _unsettled(record_s: float, centres: Mapping[float, float]) -> tuple[Advice,
     return (
         Advice(
             "band-not-settled",
-            f"the record of {record_s:.3g} s is shorter than the ringing of the third octaves up to "
-            f"{max(unsettled):g} Hz; believe them only if the sound begins and ends within it",
+            f"the record of {record_s:.3g} s is shorter than the decay of the third-octave filters up to "
+            f"{max(unsettled):g} Hz; use these bands only if the sound begins and ends within the record",
             {"record_s": record_s, "highest_hz": max(unsettled), "needed_s": ringing_time(centres[min(unsettled)])},
         ),
     )

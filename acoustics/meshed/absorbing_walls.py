@@ -46,7 +46,8 @@ def coupled_walls(coupled: float) -> Advice:
     """Advice ``coupled-absorption``: modes are damped one by one where walls couple them."""
     return Advice(
         "coupled-absorption",
-        f"walls couple two modes by {coupled:.2g} of the distance of their frequencies, above {COUPLED:g}; "
-        "with absorption that depends on frequency each mode is damped by itself, which is then rough",
+        f"the walls couple two room modes by {coupled:.2g} of the distance of their frequencies; {COUPLED:g} is "
+        "allowed. "
+        "The absorption depends on frequency, so each mode is damped separately, which is then a rough approximation",
         {"coupling": coupled, "allowed": COUPLED},
     )

@@ -65,7 +65,7 @@ class CavityMesh:
             raise AcousticsError(
                 "cavity.cells",
                 got=f"a volume of {sizes.min():.3g} m^3 at the first corner of cell {sizes.argmin()}",
-                expected="cells with volume, corners in the order of VTK",
+                expected="cells with a positive volume, corners in the order of VTK",
             )
         for name in walls:
             self.facets(name)
@@ -73,7 +73,7 @@ class CavityMesh:
         if rooms > 1:
             raise AcousticsError(
                 "cavity.cells",
-                got=f"{rooms} bodies of air that share no corner",
+                got=f"{rooms} separate volumes of air",
                 expected="one room",
                 do="join their points, or give each a mesh of its own",
             )

@@ -86,7 +86,9 @@ def cavity_modes(mesh: CavityMesh, up_to: float) -> CavityModes:
         if found == wanted:
             break
     else:
-        raise AcousticsError("cavity modes", got=f"{found} modes", expected=f"{wanted} by the count", do="change up_to")
+        raise AcousticsError(
+            "cavity modes", got=f"{found} modes", expected=f"{wanted} by the inertia count", do="change up_to"
+        )
     squared[0] = 0.0
     largest = shapes[np.abs(shapes).argmax(axis=0), np.arange(shapes.shape[1])]
     shapes = shapes * np.sign(largest) * np.sqrt(mesh.volume)
@@ -258,4 +260,4 @@ def _count_below(K: csc_array, M: csc_array, limit: float) -> int:
         pivots = factor.U.diagonal()
         if (factor.perm_r == factor.perm_c).all() and np.abs(pivots).min() > 1e-12 * np.abs(pivots).max():
             return int(np.count_nonzero(pivots < 0))
-    raise AcousticsError("up_to", got="a frequency at which the pivots cannot be counted", do="move it a little")
+    raise AcousticsError("up_to", got="a frequency at which the pivots cannot be counted", do="change it slightly")

@@ -227,7 +227,7 @@ def _limits(highest_hz: float, modes: CavityModes, air: Air) -> tuple[Advice, ..
             Advice(
                 "room-modes-missing",
                 f"the surface moves up to {highest_hz:.4g} Hz, the modes of the room end at {complete_hz:.4g} Hz; "
-                "above it only their answer at rest is there",
+                "above, only the static response of the room is included",
                 {"source_highest_hz": highest_hz, "complete_below_hz": complete_hz},
             )
         )
@@ -237,8 +237,9 @@ def _limits(highest_hz: float, modes: CavityModes, air: Air) -> tuple[Advice, ..
         found.append(
             Advice(
                 "room-mesh-coarse",
-                f"a wave at {top_hz:.4g} Hz has {per_wave:.1f} cells of {modes.mesh.largest_cell:.3g} m, "
-                f"{CELLS_PER_WAVE:g} are needed for 0.1 % in frequency",
+                f"the mesh has {per_wave:.1f} cells of {modes.mesh.largest_cell:.3g} m for a wavelength at "
+                f"{top_hz:.4g} Hz; "
+                f"{CELLS_PER_WAVE:g} are needed for an error of 0.1 % in frequency",
                 {"cells_per_wave": per_wave, "needed": CELLS_PER_WAVE},
             )
         )

@@ -37,7 +37,7 @@ def cut_box(size: Floats, up_to_hz: float, air: Air) -> CavityMesh:
         raise AcousticsError(
             "up_to_hz",
             got=f"{up_to_hz:g} Hz, for which the room is cut into {np.prod(cells)} cells",
-            expected=f"some {0.95 * share * up_to_hz:.0f} Hz or less, for {MOST_CELLS} cells at most",
+            expected=f"about {0.95 * share * up_to_hz:.0f} Hz or less, for {MOST_CELLS} cells at most",
         )
     mesh = box_mesh([float(side) for side in size], cells)
     names = {"z0": "floor", "z1": "ceiling"}
@@ -78,14 +78,14 @@ class ShapedRoom:
             raise AcousticsError(
                 "ceiling",
                 got=f"'{self.ceiling}', {heights.min():g} to {heights.max():g} m high",
-                expected="a level wall",
+                expected="a horizontal wall",
             )
         if isinstance(self.walls.get(self.ceiling), YieldingWall):
             raise AcousticsError(
                 f"walls.{self.ceiling}",
-                got="a wall that yields, which is the ceiling",
+                got="a compliant wall that is the ceiling",
                 expected="another wall",
-                do="the ceiling moves as its structure does",
+                do="remove it: the ceiling moves with its structure",
             )
         asked = self.carried_hz if self.up_to_hz is None else positive("up_to_hz", self.up_to_hz, "Hz")
         freeze(self, walls=MappingProxyType(dict(self.walls)), up_to_hz=asked)

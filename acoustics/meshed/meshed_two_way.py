@@ -16,7 +16,7 @@ from acoustics.meshed.walls import YieldingWall
 from acoustics.meshed.yielding_walls import WallMotion, wall_motion
 from acoustics.rooms.box_two_way import MOST, CoupledAir, joined
 
-HELD: Final = "a stiffness above 0 with two-way coupling: something holds the wall in place"
+HELD: Final = "a stiffness above 0, as two-way coupling needs"
 
 
 def coupled_cavity(room: ShapedRoom, points: Floats, weights: Floats, shapes: Floats, up_to_hz: float) -> CoupledAir:
@@ -58,7 +58,7 @@ def coupled_cavity(room: ShapedRoom, points: Floats, weights: Floats, shapes: Fl
     motion = wall_motion(replace(modes, wavenumber=modes.wavenumber[kept], shapes=low), room.walls)
     for name, wall in room.walls.items():
         if isinstance(wall, YieldingWall) and wall.stiffness == 0:
-            raise AcousticsError(f"walls.{name}", got="a wall that yields without a stiffness", expected=HELD)
+            raise AcousticsError(f"walls.{name}", got="a compliant wall without stiffness", expected=HELD)
     loads = np.hstack([loads, motion.loads])
     displaced = modes.shapes.T @ loads
     slow = displaced[~kept] / modes.wavenumber[~kept, None]

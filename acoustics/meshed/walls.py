@@ -94,7 +94,7 @@ class YieldingWall:
                 "wall",
                 got="neither mass nor stiffness",
                 expected="one of them",
-                do="a resistance alone is an impedance",
+                do="give a wall with a resistance only as an impedance",
             )
 
 
@@ -130,7 +130,7 @@ def _admittance(alpha: float) -> float:
     most = random_incidence_absorption(1 / _RESISTANCE_OF_MOST)
     if not 0 <= alpha <= most:
         raise AcousticsError(
-            "absorption", got=f"{alpha:g}", expected=f"0 to {most:.3f}, the most of a locally reacting resistance"
+            "absorption", got=f"{alpha:g}", expected=f"0 to {most:.3f}, the largest of a locally reacting resistance"
         )
     if alpha == 0:
         return 0.0

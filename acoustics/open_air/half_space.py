@@ -186,9 +186,10 @@ def spacing_advice(
         found.append(
             Advice(
                 "surface-points-coarse",
-                f"a wave in air at {highest_hz:.4g} Hz is {space.air.c / highest_hz:.3g} m long and the points of the "
-                f"surface are {apart:.3g} m apart, {space.air.c / highest_hz / apart:.1f} to a wave where "
-                f"{POINTS_PER_WAVE:g} are needed: use a finer mesh",
+                f"the wavelength in air at {highest_hz:.4g} Hz is {space.air.c / highest_hz:.3g} m and the points "
+                "of the "
+                f"surface are {apart:.3g} m apart: {space.air.c / highest_hz / apart:.1f} points a wavelength, "
+                f"{POINTS_PER_WAVE:g} are needed. Use a finer mesh",
                 {"points_per_wave": space.air.c / highest_hz / apart, "needed": POINTS_PER_WAVE},
             )
         )
@@ -197,8 +198,8 @@ def spacing_advice(
         found.append(
             Advice(
                 "field-receiver-near",
-                f"a receiver is {nearest:.3g} m from points of the surface that are {apart:.3g} m apart: it hears them "
-                f"one by one; stay {NEAR * apart:.2g} m away, or use a finer mesh",
+                f"a receiver is {nearest:.3g} m from the surface, whose points are {apart:.3g} m apart: single points "
+                f"matter there. Keep a distance of {NEAR * apart:.2g} m, or use a finer mesh",
                 {"distance_m": nearest, "spacing_m": apart},
             )
         )

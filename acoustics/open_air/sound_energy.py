@@ -272,8 +272,8 @@ def _short(result: SoundEnergy) -> tuple[Advice, ...]:
     return (
         Advice(
             "sound-energy-not-decayed",
-            f"the last tenth of the record has {100 * result.last_tenth:.2g} % of the sound energy, where "
-            f"{100 * TOLD:g} % are few enough: sound that is radiated after its end is missing; simulate longer",
+            f"the last tenth of the record has {100 * result.last_tenth:.2g} % of the sound energy; "
+            f"{100 * TOLD:g} % is allowed. Sound that is radiated after the end is missing: simulate longer",
             {"last_tenth": result.last_tenth, "allowed": TOLD},
         ),
     )
@@ -288,7 +288,7 @@ def _coarse(result: SoundEnergy, apart: float, air: Air, beyond_j: float) -> tup
         Advice(
             "sound-energy-points-coarse",
             f"{100 * share:.2g} % of the sound energy lies above {result.spacing_hz:.4g} Hz, where the points of the "
-            f"surface, {apart:.3g} m apart, are fewer than {POINTS_PER_WAVE:g} to a wave in air; above "
+            f"surface, {apart:.3g} m apart, are fewer than {POINTS_PER_WAVE:g} a wavelength in air. Above "
             f"{air.c / (FEWEST_POINTS * apart):.4g} Hz it is not counted: use a finer mesh",
             {"share": share, "spacing_hz": result.spacing_hz, "allowed": TOLD},
         ),
@@ -306,7 +306,7 @@ def _jump(surface: SurfaceVelocity) -> tuple[Advice, ...]:
         Advice(
             "sound-energy-starts-moving",
             f"the surface moves when the record starts, with {share:.2g} of the mean square of its velocity: the jump "
-            "is heard as a click whose energy grows with the sampling",
+            "radiates a click whose energy grows with the sampling",
             {"start_over_mean_square": share, "allowed": _JUMP},
         ),
     )

@@ -141,7 +141,7 @@ def sphere_transfer(
         raise AcousticsError(
             "sphere.place",
             got=f"a centre {radius * height:g} m in front of the plane",
-            expected=f"one its radius, {radius:g} m, in front or more",
+            expected=f"a centre at least its radius, {radius:g} m, in front",
         )
     ka = np.asarray(2 * np.pi * frequency_hz * radius / space.air.c)
     if ka.max(initial=0.0) > HIGHEST_KA * (1 + 1e-9):
@@ -182,8 +182,8 @@ def push_advice(sphere: Sphere, air: Air) -> list[Advice]:
             Advice(
                 "push-coarsely-sampled",
                 f"{100 * missed:.2g} % of the energy of a sphere's acceleration lies above {FADE * half:.4g} Hz, "
-                f"{FADE:g} of half the sampling, where {100 * UNSAMPLED:g} % may: its own sound is shorter than the "
-                "samples show; sample faster",
+                f"{FADE:g} of half the sampling, and {100 * UNSAMPLED:g} % is allowed: the samples do not resolve "
+                "its own sound. Sample faster",
                 {"share": missed, "allowed": UNSAMPLED, "from_hz": FADE * half},
             )
         )
@@ -194,8 +194,8 @@ def push_advice(sphere: Sphere, air: Air) -> list[Advice]:
             Advice(
                 "sphere-too-large",
                 f"{100 * beyond:.2g} % of the energy of a sphere's acceleration lies above {top:.4g} Hz, where its "
-                f"circumference of {2e3 * np.pi * sphere.radius:.0f} mm is more than {HIGHEST_KA:g} wavelengths: what "
-                "it radiates there is left out",
+                f"circumference of {2e3 * np.pi * sphere.radius:.0f} mm is more than {HIGHEST_KA:g} wavelengths: "
+                "its radiation there is not computed",
                 {"share": beyond, "allowed": UNSAMPLED, "up_to_hz": top},
             )
         )
@@ -214,9 +214,11 @@ def near_advice(spheres: Sequence[Sphere]) -> list[Advice]:
     return [
         Advice(
             "spheres-near",
-            f"two spheres are heard whose centres are {1e3 * distance:.3g} mm apart, {distance / radii:.2g} times the "
-            f"sum of their radii, as if each were alone; below {APART:g} times they hear each other: where they touch "
-            "they may be wrong by 1 dB at low frequencies and by 8 dB where a wave is a third of their "
+            f"the centres of two spheres are {1e3 * distance:.3g} mm apart, {distance / radii:.2g} times the sum of "
+            "their "
+            f"radii. Each sphere is computed without the other, which needs {APART:g} times: for spheres in contact "
+            "the "
+            "error is 1 dB at low frequencies and 8 dB where the wavelength is a third of their "
             "circumference",
             {"distance_m": distance, "radii_m": radii, "needed": APART},
         )

@@ -218,7 +218,7 @@ def positions(receivers: Sequence[Receiver]) -> Floats:
     Raises AcousticsError when there are none.
     """
     if not receivers:
-        raise AcousticsError("receivers", got="none", expected="at least one", do="name a place to listen")
+        raise AcousticsError("receivers", got="none", expected="at least one", do="add a receiver")
     return np.stack([receiver.position for receiver in receivers])
 
 

@@ -46,8 +46,8 @@ def source_advice(surface: SurfaceVelocity, room: Room, orders: Integers, highes
         found.append(
             Advice(
                 "surface-starts-moving",
-                f"the surface already moves at t = 0 ({start / peak:.2g} of its peak): the jump rings at the sampling "
-                "frequency; record from rest",
+                f"the surface already moves at t = 0 ({start / peak:.2g} of its peak): the jump excites the sampling "
+                "frequency. Start from rest",
                 {"start_ratio": start / peak},
             )
         )
@@ -56,7 +56,7 @@ def source_advice(surface: SurfaceVelocity, room: Room, orders: Integers, highes
             Advice(
                 "surface-not-decayed",
                 f"the surface still moves at the end ({end / peak:.2g} of its peak): spectra and levels are those of "
-                "a record cut short, and the last 5 % of the pressure is accurate to some 1e-5 only; record longer",
+                "a cut record, and the last 5 % of the pressure has an error of about 1e-5. Simulate longer",
                 {"end_ratio": end / peak},
             )
         )
@@ -67,8 +67,9 @@ def source_advice(surface: SurfaceVelocity, room: Room, orders: Integers, highes
         found.append(
             Advice(
                 "ceiling-points-coarse",
-                f"the {len(surface.weights)} points of the surface integrate its highest orders with an error of "
-                f"{error:.2g}; use more points",
+                f"the {len(surface.weights)} points of the surface integrate the highest cosines of the room with "
+                "an error of "
+                f"{error:.2g}; use a finer mesh",
                 {"quadrature_error": error, "points": float(len(surface.weights))},
             )
         )
@@ -82,8 +83,8 @@ def truncation(share: float, orders: Integers) -> tuple[Advice, ...]:
     return (
         Advice(
             "orders-truncated",
-            f"the last orders, up to l = {orders[:, 0].max()}, m = {orders[:, 1].max()}, still add {share:.2g} of the "
-            "pressure (rms): give more orders, or listen further from the surface",
+            f"the last orders, up to l = {orders[:, 0].max()}, m = {orders[:, 1].max()}, add {share:.2g} of the "
+            "rms pressure: use more orders, or place the receiver further from the surface",
             {"share": share, "l_max": float(orders[:, 0].max()), "m_max": float(orders[:, 1].max())},
         ),
     )
@@ -96,9 +97,9 @@ def one_way(room: Room) -> tuple[Advice, ...]:
     return (
         Advice(
             "non-causal-losses",
-            f"a constant damping ratio ({room.losses.beta:g}) is not causal even with its sign corrected: some "
+            f"a constant damping ratio ({room.losses.beta:g}) is not causal even with its sign corrected: about "
             f"{200 * room.losses.beta:.2g} % of the pressure comes before its cause, and low frequencies are shifted "
-            "in phase; a causal form of the losses has neither",
+            "in phase. Use a causal form of the losses",
             {"beta": room.losses.beta, "phase_rad": 2 * room.losses.beta},
         ),
     )
@@ -116,7 +117,7 @@ def t60_missed(losses: Losses, asked: Mapping[float, float]) -> tuple[Advice, ..
     return (
         Advice(
             "t60-missed",
-            f"a decay rate and a relaxation time cannot follow the reverberation times asked for; asked / modelled: "
+            f"a decay rate and a relaxation time cannot give the required reverberation times; required / modelled: "
             f"{told}",
             values,
         ),

@@ -79,14 +79,14 @@ def simulate(basis: ModalBasis, scene: Scene, clock: Clock) -> Response:
             TOO_MANY_STEPS: f"{MAX_STEPS} steps by t = {when:g} s",
             TOO_MANY_EVENTS: f"{n_events} closings and openings by t = {when:g} s: a contact chatters",
             NO_FORCES: f"no contact force at t = {when:g} s",
-            STICKS: f"contacts or one-way dashpots that switch without end at t = {when:g} s",
-            STALLS: f"t = {when:g} s after the last {paced(system)} steps: at their pace {MAX_STEPS} are too few",
+            STICKS: f"contacts or one-way dashpots that switch endlessly at t = {when:g} s",
+            STALLS: f"t = {when:g} s after the last {paced(system)} steps: {MAX_STEPS} such steps are too few",
         }
         raise NotConverged(
             "impact",
             got=trouble[status] + _suspect(compiled, state),
             expected=f"to reach t = {clock.duration:g} s",
-            do="look at stiffnesses and masses there, or choose a larger tolerance",
+            do="check stiffnesses and masses there, or use a larger tolerance",
         )
     history, events, event_rows = record.history[:n_history], record.events[:n_events], record.event_rows[:n_events]
     names = {a: name for name, rows in compiled.contacts.items() for a in rows}
@@ -170,7 +170,9 @@ def _suspect(compiled: Compiled, state: State) -> str:
     for name, rows in compiled.contacts.items():
         terms = [np.append(system.rows[a] * state.z, system.interfaces["offset"][a]) for a in rows]
         nearness[name] = min(abs(float(t.sum())) / (float(np.abs(t).sum()) or 1.0) for t in terms)
-    return f", nearest to a change is contact '{min(nearness, key=lambda name: nearness[name])}'" if nearness else ""
+    if not nearness:
+        return ""
+    return f"; the contact nearest to a change is '{min(nearness, key=lambda name: nearness[name])}'"
 
 
 def _separation(events: Integers, rows: Floats, clock: Clock) -> Floats | None:

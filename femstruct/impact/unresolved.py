@@ -25,7 +25,7 @@ def unresolved_findings(errors: ErrorEstimate, within: float | None = None) -> t
             Finding(
                 "contact-unresolved",
                 f"Contact '{name}': its peak force of {peak.value:.4g} N may be wrong by {peak.error:.3g} N, "
-                f"{100 * peak.relative:.2g} %, where {100 * allowed:g} % is allowed; {_instead(errors, allowed)}",
+                f"{100 * peak.relative:.2g} %; {100 * allowed:g} % is allowed. {_instead(errors, allowed)}",
                 {
                     "peak_force_n": peak.value,
                     "error_n": peak.error,
@@ -42,7 +42,7 @@ def unresolved_findings(errors: ErrorEstimate, within: float | None = None) -> t
             Finding(
                 "end-unresolved",
                 f"{name} ends with {speed.value:.4g} m/s, which may be wrong by {speed.error:.3g} m/s, "
-                f"{100 * speed.relative:.2g} % of its largest speed: how this window ends is not to be known",
+                f"{100 * speed.relative:.2g} % of its largest speed: the end of this window cannot be determined",
                 {"velocity_m_s": speed.value, "error_m_s": speed.error, "relative": speed.relative},
             )
         )
@@ -55,10 +55,10 @@ def _instead(errors: ErrorEstimate, allowed: float) -> str:
     if errors.first_peak and worst <= allowed:
         firsts = ", ".join(f"{name} {one.value:.4g} N" for name, one in errors.first_peak.items())
         return (
-            f"each collision multiplies the errors before it. Peaks until {errors.first_until:.4g} s, when a contact "
-            f"closes again, hold within {100 * worst:.1g} % ({firsts}): believe those, shorten the window, or look at "
-            "how the peaks of many runs scatter"
+            f"Each collision multiplies the errors before it. Peaks until {errors.first_until:.4g} s, when a contact "
+            f"closes again, have an error of at most {100 * worst:.1g} % ({firsts}). Use these, shorten the window, or "
+            "study the scatter of many runs"
         )
     if errors.tolerance is None:
-        return "it touches so faintly that rounding decides"
-    return f"the steps do not resolve it: choose a smaller tolerance than {errors.tolerance:g}"
+        return "The contact is so light that rounding determines its force"
+    return f"The time steps do not resolve it: use a smaller tolerance than {errors.tolerance:g}"

@@ -53,23 +53,25 @@ def material_findings(material: Material) -> tuple[Finding, ...]:
     if rho > DENSEST:
         told = f"{name}: rho {rho:.4g} kg/m^3, the densest solid has {DENSEST:.0f}"
     elif rho < LIGHTEST:
-        told = f"{name}: rho {rho:.4g} kg/m^3, no solid is so light (rho: 0 is a part without mass)"
+        told = f"{name}: rho {rho:.4g} kg/m^3, lighter than any solid (rho: 0 is a part without mass)"
     elif SLOWEST <= speed <= FASTEST and (speed >= SLOWEST_HARD or rho <= DENSE or nu >= RUBBER):
         return ()
     else:
         known = "gelatine has 3 m/s, diamond 18000 m/s"
         if SLOWEST <= speed < SLOWEST_HARD:
-            known = f"beyond {DENSE:.0f} kg/m^3 only rubbers (nu from {RUBBER:g} on) have less than {SLOWEST_HARD:.0f}"
+            known = (
+                f"above {DENSE:.0f} kg/m^3 only rubbers (nu {RUBBER:g} or more) have less than {SLOWEST_HARD:.0f} m/s"
+            )
         told = (
-            f"{name}: with E {_pressure(E)} and rho {rho:.4g} kg/m^3 sound runs along a bar of it at {speed:.3g} m/s; "
+            f"{name}: with E {_pressure(E)} and rho {rho:.4g} kg/m^3 the speed of sound in a bar is {speed:.3g} m/s; "
             f"{known}"
         )
     stiffer = _meant(E, lambda other: _is_ordinary(other, rho, nu))
     denser = _meant(rho, lambda other: _is_ordinary(E, other, nu))
     if DENSEST >= rho >= LIGHTEST and stiffer is not None:
-        told += f". E {_pressure(stiffer)}?"
+        told += f". Did you mean E {_pressure(stiffer)}?"
     elif denser is not None:
-        told += f". rho {denser:.4g} kg/m^3?"
+        told += f". Did you mean rho {denser:.4g} kg/m^3?"
     values = {"wave_speed_m_s": speed, "E_pa": E, "rho_kg_m3": rho}
     return (Finding("implausible-material", told, values, severe=True),)
 
@@ -102,12 +104,12 @@ def thickness_findings(name: str, material: Material, h: float, side: float, han
     lies flat on nothing."""
     if h < THINNEST * side:
         meant = _meant(h, lambda other: side / 300.0 <= other <= side / 5.0)
-        asked = "" if meant is None else f". {_length(meant)}?"
+        asked = "" if meant is None else f". Did you mean {_length(meant)}?"
         return (
             Finding(
                 "implausible-thickness",
-                f"{name}: {_length(h)} thick, 1/{side / h:.0f} of its shorter side of {_length(side)}: a foil, "
-                f"which its tension would hold{asked}",
+                f"{name} is {_length(h)} thick, 1/{side / h:.0f} of its shorter side of {_length(side)}: a foil, "
+                f"which has no bending stiffness in practice{asked}",
                 {"thickness_m": h, "side_m": side},
                 severe=True,
             ),
@@ -118,7 +120,7 @@ def thickness_findings(name: str, material: Material, h: float, side: float, han
     return (
         Finding(
             "implausible-stiffness",
-            f"{name}: {_length(h)} thick and simply supported over its shorter side of {_length(side)} it would "
+            f"{name}: {_length(h)} thick and simply supported over its shorter side of {_length(side)}, it would "
             f"sag by {_length(sag)} under its own weight, {100 * sag / side:.0f} %; floors sag by 0.1 %. Check E "
             f"{_pressure(material.E)}, rho {material.rho:.4g} kg/m^3, the thickness and the size",
             {"sag_m": sag, "side_m": side},

@@ -60,9 +60,9 @@ def moved_advice(response: Response, name: str, radius: float) -> tuple[Advice, 
     return (
         Advice(
             "impactor-moves",
-            f"{name} is pushed {1e3 * way:.3g} mm from where it is first, {way / radius:.2g} of its radius where "
-            f"{MOVED:g} may be: its own sound is that of a sphere which stays at its place, and believed to a decibel "
-            "no longer",
+            f"{name} moves by {1e3 * way:.3g} mm during contact, {way / radius:.2g} of its radius; {MOVED:g} is "
+            "allowed. "
+            "Its own sound is computed for a sphere at a fixed place: the error may be more than 1 dB",
             {"moved_m": way, "radius_m": radius, "allowed": MOVED},
         ),
     )

@@ -123,8 +123,9 @@ def _coarse(surface: Surface, space: HalfSpace, highest_hz: float) -> tuple[Advi
     return (
         Advice(
             "surface-points-coarse",
-            f"a wave in air at {highest_hz:.4g} Hz is {wave:.3g} m long and the points of the surface are {apart:.3g} "
-            f"m apart, {wave / apart:.1f} to a wave where {POINTS_PER_WAVE:g} are needed: use a finer mesh",
+            f"the wavelength in air at {highest_hz:.4g} Hz is {wave:.3g} m and the points of the surface are "
+            f"{apart:.3g} "
+            f"m apart: {wave / apart:.1f} points a wavelength, {POINTS_PER_WAVE:g} are needed. Use a finer mesh",
             {"points_per_wave": wave / apart, "needed": POINTS_PER_WAVE},
         ),
     )
@@ -137,7 +138,7 @@ def _beyond(basis: ModalBasis, highest_hz: float) -> tuple[Advice, ...]:
         Advice(
             "power-beyond-modes",
             f"the band ends at {highest_hz:.4g} Hz, the modes at {basis.complete_below_hz:.4g} Hz: the power above is "
-            "too low; use more modes",
+            "too low. Use more modes",
             {"highest_hz": highest_hz, "complete_below_hz": basis.complete_below_hz},
         ),
     )
@@ -152,7 +153,7 @@ def _modes_missing(energy: SoundEnergy, basis: ModalBasis) -> tuple[Advice, ...]
         Advice(
             "sound-energy-beyond-modes",
             f"{100 * share:.2g} % of the sound energy, A-weighted {100 * weighted:.2g} %, lies above {top:.4g} Hz, "
-            "where modes are left out: it is not counted, and bands there are blank; use more modes",
+            "where modes are left out: it is not counted, and bands there are blank. Use more modes",
             {"share": share, "share_a": weighted, "complete_below_hz": top, "allowed": TOLD},
         ),
     )
@@ -167,8 +168,9 @@ def not_taken(energy_j: float, lost_j: float) -> tuple[Advice, ...]:
     return (
         Advice(
             "sound-energy-not-taken",
-            f"the sound energy into the open is {ratio:.2g} of what the structure lost in its own damping, and is not "
-            f"taken from it: above {FELT:g} motion and sound are too strong and last too long",
+            f"the sound energy into the open is {ratio:.2g} of the energy that the structure lost in its own "
+            "damping, and is "
+            f"not subtracted from its energy. Above {FELT:g}, motion and sound are too strong and decay too slowly",
             {"sound_over_losses": ratio, "allowed": FELT},
         ),
     )

@@ -196,8 +196,8 @@ def room_coordinates(
     if surface.normal[2] > -0.99:
         raise InputError(
             f"rooms.{name}" if name else f"surfaces.{surface.name}",
-            got=f"a surface that faces ({surface.normal[0]:.2g}, {surface.normal[1]:.2g}, {surface.normal[2]:.2g})",
-            expected="one that faces down, the ceiling of its room",
+            got=f"a surface with normal ({surface.normal[0]:.2g}, {surface.normal[1]:.2g}, {surface.normal[2]:.2g})",
+            expected="a normal that points down: the ceiling of its room",
             do="use `side: below` on a horizontal plate",
         )
     centre = surface.corner + surface.size @ surface.along / 2.0
@@ -233,8 +233,8 @@ def _beside(surface: Surface, space: HalfSpace, name: str) -> Floats:
         towards = "up" if space.normal[2] > 0 else "down"
         raise InputError(
             f"rooms.{name}" if name else f"surfaces.{surface.name}",
-            got=f"a surface that faces ({surface.normal[0]:.2g}, {surface.normal[1]:.2g}, {surface.normal[2]:.2g})",
-            expected=f"one that faces {towards}, into the air",
+            got=f"a surface with normal ({surface.normal[0]:.2g}, {surface.normal[1]:.2g}, {surface.normal[2]:.2g})",
+            expected=f"a normal that points {towards}, into the air",
             do=f"use `side: {'above' if towards == 'up' else 'below'}` on a horizontal plate",
         )
     points: Floats = surface.points - (surface.corner + surface.size @ surface.along / 2.0)
@@ -268,8 +268,8 @@ def coupling_findings(basis: ModalBasis, surface: Surface, room: AnyRoom) -> tup
         Finding(
             "one-way-stiff-air",
             f"The air of the sealed room is {ratio:.2f} times as stiff as the structure in mode {worst + 1} "
-            f"({frequency:.2f} Hz), which it would raise to about {frequency * np.sqrt(1 + ratio):.1f} Hz; coupling is "
-            "one-way here: reductions between cases survive, pascals and this frequency do not",
+            f"({frequency:.2f} Hz) and would raise it to about {frequency * np.sqrt(1 + ratio):.1f} Hz. Coupling is "
+            "one-way: differences between cases remain valid, sound pressures and this frequency do not",
             {"air_to_structure_stiffness": ratio, "mode": worst + 1.0, "frequency_hz": frequency},
         ),
     )

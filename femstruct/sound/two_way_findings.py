@@ -20,9 +20,10 @@ def cut(air: CoupledAir, asked_hz: float) -> tuple[Finding, ...]:
     return (
         Finding(
             "cavity-modes-cut",
-            f"The room's own {len(air.frequency_hz)} modes below {kept:.4g} Hz push back; from there to {asked_hz:.4g} "
-            "Hz, where the structure's modes go, its air is a mass only: resonances of the room there act on what is "
-            "heard, not on the structure",
+            f"The {len(air.frequency_hz)} room modes below {kept:.4g} Hz react on the structure. From there to "
+            f"{asked_hz:.4g} "
+            "Hz, the last mode of the structure, the air acts as a mass only: resonances of the room affect the sound "
+            "at the receivers, not the structure",
             {"cavity_modes_up_to_hz": kept, "asked_hz": asked_hz},
         ),
     )
@@ -40,10 +41,10 @@ def of_walls(room: ShapedRoom, joined: ModalBasis) -> tuple[Finding, ...]:
     return (
         Finding(
             "two-way-absorption",
-            f"Walls couple two modes of the room by {coupled:.2g} of the distance of their frequencies and would take "
-            f"up uniform pressure with a loss factor of {lost:.2g} at the first mode, {elastic[0] / (2 * np.pi):.4g} "
-            f"Hz; above {COUPLED:g} two-way coupling is rough, as its walls damp each mode of the room by itself and "
-            "uniform pressure not at all. One-way coupling has all of it, but air that does not push back",
+            f"The walls couple two room modes by {coupled:.2g} of the distance of their frequencies, and would absorb "
+            f"uniform pressure with a loss factor of {lost:.2g} at the first mode, {elastic[0] / (2 * np.pi):.4g} Hz. "
+            f"Above {COUPLED:g}, two-way coupling is a rough approximation: its walls damp each room mode separately "
+            "and do not damp uniform pressure. One-way coupling includes both, but not the reaction of the air",
             {"coupling": coupled, "uniform_loss_factor": lost, "allowed": COUPLED},
         ),
     )
@@ -65,13 +66,14 @@ def what_it_did(
     n = len(air.frequency_hz)
     leaks = name in joined.volumes
     closed, yielding = "with a leak" if leaks else "sealed", len(air.mass) - n - leaks - len(basis.omega)
-    also = f" and {yielding} shapes in which its walls yield" if yielding else ""
+    also = f" and {yielding} mode shapes of its compliant walls" if yielding else ""
     return Finding(
         "two-way-coupling",
-        f"The air of the room ({closed}) pushes back, with {n} modes of its own below {air.complete_below_hz:.4g} "
+        f"The air of the room ({closed}) reacts on the structure with {n} room modes below {air.complete_below_hz:.4g} "
         f"Hz{also}, the others as added mass: mode {stiffened + 1}, {before:.2f} Hz in vacuo, is mode {partner + 1} at "
         f"{after:.2f} Hz. Mode numbers, frequencies and the energy of the modes are those with the air. Damping "
-        f"between its modes makes {stray:.1e} of the structure's motion and is {'kept' if kept else 'left out'}",
+        f"between its modes causes {stray:.1e} of the motion of the structure and is "
+        f"{'included' if kept else 'left out'}",
         {
             "in_vacuo_hz": before,
             "coupled_hz": after,

@@ -265,7 +265,7 @@ def test_endless_switching_raises(monkeypatch: pytest.MonkeyPatch) -> None:
         return ended(args[4], STICKS, 0.25, 1, 0)
 
     monkeypatch.setattr(engine, "exact_march", sticks)
-    with pytest.raises(NotConverged, match=r"switch without end at t = 0.25 s"):
+    with pytest.raises(NotConverged, match=r"switch endlessly at t = 0.25 s"):
         simulate(NONE, Scene((Body("b", 1.0),)), Clock(1.0, 100.0))
 
 

@@ -163,7 +163,7 @@ def test_what_is_too_coarse_or_too_near_is_told_with_both_numbers():
         assert {one.code for one in told} == codes
     _, (coarse,) = harmonic_field(space, points, weights, shapes, rates, np.array([600.0]), [Receiver("m", [0, 0, 1])])
     assert coarse.values == pytest.approx({"points_per_wave": 343 / 600 / 0.1, "needed": 6.0})
-    assert "5.7 to a wave where 6 are needed" in coarse.message
+    assert "5.7 points a wavelength, 6 are needed" in coarse.message
 
 
 def test_what_is_no_half_space_is_refused():

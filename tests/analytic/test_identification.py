@@ -135,7 +135,7 @@ def test_correlation_of_a_straight_line_that_falls() -> None:
 
 
 def test_pulses_that_cannot_be_are_refused() -> None:
-    with pytest.raises(FemstructError, match="does not come back to zero"):
+    with pytest.raises(FemstructError, match="does not return to zero"):
         pulse_of(T[:10], half_sine(1e4)[:10])
     with pytest.raises(FemstructError, match="check the gain of the sensor"):
         pulse_of(T, 3 * half_sine(4e4)).restitution(MASS, SPEED)

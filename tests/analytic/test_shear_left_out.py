@@ -55,7 +55,7 @@ def test_a_thick_slab_is_told_with_its_numbers(tmp_path: Path) -> None:
     assert told.values["wavelength_m"] == wave == pytest.approx(3.85 * 0.14, rel=1e-3)
     assert told.values["thickness_m"] == 0.14
     assert told.values["density_ratio"] == with_shear(CONCRETE, 0.14, 3150.0)[1]
-    assert "3.9 times as long as the plate is thick" in told.message
-    assert "2 times as dense there, and blows put up to 2.9 dB more into them" in told.message
+    assert "3.9 times the thickness" in told.message
+    assert "2 times the modal density there, and a blow gives it up to 2.9 dB more" in told.message
     # ten thicknesses to a wave: 100 / 0.14 ... lambda goes as 1 / sqrt(f)
     assert not [found for found in mesh_findings(model, 3150.0 * (0.384) ** 2) if found.code == "thick-for-short-waves"]

@@ -122,10 +122,14 @@ def worded(d: float, rate: float, p: np.ndarray) -> float:
 
 
 WRONG: list[tuple[Callable[..., float], Callable[..., float], str]] = [
-    (soft, of_soft, r"force: got \d+\.?\d* N at 0\.00074\d+ m and rest, after .* expected a force that rises"),
-    (hertz, half, r"energy: got energy that rises by 0\.00395285 J/m at 1e-07 m, where the force at rest is .* N"),
+    (soft, of_soft, r"force: got \d+\.?\d* N at 0\.00074\d+ m and rate 0, after .* expected a force that rises"),
+    (hertz, half, r"energy: got a slope of 0\.00395285 J/m at 1e-07 m, where the force at rate 0 is .* N"),
     (jumping, held, r"force: got -50 N at 1e-12 m and -5 m/s, expected a force that starts at zero"),
-    (driving, held, r"force: got .* N beside the spring at 1e-07 m and -5 m/s, expected a dashpot that takes energy"),
+    (
+        driving,
+        held,
+        r"force: got .* N in addition to the spring at 1e-07 m and -5 m/s, expected a dashpot that dissipates energy",
+    ),
     (worded, held, r"own law worded: got what numba cannot compile"),
 ]
 

@@ -66,7 +66,7 @@ def test_a_rattling_body_is_not_to_be_trusted_but_its_first_hit_is(result: Study
     assert found.values["peak_force_n"] == whole.value
     assert found.values["error_n"] == whole.error
     assert f"{whole.value:.4g} N may be wrong by {whole.error:.3g} N" in found.message
-    assert f"rattle {first.value:.4g} N): believe those" in found.message
+    assert f"rattle {first.value:.4g} N). Use these" in found.message
     (end,) = [one for one in result.cases["long"].findings if one.code == "end-unresolved"]
     assert not end.severe
     assert end.values["error_m_s"] == errors.velocity["b"].error
@@ -150,11 +150,13 @@ def test_severity_accuracy_and_what_to_do() -> None:
     def judged(relative: float, within: float | None = None, tolerance: float | None = 1e-4) -> list[tuple[str, bool]]:
         peak = {"c": Resolved(100.0, 100.0 * relative, 100.0)}
         errors = ErrorEstimate(tolerance, tolerance, 1.0, peak, peak, {})
-        return [(one.message.rpartition("; ")[2], one.severe) for one in unresolved_findings(errors, within)]
+        return [
+            (one.message.partition(" % is allowed. ")[2], one.severe) for one in unresolved_findings(errors, within)
+        ]
 
     assert judged(0.9e-3) == []
-    assert judged(1.1e-3) == [("the steps do not resolve it: choose a smaller tolerance than 0.0001", False)]
+    assert judged(1.1e-3) == [("The time steps do not resolve it: use a smaller tolerance than 0.0001", False)]
     assert judged(1.1e-2)[0][1]
     assert judged(float("inf"))[0][1]
     assert judged(2e-4, within=1e-3) and not judged(2e-4, within=1e-2)
-    assert judged(1.1e-3, tolerance=None)[0][0] == "it touches so faintly that rounding decides"
+    assert judged(1.1e-3, tolerance=None)[0][0] == "The contact is so light that rounding determines its force"

@@ -187,7 +187,7 @@ def test_other_blows_are_told_and_other_sources_refused(tmp_path: Path) -> None:
         ),
         (
             HAMMERS,
-            "got a tapping machine by KS F 2863-2, expected a bang machine; KS F 2863-1 was not found in a source",
+            "got a tapping machine by KS F 2863-2, expected a bang machine; KS F 2863-1 has no accessible source",
         ),
     ):
         with pytest.raises(InputErrors) as caught:

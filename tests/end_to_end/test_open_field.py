@@ -75,7 +75,7 @@ def test_check_tells_of_open_air(folder: Path) -> None:
     ("key", "mic", "told"),
     [
         ("below", "[0, 0, 2]", r"receivers\.mic: got \[0\.0, 0\.0, 2\.0\] m, expected a point below the surface"),
-        ("above", "[0, 0, 2]", "expected one that faces up"),
+        ("above", "[0, 0, 2]", "expected a normal that points up"),
         ("size: [1, 1, 1], below", "[0, 0, -2]", "'size' beside 'below'"),
         ("coupling: two-way, below", "[0, 0, -2]", "'coupling' beside 'below'"),
         ("under", "[0, 0, -2]", "size, mesh"),

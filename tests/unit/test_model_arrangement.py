@@ -54,7 +54,7 @@ def test_nothing_is_said_of_a_table_or_of_a_free_plate() -> None:
 def test_a_top_that_no_joint_holds_is_told_with_where_it_touches() -> None:
     found = the(told(replace(TABLE, joints=())))
     assert (found.code, found.severe) == ("parts-not-joined", True)
-    assert found.message.startswith("legs (4 pieces of it): nothing joins it to top, though parts touch at (")
+    assert found.message.startswith("legs (4 pieces): no connection to top, although parts touch at (")
     assert found.values["pieces"] == 5  # every leg by itself, and the top
 
 
@@ -63,8 +63,8 @@ def test_each_leg_is_a_piece_of_its_own() -> None:
     lines = (*LEGS.lines[:3], ((1.2, 0.8, 0.0), (1.2, 0.8, 0.65)))
     structure = replace(TABLE, parts=(TOP, replace(LEGS, lines=lines)))
     found = the(told(structure))
-    assert "legs (what of it is at (1.2, 0.8, 0) m): nothing joins it to top, legs; " in found.message
-    assert "each vibrates by itself" in found.message
+    assert "legs (the piece at (1.2, 0.8, 0) m): no connection to top, legs. " in found.message
+    assert "Each vibrates separately" in found.message
     assert not found.severe  # it is held at its foot, and touches nothing
 
 
@@ -74,7 +74,7 @@ def test_what_floats_is_severe_and_what_a_study_joins_is_not_told() -> None:
     structure = replace(TABLE, parts=(*TABLE.parts, lid), points=(FEET, *middle))
     found = the(told(structure))
     assert found.severe
-    assert "lid: nothing joins it to top, legs; it can move freely" in found.message
+    assert "lid: no connection to top, legs. It can move freely" in found.message
     assert found.values["free_motions"] == 6
     assert told(structure, joined=[("middle", "under")]) == ()
     spring = Spring("spring", "middle", "under", (0.0, 0.0, 1e5, 0.0, 0.0, 0.0))
@@ -88,7 +88,7 @@ def test_two_structures_that_are_both_held_vibrate_by_themselves() -> None:
     held = Support("walls", "simple", on="lid", edge="all")
     found = the(told(replace(TABLE, parts=(*TABLE.parts, lid), supports=(STAND, held))))
     assert not found.severe
-    assert "each vibrates by itself" in found.message
+    assert "Each vibrates separately" in found.message
 
 
 # what holds the top, and which of its motions are left free: along x and y, and about z, do not raise it
@@ -140,7 +140,7 @@ def test_a_mesh_of_one_cell_on_its_edges_moves_nowhere(fix) -> None:
     edges = Support("edges", fix, on="top", edge="all")
     found = the(told(Structure("s", (coarse,), supports=(edges,))))
     assert (found.code, found.severe) == ("nothing-moves", True)
-    assert "top: supports hold the deflection of every node of it (4)" in found.message
+    assert "top: supports hold the deflection of every node (4)" in found.message
     assert told(Structure("s", (replace(TOP, mesh=(2, 2)),), supports=(edges,))) == ()
 
 
@@ -181,7 +181,7 @@ def test_two_plates_in_one_place(height: float, turned: bool, share: float) -> N
     found = the(twice(TOP, again))
     assert (found.code, found.severe) == ("overlapping-parts", share > 0.5)
     assert found.values["share"] == pytest.approx(share)
-    assert found.message.startswith("top and again fill the same ")
+    assert found.message.startswith("top and again overlap: ")
 
 
 def test_plates_and_blocks_beside_each_other_are_two() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 
 import pytest
@@ -54,14 +55,14 @@ def test_nothing_is_said_of_a_floor_as_floors_are(x: float) -> None:
 SLIPS = [
     ("a weight for a mass", 30e9, 0.2, 24000.0, "rho 2.4e+04 kg/m^3, the densest solid has 23000", "rho 2447 kg/m^3?"),
     ("kN/m^3 of steel", 210e9, 0.3, 78500.0, "rho 7.85e+04 kg/m^3", "rho 8005 kg/m^3?"),
-    ("MPa for GPa", 30e6, 0.2, 2400.0, "at 112 m/s", "E 30 GPa?"),
-    ("MPa for GPa, steel", 210e6, 0.3, 7850.0, "at 164 m/s", "E 210 GPa?"),
-    ("MPa for GPa, acrylic", 5.9e6, 0.35, 1172.0, "at 71 m/s", "E 5.9 GPa?"),
-    ("kPa for GPa", 30e3, 0.2, 2400.0, "at 3.54 m/s", "E 30 GPa?"),
+    ("MPa for GPa", 30e6, 0.2, 2400.0, "a bar is 112 m/s", "E 30 GPa?"),
+    ("MPa for GPa, steel", 210e6, 0.3, 7850.0, "a bar is 164 m/s", "E 210 GPa?"),
+    ("MPa for GPa, acrylic", 5.9e6, 0.35, 1172.0, "a bar is 71 m/s", "E 5.9 GPa?"),
+    ("kPa for GPa", 30e3, 0.2, 2400.0, "a bar is 3.54 m/s", "E 30 GPa?"),
     ("GPa without a unit", 210.0, 0.3, 7850.0, "E 210 Pa", "E 210 GPa?"),
-    ("TPa for GPa", 30e12, 0.2, 2400.0, "at 1.12e+05 m/s", "E 30 GPa?"),
-    ("t/m^3", 30e9, 0.2, 2.4, "at 1.12e+05 m/s", "rho 2400 kg/m^3?"),
-    ("t/mm^3", 210e9, 0.3, 7.85e-9, "no solid is so light", "rho: 0 is a part without mass"),
+    ("TPa for GPa", 30e12, 0.2, 2400.0, "a bar is 1.12e+05 m/s", "E 30 GPa?"),
+    ("t/m^3", 30e9, 0.2, 2.4, "a bar is 1.12e+05 m/s", "rho 2400 kg/m^3?"),
+    ("t/mm^3", 210e9, 0.3, 7.85e-9, "lighter than any solid", "rho: 0 is a part without mass"),
 ]
 
 
@@ -209,7 +210,7 @@ def test_a_screed_over_the_edge_is_told_with_both_areas() -> None:
     (found,) = floor(x=3.0)
     assert found.code == "layer-overhang"
     assert found.values == pytest.approx({"filled_m2": 1.0, "side_m2": 2.0})
-    assert "50 % of it lies on nothing" in found.message
+    assert re.search(r"50 % of \w+ is not supported", found.message)
 
 
 def test_a_turned_screed_over_the_edge() -> None:

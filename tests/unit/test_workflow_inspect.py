@@ -27,4 +27,4 @@ def test_a_study_is_checked_with_its_own_modes() -> None:
     study, model = (inspect_file(MODELS / name) for name in ("press_clamped.study.yaml", "press_clamped.yaml"))
     assert study.basis.complete_below_hz == pytest.approx(2500.0)
     assert model.basis.complete_below_hz > 4000.0
-    assert any("a bending wave of 2500 Hz" in finding.message for finding in study.findings)
+    assert any("the bending wavelength at 2500 Hz" in finding.message for finding in study.findings)

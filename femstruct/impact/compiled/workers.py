@@ -60,7 +60,7 @@ class Compilation:
                 "kernels",
                 got=f"no machine code: {self.failures[0].strip().splitlines()[-1]}",
                 expected="kernels that compile",
-                do=f"see that {folder()} can be written, and that numba works: python -c 'import numba'",
+                do=f"check that {folder()} can be written and that numba works: python -c 'import numba'",
             )
 
 
@@ -143,7 +143,7 @@ def code_of(units: Sequence[Unit[..., Any]]) -> dict[str, bytes]:
         raise FemstructError(
             "kernels",
             got=f"no machine code of {missing[0]} in {folder()}",
-            expected="what was compiled a moment ago",
-            do="give a folder that keeps files in FEMSTRUCT_CACHE",
+            expected="the code that was just compiled",
+            do="set FEMSTRUCT_CACHE to a folder that keeps files",
         )
     return {symbol: code for symbol, code in found.items() if code is not None}

@@ -17,7 +17,7 @@ TROUBLE = {
     TOO_MANY_STEPS: "too many steps",
     TOO_MANY_EVENTS: "a contact chatters",
     NO_FORCES: "no contact force was found",
-    STICKS: "contacts or one-way dashpots switch without end",
+    STICKS: "contacts or one-way dashpots switch endlessly",
     STALLS: "no progress",
 }
 FULL = -1  # in place of a number of events: the log has no room

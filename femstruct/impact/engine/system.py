@@ -156,7 +156,7 @@ class _Interfaces:
         where, law, first = f"contacts.{contact.name}", contact.law, len(self.rows)
         approach = on.approach(contact.upper, contact.lower, where)
         if len(law.sides) > 1 and contact.preload:
-            raise FemstructError(where, got="a preload on a stop", expected="none", do="preload one side by a contact")
+            raise FemstructError(where, got="a preload on a stop", expected="none", do="replace it by a contact")
         rest = law.indentation(contact.preload) if contact.preload else 0.0
         release = max(on.first_blow.get(e, 0) if isinstance(e, str) else 0 for e in (contact.upper, contact.lower))
         for side in law.sides:
@@ -257,7 +257,7 @@ def _refuse_held(scene: Scene, bodies: Mapping[str, int]) -> None:
             raise FemstructError(
                 where,
                 got=f"a body that '{held[0]}' holds",
-                expected="one that nothing holds: it is lifted off at every blow",
+                expected="a free body: it is lifted off at every blow",
                 do="remove its link or preload, or its blows",
             )
 
@@ -272,4 +272,4 @@ def _ticks(clock: Clock, finest: int) -> tuple[int, int, float]:
 def _refuse_duplicates(where: str, names: list[str]) -> None:
     twice = sorted({name for name in names if names.count(name) > 1})
     if twice:
-        raise FemstructError(where, got=f"'{twice[0]}' twice", expected="a name of its own for each")
+        raise FemstructError(where, got=f"'{twice[0]}' twice", expected="different names")

@@ -122,8 +122,8 @@ def missed_restitution(contact: str, whose: str, asked: float, returned: float, 
     return (
         Finding(
             MISSED,
-            f"Contact '{contact}' is given a restitution of {asked:g} at {speed:g} m/s; the law of {whose} yields "
-            f"{returned:.3f}. It holds near 1; hunt-crossley yields the restitution that is given.",
+            f"Contact '{contact}' requires a restitution of {asked:g} at {speed:g} m/s; the law of {whose} gives "
+            f"{returned:.3f}. This law is valid near 1; hunt-crossley gives the required value.",
             {"restitution": asked, "returned": returned, "speed_m_s": speed},
         ),
     )

@@ -129,7 +129,7 @@ class OwnLaw(Law):
         return (
             Finding(
                 BEYOND,
-                f"Contact '{contact}' was pressed in by {1e3 * deepest:.4g} mm; its law was checked up to "
+                f"Contact '{contact}' was compressed by {1e3 * deepest:.4g} mm; its law was checked up to "
                 f"{1e3 * self.deepest:.4g} mm.",
                 {"indentation_m": deepest, "checked_m": self.deepest},
             ),
@@ -158,22 +158,22 @@ def _check(law: OwnLaw) -> None:
     for rate in (0.0, *(share * law.fastest for share in RATES)):
         if not abs(push(touch, rate)) <= JUMP * most:
             got = f"{push(touch, rate):.6g} N at {touch:.3g} m and {rate:g} m/s"
-            refuse("force", got, "a force that starts at zero: one that jumps is Linear's, with a dashpot")
+            refuse("force", got, "a force that starts at zero; for a jump use Linear with a dashpot")
     if not abs(held(touch)) <= JUMP * most * law.deepest:
-        refuse("energy", f"{held(touch):.6g} J at {touch:.3g} m", "no energy before it is pressed in")
+        refuse("energy", f"{held(touch):.6g} J at {touch:.3g} m", "zero energy at zero indentation")
     before, last = 0.0, 0.0
     for depth in depths:
         force, step = push(depth, 0.0), 1e-4 * depth
         if not force > before:
-            got = f"{force:.6g} N at {depth:.6g} m and rest, after {before:.6g} N at {last:.6g} m"
+            got = f"{force:.6g} N at {depth:.6g} m and rate 0, after {before:.6g} N at {last:.6g} m"
             refuse("force", got, "a force that rises with the indentation")
         rise = (held(depth + step) - held(depth - step)) / (2.0 * step)
         if not abs(rise - force) <= FITS * force:
-            got = f"energy that rises by {rise:.6g} J/m at {depth:.6g} m, where the force at rest is {force:.6g} N"
-            refuse("energy", got, "the energy whose slope is the force")
+            got = f"a slope of {rise:.6g} J/m at {depth:.6g} m, where the force at rate 0 is {force:.6g} N"
+            refuse("energy", got, "an energy whose slope is the force")
         for rate in (share * law.fastest for share in RATES):
             dashpot = push(depth, rate) - force
             if not dashpot * rate >= -FITS * force * abs(rate):
-                got = f"{dashpot:.6g} N beside the spring at {depth:.6g} m and {rate:g} m/s"
-                refuse("force", got, "a dashpot that takes energy: a force along the rate, or none")
+                got = f"{dashpot:.6g} N in addition to the spring at {depth:.6g} m and {rate:g} m/s"
+                refuse("force", got, "a dashpot that dissipates energy: a force in the direction of the rate, or none")
         before, last = force, depth

@@ -79,7 +79,9 @@ class Tabulated(Law):
         for word, column, unit in (("indentation", depth, "m"), ("force", self.forces, "N")):
             if column[0] != 0.0:
                 raise FemstructError(
-                    "table law", got=f"a first {word} of {column[0]:g} {unit}", expected="0: untouched, without force"
+                    "table law",
+                    got=f"a first {word} of {column[0]:g} {unit}",
+                    expected="0: no force at zero indentation",
                 )
             falls = np.flatnonzero(np.diff(column) <= 0)
             if len(falls):
@@ -129,8 +131,8 @@ class Tabulated(Law):
         return (
             Finding(
                 BEYOND,
-                f"Contact '{contact}' was pressed in by {1e3 * deepest:.4g} mm; its table ends at {1e3 * last:.4g} mm. "
-                "Beyond, the force went on along the last slope: a guess.",
+                f"Contact '{contact}' was compressed by {1e3 * deepest:.4g} mm; its table ends at {1e3 * last:.4g} mm. "
+                "Beyond, the force is extrapolated with the last slope.",
                 {"indentation_m": deepest, "last_m": last},
                 severe=True,
             ),

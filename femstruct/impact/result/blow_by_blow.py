@@ -110,7 +110,7 @@ def blow_findings(blows: Sequence[Blow], scene: Scene, clock: Clock) -> tuple[Fi
                 "blow-before-rest",
                 f"After {len(restless)} of {_some(len(blows), 'blow')} the structure does not come to rest before the "
                 f"next: {100 * left:.2g} % of its energy is left {worst.interval:.3g} s after blow {worst.number} of "
-                f"{worst.body}, {100 * AT_REST:g} % counts as rest; what follows depends on the blows before",
+                f"{worst.body}; {100 * AT_REST:g} % counts as rest. Later blows depend on those before",
                 {"blows": len(restless), "energy_left": left, "allowed": AT_REST, "interval_s": worst.interval},
             )
         )
@@ -122,7 +122,7 @@ def lifted_finding(plan: Blows, lifts: int, number: int, force: float, since: fl
     return Finding(
         "lifted-in-contact",
         f"{plan.body} is still in contact when it is lifted off for {_some(lifts, 'blow')} (first after blow {number}, "
-        f"with {force:.3g} N, {since:.3g} s after it closed): blows every {plan.every:g} s are too close",
+        f"with {force:.3g} N, {since:.3g} s after it closed). The interval of {plan.every:g} s is too short",
         {"blows": lifts, "force_n": force, "contact_s": since, "every_s": plan.every},
     )
 

@@ -42,7 +42,8 @@ def run_findings(contacts: Sequence[Contact], run: Measured) -> tuple[Finding, .
         found.append(
             Finding(
                 "energy-drift",
-                f"The energy ledger is open by {run.residual:.1e} of the energy put in; {ENERGY_DRIFT:g} is allowed.",
+                f"The residual of the energy balance is {run.residual:.1e} of the energy put in; {ENERGY_DRIFT:g} "
+                "is allowed.",
                 {"ledger_residual": run.residual, "allowed": ENERGY_DRIFT},
                 severe=not run.residual <= NOT_TRUSTED,
             )
@@ -63,9 +64,10 @@ def run_findings(contacts: Sequence[Contact], run: Measured) -> tuple[Finding, .
             found.append(
                 Finding(
                     "contact-unresolved",
-                    f"Contact '{name}' lasts {shortest:.3g} s at its shortest, {shortest / run.tick:.1f} times what "
-                    f"events are resolved to in a window of {run.duration:g} s; {TICKS_PER_CONTACT} times are needed "
-                    "for the energy ledger to close. Shorten the window.",
+                    f"The shortest closing of contact '{name}' lasts {shortest:.3g} s, {shortest / run.tick:.1f} "
+                    "times the "
+                    f"event resolution of a window of {run.duration:g} s; {TICKS_PER_CONTACT} times are needed for the "
+                    "energy balance to close. Shorten the window.",
                     {"contact_s": shortest, "resolved_s": run.tick, "needed": float(TICKS_PER_CONTACT)},
                 )
             )
@@ -93,7 +95,7 @@ def decay_findings(largest: float, left: float, duration: float) -> tuple[Findin
         Finding(
             "structure-not-decayed",
             f"The structure still has {100 * left / largest:.2g} % of its largest energy at the end of the window of "
-            f"{duration:g} s: spectra of this record are those of a cut signal.",
+            f"{duration:g} s: the spectra are those of a cut signal.",
             {"energy_left": left / largest, "allowed": NOT_DECAYED, "duration_s": duration},
         ),
     )
@@ -104,8 +106,8 @@ def sampling_findings(lasting: Mapping[str, float], peaks: Mapping[str, float], 
     return tuple(
         Finding(
             "contact-coarsely-sampled",
-            f"Contact '{name}' lasts {shortest:.3g} s at its shortest, {shortest * sampling:.1f} samples: "
-            "recorded forces may miss its peak, the table of contacts does not.",
+            f"The shortest closing of contact '{name}' lasts {shortest:.3g} s, {shortest * sampling:.1f} samples: "
+            "recorded forces may miss its peak. The table of contacts has the true peak.",
             {"contact_s": shortest, "samples": shortest * sampling, "peak_force_n": peaks[name]},
         )
         for name, shortest in lasting.items()

@@ -75,7 +75,7 @@ class Contact:
                 f"contacts.{self.name}.law",
                 got=f"a {type(self.law).__name__}",
                 expected=" or ".join(one.__name__ for one in LAWS),
-                do="a law of your own is OwnLaw(force, energy, ..), or Tabulated(indentations, forces)",
+                do="for another law use OwnLaw(force, energy, ..) or Tabulated(indentations, forces)",
             )
         if not self.gap >= 0:
             raise FemstructError(f"contacts.{self.name}.gap", got=f"{self.gap:g} m", expected="a gap >= 0")

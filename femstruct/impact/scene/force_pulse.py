@@ -81,7 +81,7 @@ def pulse_of(t: ArrayLike, force: ArrayLike) -> Pulse:
     below = np.flatnonzero(values < FLOOR * peak)
     before, after = below[below < top], below[below > top]
     if not peak > 0.0 or not len(after):
-        raise FemstructError("pulse", got="a force that does not come back to zero", expected="one whole pulse")
+        raise FemstructError("pulse", got="a force that does not return to zero", expected="one whole pulse")
     first, last = int(before[-1]) if len(before) else 0, int(after[0])
     rises = _crossing(times, values, first, FLOOR * peak) if len(before) else float(times[0])
     falls = _crossing(times, values, last - 1, FLOOR * peak)

@@ -57,7 +57,11 @@ class Walk:
             if not getattr(self, word) > 0:
                 raise FemstructError(word, got=f"{getattr(self, word):g}", expected="a positive value")
         if self.steps < 2:
-            raise FemstructError("steps", got=f"{self.steps}", expected="2 or more: the force comes on and goes")
+            raise FemstructError(
+                "steps",
+                got=f"{self.steps}",
+                expected="2 or more: the force increases over the first and decreases over the last",
+            )
         if not self.harmonics:
             raise FemstructError("harmonics", got="none", expected="one or more")
 

@@ -51,16 +51,15 @@ def _loose(model: Model, found: tuple[Piece, ...], alike: list[Piece]) -> Findin
     free = len(piece.free) > 0
     which = _names(piece)
     if len(alike) > 1:
-        which += f" ({len(alike)} pieces of it)"
+        which += f" ({len(alike)} pieces)"
     elif any(not np.isin(model.mesh.nodes[name], piece.nodes).all() for name in piece.parts):
-        which += f" (what of it is at {_place(model.mesh.points[piece.nodes[0]])} m)"
-    message = f"{which}: nothing joins it to {_names(found[0])}"
-    if touches:
-        message += f", though parts touch at {_place(touches[0])} m: is a joint missing?"
-    message += "; it can move freely" if free else "; each vibrates by itself"
+        which += f" (the piece at {_place(model.mesh.points[piece.nodes[0]])} m)"
+    message = f"{which}: no connection to {_names(found[0])}"
+    message += f", although parts touch at {_place(touches[0])} m. Is a joint missing?" if touches else "."
+    message += " It can move freely" if free else " Each vibrates separately"
     return Finding(
         "parts-not-joined",
-        f"{message}. Joints, layers and springs join, and so do contacts and links of a study",
+        f"{message}. Joints, layers and springs connect parts; so do contacts and links of a study",
         {"pieces": len(found), "free_motions": len(piece.free), "mass_kg": sum(one.mass for one in alike)},
         severe=free or bool(touches) or len(found[0].free) > 0,
     )
@@ -70,8 +69,8 @@ def _falling(found: tuple[Piece, ...], gravity: bool) -> list[Finding]:
     return [
         Finding(
             "nothing-carries-weight",
-            f"{_names(piece)}: the study has gravity, and no support, layer or spring holds {piece.mass:.4g} kg up; "
-            "it falls or tips over as soon as something pushes it. Hold it, or set gravity: false",
+            f"{_names(piece)}: the study has gravity, and no support, layer or spring carries {piece.mass:.4g} kg: "
+            "the part falls or tips over. Support it, or set gravity: false",
             {"mass_kg": piece.mass, "free_motions": len(piece.free)},
             severe=True,
         )
@@ -97,8 +96,9 @@ def _held(model: Model) -> list[Finding]:
             told.append(
                 Finding(
                     "nothing-moves",
-                    f"{name}: supports hold {what} of it ({len(nodes)}), so that it moves between them at most. Is the "
-                    "mesh too coarse, or too much held?",
+                    f"{name}: supports hold {what} ({len(nodes)}), so that it cannot move. Is the mesh too coarse, "
+                    "or are "
+                    "too many nodes held?",
                     {"nodes": len(nodes)},
                     severe=True,
                 )
@@ -107,7 +107,7 @@ def _held(model: Model) -> list[Finding]:
 
 
 def _times(mass: float, rest: float) -> str:
-    return f"{mass / rest:.1g} times less" if rest else "nothing"
+    return f"{mass / rest:.1g} times less" if rest else "no mass"
 
 
 def _dominating(model: Model) -> list[Finding]:
@@ -121,8 +121,8 @@ def _dominating(model: Model) -> list[Finding]:
     return [
         Finding(
             "one-mass-dominates",
-            f"{name} has {masses[name]:.4g} kg, all the rest {rest:.4g} kg, {_times(masses[name], rest)}: it "
-            "stands still beside it. Check the units, or hold the rest by a support",
+            f"{name} has {masses[name]:.4g} kg, all other parts {rest:.4g} kg, {_times(masses[name], rest)}: {name} "
+            "does not move. Check the units, or replace it by a support",
             {"mass_kg": masses[name], "rest_kg": rest},
             severe=True,
         )

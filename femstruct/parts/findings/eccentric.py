@@ -103,11 +103,13 @@ def _told(error: RibError) -> Finding:
     bends, twists = (_percent(np.sqrt(ratio) - 1.0) for ratio in (error.bending, error.torsion))
     return Finding(
         "eccentric-bars",
-        f"{error.frame} on {error.plate}: bars {1e3 * error.arm:.3g} mm beside the mid-surface of a plate, which "
-        f"cannot stretch here. A rib with its strip of plate is {error.bending:.3g} times too stiff in bending: "
-        f"frequencies up to {bends} too high; and {error.torsion:.3g} times in torsion, with nodes "
-        f"{1e3 * error.spacing:.3g} mm apart (more with a finer mesh): up to {twists} too high. Bars without 'offsets' "
-        "have neither error, but without the stiffness that the offset gives they are too soft",
+        f"{error.frame} on {error.plate}: the bars are {1e3 * error.arm:.3g} mm from the mid-surface of the plate, "
+        "which "
+        f"cannot stretch here. A rib with its strip of plate is {error.bending:.3g} times too stiff in bending "
+        f"(frequencies up to {bends} too high). It is {error.torsion:.3g} times too stiff in torsion (up to "
+        f"{twists} too "
+        f"high) with nodes {1e3 * error.spacing:.3g} mm apart, and more with a finer mesh. Bars without 'offsets' have "
+        "neither error, but they lack the stiffness of the offset",
         {
             "bending_ratio": error.bending,
             "torsion_ratio": error.torsion,
@@ -217,8 +219,9 @@ def _layer(part: Foundation, first: Plate, second: Plate) -> list[Finding]:
     return [
         Finding(
             "stiff-layer",
-            f"{part.name}: so stiff in shear that {first.name} and {second.name} would stretch before it yields, which "
-            f"plates cannot here: together they are {ratio:.3g} times too stiff in bending, frequencies up to "
+            f"{part.name} is so stiff in shear that {first.name} and {second.name} would stretch in their planes, "
+            "which "
+            f"plates cannot here. Together they are {ratio:.3g} times too stiff in bending: frequencies up to "
             f"{_percent(excess)} too high",
             {"bending_ratio": float(ratio), "frequency_excess": excess},
             severe=excess > SEVERE,

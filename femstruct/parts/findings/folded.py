@@ -70,8 +70,8 @@ def folded_findings(model: Model, up_to_hz: float) -> tuple[Finding, ...]:
         Finding(
             "folded-plates",
             f"{names}: plates joined at an angle {limit.how} from about {limit.frequency_hz:.3g} Hz on, which plates "
-            f"cannot here: {'the model lacks such modes, and' if there else 'near it'} modes above "
-            f"{NEAR * limit.frequency_hz:.3g} Hz are too high by some percent and more; {asked} were asked for",
+            f"cannot here. {'The model lacks such modes. Modes' if there else 'Modes'} above "
+            f"{NEAR * limit.frequency_hz:.3g} Hz are too high by some percent or more; {asked} are requested",
             {"in_plane_hz": limit.frequency_hz, "up_to_hz": up_to_hz},
             severe=there,
         ),

@@ -41,8 +41,8 @@ def _overhang(part: Foundation, bodies: Mapping[str, Body]) -> tuple[Finding, ..
     return (
         Finding(
             "layer-overhang",
-            f"{part.name} fills {filled:.4g} m^2, all that {first} and {second} share, of the "
-            f"{sides[name]:.4g} m^2 of {name}: {100 * (1 - share):.0f} % of it lies on nothing",
+            f"{part.name} covers {filled:.4g} m^2, the common area of {first} and {second}, of the "
+            f"{sides[name]:.4g} m^2 of {name}: {100 * (1 - share):.0f} % of {name} is not supported",
             {"filled_m2": filled, "side_m2": sides[name]},
         ),
     )

@@ -24,8 +24,9 @@ def model_findings(model: Model) -> tuple[Finding, ...]:
             found.append(
                 Finding(
                     "thick-plate",
-                    f"{plate.name} is {ratio:.2g} of its shorter side thick; without shear and rotary inertia its "
-                    f"first frequency is about {100 * excess:.1f} % too high, shorter waves more",
+                    f"The thickness of {plate.name} is {ratio:.2g} of its shorter side. Without shear and rotary "
+                    "inertia "
+                    f"its first frequency is about {100 * excess:.1f} % too high, higher frequencies more",
                     {"thickness_to_side": ratio, "first_frequency_excess": excess},
                     severe=excess > GROSS_SHEAR,
                 )
@@ -53,7 +54,7 @@ def _twist_defect(plate: PlateMesh) -> Finding:
     aspect = float(max(a[worst] / b[worst], b[worst] / a[worst]))
     return Finding(
         "twist-defect",
-        f"{plate.part.name} uses hermite12, which is {100 * mean:.0f} % too stiff in twist at any mesh (cells up to "
-        f"1:{aspect:.2g}, where it is {100 * float(excess[worst]):.0f} %); bfs16 is not",
+        f"{plate.part.name} uses hermite12, which is {100 * mean:.0f} % too stiff in twist with any mesh (up to "
+        f"{100 * float(excess[worst]):.0f} % in cells of 1:{aspect:.2g}). Use bfs16",
         {"mean_excess": mean, "largest_excess": float(excess[worst]), "largest_cell_aspect": aspect},
     )

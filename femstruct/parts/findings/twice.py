@@ -48,7 +48,7 @@ def _in_one_place(one: tuple[str, Body], other: tuple[str, Body], tolerance: flo
     return [
         Finding(
             "overlapping-parts",
-            f"{name} and {other_name} fill the same {area} m over {1e3 * shared[2]:.4g} mm, {100 * share:.0f} % of "
+            f"{name} and {other_name} overlap: {area} m over {1e3 * shared[2]:.4g} mm, {100 * share:.0f} % of "
             "the thinner one: mass and stiffness count twice there. The origin of a plate is on its mid-surface",
             {"depth_m": float(shared[2]), "share": share},
             severe=share > INSIDE,
@@ -83,7 +83,7 @@ def _line_twice(one: str, other: str, at: Floats, length: float, count: int, joi
     return Finding(
         "overlapping-lines",
         f"{which}, {count} straight piece{'s' if count > 1 else ''} of {length:.4g} m, the first near ({place}) m: "
-        "mass and stiffness count twice there" + ("; a bar made of two is joined like that" if joined else ""),
+        "mass and stiffness count twice there" + (". This is correct for a built-up bar" if joined else ""),
         {"length_m": length, "pieces": count},
         severe=one == other or not joined,
     )
@@ -127,7 +127,7 @@ def _given_again(structure: Structure) -> list[Finding]:
                 Finding(
                     "duplicate-part",
                     f"{seen[identity]} and {part.name} are one {identity[0]} in one place, given twice: remove one, "
-                    "or write the sum of both as one",
+                    "or replace both by their sum",
                     {"times": 2},
                     severe=True,
                 )

@@ -31,9 +31,9 @@ def mesh_findings(model: Model, up_to_hz: float) -> tuple[Finding, ...]:
             found.append(
                 Finding(
                     "coarse-mesh",
-                    f"{name}: a bending wave of {up_to_hz:.4g} Hz is {1e3 * wave:.0f} mm long and the largest cell "
-                    f"{1e3 * cell:.0f} mm, {wave / cell:.1f} cells a wave where {CELLS_PER_WAVE:g} are needed: "
-                    f"cells of {1e3 * wave / CELLS_PER_WAVE:.3g} mm or less",
+                    f"{name}: the bending wavelength at {up_to_hz:.4g} Hz is {1e3 * wave:.0f} mm and the largest cell "
+                    f"{1e3 * cell:.0f} mm: {wave / cell:.1f} cells a wavelength, {CELLS_PER_WAVE:g} are needed. "
+                    f"Use cells of {1e3 * wave / CELLS_PER_WAVE:.3g} mm or less",
                     {"wavelength_m": wave, "cell_m": cell},
                     severe=wave / cell < NO_WAVE,
                 )
@@ -43,10 +43,11 @@ def mesh_findings(model: Model, up_to_hz: float) -> tuple[Finding, ...]:
             found.append(
                 Finding(
                     "thick-for-short-waves",
-                    f"{name}: a bending wave of {up_to_hz:.4g} Hz is {wave / plate.part.thickness:.1f} times as long "
-                    f"as the plate is thick; below {SLENDER:g} the plate without shear is too stiff: with it (Mindlin) "
-                    f"modes are {denser:.2g} times as dense there, and blows put up to "
-                    f"{10 * np.log10(denser):.1f} dB more into them",
+                    f"{name}: the bending wavelength at {up_to_hz:.4g} Hz is {wave / plate.part.thickness:.1f} "
+                    "times the "
+                    f"thickness. Below {SLENDER:g} a plate without shear is too stiff: a Mindlin plate has "
+                    f"{denser:.2g} times the modal density there, and a blow gives it up to "
+                    f"{10 * np.log10(denser):.1f} dB more",
                     {"wavelength_m": wave, "thickness_m": plate.part.thickness, "density_ratio": denser},
                 )
             )
@@ -64,8 +65,8 @@ def _long_bars(frame: FrameMesh, up_to_hz: float) -> list[Finding]:
     return [
         Finding(
             "coarse-mesh",
-            f"{frame.part.name}: a {worst.kind} wave of {up_to_hz:.4g} Hz is {1e3 * length:.0f} mm long and the "
-            f"longest bar {1e3 * longest:.0f} mm, {length / longest:.2f} bars a wave where {frame.part.element} needs "
+            f"{frame.part.name}: the {worst.kind} wavelength at {up_to_hz:.4g} Hz is {1e3 * length:.0f} mm and the "
+            f"longest bar {1e3 * longest:.0f} mm: {length / longest:.2f} bars a wavelength, {frame.part.element} needs "
             f"{worst.needed:g}",
             {"wavelength_m": length, "bar_m": longest},
         )
