@@ -25,6 +25,7 @@ from femstruct.arrays import Floats, Integers
 from femstruct.conventions import COMPONENTS, N_COMPONENTS
 from femstruct.errors import Finding, InputError
 from femstruct.model.fastened import Elastic, Inert, Tie
+from femstruct.model.given import Given, given
 from femstruct.model.material import Material
 from femstruct.model.probe import Point, Surface
 from femstruct.model.region import Region
@@ -51,6 +52,10 @@ class Part:
     """A part as it is described, by name; the base of all kinds."""
 
     name: str
+
+    def described(self) -> tuple[Given, ...]:
+        """What is given of it, for tables of inputs and for comparing cases: its fields; a kind adds units."""
+        return given(self, {})
 
     def corners(self) -> Floats:
         """Places [n, 3] that bound it [m]; none for what acts between others. Raises InputError for sizes it cannot

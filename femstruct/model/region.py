@@ -22,3 +22,14 @@ class Region:
     size: Pair | None = None
     at: Pair | None = None
     line: tuple[Pair, Pair] | None = None
+
+    def __str__(self) -> str:
+        """The region in words.
+
+        >>> str(Region("rectangle", size=(0.3, 0.2), at=(1.0, 0.5)))
+        'rectangle of 0.3 x 0.2 m at (1, 0.5) m'
+        """
+        size = "" if self.size is None else f" of {self.size[0]:g} x {self.size[1]:g} m"
+        at = "" if self.at is None else f" at ({self.at[0]:g}, {self.at[1]:g}) m"
+        ends = "" if self.line is None else " from ({:g}, {:g}) to ({:g}, {:g}) m".format(*self.line[0], *self.line[1])
+        return f"{self.kind}{size}{at}{ends}"

@@ -11,6 +11,7 @@ from scipy.sparse import csr_array
 from femstruct.arrays import Floats, Integers
 from femstruct.conventions import N_COMPONENTS
 from femstruct.errors import Finding, InputError
+from femstruct.model.given import Given, given
 from femstruct.model.grid.layout import Grids, Layout
 from femstruct.model.part import Body, Drawn, Meshed, OwnDofs, Part, refuse_patch, six_at_nodes
 from femstruct.model.probe import Point
@@ -35,6 +36,9 @@ class Block(Part):
     size: Vector
     center: Vector | None = None
     inertia: Vector | None = None
+
+    def described(self) -> tuple[Given, ...]:
+        return given(self, {"mass": "kg", "origin": "m", "size": "m", "center": "m", "inertia": "kg m^2"})
 
     @property
     def middle(self) -> Vector:

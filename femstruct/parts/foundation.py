@@ -12,6 +12,7 @@ from scipy.sparse import csr_array
 from femstruct.arrays import Floats
 from femstruct.errors import InputError
 from femstruct.model.fastened import Elastic
+from femstruct.model.given import Given, given
 from femstruct.model.grid.geometry import to_rectangle
 from femstruct.model.grid.layers import Layer, layer_of
 from femstruct.model.grid.layout import Layout
@@ -48,6 +49,10 @@ class Foundation(Part):
     def ends(self) -> tuple[str, ...]:
         """Names of the parts it acts on."""
         return (self.on,) if self.to is None else (self.on, self.to)
+
+    def described(self) -> tuple[Given, ...]:
+        unit = "N/m^3" if self.region.kind in ("whole", "rectangle") else "N/m^2"
+        return given(self, {"normal": unit, "shear": unit})
 
     def identity(self, places: Mapping[str, object]) -> tuple[object, ...]:
         return "layer", self.on, self.to, self.region, self.normal, self.shear

@@ -18,6 +18,7 @@ from femstruct.elements.frame import nodes_per_bar
 from femstruct.elements.placement import directions
 from femstruct.elements.quadrature import gauss_interval
 from femstruct.errors import Finding, InputError
+from femstruct.model.given import Given, given
 from femstruct.model.grid.geometry import distance_to_segments
 from femstruct.model.grid.layout import Grids, Layout
 from femstruct.model.grid.scatter import scattered
@@ -60,6 +61,9 @@ class Frame(Part):
     element: Literal["timoshenko18", "timoshenko", "euler"] = "timoshenko18"
     start_offset: Vector = (0.0, 0.0, 0.0)
     end_offset: Vector = (0.0, 0.0, 0.0)
+
+    def described(self) -> tuple[Given, ...]:
+        return given(self, {"lines": "m", "mesh": "m", "start_offset": "m", "end_offset": "m"})
 
     def corners(self) -> Floats:
         return np.array([point for line in self.lines for point in line], dtype=np.float64).reshape(-1, 3)

@@ -12,6 +12,7 @@ from femstruct.arrays import Floats
 from femstruct.errors import InputError
 from femstruct.model.anchors import places_of, point_rows
 from femstruct.model.fastened import Inert
+from femstruct.model.given import Given, given
 from femstruct.model.model import Model
 from femstruct.model.part import Part
 from femstruct.model.region import Vector
@@ -60,6 +61,9 @@ class Inertia(Part):
                 expected="none larger than the sum of the two others, as those of every body",
                 do="give them about the centre of mass, [Ixx, Iyy, Izz, Ixy, Iyz, Izx] with Ixy = integral of x y dm",
             )
+
+    def described(self) -> tuple[Given, ...]:
+        return given(self, {"mass": "kg", "moments": "kg m^2", "products": "kg m^2", "offset": "m"})
 
     def principal(self) -> tuple[Floats, Floats]:
         """Principal moments [3], ascending [kg m^2], and their axes as rows [3, 3]."""

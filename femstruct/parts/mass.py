@@ -12,6 +12,7 @@ from scipy.sparse import csr_array, vstack
 from femstruct.errors import InputError, some_of
 from femstruct.model.anchors import places_of, point_rows
 from femstruct.model.fastened import Inert
+from femstruct.model.given import Given, given
 from femstruct.model.grid.layout import Layout
 from femstruct.model.model import Model
 from femstruct.model.part import Part
@@ -36,6 +37,9 @@ class Mass(Part):
     on: str | None = None
     region: Region | None = None
     per: Per = "total"
+
+    def described(self) -> tuple[Given, ...]:
+        return given(self, {"mass": {"total": "kg", "length": "kg/m", "area": "kg/m^2"}[self.per]})
 
     def carriers(self) -> tuple[str | None, ...]:
         return (self.at,)

@@ -12,6 +12,7 @@ from femstruct.arrays import Floats, Integers, freeze, frozen
 from femstruct.conventions import N_COMPONENTS, TWIST
 from femstruct.elements import plate
 from femstruct.errors import Finding, InputError
+from femstruct.model.given import Given, given
 from femstruct.model.grid.cell_sides import cell_sides
 from femstruct.model.grid.geometry import distance_to_rectangle, from_rectangle, rectangle_axes, to_rectangle
 from femstruct.model.grid.layout import Grids, Layout
@@ -71,6 +72,17 @@ class Plate(Part):
                 expected=f"at most the plate's shorter side, {side:g} m",
                 do=meant if self.thickness > 1.0 else "what is thicker than wide is a frame or a block",
             )
+
+    def described(self) -> tuple[Given, ...]:
+        return given(
+            self,
+            {
+                "thickness": "m",
+                "size": "m",
+                "origin": "m",
+                "mesh": "divisions" if isinstance(self.mesh, tuple) else "m",
+            },
+        )
 
     def corners(self) -> Floats:
         for key, value in (("thickness", self.thickness), ("size", min(self.size))):

@@ -12,6 +12,7 @@ from femstruct.conventions import DIRECTIONS
 from femstruct.errors import InputError
 from femstruct.model.anchors import places_of, point_rows
 from femstruct.model.fastened import Elastic
+from femstruct.model.given import Given
 from femstruct.model.model import Model
 from femstruct.model.part import Part
 
@@ -33,6 +34,20 @@ class Spring(Part):
     b: str | None
     stiffness: Six = NO_STIFFNESS
     damping: Six = NO_STIFFNESS
+
+    def described(self) -> tuple[Given, ...]:
+        return (
+            Given("between", (self.a, self.b or "ground")),
+            *(
+                Given(f"{word} {direction}", value, units[len(direction) - 1])
+                for word, values, units in (
+                    ("stiffness", self.stiffness, ("N/m", "N m/rad")),
+                    ("damping", self.damping, ("N s/m", "N m s/rad")),
+                )
+                for direction, value in zip(DIRECTIONS, values, strict=True)
+                if value
+            ),
+        )
 
     def carriers(self) -> tuple[str | None, ...]:
         return self.a, self.b

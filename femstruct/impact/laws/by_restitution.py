@@ -24,6 +24,7 @@ class ByRestitution(Law):
 
     code: ClassVar = CODE
     varies: ClassVar = {"stiffness": "stiffness", "exponent": "shape"}
+    units: ClassVar = {"stiffness": "N/m^exponent", "speed": "m/s"}
 
     stiffness: float
     restitution: float

@@ -48,6 +48,7 @@ class Cubic(Law):
     word: ClassVar = "cubic"
     code: ClassVar = CODE
     varies: ClassVar = {"stiffness": "stiffness", "cubic": "shape", "dissipation": "closing"}
+    units: ClassVar = {"stiffness": "N/m", "cubic": "N/m^3", "dissipation": "s/m"}
 
     stiffness: float
     cubic: float

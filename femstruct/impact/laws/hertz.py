@@ -57,6 +57,7 @@ class Hertz(Law):
     word: ClassVar = "hertz"
     code: ClassVar = CODE
     varies: ClassVar = {"stiffness": "stiffness", "damping": "closing"}
+    units: ClassVar = {"stiffness": "N/m^1.5", "damping": "N s/m^1.5"}
 
     stiffness: float
     damping: float = 0.0

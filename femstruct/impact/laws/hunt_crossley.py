@@ -45,6 +45,7 @@ class HuntCrossley(Law):
     word: ClassVar = "hunt-crossley"
     code: ClassVar = CODE
     varies: ClassVar = {"stiffness": "stiffness", "exponent": "shape", "dissipation": "closing"}
+    units: ClassVar = {"stiffness": "N/m^exponent", "dissipation": "s/m"}
 
     stiffness: float
     exponent: float = 1.5

@@ -15,6 +15,7 @@ import numpy as np
 from femstruct.arrays import Floats
 from femstruct.errors import FemstructError, Finding
 from femstruct.impact.engine.records import NUMBERS, Records
+from femstruct.model.given import Given, given
 
 Kernel = Callable[..., Any]
 RESTITUTION_MISSED = 0.05  # of a restitution: Lankarani and Nikravesh's law misses it from 0.79 down
@@ -63,7 +64,12 @@ class Law(ABC):
     straight: ClassVar[bool] = False
     varies: ClassVar[Mapping[str, str]] = {}
     doubts: ClassVar[Mapping[str, bool]] = {}
+    units: ClassVar[Mapping[str, str]] = {}  # of its fields, as they are shown
     tensile: bool
+
+    def described(self) -> tuple[Given, ...]:
+        """What is given of it, for tables of the inputs and for comparing cases."""
+        return given(self, self.units)
 
     @property
     @abstractmethod

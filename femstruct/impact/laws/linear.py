@@ -52,6 +52,7 @@ class Linear(Law):
     code: ClassVar = CODE
     straight: ClassVar = True
     varies: ClassVar = {"stiffness": "stiffness", "damping": "closing"}
+    units: ClassVar = {"stiffness": "N/m", "damping": "N s/m"}
 
     stiffness: float
     damping: float = 0.0

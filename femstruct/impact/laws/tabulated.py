@@ -64,6 +64,7 @@ class Tabulated(Law):
     code: ClassVar = CODE
     varies: ClassVar = {"dissipation": "closing"}
     doubts: ClassVar = {BEYOND: True}
+    units: ClassVar = {"indentations": "m", "forces": "N", "dissipation": "s/m"}
 
     indentations: Floats
     forces: Floats

@@ -1,0 +1,213 @@
+"""What a study is made of: its inputs as values, group by group, and what differs between two cases."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, is_dataclass
+from typing import Any, Final, NamedTuple
+
+from femstruct.conventions import GRAVITY
+from femstruct.model.given import Given, given, of_material, of_section, plain
+from femstruct.model.material import Material
+from femstruct.model.section import Section
+from femstruct.model.structure import Structure
+from femstruct.study.study import PlacedBody, PlannedContact, PlannedLink, PlannedLoad, RoomPlan, Study
+
+UNITS: Final = {  # of the fields of a study's nouns
+    "mass": "kg", "mass_per_length": "kg/m", "length": "m", "area": "m^2", "E": "Pa", "rho": "kg/m^3", "EI": "N m^2",
+    "frequency_hz": "Hz", "stiffness": "N/m", "closing": "N s/m", "opening": "N s/m", "release_at": "m", "gap": "m",
+    "preload": "N", "duration": "s", "sampling": "Hz", "quiet": "s", "first_impact": "s", "lowpass_hz": "Hz",
+    "band": "Hz", "step": "Hz", "up_to_hz": "Hz", "every": "s", "first": "s", "pace": "Hz", "velocity": "m/s",
+    "spin": "rad/s", "alpha": "1/s", "beta": "s", "near_hz": "Hz", "relaxation_time": "s", "decay_rate": "1/s",
+    "frequency": "Hz", "at": "m", "radius": "m", "times": "s",
+}  # fmt: skip
+
+
+class Item(NamedTuple):
+    """One noun of the inputs: its name, its kind in a word, and what is given of it."""
+
+    name: str
+    kind: str
+    given: tuple[Given, ...]
+
+
+class Difference(NamedTuple):
+    """What two cases give of one noun: before, in the baseline, and after. Empty for a noun that is not there."""
+
+    group: str
+    name: str
+    before: tuple[Given, ...]
+    after: tuple[Given, ...]
+
+
+@dataclass(frozen=True)
+class Inputs:
+    """The inputs of a study by group ("materials", "parts", "bodies", .. "analysis"); no group is empty."""
+
+    groups: Mapping[str, tuple[Item, ...]]
+
+
+def inputs(study: Study) -> Inputs:
+    """All inputs of a study.
+
+    >>> from femstruct.modal.damping import Damping, Ratio
+    >>> from femstruct.study.structures import OscillatorModel
+    >>> from femstruct.study.study import Extent
+    >>> oscillator = OscillatorModel(mass=2.0, frequency_hz=None, stiffness=800.0, points={"m": 1.0})
+    >>> asked = inputs(Study("hit", oscillator, Damping(Ratio(0.02)), Extent(count=1)))
+    >>> asked.groups["structure"][0].given[0]
+    Given(what='mass', value=2.0, unit='kg')
+    """
+    structure = study.structure
+    groups: dict[str, list[Item]] = {"materials": [], "sections": []}
+    if isinstance(structure, Structure):
+        groups["parts"] = [Item(part.name, _word(part), part.described()) for part in structure.parts]
+        _name_nouns(groups)
+        groups["supports"] = [_item(one, "support") for one in structure.supports]
+        groups["joints"] = [_item(one, one.kind, without=("kind",)) for one in structure.joints]
+        groups["points"] = [_item(one, "point") for one in structure.points]
+        groups["surfaces"] = [_item(one, "surface") for one in structure.surfaces]
+    else:
+        groups["structure"] = [Item("structure", _word(structure).removesuffix(" model"), given(structure, UNITS))]
+    groups["bodies"] = [_body(one) for one in study.bodies]
+    groups["contacts"] = [_contact(one) for one in study.contacts]
+    groups["links"] = [_link(one) for one in study.links]
+    groups["loads"] = [
+        *(_load(one) for one in study.loads),
+        *(_item(one, "walker") for one in study.walks),
+    ]
+    groups["rooms"] = [_room(one) for one in study.rooms]
+    groups["frequency responses"] = [_item(one, one.kind, without=("kind",)) for one in study.frf]
+    groups["analysis"] = [Item(name, "", found) for name, found in _analysis(study).items() if found]
+    return Inputs({name: tuple(items) for name, items in groups.items() if items})
+
+
+def differences(baseline: Inputs, case: Inputs) -> tuple[Difference, ...]:
+    """What a case gives otherwise than the baseline; of a noun that both have only what is not alike."""
+    found = []
+    for group in dict.fromkeys((*baseline.groups, *case.groups)):
+        first, second = ({one.name: one for one in side.groups.get(group, ())} for side in (baseline, case))
+        for name in dict.fromkeys((*first, *second)):
+            before, after = (_all(side.get(name)) for side in (first, second))
+            if before != after:
+                both = bool(before and after)
+                left = tuple(one for one in before if not (both and one in after))
+                right = tuple(one for one in after if not (both and one in before))
+                found.append(Difference(group, name, left, right))
+    return tuple(found)
+
+
+def _all(item: Item | None) -> tuple[Given, ...]:
+    return () if item is None else (*([Given("kind", item.kind)] if item.kind else []), *item.given)
+
+
+def _word(noun: object) -> str:
+    """The class of a noun in words.
+
+    >>> from acoustics.air import Air
+    >>> _word(Air())
+    'air'
+    """
+    return re.sub(r"(?<=[a-z])(?=[A-Z])", " ", type(noun).__name__).lower()
+
+
+def _item(noun: Any, kind: str, without: tuple[str, ...] = ()) -> Item:
+    return Item(noun.name, kind, _flat(one for one in given(noun, UNITS) if one.what not in without))
+
+
+def _flat(found: Any) -> tuple[Given, ...]:
+    """The same with the fields of unnamed nouns in their place, and addresses as text."""
+    flat: list[Given] = []
+    for one in found:
+        if hasattr(one.value, "described"):
+            flat += [Given(one.what, one.value.word or _word(one.value)), *one.value.described()]
+        elif is_dataclass(one.value) and type(one.value).__str__ is object.__str__:
+            flat += given(one.value, UNITS)
+        else:
+            flat.append(one._replace(value=str(one.value)) if is_dataclass(one.value) else one)
+    return tuple(flat)
+
+
+def _name_nouns(groups: dict[str, list[Item]]) -> None:
+    """Give materials and sections of parts their own groups, and the parts their names."""
+    for number, part in enumerate(groups["parts"]):
+        named = []
+        for one in part.given:
+            noun = one.value
+            if isinstance(noun, Material):
+                groups["materials"].append(Item(noun.name, "", of_material(noun)))
+            elif isinstance(noun, Section):
+                groups["sections"].append(Item(noun.name, "", of_section(noun)))
+            named.append(one._replace(value=noun.name) if isinstance(noun, Material | Section) else one)
+        groups["parts"][number] = part._replace(given=tuple(named))
+    for group in ("materials", "sections"):
+        groups[group] = list(dict.fromkeys(groups[group]))
+
+
+def _body(body: PlacedBody) -> Item:
+    shown = {"mass", "side", "target", "speed", "dropped", "source"}
+    rest = _flat(one for one in given(body, UNITS) if one.what not in shown)
+    fall = [Given("drop height", body.speed**2 / (2.0 * GRAVITY), "m")] if body.dropped else []
+    speed = [Given("speed", body.speed, "m/s")] if body.speed else []
+    first = (Given("mass", body.mass, "kg"), Given(body.side, body.target), *fall, *speed)
+    return Item(body.name, body.source or "body", (*first, *rest))
+
+
+def _contact(contact: PlannedContact) -> Item:
+    item = _item(contact, contact.law.word or _word(contact.law))
+    return item._replace(given=tuple(one for one in item.given if one.what != "law"))
+
+
+def _load(load: PlannedLoad) -> Item:
+    unit = "Pa" if load.kind == "surface" else "N"
+    found = (
+        one._replace(unit=unit) if one.what in ("amplitude", "values") else one for one in _flat(given(load, UNITS))
+    )
+    return Item(load.name, f"load on a {load.kind}", tuple(one for one in found if one.what != "kind"))
+
+
+def _link(link: PlannedLink) -> Item:
+    item = _item(link, "link")
+    if link.closing != link.opening:
+        return item
+    alike = (one._replace(what="damping") if one.what == "closing" else one for one in item.given)
+    return item._replace(given=tuple(one for one in alike if one.what != "opening"))
+
+
+def _room(plan: RoomPlan) -> Item:
+    room = plan.room
+    size = [Given("size", plain(room.size), "m")] if hasattr(room, "size") else []
+    t60 = (
+        [Given("reverberation time", {f"{f:g} Hz": t60 for f, t60 in plan.t60_asked.items()}, "s")]
+        if plan.t60_asked
+        else []
+    )
+    losses = [] if t60 or not hasattr(room, "losses") else list(given(room.losses, UNITS))
+    receivers = Given("receivers", {one.name: plain(one.position) for one in plan.receivers}, "m")
+    levels = [Given("rated by", plan.levels)] if plan.levels else []
+    leak = list(given(plan.leak, {})) if plan.leak is not None else []
+    coupling = [Given("coupling", plan.coupling), *leak]
+    air = [Given("speed of sound", room.air.c, "m/s"), Given("density of air", room.air.rho, "kg/m^3")]
+    walls = [Given("walls", {name: str(one) for name, one in room.walls.items()})] if hasattr(room, "walls") else []
+    first = [*size, Given("under", plan.under), *walls, *t60, *losses, *coupling, *levels]
+    return Item(plan.name, _word(room), (*first, *air, receivers))
+
+
+def _analysis(study: Study) -> dict[str, tuple[Given, ...]]:
+    """How it is computed: damping, modes, window, peaks, accuracy, what is recorded."""
+    damping = study.damping
+    base = [
+        one._replace(what=_word(damping.base)) if one.what == "value" else one for one in given(damping.base, UNITS)
+    ]
+    modes = (Given(f"mode {one.number}", one.ratio or (one.loss_factor or 0.0) / 2.0) for one in damping.modes)
+    start = [Given(f"start {spot}", speed, "m/s") for spot, speed in study.initial.velocities]
+    return {
+        "damping": (*(base or [Given("by", _word(damping.base))]), *modes),
+        "modes": given(study.extent, UNITS),
+        "start": (*start, *(given(study.initial.rigid, UNITS) if study.initial.rigid is not None else ())),
+        "window": () if study.time is None else given(study.time, UNITS),
+        "peaks": given(study.peaks, UNITS),
+        "accuracy": () if study.accuracy is None else given(study.accuracy, UNITS),
+        "recorded": (Given("channels", tuple(map(str, study.records))),) if study.records else (),
+    }
