@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-from abc import abstractmethod
 from dataclasses import dataclass
 from typing import ClassVar
 
-from femstruct.arrays import Floats
-from femstruct.impact.engine.records import Records
-from femstruct.impact.laws.hunt_crossley import CODE, indentation_of_power, refuse_exponent, rests_of_power
-from femstruct.impact.laws.law import Law, Stored, refuse_unless_positive
+from femstruct.impact.laws.hunt_crossley import PowerLaw, refuse_exponent
+from femstruct.impact.laws.law import refuse_unless_positive
 from femstruct.impact.scene.restitution import refuse_restitution, restitution_of
 
 
 @dataclass(frozen=True)
-class ByRestitution(Law):
+class ByRestitution(PowerLaw):
     """f = k d^n (1 + chi d'), chi as an author gives it by restitution e and meeting speed v [m/s].
 
     stiffness k [N/m^n]; exponent n >= 1; tensile : let the dashpot pull.
@@ -22,7 +19,6 @@ class ByRestitution(Law):
     Raises FemstructError for a stiffness or speed that is not positive, or a restitution beyond 0 to 1.
     """
 
-    code: ClassVar = CODE
     varies: ClassVar = {"stiffness": "stiffness", "exponent": "shape"}
     units: ClassVar = {"stiffness": "N/m^exponent", "speed": "m/s"}
 
@@ -39,23 +35,6 @@ class ByRestitution(Law):
         refuse_unless_positive(f"{self.word} law speed", self.speed)
 
     @property
-    @abstractmethod
-    def dissipation(self) -> float:
-        """Dissipation factor chi [s/m]."""
-
-    @property
     def returns(self) -> float:
         """Restitution that it returns at its meeting speed."""
         return restitution_of(self.dissipation, self.speed)
-
-    @property
-    def stored(self) -> Stored:
-        return Stored(self.stiffness, self.dissipation, self.exponent)
-
-    def indentation(self, force: float) -> float:
-        """Indentation under a force at rest [m]."""
-        return indentation_of_power(force, self.stiffness, self.exponent)
-
-    @staticmethod
-    def rests(preload: Floats, laws: Records) -> Floats:
-        return rests_of_power(preload, laws)

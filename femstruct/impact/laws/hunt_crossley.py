@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from dataclasses import dataclass
 from typing import ClassVar, Final
 
@@ -25,8 +26,35 @@ def _spring(system: System, a: int, delta: float) -> tuple[float, float, float]:
 CODE: Final = Code(_spring)  # its numbers: stiffness, chi, exponent
 
 
+class PowerLaw(Law):
+    """f = k d^n (1 + chi d'), chi given or derived: what the engine keeps of it, and its indentations at rest."""
+
+    code: ClassVar = CODE
+
+    stiffness: float
+    exponent: float
+
+    @property
+    @abstractmethod
+    def dissipation(self) -> float:
+        """Dissipation factor chi [s/m]."""
+
+    @property
+    def stored(self) -> Stored:
+        return Stored(self.stiffness, self.dissipation, self.exponent)
+
+    def indentation(self, force: float) -> float:
+        """Indentation under a force at rest [m]."""
+        return float((force / self.stiffness) ** (1.0 / self.exponent))
+
+    @staticmethod
+    def rests(preload: Floats, laws: Records) -> Floats:
+        rest: Floats = (preload / laws["stiffness"]) ** (1.0 / laws["shape"])
+        return rest
+
+
 @dataclass(frozen=True)
-class HuntCrossley(Law):
+class HuntCrossley(PowerLaw):
     """f = k d^n (1 + chi d'): two bodies of smooth or flat shape that lose energy.
 
     stiffness k [N/m^n]; exponent n >= 1, 1.5 for Hertz; dissipation chi [s/m]; tensile : let the dashpot pull while
@@ -43,7 +71,6 @@ class HuntCrossley(Law):
     """
 
     word: ClassVar = "hunt-crossley"
-    code: ClassVar = CODE
     varies: ClassVar = {"stiffness": "stiffness", "exponent": "shape", "dissipation": "closing"}
     units: ClassVar = {"stiffness": "N/m^exponent", "dissipation": "s/m"}
 
@@ -64,29 +91,6 @@ class HuntCrossley(Law):
         """The law that returns exactly this restitution when two bodies meet at this speed [m/s]; faster ones lose
         more."""
         return cls(stiffness, exponent, dissipation_for(restitution, speed), tensile)
-
-    @property
-    def stored(self) -> Stored:
-        return Stored(self.stiffness, self.dissipation, self.exponent)
-
-    def indentation(self, force: float) -> float:
-        """Indentation under a force at rest [m]."""
-        return indentation_of_power(force, self.stiffness, self.exponent)
-
-    @staticmethod
-    def rests(preload: Floats, laws: Records) -> Floats:
-        return rests_of_power(preload, laws)
-
-
-def indentation_of_power(force: float, stiffness: float, exponent: float) -> float:
-    """Indentation of k d^n under a force at rest [m]."""
-    return float((force / stiffness) ** (1.0 / exponent))
-
-
-def rests_of_power(preload: Floats, laws: Records) -> Floats:
-    """As `Law.rests`, of laws with this code."""
-    rest: Floats = (preload / laws["stiffness"]) ** (1.0 / laws["shape"])
-    return rest
 
 
 def refuse_exponent(kind: str, exponent: float) -> None:
