@@ -11,7 +11,7 @@ from typing import TypeVar
 from femstruct.impact.scene.impact_sources import BETWEEN_BLOWS, DROPPED, HAMMERS, TAPPING_MACHINE
 from femstruct.language.schema_study import SIDES, BlowsSpec, BodySpec, ContactSpec, LinkSpec, LoadSpec, StudySpec
 from femstruct.language.sources import UNCORRELATED, turn
-from femstruct.language.yaml.checker import Names
+from femstruct.language.yaml.here import Names
 from femstruct.language.yaml.spec import Measured
 
 Ends = tuple[str, str]

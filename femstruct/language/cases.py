@@ -13,6 +13,7 @@ from acoustics.meshed.meshed_room import ShapedRoom
 from femstruct.errors import InputError, InputErrors
 from femstruct.language.arrays import drops, spread
 from femstruct.language.build_study import study_of
+from femstruct.language.model.model import ModelSpec
 from femstruct.language.models import (
     ModelFile,
     built_model,
@@ -22,11 +23,10 @@ from femstruct.language.models import (
     refuse_kind,
     title_of,
 )
-from femstruct.language.references import check_names, names_of
-from femstruct.language.references_model import check_model
+from femstruct.language.references import check_names
 from femstruct.language.references_study import check_study
-from femstruct.language.schema_model import ModelSpec
 from femstruct.language.schema_study import StudySpec
+from femstruct.language.yaml.here import Here
 from femstruct.language.yaml.opening import beside
 from femstruct.language.yaml.patch import MODEL_KEYS, Patch, study_keys
 from femstruct.language.yaml.reader import Mistakes, Position, Tree, dotted, nearest, read_yaml
@@ -137,7 +137,7 @@ class _Resolved:
         model_spec = validate(ModelSpec, model.value, model, mistakes) if model is not None else None
         study_spec = validate(StudySpec, study.value, study, mistakes)
         if model is not None and model_spec is not None:
-            check_model(model_spec, model, mistakes)
+            model_spec.check(Here(model, mistakes, model_spec.names()))
             if study_spec is not None:
                 check_study(study_spec, study, model_spec, mistakes)
         return cls(study, model, study_spec, model_spec, dict(changes))
@@ -174,7 +174,7 @@ def _case(
     structure, damping = built_model(one.model_spec, one.model, mistakes)
     if structure is None or damping is None:
         return None
-    names, tree = names_of(one.model_spec), one.study
+    names, tree = one.model_spec.names(), one.study
     changes = {**overrides, **one.changes}
 
     def built(spec: StudySpec) -> Study | None:

@@ -7,10 +7,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from femstruct.errors import FemstructError, InputErrors
-from femstruct.language.build_model import damping_of, structure_of
+from femstruct.language.model.model import ModelSpec
 from femstruct.language.references import check_names
-from femstruct.language.references_model import check_model
-from femstruct.language.schema_model import ModelSpec
+from femstruct.language.yaml.here import Here
 from femstruct.language.yaml.patch import MODEL_KEYS, Patch, study_keys
 from femstruct.language.yaml.reader import Mistakes, Position, Tree, dotted, near_name, parse_value, read_yaml
 from femstruct.language.yaml.validation import validate
@@ -57,7 +56,7 @@ def read_model_file(path: str | Path, overrides: Sequence[str] = ()) -> ModelFil
     check_names(tree, None, mistakes)
     spec = validate(ModelSpec, tree.value, tree, mistakes)
     if spec is not None:
-        check_model(spec, tree, mistakes)
+        spec.check(Here(tree, mistakes, spec.names()))
     mistakes.stop_if_any()
     structure, damping = built_model(spec, tree, mistakes) if spec is not None else (None, None)
     mistakes.stop_if_any()
@@ -103,7 +102,8 @@ def with_position(source: ModelFile | Plan, error: FemstructError) -> str:
 
 def built_model(spec: ModelSpec, tree: Tree, mistakes: Mistakes) -> tuple[StructureModel | None, Damping | None]:
     """Structure and damping of a checked model; None where a mistake was noted."""
-    return structure_of(spec, title_of(tree), tree, mistakes), damping_of(spec, tree, mistakes)
+    here = Here(tree, mistakes)
+    return spec.build(title_of(tree), here), here.at("damping").make(spec.damping.noun)
 
 
 def override(patch: Patch, overrides: Sequence[str]) -> None:

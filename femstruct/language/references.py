@@ -5,26 +5,11 @@ from __future__ import annotations
 import re
 from typing import Any
 
-from femstruct.language.schema_model import ModelSpec, PointSpec
-from femstruct.language.yaml.checker import Checker, Names
+from femstruct.language.yaml.checker import Checker
 from femstruct.language.yaml.reader import Mistakes, Steps, Tree
 
 _NAMESPACE = ("parts", "joints", "points", "surfaces", "supports", "bodies", "contacts", "links", "loads", "rooms")
 _ALL_NAMED = (*_NAMESPACE, "materials", "sections", "frf")
-
-
-def names_of(model: ModelSpec) -> Names:
-    """The names a model offers to a study."""
-    counts = {name: _count(spec) for name, spec in model.points.items()}
-    if model.structure is not None and model.structure.type == "modes":
-        counts |= dict.fromkeys(model.structure.points, 1)
-    places = {name for name, count in counts.items() if count == 1}
-    places |= {f"{name}.{n}" for name, count in counts.items() if count > 1 for n in range(1, count + 1)}
-    return Names(counts, frozenset(places), frozenset({*model.parts, *model.joints, *model.supports, "ground"}))
-
-
-def _count(spec: PointSpec) -> int:
-    return len(spec.at) if isinstance(spec.at, tuple) else 1
 
 
 def _check_dotted_names(study: Tree, check: Checker) -> None:

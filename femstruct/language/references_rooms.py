@@ -5,7 +5,7 @@ from __future__ import annotations
 from acoustics.errors import AcousticsError
 from acoustics.levels.methods import method_of, refuse_source
 from femstruct.impact.scene.impact_sources import BETWEEN_BLOWS, HAMMERS, TAPPING_MACHINE
-from femstruct.language.schema_model import ModelSpec
+from femstruct.language.model.model import ModelSpec
 from femstruct.language.schema_rooms import RoomSpec
 from femstruct.language.schema_study import FrfSpec, StudySpec
 from femstruct.language.yaml.checker import Checker

@@ -7,11 +7,11 @@ from collections.abc import Mapping
 from femstruct.impact.scene.impact_sources import HAMMERS, TAPPING_MACHINE
 from femstruct.language.arrays import array_sizes, drop_counts, joined, members, spread
 from femstruct.language.limits import check_limits
-from femstruct.language.references import names_of
+from femstruct.language.model.model import ModelSpec
 from femstruct.language.references_rooms import check_power, check_pressure, check_rooms
-from femstruct.language.schema_model import ModelSpec
 from femstruct.language.schema_study import SIDES, BodySpec, StudySpec, TimeSpec
-from femstruct.language.yaml.checker import Checker, Names
+from femstruct.language.yaml.checker import Checker
+from femstruct.language.yaml.here import Names
 from femstruct.language.yaml.reader import Mistakes, Steps, Tree, nearest
 
 MOST_SAMPLES, FEWEST_SAMPLES = 20_000_000, 5
@@ -20,7 +20,7 @@ MOST_SAMPLES, FEWEST_SAMPLES = 20_000_000, 5
 def check_study(study: StudySpec, tree: Tree, model: ModelSpec, mistakes: Mistakes) -> None:
     """Every name a study uses is there, of the right kind, and its keys agree with each other."""
     check = Checker(tree, mistakes)
-    names = names_of(model)
+    names = model.names()
     sizes = array_sizes(study, names)
     each = members(sizes)
     if study.modes is None and model.structure is None:

@@ -8,7 +8,7 @@ from pydantic import Field, model_validator
 
 from acoustics.levels.methods import STANDARDS
 from acoustics.meshed.walls import MOST_ABSORBED
-from femstruct.language.schema_model import coordinates
+from femstruct.language.model.point import coordinates
 from femstruct.language.yaml.spec import (
     Duration,
     Frequency,

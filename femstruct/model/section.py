@@ -33,7 +33,9 @@ class Section:
 
 
 def rectangle(name: str, width: float, height: float) -> Section:
-    """Solid rectangle; Iy = b h^3 / 12, J by Saint-Venant's series, shear coefficients 5/6.
+    """Solid rectangle, width along local y, height along local z.
+
+    Iy = b h^3 / 12, J by Saint-Venant's series, shear coefficients 5/6.
 
     width [m] along local y, height [m] along local z.
 
@@ -64,7 +66,7 @@ def circle(name: str, diameter: float) -> Section:
 
 
 def tube(name: str, outer: float, thickness: float) -> Section:
-    """Round tube; J is the polar moment.
+    """Round tube of an outer diameter and a wall thickness; J is the polar moment.
 
     outer : outer diameter [m]; thickness [m].
 
@@ -81,7 +83,7 @@ def tube(name: str, outer: float, thickness: float) -> Section:
 
 
 def box(name: str, width: float, height: float, thickness: float) -> Section:
-    """Rectangular box of even thickness.
+    """Rectangular box of even wall thickness; width along local y and height along local z are outer sides.
 
     width, height : outer sides along local y and z [m]; thickness [m].
 
@@ -110,7 +112,7 @@ def box(name: str, width: float, height: float, thickness: float) -> Section:
 
 
 def i_section(name: str, width: float, height: float, web: float, flange: float) -> Section:
-    """Doubly symmetric I: two flanges along local y, the web along local z.
+    """Doubly symmetric I: flanges along local y, web along local z; thicknesses of web and flange.
 
     width, height : over all [m]; web, flange : thicknesses [m].
 

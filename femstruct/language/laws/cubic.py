@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Annotated, Literal
 
 from femstruct.impact.laws.cubic import Cubic
-from femstruct.language.directions import Stiffness
 from femstruct.language.laws.law import FactoredSpec, Site
+from femstruct.language.model.directions import Stiffness
 from femstruct.language.yaml.spec import Quantity
 
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Annotated, Literal
 
 from femstruct.impact.laws.linear import Linear
-from femstruct.language.directions import Dashpot
 from femstruct.language.laws.law import LawSpec, Positive, Restitution, Site
+from femstruct.language.model.directions import Dashpot
 from femstruct.language.yaml.spec import Quantity
 
 

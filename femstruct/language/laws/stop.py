@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Literal
 
 from femstruct.impact.laws.stop import Stop
-from femstruct.language.directions import Dashpot
 from femstruct.language.laws.law import LawSpec, Positive, Site
+from femstruct.language.model.directions import Dashpot
 
 
 class StopSpec(LawSpec):

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from abc import abstractmethod
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Annotated, Any, ClassVar
 
-from femstruct.language.yaml.checker import Checker
-from femstruct.language.yaml.reader import Steps
-from femstruct.language.yaml.spec import Spec
+from femstruct.language.yaml.here import Here
+from femstruct.language.yaml.spec import Refers, Spec, Text
 from femstruct.model.material import Material
 from femstruct.model.part import Part
 from femstruct.model.section import Section
@@ -17,21 +15,8 @@ from femstruct.model.section import Section
 ROUNDING = 1e-9  # of a side: what a coordinate written in decimals may be off the edge
 Places = str | tuple[tuple[float, ...], ...]
 """Where a point is, as it is written: center, top, bottom, or coordinates [m]."""
-
-
-@dataclass(frozen=True)
-class Surroundings:
-    """What the names in a part may stand for. points : names of points and of their single places."""
-
-    check: Checker
-    points: Collection[str]
-    materials: Collection[str]
-    sections: Collection[str]
-    parts: Mapping[str, PartSpec]
-
-    def named(self, trait: str) -> list[str]:
-        """Names of the parts that have a trait of `PartSpec`."""
-        return [name for name, part in self.parts.items() if getattr(part, trait)]
+MaterialName = Annotated[Text, Refers("material")]
+SectionName = Annotated[Text, Refers("section")]
 
 
 @dataclass(frozen=True)
@@ -43,26 +28,25 @@ class Library:
 
 
 class PartSpec(Spec):
-    """A part; a kind overrides what it has.
+    """A part: a kind says what its keys are and which noun it `makes` of them.
 
-    has_nodes : joints, points and supports can be on it. has_faces : layers can lie against it. has_edges : supports,
-    surfaces and patches can be on its edges and areas. is_lined : masses can be spread along or over it.
+    known_as : as what other names in the file find it: a part has nodes to join, hold and point at; on the edges and
+    areas of a plate supports and surfaces can be; layers lie against a plate or block; masses are spread along or over
+    a plate or frame.
     """
 
-    has_nodes: ClassVar[bool] = False
-    has_faces: ClassVar[bool] = False
-    has_edges: ClassVar[bool] = False
-    is_lined: ClassVar[bool] = False
+    known_as: ClassVar[tuple[str, ...]] = ()
     type: str
 
-    def check(self, steps: Steps, around: Surroundings) -> None:
-        """Note names that are not there, and keys that do not agree with each other."""
-
-    @abstractmethod
     def build(self, name: str, of: Library) -> Part:
         """The noun it describes."""
+        found: dict[str, Any] = {"material": of.materials, "section": of.sections}
+        part: Part = self.noun(
+            name=name, **{key: found[key][getattr(self, key)] for key in found if hasattr(self, key)}
+        )
+        return part
 
-    def check_place(self, steps: Steps, places: Places, check: Checker) -> None:
+    def check_place(self, here: Here, places: Places) -> None:
         """Note what is wrong with a point on it."""
 
     def place(self, word: str) -> tuple[float, ...]:
@@ -71,14 +55,14 @@ class PartSpec(Spec):
 
 
 def check_coordinates(
-    steps: Steps, places: tuple[tuple[float, ...], ...], kind: str, size: tuple[float, ...], hint: str, check: Checker
+    here: Here, places: tuple[tuple[float, ...], ...], kind: str, size: tuple[float, ...], hint: str
 ) -> None:
     """Note coordinates of another number than the sides of a part, and places that are not on it."""
     if any(len(place) != len(size) for place in places):
-        check.wrong(steps, f"{len(places[0])} coordinates", f"{len(size)} on a {kind}", hint)
+        here.wrong(f"{len(places[0])} coordinates", f"{len(size)} on a {kind}", hint)
         return
+    expected = f"a place on the {kind}, {' x '.join(f'{side:g} m' for side in size)}"
+    do = f"measure from the {kind}'s own corner, along its own axes"
     for place in places:
-        if not all(-ROUNDING * side <= x <= side * (1 + ROUNDING) for x, side in zip(place, size, strict=True)):
-            expected = f"a place on the {kind}, {' x '.join(f'{side:g} m' for side in size)}"
-            do = f"measure from the {kind}'s own corner, along its own axes"
-            check.wrong(steps, f"{list(place)} m", expected, do)
+        inside = all(-ROUNDING * side <= x <= side * (1 + ROUNDING) for x, side in zip(place, size, strict=True))
+        here.need(inside, f"{list(place)} m", expected, do)

@@ -2,68 +2,51 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, Final, Literal
 
-from femstruct.language.parts.base import Library, PartSpec, Surroundings
-from femstruct.language.regions import Region
-from femstruct.language.yaml.reader import Steps
-from femstruct.language.yaml.spec import Measured, Quantity, Text
+from femstruct.language.model.region import Region
+from femstruct.language.parts.base import PartSpec
+from femstruct.language.yaml.here import Here
+from femstruct.language.yaml.spec import Measured, PointName, Quantity, Refers, Text
 from femstruct.model import region
-from femstruct.parts.mass import Mass, Per
+from femstruct.parts.mass import Mass
 
 AnyMass = Annotated[Measured, Quantity(("mass", "mass/length", "mass/area"), above=0.0, which=True)]
-PER: dict[str, Per] = {"mass/length": "length", "mass/area": "area"}
+PER: Final = {"mass/length": "length", "mass/area": "area"}
+UNITS: Final = {"mass": "kg", "mass/length": "kg/m", "mass/area": "kg/m^2"}
 
 
 class MassSpec(PartSpec):
     """A mass at the places of a point (kg each), over a region of a plate (kg, kg/m, kg/m^2), or along a frame."""
 
+    makes = Mass
     type: Literal["mass"]
     mass: AnyMass
-    at: Text | None = None
-    on: Text | None = None
+    at: PointName | None = None
+    on: Annotated[Text, Refers("plate or frame")] | None = None
     region: Region | None = None
 
-    def check(self, steps: Steps, around: Surroundings) -> None:
-        check = around.check
-        if (self.at is None) == (self.on is None):
-            check.wrong(
-                steps, "both 'at' and 'on'" if self.at else "no place", "one of at: POINT and on: PART", of_key=True
-            )
+    def check(self, here: Here) -> None:
+        got = "both 'at' and 'on'" if self.at else "no place"
+        if not here.need((self.at is None) != (self.on is None), got, "one of at: POINT and on: PART", of_key=True):
             return
-        under = around.parts.get(self.on or "")
-        frame = under is not None and under.is_lined and not under.has_edges
-        along = frame or (self.region is not None and (self.region.is_line))
-        allowed = ("mass",) if self.at is not None else ("mass", "mass/length") if along else ("mass", "mass/area")
-        if self.mass.dimension not in (None, *allowed):
-            units = {"mass": "kg", "mass/length": "kg/m", "mass/area": "kg/m^2"}
-            got = f"a mass in {units[self.mass.dimension or 'mass']}"
-            where = (
-                "at a point"
-                if self.at is not None
-                else "along a frame"
-                if frame
-                else "along a rim or line"
-                if along
-                else "over an area"
-            )
-            check.wrong((*steps, "mass"), f"{got} {where}", " or ".join(units[one] for one in allowed))
+        known = here.names.known
+        frame = self.on in known["plate or frame"] and self.on not in known["plate"]
+        where, allowed = "over an area", ["mass", "mass/area"]
         if self.at is not None:
-            check.known((*steps, "at"), self.at, "point", around.points)
-            if self.region is not None:
-                check.wrong(
-                    (*steps, "region"), "a region at a point", "a region on a part", "use on: PART", of_key=True
-                )
-        elif self.on is not None:
-            check.known((*steps, "on"), self.on, "plate or frame", around.named("is_lined"))
-            if frame and self.region is not None:
-                check.wrong(
-                    (*steps, "region"), "a region of a frame", "all of the frame", "remove 'region'", of_key=True
-                )
+            where, allowed = "at a point", ["mass"]
+        elif frame or (self.region is not None and self.region.is_line):
+            where, allowed = "along a frame" if frame else "along a rim or line", ["mass", "mass/length"]
+        unit = UNITS[self.mass.dimension or "mass"]
+        expected = " or ".join(UNITS[one] for one in allowed)
+        here.at("mass").need(self.mass.dimension in (None, *allowed), f"a mass in {unit} {where}", expected)
+        there, whole = here.at("region"), self.region is None
+        there.need(whole or self.at is None, "a region at a point", "a region on a part", "use on: PART", of_key=True)
+        there.need(whole or not frame, "a region of a frame", "all of the frame", "remove 'region'", of_key=True)
 
-    def build(self, name: str, of: Library) -> Mass:
+    def given(self) -> dict[str, Any]:
+        values, (mass, dimension) = super().given(), self.mass
         if self.at is not None:
-            return Mass(name, self.mass.value, at=self.at)
-        per = PER.get(self.mass.dimension or "mass", "total")
-        area = self.region.build() if self.region is not None else region.Region("whole")
-        return Mass(name, self.mass.value, on=self.on, region=area, per=per)
+            return {"mass": mass, "at": self.at}
+        area = values["region"] or region.Region("whole")
+        return {**values, "mass": mass, "region": area, "per": PER.get(dimension or "mass", "total")}

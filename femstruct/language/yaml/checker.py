@@ -3,24 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 from typing import Final
 
 from femstruct.conventions import DIRECTIONS
+from femstruct.language.yaml.here import Names
 from femstruct.language.yaml.reader import Mistakes, Steps, Tree, dotted, nearest
 
 POINT_DIRECTIONS = (*DIRECTIONS, "n")
 FORCES = ("force", "force_x", "force_y", "force_z")
 LONGEST_NAME: Final = 80  # characters
-
-
-@dataclass(frozen=True)
-class Names:
-    """What the names of a model and a study stand for. points : how many places each has, 1 for one."""
-
-    points: dict[str, int]
-    places: frozenset[str]
-    forces: frozenset[str]
 
 
 class Checker:

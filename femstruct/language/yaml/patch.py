@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from functools import cache
 from typing import Any, Final
 
-from femstruct.language.schema_model import ModelSpec
+from femstruct.language.model.model import ModelSpec
 from femstruct.language.yaml.reader import Mistakes, Position, Steps, Tree, dotted, nearest
 from femstruct.units import shown_as
 

@@ -16,6 +16,7 @@ from pydantic import (
 )
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
+from femstruct.language.yaml.here import Here
 from femstruct.language.yaml.reader import nearest
 from femstruct.model.material import MOST_LOSSES
 from femstruct.units import DIMENSIONS, QuantityError, quantity_of, shown_as
@@ -32,13 +33,26 @@ class Spec(BaseModel):
     """A mapping of the language: unknown keys are refused, and keys that exclude each other.
 
     one_of : groups of keys of which a file gives exactly one. at_most_one_of : groups of which it may give one.
-    needs : keys that mean nothing without others.
+    needs : keys that mean nothing without others. makes : the noun with the same fields, and a name where it has one.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=False, arbitrary_types_allowed=True)
     one_of: ClassVar[tuple[tuple[str, ...], ...]] = ()
     at_most_one_of: ClassVar[tuple[tuple[str, ...], ...]] = ()
     needs: ClassVar[tuple[tuple[str, tuple[str, ...]], ...]] = ()
+    makes: ClassVar[Callable[..., Any]] = dict
+
+    def given(self) -> dict[str, Any]:
+        """The values of all keys, by key, mappings as the nouns they describe; not the word that tells the kind."""
+        values = {key: getattr(self, key) for key in type(self).model_fields if key not in ("type", "shape")}
+        return {key: value.noun() if isinstance(value, Spec) else value for key, value in values.items()}
+
+    def noun(self, **others: Any) -> Any:
+        """The noun it describes; others : what the keys do not say, or not in the noun's words."""
+        return type(self).makes(**{**self.given(), **others})
+
+    def check(self, here: Here) -> None:
+        """Note what is wrong with its keys together, and with the names in it."""
 
     @model_validator(mode="before")
     @classmethod
@@ -55,6 +69,18 @@ class Spec(BaseModel):
                     do = f"add '{missing[0]}: ...', or remove '{key}'"
                     raise refuse(f"{key} without {missing[0]}", f"'{missing[0]}' beside '{key}'", do)
         return value
+
+
+@dataclass(frozen=True)
+class Refers:
+    """Annotation of a text that is the name of something else in the files.
+
+    kind : the words for it in messages; "" where the noun itself checks the name, since it depends on more.
+    goes_with : the group of names with which what uses one is removed.
+    """
+
+    kind: str = ""
+    goes_with: str = ""
 
 
 class Measured(NamedTuple):
@@ -159,13 +185,20 @@ LossFactor = Annotated[float, Quantity(("ratio",), least=0.0, most=1.0, too_larg
 MaterialLossFactor = Annotated[float, Quantity(("ratio",), least=0.0, most=MOST_LOSSES, too_large=_PERCENT)]
 Coordinate = Annotated[float, Quantity(("length",))]
 Component = Annotated[float, Quantity(("ratio",))]
-Length = Annotated[float, Quantity(("length",), above=0.0)]
+LENGTH: Final = Quantity(("length",), above=0.0)
+Length = Annotated[float, LENGTH]
 Gap = Annotated[float, Quantity(("length",), least=0.0)]
 MassKg = Annotated[float, Quantity(("mass",), above=0.0)]
-Frequency = Annotated[float, Quantity(("frequency",), above=0.0)]
+FREQUENCY: Final = Quantity(("frequency",), above=0.0)
+Frequency = Annotated[float, FREQUENCY]
+Band = tuple[Annotated[float, Quantity(("frequency",), least=0.0)], Frequency]
 Duration = Annotated[float, Quantity(("time",), above=0.0)]
 Instant = Annotated[float, Quantity(("time",), least=0.0)]
 Speed = Annotated[float, Quantity(("speed",))]
+PointName = Annotated[Text, Refers("point")]
+SurfaceName = Annotated[Text, Refers("surface")]
+End = Annotated[Text, Refers(goes_with="bodies")]
+Ends = tuple[End, End]
 Position2 = tuple[Coordinate, Coordinate]
 Position3 = tuple[Coordinate, Coordinate, Coordinate]
 Direction3 = tuple[Component, Component, Component]
@@ -183,6 +216,29 @@ def only(words: Sequence[str]) -> Callable[[object], object]:
         if isinstance(value, str) and value in words:
             return value
         raise refuse(shown_as(value), f"one of {', '.join(words)}", nearest(str(value), words) if value else "")
+
+    return read
+
+
+def several(read: Callable[[Any], object]) -> Callable[[object], object]:
+    """Reader of one value or a list of them, as a tuple."""
+    return lambda value: tuple(read(one) for one in (value if isinstance(value, list) and value else [value]))
+
+
+def word_or(words: Mapping[str, object], quantity: Quantity) -> Callable[[object], object]:
+    """Reader of a quantity, or of a word that stands for something."""
+    return lambda value: words[value] if isinstance(value, str) and value in words else quantity.read(value)
+
+
+def by_band(quantity: Quantity, expected: str, do: str) -> Callable[[object], object]:
+    """Reader of a quantity, or of one for each frequency."""
+
+    def read(value: object) -> object:
+        if not isinstance(value, dict):
+            return quantity.read(value)
+        if not value:
+            raise refuse("no band", expected, do)
+        return {FREQUENCY.read(band): quantity.read(one) for band, one in value.items()}
 
     return read
 

@@ -8,17 +8,13 @@ from femstruct.language.yaml.spec import AnyRatio, MaterialLossFactor, Quantity,
 from femstruct.model.material import Material
 
 Modulus = Annotated[float, Quantity(("pressure",), above=0.0)]
-Density = Annotated[float, Quantity(("density",), least=0.0)]
 
 
 class MaterialSpec(Spec):
     """A linear elastic isotropic material."""
 
+    makes = Material
     E: Modulus
     nu: AnyRatio
-    rho: Density
+    rho: Annotated[float, Quantity(("density",), least=0.0)]
     loss_factor: MaterialLossFactor = 0.0
-
-    def build(self, name: str) -> Material:
-        """The material it describes."""
-        return Material(name, self.E, self.nu, self.rho, self.loss_factor)

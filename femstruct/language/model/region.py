@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from femstruct.language.yaml.spec import Length, Position2, Spec, exactly_one, read_by, refuse
 from femstruct.model import region
@@ -12,6 +12,7 @@ from femstruct.units import shown_as
 class RegionSpec(Spec):
     """A region of a plate: nothing for all of it, the rim of a rectangle, a rectangle, or a line."""
 
+    makes = region.Region
     rim: tuple[Length, Length] | None = None
     rectangle: tuple[Length, Length] | None = None
     line: tuple[Position2, Position2] | None = None
@@ -22,15 +23,10 @@ class RegionSpec(Spec):
         """Whether it is a line or a rim, not an area."""
         return self.rim is not None or self.line is not None
 
-    def build(self) -> region.Region:
-        """The region it describes."""
-        if self.rim is not None:
-            return region.Region("rim", self.rim, self.at)
-        if self.rectangle is not None:
-            return region.Region("rectangle", self.rectangle, self.at)
-        if self.line is not None:
-            return region.Region("line", line=self.line)
-        return region.Region("whole")
+    def given(self) -> dict[str, Any]:
+        kind = next((key for key in ("line", "rim", "rectangle") if getattr(self, key) is not None), "whole")
+        size = self.rim or self.rectangle
+        return {"kind": kind, "size": size, "at": self.at if size else None, "line": self.line}
 
 
 def _region(value: object) -> object:

@@ -12,9 +12,14 @@ Dashpot = Annotated[float, Quantity(("damping",), least=0.0)]
 RotationalDashpot = Annotated[float, Quantity(("rotational damping",), least=0.0)]
 
 
+def _six(**by_direction: float) -> tuple[float, ...]:
+    return tuple(by_direction.values())
+
+
 class SixStiffnesses(Spec):
     """Stiffness by direction, global axes."""
 
+    makes = _six
     x: Stiffness = 0.0
     y: Stiffness = 0.0
     z: Stiffness = 0.0
@@ -23,7 +28,7 @@ class SixStiffnesses(Spec):
     rz: RotationalStiffness = 0.0
 
 
-class SixDashpots(Spec):
+class SixDashpots(SixStiffnesses):
     """Dashpots by direction, global axes."""
 
     x: Dashpot = 0.0

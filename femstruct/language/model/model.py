@@ -1,0 +1,103 @@
+"""The model file: parts and what joins, holds and damps them, or one structure in closed form."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+from pydantic import Field
+
+from femstruct.language.model.closed_form import GivenModesSpec, StructureSpec
+from femstruct.language.model.damping import DampingSpec
+from femstruct.language.model.joint import JointSpec
+from femstruct.language.model.material import MaterialSpec
+from femstruct.language.model.point import PointSpec
+from femstruct.language.model.section import AnySection
+from femstruct.language.model.support import SupportSpec
+from femstruct.language.model.surface import SurfaceSpec
+from femstruct.language.parts import AnyPart
+from femstruct.language.parts.base import Library
+from femstruct.language.yaml.here import Here, Names
+from femstruct.language.yaml.references import check_references
+from femstruct.language.yaml.spec import Spec, Text
+from femstruct.model.structure import Structure
+from femstruct.study.structures import StructureModel
+
+_OF_PARTS = ("parts", "joints", "supports", "surfaces", "materials", "sections")
+
+
+class ModelSpec(Spec):
+    """A model file: parts and what joins, holds and damps them, or one closed-form structure."""
+
+    title: Text | None = None
+    materials: dict[str, MaterialSpec] = Field(default_factory=dict)
+    sections: dict[str, AnySection] = Field(default_factory=dict)
+    parts: dict[str, AnyPart] = Field(default_factory=dict)
+    joints: dict[str, JointSpec] = Field(default_factory=dict)
+    points: dict[str, PointSpec] = Field(default_factory=dict)
+    surfaces: dict[str, SurfaceSpec] = Field(default_factory=dict)
+    supports: dict[str, SupportSpec] = Field(default_factory=dict)
+    damping: DampingSpec = DampingSpec()
+    structure: StructureSpec | None = None
+
+    def names(self) -> Names:
+        """The names it offers to itself and to a study."""
+        counts = {name: point.count for name, point in self.points.items()}
+        if isinstance(self.structure, GivenModesSpec):
+            counts |= dict.fromkeys(self.structure.points, 1)
+        places = [one for name, count in counts.items() for one in members(name, count)]
+        known: dict[str, list[str]] = {"part": [], "plate": [], "plate or block": [], "plate or frame": []}
+        for name, part in self.parts.items():
+            for words in part.known_as:
+                known[words].append(name)
+        known |= {"material": [*self.materials], "section": [*self.sections], "surface": [*self.surfaces]}
+        known["point"] = list(dict.fromkeys([*counts, *places]))
+        return Names(counts, frozenset(places), frozenset({*self.parts, *self.joints, *self.supports, "ground"}), known)
+
+    def check(self, here: Here) -> None:
+        """Every name it uses is there, of the right kind, and its keys agree with each other."""
+        if self.structure is not None:
+            for group in _OF_PARTS:
+                given, told = getattr(self, group), f"'{group}' beside 'structure'"
+                here.at(group).need(not given, told, "one of them", f"remove '{group}'", of_key=True)
+        else:
+            do = "add 'parts: ...', or 'structure: none' for bodies alone"
+            here.need(self.parts, "no parts", "'parts' or 'structure'", do)
+        check_references(ModelSpec, here)
+        for group in _OF_PARTS:
+            for name, one in getattr(self, group).items():
+                one.check(here.at(group, name))
+        self.damping.check(here.at("damping"))
+        for name, point in self.points.items():
+            there = here.at("points", name)
+            if self.structure is None:
+                point.check_on(there, self.parts)
+                continue
+            got = f"a patch of structure '{self.structure.type}'"
+            there.at("patch").need(point.patch is None, got, "a patch on a plate", "remove it")
+            self.structure.check_point(there, point)
+
+    def build(self, title: str, here: Here) -> StructureModel | None:
+        """The structure it describes; None with mistakes noted."""
+        closed = self.structure
+        if closed is not None:
+            return here.at("structure").make(lambda: closed.structure(self.points))
+        materials = here.each("materials", self.materials, lambda _, name, one: one.noun(name=name))
+        sections = here.each("sections", self.sections, lambda _, name, one: one.noun(name=name))
+        if here.mistakes.lines:
+            return None
+        of = Library(materials, sections)
+        parts = here.each("parts", self.parts, lambda _, name, one: one.build(name, of))
+        points = tuple(one.place_on(name, self.parts) for name, one in self.points.items())
+        groups = {group: getattr(self, group).items() for group in ("joints", "surfaces", "supports")}
+        nouns: Any = {group: tuple(one.noun(name=name) for name, one in items) for group, items in groups.items()}
+        return Structure(title, tuple(parts.values()), points=points, **nouns)
+
+
+def members(name: str, count: int) -> Iterable[str]:
+    """The names of the places of a point, or of the bodies of an array.
+
+    >>> members("foot", 1), members("foot", 2)
+    (['foot'], ['foot.1', 'foot.2'])
+    """
+    return [name] if count == 1 else [f"{name}.{number}" for number in range(1, count + 1)]

@@ -1,0 +1,84 @@
+"""Points as they are written."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Annotated, Literal
+
+from femstruct.language.parts.base import PartSpec
+from femstruct.language.yaml.here import Here
+from femstruct.language.yaml.reader import nearest
+from femstruct.language.yaml.spec import LENGTH, Coordinate, Length, Quantity, Refers, Spec, Text, read_by, refuse
+from femstruct.model.region import Side
+from femstruct.model.structure import PlaceOn
+from femstruct.units import QuantityError, quantity, shown_as
+
+_AT_WORDS = ("center", "top", "bottom")
+AtWord = Literal["center", "top", "bottom"]
+_WRITTEN = AtWord | Coordinate | list[Coordinate] | list[list[Coordinate]]
+
+
+def coordinates(value: object) -> tuple[float, ...]:
+    """The coordinates of one place [m]."""
+    if not isinstance(value, list) or not 1 <= len(value) <= 3:
+        raise refuse(shown_as(value), "a list of coordinates", "write center, [x, y] or [[x, y], [x, y]]")
+    return tuple(Quantity(("length",)).read(one) for one in value)
+
+
+def places(value: object) -> tuple[tuple[float, ...], ...]:
+    """The coordinates of one place or of several."""
+    several = isinstance(value, list) and value and all(isinstance(one, list) for one in value)
+    return tuple(coordinates(one) for one in (value if several else [value]))  # type: ignore[attr-defined]
+
+
+def _at(value: object) -> object:
+    """A word, a position along a bar, [x, y], [x, y, z], or a list of positions."""
+    if value in _AT_WORDS:
+        return value
+    if isinstance(value, list):
+        return places(value)
+    try:
+        return ((quantity(value, "length"),),)
+    except QuantityError as error:
+        raise refuse(error.got, "center, [x, y] or [[x, y], [x, y]]", nearest(str(value), _AT_WORDS)) from None
+
+
+def _patch(value: object) -> object:
+    """The radius of a disc, or the two sides of a rectangle."""
+    if isinstance(value, list):
+        if len(value) != 2:
+            raise refuse(shown_as(value), "a radius, or two sides", "write it like 5 mm or [20 mm, 30 mm]")
+        return tuple(LENGTH.read(one) for one in value)
+    return LENGTH.read(value)
+
+
+class PointSpec(Spec):
+    """A named place; of a rod or beam a position along it, of an oscillator nothing. On a plate it may be a patch."""
+
+    on: Annotated[Text, Refers()] | None = None
+    at: Annotated[AtWord | tuple[tuple[float, ...], ...], read_by(_at, _WRITTEN)] | None = None
+    side: Side = "above"
+    patch: Annotated[float | tuple[float, float] | None, read_by(_patch, Length | list[Length])] = None
+
+    @property
+    def count(self) -> int:
+        """How many places it has."""
+        return len(self.at) if isinstance(self.at, tuple) else 1
+
+    def check_on(self, here: Here, parts: Mapping[str, PartSpec]) -> None:
+        """Note what is wrong with it as a point on a part."""
+        for key in ("on", "at"):
+            here.need(getattr(self, key) is not None, "nothing", f"'{key}'", f"add '{key}: ...'", of_key=True)
+        if self.on is None or not here.at("on").known(self.on, "part"):
+            return
+        part = parts[self.on]
+        if self.at is not None:
+            part.check_place(here.at("at"), self.at)
+        plane = self.patch is None or "plate" in part.known_as
+        here.at("patch").need(plane, f"a patch on a {part.type}", "a patch on a plate", "remove it")
+
+    def place_on(self, name: str, parts: Mapping[str, PartSpec]) -> PlaceOn:
+        """The place it describes."""
+        on = self.on or ""
+        at = self.at if isinstance(self.at, tuple) else (parts[on].place(self.at or ""),)
+        return PlaceOn(name, on, at, self.side, self.patch)

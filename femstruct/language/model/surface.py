@@ -1,0 +1,23 @@
+"""Surfaces as they are written."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from femstruct.language.model.region import Region, RegionSpec
+from femstruct.language.yaml.here import Here
+from femstruct.language.yaml.spec import Refers, Spec, Text
+from femstruct.model.region import Side
+from femstruct.model.structure import SurfaceOn
+
+
+class SurfaceSpec(Spec):
+    """A named side of a region of a plate."""
+
+    makes = SurfaceOn
+    on: Annotated[Text, Refers("plate")]
+    side: Side = "above"
+    region: Region = RegionSpec()
+
+    def check(self, here: Here) -> None:
+        here.at("region").need(not self.region.is_line, "a rim or line", "an area", "use whole or rectangle")
