@@ -214,7 +214,7 @@ MISTAKES = {
         r"rooms\.box\.levels: got 'ISO 717-1', expected one of ISO 16283-2, ISO 717-2, .*; did you mean 'ISO 717-2'\?"),
     "levels of two kinds": (STUDY, "coupling: one-way", "coupling: one-way, levels: [KS F 2863-2, ISO 717-2]", "[KS F",
         r"rooms\.box\.levels: got ISO 717-2, in third octaves, with KS F 2863-2, in octaves, expected standards of the "
-        r"same bands; add a second room"),
+        r"same bands; for the other, add a second room"),
     "levels without a time": (STUDY, "losses: {beta: 1.16 %, at: 293 Hz},", "levels: ISO 16283-2,", "ISO 16283-2,",
         r"rooms\.box\.levels: got ISO 16283-2 in a room without losses, expected its reverberation time"),
     "levels for nobody": (STUDY, "receivers: {mic: [0.29, 0.235, 0.05]}", "levels: ISO 717-2", "ISO 717-2, coupl",
