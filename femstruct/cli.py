@@ -26,12 +26,10 @@ app = typer.Typer(
 StudyFile = Annotated[Path, typer.Argument(metavar="STUDY", help="a study: what happens to a structure (YAML)")]
 ModelFile = Annotated[Path, typer.Argument(metavar="MODEL", help="a model: what the structure is (YAML)")]
 AsJson = Annotated[bool, typer.Option("--json", help="print JSON to stdout")]
-Sets = Annotated[
-    list[str], typer.Option("--set", metavar="PATH=VALUE", help="change one value before anything is read")
-]
-Verbose = Annotated[bool, typer.Option("-v", "--verbose", help="print remarks among the findings, too")]
+Sets = Annotated[list[str], typer.Option("--set", metavar="PATH=VALUE", help="change one value of the input files")]
+Verbose = Annotated[bool, typer.Option("-v", "--verbose", help="also print findings that are remarks")]
 Kind = Literal["model", "study"]
-OnlyCase = Annotated[str, typer.Option("--case", metavar="CASE", help="run this case alone")]
+OnlyCase = Annotated[str, typer.Option("--case", metavar="CASE", help="run only this case")]
 
 
 def _tell_version(asked: bool) -> None:
@@ -45,7 +43,7 @@ def _tell_version(asked: bool) -> None:
 @app.callback()
 def _options(
     version: Annotated[
-        bool, typer.Option("--version", callback=_tell_version, is_eager=True, help="print the version and leave")
+        bool, typer.Option("--version", callback=_tell_version, is_eager=True, help="print the version and exit")
     ] = False,
 ) -> None:
     """Impact vibration of structures and the sound it makes in a room."""
@@ -72,7 +70,7 @@ def _command(function: Callable[..., int]) -> Callable[..., None]:
         try:
             code = function(*args, **options)
         except KeyboardInterrupt:
-            print("interrupted: files that were there before are as they were", file=sys.stderr)
+            print("Interrupted. No partial files were written; existing files are unchanged.", file=sys.stderr)
             code = INTERRUPTED
         raise typer.Exit(code)
 
@@ -88,7 +86,7 @@ def run(
         Path | None, typer.Option("-o", "--output", metavar="DIR", help="default: results/<study>/")
     ] = None,
     no_pictures: Annotated[
-        bool, typer.Option("--no-pictures", help="numbers, tables and sound alone: half the time")
+        bool, typer.Option("--no-pictures", help="numbers, tables and sound only, in half the time")
     ] = False,
     watch: Annotated[
         bool, typer.Option("--watch", help="run again whenever a file of the study is saved; Ctrl-C ends it")
@@ -96,8 +94,8 @@ def run(
     as_json: AsJson = False,
     verbose: Verbose = False,
 ) -> int:
-    """Do all that a study names and write it to a folder. Modes, responses, impacts, rooms and levels become results,
-    pictures and tables."""
+    """Run a study and write its results to a folder: modes, responses, impacts, sound and levels as numbers, pictures
+    and tables."""
     from femstruct.files.atomic import refuse_unwritable
     from femstruct.files.tables import summary
     from femstruct.workflow.run.output import write_all
@@ -122,7 +120,7 @@ def run(
 
 @_command
 def warm_up() -> int:
-    """Compile the simulation kernels now: some 15 seconds, once. Without it the first simulation does."""
+    """Compile the simulation kernels now, about 15 seconds, once. Otherwise the first simulation compiles them."""
     from femstruct.impact.compiled.store import folder
     from femstruct.impact.compiled.workers import compilation
     from femstruct.impact.engine.needed_units import ALL
@@ -141,7 +139,7 @@ def impact(
     as_json: AsJson = False,
     verbose: Verbose = False,
 ) -> int:
-    """Simulate the impacts of a study. Prints peaks, contacts and energies; nothing is written."""
+    """Simulate the impacts of a study and print peaks, contacts and energies. No files are written."""
     return stages(study, case, set_, as_json, verbose, with_rooms=False)
 
 
@@ -153,7 +151,7 @@ def sound(
     as_json: AsJson = False,
     verbose: Verbose = False,
 ) -> int:
-    """Simulate impacts and what is heard in the rooms. Nothing is written."""
+    """Simulate the impacts of a study and the sound in its rooms. No files are written."""
     return stages(study, case, set_, as_json, verbose, with_rooms=True)
 
 
@@ -167,7 +165,7 @@ def check(
     as_json: AsJson = False,
     verbose: Verbose = False,
 ) -> int:
-    """Read a file and say what it means. Geometry, masses, sags, degrees of freedom, rigid modes, findings."""
+    """Check a file and describe it: geometry, masses, sags, degrees of freedom, rigid-body modes, findings."""
     from femstruct.workflow.check.inspect import inspect_file
 
     with progress() as tell:
@@ -188,7 +186,7 @@ def check(
 @_command
 def modes(
     model: ModelFile,
-    count: Annotated[int | None, typer.Option("--count", min=1, help="how many modes")] = None,
+    count: Annotated[int | None, typer.Option("--count", min=1, help="number of modes")] = None,
     up_to: Annotated[
         str, typer.Option("--up-to", metavar="F", help="all modes up to a frequency (default: the first 30)")
     ] = "",
@@ -196,7 +194,7 @@ def modes(
     as_json: AsJson = False,
     verbose: Verbose = False,
 ) -> int:
-    """Natural frequencies, damping ratios and kinds of modes. All modes of the mesh are found, which is proved."""
+    """Print natural frequencies, damping ratios and kinds of modes. No mode of the mesh is missing, which is proved."""
     from femstruct.workflow.check.asked_modes import extent_of, modes_of
 
     with progress() as tell:
@@ -215,16 +213,18 @@ def modes(
 def frf(
     model: ModelFile,
     drive: Annotated[str, typer.Option("--drive", metavar="P.z", help="where the force acts")],
-    response: Annotated[str, typer.Option("--response", metavar="Q.z", help="what is listened to; also NAME.force")],
+    response: Annotated[
+        str, typer.Option("--response", metavar="Q.z", help="place and direction of the response, or NAME.force")
+    ],
     band: Annotated[str, typer.Option("--band", metavar="A:B", help="frequencies, such as '1 Hz:500 Hz'")],
     step: Annotated[str, typer.Option("--step", metavar="F", help="frequency step (default: 500 lines)")] = "",
     kind: Annotated[str, typer.Option("--kind", help="receptance, mobility, accelerance or transmissibility")] = "",
-    method: Annotated[str, typer.Option("--method", help="modal, or direct as its check")] = "modal",
+    method: Annotated[str, typer.Option("--method", help="modal, or direct as a check")] = "modal",
     set_: Sets = [],  # noqa: B006
     as_json: AsJson = False,
     verbose: Verbose = False,
 ) -> int:
-    """One frequency response of a model."""
+    """Print one frequency response of a model."""
     from femstruct.workflow.check.asked_response import frf_of
 
     with progress() as tell:
@@ -244,17 +244,19 @@ def identify(
     study: StudyFile,
     measured: Annotated[Path, typer.Option("--measured", metavar="F.csv", help="columns of time and value")],
     channel: Annotated[str, typer.Option("--channel", metavar="NAME", help="recorded channel: 'ball on O_f force'")],
-    fit: Annotated[list[str], typer.Option("--fit", metavar="PATH=START", help="a number to find, from a first guess")],
-    delay: Annotated[bool, typer.Option("--delay", help="find when the measured history begins, too")] = False,
+    fit: Annotated[
+        list[str], typer.Option("--fit", metavar="PATH=START", help="a parameter to fit and its start value")
+    ],
+    delay: Annotated[bool, typer.Option("--delay", help="also fit the time shift of the measured history")] = False,
     picture: Annotated[
-        Path | None, typer.Option("--picture", metavar="F.png", help="draw both histories and what is left")
+        Path | None, typer.Option("--picture", metavar="F.png", help="draw both histories and their difference")
     ] = None,
     case: OnlyCase = "",
     set_: Sets = [],  # noqa: B006
     as_json: AsJson = False,
     verbose: Verbose = False,
 ) -> int:
-    """Find numbers of a study from a measured history. With their confidence intervals."""
+    """Fit parameters of a study to a measured history, with confidence intervals."""
     from femstruct.workflow.identify.identify import identify as identified
 
     if picture is not None:
@@ -280,10 +282,12 @@ def identify(
 
 @_command
 def explain(
-    code: Annotated[str, typer.Argument(metavar="[CODE]", help="of a finding; without it all codes are listed")] = "",
+    code: Annotated[
+        str, typer.Argument(metavar="[CODE]", help="code of a finding; without it, all codes are listed")
+    ] = "",
     as_json: AsJson = False,
 ) -> int:
-    """Explain a finding. What its code means, from which threshold on, and what to do."""
+    """Explain a finding: what its code means, its thresholds, and what to do."""
     from femstruct.findings.catalogue import CATALOGUE, entry_of
     from femstruct.findings.explain import entry_table, explanation, listing
 
@@ -296,9 +300,9 @@ def explain(
 
 @_command
 def schema(
-    kind: Annotated[Kind, typer.Argument(metavar="model|study", help="which of the two kinds of file")] = "model",
+    kind: Annotated[Kind, typer.Argument(metavar="model|study", help="kind of file")] = "model",
 ) -> int:
-    """JSON schema of a model or a study file, for editors."""
+    """Print the JSON schema of a model or a study file, for editors."""
     from femstruct.language import json_schema
 
     print_json(json_schema(kind))

@@ -55,7 +55,7 @@ def watched(study: Path, sets: list[str], case: str, folder: Path, as_json: bool
             for one in rounds(study, sets, case, folder, told, command=" ".join(["femstruct", *sys.argv[1:]])):
                 if one.error is not None:
                     code = tell(one.error)
-                    said = "not run, the last results stay"
+                    said = "Not run: the last results are unchanged"
                 elif one.result is not None:
                     code, last = verdict(one.result), one.result
                     if as_json:

@@ -27,7 +27,7 @@ def check_limits(check: Checker, study: StudySpec) -> None:
         room = limited_room(name)
         if room in study.rooms and name not in rated:
             deaf = not study.rooms[room].receivers
-            got = f"a limit of the rating of '{room}', {'where nobody listens' if deaf else 'which is not rated'}"
+            got = f"a limit of the rating of '{room}', which {'has no receivers' if deaf else 'is not rated'}"
             add = "receivers: {..}" if deaf else f"levels: [{FIELD}, {RATING}]"
             check.wrong(here, got, "a rated room", f"add '{add}' under 'rooms.{room}'", of_key=True)
             continue

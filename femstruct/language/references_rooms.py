@@ -144,7 +144,7 @@ def _check_levels(check: Checker, study: StudySpec, name: str, room: RoomSpec) -
     if not room.levels:
         return
     if not room.receivers:
-        check.wrong(steps, "levels without receivers", "somebody who listens", "add 'receivers: {mic: [x, y, z]}'")
+        check.wrong(steps, "levels without receivers", "at least one receiver", "add 'receivers: {mic: [x, y, z]}'")
     tapping = any(body.source == TAPPING_MACHINE for body in study.bodies.values())
     try:
         method = method_of(room.levels, "tapping" if tapping else "heavy")

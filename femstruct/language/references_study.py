@@ -173,7 +173,7 @@ def _check_blows(check: Checker, study: StudySpec) -> None:
         if not (body.speed or body.drop_height):
             check.wrong(("bodies", name, "blows"), "no speed", "a body that strikes", "add 'speed:' or 'drop_height:'")
         if body.blows is not None and body.blows.timing is not None and body.source != TAPPING_MACHINE:
-            expected = "no timing: it strikes when it is told to"
+            expected = "no timing: each body strikes at its given time"
             check.wrong(("bodies", name, "blows", "timing"), "a body that is no tapping machine", expected, "remove it")
     for name, link in study.links.items():
         for number, end in enumerate(link.between):
@@ -201,9 +201,9 @@ def _check_radii(check: Checker, study: StudySpec) -> None:
             if _side(body) in ("above", "below"):
                 do = f"add 'rooms.open: {{{_side(body)}: SURFACE, receivers: {{mic: [x, y, z]}}}}', or remove it"
             else:
-                do = "remove it: what moves along x is not heard itself"
-            got = f"a radius, and nobody who listens {_side(body)} a surface"
-            expected = "open air on the body's side, or a hertz law without a radius"
+                do = "remove it: the own sound of bodies that move along x is not computed"
+            got = f"a radius, and no receivers {_side(body)} a surface"
+            expected = "open air on the side of the body, or a hertz law without a radius"
             check.wrong(("bodies", name, "radius"), got, expected, do)
 
 

@@ -257,16 +257,20 @@ class RoomSpec(Spec):
             if "under" in value:
                 exactly_one(value, ("size", "mesh"))
                 if "directivity" in value:
-                    raise refuse("'directivity' beside 'under'", "open air, 'above' or 'below'", "a room sends back")
+                    raise refuse(
+                        "'directivity' beside 'under'", "open air, 'above' or 'below'", "a room reflects sound"
+                    )
             if "size" in value and ("walls" in value) != ("modes" in value):
                 got, wanted = ("walls", "modes") if "walls" in value else ("modes", "walls")
                 do = (
-                    "write 'modes: {up_to: 200 Hz}', as far as walls matter" if wanted == "modes" else f"remove '{got}'"
+                    "write 'modes: {up_to: 200 Hz}', up to which walls are included"
+                    if wanted == "modes"
+                    else f"remove '{got}'"
                 )
                 raise refuse(f"'{got}' of a room with a size", f"'{wanted}' beside '{got}'", do)
             side = next((key for key in ("above", "below") if key in value), None)
             closed = next((key for key in _CLOSED if key in value), None)
             if side is not None and closed is not None:
                 got = f"'{closed}' beside '{side}'"
-                raise refuse(got, f"air and receivers: {side} a surface there is no room", "write 'under' for a room")
+                raise refuse(got, f"air and receivers: there is no room {side} a surface", "write 'under' for a room")
         return value

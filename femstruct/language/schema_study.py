@@ -53,7 +53,7 @@ DropHeight = Annotated[
         ("length",),
         least=0.0,
         most=100.0,
-        too_large="a plain number is in metres: did you mean {number:g} mm? If it comes so fast, give its 'speed'",
+        too_large="a plain number is in metres: did you mean {number:g} mm? For a high speed give 'speed'",
     ),
 ]
 """It falls without air: a ball of 10 cm and 1 kg is 10 % slower than that after 100 m."""
@@ -201,7 +201,7 @@ class WalkingSpec(Spec):
             low, high = PACES_HZ
             raise refuse(f"a pace of {self.pace:g} Hz", f"{low:g} to {high:g} Hz", "or give its 'harmonics: [..]'")
         if self.steps < 2:
-            raise refuse("1 step", "2 or more: the force comes on over the first and goes over the last")
+            raise refuse("1 step", "2 or more: the force increases over the first and decreases over the last")
         return self
 
 

@@ -32,8 +32,8 @@ def from_source(body: Mapping[str, Any]) -> dict[str, Any]:
     brought = ["mass", "drop_height", "speed", "below", "before", "after"] + ([] if tapping else ["contact"])
     given = [key for key in brought if key in body]
     if given:
-        told = "is above a place" if given[0] in ("below", "before", "after") else f"brings its own {_WORDS[given[0]]}"
-        raise refuse(f"'{given[0]}' with a {name}", f"a source alone: it {told}", f"remove '{given[0]}', or 'source'")
+        told = "is above a place" if given[0] in ("below", "before", "after") else f"has its own {_WORDS[given[0]]}"
+        raise refuse(f"'{given[0]}' with a {name}", f"only a source: it {told}", f"remove '{given[0]}', or 'source'")
     if not tapping:
         return {**body, **_dropped(name)}
     if "contact" not in body:
@@ -53,14 +53,14 @@ def _turns(blows: Any) -> Any:
     if given:
         raise refuse(
             f"'blows.{given[0]}' of a tapping machine",
-            f"a count alone: every hammer strikes every {HAMMERS * BETWEEN_BLOWS:g} s, in turn",
+            f"only a count: every hammer strikes every {HAMMERS * BETWEEN_BLOWS:g} s, in turn",
             f"remove '{given[0]}'",
         )
     timing = blows.get("timing", UNCORRELATED)
     if timing == UNCORRELATED and blows.get("count", 1) != 1:
         raise refuse(
             f"'blows.count' {blows['count']} of a tapping machine whose blows are uncorrelated",
-            "no count: one blow of each hammer, by itself, stands for all",
+            "no count: one blow of each hammer represents all",
             "remove 'count'; or add 'timing: regular' for turns of blows exactly 0.1 s apart",
         )
     return {"count": 1, **blows, "timing": timing, "every": HAMMERS * BETWEEN_BLOWS}

@@ -65,7 +65,9 @@ def frf(
     _check_kind(response, kind)
     for role, probe in (("drive", drive), ("response", response)):
         if isinstance(probe, Probe) and not moves(basis, probe):
-            raise InputError(f"frf {role}", got="a direction along which no mode moves", expected="one that moves")
+            raise InputError(
+                f"frf {role}", got="a direction without motion in any mode", expected="a direction with motion"
+            )
     pushed = drive.of(basis.shapes)
     if isinstance(response, ForceRow):
         none = np.zeros_like(basis.omega)

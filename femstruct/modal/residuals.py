@@ -63,7 +63,7 @@ def _complement_solve(M: csc_array, found: Modes, loads: Floats) -> Floats:
         if change < 1e-14 or (change < 1e-11 and change > 0.5 * before):  # rounding
             return answer
     raise NotConverged(
-        "residual vectors", got=f"a change of {change:.1e} after {_SOLVES} solves", do="ask for a mode more"
+        "residual vectors", got=f"a change of {change:.1e} after {_SOLVES} solves", do="ask for one more mode"
     )
 
 

@@ -59,7 +59,7 @@ def report(
     if sounds:
         heard = [(name, case) for name, case in result.cases.items() if case.rooms]
         cases = ", ".join(f"{name}, {name} with the bodies' own sound" if c.heard.total else name for name, c in heard)
-        parts.append(f"<h2>To listen to, in turn and at one scale: {escape(cases)}</h2>")
+        parts.append(f"<h2>Sounds of all cases in turn, at one scale: {escape(cases)}</h2>")
     parts += [_sound(name, file) for name, file in sounds.items()]
     parts += [_picture(name, file) for name, file in pictures.items()]
     told = ", ".join(f"{name} {value}" for name, value in result.provenance.items() if value)

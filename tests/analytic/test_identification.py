@@ -144,7 +144,7 @@ def test_pulses_that_cannot_be_are_refused() -> None:
 def test_what_the_data_cannot_determine_is_named() -> None:
     """A force is v sqrt(k m) sin(sqrt(k / m) t): two numbers, which do not give three."""
     measured = half_sine(4e4)
-    with pytest.raises(InputError, match=r"fit k and m and v: .* changes alike .* give one of them") as error:
+    with pytest.raises(InputError, match=r"fit k and m and v: .* same change .* fix one of them") as error:
         fit(engine, measured, {"k": 3e4, "m": 0.25, "v": 1.2})
     assert "singular value" in str(error.value)
     with pytest.raises(InputError, match="fit other: got a history that does not depend on it"):

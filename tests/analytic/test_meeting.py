@@ -126,7 +126,7 @@ def test_a_floating_floor_is_two_masses_on_a_spring(tmp_path: Path) -> None:
     (found,) = floating(structure, (630.0,))
     wanted = np.sqrt(10e6 * (1 / 120 + 1 / 432)) / 2 / np.pi
     assert found.values["resonance_hz"] == pytest.approx(wanted, rel=1e-12)
-    assert f"at {wanted:.1f} Hz" in found.message
+    assert f"is {wanted:.1f} Hz" in found.message
     assert floating(structure, (50.0,)) == []
     part = plan(tmp_path, region="{rectangle: [2 m, 2 m]}").cases[0].study.structure
     assert floating(part, (630.0,)) == []  # not two plates over all of their area

@@ -147,11 +147,11 @@ def test_a_mesh_that_carries_no_more_stops_it(tmp_path: Path, capsys: pytest.Cap
     assert check is not None and not check.holds
     assert (check.smaller_hz, check.larger_hz, check.used_hz) == pytest.approx((225.0, 450.0, 450.0))
     (finding,) = (found for found in case.findings if found.code == "accuracy-not-reached")
-    assert finding.severe and "the mesh carries bending waves up to 3" in finding.message
+    assert finding.severe and "The mesh is fine enough for bending waves up to 3" in finding.message
     assert finding.values["reached"] == check.share > finding.values["asked"] == 0.001
     show_study(result, {})
     told = capsys.readouterr().out
-    assert "forbids trust, accuracy-not-reached" in told and "0.1 % asked; used: " in told
+    assert "forbids trust, accuracy-not-reached" in told and "0.1 % required; used: " in told
     table = json.loads(json.dumps(summary(result), allow_nan=False))["cases"]["as given"]["accuracy"]
     assert table["holds"] is False and table["reached"] == check.share
     assert table["largest"]["off.z acceleration"]["unit"] == "m/s^2"
@@ -178,7 +178,7 @@ def test_a_stated_cap_stops_it(tmp_path: Path) -> None:
     check = case.accuracy
     assert check is not None and not check.holds
     assert check.larger_hz == check.used_hz == case.basis.complete_below_hz == pytest.approx(900.0)
-    assert "may not go beyond 1200 Hz" in next(f for f in case.findings if f.severe).message
+    assert "limit of the modes is 1200 Hz" in next(f for f in case.findings if f.severe).message
 
 
 def test_cases_of_one_structure_share_what_the_hardest_needs(tmp_path: Path) -> None:

@@ -100,7 +100,7 @@ def test_a_run_of_one_case_removes_the_sounds_of_the_other(both: dict[str, Study
     (tmp_path / "mine.wav").write_text("not of any run")
     _, told = write_all(both["twice / new"], tmp_path)
     assert names(tmp_path) & (LIGHT | TWICE | {"mine.wav"}) == TWICE | {"mine.wav"}
-    assert told.startswith("removed") and "light.box.mic.wav" in told and "mine" not in told
+    assert told.startswith("Removed") and "light.box.mic.wav" in told and "mine" not in told
     assert set(json.loads((tmp_path / NAME).read_text())[WRITTEN]) == names(tmp_path) - {"mine.wav", NAME}
     assert write_all(both["twice / new"], tmp_path)[1] == ""
 
@@ -183,7 +183,7 @@ def test_a_run_without_all_its_cases_removes_nothing_and_tells_what_is_older(
     assert names(tmp_path) > LIGHT | TWICE
     told = json.loads((tmp_path / NAME).read_text())
     assert set(told[WRITTEN]) > LIGHT and set(told[EARLIER]) == TWICE
-    assert said.startswith("older, of an earlier run, since cases are missing: twice _ new.box.mic.wav")
+    assert said.startswith("Some cases are missing. These files are of an earlier run: twice _ new.box.mic.wav")
 
 
 @pytest.mark.parametrize(

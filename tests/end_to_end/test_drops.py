@@ -103,7 +103,7 @@ def test_drops_in_terminal_tables_and_file(
     rated = case.rated["bedroom"]
     show_study(result, {})
     shown = capsys.readouterr().out
-    told = "the source strikes 2 places; ratings are of all, the rest is of the first, drops.1"
+    told = "the source strikes 2 places; ratings are of all, other results are of the first, drops.1"
     assert told in shown
     assert told in report(result)
     symbol = "L'_iA,Fmax,V,T"
@@ -220,7 +220,7 @@ def test_limits_are_of_the_worst_drop_and_of_the_rating(
     shown = capsys.readouterr().out
     assert f"at {worst}" in shown
     assert "exceeded by 0.5 dB" in shown
-    assert "ratings are of all, limits of the worst, the rest is of the first" in shown
+    assert "ratings are of all, limits of the worst, other results are of the first" in shown
     table = summary(limited)["cases"]["as given"]["limits"]
     assert (table["ball on drops force"]["at"], table["bedroom rating"]["at"]) == (worst, None)
     assert table["bedroom rating"]["verdict"] == "exceeded"

@@ -86,7 +86,7 @@ def test_terminal_tables_and_file_say_the_same(
 ) -> None:
     show_study(result, {})
     printed = capsys.readouterr().out
-    assert "short: estimated error, rounding alone: peak forces" in printed
+    assert "short: estimated error, rounding only: peak forces" in printed
     assert "against a run at a tolerance of 1e-10" in printed
     assert "forbids trust, contact-unresolved" in printed
     page = report(result)

@@ -146,7 +146,7 @@ def test_what_is_not_heard_is_said(tmp_path: Path) -> None:
     point = BALL.replace(" radius: 10 mm,", "").replace("hertz,", "hertz, radius: 10 mm,")
     case = case_of(tmp_path, point)
     (found,) = (finding for finding in case.findings if finding.code == "own-sound-left-out")
-    assert found.message.startswith("open: ball strikes from the side where somebody listens")
+    assert found.message.startswith("open: ball strikes on the side of the receivers")
     assert not case.heard.own
     other_side = OPEN.replace("above: top", "below: low").replace("0.3]", "-0.3]").replace("0.2]", "-0.2]")
     assert "own-sound-left-out" not in codes(case_of(tmp_path, point, other_side))
@@ -168,9 +168,9 @@ def test_what_is_not_heard_is_said(tmp_path: Path) -> None:
         (
             BALL.replace("hertz,", "hertz, radius: 10 mm,"),
             OPEN.replace("above: top", "below: low").replace("0.3]", "-0.3]").replace("0.2]", "-0.2]"),
-            r"hit\.study\.yaml:4:30: bodies\.ball\.radius: got a radius, and nobody who listens above a surface",
+            r"hit\.study\.yaml:4:30: bodies\.ball\.radius: got a radius, and no receivers above a surface",
         ),
-        (BALL.replace("hertz,", "hertz, radius: 10 mm,"), "open: {above: top}", "nobody who listens above"),
+        (BALL.replace("hertz,", "hertz, radius: 10 mm,"), "open: {above: top}", "no receivers above"),
         (BALL.replace("above: hit", "above: null"), OPEN, "got none of above, below, before, after, expected exactly"),
         (BALL, OPEN.replace("above: top", "above: null"), "got none of under, above, below, expected exactly one"),
         (BALL.replace("10 mm", "0 mm"), OPEN, "expected a positive value: a length"),

@@ -192,7 +192,7 @@ def test_everything_is_stored_and_told(result: StudyResult, case: CaseResult, tm
         power = file["cases/as given/frf/push"]
         assert power["response"].attrs["unit"] == "W/N^2"
         assert power["efficiency"].shape == power["response"].shape == power["put_in"].shape
-    assert "sound energy that surfaces send into the open" in report(result)
+    assert "sound energy radiated by surfaces into the open" in report(result)
     (grid,) = (one for one in study_tables(result) if one.title.startswith("sound energy"))
     assert [row[0] for row in grid.rows] == ["open", "roof"]
     assert grid.rows[0][2] == f"{found.energy.level_db:.1f}"

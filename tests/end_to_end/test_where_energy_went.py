@@ -78,5 +78,5 @@ def test_given_modes_are_cut_at_the_last_one(tmp_path: Path) -> None:
     (tmp_path / "s.study.yaml").write_text(STUDY.replace("SAMPLING", "80 kHz"), encoding="utf-8")
     case = run_study(read_study(tmp_path / "s.study.yaml")).cases["as given"]
     (told,) = [f for f in case.findings if f.code == "contact-beyond-modes"]
-    assert "beyond 100 Hz, the highest mode that is given" in told.message
+    assert "above 100 Hz, the highest given mode" in told.message
     assert told.values["highest_hz"] == pytest.approx(100.0)

@@ -199,9 +199,9 @@ MISTAKES = {
     "patch of a frame": (MODEL, "  B:   {on", "  C: {on: posts, at: [0, 0, 0], patch: 7 mm}\n  B:   {on", "7 mm}",
         r"points\.C\.patch: got a patch on a frame, expected a patch on a plate; remove it"),
     "source with a mass": (STUDY, "ball:   {mass: 54 g", "ball:   {source: rubber ball, mass: 54 g", "{source",
-        r"bodies\.ball: got 'mass' with a rubber ball, expected a source alone: it brings its own mass; remove 'mass'"),
+        r"bodies\.ball: got 'mass' with a rubber ball, expected only a source: it has its own mass; remove 'mass'"),
     "source with a height": (STUDY, "ball:   {mass: 54 g", "ball:   {source: bang machine", "{source",
-        r"bodies\.ball: got 'drop_height' with a bang machine, expected a source alone"),
+        r"bodies\.ball: got 'drop_height' with a bang machine, expected only a source"),
     "unknown source": (STUDY, "ball:   {mass: 54 g", "ball:   {source: ruber ball, mass: 54 g", "ruber ball",
         r"bodies\.ball\.source: got 'ruber ball', expected one of .*; did you mean 'rubber ball'\?"),
     "tapping machine at one place": (STUDY, "mass: 54 g, above: O_f, drop_height: 0.23 m}",
@@ -218,7 +218,7 @@ MISTAKES = {
     "levels without a time": (STUDY, "losses: {beta: 1.16 %, at: 293 Hz},", "levels: ISO 16283-2,", "ISO 16283-2,",
         r"rooms\.box\.levels: got ISO 16283-2 in a room without losses, expected its reverberation time"),
     "levels for nobody": (STUDY, "receivers: {mic: [0.29, 0.235, 0.05]}", "levels: ISO 717-2", "ISO 717-2, coupl",
-        r"rooms\.box\.levels: got levels without receivers, expected somebody who listens"),
+        r"rooms\.box\.levels: got levels without receivers, expected at least one receiver"),
     "later: shell": (MODEL, "floor: {type: plate", "floor: {type: shell", "shell",
         r"parts\.floor\.type: got 'shell', which is not yet in this version"),
     "later: layers": (MODEL, "thickness: 5 mm", "thickness: 5 mm, layers: []", "layers",
@@ -302,7 +302,7 @@ FILES = {
     "tabs": (b"parts:\n\tfloor: 1\n", r":2:1: got broken YAML"),
     "unknown alias": (b"parts: *nothing\n", r":1:8: got broken YAML"),
     "endless nesting": (b"[" * 5000, r":1:1: got endless nesting"),
-    "circular alias": (b"parts: &a {b: *a}\n", r"got aliases \(\*name\) or lists that unfold without end"),
+    "circular alias": (b"parts: &a {b: *a}\n", r"got aliases \(\*name\) or lists that expand endlessly"),
     "a study for a model": (b"model: x.yaml\nbodies: {}\n", r":1:1: model: got a study file, expected a model file"),
     "a list as a key": (b"? [1, 2]\n: 3\n", r":1:3: got a list or mapping as a key"),
     "too large": (b"#" * 600_000, r":1:1: got a file of 600000 bytes, expected at most 500000"),
@@ -336,7 +336,7 @@ def test_an_alias_bomb_is_refused_quickly(tmp_path: Path) -> None:
     path = tmp_path / "bomb.yaml"
     path.write_text("\n".join(lines))
     start = time.process_time()
-    with pytest.raises(InputErrors, match="unfold without end") as caught:
+    with pytest.raises(InputErrors, match="expand endlessly") as caught:
         read_model_file(path)
     assert len(caught.value.errors) == 1
     assert time.process_time() - start < 5.0  # unfolding 10^29 values would not end

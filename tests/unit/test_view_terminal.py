@@ -61,11 +61,11 @@ def test_findings_of_some_cases_name_them(capsys):
 @pytest.mark.parametrize(
     ("below_hz", "plates", "told"),
     [
-        (None, [], "all modes of this model are here\n"),
+        (None, [], "all modes of this model are listed\n"),
         (0.0, ["floor"], ""),
         (99.0, [], "no mode of this model is missing below 99 Hz\n"),
         (99.0, ["floor", "slab"], "missing below 99 Hz; its plates (floor, slab) have none in their own planes\n"),
-        (None, ["floor"], "all modes of this model are here; its plates (floor) have none in their own planes\n"),
+        (None, ["floor"], "all modes of this model are listed; its plates (floor) have none in their own planes\n"),
     ],
 )
 def test_modes_without_a_mass(capsys, below_hz, plates, told):

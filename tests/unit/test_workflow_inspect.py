@@ -18,7 +18,7 @@ def test_a_study_tells_its_cases_bodies_and_window(capsys: pytest.CaptureFixture
     shown = capsys.readouterr().out
     assert table["bodies"] == {"ball": {"mass_kg": 0.1, "side": "above", "target": "ground", "speed_m_s": 2.0}}
     assert "8 cases: hunt-crossley, published" in shown and "ball: 0.1 kg, above ground, towards it at 2 m/s" in shown
-    assert "no modes: bodies alone" in shown and "damping" not in shown
+    assert "no modes: bodies only" in shown and "damping" not in shown
     assert "cases" not in inspect_file(MODELS / "bodies_only.yaml").table()
 
 

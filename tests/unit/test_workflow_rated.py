@@ -50,7 +50,7 @@ def test_whole_turns_of_the_later_half_are_averaged(tmp_path: Path, count: int, 
 
 @pytest.mark.parametrize(
     ("count", "t60", "told"),
-    [(1, "0.5 s", "is silent then"), (2, "3 s", "0.46 dB short"), (2, "0.5 s", ""), (8, "3 s", "")],
+    [(1, "0.5 s", "is then silent"), (2, "3 s", "0.46 dB below"), (2, "0.5 s", ""), (8, "3 s", "")],
 )
 def test_a_room_that_fills_slowly_is_told(tmp_path: Path, count: int, t60: str, told: str) -> None:
     """What is missing of the steady mean square after a time t is 10^(-6 t / T60): with 3 s, .1 of it after .5 s."""
@@ -92,9 +92,9 @@ def test_what_hammers_keep_of_their_speed_is_told(tmp_path: Path) -> None:
     [
         (
             "bodies: {b: {source: bang machine, above: feet.1}}",
-            "here it is bang machine, for JIS A 1419-2 or KS F 2863-2",
+            "here the source is bang machine, for JIS A 1419-2 or KS F 2863-2",
         ),
-        ("loads: {w: {along: feet.1, walking: {mass: 75 kg, pace: 2 Hz, steps: 4}}}", "here it is w"),
+        ("loads: {w: {along: feet.1, walking: {mass: 75 kg, pace: 2 Hz, steps: 4}}}", "here the source is w"),
         ("bodies: {b: {source: rubber ball, above: feet.1}}", ""),
     ],
 )

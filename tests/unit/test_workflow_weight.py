@@ -53,7 +53,7 @@ def test_a_block_with_its_weight_beside_the_middle_leans(tmp_path: Path) -> None
     assert finding["values"]["tilt_rad"] == pytest.approx(2000 * G * 0.3 / (4 * 1e6 * 0.8**2), rel=1e-9)
     answer = CliRunner().invoke(app, ["check", str(path)])
     assert "machine sags" in answer.output
-    assert "mm a metre" in answer.output
+    assert "mm/m" in answer.output
 
 
 def test_modes_of_a_block_are_named_by_what_moves(tmp_path: Path) -> None:

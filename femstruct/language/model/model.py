@@ -61,7 +61,7 @@ class ModelSpec(Spec):
                 given, told = getattr(self, group), f"'{group}' beside 'structure'"
                 here.at(group).need(not given, told, "one of them", f"remove '{group}'", of_key=True)
         else:
-            do = "add 'parts: ...', or 'structure: none' for bodies alone"
+            do = "add 'parts: ...', or 'structure: none' for a study of bodies only"
             here.need(self.parts, "no parts", "'parts' or 'structure'", do)
         check_references(ModelSpec, here)
         for group in _OF_PARTS:

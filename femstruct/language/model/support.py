@@ -35,7 +35,7 @@ class SupportSpec(Spec):
     def check(self, here: Here) -> None:
         along = self.edge is not None or self.line is not None
         if self.on is None:
-            here.need(not along, "an edge or line of a point", "a point alone, or 'on: PART' with an edge")
+            here.need(not along, "an edge or line of a point", "only a point, or 'on: PART' with an edge")
             return
         here.at("on").known(self.on, "plate" if along else "part")
         do = "add edge: all, or list the directions as in [x, y]"

@@ -242,9 +242,9 @@ class _Walk:
             self.mistakes.add(
                 self.at(node),
                 "",
-                got="aliases (*name) or lists that unfold without end",
+                got="aliases (*name) or lists that expand endlessly",
                 expected=f"at most {LARGEST_TREE} values, {DEEPEST} deep",
-                do="write out what the aliases stand for",
+                do="write the values instead of the aliases",
             )
             return None
         if isinstance(node, MappingNode):

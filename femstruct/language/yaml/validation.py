@@ -64,7 +64,7 @@ def _note(error: Any, schema: type[BaseModel], tree: Tree, mistakes: Mistakes) -
     elif kind in ("dict_type", "model_type", "model_attributes_type"):
         expected, do = "a mapping", "write it like {name: value}"
     elif kind == "union_tag_not_found":
-        got, expected = "nothing that tells its kind", "'type'"
+        got = "no 'type'"
         known = _tags(_descend(schema, loc))
         expected, do = "a key 'type'", f"add type: {' | '.join(known)}" if known else "add 'type: ...'"
         if not isinstance(error["input"], dict):

@@ -135,7 +135,9 @@ def meeting_line(first: Rectangle, second: Rectangle, tolerance: float) -> tuple
             break
         low, high = max(low, stretch[0]), min(high, stretch[1])
     if low > high:
-        raise InputError(where, got=_apart(first, second, a, b), expected="plates that meet", do="move one of them")
+        raise InputError(
+            where, got=_apart(first, second, a, b), expected="plates with a common line", do="move one of them"
+        )
     return _trimmed(start + low * (end - start), start + high * (end - start), direction, tolerance)
 
 
@@ -146,19 +148,23 @@ def _edge_in_plane(
     corners = np.array([[0, 0], [1, 0], [1, 1], [0, 1]]) * np.asarray(second.size)
     local = to_rectangle(first, a, from_rectangle(second, b, corners))
     if np.abs(local[:, 2]).max() > tolerance:
-        raise InputError(where, got=_apart(first, second, a, b), expected="plates that meet", do="move one of them")
+        raise InputError(
+            where, got=_apart(first, second, a, b), expected="plates with a common line", do="move one of them"
+        )
     if min(abs(a[0] @ b[0]), abs(a[0] @ b[1])) > PARALLEL:
         raise InputError(where, got="sides that are not parallel", expected="parallel sides", do="turn x_direction")
     low = np.maximum(local[:, :2].min(axis=0), 0.0)
     high = np.minimum(local[:, :2].max(axis=0), first.size)
     width = high - low
     if (width < -tolerance).any():
-        raise InputError(where, got=_apart(first, second, a, b), expected="plates that meet", do="move one of them")
+        raise InputError(
+            where, got=_apart(first, second, a, b), expected="plates with a common line", do="move one of them"
+        )
     if (width > tolerance).all():
         raise InputError(
             where,
             got=f"an overlap of {width[0]:g} m x {width[1]:g} m in one plane",
-            expected="plates that meet along a line",
+            expected="plates with only a line in common",
         )
     high = np.where(width > tolerance, high, low)
     return from_rectangle(first, a, low), from_rectangle(first, a, high)

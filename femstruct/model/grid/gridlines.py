@@ -82,7 +82,7 @@ def settle(axes: dict[Key, Axis], lines: list[SharedLine]) -> dict[Key, Floats]:
         changed = [_pass_on(axes, line) for line in lines]
         if not any(changed):
             return {key: axis.grid() for key, axis in axes.items()}
-    raise InputError("mesh", got="grid lines that multiply without end", expected="joined parts whose grids can agree")
+    raise InputError("mesh", got="grid lines that multiply endlessly", expected="joined parts with compatible grids")
 
 
 def _pass_on(axes: dict[Key, Axis], line: SharedLine) -> bool:

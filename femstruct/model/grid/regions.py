@@ -24,7 +24,7 @@ def region_box(where: str, name: str, size: Pair, region: Region, tolerance: flo
         bounds = np.array([[0.0, size[0]], [0.0, size[1]]])
     elif region.kind == "line":
         if region.line is None:
-            raise InputError(where, got="a line without ends", expected="two ends")
+            raise InputError(where, got="a line without length", expected="two ends")
         bounds = np.sort(np.array(region.line, dtype=np.float64).T, axis=1)
         spans = bounds[:, 1] - bounds[:, 0]
         if spans.min() > tolerance or spans.max() <= tolerance:

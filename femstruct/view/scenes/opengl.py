@@ -23,8 +23,7 @@ window.AddRenderer(vtkRenderer())
 window.Render()
 """
 LEFT_OUT: Final = (
-    "Pictures of shapes left out: no OpenGL on this machine; "
-    "on Debian and its like, install libegl1 and libgl1-mesa-dri."
+    "Pictures of shapes left out: no OpenGL on this machine; on Debian or Ubuntu, install libegl1 and libgl1-mesa-dri."
 )
 
 

@@ -25,7 +25,7 @@ from femstruct.view.scenes.opengl import NoOpenGL, require_opengl
 from femstruct.view.scenes.scene import add_scales
 
 LEVELS: Final = (-0.75, -0.5, -0.25, 0.25, 0.5, 0.75)  # of the largest
-SHARE: Final = "Re P over its largest amount"
+SHARE: Final = "Re P over its largest magnitude"
 PANE: Final = (560, 500)  # pixels
 MOST: Final = 4  # frequencies on one sheet
 FRAMES: Final = 24

@@ -50,7 +50,7 @@ def trust(result: StudyResult) -> list[str]:
 
 def _all_small(one: ErrorEstimate, alike: Sequence[ErrorEstimate]) -> str:
     """One sentence for all cases that the march is done with for every purpose; their own numbers are in the files."""
-    kind = "estimated error, rounding alone" if one.exact else "estimated error of the steps"
+    kind = "estimated error, rounding only" if one.exact else "estimated error of the steps"
     return f"{kind}: peak forces and end velocities at most {_largest(alike):.1e} off{_against(one)}"
 
 
@@ -92,7 +92,8 @@ def accuracy(check: AccuracyCheck) -> str:
     return (
         f"accuracy: {name} {worst.smaller:.4g} / {worst.larger:.4g} {worst.unit} with the modes up to "
         f"{check.smaller_hz:.5g} / {check.larger_hz:.5g} Hz, at most {100 * worst.share:.2g} % apart in "
-        f"{check.band[0]:g} to {check.band[1]:g} Hz until {1e3 * check.window:.4g} ms; {100 * check.within:g} % asked; "
+        f"{check.band[0]:g} to {check.band[1]:g} Hz until {1e3 * check.window:.4g} ms; {100 * check.within:g} % "
+        "required; "
         f"used: {check.used_modes} modes up to {check.used_hz:.5g} Hz"
     )
 
@@ -105,7 +106,7 @@ def errors(found: ErrorEstimate) -> str:
         forces = f"peak forces {first} until {1e3 * found.first_until:.4g} ms, {whole} in all"
     speeds = f", end velocities {speed}" if speed else ""
     if found.exact:
-        return f"estimated error, rounding alone: {forces}{speeds}"
+        return f"estimated error, rounding only: {forces}{speeds}"
     return f"estimated error of the steps: {forces}{speeds}{_against(found)}"
 
 

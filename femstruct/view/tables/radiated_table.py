@@ -15,7 +15,7 @@ def radiated(result: StudyResult) -> Grid:
     rows = [(room, name, c.radiated[room]) for room in rooms for name, c in result.cases.items() if room in c.radiated]
     factor, unit = scaled("J", max((one.energy.energy_j for _, _, one in rows), default=0.0))
     grid = Grid(
-        "sound energy that surfaces send into the open, in the whole window",
+        "sound energy radiated by surfaces into the open, whole window",
         (
             "room",
             "case",

@@ -10,7 +10,7 @@ from femstruct.study.result import CaseResult, StudyResult
 from femstruct.view.tables.grid import Grid
 
 BLANK = "blank"  # of a band that reaches beyond the modes
-ASSUMED = "the floor alone radiates, no flanking; walls and floor of the room are rigid but for its reverberation time"
+ASSUMED = "only the floor radiates, no flanking; the room is rigid except for its reverberation time"
 
 
 def ratings(result: StudyResult) -> Grid:
@@ -31,7 +31,7 @@ def ratings(result: StudyResult) -> Grid:
             "difference (its spread over drops) [dB]",
             "spread over drops [dB]",
             "over receivers [dB]",
-            "decided at [Hz]",
+            "deciding band [Hz]",
         ),
         keys=3,
     )
@@ -63,7 +63,7 @@ def first_drop(result: StudyResult) -> str:
     if not count:
         return ""
     whole = "ratings are of all" if not any(result.verdicts.values()) else "ratings are of all, limits of the worst"
-    return f"the source strikes {count} places; {whole}, the rest is of the first, {struck_first(result)}"
+    return f"the source strikes {count} places; {whole}, other results are of the first, {struck_first(result)}"
 
 
 def struck_first(result: StudyResult) -> str:

@@ -79,15 +79,15 @@ def show_inspection(table: Row, picture: str = "", verbose: bool = False) -> Non
         screen.print(f"{body}: weight {rest['weight_n']:.4g} N sags {1e3 * rest['sag_m']:.3g} mm on its links")
     for part, sag in table["sags"].items():
         seen = sag["tilt_rad"] is not None and sag["tilt_rad"] > DUST
-        leaning = f" and leans by {1e3 * sag['tilt_rad']:.2g} mm a metre" if seen else ""
-        screen.print(f"{part} sags {1e3 * sag['sag_m']:.3g} mm under the weight of all{leaning}")
+        leaning = f" and leans by {1e3 * sag['tilt_rad']:.2g} mm/m" if seen else ""
+        screen.print(f"{part} sags {1e3 * sag['sag_m']:.3g} mm under the total weight{leaning}")
     for mode in table["block_modes"]:
         shares = ", ".join(f"{name} {100 * share:.0f} %" for name, share in mode["shares"].items())
         damped = "" if mode["damping_ratio"] is None else f", damping {100 * mode['damping_ratio']:.3g} %"
         screen.print(f"mode {mode['mode']}, {mode['frequency_hz']:.2f} Hz{damped}: {shares}")
     for name, room in table["rooms"].items():
         if "side" in room:
-            screen.print(f"{name}: open air {room['side']} the surface, in a rigid baffle without end")
+            screen.print(f"{name}: open air {room['side']} the surface, in an infinite rigid baffle")
             continue
         ratios = ", ".join(f"{100 * ratio:.3g} % at {float(f):.4g} Hz" for f, ratio in room["damping_ratio"].items())
         first = ", ".join(f"{f:.1f}" for f in room["first_modes_hz"])
@@ -122,7 +122,7 @@ def _modes_told(table: Row) -> str:
     rigid = table["rigid_body_modes"]
     elastic = ", ".join(f"{f:.2f}" for f in table["first_frequencies_hz"][rigid:][:6])
     if not rigid and not elastic:
-        return "no modes: bodies alone"
+        return "no modes: bodies only"
     others = f"first frequencies [Hz]: {elastic}" if elastic else "no others"
     return f"{_counted(rigid, 'rigid-body mode')}; {others}"
 
@@ -136,13 +136,13 @@ def _completeness(below_hz: float | None, rigid_in_plane: Sequence[str] = ()) ->
     structure cannot have.
 
     >>> _completeness(None), _completeness(0.0), _completeness(512.0)
-    ('all modes of this model are here', '', 'no mode of this model is missing below 512 Hz')
+    ('all modes of this model are listed', '', 'no mode of this model is missing below 512 Hz')
     >>> _completeness(512.0, ["floor"])
     'no mode of this model is missing below 512 Hz; its plates (floor) have none in their own planes'
     """
     if below_hz is not None and not below_hz > 0.0:
         return ""
-    told = "all modes of this model are here"
+    told = "all modes of this model are listed"
     if below_hz is not None:
         told = f"no mode of this model is missing below {below_hz:.5g} Hz"
     names = some_of(rigid_in_plane, 3)

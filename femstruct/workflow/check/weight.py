@@ -68,8 +68,9 @@ def weight_findings(rest: tuple[Sag, ...]) -> tuple[Finding, ...]:
     return tuple(
         Finding(
             "leaning-block",
-            f"{sag.part} leans by {1e3 * sag.tilt:.2g} mm a metre under its weight, more than the {1e3 * LEVEL:g} mm "
-            "machines are set up to: its centre of mass is beside the middle of what carries it",
+            f"{sag.part} leans by {1e3 * sag.tilt:.2g} mm/m under its weight; machines are levelled to "
+            f"{1e3 * LEVEL:g} mm/m. "
+            "Its centre of mass is not above the centre of its supports",
             {"tilt_rad": sag.tilt, "level_rad": LEVEL},
         )
         for sag in rest

@@ -119,7 +119,9 @@ def fit(
         residuals, begin, derivatives, (lowest, np.inf), x_scale="jac", max_nfev=MOST_ITERATIONS, xtol=1e-9, gtol=1e-14
     )
     if found.status <= 0:
-        raise NotConverged("fit", got=f"{MOST_ITERATIONS} iterations", expected="a minimum", do="start nearer to it")
+        raise NotConverged(
+            "fit", got=f"{MOST_ITERATIONS} iterations", expected="a minimum", do="give starts nearer to the minimum"
+        )
     left, jacobian = found.fun, derivatives(found.x)
     refuse_undetermined(names, jacobian, size)
     squares = float(left @ left)
@@ -159,14 +161,14 @@ def refuse_undetermined(names: Sequence[str], derivatives: Floats, size: float) 
             "fit " + " and ".join(deaf),
             got="a history that does not depend on it",
             expected="a parameter that changes it",
-            do="leave it out, or measure something else",
+            do="remove it, or measure another quantity",
         )
     _, singular, directions = np.linalg.svd(derivatives / lengths, full_matrices=False)
     if singular[-1] < ALIKE:
         mixed = [name for name, share in zip(names, directions[-1], strict=True) if abs(share) > INVOLVED]
         raise InputError(
             "fit " + " and ".join(mixed),
-            got=f"a history that changes alike with each of them (singular value {singular[-1]:.1g})",
+            got=f"the same change of the history with each of them (singular value {singular[-1]:.1g})",
             expected="parameters whose effects differ",
-            do="give one of them from elsewhere",
+            do="fix one of them at a known value",
         )

@@ -29,10 +29,10 @@ def _left_over(fit: Fit) -> Iterator[Finding]:
     together, spread = float(left[1:] @ left[:-1] / (left @ left)), 1.0 / np.sqrt(len(left))
     coloured = together > STRAY * spread
     if share > POOR:
-        why = "another law, a delay, or a start nearer to the minimum" if coloured else "noise, as it seems"
+        why = "Try another law, a delay, or a start nearer to the minimum" if coloured else "It is probably noise"
         yield Finding(
             "poor-fit",
-            f"The best fit leaves {100 * share:.0f} % of the measured history over (root mean squares): {why}",
+            f"The residuals of the best fit have {100 * share:.0f} % of the rms of the measured history. {why}",
             {"left_over": share, "expected": POOR},
             severe=coloured and share > WRONG,
         )
@@ -40,9 +40,10 @@ def _left_over(fit: Fit) -> Iterator[Finding]:
         wider = float(np.sqrt((1.0 + together) / (1.0 - together)))
         yield Finding(
             "residuals-not-noise",
-            f"Neighbouring residuals go together (correlation {together:.2f}, noise has up to {STRAY * spread:.2f}): "
-            f"the law is not quite right, or the data were filtered; the intervals should be about {wider:.1f} times "
-            "as wide, and a wrong law may be off by more",
+            f"Neighbouring residuals are correlated ({together:.2f}; noise has up to {STRAY * spread:.2f}): the law "
+            "is not "
+            f"exact, or the data were filtered. The intervals should be about {wider:.1f} times as wide; with a wrong "
+            "law the error may be larger",
             {"correlation": together, "expected": STRAY * spread, "wider": wider},
         )
 
@@ -63,6 +64,6 @@ def _open(fit: Fit) -> Iterator[Finding]:
         if name not in (*fit.at_zero, *fit.shifts) and half > OPEN * abs(value):
             yield Finding(
                 "parameter-open",
-                f"{name}: {value:.3g} +- {half:.2g}: the data hardly determine it",
+                f"{name}: {value:.3g} +- {half:.2g}: the data do not determine it",
                 {"value": value, "half_width": half},
             )

@@ -143,7 +143,10 @@ def identify(
     what = _quantity(plan, channel)
     if delay and what not in FROM_REST:
         raise InputError(
-            "--delay", got=f"a {what}", expected=" or ".join(FROM_REST), do="what moves already has no start"
+            "--delay",
+            got=f"a {what}",
+            expected=" or ".join(FROM_REST),
+            do="a motion from before has no start in the record",
         )
     table = read_measured(measured, DIMENSIONS[what])
     spacing = float(np.median(np.diff(table.times)))

@@ -38,7 +38,7 @@ def blank_findings(plan: RoomPlan, study: Study, complete_below_hz: float) -> tu
         Finding(
             "rating-beyond-modes",
             f"the rated {method.bands}s go up to {method.highest_hz:.0f} Hz, the modes of the {whose} to {end:.0f} Hz: "
-            f"{told} blank{f', and {numbers}' if method.numbers else ''}; give the {whose} "
+            f"{told} blank{f', and {numbers}' if method.numbers else ''}. Give the {whose} "
             f"'modes: {{up_to: {10 * ceil(method.highest_hz / 10)} Hz}}'",
             {
                 "highest_hz": method.highest_hz,

@@ -36,14 +36,15 @@ def impact_findings(basis: ModalBasis, response: Response) -> tuple[Finding, ...
         share = content_above(contact.force, response.clock.sampling, top)
         if share > CONTENT and top > 0.0:
             left_out = (
-                "the highest mode that is given; what the structure does there is not known"
+                "the highest given mode: the response of the structure there is not known"
                 if given
-                else "where modes are left out (their static share is kept); accelerations there are too small"
+                else "where modes are left out (except their static response). Accelerations there are too low"
             )
             found.append(
                 Finding(
                     "contact-beyond-modes",
-                    f"{name}: {100 * share:.1f} % of the force's spectrum lies beyond {top:.5g} Hz, {left_out}",
+                    f"{name}: {100 * share:.1f} % of the energy of the force spectrum lies above {top:.5g} Hz, "
+                    f"{left_out}",
                     {"share": share, "complete_below_hz": basis.complete_below_hz, "highest_hz": top},
                 )
             )
@@ -65,8 +66,9 @@ def load_findings(loads: Iterable[PlannedLoad], duration: float) -> tuple[Findin
             found.append(
                 Finding(
                     "load-cut",
-                    f"{load.name}: of its {whole:.4g} {unit} only {inside:.4g} {unit} come between 0 and "
-                    f"{duration:g} s; the rest is left out. Shift its times, or simulate longer",
+                    f"{load.name}: only {inside:.4g} {unit} of its {whole:.4g} {unit} lie between 0 and "
+                    f"{duration:g} s; the "
+                    "rest is left out. Shift its times, or simulate longer",
                     {"whole": whole, "inside": inside, "duration_s": duration},
                     severe=inside <= CUT * whole,
                 )
@@ -95,9 +97,10 @@ def hammer_findings(study: Study, places: Places) -> tuple[Finding, ...]:
     return (
         Finding(
             "tapping-hammer-spacing",
-            f"{hammers[0].name} to {hammers[-1].name} are the hammers of one tapping machine and strike up to "
-            f"{worst:.3g} m apart; the standard's stand in a line, {HAMMERS_APART:g} m apart. Five places are one "
-            "position of the machine: several positions are five places each",
+            f"{hammers[0].name} to {hammers[-1].name} are the hammers of one tapping machine, with a spacing of up to "
+            f"{worst:.3g} m. The standard requires {HAMMERS_APART:g} m, in a line. Give five places for each "
+            "position of "
+            "the machine",
             {"apart_m": worst, "standard_m": HAMMERS_APART},
         ),
     )
@@ -117,8 +120,8 @@ def aliased_findings(response: Response, accelerations: Mapping[str, Floats]) ->
             found.append(
                 Finding(
                     "acceleration-aliased",
-                    f"{name}: modes and residual vectors above half the sampling, {half:.5g} Hz, have an rms of "
-                    f"{part:.4g} m/s^2 in it, all together {whole:.4g} m/s^2; samples show them at wrong frequencies. "
+                    f"{name}: modes and residual vectors above half the sampling frequency, {half:.5g} Hz, have an rms "
+                    f"value of {part:.4g} m/s^2, all together {whole:.4g} m/s^2. They appear at wrong frequencies. "
                     f"Sample at {2.0 * response.basis.frequency_hz.max():.4g} Hz or more, or use a low-pass on a "
                     "velocity",
                     {"above_half_m_s2": part, "rms_m_s2": whole, "allowed": ALIASED, "half_sampling_hz": half},
@@ -145,8 +148,8 @@ def sampled_findings(study: Study, response: Response) -> tuple[Finding, ...]:
         if name in forces and seen < (1.0 - PEAK_MISSED) * contact.peak_force:
             missed[name] = Finding(
                 "contact-coarsely-sampled",
-                f"{name} force: its largest sample is {seen:.3g} N, the peak of the contact is "
-                f"{contact.peak_force:.3g} N and lies between samples at {response.clock.sampling:g} Hz; sample faster",
+                f"{name} force: the largest sample is {seen:.3g} N, the peak of the contact is "
+                f"{contact.peak_force:.3g} N, between two samples at {response.clock.sampling:g} Hz. Sample faster",
                 {
                     "sampled_peak_n": seen,
                     "peak_force_n": contact.peak_force,

@@ -69,8 +69,9 @@ def meeting_findings(plan: RoomPlan, study: Study, surface: Surface, basis: Moda
         found.append(
             Finding(
                 "floor-room-resonance",
-                f"modes within each other's bandwidth, of like shape on the ceiling: {told}{more}; there the levels "
-                f"depend on a few hertz of either{_exchanged(pairs) if plan.coupling == 'one-way' else ''}",
+                f"floor and room modes coincide within their bandwidths and have similar shapes on the ceiling: "
+                f"{told}{more}. The levels there are sensitive to a few hertz in either "
+                f"frequency{_exchanged(pairs) if plan.coupling == 'one-way' else ''}",
                 {
                     "pairs": len(meet),
                     "floor_hz": meet[0][0],
@@ -155,9 +156,10 @@ def exchange_findings(plan: RoomPlan, pairs: ModePairs) -> tuple[Finding, ...]:
     return (
         Finding(
             "one-way-resonance",
-            f"{pairs.floor_hz[i]:.1f} Hz of the floor and {pairs.room_hz[j]:.1f} Hz of the room exchange energy, "
-            f"which one-way coupling leaves out (kappa {kappa:.2f}; below {EXCHANGED:g} it may be): levels are up to "
-            f"{line:.1f} dB too high at that frequency, and {band:.1f} dB in its band where the blows have no fixed "
+            f"the floor mode at {pairs.floor_hz[i]:.1f} Hz and the room mode at {pairs.room_hz[j]:.1f} Hz exchange "
+            "energy, "
+            f"which one-way coupling leaves out (kappa {kappa:.2f}; {EXCHANGED:g} is allowed). Levels are up to "
+            f"{line:.1f} dB too high at that frequency, and {band:.1f} dB in its band if the blows have no fixed "
             "interval. Give the room 'coupling: two-way'",
             {
                 "kappa": kappa,
@@ -174,7 +176,7 @@ def exchange_findings(plan: RoomPlan, pairs: ModePairs) -> tuple[Finding, ...]:
 def _exchanged(pairs: ModePairs) -> str:
     """What one-way coupling makes of the pair that exchanges most."""
     band = 10 * log10(1 + float(pairs.kappa.max()))
-    return f", and with one-way coupling they are up to {band:.1f} dB too loud in a band"
+    return f", and with one-way coupling up to {band:.1f} dB too high in a band"
 
 
 def _on_ceiling(
@@ -216,9 +218,10 @@ def floating(structure: StructureModel, bands_hz: tuple[float, ...]) -> list[Fin
             found.append(
                 Finding(
                     "floating-floor",
-                    f"{part.name}: {part.on} and {part.to} resonate on it at {resonance:.1f} Hz; up to "
-                    f"{sqrt(2) * resonance:.0f} Hz the floor is louder for it, above quieter, and both depend on its "
-                    f"stiffness, {part.normal:.3g} N/m^3, under the load it has there",
+                    f"{part.name}: the mass-spring-mass resonance of {part.on} and {part.to} is {resonance:.1f} Hz. "
+                    "The layer "
+                    f"raises levels up to {sqrt(2) * resonance:.0f} Hz and lowers them above. Both depend on its "
+                    f"stiffness, {part.normal:.3g} N/m^3, under its load",
                     {
                         "resonance_hz": resonance,
                         "stiffness_n_m3": part.normal,

@@ -39,9 +39,10 @@ def _rebound(study: Study, response: Response) -> list[Finding]:
         found.append(
             Finding(
                 "hammers-rebound",
-                f"{machine}: the hammers rebound from this floor with {share:.2f} of their speed; those of real "
-                f"machines with 0 to 1 of it (Acta Acustica 9, 14, 2025), so that real levels may be {lower:.1f} dB "
-                f"lower to {higher:.1f} dB higher than these",
+                f"{machine}: the hammers rebound from this floor with {share:.2f} of their speed. In real machines "
+                "this is "
+                f"0 to 1 (Acta Acustica 9, 14, 2025), so that real levels may be {lower:.1f} dB lower to "
+                f"{higher:.1f} dB higher",
                 {"restitution": share, "lower_db": lower, "higher_db": higher},
             )
         )
@@ -59,7 +60,8 @@ def walking_findings(study: Study, basis: ModalBasis) -> tuple[Finding, ...]:
                 Finding(
                     "walking-below-modes",
                     f"{walker.name}: the highest harmonic of the walker, {highest:g} Hz, is below the first mode, "
-                    f"{elastic[0]:.4g} Hz: such a floor answers to heel strikes, which a Fourier series has not",
+                    f"{elastic[0]:.4g} Hz: such a floor responds to heel strikes, which a Fourier series does not "
+                    "contain",
                     {"highest_hz": highest, "first_mode_hz": elastic[0]},
                 )
             )
@@ -67,8 +69,9 @@ def walking_findings(study: Study, basis: ModalBasis) -> tuple[Finding, ...]:
             found.append(
                 Finding(
                     "walking-low-frequency-only",
-                    f"{walker.name}: a Fourier series up to {highest:g} Hz says nothing of what is heard of footsteps; "
-                    "a measured force in a file ('loads.NAME.file') does",
+                    f"{walker.name}: the walking model, a Fourier series up to {highest:g} Hz, covers low-frequency "
+                    "vibration "
+                    "only. Use a measured force history ('loads.NAME.file') for audible footsteps",
                     {"highest_hz": highest},
                 )
             )
@@ -94,14 +97,15 @@ def _beyond(body: PlacedBody, response: Response, opens: float) -> list[Finding]
     if not missed:
         return []
     told = "; ".join(
-        f"{what} {value:.3g} {unit} where {wanted:g} +- {allowed:g} {unit} is wanted".replace("  ", " ")
+        f"{what} {value:.3g} {unit}, required {wanted:g} +- {allowed:g} {unit}".replace("  ", " ")
         for what, value, wanted, allowed, unit in missed
     )
     values = {what: value for what, value, _, _, _ in missed} | {f"{one[0]} wanted": one[2] for one in missed}
     return [
         Finding(
             "source-off-standard",
-            f"{body.name}: on this floor the {body.source} does not do what its standard wants on a rigid one: {told}",
+            f"{body.name}: on this floor the {body.source} does not satisfy what its standard requires on a rigid "
+            f"floor: {told}",
             values,
         )
     ]
@@ -111,7 +115,8 @@ def source_unresolved(body: PlacedBody, sampling: float) -> Finding:
     """A sampling [Hz] at which the force of a standard source cannot be compared with its table."""
     return Finding(
         "source-coarsely-sampled",
-        f"{body.name}: at {sampling:g} Hz the force of a {body.source} cannot be compared with its standard, "
+        f"{body.name}: with a sampling of {sampling:g} Hz the force of a {body.source} cannot be compared with its "
+        "standard, "
         f"whose octaves need {LEAST_SAMPLING_HZ:g} Hz",
         {"sampling_hz": sampling, "needed_hz": LEAST_SAMPLING_HZ},
     )

@@ -139,8 +139,9 @@ def _hasty(study: Study) -> list[Finding]:
             told.append(
                 Finding(
                     "high-drop",
-                    f"{body.name} falls {height:.4g} m and arrives at {body.speed:.3g} m/s; air is left out, and laws "
-                    f"of contact are known for some m/s. Is it {height:.4g} mm?",
+                    f"{body.name} falls {height:.4g} m and arrives at {body.speed:.3g} m/s. Air drag is left out, "
+                    "and contact "
+                    f"laws are measured at a few m/s. Did you mean {height:.4g} mm?",
                     {"height_m": height, "speed_m_s": body.speed},
                 )
             )
@@ -148,7 +149,7 @@ def _hasty(study: Study) -> list[Finding]:
             told.append(
                 Finding(
                     "fast-body",
-                    f"{body.name} comes at {body.speed:.4g} m/s; laws of contact are known for some m/s. Is it "
+                    f"{body.name} has {body.speed:.4g} m/s; contact laws are measured at a few m/s. Did you mean "
                     f"{body.speed:.4g} mm/s?",
                     {"speed_m_s": body.speed},
                 )
@@ -168,9 +169,9 @@ def _mechanisms(model: Model, basis: ModalBasis, studies: Sequence[Study], gravi
     return [
         Finding(
             "mechanism",
-            f"{extra} of the {basis.n_rigid} modes without frequency are not motions of the structure, or of a piece, "
-            "as a whole: parts slide or turn on each other and nothing resists, as on a layer or spring without "
-            "stiffness in that direction" + ("; one of them falls by its weight" if falls else ""),
+            f"{extra} of the {basis.n_rigid} modes at 0 Hz are not rigid-body motions of the structure or of a piece: "
+            "parts slide or turn on each other without resistance, as on a layer or spring without stiffness in that "
+            "direction" + (". Gravity sets one of them in motion" if falls else ""),
             {"mechanisms": extra, "rigid_modes": basis.n_rigid},
             severe=falls,
         )
@@ -189,8 +190,9 @@ def _far_sags(model: Model, basis: ModalBasis) -> list[Finding]:
     return [
         Finding(
             "sags-far",
-            f"{worst.part} sags by {worst.sag:.4g} m under the weight of all, the structure is {size:.4g} m large: "
-            "check the units of springs, layers and moduli, unless they are soft on purpose",
+            f"{worst.part} sags by {worst.sag:.4g} m under the total weight; the size of the structure is "
+            f"{size:.4g} m. "
+            "Check the units of springs, layers and moduli, unless they are soft on purpose",
             {"sag_m": worst.sag, "size_m": size},
         )
     ]

@@ -49,7 +49,7 @@ def _coarse_loads(study: Study, time: TimePlan) -> Iterator[Finding]:
             yield Finding(
                 "load-coarsely-sampled",
                 f"{load.name} lasts {lasts:.3g} s, {lasts * time.sampling:.1f} samples of {time.sampling:g} Hz: "
-                f"recorded histories and spectra miss what it does. Sample at {SAMPLES_OF_A_LOAD / lasts:.3g} Hz or "
+                f"recorded histories and spectra miss its effect. Sample at {SAMPLES_OF_A_LOAD / lasts:.3g} Hz or "
                 "more",
                 {"duration_s": lasts, "sampling_hz": time.sampling, "needed_hz": SAMPLES_OF_A_LOAD / lasts},
             )

@@ -74,10 +74,11 @@ def accuracy_findings(check: AccuracyCheck) -> tuple[Finding, ...]:
     return (
         Finding(
             "accuracy-not-reached",
-            f"The asked accuracy of {100 * check.within:g} % between {low:g} and {high:g} Hz is not reached: {name} is "
+            f"The required accuracy of {100 * check.within:g} % between {low:g} and {high:g} Hz is not reached: "
+            f"{name} is "
             f"{deviation.smaller:.4g} {deviation.unit} with the modes up to {check.smaller_hz:.5g} Hz and "
             f"{deviation.larger:.4g} {deviation.unit} with those up to {check.larger_hz:.5g} Hz, "
-            f"{100 * deviation.share:.2g} % apart at most; {check.stopped}",
+            f"{100 * deviation.share:.2g} % apart at most. {check.stopped}",
             {
                 "asked": check.within,
                 "reached": deviation.share,
@@ -159,10 +160,13 @@ class _Ladder:
         limit = self.limit_hz
         if model is not None and limit == carried_hz(model):
             return (
-                f"the mesh carries bending waves up to {limit:.5g} Hz ({CELLS_PER_WAVE:g} cells a wave): refine it, or "
-                "ask for less"
+                f"The mesh is fine enough for bending waves up to {limit:.5g} Hz ({CELLS_PER_WAVE:g} cells a "
+                "wavelength): refine it, or "
+                "ask for less accuracy"
             )
-        return f"the modes may not go beyond {limit:.5g} Hz: raise accuracy.up_to or modes.up_to, or ask for less"
+        return (
+            f"The limit of the modes is {limit:.5g} Hz: raise accuracy.up_to or modes.up_to, or ask for less accuracy"
+        )
 
     def pairs(self) -> Iterator[tuple[Solved, Solved]]:
         """Bases to compare, each with the next larger one; where none is larger, the smaller one with the first."""

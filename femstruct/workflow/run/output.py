@@ -22,7 +22,7 @@ from femstruct.study.result import StudyResult
 from femstruct.view.report import write_report
 from femstruct.workflow.run.provenance import Progress, Stopwatch
 
-NO_PICTURES: Final = "Pictures left out, as asked by --no-pictures."
+NO_PICTURES: Final = "Pictures left out, because of --no-pictures."
 NAMED: Final = 4  # files of those that are removed
 
 
@@ -53,7 +53,7 @@ def _older(kept: Sequence[str]) -> str:
     'older, of an earlier run, since cases are missing: a.wav (written_by_femstruct.json lists them)'
     """
     names = some_of(kept, NAMED)
-    return f"older, of an earlier run, since cases are missing: {names} ({NAME} lists them)" if kept else ""
+    return f"Some cases are missing. These files are of an earlier run: {names} ({NAME} lists them)" if kept else ""
 
 
 def _cleared(removed: Sequence[str]) -> str:
@@ -63,7 +63,7 @@ def _cleared(removed: Sequence[str]) -> str:
     ('removed what an earlier run left and this one does not make: a.wav, b.wav', '')
     """
     names = some_of(removed, NAMED)
-    return f"removed what an earlier run left and this one does not make: {names}" if removed else ""
+    return f"Removed files of an earlier run: {names}" if removed else ""
 
 
 def write_numbers(result: StudyResult, folder: Path, progress: Progress = lambda line: None) -> str:

@@ -189,8 +189,7 @@ def members_once(findings: Sequence[Finding]) -> list[Finding]:
         what = NUMBER.sub("#", one.message) if MEMBER.search(one.message) else one.message
         alike.setdefault((one.code, one.severe, what), []).append(one)
     return [
-        replace(one, message=f"{one.message} (and {len(more)} more like it)") if more else one
-        for one, *more in alike.values()
+        replace(one, message=f"{one.message} (and {len(more)} more)") if more else one for one, *more in alike.values()
     ]
 
 

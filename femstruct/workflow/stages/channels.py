@@ -68,9 +68,9 @@ def refuse_absent_forces(study: Study, basis: ModalBasis) -> None:
             expected, do = "a part, joint or support that carries a force", "record another one"
         elif isinstance(study.structure, ModesModel):
             expected = "given modes and a link or contact between one of their points and the ground"
-            do = "write what stands on the ground as a link, and give the modes of the structure without it"
+            do = "write what is fixed to the ground as a link, and give the modes of the structure without it"
         else:
-            expected = "a support, spring, foundation, link or contact that stands on the ground"
+            expected = "a support, spring, foundation, link or contact that is fixed to the ground"
             do = "add one, or do not record it"
         raise InputError(f"record.{target}", got=f"no force of '{target}'", expected=expected, do=do)
 

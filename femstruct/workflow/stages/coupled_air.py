@@ -75,13 +75,15 @@ def weight_on_air(response: Response, vacuo: ModalBasis, rooms: Sequence[RoomPla
         share = 1.0 - alone / stiffness
         if not share > CARRIED:
             continue
-        sinks = f"{1e6 * weight / alone:.4g} um" if alone else "without end"
+        sinks = f"{1e6 * weight / alone:.4g} um" if alone else "no limit"
         finding = Finding(
             "sealed-air-carries-load",
-            f"{body} ends at rest on {contact.name}, on a static stiffness of {stiffness:.4g} N/m, {alone:.4g} N/m of "
-            f"which is the structure's: the sealed air carries {100 * share:.0f} % of its weight and keeps its "
-            f"pressure. A room leaks, and the weight sinks from {1e6 * weight / stiffness:.4g} um to {sinks}: believe "
-            "what moves, not where it comes to rest, or give the room a leak",
+            f"{body} ends at rest on {contact.name} with a static stiffness of {stiffness:.4g} N/m, of which the "
+            "structure "
+            f"has {alone:.4g} N/m: the sealed air carries {100 * share:.0f} % of the weight. A real room leaks, and "
+            "the "
+            f"deflection increases from {1e6 * weight / stiffness:.4g} um to {sinks}. Use only the motion, not the "
+            "position at rest, or give the room a leak",
             {"with_air_n_m": stiffness, "without_air_n_m": alone, "share": share, "allowed": CARRIED},
         )
         found += [(plan.name, finding) for plan in rooms if plan.coupling == "two-way"]

@@ -105,8 +105,9 @@ def rated_findings(plan: RoomPlan, study: Study, drops: int = 1) -> tuple[Advice
         found.append(
             Finding(
                 "rating-of-few-places",
-                f"measurements by {method.measured_by} have {method.fewest} or more places of the source and of "
-                f"microphones; here are {drops} and {len(plan.receivers)}",
+                f"{method.measured_by} requires {method.fewest} or more positions of the source and of microphones; "
+                "here "
+                f"are {drops} and {len(plan.receivers)}",
                 {"drops": drops, "receivers": len(plan.receivers), "wanted": method.fewest},
             )
         )
@@ -137,15 +138,15 @@ def _other_blows(method: Method, study: Study) -> tuple[Finding, ...]:
     if not others and here == count and not pushed:
         return ()
     told = some_of(dict.fromkeys([*others, *pushed]))
-    one = f"one {wanted}, five hammers" if tapping else f"one {wanted}"
+    one = f"one {wanted} with five hammers" if tapping else f"one {wanted}"
     what = "hammers" if tapping else f"{wanted}s"
-    here_are = f"strike {here} {what}{' and ' + told if told else ''}" if here else f"it is {told or 'nothing'}"
+    here_are = f"{here} {what}{' and ' + told if told else ''} strike" if here else f"the source is {told or 'missing'}"
     elsewhere = rating_of(others[0]) if len(others) == 1 and not here else ()
     here_are += f", for {' or '.join(elsewhere)}" if elsewhere and not set(elsewhere) & set(method.standards) else ""
     return (
         Finding(
             "rating-of-other-blows",
-            f"the levels of {' and '.join(method.standards)} are those of {one}; here {here_are}"
+            f"{' and '.join(method.standards)} rates the levels of {one}; here {here_are}"
             f"{': single numbers are withheld' if method.numbers else ''}",
             {what.replace(" ", "_"): here, "others": len(others) + len(pushed)},
         ),
@@ -163,13 +164,13 @@ def _overlapping(plan: RoomPlan, method: Method, study: Study, basis: ModalBasis
     if fallen >= FALLEN_DB:
         return ()
     whose = "room" if t60 >= floor_t60 else "floor"
-    enough = f"'time: {{duration: {least:.2g} s}}'" if isfinite(least) else "'damping', without which it never decays"
+    enough = f"'time: {{duration: {least:.2g} s}}'" if isfinite(least) else "a 'damping', without which it never decays"
     return (
         Finding(
             "blows-overlap",
             f"uncorrelated blows are {apart(study):.3g} s apart; the sound of the {whose}, with a reverberation time "
-            f"of {max(t60, floor_t60):.2g} s, decays by {fallen:.0f} dB between them, and {FALLEN_DB:g} dB are needed "
-            f"for levels right to 0.1 dB. Give {enough}",
+            f"of {max(t60, floor_t60):.2g} s, decays by {fallen:.0f} dB between them; {FALLEN_DB:g} dB are needed "
+            f"for an error below 0.1 dB. Give the study {enough}",
             {"apart_s": apart(study), "fallen_db": fallen, "wanted_db": FALLEN_DB, "t60_s": max(t60, floor_t60)},
         ),
     )
@@ -182,12 +183,12 @@ def _building_up(plan: RoomPlan, method: Method, study: Study) -> tuple[Finding,
     missing = -10 * log10(1 - 10 ** (-6 * since / t60)) if since else float("inf")
     if missing <= BUILT_UP_DB:
         return ()
-    short = f"is then {missing:.2g} dB short of its steady level" if since else "is silent then"
+    short = f"is then {missing:.2g} dB below its steady level" if since else "is then silent"
     return (
         Finding(
             "tapping-not-steady",
             f"levels are averaged from {since:g} to {until:g} s; a room with a reverberation time of {t60:.2g} s "
-            f"{short}: give the machine more blows, and the time for them",
+            f"{short}. Give the machine more blows, and a longer time",
             {"since_s": since, "until_s": until, "t60_s": t60},
         ),
     )

@@ -63,7 +63,7 @@ def undamped_findings(basis: ModalBasis, request: FrfRequest) -> tuple[Finding, 
         Finding(
             "no-damping",
             f"{name}: {modes} between {low:g} and {high:g} Hz, the first at {first:.4g} Hz, without damping: "
-            f"peaks there are infinite, and how high they are drawn depends on the step of {request.step:g} Hz alone. "
+            f"peaks there are infinite, and their drawn height depends only on the step of {request.step:g} Hz. "
             "Give the model a 'damping'",
             {"modes": len(bare), "first_hz": first, "damping_ratio": 0.0, "step_hz": request.step},
             severe=True,

@@ -121,8 +121,7 @@ def refuse_restless(study: Study) -> None:
         if body.name not in resting and not body.dropped and body.speed == 0.0:
             raise InputError(
                 f"bodies.{body.name}",
-                got="no spring that carries it, and no closed contact with something at rest below it",
+                got="a body without a spring or a closed contact that carries it",
                 expected="a state of rest under gravity",
-                do="hang it on a link, lay it on its contact without a gap, drop it (drop_height or speed), or switch "
-                "gravity off",
+                do="give it a link or a contact without a gap, drop it (drop_height or speed), or write gravity: false",
             )

@@ -110,7 +110,7 @@ class _Stage:
             raise InputError(
                 asked_by,
                 got=f"{name} on a part inclined by {np.degrees(np.arccos(abs(point.normal[2]))):.0f} deg",
-                expected="a part within 45 deg of horizontal, where above and below mean something",
+                expected="a part within 45 deg of horizontal, where above and below are defined",
             )
         return point.probe(self.axis)
 
@@ -123,7 +123,9 @@ class _Stage:
         body = self.bodies[name]
         if depth > len(self.bodies):
             raise InputError(
-                f"bodies.{name}", got="bodies placed on each other in a circle", expected="a place to start"
+                f"bodies.{name}",
+                got="bodies placed on each other in a circle",
+                expected="one of them on the structure or the ground",
             )
         at, rank = self.height(body.target, f"bodies.{name}", depth + 1)
         return (at, rank + (1 if body.side in ("above", "after") else -1))
@@ -151,7 +153,7 @@ class _Stage:
             raise InputError(
                 f"{asked_by}.between",
                 got=f"{between[0]} and {between[1]}, at points of given modes without positions",
-                expected="to know which end is above the other",
+                expected="positions that tell which end is above the other",
                 do=f"write structure.points.{min(at - structure.at.keys())} as {{shape: [..], at: 0.2 m}}",
             )
 
@@ -236,7 +238,7 @@ def _refuse_immovable(basis: ModalBasis, contacts: Sequence[Contact], links: Seq
                     where,
                     got=f"an end that no mode moves along {axis}",
                     expected="a place that can move along the axis of the bodies",
-                    do="connect it to `ground` if it is meant to be held",
+                    do="connect it to `ground` if it is fixed",
                 )
 
 
@@ -275,9 +277,9 @@ def _modal_velocity(initial: InitialMotion, places: Places, basis: ModalBasis) -
         if missed > 1e-6:
             raise InputError(
                 "initial.rigid",
-                got=f"a motion its {int(rigid.sum())} rigid-body modes miss by {100 * missed:.2g} %",
-                expected="a structure that is free to move so",
-                do="remove the supports and springs that hold it",
+                got=f"a motion that its {int(rigid.sum())} rigid-body modes do not contain ({100 * missed:.2g} %)",
+                expected="a structure that is free to move like this",
+                do="remove the supports and springs that prevent it",
             )
         moving = np.zeros(len(basis.omega))
         moving[rigid] = q
@@ -295,7 +297,7 @@ def _modal_velocity(initial: InitialMotion, places: Places, basis: ModalBasis) -
     if not np.allclose(rows @ velocity, values, rtol=1e-9, atol=1e-12):
         raise InputError(
             "initial.velocity",
-            got="start velocities that the modes cannot follow together",
+            got="start velocities that the modes cannot combine",
             expected="velocities of independent directions that move in some mode",
         )
     return velocity

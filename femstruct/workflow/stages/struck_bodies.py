@@ -109,9 +109,11 @@ def own_findings(
                     plan.name,
                     Finding(
                         "own-sound-left-out",
-                        f"{some_of(silent)} {verb} from the side where somebody listens: only what the surface "
-                        "radiates is heard, not the bodies' own sound, which may be louder at high frequencies; give "
-                        "what is like a sphere its 'radius'",
+                        f"{some_of(silent)} {verb} on the side of the receivers: its direct sound is not computed, "
+                        "which may "
+                        "be louder than that of the surface at high frequencies. Give a 'radius' if the body is "
+                        "roughly "
+                        "spherical",
                         {"bodies": len(silent)},
                     ),
                 )
@@ -122,7 +124,7 @@ def own_findings(
             finding = Finding(
                 "radius-unused",
                 f"{body.name} is not in front of the surface of {some_of(plan.name for plan in listening)}: its "
-                f"radius of {1e3 * body.radius:g} mm makes no sound there",
+                f"radius of {1e3 * body.radius:g} mm has no effect",
                 {"radius_m": body.radius},
             )
             told.append((body.name, finding))
