@@ -9,6 +9,7 @@
                         limits, frf, rooms, levels, own_levels, total_levels, sound_energy, rated, drops, modal
     /comparison/CASE    modes by MAC, beside the baseline's
     /VTKHDF             mode shapes of the baseline, opened by ParaView as they are
+    /nouns              all of the above and its problem as one value (JSON), whose arrays are above or in /arrays
 
 Behind the last byte of HDF5 stands a checksum of all of them (files.seal), compared before HDF5 opens the file again.
 Every dataset has a unit, a description and a checksum of its own; histories, spectra and modes have named axes, so that
@@ -38,6 +39,7 @@ from femstruct.files.sound import write_levels, write_own, write_own_levels, wri
 from femstruct.files.tables import summary
 from femstruct.files.trust import write_accuracy, write_errors
 from femstruct.files.vtkhdf import write_vtkhdf
+from femstruct.files.whole import write_whole
 from femstruct.impact.result.response import EnergyBalance, EnergyLedger, Response
 from femstruct.impact.result.shares import ModeEnergies
 from femstruct.study.machine import Verdict
@@ -47,7 +49,7 @@ if TYPE_CHECKING:  # slow to import, and most runs write no such file
     import h5py
 
 FORMAT: Final = "femstruct results"
-FORMAT_VERSION: Final = 2
+FORMAT_VERSION: Final = 3
 LIBVER: Final = ("earliest", "v110")  # what the HDF5 of ParaView, VTK and older viewers can read
 
 
@@ -78,7 +80,7 @@ def write_results(path: str | Path, result: StudyResult) -> None:
     ...     write_results(Path(folder, "results.h5"), run_study(read_study(Path(folder, "hit.study.yaml"))))
     ...     stored = read_results(Path(folder, "results.h5"))
     >>> case = stored.cases["as given"]
-    >>> case.outcome, case.units["m.z velocity"], case.channels["m.z velocity"].shape
+    >>> case.response.outcome.value, case.channels["m.z velocity"].unit, case.channels["m.z velocity"].values.shape
     ('All contacts opened and stayed open to the end.', 'm/s', (100,))
     """
     image = BytesIO()
@@ -121,6 +123,7 @@ def _write(file: h5py.File, result: StudyResult) -> None:
         _write_comparison(group(comparison, name, "Modes of the baseline found again in this case"), beside)
     baseline = result.cases[result.plan.baseline]
     write_vtkhdf(file, baseline.basis, result.models.get(baseline.basis_key))
+    write_whole(file, result)
 
 
 def _findings(findings: tuple[Finding, ...]) -> str:

@@ -102,7 +102,7 @@ def test_impact_alone_keeps_the_air(floor: StudyResult) -> None:
 def test_results_keep_the_basis_that_the_motion_is_in(floor: StudyResult, tmp_path: Path) -> None:
     write_results(tmp_path / "results.h5", floor)
     stored = read_results(tmp_path / "results.h5")
-    keys = {name: case.basis for name, case in stored.cases.items()}
+    keys = {name: case.basis_key for name, case in stored.cases.items()}
     assert keys["without damper"] == keys["damper 1.2"] != keys["one-way"]
     assert len(set(keys.values())) == 3
     for name, case in floor.cases.items():

@@ -15,7 +15,7 @@ from typer.testing import CliRunner
 
 from femstruct.cli import app
 from femstruct.errors import Finding
-from femstruct.files.finding_tables import finding_from, finding_table
+from femstruct.files.finding_tables import finding_from, finding_table, study_findings_table
 from femstruct.files.results import write_results
 from femstruct.files.stored import read_results
 from femstruct.files.tables import summary
@@ -82,7 +82,7 @@ def test_machines_have_all_with_their_ranks(result: StudyResult, tmp_path: Path)
     assert [one["rank"] for one in told] == ["forbids trust", "limits trust", "remark", "remark"]
     assert all(one["cases"] == list(result.cases) for one in told)
     write_results(tmp_path / "results.h5", result)
-    assert list(read_results(tmp_path / "results.h5").findings) == told
+    assert study_findings_table(read_results(tmp_path / "results.h5")) == told
     assert [finding_from(one) for one in told] == [COARSE, TWIST, AIR, FLOAT]
 
 

@@ -40,7 +40,7 @@ def test_finished_cases_are_kept_and_the_rest_is_said(tmp_path: Path, monkeypatc
     assert result.findings[0].severe
     assert verdict(result) == INTERRUPTED
     write_results(tmp_path / "results.h5", result)
-    assert list(read_results(tmp_path / "results.h5").summary["cases"]) == ["a", "b"]
+    assert list(read_results(tmp_path / "results.h5").cases) == ["a", "b"]
 
 
 def test_without_a_baseline_there_is_nothing_to_keep(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,0 +1,89 @@
+"""What a study found as one value in the results file, and back: nouns as a text, arrays where they stand already."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, Final
+from zlib import crc32
+
+import numpy as np
+from numpy.typing import NDArray
+
+from femstruct.files.hdf5 import group, put, put_text
+from femstruct.files.nouns import Stored, restored, stored
+
+if TYPE_CHECKING:  # slow to import, and most runs write no such file
+    import h5py
+
+    from femstruct.study.result import StudyResult
+
+Array = NDArray[Any]
+Place = tuple[str, int | None]  # a dataset, and the row of it that is meant, None for all of it
+NOUNS: Final = "nouns"
+NO_VARIABLE: Final = "This is a netCDF dimension but not a netCDF variable."  # says netCDF-4 of a bare length
+LEAST: Final = 4096  # bytes of an array that is looked for among the tables
+
+
+def write_whole(file: h5py.File, result: StudyResult) -> None:
+    """Add the nouns of a study to its file; of their arrays only those that no table has yet, each once."""
+    put_text(file, NOUNS, json.dumps(stored(result, _shelf(file)), allow_nan=False), "The results as nouns (JSON)")
+
+
+def read_whole(file: h5py.File) -> StudyResult:
+    """The nouns of a study, as they were written."""
+    read: dict[str, Array] = {}
+
+    def fetch(place: Place) -> Array:
+        name, row = place
+        if name not in read:
+            read[name] = file[name][()]
+            read[name].flags.writeable = False
+        return read[name] if row is None else read[name][row]
+
+    found: StudyResult = restored(Stored(*json.loads(file[NOUNS].asstr()[()])), fetch)
+    return found
+
+
+def _shelf(file: h5py.File) -> Callable[[Array], Place]:
+    """What finds an array among those of a file, or puts it there, and tells where."""
+    import h5py
+
+    known: dict[tuple[object, ...], list[tuple[Place, Array]]] = {}
+    shelf = group(file, "arrays", "Arrays of the nouns that are in no table")
+
+    def keep(array: Array) -> Place:
+        array = np.ascontiguousarray(array)
+        alike = known.setdefault(_print(array), [])
+        for place, other in alike:
+            if other.tobytes() == array.tobytes():
+                return place
+        name = f"{len(shelf):06d}"
+        axes = [_of_length(shelf, length) for length in array.shape]
+        put(shelf, name, array, "as the noun's", "Array of a noun", axes)
+        alike.append(((f"{shelf.name}/{name}", None), array))
+        return alike[-1][0]
+
+    def take(name: str, item: object) -> None:
+        if isinstance(item, h5py.Dataset) and item.dtype.kind in "iufcb" and item.nbytes >= LEAST:
+            whole = item[()]
+            known.setdefault(_print(whole), []).append(((f"/{name}", None), whole))
+            if whole.ndim > 1 and whole[0].nbytes >= LEAST:
+                for number, row in enumerate(whole):
+                    known.setdefault(_print(row), []).append(((f"/{name}", number), row))
+
+    file.visititems(take)
+    return keep
+
+
+def _of_length(shelf: h5py.Group, length: int) -> str:
+    """An axis without a meaning of its own."""
+    name = f"of {length}"
+    if name not in shelf:
+        shelf.create_dataset(name, (length,), "i1", fletcher32=True).make_scale(NO_VARIABLE)
+        shelf[name].attrs.update(unit="1", description="A length")
+    return name
+
+
+def _print(array: Array) -> tuple[object, ...]:
+    return array.dtype, array.shape, crc32(np.ascontiguousarray(array).data)
