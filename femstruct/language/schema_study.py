@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal
 from pydantic import ConfigDict, Field, model_validator
 
 from femstruct.impact.scene.walking import PACES_HZ
-from femstruct.language.laws import AnyLaw
+from femstruct.language.laws.known_laws import AnyLaw
 from femstruct.language.model.directions import Dashpot, Stiffness
 from femstruct.language.schema_rooms import RoomSpec
 from femstruct.language.sources import SOURCES, from_source

@@ -69,6 +69,9 @@ def joint(item: Joint, model: Model, tolerance: float) -> tuple[Tie | None, Elas
         if end not in model.parts:
             raise InputError(where, got=f"'{end}'", expected=f"a part with nodes: {some_of(model.parts)}")
     one, other = model.parts[item.a], model.parts[item.b]
+    for part in (one, other):
+        if item.kind == "rigid" and not part.has_rotations:
+            raise InputError(where, got=f"rigid, and nodes of {part.name} that have no rotations", expected="pinned")
     boxes = [part for part in (one, other) if part.box is not None]
     pairs = _box_pairs(item, model, tolerance) if boxes else _pairs(item, model, tolerance)
     springy = listed(where, tuple(item.stiffness))

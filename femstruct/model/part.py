@@ -155,6 +155,7 @@ class Meshed(ABC):
 
     first: int
     rigid: ClassVar[bool] = False  # one node with six degrees of freedom, as a block has: it can lean, and be counted
+    has_rotations: ClassVar[bool] = True  # its nodes turn: they can be joined rigidly
     rigid_in_plane: ClassVar[bool] = False  # bends, but neither stretches nor shears in its plane
 
     @property
@@ -267,13 +268,13 @@ class Meshed(ABC):
         """It for pictures; divisions : pieces of a cell's side, along : of a bar."""
 
 
-def six_at_nodes(count: int) -> OwnDofs:
-    """Degrees of freedom of a part whose nodes have their six global components each."""
-    numbers = np.arange(6 * count).reshape(count, 6)
-    rows = np.arange(count)[:, None] * N_COMPONENTS + np.arange(6)
-    translations = np.zeros((6 * count, 3))
+def nodal_dofs(count: int, each: int) -> OwnDofs:
+    """Degrees of freedom of a part whose nodes have global components: three translations each, or rotations, too."""
+    numbers = np.arange(each * count).reshape(count, each)
+    rows = np.arange(count)[:, None] * N_COMPONENTS + np.arange(each)
+    translations = np.zeros((each * count, 3))
     translations[numbers[:, :3]] = np.eye(3)
-    return OwnDofs(COMPONENTS[:6], (), rows.ravel(), numbers.ravel(), np.ones(6 * count), translations)
+    return OwnDofs(COMPONENTS[:each], (), rows.ravel(), numbers.ravel(), np.ones(each * count), translations)
 
 
 def refuse_patch(name: str, place: PlaceOn) -> None:

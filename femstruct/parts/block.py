@@ -13,7 +13,7 @@ from femstruct.conventions import N_COMPONENTS
 from femstruct.errors import Finding, InputError
 from femstruct.model.given import Given, given
 from femstruct.model.grid.layout import Grids, Layout
-from femstruct.model.part import Body, Drawn, Meshed, OwnDofs, Part, refuse_patch, six_at_nodes
+from femstruct.model.part import Body, Drawn, Meshed, OwnDofs, Part, nodal_dofs, refuse_patch
 from femstruct.model.probe import Point
 from femstruct.model.region import Vector
 from femstruct.model.rows import carried, flat_rows, sparse_rows
@@ -109,7 +109,7 @@ class BlockMesh(Meshed):
         return self.part.corners()
 
     def dofs(self) -> OwnDofs:
-        return six_at_nodes(1)
+        return nodal_dofs(1, 6)
 
     def stiffness_and_mass(self) -> tuple[None, csr_array]:
         """Nothing that deforms; mass and moments of inertia at its centre of mass."""

@@ -24,7 +24,7 @@ from femstruct.model.grid.layout import Grids, Layout
 from femstruct.model.grid.scatter import scattered
 from femstruct.model.material import Material
 from femstruct.model.model import Model
-from femstruct.model.part import Drawn, Meshed, OwnDofs, Part, Spread, refuse_patch, six_at_nodes
+from femstruct.model.part import Drawn, Meshed, OwnDofs, Part, Spread, nodal_dofs, refuse_patch
 from femstruct.model.probe import Point
 from femstruct.model.region import Region, Vector
 from femstruct.model.rows import flat_rows, sparse_rows
@@ -188,7 +188,7 @@ class FrameMesh(Meshed):
         return self.part.material.loss_factor
 
     def dofs(self) -> OwnDofs:
-        return six_at_nodes(len(self.places))
+        return nodal_dofs(len(self.places), 6)
 
     def stiffness_and_mass(self) -> tuple[csr_array, csr_array]:
         numbers = np.arange(6 * len(self.places)).reshape(-1, 6)

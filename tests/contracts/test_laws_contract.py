@@ -27,7 +27,7 @@ from femstruct.impact.laws.registry import CODES, DOUBTS, LAWS
 from femstruct.impact.laws.stop import Stop
 from femstruct.impact.laws.tabulated import Tabulated
 from femstruct.impact.scene.bodies import GROUND, Body, Clock, Contact, Scene
-from femstruct.language.laws import KINDS
+from femstruct.language.laws.known_laws import KINDS
 from femstruct.modal.analytic import given_modes
 
 ROOT = Path(femstruct.__file__).parent

@@ -15,7 +15,14 @@ ROOT = Path(__file__).parents[2]
 
 # A module may import from lower layers, and from names of its own layer to its left.
 LAYERS = [
-    ["femstruct.conventions", "femstruct.errors", "femstruct.findings", "femstruct.arrays", "femstruct.units"],
+    [
+        "femstruct.conventions",
+        "femstruct.errors",
+        "femstruct.findings",
+        "femstruct.arrays",
+        "femstruct.units",
+        "femstruct.plugins",
+    ],
     ["femstruct.sparse", "femstruct.elements", "femstruct.model", "femstruct.parts"],
     ["femstruct.assembly"],
     ["femstruct.modal"],

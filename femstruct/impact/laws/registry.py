@@ -1,4 +1,4 @@
-"""All contact laws: the classes that the modules of this package hold, and their codes by number."""
+"""All contact laws: those of the modules of this package, those that other packages add, and their codes by number."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from typing import Final
 from femstruct.impact.laws import __name__ as package
 from femstruct.impact.laws import __path__ as places
 from femstruct.impact.laws.law import Code, Law
+from femstruct.plugins import added_kinds
 
 
 def _laws() -> Iterator[type[Law]]:
@@ -21,6 +22,6 @@ def _laws() -> Iterator[type[Law]]:
             yield from (one for one in mine if one.__module__ == module.__name__ and not isabstract(one))
 
 
-LAWS: Final[tuple[type[Law], ...]] = tuple(_laws())
+LAWS: Final[tuple[type[Law], ...]] = (*_laws(), *(one.kind for one in added_kinds("femstruct.laws", Law)))
 CODES: Final[tuple[Code, ...]] = tuple(dict.fromkeys(law.code for law in LAWS))
 DOUBTS: Final = {code: severe for law in LAWS for code, severe in law.doubts.items()}

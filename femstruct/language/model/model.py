@@ -15,8 +15,8 @@ from femstruct.language.model.point import PointSpec
 from femstruct.language.model.section import AnySection
 from femstruct.language.model.support import SupportSpec
 from femstruct.language.model.surface import SurfaceSpec
-from femstruct.language.parts import AnyPart
 from femstruct.language.parts.base import Library
+from femstruct.language.parts.known_parts import AnyPart
 from femstruct.language.yaml.here import Here, Names
 from femstruct.language.yaml.references import check_references
 from femstruct.language.yaml.spec import Spec, Text

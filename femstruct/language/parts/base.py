@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar
 
+from femstruct.errors import FemstructError
 from femstruct.language.yaml.here import Here
 from femstruct.language.yaml.spec import Refers, Spec, Text
 from femstruct.model.material import Material
@@ -41,13 +42,18 @@ class PartSpec(Spec):
     def build(self, name: str, of: Library) -> Part:
         """The noun it describes."""
         found: dict[str, Any] = {"material": of.materials, "section": of.sections}
-        part: Part = self.noun(
-            name=name, **{key: found[key][getattr(self, key)] for key in found if hasattr(self, key)}
-        )
+        part = self.noun(name=name, **{key: found[key][getattr(self, key)] for key in found if hasattr(self, key)})
+        if not isinstance(part, Part):
+            kind = f"{type(self).__module__}.{type(self).__name__}"
+            raise FemstructError(f"parts.{name}", got=f"a {type(part).__name__}", expected=f"a Part that {kind} makes")
         return part
 
     def check_place(self, here: Here, places: Places) -> None:
         """Note what is wrong with a point on it."""
+        if isinstance(places, str):
+            here.wrong(f"{places} of a {self.type}", "global coordinates", "write [x, y, z]")
+        elif any(len(place) != 3 for place in places):
+            here.wrong(f"{len(places[0])} coordinates", f"3 on a {self.type}", "global axes")
 
     def place(self, word: str) -> tuple[float, ...]:
         """Coordinates of center, top or bottom."""

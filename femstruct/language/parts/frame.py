@@ -6,8 +6,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
-from femstruct.language.parts.base import MaterialName, PartSpec, Places, SectionName
-from femstruct.language.yaml.here import Here
+from femstruct.language.parts.base import MaterialName, PartSpec, SectionName
 from femstruct.language.yaml.spec import Direction3, Length, Position3, Spec
 from femstruct.parts.frame import Frame
 
@@ -39,9 +38,3 @@ class FrameSpec(PartSpec):
         arms = values.pop("offsets")
         lines = tuple(tuple(line) for line in self.lines)
         return {**values, "lines": lines, "start_offset": arms["start"], "end_offset": arms["end"]}
-
-    def check_place(self, here: Here, places: Places) -> None:
-        if isinstance(places, str):
-            here.wrong(f"{places} of a frame", "global coordinates", "write [x, y, z]")
-        elif any(len(place) != 3 for place in places):
-            here.wrong(f"{len(places[0])} coordinates", "3 on a frame", "global axes")

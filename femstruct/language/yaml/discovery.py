@@ -1,4 +1,5 @@
-"""The kinds of one noun, such as the parts or the contact laws: a module each, which nothing else has to name."""
+"""The kinds of one noun, such as the parts or the contact laws: a module each, which nothing else has to name, and what
+other packages add."""
 
 from __future__ import annotations
 
@@ -7,17 +8,37 @@ from functools import reduce
 from importlib import import_module
 from operator import or_
 from pkgutil import iter_modules
-from typing import Annotated, Any
+from types import ModuleType
+from typing import Annotated, Any, get_args
 
-from pydantic import Field
+from pydantic import BaseModel, Field
+
+from femstruct.errors import FemstructError
+from femstruct.plugins import MEND, added_kinds
 
 
-def kinds_in(package: str, folders: Iterable[str], base: type) -> tuple[Any, ...]:
-    """The classes that a package's modules make of `base`, of those whose `type` is one word, module by module."""
-    modules = [import_module(f"{package}.{one.name}") for one in iter_modules(folders)]
+def kinds_of(package: ModuleType, base: type[BaseModel]) -> tuple[Any, ...]:
+    """The classes that a package's modules make of `base`, of those whose `type` is one word, module by module; then
+    those that other packages add to the group of entry points of its name.
+
+    Raises FemstructError for one of another package that has no word, or one that is taken.
+    """
+    modules = [import_module(f"{package.__name__}.{one.name}") for one in iter_modules(package.__path__)]
     classes = [(one, module) for module in modules for one in vars(module).values() if isinstance(one, type)]
-    own: list[Any] = [one for one, its in classes if issubclass(one, base) and one.__module__ == its.__name__]
-    return tuple(one for one in own if one.model_fields["type"].annotation is not str)
+    own = [one for one, its in classes if issubclass(one, base) and one.__module__ == its.__name__]
+    taken = {word: one for one in own for word in _words(one)}
+    for kind, source in added_kinds(package.__name__, base):
+        if len(words := _words(kind)) != 1 or words[0] in taken:
+            got = f"type: {', '.join(words)}, taken by {taken[words[0]].__module__}" if words else "no type"
+            expected = 'a word of its own, type: Literal["word"]'
+            raise FemstructError(source, got=got, expected=expected, do=MEND)
+        taken[words[0]] = kind
+    return tuple(taken.values())
+
+
+def _words(kind: type[BaseModel]) -> tuple[str, ...]:
+    field = kind.model_fields.get("type")
+    return get_args(field.annotation) if field is not None else ()
 
 
 def any_of(kinds: Iterable[Any]) -> Any:

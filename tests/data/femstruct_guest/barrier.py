@@ -1,0 +1,47 @@
+"""A law with kernels of its own: a spring that becomes stiff as it nears the depth of a layer."""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from scipy.optimize import brentq
+
+from femstruct.impact.compiled.kernels import kernel
+from femstruct.impact.laws.law import Code, Law, Stored
+
+
+@kernel
+def _spring(system, a, delta):
+    if delta <= 0.0:
+        return 0.0, 0.0, 0.0
+    k, depth = system.interfaces[a]["stiffness"], system.interfaces[a]["shape"]
+    share = (delta / depth) ** 4.0
+    return k * delta * (1.0 + share), k * (1.0 + 5.0 * share), k * delta * delta * (0.5 + share / 6.0)
+
+
+CODE = Code(_spring)
+
+
+@dataclass(frozen=True)
+class Barrier(Law):
+    """f = k d (1 + (d / depth)^4) (1 + chi d'); k [N/m], depth [m], chi [s/m]."""
+
+    word: ClassVar = "barrier"
+    code: ClassVar = CODE
+
+    stiffness: float
+    depth: float
+    dissipation: float = 0.0
+    tensile: bool = False
+
+    @property
+    def stored(self):
+        return Stored(self.stiffness, self.dissipation, self.depth)
+
+    def force(self, d):
+        return self.stiffness * d * (1.0 + (d / self.depth) ** 4)
+
+    def energy(self, d):
+        return self.stiffness * d**2 * (0.5 + (d / self.depth) ** 4 / 6.0)
+
+    def indentation(self, force):
+        return float(brentq(lambda d: self.force(d) - force, 0.0, force / self.stiffness))
