@@ -145,7 +145,7 @@ def _write_case(cases: h5py.Group, name: str, case: CaseResult, verdicts: Sequen
         about = "What more modes change, against what was asked"
         write_accuracy(group(target, "accuracy", about), case.accuracy)
     if case.errors is not None:
-        about = "Numbers of the impact, and what its march may leave them wrong by"
+        about = "Numbers of the impact, and their estimated numerical error"
         write_errors(group(target, "error_estimate", about), case.errors)
     if verdicts:
         write_verdicts(group(target, "limits", "Verdicts on the limits of the study"), verdicts)
@@ -310,7 +310,7 @@ def _write_lost(target: h5py.Group, ledger: EnergyLedger, shares: ModeEnergies |
 
 
 _TERMS: Final = {
-    "structure": "Kinetic and elastic energy of the structure, with the air that pushes back",
+    "structure": "Kinetic and elastic energy of the structure, with the coupled air",
     "stored": "Elastic energy of contacts and links",
     "dissipated": "Lost in modes, contacts and links until now",
     "work": "Done by loads and gravity until now",

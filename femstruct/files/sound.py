@@ -36,7 +36,7 @@ def write_own(target: h5py.Group, own: RoomResponse, total: RoomResponse) -> Non
     """Beside the pressure that the structure radiates, that of the striking bodies themselves, and the sum."""
     both = ("receiver", "time")
     put(target, "own_pressure", own.p, "Pa", "Pressure that the striking bodies make themselves", both)
-    put(target, "total_pressure", total.p, "Pa", "Sum of pressure and own_pressure: all that is heard", both)
+    put(target, "total_pressure", total.p, "Pa", "Sum of pressure and own_pressure", both)
 
 
 def write_own_levels(target: h5py.Group, heard: OwnSound) -> None:

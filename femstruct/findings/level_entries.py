@@ -153,7 +153,7 @@ LEVELS: Final = (
         "walking-low-frequency-only",
         "The walking model covers low-frequency vibration only.",
         LIMITS,
-        "a room listens to a walker",
+        "a room with receivers has a walker",
         "Use a measured force history ('loads.NAME.file') for audible footsteps.",
     ),
 )

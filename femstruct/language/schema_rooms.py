@@ -159,9 +159,9 @@ _YIELDS = ("mass", "stiffness", "resistance")
 
 
 class WallSpec(Spec):
-    """What a wall takes up: a random-incidence absorption coefficient, one or by frequency, or its impedance; or how it
-    yields: a mass on a stiffness and a resistance, each per area and one or more of them; a resistance alone is an
-    impedance.
+    """What a wall absorbs: a random-incidence absorption coefficient, one or by frequency, or its impedance. Or a
+    compliant wall: mass, stiffness and resistance, each per area, one or more of them. A resistance without the others
+    is an impedance.
     """
 
     absorption: Annotated[float | dict[float, float] | None, read_by(_absorption, Ratio | dict[str, Ratio])] = None
@@ -186,7 +186,7 @@ class WallSpec(Spec):
 
 
 class RoomModesSpec(Spec):
-    """How many modes of a meshed room are its own."""
+    """Up to which frequency the modes of a meshed room are computed."""
 
     up_to: Frequency
 
@@ -198,21 +198,20 @@ PULSE = "pulse"
 
 
 class RoomSpec(Spec):
-    """A room under a surface, and who listens in it: a rectangular one by its size, any other by its mesh.
+    """A room under a surface, and its receivers: a rectangular room by its size, any other by its mesh.
 
-    above, below: no room but open air on that side of a surface, which moves in a rigid baffle without end; receivers
-    are then measured from the surface's centre, global axes. A body on that side is heard itself if it has a radius.
+    above, below: open air in place of a room, on that side of a surface in an infinite rigid baffle. Receivers are then
+    measured from the centre of the surface, global axes. The own sound of bodies with a radius there is computed too.
 
     mesh: a file of tetrahedra or hexahedra [m] with named surfaces, its own coordinates, z up.
     ceiling: the surface of the mesh that moves, or part of which does.
-    walls: what surfaces of the mesh take up, or how they yield; the others are rigid. Those of a room with a size are
-    x0, x1, y0, y1, floor and ceiling; it is then cut into cells, six to a wave at `modes: {up_to: }`.
-    modes: of a meshed room; as far as its cells carry sound when left out.
-    at: where the surface's centre is in the ceiling, from the room's corner or in the mesh; the middle when left out.
-    coupling: one-way, the air does not push back, or two-way.
-    animate: a frequency, `pulse`, or several, of which a moving picture is made.
-    levels: standards by which what is heard of a standard source is stated: ISO 16283-2 and ISO 717-2, or JIS A 1419-2
-    and KS F 2863-2.
+    walls: absorption or compliance of surfaces of the mesh; the others are rigid. Walls of a room with a size are
+    x0, x1, y0, y1, floor and ceiling; it is then meshed with six cells a wavelength at `modes: {up_to: }`.
+    modes: of a meshed room; by default up to the frequency that its mesh allows.
+    at: centre of the surface in the ceiling, from the room's corner or in the mesh; by default the middle.
+    coupling: one-way (the air does not react on the structure) or two-way.
+    animate: a frequency, `pulse`, or a list of these: a moving picture of each.
+    levels: standards for the levels of a standard source: ISO 16283-2 and ISO 717-2, or JIS A 1419-2 and KS F 2863-2.
     directivity: frequencies at which it is drawn where open air sends its sound, the loudest when left out.
     """
 

@@ -113,10 +113,10 @@ class BlowsSpec(Spec):
 class BodySpec(Spec):
     """A point mass beside a place or another body, at rest, dropped or thrown; or a standard source above a place.
 
-    A source brings its mass, drop height and contact law, the hammers of a tapping machine their turns in place of a
-    law: they are filled in before the keys are read.
-    radius: of a rigid sphere that moves as the body does; it is heard itself in the half space on its side, and touches
-    with this radius where a hertz law has none of its own.
+    A source has its own mass, drop height and contact law; the hammers of a tapping machine have their turns in place
+    of a law.
+    radius: of a rigid sphere that moves with the body. Its own sound is computed in the half space on its side, and a
+    hertz law without a radius uses this one.
     """
 
     one_of = (SIDES,)
@@ -187,8 +187,8 @@ class HalfSineSpec(Spec):
 
 
 class WalkingSpec(Spec):
-    """Somebody who walks: mass, steps a second, how many, and amplitudes of the force's harmonics over the weight,
-    those of CCIP-016 for this pace if left out."""
+    """A walking person: mass, steps per second, number of steps, and amplitudes of the harmonics of the force over the
+    weight, by default those of CCIP-016 for this pace."""
 
     mass: MassKg
     pace: Frequency
@@ -210,8 +210,8 @@ def _along(value: object) -> object:
 
 
 class LoadSpec(Spec):
-    """A force history on a point's direction or a body, or a pressure history on a surface; maybe several times. Or
-    somebody who walks along places. A force is positive along its direction: downwards it is negative. A file has two
+    """A force history on a point's direction or a body, or a pressure history on a surface; once or repeated. Or a
+    person who walks along places. A force is positive along its direction: downwards it is negative. A file has two
     columns, time and value, separated by a comma; what comes before t = 0 is left out."""
 
     one_of = (("at", "body", "on", "along"), ("half_sine", "file", "walking"))
