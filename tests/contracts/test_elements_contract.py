@@ -6,6 +6,8 @@ import pytest
 from femstruct.elements import frame, placement, plate
 from femstruct.elements.quadrature import gauss_interval
 
+ROUNDING = 1e-13  # rounding: 5e-16 here at most
+
 CELLS = [(1.0, 1.0), (0.4, 0.1), (0.03, 0.11)]  # square, stretched along x, stretched along y
 FRAME = {"E": 210e9, "G": 80e9, "A": 3e-4, "Iy": 2e-8, "Iz": 5e-8, "J": 4e-8, "ky": 0.8, "kz": 0.6}
 ISOTROPIC = plate.rigidity(2.1e11, 0.3, 0.002)
@@ -106,9 +108,10 @@ class TestPlate:
             if kind == "hermite12":
                 D[2, 2] *= 1 + plate.twist_excess(b / a, 0.3)
             energy = u @ plate.stiffness(kind, [a], [b], ISOTROPIC)[0] @ u
-            assert energy == pytest.approx(a * b * curvature @ D @ curvature, rel=1e-12)
+            assert energy == pytest.approx(a * b * curvature @ D @ curvature, rel=1e-12)  # rounding: 5e-14 here
             if kind != "hermite12":
                 got = plate.moments(kind, [a], [b], [0.3], [0.9], ISOTROPIC)[0] @ u
+                # rounding: 4e-15 here
                 np.testing.assert_allclose(got, -ISOTROPIC @ curvature, rtol=0, atol=1e-12 * np.abs(got).max())
 
     def test_pure_twist(self, kind, a, b):
@@ -116,7 +119,7 @@ class TestPlate:
         u = nodal(kind, x * y, y, x, np.ones(4))
         ratio = u @ plate.stiffness(kind, [a], [b], ISOTROPIC)[0] @ u / (4 * a * b * ISOTROPIC[2, 2])
         excess = float(plate.twist_excess(b / a, 0.3)) if kind == "hermite12" else 0.0
-        assert ratio == pytest.approx(1 + excess, rel=1e-12)
+        assert ratio == pytest.approx(1 + excess, rel=1e-12)  # rounding: 9e-15 here
 
     def test_the_moments_do_the_work_the_stiffness_stores(self, kind, a, b):
         """One constitutive matrix: u K u equals the integral of moments times curvatures."""
@@ -127,19 +130,20 @@ class TestPlate:
         curvatures = -np.linalg.solve(D, moments)
         work = -np.einsum("g,gki,gkj->ij", weights * full * a * b, curvatures, moments)
         K = plate.stiffness(kind, [a], [b], D)[0]
-        assert np.abs(work - K).max() <= 1e-12 * np.abs(K).max()
+        assert np.abs(work - K).max() <= 1e-12 * np.abs(K).max()  # rounding: 1e-15 here
 
     def test_mass_equals_the_integral_of_its_own_rows(self, kind, a, b):
         xi, eta, weights = gauss_square()
         w = plate.interpolate(kind, np.full(16, a), np.full(16, b), xi, eta)[:, 0]
         M = plate.mass(kind, [a], [b], 3.0)[0]
+        # rounding: 5e-16 here
         assert np.abs(w.T @ (3.0 * a * b * weights[:, None] * w) - M).max() <= 1e-14 * np.abs(M).max()
 
     def test_rows_at_the_corners_are_the_dofs(self, kind, a, b):
         xi, eta = np.array(plate.CORNERS, dtype=float).T
         per_node = plate.dofs_per_node(kind)
         rows = plate.interpolate(kind, np.full(4, a), np.full(4, b), xi, eta)[:, :per_node]
-        np.testing.assert_allclose(rows.reshape(4 * per_node, -1), np.eye(4 * per_node), atol=1e-13 / min(a, b))
+        np.testing.assert_allclose(rows.reshape(4 * per_node, -1), np.eye(4 * per_node), atol=ROUNDING / min(a, b))
 
     def test_turning_and_mirroring_the_cell_changes_nothing(self, kind, a, b):
         per_node = plate.dofs_per_node(kind)
@@ -152,6 +156,7 @@ class TestPlate:
                 sign = np.tile(signs[:per_node], 4)
                 for matrix in (K, M):
                     turned = np.outer(sign, sign) * matrix[np.ix_(dofs, dofs)]
+                    # rounding: none here
                     np.testing.assert_allclose(turned, matrix, rtol=0, atol=1e-14 * np.abs(matrix).max())
 
     def test_exchanging_x_and_y(self, kind, a, b):
@@ -165,6 +170,7 @@ class TestPlate:
                 turn[new * per_node + row, old * per_node + column] = sign
         other = plate.stiffness(kind, [b], [a], D[[1, 0, 2]][:, [1, 0, 2]])[0]
         K = plate.stiffness(kind, [a], [b], D)[0]
+        # rounding: 2e-16 here
         np.testing.assert_allclose(turn.T @ other @ turn, K, rtol=0, atol=1e-14 * np.abs(K).max())
 
     def test_scaling_laws(self, kind, a, b):
@@ -173,6 +179,7 @@ class TestPlate:
             changed = plate.stiffness(kind, [a * size], [b * size], plate.rigidity(E, 0.25, t))[0]
             length = np.tile(np.array([1, 1 / size, 1 / size, 1 / size**2])[: plate.dofs_per_node(kind)], 4)
             expected = np.outer(1 / length, 1 / length) * K * (E / 7) * (t / 0.1) ** 3 / size**2
+            # rounding: 4e-16 here
             np.testing.assert_allclose(changed, expected, rtol=0, atol=1e-14 * np.abs(expected).max())
 
 
@@ -182,7 +189,9 @@ def test_a_batch_is_its_cells_one_by_one(kind):
     D = np.array([ISOTROPIC, 2 * ISOTROPIC, np.diag([1.0, 2.0, 3.0])])
     K, M = plate.stiffness(kind, a, b, D), plate.mass(kind, a, b, [1.0, 2.0, 3.0])
     for n in range(3):
+        # rounding: 3e-14 here
         assert K[n] == pytest.approx(plate.stiffness(kind, a[n], b[n], D[n])[0], rel=1e-14, abs=1e-12)
+        # rounding: none here
         assert M[n] == pytest.approx(plate.mass(kind, a[n], b[n], n + 1.0)[0], rel=1e-14, abs=1e-18)
 
 
@@ -207,21 +216,21 @@ class TestFrame:
         K = frame_stiffness(kind)
         scale = 1 / np.sqrt(K.diagonal())
         values = np.linalg.eigvalsh(K * np.outer(scale, scale))
-        assert (np.abs(values) < 1e-13).sum() == 6
+        assert (np.abs(values) < 1e-13).sum() == 6  # rounding; the seventh is asked for below
         assert values[6] > (1e-2 if len(K) == 12 else 1e-4)  # with a node more, bending is softer beside shear
-        assert np.abs(K @ frame_rigid(kind).T).max() <= 1e-13 * np.abs(K).max()
+        assert np.abs(K @ frame_rigid(kind).T).max() <= ROUNDING * np.abs(K).max()
 
     def test_mass_and_rotary_sums_are_exact(self, kind):
         length, rho = 0.7, 7800.0
         sums = frame_rigid(kind) @ frame_mass(kind) @ frame_rigid(kind).T
         mass = rho * FRAME["A"] * length
-        np.testing.assert_allclose(sums.diagonal()[:3], mass, rtol=1e-14)
-        assert sums[1, 5] == pytest.approx(mass * length / 2, rel=1e-13)
-        assert sums[3, 3] == pytest.approx(rho * (FRAME["Iy"] + FRAME["Iz"]) * length, rel=1e-14)
+        np.testing.assert_allclose(sums.diagonal()[:3], mass, rtol=1e-14)  # rounding: 1e-16 here
+        assert sums[1, 5] == pytest.approx(mass * length / 2, rel=ROUNDING)
+        assert sums[3, 3] == pytest.approx(rho * (FRAME["Iy"] + FRAME["Iz"]) * length, rel=1e-14)  # rounding: none here
         rotary = kind != "euler"
         for k, inertia in ((4, "Iy"), (5, "Iz")):
             exact = mass * length**2 / 3 + rotary * rho * FRAME[inertia] * length
-            assert sums[k, k] == pytest.approx(exact, rel=1e-13)
+            assert sums[k, k] == pytest.approx(exact, rel=ROUNDING)
         assert np.linalg.eigvalsh(frame_mass(kind)).min() > 0
 
     def test_energy_of_constant_strain(self, kind):
@@ -229,12 +238,12 @@ class TestFrame:
         length, K = 0.7, frame_stiffness(kind)
         for component, rigidity in (("u", FRAME["E"] * FRAME["A"]), ("rx", FRAME["G"] * FRAME["J"])):
             u = frame_motion(kind, **{component: lambda s: length * s})
-            assert u @ K @ u == pytest.approx(rigidity * length, rel=1e-13)
+            assert u @ K @ u == pytest.approx(rigidity * length, rel=ROUNDING)
         for move, turn, sign, inertia in (("v", "rz", 1, "Iz"), ("w", "ry", -1, "Iy")):
             u = frame_motion(
                 kind, **{move: lambda s: (length * s) ** 2 / 2, turn: lambda s, way=sign: way * length * s}
             )
-            assert u @ K @ u == pytest.approx(FRAME["E"] * FRAME[inertia] * length, rel=1e-12)
+            assert u @ K @ u == pytest.approx(FRAME["E"] * FRAME[inertia] * length, rel=1e-12)  # rounding: 2e-13 here
 
     def test_exchanging_the_ends(self, kind):
         """A half turn about local z: x and y change sign, for shifts and rotations alike."""
@@ -243,7 +252,7 @@ class TestFrame:
         sign = np.tile([-1.0, -1.0, 1.0], 2 * nodes)
         for matrix in (frame_stiffness(kind), frame_mass(kind)):
             turned = np.outer(sign, sign) * matrix[np.ix_(ends, ends)]
-            np.testing.assert_allclose(turned, matrix, rtol=0, atol=1e-14 * np.abs(matrix).max())
+            np.testing.assert_allclose(turned, matrix, rtol=0, atol=1e-14 * np.abs(matrix).max())  # rounding: none here
 
     def test_exchanging_y_and_z(self, kind):
         """A quarter turn about local x: y' = z, z' = -y."""
@@ -251,6 +260,7 @@ class TestFrame:
         swapped = {"Iy": FRAME["Iz"], "Iz": FRAME["Iy"], "ky": FRAME["kz"], "kz": FRAME["ky"]}
         for of in (frame_stiffness, frame_mass):
             turned = placement.to_global(of(kind, **swapped)[None], quarter)[0]
+            # rounding: none here
             np.testing.assert_allclose(turned, of(kind), rtol=0, atol=1e-14 * np.abs(turned).max())
 
     def test_scaling_laws(self, kind):
@@ -259,11 +269,11 @@ class TestFrame:
         scaled = {"A": FRAME["A"] * s**2, **{name: FRAME[name] * s**4 for name in ("Iy", "Iz", "J")}}
         scale = np.tile(np.repeat([1.0, s], 3), frame.nodes_per_bar(kind))
         doubled = frame_stiffness(kind, E=2 * FRAME["E"], G=2 * FRAME["G"])
-        np.testing.assert_allclose(doubled, 2 * frame_stiffness(kind), rtol=1e-14)
+        np.testing.assert_allclose(doubled, 2 * frame_stiffness(kind), rtol=1e-14)  # rounding: none here
         expected = s * np.outer(scale, scale) * frame_stiffness(kind)
-        np.testing.assert_allclose(frame_stiffness(kind, 0.7 * s, **scaled), expected, rtol=1e-13)
+        np.testing.assert_allclose(frame_stiffness(kind, 0.7 * s, **scaled), expected, rtol=ROUNDING)
         expected = s**3 * np.outer(scale, scale) * frame_mass(kind)
-        np.testing.assert_allclose(frame_mass(kind, 0.7 * s, **scaled), expected, rtol=1e-13)
+        np.testing.assert_allclose(frame_mass(kind, 0.7 * s, **scaled), expected, rtol=ROUNDING)
 
     def test_mass_equals_the_integral_of_its_own_rows(self, kind):
         xi, weights = gauss_interval(4)
@@ -272,12 +282,13 @@ class TestFrame:
         bending = [0.0, 0.0] if kind == "euler" else [FRAME["Iy"], FRAME["Iz"]]
         inertia = 7800 * np.array([FRAME["A"], FRAME["A"], FRAME["A"], polar, *bending])
         M = np.einsum("gci,c,gcj->ij", 0.7 * weights[:, None, None] * rows, inertia, rows)
+        # rounding: 2e-15 here
         np.testing.assert_allclose(M, frame_mass(kind), rtol=1e-12, atol=1e-14 * np.abs(M).max())
 
     def test_rows_at_the_nodes_are_the_dofs(self, kind):
         count = 6 * frame.nodes_per_bar(kind)
         rows = frame_rows(kind, frame_places(kind)).reshape(count, count)
-        np.testing.assert_allclose(rows, np.eye(count), atol=1e-15)
+        np.testing.assert_allclose(rows, np.eye(count), atol=1e-15)  # rounding: none here
 
 
 @pytest.mark.parametrize("kind", ["euler", "timoshenko"])
@@ -289,20 +300,20 @@ def test_rows_equal_the_static_shape_of_a_refined_member(kind):
     K[6:, 6:] += second
     ends, middle = np.r_[0:6, 12:18], np.r_[6:12]
     inner = -np.linalg.solve(K[np.ix_(middle, middle)], K[np.ix_(middle, ends)])
-    np.testing.assert_allclose(frame_rows(kind, [0.3])[0], inner, atol=1e-12)
+    np.testing.assert_allclose(frame_rows(kind, [0.3])[0], inner, atol=ROUNDING)
     condensed = K[np.ix_(ends, ends)] + K[np.ix_(ends, middle)] @ inner
-    np.testing.assert_allclose(condensed, frame_stiffness(kind), atol=1e-12 * np.abs(K).max())
+    np.testing.assert_allclose(condensed, frame_stiffness(kind), atol=ROUNDING * np.abs(K).max())
 
 
 def test_a_bar_of_three_nodes_without_load_on_the_middle_one_is_that_of_two():
     """The bar of two nodes is exact for loads at its ends, and was derived in another way."""
     K, exact = frame_stiffness("timoshenko18"), frame_stiffness("timoshenko")
     inner = -np.linalg.solve(K[12:, 12:], K[12:, :12])
-    np.testing.assert_allclose(K[:12, :12] + K[:12, 12:] @ inner, exact, atol=1e-12 * np.abs(K).max())
+    np.testing.assert_allclose(K[:12, :12] + K[:12, 12:] @ inner, exact, atol=ROUNDING * np.abs(K).max())
     for place in (0.1, 0.3, 0.5, 0.8):
         rows = frame_rows("timoshenko18", [place])[0]
         np.testing.assert_allclose(
-            rows[:, :12] + rows[:, 12:] @ inner, frame_rows("timoshenko", [place])[0], atol=1e-12
+            rows[:, :12] + rows[:, 12:] @ inner, frame_rows("timoshenko", [place])[0], atol=ROUNDING
         )
 
 
@@ -318,7 +329,7 @@ def test_rows_of_a_bar_of_three_nodes_from_their_definition():
     values = np.concatenate([[deflection[:, n], rotation[:, n]] for n in nodes])
     unknowns = np.linalg.inv(values)  # from w0 theta0 w1 theta1 wm thetam
     rows = frame_rows("timoshenko18", s, length)
-    np.testing.assert_allclose(rows[:, 1][:, [1, 5, 7, 11, 13, 17]], deflection.T @ unknowns, atol=1e-13)
-    np.testing.assert_allclose(rows[:, 5][:, [1, 5, 7, 11, 13, 17]], rotation.T @ unknowns, atol=1e-13)
+    np.testing.assert_allclose(rows[:, 1][:, [1, 5, 7, 11, 13, 17]], deflection.T @ unknowns, atol=ROUNDING)
+    np.testing.assert_allclose(rows[:, 5][:, [1, 5, 7, 11, 13, 17]], rotation.T @ unknowns, atol=ROUNDING)
     sign = np.array([1, -1] * 3)  # RY = -dw/dx
-    np.testing.assert_allclose(rows[:, 2][:, [2, 4, 8, 10, 14, 16]], deflection.T @ unknowns * sign, atol=1e-13)
+    np.testing.assert_allclose(rows[:, 2][:, [2, 4, 8, 10, 14, 16]], deflection.T @ unknowns * sign, atol=ROUNDING)

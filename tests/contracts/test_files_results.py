@@ -219,7 +219,8 @@ def test_losses_are_booked_apart(result, path):
             assert (
                 lost["until_now"].shape == (len(lost["place"]), len(ledger.t)) and lost["time"].shape == ledger.t.shape
             )
-            assert lost["until_now"][:].sum(axis=0) == pytest.approx(ledger.dissipated, rel=1e-12)
+            # rounding: none here
+            assert lost["until_now"][:].sum(axis=0) == pytest.approx(ledger.dissipated, rel=1e-13)
 
 
 def test_no_response_no_room_no_frf(result, tmp_path):

@@ -50,6 +50,7 @@ def test_a_part_with_cells_and_springs_of_one_name_keeps_both() -> None:
     both = assemble(model)
     added = (both.part_stiffness["plate"] - alone.part_stiffness["plate"]).toarray()
     assert np.trace(added) == pytest.approx(1e5, rel=1e-9)  # one deflection: a shift in its plane is none
+    # rounding: none here
     assert part_masses(model)["plate"] == pytest.approx(0.5 * 0.4 * 0.003 * 7850.0 + 1.0, rel=1e-14)
     assert both.total_mass == part_masses(model)["plate"]
 

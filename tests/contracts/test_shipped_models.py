@@ -116,7 +116,7 @@ def test_degenerate_pairs(square: Structure) -> None:
     exact = np.sort([unit * (m * m + n * n) for m in range(1, 12) for n in range(1, 12)])
     exact = exact[exact < 450.0]
     assert found == pytest.approx(exact, rel=4e-3)  # bfs16 with two cells to a half wave and more: 4th order
-    pairs = np.isclose(exact[1:], exact[:-1], rtol=1e-9)
+    pairs = np.isclose(exact[1:], exact[:-1], rtol=1e-9)  # equal ones, by symmetry
     assert pairs.sum() >= 8
     assert np.abs(found[1:] / found[:-1] - 1)[pairs].max() < 1e-7  # their gap is rounding and the eigensolver's 1e-9
 
@@ -125,8 +125,8 @@ def test_degenerate_pairs(square: Structure) -> None:
 def test_total_mass_is_that_of_the_parts(name: str) -> None:
     model = mesh_structure(STRUCTURES[name])
     assembly = assemble(model)
-    assert part_masses(model) == pytest.approx(MASS[name], rel=1e-9)
-    assert assembly.total_mass == pytest.approx(sum(MASS[name].values()), rel=1e-9)
+    assert part_masses(model) == pytest.approx(MASS[name], rel=1e-13)  # rounding: 2e-16 here
+    assert assembly.total_mass == pytest.approx(sum(MASS[name].values()), rel=1e-13)  # rounding: 2e-16 here
     if name == "floor_frame_slab":  # free to move as a whole: M itself gives the mass, along every axis
         uniform = splu(assembly.M).solve(assembly.momentum.T)
         # 1e-8: the conditioning of M, with its rotations
@@ -143,7 +143,7 @@ def test_studies_run_with_closed_ledgers(path: Path) -> None:
     severe = SEVERE.get(name, set())
     for name, case in result.cases.items():
         assert case.response is not None, name
-        assert case.response.ledger.residual <= 1e-8, name
+        assert case.response.ledger.residual <= 1e-8, name  # what the steps leave open: 4e-10 here
         assert {finding.code for finding in case.findings if finding.severe} == severe, name
         for channel in case.channels.values():
             assert np.isfinite(channel.values).all(), (name, channel.name)
