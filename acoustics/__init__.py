@@ -28,23 +28,26 @@ from typing import TYPE_CHECKING, Any
 
 from acoustics.air import Air
 from acoustics.errors import AcousticsError, Advice
-from acoustics.rooms.box import (
+from acoustics.losses import (
     Losses,
-    Receiver,
-    Room,
-    air_stiffness_ratio,
     losses_from_beta,
     losses_from_loss_factor,
     losses_from_t60,
     losses_from_t60_bands,
     modal_damping_ratio,
-    room_modes,
     t60_of,
 )
-from acoustics.rooms.box_pressure import RoomResponse, pressure
-from acoustics.source import SurfaceVelocity
+from acoustics.receivers import Receiver
+from acoustics.room_response import RoomResponse
+from acoustics.rooms.box import room_modes
+from acoustics.rooms.box_pressure import pressure
+from acoustics.source import SurfaceShapes, SurfaceVelocity, SurfaceVibration
 
 if TYPE_CHECKING:
+    from acoustics.fields.half_space import HalfSpace
+    from acoustics.fields.rectangular import Room
+    from acoustics.fields.shaped import ShapedRoom
+    from acoustics.fields.sound_field import SoundField, air_stiffness_ratio
     from acoustics.levels.bands import octave_bands, third_octave_bands
     from acoustics.levels.decay import reverberation_time
     from acoustics.levels.exposure import force_exposure_levels
@@ -72,10 +75,8 @@ if TYPE_CHECKING:
     from acoustics.meshed.cavity_mesh import CavityMesh, box_mesh
     from acoustics.meshed.finite_elements import CavityModes, cavity_modes
     from acoustics.meshed.meshed_pressure import cavity_pressure
-    from acoustics.meshed.meshed_room import ShapedRoom
     from acoustics.meshed.walls import Wall, YieldingWall, absorbing
     from acoustics.open_air.directivity import Directivity, radiation_pattern
-    from acoustics.open_air.half_space import HalfSpace
     from acoustics.open_air.radiated_power import (
         radiated_power,
         radiation_efficiency,
@@ -88,12 +89,15 @@ if TYPE_CHECKING:
 
 # What needs scipy.signal, scipy.linalg or scikit-fem is slow to import: it is fetched when first asked for (PEP 562).
 _FETCHED = {
+    "acoustics.fields.half_space": ("HalfSpace",),
+    "acoustics.fields.rectangular": ("Room",),
+    "acoustics.fields.shaped": ("ShapedRoom",),
+    "acoustics.fields.sound_field": ("SoundField", "air_stiffness_ratio"),
     "acoustics.meshed.meshed_pressure": ("cavity_pressure",),
     "acoustics.levels.decay": ("reverberation_time",),
     "acoustics.open_air.directivity": ("Directivity", "radiation_pattern"),
     "acoustics.levels.exposure": ("force_exposure_levels",),
     "acoustics.meshed.finite_elements": ("CavityModes", "cavity_modes"),
-    "acoustics.open_air.half_space": ("HalfSpace",),
     "acoustics.levels.jis_ks": ("ImpactGrade", "InverseALevel", "impact_grade", "inverse_a_level"),
     "acoustics.open_air.radiated_power": (
         "radiated_power",
@@ -103,7 +107,6 @@ _FETCHED = {
     ),
     "acoustics.rooms.pressure_maps": ("PressureMap", "pressure_map"),
     "acoustics.meshed.cavity_mesh": ("CavityMesh", "box_mesh"),
-    "acoustics.meshed.meshed_room": ("ShapedRoom",),
     "acoustics.open_air.sphere": ("Sphere", "sphere_pressures"),
     "acoustics.meshed.walls": ("Wall", "YieldingWall", "absorbing"),
     "acoustics.levels.bands": ("octave_bands", "third_octave_bands"),
@@ -151,8 +154,11 @@ __all__ = [
     "RoomResponse",
     "ShapedRoom",
     "SoundEnergy",
+    "SoundField",
     "Sphere",
+    "SurfaceShapes",
     "SurfaceVelocity",
+    "SurfaceVibration",
     "Wall",
     "YieldingWall",
     "absorbing",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,6 +12,7 @@ from acoustics.errors import AcousticsError
 Floats = NDArray[np.float64]
 Complexes = NDArray[np.complex128]
 Integers = NDArray[np.int64]
+Array = TypeVar("Array", Floats, Complexes)
 
 
 def frozen(name: str, values: ArrayLike, shape: tuple[int | None, ...], *, blanks: bool = False) -> Floats:
@@ -26,7 +27,15 @@ def frozen(name: str, values: ArrayLike, shape: tuple[int | None, ...], *, blank
     >>> frozen("size", [1, 2], (2,)).flags.writeable
     False
     """
-    array = np.asarray(values, dtype=np.float64)
+    return _frozen(name, np.asarray(values, dtype=np.float64), shape, blanks)
+
+
+def frozen_complex(name: str, values: ArrayLike, shape: tuple[int | None, ...]) -> Complexes:
+    """Read-only complex128 array of `values`, as `frozen`."""
+    return _frozen(name, np.asarray(values, dtype=np.complex128), shape)
+
+
+def _frozen(name: str, array: Array, shape: tuple[int | None, ...], blanks: bool = False) -> Array:
     if len(array.shape) != len(shape) or any(e is not None and g != e for g, e in zip(array.shape, shape, strict=True)):
         raise AcousticsError(name, got=f"shape {array.shape}", expected=f"shape {shape}".replace("None", "any"))
     if not (np.isfinite(array) | (blanks & np.isnan(array))).all():
@@ -37,7 +46,7 @@ def frozen(name: str, values: ArrayLike, shape: tuple[int | None, ...], *, blank
     return array
 
 
-def _sealed(array: Floats) -> bool:
+def _sealed(array: Floats | Complexes) -> bool:
     """Whether neither the array nor any array it is a view of can be written to."""
     base: object = array
     while isinstance(base, np.ndarray):

@@ -8,7 +8,7 @@ import numpy as np
 
 from acoustics.arrays import Floats
 from acoustics.levels.bands import THIRD_EDGE, Fraction, band_edges
-from acoustics.rooms.box_pressure import RoomResponse
+from acoustics.room_response import RoomResponse
 from acoustics.rooms.continuation import extended, fast_length
 
 

@@ -13,10 +13,11 @@ import numpy as np
 
 from acoustics.arrays import Floats, freeze, frozen
 from acoustics.errors import AcousticsError
+from acoustics.fields.sound_field import SoundField
 from acoustics.levels.bands import octave_bands
 from acoustics.levels.iso import energy_average
 from acoustics.levels.methods import FIELD, RATING, Blows, Method, Number, SingleNumber, method_of, single_number
-from acoustics.rooms.box import Enclosed, t60_of
+from acoustics.losses import t60_of
 
 _OCTAVES: Final = frozenset(octave_bands(1e6))  # nominal centres [Hz] of all that is heard
 
@@ -161,7 +162,7 @@ class RatedRoom:
 
 def rate_room(
     levels_db: Sequence[Sequence[Mapping[float, float]]],
-    room: Enclosed,
+    room: SoundField,
     standards: Sequence[str] = (FIELD, RATING),
     blows: Blows = "heavy",
 ) -> RatedRoom:

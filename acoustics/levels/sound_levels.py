@@ -18,7 +18,7 @@ from acoustics.errors import AcousticsError, Advice
 from acoustics.levels.bands import Fraction, octave_bands, ringing_time, third_octave_bands
 from acoustics.levels.filters import band_passes
 from acoustics.levels.weighting import FrequencyWeighting, TimeWeighting, time_weighted, weighted, weighted_by
-from acoustics.rooms.box_pressure import RoomResponse
+from acoustics.room_response import RoomResponse
 
 REFERENCE_PA: Final = 20e-6
 _SILENCE: Final = 1e-30  # Pa^2, -205 dB: the level of nothing is a number

@@ -51,3 +51,28 @@ def coupled_walls(coupled: float) -> Advice:
         "The absorption depends on frequency, so each mode is damped separately, which is then a rough approximation",
         {"coupling": coupled, "allowed": COUPLED},
     )
+
+
+def two_way_absorption(
+    modes: CavityModes, walls: Mapping[str, AnyWall], air: Air, first_hz: float
+) -> tuple[Advice, ...]:
+    """Advice where walls take up more than the damping of each mode by itself, which is what two-way coupling has.
+
+    first_hz : the lowest mode of structure and air, 0 for none [Hz].
+    """
+    taken = absorbed(modes, walls, air)
+    coupled = coupling(modes, taken, air)
+    rate = air.c * float(taken[0, 0])  # at which walls let go of uniform pressure [1/s]
+    lost = rate / (2 * np.pi * first_hz) if first_hz else 0.0
+    if coupled <= COUPLED and lost <= COUPLED:
+        return ()
+    return (
+        Advice(
+            "two-way-absorption",
+            f"The walls couple two room modes by {coupled:.2g} of the distance of their frequencies, and would absorb "
+            f"uniform pressure with a loss factor of {lost:.2g} at the first mode, {first_hz:.4g} Hz. "
+            f"Above {COUPLED:g}, two-way coupling is a rough approximation: its walls damp each room mode separately "
+            "and do not damp uniform pressure. One-way coupling includes both, but not the reaction of the air",
+            {"coupling": coupled, "uniform_loss_factor": lost, "allowed": COUPLED},
+        ),
+    )

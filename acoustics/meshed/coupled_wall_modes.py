@@ -9,9 +9,9 @@ from scipy.linalg import eig
 
 from acoustics.air import Air
 from acoustics.arrays import Complexes, Floats
+from acoustics.losses import Losses
 from acoustics.meshed.finite_elements import CavityModes
 from acoustics.meshed.yielding_walls import WallMotion
-from acoustics.rooms.box import Losses
 
 Answer = tuple[Floats | Complexes, Floats | Complexes, Callable[[Complexes], Complexes]]
 

@@ -18,6 +18,7 @@ from scipy.sparse.linalg import LinearOperator, eigsh, splu
 from acoustics.arrays import Floats, freeze, frozen, positive
 from acoustics.errors import AcousticsError
 from acoustics.meshed.cavity_mesh import EXACT, CavityMesh
+from acoustics.source import SurfaceShapes
 
 _SHRINK: Final = 1e-7  # share of the way to its cell's middle that a point is moved, so that it is inside
 OFF_WALL: Final = 1e-3  # distance from the boundary over the cell size at which a point is no longer on it
@@ -97,10 +98,8 @@ def cavity_modes(mesh: CavityMesh, up_to: float) -> CavityModes:
     return CavityModes(mesh, np.sqrt(squared[:wanted]), shapes[:, :wanted], np.sqrt(limit), shift, factor)
 
 
-def drive(modes: CavityModes, points: Floats, weights: Floats, shapes: Floats) -> Floats:
+def drive(modes: CavityModes, surface: SurfaceShapes) -> Floats:
     """Integrals over the moving boundary of a unit source at each node times the structure's shapes [dofs, k].
-
-    points [p, 3], weights [p], shapes [p, k] : quadrature of the moving surface, normal displacement into the room.
 
     Notes
     -----
@@ -109,6 +108,7 @@ def drive(modes: CavityModes, points: Floats, weights: Floats, shapes: Floats) -
 
     Raises AcousticsError: a point that is not on the boundary.
     """
+    points = surface.points
     away, reach = off_boundary(modes.mesh, points)
     if away.max() > OFF_WALL * reach:
         raise AcousticsError(
@@ -116,7 +116,7 @@ def drive(modes: CavityModes, points: Floats, weights: Floats, shapes: Floats) -
             got=f"{points[away.argmax()].tolist()} m",
             expected="a point on the boundary of the cavity",
         )
-    loads: Floats = probe(modes.mesh, points).T @ (weights[:, None] * shapes)
+    loads: Floats = probe(modes.mesh, points).T @ (surface.weights[:, None] * surface.shapes)
     return loads
 
 

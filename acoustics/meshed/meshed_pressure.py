@@ -11,17 +11,17 @@ import numpy as np
 from acoustics.air import Air
 from acoustics.arrays import Complexes, Floats
 from acoustics.errors import AcousticsError, Advice
+from acoustics.losses import Losses
 from acoustics.meshed.absorbing_walls import COUPLED, absorbed, coupled_walls, coupling
 from acoustics.meshed.coupled_wall_modes import Answer, complex_modes
 from acoustics.meshed.finite_elements import CELLS_PER_WAVE, CavityModes, drive, probe, wall_forces, with_answers
-from acoustics.meshed.meshed_room import ShapedRoom
 from acoustics.meshed.walls import AnyWall, Wall
 from acoustics.meshed.yielding_walls import wall_motion
-from acoustics.rooms.box import Losses, Receiver, positions
-from acoustics.rooms.box_pressure import RoomResponse
+from acoustics.receivers import Receiver, positions
+from acoustics.room_response import RoomResponse
 from acoustics.rooms.box_transfer import wavenumber_squared
 from acoustics.rooms.continuation import extended, source_bandwidth, transform_axis
-from acoustics.source import SurfaceVelocity, alike
+from acoustics.source import SurfaceShapes, SurfaceVelocity, SurfaceVibration, alike
 
 _BATCH: Final = 1 << 23  # complex numbers of one batch
 
@@ -90,7 +90,7 @@ def cavity_pressures(
         raise AcousticsError("losses", got="kind source", expected="a causal kind", do="use form: causal")
     alike(surfaces)
     first = surfaces[0]
-    way = _way(modes, air, losses, walls or {}, first.points, first.weights, first.shapes, positions(receivers))
+    way = _way(modes, air, losses, walls or {}, first, positions(receivers))
     nt = first.rates.shape[1]
     s, weight = transform_axis(nt, first.dt)
     found = []
@@ -104,47 +104,26 @@ def cavity_pressures(
 
 
 def harmonic_cavity_pressure(
-    room: ShapedRoom,
-    points: Floats,
-    weights: Floats,
-    shapes: Floats,
-    rates: Complexes,
-    frequency_hz: Floats,
+    surface: SurfaceVibration,
+    modes: CavityModes,
+    air: Air,
+    losses: Losses,
     receivers: Sequence[Receiver],
+    walls: Mapping[str, AnyWall] | None = None,
 ) -> tuple[Complexes, tuple[Advice, ...]]:
-    """Complex pressure [n_receivers, nf] [Pa] in a room of any shape whose ceiling moves with exp(+j omega t).
+    """Complex pressure [n_receivers, nf] [Pa] of a room of any shape, part of whose boundary vibrates, and advice.
 
-    The rest as `acoustics.rooms.box_harmonic.harmonic_pressure`, with the modes of the room and their answers at rest.
+    The rest as `cavity_pressure`, with the modes of the room and their answers at rest; losses of any kind.
 
-    Raises AcousticsError: a frequency not above 0, a room without losses at a resonance, and as `cavity_pressure`.
+    Raises AcousticsError: a room without losses at a resonance, and as `cavity_pressure`.
     """
-    if not (frequency_hz > 0).all():
-        raise AcousticsError("frequency", got=f"{frequency_hz.min():g} Hz", expected="frequencies above 0")
-    way = _way(room.modes, room.air, room.losses, room.walls, points, weights, shapes, positions(receivers))
+    hz = surface.frequency_hz
+    way = _way(modes, air, losses, walls or {}, surface, positions(receivers))
     with np.errstate(divide="ignore", invalid="ignore"):  # a resonance without losses is refused just below
-        p = way.heard(np.asarray(2j * np.pi * frequency_hz), way.driving @ rates)
+        p = way.heard(np.asarray(2j * np.pi * hz), way.driving @ surface.rates)
     if not np.isfinite(p).all():
         raise AcousticsError("frequency", got="a resonance of a room without losses", expected="losses")
-    highest_hz = float(frequency_hz.max())
-    return p, (*_limits(highest_hz, room.modes, room.air), *way.advice)
-
-
-def cavity_spectrum(surface: SurfaceVelocity, room: ShapedRoom, frequency_hz: Floats, places: Floats) -> Complexes:
-    """Fourier transform of the pressure [nf, r] [Pa/Hz] at places [r, 3] of a room of any shape.
-
-    As of `acoustics.rooms.pressure_maps.pressure_map`: of the velocity's record times the transfer function at that
-    frequency.
-
-    Raises AcousticsError: a place outside the room, a room without losses at a resonance.
-    """
-    s = np.asarray(2j * np.pi * frequency_hz)
-    way = _way(room.modes, room.air, room.losses, room.walls, surface.points, surface.weights, surface.shapes, places)
-    kernel = surface.dt * np.exp(-np.outer(surface.t, s))
-    with np.errstate(divide="ignore", invalid="ignore"):  # a resonance without losses is refused just below
-        p = way.heard(s, way.driving @ (surface.rates @ kernel)).T
-    if not np.isfinite(p).all():
-        raise AcousticsError("frequency", got="a resonance of a room without losses", expected="losses")
-    return p
+    return p, (*_limits(float(hz.max()), modes, air), *way.advice)
 
 
 @dataclass(frozen=True, eq=False)
@@ -172,13 +151,11 @@ def _way(
     air: Air,
     losses: Losses,
     walls: Mapping[str, AnyWall],
-    points: Floats,
-    weights: Floats,
-    shapes: Floats,
+    surface: SurfaceShapes,
     places: Floats,
 ) -> _Way:
     """The transfer from what moves to places [r, 3], and advice on the walls."""
-    loads = drive(modes, points, weights, shapes)
+    loads = drive(modes, surface)
     listening = probe(modes.mesh, places)
     coupled = coupling(modes, absorbed(modes, walls, air), air)
     resistive = {name: wall for name, wall in walls.items() if isinstance(wall, Wall)}

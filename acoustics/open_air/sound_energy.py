@@ -20,8 +20,8 @@ from acoustics.errors import Advice
 from acoustics.levels.bands import band_edges, third_octave_bands
 from acoustics.levels.ending import shown
 from acoustics.levels.weighting import FrequencyWeighting, frequency_weighting
-from acoustics.open_air.half_space import POINTS_PER_WAVE
 from acoustics.open_air.radiated_power import plane_wave_power, radiated_power
+from acoustics.open_air.rayleigh import POINTS_PER_WAVE
 from acoustics.rooms.continuation import fast_length
 from acoustics.source import SurfaceVelocity
 

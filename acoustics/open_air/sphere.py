@@ -13,10 +13,11 @@ from numpy.polynomial.legendre import legvander
 from acoustics.air import Air
 from acoustics.arrays import Complexes, Floats, freeze, frozen, positive
 from acoustics.errors import AcousticsError, Advice
-from acoustics.open_air.half_space import HalfSpace, in_front
+from acoustics.open_air.baffle import Baffle, in_front
 from acoustics.open_air.multipoles import APART, ORDERS, STEP, outward, strengths
-from acoustics.rooms.box import Receiver
-from acoustics.rooms.box_pressure import NEGLIGIBLE, RoomResponse
+from acoustics.receivers import Receiver
+from acoustics.room_response import RoomResponse
+from acoustics.rooms.box_pressure import NEGLIGIBLE
 from acoustics.rooms.continuation import FADE, PADDING, extended, fast_length
 
 HIGHEST_KA: Final = 24.0  # circumference over the wavelength up to which a sphere is heard
@@ -57,7 +58,7 @@ class Sphere:
         )
 
 
-def sphere_pressures(spheres: Sequence[Sphere], space: HalfSpace, receivers: Sequence[Receiver]) -> RoomResponse:
+def sphere_pressures(spheres: Sequence[Sphere], space: Baffle, receivers: Sequence[Receiver]) -> RoomResponse:
     """Pressure that pushed spheres make in the half space in front of a rigid plane, the sum of what each makes alone.
 
     Returns RoomResponse, the sound's way included; its findings tell of spheres too large for the frequencies they are
@@ -76,7 +77,7 @@ def sphere_pressures(spheres: Sequence[Sphere], space: HalfSpace, receivers: Seq
     >>> t = np.arange(4800) / 48e3
     >>> push = np.where(t < 0.02, t - np.sin(2 * np.pi * t / 0.02) * 0.02 / (2 * np.pi), 0.02 + 0 * t)
     >>> ball = Sphere(0.01, [0, 0, 100], push, 1 / 48e3)
-    >>> heard = sphere_pressures([ball], HalfSpace(Air(343, 1.21)), [Receiver("mic", [0, 0, 100.1])]).p[0]
+    >>> heard = sphere_pressures([ball], Baffle(Air(343, 1.21)), [Receiver("mic", [0, 0, 100.1])]).p[0]
     >>> print(f"{heard.max() / (2 * 1.21 * 0.01**3 / (2 * 0.1**2)):.2f}")
     1.00
     """
@@ -108,7 +109,7 @@ def sphere_pressures(spheres: Sequence[Sphere], space: HalfSpace, receivers: Seq
 
 
 def sphere_transfer(
-    space: HalfSpace, radius: float, place: Floats, frequency_hz: Floats, receivers: Sequence[Receiver]
+    space: Baffle, radius: float, place: Floats, frequency_hz: Floats, receivers: Sequence[Receiver]
 ) -> Complexes:
     """Pressure of a sphere in front of a rigid plane per velocity along its normal [n_receivers, nf] [Pa s/m].
 
@@ -130,7 +131,7 @@ def sphere_transfer(
     Low frequencies, far above the plane: omega^2 rho a^3 cos / (2 r c).
 
     >>> high, mic = np.array([0.0, 0.0, 1e5]), [Receiver("mic", [0, 0, 1e5 + 50])]
-    >>> heard = sphere_transfer(HalfSpace(Air(343, 1.21)), 0.01, high, np.array([100.0]), mic)
+    >>> heard = sphere_transfer(Baffle(Air(343, 1.21)), 0.01, high, np.array([100.0]), mic)
     >>> print(f"{abs(heard[0, 0]) / ((2 * np.pi * 100)**2 * 1.21 * 0.01**3 / (2 * 50 * 343)):.3f}")
     1.000
     """
@@ -225,7 +226,7 @@ def near_advice(spheres: Sequence[Sphere]) -> list[Advice]:
     ]
 
 
-def _image(space: HalfSpace, place: Floats) -> Floats:
+def _image(space: Baffle, place: Floats) -> Floats:
     """A place on the other side of the plane."""
     return np.asarray(place - 2 * (place @ space.normal) * space.normal)
 

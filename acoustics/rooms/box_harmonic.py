@@ -9,10 +9,12 @@ import numpy as np
 
 from acoustics.arrays import Complexes, Floats, Integers
 from acoustics.errors import AcousticsError, Advice
-from acoustics.rooms.box import Receiver, Room, inside, positions
+from acoustics.receivers import Receiver, positions
+from acoustics.rooms.box import Box, inside
 from acoustics.rooms.box_transfer import cosines, horizontal_wavenumber, overlaps, transfer
 from acoustics.rooms.cosine_orders import band_orders, not_in, resolved_orders, square
 from acoustics.rooms.room_advice import truncation
+from acoustics.source import SurfaceVibration
 
 FIRST: Final = 4  # orders to begin with
 BLOCK: Final = 4  # orders more in the next block
@@ -22,22 +24,11 @@ _AT_ONCE: Final = 1 << 20  # complex numbers
 
 
 def harmonic_pressure(
-    room: Room,
-    points: Floats,
-    weights: Floats,
-    shapes: Floats,
-    rates: Complexes,
-    frequency_hz: Floats,
-    receivers: Sequence[Receiver],
+    surface: SurfaceVibration, room: Box, receivers: Sequence[Receiver]
 ) -> tuple[Complexes, tuple[Advice, ...]]:
     """Complex pressure [n_receivers, nf] [Pa] of a ceiling that moves with exp(+j omega t), and advice on it.
 
-    points [p, 3], weights [p], shapes [p, k] : as of a `SurfaceVelocity` [m], [m^2].
-    rates [k, nf] : complex velocities of the modal coordinates; shapes times rates is m/s.
-    frequency_hz [nf] : above 0 [Hz].
-
-    Raises AcousticsError: a receiver outside the room, none at all, a frequency not above 0, a room without losses at
-    a resonance.
+    Raises AcousticsError: points or a receiver outside the room, no receiver, a room without losses at a resonance.
 
     Notes
     -----
@@ -48,28 +39,26 @@ def harmonic_pressure(
     A piston of 1 m/s at 20 Hz over a box compresses it by 1/omega metres of 100 mm:
 
     >>> from acoustics.air import Air
-    >>> box = Room([0.58, 0.47, 0.1], Air(340, 1.29))
+    >>> box = Box([0.58, 0.47, 0.1], Air(340, 1.29))
     >>> x, y = (along.ravel() for along in np.meshgrid(*2 * [(np.arange(64) + 0.5) / 64]))
     >>> points, weights = np.stack([0.58 * x, 0.47 * y, 0.1 + 0 * x], axis=1), np.full(64**2, box.ceiling_area / 64**2)
-    >>> mic, rate = Receiver("mic", [0.29, 0.235, 0.1 / 3**0.5]), np.ones((1, 1), dtype=complex)
-    >>> heard, _ = harmonic_pressure(box, points, weights, np.ones((64**2, 1)), rate, np.array([20.0]), [mic])
+    >>> piston = SurfaceVibration(points, weights, np.ones((64**2, 1)), [[1]], [20.0])
+    >>> heard, _ = harmonic_pressure(piston, box, [Receiver("mic", [0.29, 0.235, 0.1 / 3**0.5])])
     >>> print(f"{heard[0, 0].imag:.1f} {-box.air.bulk_modulus / 0.1 / (2 * np.pi * 20):.1f}")
     -11866.9 -11866.9
     """
-    places = positions(receivers)
-    if not (frequency_hz > 0).all():
-        raise AcousticsError("frequency", got=f"{frequency_hz.min():g} Hz", expected="frequencies above 0")
+    places, points, frequency_hz = positions(receivers), surface.points, surface.frequency_hz
     inside(room, "surface.points", points)
     for receiver in receivers:
         inside(room, f"receiver {receiver.name}", receiver.position[None, :])
-    weighted = weights[:, None] * shapes
+    weighted = surface.weights[:, None] * surface.shapes
     p = np.zeros((len(places), len(frequency_hz)), dtype=np.complex128)
     first = max(band_orders(room, float(frequency_hz.max())))
     most = np.minimum(np.array(band_orders(room, float(frequency_hz.max()))) + MOST, resolved_orders(room, points) + 1)
     done, share = np.zeros((0, 2), dtype=np.int64), 0.0
     for size in range(FIRST, int(most.max()) + BLOCK, BLOCK):
         new = not_in(square(*np.minimum(size, most).tolist()), done)
-        part = _heard(room, new, weighted, points, rates, frequency_hz, places)
+        part = _heard(room, new, weighted, points, surface.rates, frequency_hz, places)
         p += part
         done = np.concatenate([done, new])
         share = _share(part, p)
@@ -79,7 +68,7 @@ def harmonic_pressure(
 
 
 def _heard(
-    room: Room, orders: Integers, weighted: Floats, points: Floats, rates: Complexes, hz: Floats, places: Floats
+    room: Box, orders: Integers, weighted: Floats, points: Floats, rates: Complexes, hz: Floats, places: Floats
 ) -> Complexes:
     """Pressure [n_places, nf] of some cosines of the ceiling velocity."""
     factor = np.where(orders > 0, 2.0, 1.0).prod(axis=1) / room.ceiling_area

@@ -14,15 +14,16 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from acoustics.arrays import Complexes, Floats, Integers, freeze, frozen
-from acoustics.errors import AcousticsError, Advice
-from acoustics.rooms.box import Receiver, Room, inside, positions
+from acoustics.arrays import Complexes, Floats, Integers
+from acoustics.receivers import Receiver, positions
+from acoustics.room_response import RoomResponse
+from acoustics.rooms.box import Box, inside, on_ceiling
 from acoustics.rooms.box_transfer import cosines, horizontal_wavenumber, project, transfer, wavenumber_squared
 from acoustics.rooms.continuation import band_cut, band_end, extended, returned, source_bandwidth, transform_axis
 from acoustics.rooms.cosine_orders import ENOUGH, audible, moved, not_in, order_blocks, square, undriven
 from acoustics.rooms.cosine_sums import Heard, added, energies, energy_of, pressure_of, silence
 from acoustics.rooms.room_advice import one_way, source_advice, truncation
-from acoustics.source import SurfaceVelocity, alike, on_ceiling
+from acoustics.source import SurfaceVelocity, alike
 
 SILENT: Final = 1e-9  # share of the velocity below which a cosine is not driven: symmetry, but for rounding
 NEGLIGIBLE: Final = 1e-9  # share of the summed velocity spectrum above the highest frequency that is evaluated
@@ -32,54 +33,8 @@ _BLOCK: Final = 1 << 15  # complex numbers handled at once: they stay in the cac
 _MEMORY: Final = 1 << 24  # complex numbers of one batch of cosines
 
 
-@dataclass(frozen=True, eq=False)
-class RoomResponse:
-    """Pressure at the receivers of a room.
-
-    receivers : who listened, in the order of the rows.
-    t : [nt], times from 0, equally spaced [s].
-    p : [n_receivers, nt], pressure, positive when compressed [Pa].
-    findings : advice on how far to believe it.
-    complete_below_hz : there is no sound above it, since what makes it is not known there; see
-    `acoustics.levels.ending`.
-
-    Notes
-    -----
-    `spectrum` is the finite Fourier transform P(f) = dt rfft(p) [Pa/Hz] of the record as it stands, no window, at
-    `frequency_hz` = 0, 1/T, ..., f_s/2. Parseval: sum p^2 dt = df (|P_0|^2 + 2 sum |P_q|^2 + |P_N/2|^2).
-    """
-
-    receivers: tuple[Receiver, ...]
-    t: Floats
-    p: Floats
-    findings: tuple[Advice, ...] = ()
-    complete_below_hz: float = inf
-
-    def __post_init__(self) -> None:
-        t = frozen("response.t", self.t, (None,))
-        if len(t) < 2:
-            raise AcousticsError("response.t", got=f"{len(t)} samples", expected="at least 2")
-        p = frozen("response.p", self.p, (len(self.receivers), len(t)))
-        freeze(self, t=t, p=p, receivers=tuple(self.receivers), findings=tuple(self.findings))
-
-    @property
-    def dt(self) -> float:
-        """Sampling interval [s]."""
-        return float((self.t[-1] - self.t[0]) / (len(self.t) - 1))
-
-    @property
-    def frequency_hz(self) -> Floats:
-        """Frequencies of the spectrum [nf] [Hz]."""
-        return np.asarray(np.fft.rfftfreq(len(self.t), self.dt), dtype=np.float64)
-
-    @property
-    def spectrum(self) -> Complexes:
-        """Fourier transform of the pressure [n_receivers, nf] [Pa/Hz], made anew at each call."""
-        return self.dt * np.fft.rfft(self.p, axis=1)
-
-
 def pressure(
-    surface: SurfaceVelocity, room: Room, receivers: Sequence[Receiver], *, orders: int | None = None
+    surface: SurfaceVelocity, room: Box, receivers: Sequence[Receiver], *, orders: int | None = None
 ) -> RoomResponse:
     """Pressure at the receivers of a rigid-walled room whose ceiling moves with the given velocity.
 
@@ -121,7 +76,7 @@ def pressure(
 
 def pressures(
     surfaces: Sequence[SurfaceVelocity],
-    room: Room,
+    room: Box,
     receivers: Sequence[Receiver],
     *,
     orders: int | None = None,
@@ -140,7 +95,7 @@ def pressures(
 
 def pressures_and_orders(
     surfaces: Sequence[SurfaceVelocity],
-    room: Room,
+    room: Box,
     receivers: Sequence[Receiver],
     *,
     orders: int | None = None,
@@ -194,7 +149,7 @@ class _Motion:
     displaced: tuple[Floats, ...]
 
 
-def _motion(surfaces: Sequence[SurfaceVelocity], room: Room, up_to_hz: float) -> _Motion:
+def _motion(surfaces: Sequence[SurfaceVelocity], room: Box, up_to_hz: float) -> _Motion:
     """The rates, continued beyond their end and transformed once for all cosines, up to the frequencies wanted."""
     first = surfaces[0]
     weighted = room.losses.kind != "source"
@@ -232,7 +187,7 @@ def _driven(surfaces: Sequence[SurfaceVelocity], coefficients: Floats) -> NDArra
 
 
 def _with_cosines(
-    motion: _Motion, room: Room, orders: Integers, coefficients: Floats, sums: Sequence[Heard], told: bool
+    motion: _Motion, room: Box, orders: Integers, coefficients: Floats, sums: Sequence[Heard], told: bool
 ) -> tuple[list[Heard], list[float]]:
     """What is heard of every motion with what the cosines `orders` of the ceiling make, and their shares of it.
 
@@ -276,7 +231,7 @@ def _few(mix: Floats) -> bool:
 
 
 def _through(
-    motion: _Motion, room: Room, orders: Integers, coefficients: Floats, heights: Floats, mixes: list[Floats]
+    motion: _Motion, room: Box, orders: Integers, coefficients: Floats, heights: Floats, mixes: list[Floats]
 ) -> list[list[Complexes]]:
     """Pressure spectra by motion and height, up to the last frequency that carries anything: [n_here, nf] of the
     listeners there where they are few, [n, nf] of the cosines elsewhere.

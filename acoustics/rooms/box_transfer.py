@@ -17,7 +17,8 @@ import numpy as np
 
 from acoustics.air import Air
 from acoustics.arrays import Complexes, Floats, Integers
-from acoustics.rooms.box import Losses, Room
+from acoustics.losses import Losses
+from acoustics.rooms.box import Box
 from acoustics.source import SurfaceVelocity
 
 _SAME: Final = 1e-13  # of the room's height: lengths this close are one, which moves a wave of 1/1000 of it by 1e-9
@@ -31,13 +32,13 @@ def wavenumber_squared(losses: Losses, air: Air, s: Complexes) -> Complexes:
     return squared * (1 - 1j * losses.beta) ** 2
 
 
-def horizontal_wavenumber(room: Room, orders: Integers) -> Floats:
+def horizontal_wavenumber(room: Box, orders: Integers) -> Floats:
     """k_lm [n] [1/m] of the cosines `orders` [n, 2]."""
     wavenumber: Floats = np.pi * np.hypot(orders[:, 0] / room.size[0], orders[:, 1] / room.size[1])
     return wavenumber
 
 
-def cosines(room: Room, orders: Integers, points: Floats) -> Floats:
+def cosines(room: Box, orders: Integers, points: Floats) -> Floats:
     """cos(l pi x/Lx) cos(m pi y/Ly) [p, n] of the cosines `orders` [n, 2] at `points` [p, 2 or 3]."""
     along_x = np.cos(np.pi / room.size[0] * np.outer(points[:, 0], np.arange(orders[:, 0].max(initial=0) + 1)))
     along_y = np.cos(np.pi / room.size[1] * np.outer(points[:, 1], np.arange(orders[:, 1].max(initial=0) + 1)))
@@ -45,7 +46,7 @@ def cosines(room: Room, orders: Integers, points: Floats) -> Floats:
     return product
 
 
-def project(surface: SurfaceVelocity, room: Room, orders: Integers) -> Floats:
+def project(surface: SurfaceVelocity, room: Box, orders: Integers) -> Floats:
     """Cosine coefficients [n, k] of the surface's shapes: its velocity is the sum of coefficient times cosine.
 
     Notes
@@ -60,7 +61,7 @@ def project(surface: SurfaceVelocity, room: Room, orders: Integers) -> Floats:
     return coefficients
 
 
-def overlaps(room: Room, orders: Integers, points: Floats, weighted: Floats) -> Floats:
+def overlaps(room: Box, orders: Integers, points: Floats, weighted: Floats) -> Floats:
     """Sums over points [p, 2 or 3] of cosines times weighted shapes [p, k]: [n, k] for the cosines `orders` [n, 2].
 
     Notes
@@ -102,7 +103,7 @@ def _crossings(points: Floats) -> tuple[Floats, Floats, Integers] | None:
     return sorted_points[:, 0, 0], sorted_points[0, :, 1], order
 
 
-def vertical_wavenumber(room: Room, s: Complexes, k_lm: Floats) -> Complexes:
+def vertical_wavenumber(room: Box, s: Complexes, k_lm: Floats) -> Complexes:
     """mu [n, nf] [1/m], the root with Re mu >= 0 and Im mu <= 0: waves that decay away from the ceiling.
 
     In real arithmetic, some three times faster than a complex root.
@@ -118,7 +119,7 @@ def vertical_wavenumber(room: Room, s: Complexes, k_lm: Floats) -> Complexes:
     return mu
 
 
-def transfer(room: Room, s: Complexes, k_lm: Floats, z: Floats) -> list[Complexes]:
+def transfer(room: Box, s: Complexes, k_lm: Floats, z: Floats) -> list[Complexes]:
     """Pressure over ceiling velocity [Pa s/m] of cosines `k_lm` [n] [1/m] at each height `z`: arrays [n, nf].
 
     Notes

@@ -23,11 +23,14 @@ from typing import Final
 import numpy as np
 from scipy.linalg import block_diag
 
+from acoustics.air import Air
 from acoustics.arrays import Floats, Integers, freeze, frozen, positive
 from acoustics.errors import AcousticsError
-from acoustics.rooms.box import Enclosed, Room, inside, room_modes
+from acoustics.losses import Losses
+from acoustics.rooms.box import Box, inside, room_modes
 from acoustics.rooms.box_transfer import horizontal_wavenumber, overlaps
 from acoustics.rooms.cosine_orders import not_in, resolved_orders, square
+from acoustics.source import SurfaceShapes
 
 MOST: Final = 300  # cavity modes kept: coordinates cost as much as modes of the structure
 SETTLED: Final = 1e-6  # largest mass the last cosines may add to a unit modal mass
@@ -71,6 +74,7 @@ class CoupledAir:
     Walls that yield are coordinates between q and y, with their own mass, and each a last row of compression,
     its spring.
     walls [k + n] : what of the diagonal of `mass` is of walls themselves; zero if left out.
+    resisted : whether walls yield with a resistance.
     viscous, hysteretic [k + n, k + n] : damping of the air, as - v . viscous v and, in frequency, + j hysteretic.
     complete_below_hz : no cavity mode is left out below it.
     """
@@ -82,6 +86,7 @@ class CoupledAir:
     hysteretic: Floats
     complete_below_hz: float
     walls: Floats = field(default_factory=lambda: np.zeros(0))
+    resisted: bool = False
 
     def __post_init__(self) -> None:
         frequency_hz = frozen("coupled.frequency_hz", self.frequency_hz, (None,))
@@ -98,10 +103,9 @@ class CoupledAir:
         )
 
 
-def coupled_air(room: Room, points: Floats, weights: Floats, shapes: Floats, up_to_hz: float) -> CoupledAir:
+def coupled_air(room: Box, surface: SurfaceShapes, up_to_hz: float) -> CoupledAir:
     """The air of a closed room joined to the shapes of its ceiling.
 
-    points [p, 3], weights [p], shapes [p, k] : as of a `SurfaceVelocity`: on the ceiling, into the room [m], [m^2].
     up_to_hz : cavity modes up to it are kept [Hz], at most the 300 lowest, and none finer than the points resolve; the
         others act as added mass.
 
@@ -117,28 +121,29 @@ def coupled_air(room: Room, points: Floats, weights: Floats, shapes: Floats, up_
 
     A piston of 29.68 kg on 4.641e5 N/m over a sealed box, all cavity modes as added mass:
 
-    >>> from acoustics.air import Air
-    >>> box = Room([0.58, 0.47, 0.1], Air(340, 1.29))
+    >>> box = Box([0.58, 0.47, 0.1], Air(340, 1.29))
     >>> shape = np.array([[29.68**-0.5]])
-    >>> air = coupled_air(box, np.array([[0.29, 0.235, 0.1]]), np.array([box.ceiling_area]), shape, up_to_hz=200.0)
+    >>> air = coupled_air(box, SurfaceShapes([[0.29, 0.235, 0.1]], [box.ceiling_area], shape), up_to_hz=200.0)
     >>> stiffness, mass = 4.641e5 / 29.68 + air.compression[0, 0] ** 2, 1 + air.mass[0, 0]
     >>> round(float(np.sqrt(stiffness / mass) / (2 * np.pi)), 4)
     27.253
     """
+    points = surface.points
     inside(room, "surface.points", points)
     finest = resolved_orders(room, points).clip(0, FINEST)
     frequency_hz, indices, complete = _kept(room, positive("up_to_hz", up_to_hz, "Hz"), finest)
-    weighted = weights[:, None] * shapes
+    weighted = surface.weights[:, None] * surface.shapes
     flat, place = np.unique(indices[:, :2], axis=0, return_inverse=True)
     integrals = np.sqrt(_multiplicity(indices))[:, None] * overlaps(room, flat, points, weighted)[place.ravel()]
     displaced = np.vstack([weighted.sum(axis=0), integrals])
-    return joined(
-        room, frequency_hz, displaced, _added_mass(room, points, weighted, indices, finest), complete_below_hz=complete
-    )
+    added = _added_mass(room, points, weighted, indices, finest)
+    return joined(room.air, room.losses, room.volume, frequency_hz, displaced, added, complete_below_hz=complete)
 
 
 def joined(
-    room: Enclosed,
+    air: Air,
+    losses: Losses,
+    volume: float,
     frequency_hz: Floats,
     displaced: Floats,
     added: Floats,
@@ -148,19 +153,20 @@ def joined(
 ) -> CoupledAir:
     """The air of a room from its modes, however they were found.
 
+    volume : of the room [m^3].
     frequency_hz [n] : of the modes kept, without the uniform one. displaced [1 + n, k] : integrals of the modes, the
     uniform one first, times the shapes over what moves. added [k, k] : mass of the modes left out.
     absorbed [n] : rate of decay of each mode's energy by what walls take up [1/s]; None for none.
     """
     n, k = len(frequency_hz), displaced.shape[1]
     compression = np.zeros((1 + n, k + n))
-    compression[:, :k] = np.sqrt(room.air.bulk_modulus / room.volume) * displaced
+    compression[:, :k] = np.sqrt(air.bulk_modulus / volume) * displaced
     compression[1:, k:] = -np.diag(2 * np.pi * frequency_hz)
     mass = block_diag(added, np.eye(n))
-    modulus = (1 - 1j * room.losses.beta) ** -2  # of the bulk modulus under losses of kind "source"
+    modulus = (1 - 1j * losses.beta) ** -2  # of the bulk modulus under losses of kind "source"
     compression *= np.sqrt(modulus.real)
     stiffness = compression.T @ compression
-    viscous = room.losses.relaxation_time * stiffness + 2 * room.losses.decay_rate * mass
+    viscous = losses.relaxation_time * stiffness + 2 * losses.decay_rate * mass
     if absorbed is not None:
         viscous[k:, k:] += np.diag(absorbed)
     return CoupledAir(
@@ -173,7 +179,7 @@ def joined(
     )
 
 
-def _kept(room: Room, up_to_hz: float, finest: Integers) -> tuple[Floats, Integers, float]:
+def _kept(room: Box, up_to_hz: float, finest: Integers) -> tuple[Floats, Integers, float]:
     """Frequencies [n], indices [n, 3] of the cavity modes kept, and the frequency below which none is left out."""
     frequency_hz, indices = room_modes(room, up_to_hz)
     beyond = (np.arange(len(indices)) >= MOST) | (indices[:, :2] > finest).any(axis=1)
@@ -190,7 +196,7 @@ def _multiplicity(orders: Integers) -> Floats:
     return product
 
 
-def _added_mass(room: Room, points: Floats, weighted: Floats, kept: Integers, finest: Integers) -> Floats:
+def _added_mass(room: Box, points: Floats, weighted: Floats, kept: Integers, finest: Integers) -> Floats:
     """Mass [k, k] of the air in the cavity modes that are not kept."""
     resolved = [int(order) + 1 for order in finest]
     size = [int(kept[:, axis].max(initial=0)) + 1 for axis in (0, 1)]
@@ -209,7 +215,7 @@ def _added_mass(room: Room, points: Floats, weighted: Floats, kept: Integers, fi
         size = [max(have, min(have + BEYOND, most)) for have, most in zip(size, resolved, strict=True)]
 
 
-def _left_out(room: Room, orders: Integers, kept: Integers) -> Floats:
+def _left_out(room: Box, orders: Integers, kept: Integers) -> Floats:
     """coth(k Lz) / k of the cosines [n, 2] [m], 0 of which Lz / 3, less the terms of the modes kept [n]."""
     height = float(room.size[2])
     k = horizontal_wavenumber(room, orders)

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from acoustics.arrays import Floats, Integers
 from acoustics.errors import AcousticsError
-from acoustics.rooms.box import Room, modal_damping_ratios
+from acoustics.losses import modal_damping_ratios
+from acoustics.rooms.box import Box
 from acoustics.rooms.box_transfer import horizontal_wavenumber, project
 from acoustics.source import SurfaceVelocity
 
@@ -34,7 +35,7 @@ def not_in(block: Integers, done: Integers) -> Integers:
     return block[~np.isin(block @ [width, 1], done @ [width, 1])]
 
 
-def order_blocks(room: Room, orders: int | None, highest_hz: float) -> list[Integers]:
+def order_blocks(room: Box, orders: int | None, highest_hz: float) -> list[Integers]:
     """Growing sets of cosines; the last two orders, which tell the truncation, are a block of their own."""
     if orders is not None:
         if orders < 1:
@@ -47,13 +48,13 @@ def order_blocks(room: Room, orders: int | None, highest_hz: float) -> list[Inte
     return [square(n, n) for n in sizes]
 
 
-def band_orders(room: Room, highest_hz: float) -> tuple[int, int]:
+def band_orders(room: Box, highest_hz: float) -> tuple[int, int]:
     """Cosines that propagate below a frequency, in both directions, and three more."""
     n_l, n_m = (int(np.ceil(2 * length * highest_hz / room.air.c)) + 3 for length in room.size[:2].tolist())
     return n_l, n_m
 
 
-def resolved_orders(room: Room, points: Floats) -> Integers:
+def resolved_orders(room: Box, points: Floats) -> Integers:
     """Highest orders l, m [2] that points of the ceiling [p, 3] integrate, four of them to a wave; 0 for a lone point.
 
     Beyond them sums over the points see other waves than are there.
@@ -64,7 +65,7 @@ def resolved_orders(room: Room, points: Floats) -> Integers:
     return np.asarray(0.5 * per_length * room.size[:2], dtype=np.int64)
 
 
-def undriven(surfaces: Sequence[SurfaceVelocity], room: Room, done: Integers, highest_hz: float) -> bool:
+def undriven(surfaces: Sequence[SurfaceVelocity], room: Box, done: Integers, highest_hz: float) -> bool:
     """Whether no cosine of the sources' band that is left out is driven nearly as much as those that are in.
 
     surfaces : motions of one surface. Blocks that add nothing end the search; a surface that moves in a pattern finer
@@ -78,7 +79,7 @@ def undriven(surfaces: Sequence[SurfaceVelocity], room: Room, done: Integers, hi
 
 
 def audible(
-    coefficients: Floats, products: Sequence[Floats], room: Room, orders: Integers, quietest: Sequence[float]
+    coefficients: Floats, products: Sequence[Floats], room: Box, orders: Integers, quietest: Sequence[float]
 ) -> NDArray[np.bool_]:
     """Which cosines `orders` [n, 2] could matter: the others, each in resonance all the time, would together stay below
     ENOUGH.

@@ -11,8 +11,10 @@ import numpy as np
 
 from acoustics.arrays import Complexes, Floats, Integers
 from acoustics.errors import AcousticsError
-from acoustics.rooms.box import Receiver, Room, positions
-from acoustics.rooms.box_pressure import FADED, RoomResponse, pressures_and_orders
+from acoustics.receivers import Receiver, positions
+from acoustics.room_response import RoomResponse
+from acoustics.rooms.box import Box
+from acoustics.rooms.box_pressure import FADED, pressures_and_orders
 from acoustics.rooms.box_transfer import cosines, horizontal_wavenumber, project, transfer, wavenumber_squared
 from acoustics.rooms.continuation import band_cut, band_end, extended, source_bandwidth, transform_axis
 from acoustics.rooms.cosine_orders import ENOUGH, audible, moved, not_in, square, undriven
@@ -31,27 +33,32 @@ class Searched:
     blocks : the cosines [n, 2] that were evaluated, block by block. orders [m, 2] : all that were looked at.
     """
 
-    room: Room
+    room: Box
     receivers: tuple[Receiver, ...]
     surface: SurfaceVelocity
     up_to_hz: float
     blocks: tuple[Integers, ...]
     orders: Integers
 
-    def of(self, surface: SurfaceVelocity, room: Room, receivers: Sequence[Receiver], up_to_hz: float) -> bool:
+    def of(self, surface: SurfaceVelocity, room: object, receivers: Sequence[Receiver], up_to_hz: float) -> bool:
         """Whether a motion is one of this ceiling in this room, in a record of the same length and sampling."""
         mine = self.surface
         words = ("points", "weights", "shapes")
         return (
-            (up_to_hz, _values(room)) == (self.up_to_hz, _values(self.room))
+            isinstance(room, Box)
+            and (up_to_hz, _values(room)) == (self.up_to_hz, _values(self.room))
             and [one.name for one in receivers] == [one.name for one in self.receivers]
             and np.array_equal(positions(receivers), positions(self.receivers))
             and (mine.rates.shape, mine.dt) == (surface.rates.shape, surface.dt)
             and all(np.array_equal(getattr(mine, word), getattr(surface, word)) for word in words)
         )
 
+    def made(self) -> RoomTransfer:
+        """The transfer through these cosines."""
+        return room_transfer(self)
 
-def _values(room: Room) -> tuple[object, ...]:
+
+def _values(room: Box) -> tuple[object, ...]:
     """All that a room is made of, to be compared."""
     return (*room.size.tolist(), *astuple(room.air), *astuple(room.losses))
 
@@ -68,9 +75,21 @@ class RoomTransfer:
     whole: Complexes
     last: Complexes
 
+    def of(self, surface: SurfaceVelocity, room: object, receivers: Sequence[Receiver], up_to_hz: float) -> bool:
+        """As `Searched.of`."""
+        return self.searched.of(surface, room, receivers, up_to_hz)
+
+    def made(self) -> RoomTransfer:
+        """Itself."""
+        return self
+
+    def pressures(self, surfaces: Sequence[SurfaceVelocity]) -> list[RoomResponse] | None:
+        """As `pressures_through`."""
+        return pressures_through(self, surfaces)
+
 
 def search(
-    surfaces: Sequence[SurfaceVelocity], room: Room, receivers: Sequence[Receiver], up_to_hz: float = inf
+    surfaces: Sequence[SurfaceVelocity], room: Box, receivers: Sequence[Receiver], up_to_hz: float = inf
 ) -> tuple[list[RoomResponse], Searched]:
     """Pressures as `acoustics.rooms.box_pressure.pressures` has them, and the cosines that they took.
 

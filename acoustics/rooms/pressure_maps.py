@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from acoustics.arrays import Complexes, Floats, freeze, frozen, positive
 from acoustics.errors import AcousticsError
-from acoustics.meshed.meshed_pressure import cavity_spectrum
-from acoustics.meshed.meshed_room import ShapedRoom
-from acoustics.rooms.box import Room, inside
+from acoustics.rooms.box import Box, inside, on_ceiling
 from acoustics.rooms.box_transfer import cosines, horizontal_wavenumber, project, transfer
 from acoustics.rooms.cosine_orders import square
-from acoustics.source import SurfaceVelocity, on_ceiling
+from acoustics.source import SurfaceVelocity
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,7 +46,7 @@ class PressureMap:
 
 def pressure_map(
     surface: SurfaceVelocity,
-    room: Room | ShapedRoom,
+    room: Box,
     frequencies_hz: Sequence[float] | Floats,
     *,
     normal: str = "z",
@@ -59,9 +58,7 @@ def pressure_map(
 
     frequencies_hz : [nf], above 0 [Hz].
     normal, at : the plane x, y or z = `at` [m].
-    divisions : intervals along the two other axes. orders : cosines in each direction, of a rectangular room.
-
-    Where the plane leaves a room of any shape, the spectrum is nan.
+    divisions : intervals along the two other axes. orders : cosines in each direction.
 
     Raises AcousticsError: a plane outside the room, a frequency not above 0, a room without losses at resonance.
 
@@ -72,26 +69,20 @@ def pressure_map(
     `RoomResponse.spectrum` when the record has decayed.
 
     >>> from acoustics.air import Air
-    >>> box = Room([0.58, 0.47, 0.1], Air(340, 1.29))
+    >>> box = Box([0.58, 0.47, 0.1], Air(340, 1.29))
     >>> push = np.sin(np.pi * np.arange(48) / 48) ** 2
     >>> ceiling = SurfaceVelocity([[0.29, 0.235, 0.1]], [box.ceiling_area], [[1]], [push], dt=1e-3)
     >>> heard = pressure_map(ceiling, box, [20.0, 40.0], at=0.05, divisions=(4, 2), orders=1)
     >>> heard.spectrum.shape, bool(np.ptp(abs(heard.spectrum[0])) < 1e-12)
     ((2, 5, 3), True)
     """
-    if normal not in ("x", "y", "z"):
-        raise AcousticsError("map.normal", got=repr(normal), expected="x, y or z")
-    fixed = "xyz".index(normal)
-    axes = [axis for axis in range(3) if axis != fixed]
-    if isinstance(room, ShapedRoom):
-        return _shaped_map(surface, room, frequencies_hz, normal, at, axes, divisions)
+    frequency_hz, fixed, axes = _plane(frequencies_hz, normal)
     on_ceiling(surface, room)
     first, second = (np.linspace(0, room.size[axis], n + 1) for axis, n in zip(axes, divisions, strict=True))
     corner = np.zeros((1, 3))
     corner[0, fixed] = at
     inside(room, "map.at", corner)
-    frequency_hz = np.array([positive("map.frequency", float(f), "Hz") for f in frequencies_hz])
-    s = 2j * np.pi * frequency_hz
+    s = np.asarray(2j * np.pi * frequency_hz)
     chosen = square(orders, orders)
     kernel = surface.dt * np.exp(-np.outer(surface.t, s))
     velocity = project(surface, room, chosen) @ (surface.rates @ kernel)
@@ -110,24 +101,39 @@ def pressure_map(
     return PressureMap(normal, at, first, second, frequency_hz, spectrum)
 
 
-def _shaped_map(
-    surface: SurfaceVelocity,
-    room: ShapedRoom,
+def map_within(
+    spectrum_at: Callable[[Floats, Floats], Complexes],
+    contains: Callable[[Floats], NDArray[np.bool_]],
+    extent: Floats,
     frequencies_hz: Sequence[float] | Floats,
+    *,
     normal: str,
     at: float,
-    axes: list[int],
     divisions: tuple[int, int],
 ) -> PressureMap:
-    frequency_hz = np.array([positive("map.frequency", float(f), "Hz") for f in frequencies_hz])
-    low, high = room.extent
+    """The map of a field whose spectra [nf, p] at frequencies [nf] and points [p, 3] are known one by one.
+
+    contains : which of points [p, 3] lie in it; the others are nan. extent [2, 3] : its lower and upper corner [m].
+
+    Raises AcousticsError as `pressure_map` does.
+    """
+    frequency_hz, fixed, axes = _plane(frequencies_hz, normal)
+    low, high = extent
     first, second = (np.linspace(low[axis], high[axis], n + 1) for axis, n in zip(axes, divisions, strict=True))
     points = np.full((len(first) * len(second), 3), at)
     points[:, axes] = np.stack(np.meshgrid(first, second, indexing="ij"), axis=-1).reshape(-1, 2)
-    inner = room.mesh.contains(points)
+    inner = contains(points)
     if not inner.any():
-        span = "xyz".index(normal)
-        raise AcousticsError("map.at", got=f"{at:g} m", expected=f"{low[span]:g} to {high[span]:g} m")
+        raise AcousticsError("map.at", got=f"{at:g} m", expected=f"{low[fixed]:g} to {high[fixed]:g} m")
     spectrum = np.full((len(frequency_hz), len(points)), np.nan, dtype=np.complex128)
-    spectrum[:, inner] = cavity_spectrum(surface, room, frequency_hz, points[inner])
+    spectrum[:, inner] = spectrum_at(frequency_hz, points[inner])
     return PressureMap(normal, at, first, second, frequency_hz, spectrum.reshape(-1, len(first), len(second)))
+
+
+def _plane(frequencies_hz: Sequence[float] | Floats, normal: str) -> tuple[Floats, int, list[int]]:
+    """The frequencies [Hz], the axis that a plane is normal to, and the two others."""
+    if normal not in ("x", "y", "z"):
+        raise AcousticsError("map.normal", got=repr(normal), expected="x, y or z")
+    fixed = "xyz".index(normal)
+    hz: Floats = np.array([positive("map.frequency", float(f), "Hz") for f in frequencies_hz])
+    return hz, fixed, [axis for axis in range(3) if axis != fixed]

@@ -8,10 +8,8 @@ from typing import Final
 import numpy as np
 
 from acoustics.arrays import Floats, Integers, freeze, frozen
-from acoustics.meshed.cavity_mesh import HEX_OF_MESHIO, box_mesh
-from acoustics.meshed.finite_elements import probe
-from acoustics.meshed.meshed_room import ShapedRoom
-from acoustics.rooms.box import Room, room_modes
+from acoustics.meshed.cavity_mesh import HEX_OF_MESHIO, CavityMesh, box_mesh
+from acoustics.rooms.box import Box, room_modes
 
 FINE: Final = 28  # cells along the longest side of a rectangular room
 MOST_CELLS: Final = 100_000  # of a meshed room that is divided once more
@@ -28,43 +26,42 @@ class RoomGrid:
         freeze(self, points=frozen("grid.points", self.points, (None, 3)))
 
 
-def room_grid(room: Room | ShapedRoom) -> RoomGrid:
-    """Cells fine enough for pictures: the halves of a mesh's own, or equal ones of a rectangular room.
+def box_grid(room: Box) -> RoomGrid:
+    """Equal cells of a rectangular room, fine enough for pictures.
 
-    >>> from acoustics.air import Air
-    >>> room_grid(Room([4.0, 2.0, 1.0])).cells.shape
+    >>> box_grid(Box([4.0, 2.0, 1.0])).cells.shape
     (2744, 8)
     """
-    if isinstance(room, Room):
-        counts = np.maximum(2, np.rint(FINE * room.size / room.size.max())).astype(int)
-        mesh = box_mesh(room.size.tolist(), counts.tolist())
-        return RoomGrid(mesh.points, mesh.cells)
-    cells = room.mesh.basis.mesh
-    if 8 * len(room.mesh.cells) <= MOST_CELLS:
+    counts = np.maximum(2, np.rint(FINE * room.size / room.size.max())).astype(int)
+    mesh = box_mesh(room.size.tolist(), counts.tolist())
+    return RoomGrid(mesh.points, mesh.cells)
+
+
+def halved_grid(mesh: CavityMesh) -> RoomGrid:
+    """The halves of a mesh's own cells."""
+    cells = mesh.basis.mesh
+    if 8 * len(mesh.cells) <= MOST_CELLS:
         cells = cells.refined()
     order = np.argsort(HEX_OF_MESHIO) if cells.t.shape[0] == 8 else np.arange(4)
     return RoomGrid(cells.p.T, cells.t[order].T.astype(np.int64))
 
 
-def mode_shapes(room: Room | ShapedRoom, grid: RoomGrid, count: int) -> tuple[Floats, Floats]:
-    """Frequencies [k] [Hz] and shapes [n, k] of the first modes of a room with rigid walls, without the uniform one.
+def box_mode_shapes(room: Box, points: Floats, count: int) -> tuple[Floats, Floats]:
+    """Frequencies [k] [Hz] and shapes [n, k] at points [n, 3] of the first modes, without the uniform one.
 
-    At the grid's points; their mean square over the room is 1. As many as there are below `up_to_hz` of a meshed room.
+    The mean square of a shape over the room is 1.
 
-    >>> room = Room([4.0, 2.0, 1.0])
-    >>> hz, shapes = mode_shapes(room, room_grid(room), 2)
+    >>> room = Box([4.0, 2.0, 1.0])
+    >>> hz, shapes = box_mode_shapes(room, box_grid(room).points, 2)
     >>> hz.round(2).tolist(), round(float(shapes.max()), 6)
     ([42.88, 85.75], 1.414214)
     """
-    if isinstance(room, ShapedRoom):
-        own = slice(1, 1 + count)
-        return room.frequency_hz[own], np.asarray(probe(room.mesh, grid.points) @ room.modes.shapes[:, own])
     top = room.air.c / float(room.size.max())
     while len(room_modes(room, top)[0]) < count:
         top *= 1.5
     hz, orders = room_modes(room, top)
     hz, orders = hz[:count], orders[:count]
-    shapes = np.ones((len(grid.points), len(hz)))
+    shapes = np.ones((len(points), len(hz)))
     for axis, length in enumerate(room.size):
-        shapes *= np.cos(np.pi / length * np.outer(grid.points[:, axis], orders[:, axis]))
+        shapes *= np.cos(np.pi / length * np.outer(points[:, axis], orders[:, axis]))
     return hz, shapes * np.sqrt(np.where(orders > 0, 2.0, 1.0).prod(axis=1))

@@ -9,7 +9,8 @@ import numpy as np
 
 from acoustics.arrays import Integers
 from acoustics.errors import Advice
-from acoustics.rooms.box import Losses, Room, t60_of
+from acoustics.losses import Losses, t60_of
+from acoustics.rooms.box import Box
 from acoustics.rooms.box_transfer import cosines, project
 from acoustics.source import SurfaceVelocity
 
@@ -24,7 +25,7 @@ COARSE: Final = 0.05
 T60_MISSED: Final = 0.10  # of a reverberation time; .4 dB of the standardised level
 
 
-def source_advice(surface: SurfaceVelocity, room: Room, orders: Integers, highest_hz: float) -> tuple[Advice, ...]:
+def source_advice(surface: SurfaceVelocity, room: Box, orders: Integers, highest_hz: float) -> tuple[Advice, ...]:
     """Advice on the sampling, the start, the decay and the spacing of the surface's velocity."""
     found = []
     sampling_hz = 1 / surface.dt
@@ -90,7 +91,7 @@ def truncation(share: float, orders: Integers) -> tuple[Advice, ...]:
     )
 
 
-def one_way(room: Room) -> tuple[Advice, ...]:
+def one_way(room: Box) -> tuple[Advice, ...]:
     """Advice ``non-causal-losses`` for losses of kind ``source``."""
     if room.losses.kind != "source":
         return ()
@@ -131,7 +132,7 @@ def _gram(surface: SurfaceVelocity) -> np.ndarray[tuple[int, int], np.dtype[np.f
     return gram
 
 
-def _quadrature_error(surface: SurfaceVelocity, room: Room, orders: Integers) -> float:
+def _quadrature_error(surface: SurfaceVelocity, room: Box, orders: Integers) -> float:
     """Largest departure from 1 of the coefficient that the highest cosines have in themselves."""
     highest = orders[np.unique([orders[:, 0].argmax(), orders[:, 1].argmax(), orders.sum(axis=1).argmax()])]
     themselves = SurfaceVelocity(

@@ -5,8 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Final
 
-from acoustics.open_air.half_space import HalfSpace
-from acoustics.rooms.receiver_grids import mode_shapes, room_grid
 from femstruct.files.atomic import replacing
 from femstruct.study.study import RoomPlan
 
@@ -17,15 +15,14 @@ def write_room_modes(plan: RoomPlan, path: str | Path, count: int = COUNT) -> Pa
     """Write the first modes of a room with rigid walls as an unstructured grid of VTK (.vtu), one array a mode.
 
     Arrays are named as the modes of the structure, "mode 01 23.21 Hz", the uniform mode not counted; pressure, of unit
-    mean square over the room. None for a half space, which has no modes.
+    mean square over the room. None for a room that has no cells to draw, as a half space.
     """
     import meshio  # type: ignore[import-untyped]
 
-    room = plan.room
-    if isinstance(room, HalfSpace):
+    if not plan.room.bounded:
         return None
-    grid = room_grid(room)
-    hz, shapes = mode_shapes(room, grid, count)
+    grid = plan.room.grid()
+    hz, shapes = plan.room.mode_shapes(grid.points, count)
     names = [f"mode {number:02d} {frequency:.2f} Hz" for number, frequency in enumerate(hz.tolist(), 1)]
     kind = "hexahedron" if grid.cells.shape[1] == 8 else "tetra"
     mesh = meshio.Mesh(

@@ -10,7 +10,7 @@ import numpy as np
 
 from acoustics.levels.rated import RatedRoom
 from acoustics.levels.sound_levels import REFERENCE_PA, Levels
-from acoustics.rooms.box_pressure import RoomResponse
+from acoustics.room_response import RoomResponse
 from femstruct.files.finding_tables import finding_table
 from femstruct.files.hdf5 import axis, group, put
 from femstruct.study.result import OwnSound

@@ -6,20 +6,15 @@ import numpy as np
 
 from acoustics.air import Air
 from acoustics.errors import AcousticsError
+from acoustics.fields.half_space import HalfSpace
+from acoustics.fields.rectangular import Room
+from acoustics.fields.shaped import ShapedRoom
+from acoustics.losses import Losses, losses_from_beta, losses_from_loss_factor, losses_from_t60, losses_from_t60_bands
+from acoustics.meshed.cut_box import cut_box
 from acoustics.meshed.finite_elements import probe
-from acoustics.meshed.meshed_room import ShapedRoom, cut_box
 from acoustics.meshed.meshed_two_way import HELD
 from acoustics.meshed.walls import AnyWall, Wall, YieldingWall, absorbing
-from acoustics.open_air.half_space import HalfSpace
-from acoustics.rooms.box import (
-    Losses,
-    Receiver,
-    Room,
-    losses_from_beta,
-    losses_from_loss_factor,
-    losses_from_t60,
-    losses_from_t60_bands,
-)
+from acoustics.receivers import Receiver
 from acoustics.rooms.box_two_way import Leak
 from femstruct.language.schema_rooms import RoomSpec, WallSpec
 from femstruct.language.yaml.build import Builder
@@ -53,7 +48,7 @@ def room_of(
         room = _meshed(name, spec, builder, sources, shaped)
         if room is None or not (_all_inside(name, room, receivers, spec, builder) and _held(name, spec, builder)):
             return None
-        middle = (float(room.centre[0]), float(room.centre[1]))
+        middle = (float(room.middle[0]), float(room.middle[1]))
     offset = (spec.at[0] - middle[0], spec.at[1] - middle[1]) if spec.at is not None else (0.0, 0.0)
     asked = spec.losses.t60 if spec.losses is not None and isinstance(spec.losses.t60, dict) else {}
     return RoomPlan(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Literal
 
-from acoustics.meshed.meshed_room import ShapedRoom
+from acoustics.fields.shaped import ShapedRoom
 from femstruct.impact.scene.bodies import HalfSine, Table
 from femstruct.impact.scene.walking import Walk, design_harmonics
 from femstruct.language.build_laws import ends_of, law_of, start_speed

@@ -9,7 +9,7 @@ from typing import Any, Literal
 
 from pydantic import BaseModel
 
-from acoustics.meshed.meshed_room import ShapedRoom
+from acoustics.fields.shaped import ShapedRoom
 from femstruct.errors import InputError, InputErrors
 from femstruct.language.arrays import drops, spread
 from femstruct.language.build_study import study_of

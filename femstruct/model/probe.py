@@ -109,22 +109,22 @@ class Point:
 
 @dataclass(frozen=True, eq=False)
 class Surface:
-    """A radiating surface: quadrature points of a plate region and the normal displacement there.
+    """A radiating surface of any form: quadrature points and the normal displacement there.
 
     points [p, 3] : quadrature points, global coordinates [m].
-    weights [p] : quadrature weights [m^2]; their sum is the area.
-    normal [3] : unit normal pointing out of the structure, into the room.
-    corner [3], along [2, 3], size [2] : the rectangle it fills: a corner, unit vectors of its sides, lengths [m].
+    weights [p] : quadrature weights [m^2], the area each point stands for.
+    normals [p, 3] : unit normals pointing out of the structure, into the room.
+    along [2, 3] : unit vectors of its first and second direction, in which a room beside it is measured.
+    outline [n, 3] : corners round it [m].
     rows [p, n_nodes * 7] : displacement along the normal at the points, from the nodal components.
     """
 
     name: str
     points: Floats
     weights: Floats
-    normal: Floats
-    corner: Floats
+    normals: Floats
     along: Floats
-    size: Floats
+    outline: Floats
     rows: csr_array
 
     def __post_init__(self) -> None:
@@ -133,13 +133,25 @@ class Surface:
             self,
             points=points,
             weights=frozen(f"surfaces.{self.name} weights", self.weights, (len(points),)),
-            normal=frozen(f"surfaces.{self.name} normal", self.normal, (3,)),
-            corner=frozen(f"surfaces.{self.name} corner", self.corner, (3,)),
+            normals=frozen(f"surfaces.{self.name} normals", self.normals, (len(points), 3)),
             along=frozen(f"surfaces.{self.name} along", self.along, (2, 3)),
-            size=frozen(f"surfaces.{self.name} size", self.size, (2,)),
+            outline=frozen(f"surfaces.{self.name} outline", self.outline, (None, 3)),
         )
         if self.rows.shape[0] != len(points):
             raise FemstructError(f"surfaces.{self.name}", got=f"{self.rows.shape[0]} rows", expected=f"{len(points)}")
+
+    @property
+    def normal(self) -> Floats:
+        """Its mean direction, unit vector [3]."""
+        mean = self.weights @ self.normals
+        return np.asarray(mean / np.linalg.norm(mean))
+
+    @property
+    def centre(self) -> Floats:
+        """Middle of the rectangle round its outline, sides along its two directions [3] [m]."""
+        mean = self.outline.mean(axis=0)
+        flat = (self.outline - mean) @ self.along.T
+        return np.asarray(mean + (flat.min(axis=0) + flat.max(axis=0)) / 2.0 @ self.along)
 
     def shapes(self, nodal: Floats) -> Floats:
         """Normal displacement at the points in each of the nodal shapes [node, 7, k] -> [p, k]."""

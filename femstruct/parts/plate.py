@@ -33,6 +33,7 @@ OUT_OF_PLANE = ("deflection", "rotation about x", "rotation about y", "twist")
 IN_PLANE = tuple(f"{what}, in its plane" for what in ("shift along x", "shift along y", "rotation about the normal"))
 STEEP = float(np.cos(np.radians(45.0)))  # from there on neither side is above or below
 SURFACE_ORDER = 3
+ROUND = ((0, 2), (1, 2), (1, 3), (0, 3))  # ends of a box along x and y, corner by corner
 """Gauss points a direction in each cell of a surface: exact for the volume a cell displaces, and for its second moment
 with a linear weight; the deflection of a cell is cubic."""
 
@@ -340,10 +341,9 @@ class PlateMesh(Meshed):
             item.name,
             points=from_rectangle(self.part, self.axes, local),
             weights=weights,
-            normal=normal,
-            corner=from_rectangle(self.part, self.axes, np.array([box[0], box[2]])),
+            normals=np.tile(normal, (len(weights), 1)),
             along=self.axes[:2],
-            size=np.array([box[1] - box[0], box[3] - box[2]]),
+            outline=from_rectangle(self.part, self.axes, np.array([[box[i], box[j]] for i, j in ROUND])),
             rows=sparse_rows(nodes, along_normal, n_nodes),
         )
 

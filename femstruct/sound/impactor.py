@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 
 from acoustics.errors import Advice
-from acoustics.open_air.half_space import HalfSpace
+from acoustics.open_air.baffle import Baffle
 from acoustics.open_air.sphere import Sphere
 from femstruct.arrays import Floats
 from femstruct.impact.result.response import Response
@@ -40,7 +40,7 @@ def pushed_velocity(response: Response, name: str) -> Floats:
     return np.concatenate([[0.0], np.cumsum(gained)])
 
 
-def sphere_of(response: Response, name: str, radius: float, place: Floats, space: HalfSpace) -> Sphere:
+def sphere_of(response: Response, name: str, radius: float, place: Floats, space: Baffle) -> Sphere:
     """A body as a sphere in a half space above or below a surface; place [3] of its centre from the space's origin."""
     along = float(space.normal[2]) * pushed_velocity(response, name)
     return Sphere(radius, place, along, 1.0 / response.clock.sampling)

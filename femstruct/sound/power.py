@@ -8,18 +8,21 @@ from typing import Final
 
 import numpy as np
 
+from acoustics.air import Air
 from acoustics.errors import Advice
 from acoustics.open_air.directivity import Directivity, radiation_pattern
-from acoustics.open_air.half_space import POINTS_PER_WAVE, HalfSpace
 from acoustics.open_air.radiated_power import plane_wave_power, radiated_power
+from acoustics.open_air.rayleigh import POINTS_PER_WAVE
 from acoustics.open_air.sound_energy import TOLD, SoundEnergy, at_rest, ended_energy, loudest, radiated_energy
+from acoustics.source import side_by_side, together
 from femstruct.arrays import Floats
 from femstruct.errors import Finding
 from femstruct.impact.result.response import Response
 from femstruct.modal.basis import ModalBasis
 from femstruct.modal.frf import modal_amplitudes
-from femstruct.model.probe import Probe, Surface
-from femstruct.sound.surface import ceiling_shapes, room_coordinates, surface_velocity
+from femstruct.model.probe import Probe
+from femstruct.sound.placed import Placed
+from femstruct.sound.surface import surface_velocity
 
 SHOWN: Final = 3  # frequencies whose directivity is shown where none are asked for
 # sound energy over the losses of the structure above which it damps the structure by 5 % in amplitude
@@ -53,53 +56,42 @@ class Radiated:
 
 
 def power_per_force(
-    basis: ModalBasis,
-    drive: Probe,
-    surface: Surface,
-    space: HalfSpace,
-    frequency_hz: Floats,
-    pattern_hz: Sequence[float] = (),
-    name: str = "",
+    basis: ModalBasis, drive: Probe, room: Placed, frequency_hz: Floats, pattern_hz: Sequence[float] = ()
 ) -> tuple[PowerResponse, tuple[Advice, ...]]:
     """Sound power of a baffled surface per unit of a harmonic force on the structure, and advice.
 
+    room : a half space beside its surfaces.
     frequency_hz [nf] : above 0 [Hz]. pattern_hz : where the directivity is wanted, the loudest frequencies if left out.
-    name : of the room.
-
-    Raises InputError for a surface that does not face into the half space.
 
     Notes
     -----
     A force of 1 N rms; of its peak value the power is half as much. The air takes nothing from the motion.
     """
-    points, shapes, weights = (
-        room_coordinates(surface, space, name=name),
-        ceiling_shapes(basis, surface),
-        surface.weights,
-    )
+    moved, air = side_by_side(room.shapes(basis)), room.room.air
+    points, shapes, weights = moved.points, moved.shapes, moved.weights
     moving = 2j * np.pi * frequency_hz * modal_amplitudes(basis, drive, frequency_hz)
-    plane = plane_wave_power(weights, shapes, moving, space.air)
-    power = radiated_power(points, weights, shapes, moving, frequency_hz, space.air)
+    plane = plane_wave_power(weights, shapes, moving, air)
+    power = radiated_power(points, weights, shapes, moving, frequency_hz, air)
     shown = np.array(pattern_hz or loudest(frequency_hz, power, SHOWN))
     rates = 2j * np.pi * shown * modal_amplitudes(basis, drive, shown) * np.sqrt(2)
     answer = PowerResponse(
         power=2 * power,
         efficiency=np.divide(power, plane, out=np.full_like(power, np.nan), where=plane > 0),
         put_in=(drive.of(basis.shapes) @ moving).real,
-        pattern=radiation_pattern(points, weights, shapes, rates, shown, space.air, surface.normal, surface.along),
+        pattern=radiation_pattern(points, weights, shapes, rates, shown, air, room.first.normal, room.first.along),
     )
-    return answer, (*_coarse(surface, space, float(frequency_hz.max())), *_beyond(basis, float(frequency_hz.max())))
+    return answer, (*_coarse(weights, air, float(frequency_hz.max())), *_beyond(basis, float(frequency_hz.max())))
 
 
 def radiated_by(
-    response: Response, surface: Surface, space: HalfSpace, pattern_hz: Sequence[float] = (), name: str = ""
+    response: Response, room: Placed, pattern_hz: Sequence[float] = ()
 ) -> tuple[Radiated, tuple[Advice | Finding, ...]]:
     """What a surface radiates into a half space while a structure moves as simulated, and reasons to believe it less.
 
-    pattern_hz, name : as of `power_per_force`.
+    room, pattern_hz : as of `power_per_force`.
     """
-    moving = surface_velocity(response, surface, space, name=name)
-    whole = radiated_energy(moving, space.air)
+    moving, air = together(surface_velocity(response, room)), room.room.air
+    whole = radiated_energy(moving, air)
     energy = ended_energy(whole, response.basis.complete_below_hz)
     end = response.ledger.end
     shown = np.array(pattern_hz or energy.loudest_hz(SHOWN))
@@ -109,15 +101,15 @@ def radiated_by(
         energy,
         end.structure + end.lost_modes,
         radiation_pattern(
-            moving.points, moving.weights, moving.shapes, rates, shown, space.air, surface.normal, surface.along
+            moving.points, moving.weights, moving.shapes, rates, shown, air, room.first.normal, room.first.along
         ),
     )
     return found, (*energy.findings, *_modes_missing(whole, response.basis))
 
 
-def _coarse(surface: Surface, space: HalfSpace, highest_hz: float) -> tuple[Advice, ...]:
-    apart = float(np.sqrt(surface.weights.max()))
-    wave = space.air.c / highest_hz
+def _coarse(weights: Floats, air: Air, highest_hz: float) -> tuple[Advice, ...]:
+    apart = float(np.sqrt(weights.max()))
+    wave = air.c / highest_hz
     if wave >= POINTS_PER_WAVE * apart:
         return ()
     return (

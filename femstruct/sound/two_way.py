@@ -3,24 +3,22 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from math import isfinite
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import block_diag, eigh
 
-from acoustics.meshed.meshed_room import ShapedRoom
-from acoustics.meshed.meshed_two_way import coupled_cavity
-from acoustics.meshed.walls import YieldingWall
-from acoustics.rooms.box import Enclosed, Room
-from acoustics.rooms.box_two_way import CoupledAir, Leak, coupled_air
+from acoustics.fields.sound_field import SoundField
+from acoustics.rooms.box_two_way import CoupledAir, Leak
+from acoustics.source import SurfaceShapes, side_by_side
 from femstruct.arrays import Floats
-from femstruct.errors import InputError
+from femstruct.errors import Finding, InputError
 from femstruct.modal.basis import ForceRow, Holder, Kind, ModalBasis
 from femstruct.modal.solve import signed
-from femstruct.model.probe import Surface
-from femstruct.sound.surface import ceiling_shapes, room_coordinates
-from femstruct.sound.two_way_findings import cut, of_walls, what_it_did
+from femstruct.sound.placed import Placed
+from femstruct.sound.two_way_findings import cut, what_it_did
 
 Bools = NDArray[np.bool_]
 FEEBLE: Final = 1e-3  # of the structure's motion: damping between modes that makes less is left out
@@ -30,30 +28,23 @@ _NONE: Final = 1e-9  # share of a surface's motion below which it displaces no v
 
 
 def with_cavity(
-    basis: ModalBasis,
-    surface: Surface,
-    room: Room | ShapedRoom,
-    offset: tuple[float, float] = (0.0, 0.0),
-    *,
-    leak: Leak | None = None,
-    up_to_hz: float | None = None,
-    name: str = "room",
+    basis: ModalBasis, placed: Placed, *, leak: Leak | None = None, up_to_hz: float | None = None
 ) -> ModalBasis:
-    """The basis of a structure and the air of the closed room under one of its surfaces: real, mass-normalised modes.
+    """The basis of a structure and the air of the closed room beside its surfaces: real, mass-normalised modes.
 
     basis : in vacuo, with the damping that belongs to the structure alone: a damping ratio measured with the air in
         place would be another.
-    offset : of the surface's centre from the ceiling's centre, room axes [m].
+    placed : the room; under its name the leak's volume is kept in `volumes`.
     leak : an opening of the room to still air outside.
     up_to_hz : cavity modes up to it are coordinates of their own, the others added mass; left out: as far as the
         structure's modes are complete, and at most the 300 lowest.
-    name : of the room, for findings, and under which the leak's volume is kept in `volumes`.
 
     Returns a ModalBasis of k + n modes, k of the structure with its residual vectors and n of the room, with one more
     for a leak, and one for every shape in which walls yield. Its shapes are the motion of the structure in each; modes
     of the air move it little. It may be coupled to another room in turn.
 
-    Raises InputError as `room_coordinates` does, and when a basis without end (closed form) is given no `up_to_hz`.
+    Raises InputError when a basis without end (closed form) is given no `up_to_hz`, AcousticsError for a kind of room
+    that does not push back.
 
     Notes
     -----
@@ -74,37 +65,36 @@ def with_cavity(
     which moves with it:
 
     >>> from scipy.sparse import csr_array
+    >>> from acoustics.fields.rectangular import Room
     >>> from femstruct.modal.analytic import oscillator
+    >>> from femstruct.model.probe import Surface
+    >>> from femstruct.sound.placed import placed
     >>> square, points = oscillator(1.0, frequency_hz=0.0, axis="z")
-    >>> below = Surface("below", [[0, 0, 0]], [0.25], [0, 0, -1], [-0.25, -0.25, 0], [[1, 0, 0], [0, 1, 0]],
-    ...                 [0.5, 0.5], csr_array([[0, 0, -1.0, 0, 0, 0, 0]]))
-    >>> floating = with_cavity(square, below, Room([0.5, 0.5, 2.0]), up_to_hz=30.0)
+    >>> corners = [[-0.25, -0.25, 0], [0.25, -0.25, 0], [0.25, 0.25, 0], [-0.25, 0.25, 0]]
+    >>> below = Surface("below", [[0, 0, 0]], [0.25], [[0, 0, -1]], [[1, 0, 0], [0, 1, 0]], corners,
+    ...                 csr_array([[0, 0, -1.0, 0, 0, 0, 0]]))
+    >>> floating = with_cavity(square, placed(Room([0.5, 0.5, 2.0]), below), up_to_hz=30.0)
     >>> floating.n_rigid, floating.frequency_hz.round(1)
     (0, array([19.4]))
     """
-    known = isinstance(room, ShapedRoom)  # a room that has its own limit
-    if up_to_hz is None and not known and not 0 < basis.complete_below_hz < np.inf:
+    room, name = placed.room, placed.name
+    if up_to_hz is None and not isfinite(room.complete_up_to_hz) and not 0 < basis.complete_below_hz < np.inf:
         raise InputError(
             f"rooms.{name}",
             got="a basis in closed form",
             expected="a frequency up to which the room's modes are kept",
             do="give up_to_hz",
         )
-    points = room_coordinates(surface, room, offset, name)
-    shapes = ceiling_shapes(basis, surface)
+    surfaces = placed.shapes(basis)
     omega, viscous = basis.omega, basis.viscous
     if leak is not None:
-        outflow = np.full((len(shapes), 1), -1.0 / (np.sqrt(leak.inertance) * float(surface.weights.sum())))
-        shapes = np.concatenate([shapes, outflow], axis=1)
+        surfaces = _leaking(surfaces, leak)
         omega, viscous = np.append(omega, 0.0), block_diag(viscous, np.array([[leak.resistance / leak.inertance]]))
     reach = up_to_hz or basis.complete_below_hz
-    if isinstance(room, ShapedRoom):
-        reach = reach if 0 < reach < np.inf else room.up_to_hz or room.carried_hz
-        air = coupled_cavity(room, points, surface.weights, shapes, reach)
-    else:
-        air = coupled_air(room, points, surface.weights, shapes, reach)
+    reach = reach if 0 < reach < np.inf else room.complete_up_to_hz
+    air = room.coupled_air(surfaces, reach)
     free = np.append(np.array([kind == "rigid" for kind in basis.kind], dtype=bool), [True] * (leak is not None))
-    n_rigid = int(free.sum()) - _resisted(air.compression[0, : len(omega)] * free, shapes, surface.weights, room)
+    n_rigid = int(free.sum()) - _resisted(air.compression[0, : len(omega)] * free, side_by_side(surfaces), room)
     coupled, turn = _coupled_modes(omega, air, n_rigid)
     k, own = len(basis.omega), turn[: len(basis.omega)]
     residual = np.zeros(len(coupled), dtype=bool)
@@ -122,7 +112,7 @@ def with_cavity(
     in_time = viscous + np.divide(hysteretic, scale, out=np.zeros_like(scale), where=scale > 0)
     stray = _stray(in_time, coupled, own[basis.modes], ~residual)
     # The resistance of a leak or of a wall that yields is a dashpot, never a modal ratio.
-    kept = stray >= FEEBLE or leak is not None or bool(basis.volumes) or _has_dashpots(room)
+    kept = stray >= FEEBLE or leak is not None or bool(basis.volumes) or air.resisted
     dashpots = own.T @ basis.dashpots @ own
     if not kept:
         viscous, hysteretic, dashpots = (np.diag(np.diag(losses)) for losses in (viscous, hysteretic, dashpots))
@@ -147,9 +137,9 @@ def with_cavity(
         volumes={key: row @ own for key, row in basis.volumes.items()}
         | ({} if leak is None else {name: -turn[k] / np.sqrt(leak.inertance)}),
     )
-    told = (what_it_did(basis, joined, own, air, (stray, kept), name), *cut(air, reach))
-    if isinstance(room, ShapedRoom):
-        told = (*told, *of_walls(room, joined))
+    first_hz = float(joined.frequency_hz[np.array(kinds) == "elastic"][:1].sum())
+    advised = [Finding(one.code, one.message, one.values) for one in room.coupling_advice(first_hz)]
+    told = (what_it_did(basis, joined, own, air, (stray, kept), name), *cut(air, reach), *advised)
     return replace(joined, findings=(*basis.findings, *told))
 
 
@@ -171,16 +161,19 @@ def _holders(
     }
 
 
-def _has_dashpots(room: Enclosed) -> bool:
-    """Whether walls of the room yield with a resistance."""
-    walls = room.walls.values() if isinstance(room, ShapedRoom) else ()
-    return any(isinstance(wall, YieldingWall) and wall.resistance > 0 for wall in walls)
+def _leaking(surfaces: list[SurfaceShapes], leak: Leak) -> list[SurfaceShapes]:
+    """The surfaces with one more coordinate: the plug of a leak, whose flow is spread over the first of them."""
+    flow = [-1.0 / (np.sqrt(leak.inertance) * surfaces[0].area)] + [0.0] * (len(surfaces) - 1)
+    plugged = [
+        np.hstack([one.shapes, np.full((len(one.shapes), 1), out)]) for one, out in zip(surfaces, flow, strict=True)
+    ]
+    return [replace(one, shapes=own) for one, own in zip(surfaces, plugged, strict=True)]
 
 
-def _resisted(volume: Floats, shapes: Floats, weights: Floats, room: Enclosed) -> int:
+def _resisted(volume: Floats, moving: SurfaceShapes, room: SoundField) -> int:
     """1 if a free motion compresses the air, 0 if none does."""
     root = np.sqrt(room.air.bulk_modulus / room.volume)
-    largest = root * (weights @ np.abs(shapes))
+    largest = root * (moving.weights @ np.abs(moving.shapes))
     return int((np.abs(volume) > _NONE * largest).any())
 
 

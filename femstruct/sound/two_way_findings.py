@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from acoustics.meshed.absorbing_walls import COUPLED, absorbed, coupling
-from acoustics.meshed.meshed_room import ShapedRoom
 from acoustics.rooms.box_two_way import CoupledAir
 from femstruct.arrays import Floats
 from femstruct.errors import Finding
@@ -25,27 +23,6 @@ def cut(air: CoupledAir, asked_hz: float) -> tuple[Finding, ...]:
             "Hz, the last mode of the structure, the air acts as a mass only: resonances of the room affect the sound "
             "at the receivers, not the structure",
             {"cavity_modes_up_to_hz": kept, "asked_hz": asked_hz},
-        ),
-    )
-
-
-def of_walls(room: ShapedRoom, joined: ModalBasis) -> tuple[Finding, ...]:
-    """A finding when what the walls take up is more than the damping of each mode by itself."""
-    taken = absorbed(room.modes, room.walls, room.air)
-    coupled = coupling(room.modes, taken, room.air)
-    rate = room.air.c * float(taken[0, 0])  # at which walls let go of uniform pressure [1/s]
-    elastic = joined.omega[np.array(joined.kind) == "elastic"]
-    lost = rate / float(elastic[0]) if elastic.size else 0.0
-    if coupled <= COUPLED and lost <= COUPLED:
-        return ()
-    return (
-        Finding(
-            "two-way-absorption",
-            f"The walls couple two room modes by {coupled:.2g} of the distance of their frequencies, and would absorb "
-            f"uniform pressure with a loss factor of {lost:.2g} at the first mode, {elastic[0] / (2 * np.pi):.4g} Hz. "
-            f"Above {COUPLED:g}, two-way coupling is a rough approximation: its walls damp each room mode separately "
-            "and do not damp uniform pressure. One-way coupling includes both, but not the reaction of the air",
-            {"coupling": coupled, "uniform_loss_factor": lost, "allowed": COUPLED},
         ),
     )
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from acoustics.levels.rated import RatedRoom
 from acoustics.levels.sound_levels import Levels
-from acoustics.rooms.box_pressure import RoomResponse
+from acoustics.room_response import RoomResponse
 from femstruct.arrays import Floats
 from femstruct.errors import Finding
 from femstruct.impact.estimate import ErrorEstimate

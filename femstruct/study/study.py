@@ -7,17 +7,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from math import inf
 from typing import TYPE_CHECKING, Literal
 
+from femstruct.errors import FemstructError
 from femstruct.modal.damping import Damping
 from femstruct.model.region import Pair, Vector
 from femstruct.study.structures import StructureModel
 
 if TYPE_CHECKING:  # a model's modes need none of these
-    from acoustics.meshed.meshed_room import ShapedRoom
-    from acoustics.open_air.half_space import HalfSpace
-    from acoustics.rooms.box import Receiver, Room
+    from acoustics.fields.sound_field import SoundField
+    from acoustics.receivers import Receiver
     from acoustics.rooms.box_two_way import Leak
     from femstruct.impact.laws.law import Law
     from femstruct.impact.scene.bodies import HalfSine, Table
@@ -219,8 +218,7 @@ class Limit:
 class RoomPlan:
     """A room under a radiating surface, or the half space beside it, and who listens there.
 
-    under : the surface.
-
+    under : the surface that places it. walls : further surfaces, by the wall of the room that they move.
     offset : of the surface's centre from the ceiling's centre [m], room axes.
     coupling : one-way, the air does not push back, or two-way. leak : of a room that pushes back.
     t60_asked : reverberation times that its losses were made from {frequency [Hz]: [s]}, empty for other losses.
@@ -230,7 +228,7 @@ class RoomPlan:
     """
 
     name: str
-    room: Room | ShapedRoom | HalfSpace
+    room: SoundField
     under: str
     receivers: tuple[Receiver, ...]
     offset: Pair = (0.0, 0.0)
@@ -240,6 +238,13 @@ class RoomPlan:
     levels: tuple[str, ...] = ()
     animate: tuple[float | None, ...] = ()
     directivity: tuple[float, ...] = ()
+    walls: Mapping[str, str] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        if self.coupling == "two-way" and not self.room.pushes_back:
+            raise FemstructError(
+                f"rooms.{self.name}.coupling", got=f"two-way with {self.room.word}", expected="one-way"
+            )
 
     def heard_to_hz(self, complete_below_hz: float) -> float:
         """Where what is heard of a structure ends [Hz] whose modes are complete below a frequency."""
@@ -247,10 +252,8 @@ class RoomPlan:
 
     @property
     def complete_below_hz(self) -> float:
-        """Where the room's own modes end [Hz]; of a box or the half space there is no end."""
-        from acoustics.meshed.meshed_room import ShapedRoom
-
-        return self.room.up_to_hz or self.room.carried_hz if isinstance(self.room, ShapedRoom) else inf
+        """Where what the room knows of itself ends [Hz], infinite without an end."""
+        return self.room.complete_up_to_hz
 
 
 @dataclass(frozen=True)

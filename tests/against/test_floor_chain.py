@@ -19,8 +19,8 @@ from scipy.interpolate import CubicHermiteSpline
 from scipy.signal import cont2discrete, lfilter
 
 from acoustics.levels.ending import ended
-from acoustics.rooms.box import Receiver
-from acoustics.rooms.box_pressure import RoomResponse
+from acoustics.receivers import Receiver
+from acoustics.room_response import RoomResponse
 from femstruct.files.results import write_results
 from femstruct.language import read_study
 from femstruct.study.result import StudyResult

@@ -22,6 +22,7 @@ from acoustics.meshed.cavity_mesh import CavityMesh, box_mesh
 from acoustics.meshed.finite_elements import cavity_modes, drive, probe, wall_integrals
 from acoustics.meshed.meshed_pressure import cavity_pressure
 from acoustics.meshed.walls import Wall, absorbing, random_incidence_absorption
+from acoustics.source import SurfaceShapes
 
 FS = 48e3
 BOX = (0.58, 0.47, 0.1)
@@ -93,7 +94,7 @@ def test_volume_is_conserved_by_surfaces_that_do_not_match():
     rng = np.random.default_rng(2)
     points = np.column_stack([rng.uniform(0, BOX[:2], (57, 2)), np.full(57, BOX[2])])
     weights, shapes = rng.uniform(0, 1, 57), rng.normal(size=(57, 3))
-    loads = drive(modes, points, weights, shapes)
+    loads = drive(modes, SurfaceShapes(points, weights, shapes))
     np.testing.assert_allclose(loads.sum(axis=0), weights @ shapes, rtol=1e-12, atol=1e-12)
 
 
@@ -265,7 +266,7 @@ def test_what_is_no_room_is_refused():
         CavityMesh(mesh.points, mesh.cells, {"odd": [[0, 1, 2, 6]]})
     modes = cavity_modes(box_mesh((1, 1, 1), (2, 2, 2)), 4.0)
     with pytest.raises(AcousticsError, match="a point on the boundary"):
-        drive(modes, np.array([[0.5, 0.5, 0.9]]), np.ones(1), np.ones((1, 1)))
+        drive(modes, SurfaceShapes([[0.5, 0.5, 0.9]], [1], [[1]]))
     with pytest.raises(AcousticsError, match="outside the cavity"):
         probe(mesh, np.array([[0.5, 0.5, 1.9]]))
     with pytest.raises(AcousticsError, match="finer mesh"):

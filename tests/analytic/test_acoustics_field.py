@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 from scipy.special import j1, struve
 
-from acoustics import AcousticsError, Air, Receiver, SurfaceVelocity
-from acoustics.open_air.half_space import HalfSpace, field_pressures, harmonic_field
+from acoustics import AcousticsError, Air, Receiver, SurfaceVelocity, SurfaceVibration
+from acoustics.fields.half_space import HalfSpace
 from acoustics.open_air.radiated_power import radiated_power, radiation_efficiency, radiation_impedance, radiation_modes
+from acoustics.open_air.rayleigh import field_pressures, harmonic_field
 
 AIR = Air(343.0, 1.21)
 RADIUS = 0.1
@@ -41,7 +42,7 @@ def test_piston_on_its_axis():
     heights = [0.05, 0.2, 1.0]
     shapes = np.ones((len(points), 1))
     receivers = [Receiver(str(z), [0, 0, z]) for z in heights]
-    heard, _ = harmonic_field(HalfSpace(AIR), points, weights, shapes, np.ones((1, 4), complex), f, receivers)
+    heard, _ = harmonic_field(SurfaceVibration(points, weights, shapes, np.ones((1, 4)), f), HalfSpace(AIR), receivers)
     k = 2 * np.pi * f / AIR.c
     for z, p in zip(heights, heard, strict=True):
         exact = AIR.rho * AIR.c * (np.exp(-1j * k * z) - np.exp(-1j * k * np.hypot(z, RADIUS)))
@@ -83,9 +84,8 @@ def test_directivity_of_a_piston():
     theta = np.radians([0.0, 15.0, 30.0, 45.0, 60.0, 80.0])
     receivers = [Receiver(f"{t:.2f}", [far * np.sin(t), 0, far * np.cos(t)]) for t in theta]
     shapes, rates = still(len(points))
-    heard, _ = harmonic_field(
-        HalfSpace(AIR), points, weights, shapes, rates, np.array([k * AIR.c / 2 / np.pi]), receivers
-    )
+    moving = SurfaceVibration(points, weights, shapes, rates, [k * AIR.c / 2 / np.pi])
+    heard, _ = harmonic_field(moving, HalfSpace(AIR), receivers)
     x = k * RADIUS * np.sin(theta[1:])
     assert np.abs(heard[1:, 0] / heard[0, 0]).tolist() == pytest.approx(
         np.abs(2 * j1(x) / x).tolist(), abs=1e-4
@@ -159,9 +159,10 @@ def test_what_is_too_coarse_or_too_near_is_told_with_both_numbers():
         (500.0, 0.1, {"field-receiver-near"}),
     ):
         mic = [Receiver("mic", [0, 0, z])]
-        _, told = harmonic_field(space, points, weights, shapes, rates, np.array([f]), mic)
+        _, told = harmonic_field(SurfaceVibration(points, weights, shapes, rates, [f]), space, mic)
         assert {one.code for one in told} == codes
-    _, (coarse,) = harmonic_field(space, points, weights, shapes, rates, np.array([600.0]), [Receiver("m", [0, 0, 1])])
+    moving = SurfaceVibration(points, weights, shapes, rates, [600.0])
+    _, (coarse,) = harmonic_field(moving, space, [Receiver("m", [0, 0, 1])])
     assert coarse.values == pytest.approx({"points_per_wave": 343 / 600 / 0.1, "needed": 6.0})
     assert "5.7 points a wavelength, 6 are needed" in coarse.message
 
@@ -171,11 +172,12 @@ def test_what_is_no_half_space_is_refused():
     shapes, rates = still(4)
     f = np.array([100.0])
     with pytest.raises(AcousticsError, match=r"receiver mic: got .* 1 m behind the surface"):
-        harmonic_field(HalfSpace(AIR), points, weights, shapes, rates, f, [Receiver("mic", [0, 0, -1])])
-    with pytest.raises(AcousticsError, match="off the plane"):
         harmonic_field(
-            HalfSpace(AIR), points + np.array([0, 0, 0.1]), weights, shapes, rates, f, [Receiver("mic", [0, 0, 1])]
+            SurfaceVibration(points, weights, shapes, rates, f), HalfSpace(AIR), [Receiver("mic", [0, 0, -1])]
         )
+    with pytest.raises(AcousticsError, match="off the plane"):
+        off = SurfaceVibration(points + np.array([0, 0, 0.1]), weights, shapes, rates, f)
+        harmonic_field(off, HalfSpace(AIR), [Receiver("mic", [0, 0, 1])])
     with pytest.raises(AcousticsError, match="a unit vector"):
         HalfSpace(AIR, [0, 0, 2])
 

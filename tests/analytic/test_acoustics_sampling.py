@@ -57,7 +57,7 @@ def test_several_motions_of_one_ceiling_are_heard_as_each_alone() -> None:
         shared = pressures(moving, ROOM, HERE, orders=9)[moving.index(surface)].p
         np.testing.assert_allclose(shared, exact, rtol=0, atol=1e-12 * np.abs(exact).max())
     other = SurfaceVelocity(points, np.full(x.size, 1 / 16), 2 * shapes, [pulse, pulse], 1 / 4e3)
-    with pytest.raises(AcousticsError, match="the same ceiling"):
+    with pytest.raises(AcousticsError, match="motions of one surface"):
         pressures([moving[0], other], ROOM, HERE)
     with pytest.raises(AcousticsError, match="surfaces: got none"):
         pressures([], ROOM, HERE)

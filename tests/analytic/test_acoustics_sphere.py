@@ -8,8 +8,8 @@ from numpy.polynomial.legendre import leggauss
 from scipy.special import zeta
 
 from acoustics import AcousticsError, Air, Receiver
+from acoustics.fields.half_space import HalfSpace
 from acoustics.open_air import multipoles, sphere
-from acoustics.open_air.half_space import HalfSpace
 from acoustics.open_air.sphere import HIGHEST_KA, Sphere, sphere_pressures, sphere_transfer
 
 AIR = Air(343.0, 1.21)

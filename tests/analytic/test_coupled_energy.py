@@ -14,7 +14,8 @@ from scipy.integrate import solve_ivp
 from scipy.sparse import csr_array
 
 from acoustics import Air, ShapedRoom, YieldingWall, box_mesh
-from acoustics.rooms.box import Losses, Room, losses_from_beta
+from acoustics.fields.rectangular import Room
+from acoustics.losses import Losses, losses_from_beta
 from acoustics.rooms.box_two_way import Leak
 from femstruct.impact.result.shares import held_over_time, mode_energies
 from femstruct.impact.scene.bodies import Clock, HalfSine, Load, Scene
@@ -22,6 +23,7 @@ from femstruct.impact.simulate import simulate
 from femstruct.modal.analytic import oscillator
 from femstruct.modal.basis import ModalBasis
 from femstruct.model.probe import Surface
+from femstruct.sound.placed import placed
 from femstruct.sound.two_way import with_cavity
 
 LX, LY, L, MASS, STIFFNESS = 0.58, 0.47, 0.1, 29.68, 4.641e5
@@ -39,13 +41,14 @@ def underside() -> Surface:
     area = np.outer(0.5 * LX * parts, 0.5 * LY * parts).ravel()
     rows = csr_array(np.tile([[0, 0, -1.0, 0, 0, 0, 0]], (len(x), 1)))
     points = np.column_stack([x, y, 0 * x])
-    return Surface("under", points, area, [0, 0, -1], [-LX / 2, LY / 2, 0], [[1, 0, 0], [0, -1, 0]], [LX, LY], rows)
+    corners = np.array([[-1, 1, 0], [1, 1, 0], [1, -1, 0], [-1, -1, 0]]) * [LX / 2, LY / 2, 0]
+    return Surface("under", points, area, np.tile([0, 0, -1], (len(x), 1)), [[1, 0, 0], [0, -1, 0]], corners, rows)
 
 
 def over(wall: YieldingWall | None, air: Air = FAST) -> ModalBasis:
     walls = {} if wall is None else {"z0": wall}
     room = ShapedRoom(box_mesh((LX, LY, L), (1, 1, 3)), "z1", air, Losses(), walls, 1000.0)
-    return with_cavity(PISTON, underside(), room, name="box")
+    return with_cavity(PISTON, placed(room, underside(), name="box"))
 
 
 def by_hand(wall: YieldingWall, t: np.ndarray) -> dict[str, np.ndarray]:
@@ -94,8 +97,8 @@ def test_a_leak_and_two_rooms() -> None:
     """The plug of a leak is air; a second room leaves what the first holds with it."""
     air = Air(340.0, 1.29)
     first = Room([LX, LY, L], air, losses_from_beta(0.01, 300.0))
-    leaking = with_cavity(PISTON, underside(), first, leak=Leak(20.0, 2000.0), name="box", up_to_hz=1000.0)
-    both = with_cavity(leaking, underside(), Room([LX, LY, 0.2], air), name="hall", up_to_hz=1000.0)
+    leaking = with_cavity(PISTON, placed(first, underside(), name="box"), leak=Leak(20.0, 2000.0), up_to_hz=1000.0)
+    both = with_cavity(leaking, placed(Room([LX, LY, 0.2], air), underside(), name="hall"), up_to_hz=1000.0)
     assert list(both.holders) == ["structure", "air of box", "air of hall"]
     for basis in (leaking, both):
         inertia, stiffness = (

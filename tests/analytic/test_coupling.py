@@ -18,10 +18,12 @@ from scipy.optimize import brentq
 from scipy.sparse import csr_array
 
 from acoustics.air import Air
+from acoustics.fields.rectangular import Room
+from acoustics.fields.shaped import ShapedRoom
+from acoustics.losses import Losses, losses_from_beta, losses_from_loss_factor, losses_from_t60
 from acoustics.meshed.cavity_mesh import box_mesh
-from acoustics.meshed.meshed_room import ShapedRoom
 from acoustics.meshed.walls import Wall
-from acoustics.rooms.box import Losses, Receiver, Room, losses_from_beta, losses_from_loss_factor, losses_from_t60
+from acoustics.receivers import Receiver
 from acoustics.rooms.box_pressure import pressure
 from acoustics.rooms.box_two_way import Leak
 from femstruct.assembly.assemble import assemble
@@ -37,7 +39,8 @@ from femstruct.modal.reduction import modal_basis
 from femstruct.model.mesher import mesh_structure
 from femstruct.model.probe import Surface
 from femstruct.model.structure import Structure
-from femstruct.sound.surface import heard, pressure_per_force, surface_velocity
+from femstruct.sound.placed import placed
+from femstruct.sound.surface import pressure_per_force, surface_velocity
 from femstruct.sound.two_way import with_cavity
 from femstruct.workflow.stages.coupled_air import static_stiffness
 
@@ -58,7 +61,8 @@ def underside(n: int = 16) -> Surface:
     area = np.outer(0.5 * LX * weights, 0.5 * LY * weights).ravel()
     rows = csr_array(np.tile([[0, 0, -1.0, 0, 0, 0, 0]], (len(x), 1)))
     points = np.column_stack([x, y, 0 * x])
-    return Surface("under", points, area, [0, 0, -1], [-LX / 2, LY / 2, 0], [[1, 0, 0], [0, -1, 0]], [LX, LY], rows)
+    corners = np.array([[-1, 1, 0], [1, 1, 0], [1, -1, 0], [-1, -1, 0]]) * [LX / 2, LY / 2, 0]
+    return Surface("under", points, area, np.tile([0, 0, -1], (len(x), 1)), [[1, 0, 0], [0, -1, 0]], corners, rows)
 
 
 def piston(ratio: float = 0.0) -> ModalBasis:
@@ -69,10 +73,10 @@ PLACE = oscillator(MASS, stiffness=STIFFNESS, axis="z")[1]["m"].probe("z")
 
 
 def test_static_stiffness_of_a_piston_is_that_of_its_springs() -> None:
-    sealed = with_cavity(piston(), underside(), box(), up_to_hz=1000.0)
+    sealed = with_cavity(piston(), placed(box(), underside()), up_to_hz=1000.0)
     assert static_stiffness(piston(), PLACE) == pytest.approx(STIFFNESS, rel=1e-12)
     assert static_stiffness(sealed, PLACE) == pytest.approx(STIFFNESS + BULK * S / L, rel=1e-9)
-    leaking = with_cavity(piston(), underside(), box(), leak=Leak(20.0, 2000.0), up_to_hz=1000.0)
+    leaking = with_cavity(piston(), placed(box(), underside()), leak=Leak(20.0, 2000.0), up_to_hz=1000.0)
     assert static_stiffness(leaking, PLACE) == pytest.approx(STIFFNESS, rel=1e-9)
     assert static_stiffness(oscillator(MASS, frequency_hz=0.0, axis="z")[0], PLACE) == 0.0
 
@@ -100,7 +104,7 @@ def test_sealed_box(up_to: float, first: float, second: float | None) -> None:
 
     exact = root(25.0, 30.0), root(1700.01, 1710.0)  # a pole of the cotangent is at 1700
     assert exact == pytest.approx((27.253028, 1700.2041), rel=5e-8)  # independent, of their digits
-    basis = with_cavity(piston(), underside(), box(), up_to_hz=up_to)
+    basis = with_cavity(piston(), placed(box(), underside()), up_to_hz=up_to)
     assert basis.frequency_hz[0] == pytest.approx(exact[0], rel=first)
     if second is not None:
         assert np.abs(basis.frequency_hz / exact[1] - 1).min() < second
@@ -118,12 +122,12 @@ def test_sealed_box_of_finite_elements() -> None:
     """
     exact = brentq(lambda f: dynamic(np.array(2j * np.pi * f), Losses()).real, 25.0, 30.0, xtol=1e-12)
     room = ShapedRoom(box_mesh((LX, LY, L), (4, 3, 2)), "z1", Air(C, RHO), up_to_hz=500.0)
-    basis = with_cavity(piston(), underside(), room)
+    basis = with_cavity(piston(), placed(room, underside()))
     assert basis.frequency_hz[0] == pytest.approx(exact, rel=1e-6)
     # modes that the room has and the coupling leaves out are a mass, whether or not they were found
     more = replace(room, up_to_hz=2000.0)
     assert len(more.frequency_hz) > len(room.frequency_hz) + 10
-    basis = with_cavity(piston(), underside(), more, up_to_hz=500.0)
+    basis = with_cavity(piston(), placed(more, underside()), up_to_hz=500.0)
     assert basis.frequency_hz[0] == pytest.approx(exact, rel=1e-6)
 
 
@@ -137,7 +141,7 @@ def test_a_wall_that_takes_up_sound_pushes_back_less(beta: float, rough: bool) -
     """
     wall = {"z0": Wall({100.0: beta})}
     room = ShapedRoom(box_mesh((LX, LY, L), (4, 3, 4)), "z1", Air(C, RHO), walls=wall, up_to_hz=3500.0)
-    basis = with_cavity(piston(0.03), underside(), room)
+    basis = with_cavity(piston(0.03), placed(room, underside()))
 
     def pressed(f: np.ndarray) -> np.ndarray:
         """Pressure on the piston over its displacement into the room."""
@@ -175,13 +179,13 @@ def test_frequency_responses(law: str) -> None:
     3e-6 of the largest: two cavity modes along z are kept, the others follow statically (as omega^4 / omega_3^4).
     """
     losses = LOSSES[law]
-    basis = with_cavity(piston(0.03), underside(), box(losses), up_to_hz=3500.0)
+    basis = with_cavity(piston(0.03), placed(box(losses), underside()), up_to_hz=3500.0)
     f = np.concatenate([np.linspace(1, 60, 200), np.linspace(60, 400, 50)])
     s = 2j * np.pi * f
     exact = 1 / dynamic(s, losses, 0.03)
     assert np.abs(frf(basis, PLACE, PLACE, f) - exact).max() < 1e-6 * np.abs(exact).max()
     heard, _ = pressure_per_force(
-        basis, PLACE, underside(), box(losses), [Receiver(f"{z:g}", [0.2, 0.1, z]) for z in (0.0, 0.06, L)], f
+        basis, PLACE, placed(box(losses), underside()), [Receiver(f"{z:g}", [0.2, 0.1, z]) for z in (0.0, 0.06, L)], f
     )
     for z, p in zip((0.0, 0.06, L), heard, strict=True):
         wanted = -column(s, losses, z) * exact  # a force up moves the ceiling out of the room
@@ -192,13 +196,13 @@ def test_frequency_responses(law: str) -> None:
 def test_blow_in_time_and_frequency(law: str) -> None:
     """A half-sine of 5 ms: the engine and the room's formula against the exact equation on a shifted frequency axis."""
     losses, fs, T = LOSSES[law], 48e3, 0.5
-    basis = with_cavity(piston(0.03), underside(), box(losses), up_to_hz=1750.0)
+    basis = with_cavity(piston(0.03), placed(box(losses), underside()), up_to_hz=1750.0)
     push = Load("push", PLACE, HalfSine(-100.0, 100.0))
     response = simulate(basis, Scene(loads=(push,)), Clock(T, fs))
     assert response.ledger.residual < 1e-9
     assert response.ledger.dissipated[-1] > 0.5 * response.ledger.work[-1]
     mic = Receiver("mic", [0.29, 0.235, 0.05])
-    sound = pressure(surface_velocity(response, underside(), box(losses)), box(losses), [mic])
+    sound = pressure(*surface_velocity(response, placed(box(losses), underside())), box(losses), [mic])
     n, a = len(response.t), 7 / T
     s = a + 2j * np.pi * np.fft.rfftfreq(4 * n, 1 / fs)
     omega = 2 * np.pi * 100.0
@@ -212,7 +216,7 @@ def test_blow_in_time_and_frequency(law: str) -> None:
     # 1e-4: damping off the diagonal of the modes is left out, and the half-sine's kink is sampled
     assert np.abs(sound.p[0] - p)[early].max() < 1e-4 * np.abs(p).max()
     alone = simulate(piston(0.03), Scene(loads=(push,)), Clock(T, fs))
-    deaf = pressure(surface_velocity(alone, underside(), box(losses)), box(losses), [mic])
+    deaf = pressure(*surface_velocity(alone, placed(box(losses), underside())), box(losses), [mic])
     assert np.abs(sound.p).max() / np.abs(deaf.p).max() - 1 < -0.2  # the air pushes back
 
 
@@ -224,12 +228,12 @@ def test_what_the_room_takes_is_what_the_structure_loses(law: str, shape: str) -
     room: Room | ShapedRoom = box(losses)
     if shape == "cells":
         room = ShapedRoom(box_mesh((LX, LY, L), (4, 3, 3)), "z1", Air(C, RHO), losses, up_to_hz=1750.0)
-    basis = with_cavity(piston(), underside(), room, up_to_hz=1750.0)
+    basis = with_cavity(piston(), placed(room, underside()), up_to_hz=1750.0)
     push = Load("push", PLACE, HalfSine(-100.0, 100.0))
     response = simulate(basis, Scene(loads=(push,)), Clock(0.2, fs))
-    moving = surface_velocity(response, underside(), room)
+    (moving,) = surface_velocity(response, placed(room, underside()))
     places = moving.points if shape == "cells" else [[0.29, 0.2, L]]  # of a box it is the same all over the piston
-    (found,) = heard([moving], room, [Receiver("on the ceiling", place) for place in places])
+    (found,) = room.pressures([[moving]], [Receiver("on the ceiling", place) for place in places])
     row = -PLACE.of(basis.shapes)
     x, v = row @ response.q, row @ response.qd
     own = 0.5 * MASS * v**2 + 0.5 * STIFFNESS * x**2
@@ -255,7 +259,7 @@ def slit(gap: float) -> Leak:
 @pytest.mark.parametrize("gap", SLITS)
 def test_leak(gap: float) -> None:
     """Frequency and damping of heave by an independent calculation, to its digits; a slit of 1 mm is open at 20 Hz."""
-    basis = with_cavity(piston(), underside(), box(), leak=slit(gap), up_to_hz=500.0, name="box")
+    basis = with_cavity(piston(), placed(box(), underside(), name="box"), leak=slit(gap), up_to_hz=500.0)
     k = len(basis.omega)
     state = np.block([[np.zeros((k, k)), np.eye(k)], [-np.diag(basis.omega**2), -basis.viscous]])
     roots = np.linalg.eigvals(state)
@@ -275,28 +279,28 @@ def test_leak(gap: float) -> None:
     lumped = S / (V / BULK + 1 / (leak.inertance * s**2 + leak.resistance * s))
     assert np.abs(pressed / lumped - 1).max() < 0.02  # the column is 1/60 of a wave
     mic, middle = Receiver("mic", [0.29, 0.235, 0.05]), column(s, Losses(), 0.05) / stiff
-    heard, _ = pressure_per_force(basis, PLACE, underside(), box(), [mic], f, name="box")
+    heard, _ = pressure_per_force(basis, PLACE, placed(box(), underside(), name="box"), [mic], f)
     assert np.abs(heard[0] + middle * pressed * exact).max() < 1e-5 * np.abs(pressed * exact).max()
     assert np.abs(np.diag(np.diag(basis.viscous)) - basis.viscous).max() > 0.0  # a modal ratio would be wrong
 
 
 def test_rigid_modes_and_forces_of_the_ground() -> None:
     free, _ = oscillator(MASS, frequency_hz=0.0, axis="z")
-    closed = with_cavity(free, underside(), box(), up_to_hz=500.0)
+    closed = with_cavity(free, placed(box(), underside()), up_to_hz=500.0)
     assert closed.n_rigid == 0
     assert closed.kind[0] == "elastic"
-    open_ = with_cavity(free, underside(), box(), leak=Leak(100.0), up_to_hz=500.0)
+    open_ = with_cavity(free, placed(box(), underside()), leak=Leak(100.0), up_to_hz=500.0)
     assert (open_.n_rigid, open_.omega[0], open_.kind[0]) == (1, 0.0, "rigid")
     across = replace(free, shapes=free.shapes[:, [1, 2, 0, 3, 4, 5, 6]])  # moves along y: displaces nothing
-    assert with_cavity(across, underside(), box(), up_to_hz=500.0).n_rigid == 1
+    assert with_cavity(across, placed(box(), underside()), up_to_hz=500.0).n_rigid == 1
     # at rest under a force the ground and the air share it as their stiffnesses
-    basis = with_cavity(piston(), underside(), box(), up_to_hz=500.0)
+    basis = with_cavity(piston(), placed(box(), underside()), up_to_hz=500.0)
     air = BULK * S**2 / V
     share = frf(basis, PLACE, basis.outputs["ground.z"], [0.0], "transmissibility")[0]
     assert share.real == pytest.approx(STIFFNESS / (STIFFNESS + air), rel=1e-9)
     assert basis.momentum[2] @ basis.momentum[2] == pytest.approx(MASS, rel=1e-3)  # less the added mass
     with pytest.raises(InputError, match=r"rooms\.hall: got a basis in closed form.*give up_to_hz"):
-        with_cavity(piston(), underside(), box(), name="hall")
+        with_cavity(piston(), placed(box(), underside(), name="hall"))
 
 
 @pytest.mark.parametrize("resistance", [500.0, 2000.0])
@@ -325,7 +329,9 @@ def test_two_rooms_in_either_order() -> None:
     """Two boxes on one piston: the exact equation with both columns, whichever is coupled first."""
     low, high = box(), box(height=0.25)
     both = [
-        with_cavity(with_cavity(piston(), underside(), a, up_to_hz=800.0), underside(), b, up_to_hz=800.0)
+        with_cavity(
+            with_cavity(piston(), placed(a, underside()), up_to_hz=800.0), placed(b, underside()), up_to_hz=800.0
+        )
         for a, b in ((low, high), (high, low))
     ]
     assert both[0].frequency_hz == pytest.approx(both[1].frequency_hz, rel=1e-11)
@@ -412,9 +418,9 @@ def test_plate_on_a_cavity(plate, losses, air) -> None:  # type: ignore[no-untyp
     """
     vacuo, surface, drive = plate
     room = Room([1.0, 1.0, 2.0], AIR, losses)
-    basis = with_cavity(with_damping(vacuo, Damping(LossFactor(0.01))), surface, room, up_to_hz=600.0)
+    basis = with_cavity(with_damping(vacuo, Damping(LossFactor(0.01))), placed(room, surface), up_to_hz=600.0)
     f = np.arange(2.0, 401.0, 4.0)
-    found, advice = pressure_per_force(basis, drive, surface, room, RECEIVERS, f)
+    found, advice = pressure_per_force(basis, drive, placed(room, surface), RECEIVERS, f)
     assert not advice
     agree(found, PlateOnAir().pressures(f, 1 + 0.01j, air), 13)
 
@@ -444,9 +450,9 @@ def test_plate_on_a_cavity_of_finite_elements(plate, cells, up_to, highest, step
     vacuo, surface, drive = plate
     losses = losses_from_loss_factor(0.01, 85.75, "source")
     room = ShapedRoom(box_mesh((1.0, 1.0, 2.0), cells), "z1", AIR, losses, up_to_hz=up_to)
-    basis = with_cavity(with_damping(vacuo, Damping(LossFactor(0.01))), surface, room)
+    basis = with_cavity(with_damping(vacuo, Damping(LossFactor(0.01))), placed(room, surface))
     f = np.arange(step, highest + step, step)
-    found, advice = pressure_per_force(basis, drive, surface, room, RECEIVERS, f)
+    found, advice = pressure_per_force(basis, drive, placed(room, surface), RECEIVERS, f)
     assert not advice
     agree(found, PlateOnAir().pressures(f, 1 + 0.01j, lambda f: (1 - 0.005j) ** -2), int(50 / step) + 1, in_all=4e-3)
     coupled_frequencies(basis, highest)
@@ -454,7 +460,7 @@ def test_plate_on_a_cavity_of_finite_elements(plate, cells, up_to, highest, step
 
 def test_coupled_frequencies_of_the_plate(plate) -> None:  # type: ignore[no-untyped-def]
     vacuo, surface, _ = plate
-    basis = with_cavity(vacuo, surface, Room([1.0, 1.0, 2.0], AIR), up_to_hz=600.0)
+    basis = with_cavity(vacuo, placed(Room([1.0, 1.0, 2.0], AIR), surface), up_to_hz=600.0)
     assert basis.n_rigid == 0
     assert vacuo.frequency_hz[0] < basis.frequency_hz[0] * 0.99  # the air stiffens the first mode
     coupled_frequencies(basis, 300.0)

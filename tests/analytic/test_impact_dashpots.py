@@ -17,6 +17,7 @@ from femstruct.impact.scene.bodies import Body, Clock, Contact, Scene
 from femstruct.impact.simulate import simulate
 from femstruct.modal.analytic import given_modes
 from femstruct.modal.basis import ModalBasis
+from femstruct.sound.placed import placed
 from femstruct.sound.two_way import with_cavity
 
 COUPLING = runpy.run_path(str(Path(__file__).with_name("test_coupling.py")))
@@ -68,7 +69,7 @@ def test_dashpots_go_with_the_modes_into_a_room() -> None:
     dashpot = np.array([[5.0]])
     held = replace(plain, viscous=plain.viscous + dashpot, dashpots=dashpot)
     leak = COUPLING["slit"](1e-3)
-    joined, without = (with_cavity(one, underside(), box(), leak=leak, up_to_hz=500.0) for one in (held, plain))
+    joined, without = (with_cavity(one, placed(box(), underside()), leak=leak, up_to_hz=500.0) for one in (held, plain))
     assert np.abs(joined.dashpots).max() > 1.0
     assert joined.dashpots == pytest.approx(joined.viscous - without.viscous, abs=1e-9 * np.abs(joined.viscous).max())
     assert not without.dashpots.any()

@@ -8,14 +8,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from acoustics.fields.shaped import ShapedRoom
 from acoustics.meshed.cavity_mesh import box_mesh
-from acoustics.meshed.meshed_room import ShapedRoom
 from femstruct.language import read_study
 from femstruct.modal.damping import with_damping
+from femstruct.sound.placed import placed
 from femstruct.sound.surface import pressure_per_force
 from femstruct.sound.two_way import with_cavity
+from femstruct.study.room_surfaces import placed_room
 from femstruct.workflow.judgement.meeting import floating, meeting_findings, meetings, mode_pairs
-from femstruct.workflow.stages.coupled_air import ceiling
 from femstruct.workflow.stages.modal_bases import solve_all
 
 MODEL = """
@@ -61,7 +62,15 @@ def solved(folder: Path, thickness: str):
     case = plan(folder, thickness, model=BARE).cases[0]
     own = solve_all([case])[case.name]
     room = case.study.rooms[0]
-    return case.study, room, ceiling(room, own.places), with_damping(own.basis, case.study.damping)
+    return case.study, room, own.places.surfaces[room.under], with_damping(own.basis, case.study.damping)
+
+
+def pairs_of(plan, surface, basis):
+    return mode_pairs(placed_room(plan, {plan.under: surface}), basis)
+
+
+def findings_of(plan, study, surface, basis):
+    return meeting_findings(plan, study, placed_room(plan, {plan.under: surface}), basis)
 
 
 def first_mode(thickness: float) -> float:
@@ -74,12 +83,12 @@ def test_a_floor_tuned_to_the_height_of_the_room_meets_it(tmp_path: Path) -> Non
     height = 343 / 2 / 2.5
     thickness = 0.18 * height / first_mode(0.18)  # a plate's frequency goes as its thickness
     study, room, surface, basis = solved(tmp_path, f"{thickness:.6f} m")
-    found = meetings(mode_pairs(room, surface, basis))
+    found = meetings(pairs_of(room, surface, basis))
     pairs = {(round(floor, 1), round(air, 1)): likeness for floor, air, likeness in found}
     together = {air: likeness for (floor, air), likeness in pairs.items() if abs(floor - height) < 0.5}
     assert together[round(height, 1)] == pytest.approx(8 / np.pi**2, abs=5e-3)  # the mesh's sums over the ceiling
     assert together[68.6] == max(together.values())
-    told = {one.code: one for one in meeting_findings(room, study, surface, basis)}
+    told = {one.code: one for one in findings_of(room, study, surface, basis)}
     assert told["floor-room-resonance"].values["floor_hz"] == pytest.approx(found[0][0])
     assert "68.6 Hz of the room" in told["floor-room-resonance"].message
 
@@ -89,8 +98,8 @@ def test_a_box_given_as_a_mesh_meets_the_same(tmp_path: Path) -> None:
     _, room, surface, basis = solved(tmp_path, "180 mm")
     mesh = ShapedRoom(box_mesh([5, 4, 2.5], [10, 8, 5]), "z1", room.room.air, room.room.losses, up_to_hz=130.0)
     one, other = (
-        meetings(mode_pairs(room, surface, basis)),
-        meetings(mode_pairs(replace(room, room=mesh), surface, basis)),
+        meetings(pairs_of(room, surface, basis)),
+        meetings(pairs_of(replace(room, room=mesh), surface, basis)),
     )
     resolved = [pair for pair in one if pair[1] < 130.0]
     assert resolved and len(other) == len(resolved)
@@ -101,7 +110,7 @@ def test_modes_further_apart_than_their_bandwidths_do_not_meet(tmp_path: Path) -
     """The first mode at 30.2 Hz: its 5 % and the room's 2.2 / T60 = 4.4 Hz reach nowhere near 34.3 Hz, (1, 0, 0)."""
     _, room, surface, basis = solved(tmp_path, "180 mm")
     assert basis.frequency_hz[0] == pytest.approx(first_mode(0.18), rel=2e-3)
-    found = meetings(mode_pairs(room, surface, basis))
+    found = meetings(pairs_of(room, surface, basis))
     assert found
     assert min(floor for floor, _, _ in found) > 40.0
     for floor, air, likeness in found:
@@ -113,8 +122,8 @@ def test_a_meshed_box_meets_as_the_box_does(tmp_path: Path) -> None:
     _, room, surface, basis = solved(tmp_path, "180 mm")
     mesh = box_mesh(room.room.size, [12, 10, 6])
     shaped = replace(room, room=ShapedRoom(mesh, "z1", room.room.air, room.room.losses, up_to_hz=200.0))
-    assert shaped.room.centre.tolist() == pytest.approx([2.5, 2.0, 2.5])
-    box, meshed = meetings(mode_pairs(room, surface, basis)), meetings(mode_pairs(shaped, surface, basis))
+    assert shaped.room.middle.tolist() == pytest.approx([2.5, 2.0, 2.5])
+    box, meshed = meetings(pairs_of(room, surface, basis)), meetings(pairs_of(shaped, surface, basis))
     assert len(box) == len(meshed) > 2
     # quadratic cells of 0.42 m, four to a wave at 200 Hz: .5 % of the frequency
     assert [air for _, air, _ in meshed] == pytest.approx([air for _, air, _ in box], rel=5e-3)
@@ -134,9 +143,9 @@ def test_a_floating_floor_is_two_masses_on_a_spring(tmp_path: Path) -> None:
 
 def test_small_and_large_rooms_are_not_the_standards(tmp_path: Path) -> None:
     study, room, surface, basis = solved(tmp_path, "180 mm")
-    assert "rating-room-volume" not in {one.code for one in meeting_findings(room, study, surface, basis)}
+    assert "rating-room-volume" not in {one.code for one in findings_of(room, study, surface, basis)}
     high = plan(tmp_path, model=BARE, study=STUDY.replace("[5, 4, 2.5]", "[5, 4, 13]")).cases[0].study.rooms[0]
-    told = {one.code: one for one in meeting_findings(high, study, surface, basis)}
+    told = {one.code: one for one in findings_of(high, study, surface, basis)}
     assert told["rating-room-volume"].values["volume_m3"] == pytest.approx(260.0)
     assert "rooms of 10 to 250 m^3; this one has 260 m^3" in told["rating-room-volume"].message
 
@@ -162,7 +171,7 @@ def lab(folder: Path, t60: str = "1.2 s", eta: str = "2 %"):
     case = plan(folder, model=LAB.replace("ETA", eta), study=text).cases[0]
     own = solve_all([case])[case.name]
     room = case.study.rooms[0]
-    return case.study, room, ceiling(room, own.places), with_damping(own.basis, case.study.damping), own.places
+    return case.study, room, own.places.surfaces[room.under], with_damping(own.basis, case.study.damping), own.places
 
 
 @pytest.mark.parametrize(
@@ -175,15 +184,15 @@ def test_what_two_modes_exchange_is_that_of_sines_and_cosines(
 ) -> None:
     """Slab mode (3, 2) at 230.7 Hz and room mode (4, 3, 2) at 229.7 Hz."""
     study, room, surface, basis, _ = lab(tmp_path, t60, eta)
-    pairs = mode_pairs(room, surface, basis)
+    pairs = pairs_of(room, surface, basis)
     i, j = np.abs(pairs.floor_hz - 230.7).argmin(), np.abs(pairs.room_hz - 229.7).argmin()
     assert (pairs.floor_hz[i], pairs.room_hz[j]) == pytest.approx((230.7, 229.7), abs=0.3)
     assert pairs.kappa[i, j] == pytest.approx(wanted, abs=0.005 + 0.02 * wanted)
-    found = {one.code: one for one in meeting_findings(room, study, surface, basis)}["one-way-resonance"]
+    found = {one.code: one for one in findings_of(room, study, surface, basis)}["one-way-resonance"]
     assert found.values["line_db"] == pytest.approx(20 * np.log10(1 + pairs.kappa.max()))
     assert "coupling: two-way" in found.message and not found.severe
     both = replace(room, coupling="two-way")
-    assert "one-way-resonance" not in {one.code for one in meeting_findings(both, study, surface, basis)}
+    assert "one-way-resonance" not in {one.code for one in findings_of(both, study, surface, basis)}
 
 
 def test_the_air_takes_back_what_kappa_says(tmp_path: Path) -> None:
@@ -192,8 +201,8 @@ def test_the_air_takes_back_what_kappa_says(tmp_path: Path) -> None:
     f = np.arange(224.0, 237.0, 0.1)
     drive = places.point("drop", "test").probe("z")
     levels = []
-    for one in (basis, with_cavity(basis, surface, room.room)):
-        p, _ = pressure_per_force(one, drive, surface, room.room, room.receivers, f)
+    for one in (basis, with_cavity(basis, placed(room.room, surface))):
+        p, _ = pressure_per_force(one, drive, placed(room.room, surface), room.receivers, f)
         levels.append(20 * np.log10(np.abs(p[0]).max()))
     assert levels[0] - levels[1] == pytest.approx(2.9, abs=0.4)
 
@@ -210,10 +219,10 @@ def test_modes_that_do_not_move_the_ceiling_meet_nothing(tmp_path: Path) -> None
     room = case.study.rooms[0]
     basis = with_damping(own.basis, case.study.damping)
     # rounding of the eigen solver gives the other slab's modes a likeness, but no motion
-    pairs = mode_pairs(room, ceiling(room, own.places), basis)
+    pairs = pairs_of(room, own.places.surfaces[room.under], basis)
     still = pairs.motion < 1e-6
     assert 3 <= still.sum() < len(still)
     met = sorted({floor for floor, _, _ in meetings(pairs)})
     assert met and not set(met) & set(pairs.floor_hz[still].tolist())
     _, alone, surface, bare = solved(tmp_path, "180 mm")
-    assert met == pytest.approx(sorted({floor for floor, _, _ in meetings(mode_pairs(alone, surface, bare))}))
+    assert met == pytest.approx(sorted({floor for floor, _, _ in meetings(pairs_of(alone, surface, bare))}))

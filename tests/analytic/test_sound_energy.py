@@ -7,9 +7,10 @@ import pytest
 from scipy.special import j1
 
 from acoustics import Air, Receiver, SurfaceVelocity
+from acoustics.fields.half_space import HalfSpace
 from acoustics.open_air.directivity import radiation_pattern
-from acoustics.open_air.half_space import HalfSpace, field_pressures
 from acoustics.open_air.radiated_power import far_field, radiated_power, radiation_efficiency
+from acoustics.open_air.rayleigh import field_pressures
 from acoustics.open_air.sound_energy import REFERENCE_J, ended_energy, radiated_energy
 
 AIR = Air(343.0, 1.21)

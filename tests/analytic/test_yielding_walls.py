@@ -27,15 +27,17 @@ from acoustics import (
     losses_from_beta,
     losses_from_t60,
 )
-from acoustics.meshed.meshed_pressure import cavity_pressure, harmonic_cavity_pressure
+from acoustics.meshed.meshed_pressure import cavity_pressure
 from acoustics.rooms.box_two_way import Leak
+from acoustics.source import SurfaceVibration
 from femstruct.impact.scene.bodies import Clock, HalfSine, Load, Scene
 from femstruct.impact.simulate import simulate
 from femstruct.modal.analytic import oscillator
 from femstruct.modal.damping import Damping, Ratio, with_damping
 from femstruct.modal.frf import frf
 from femstruct.model.probe import Surface
-from femstruct.sound.surface import heard, pressure_per_force, surface_velocity
+from femstruct.sound.placed import placed
+from femstruct.sound.surface import pressure_per_force, surface_velocity
 from femstruct.sound.two_way import with_cavity
 
 AIR = Air(343.0, 1.21)
@@ -74,7 +76,7 @@ def piston_tone(room, f, heights):
     receivers = [Receiver(f"{z:g}", [0.05, 0.05, z]) for z in heights]
     top, area = np.array([[0.05, 0.05, TUBE[2]]]), np.array([TUBE[0] * TUBE[1]])
     tone = np.ones((1, len(f)), dtype=np.complex128)
-    return harmonic_cavity_pressure(room, top, area, np.ones((1, 1)), tone, f, receivers)[0]
+    return room.harmonic([SurfaceVibration(top, area, np.ones((1, 1)), tone, f)], receivers)[0]
 
 
 @pytest.mark.parametrize("law", LAWS)
@@ -157,7 +159,7 @@ def test_pressure_that_varies_along_the_wall():
     places = [[0.1, 0.1, 0.0], [0.2, 0.3, 0.4]]
     receivers = [Receiver(str(i), place) for i, place in enumerate(places)]
     tone = np.ones((1, len(f)), dtype=np.complex128)
-    found, _ = harmonic_cavity_pressure(room, points, weights, shape, tone, f, receivers)
+    found, _ = room.harmonic([SurfaceVibration(points, weights, shape, tone, f)], receivers)
     s = 2j * np.pi * f
     for place, p in zip(places, found, strict=True):
         exact = np.cos(np.pi * place[0] / size[0]) * column(
@@ -243,7 +245,8 @@ def underside(cells=3):
     area = np.outer(0.5 * LX * weights, 0.5 * LY * weights).ravel()
     rows = csr_array(np.tile([[0, 0, -1.0, 0, 0, 0, 0]], (len(x), 1)))
     points = np.column_stack([x, y, 0 * x])
-    return Surface("under", points, area, [0, 0, -1], [-LX / 2, LY / 2, 0], [[1, 0, 0], [0, -1, 0]], [LX, LY], rows)
+    corners = np.array([[-1, 1, 0], [1, 1, 0], [1, -1, 0], [-1, -1, 0]]) * [LX / 2, LY / 2, 0]
+    return Surface("under", points, area, np.tile([0, 0, -1], (len(x), 1)), [[1, 0, 0], [0, -1, 0]], corners, rows)
 
 
 def piston(ratio=0.0):
@@ -269,7 +272,7 @@ def test_the_air_and_a_wall_that_yields_push_back(law, wall, leak):
     """Motion of the piston and pressure below it: 1e-4 and 3e-4, as modes of the box beyond 1750 Hz are a mass."""
     losses = LAWS[law]
     room = box(wall, losses)
-    basis = with_cavity(piston(RATIO), underside(), room, leak=leak, name="box")
+    basis = with_cavity(piston(RATIO), placed(room, underside(), name="box"), leak=leak)
     f = np.concatenate([np.linspace(5.0, 100.0, 200), np.linspace(100.0, 400.0, 30)])
     s = 2j * np.pi * f
     exact = 1 / dynamic(s, wall, losses, RATIO, leak)
@@ -278,7 +281,7 @@ def test_the_air_and_a_wall_that_yields_push_back(law, wall, leak):
     assert "mode shapes of its compliant walls" in told
     if leak is None:
         receivers = [Receiver(f"{z:g}", [0.2, 0.1, z]) for z in (0.0, 0.06)]
-        found, _ = pressure_per_force(basis, PLACE, underside(), room, receivers, f)
+        found, _ = pressure_per_force(basis, PLACE, placed(room, underside()), receivers, f)
         for z, p in zip((0.0, 0.06), found, strict=True):
             wanted = -pressed(s, wall, losses, z) * exact
             assert np.abs(p - wanted).max() < 3e-4 * np.abs(wanted).max()
@@ -291,7 +294,7 @@ def test_resonances_of_piston_air_and_wall():
     def exact(f):
         return dynamic(np.array(2j * np.pi * f), wall, LAWS["none"], 0.0).real
 
-    basis = with_cavity(piston(), underside(), box(wall))
+    basis = with_cavity(piston(), placed(box(wall), underside()))
     for low, high in ((20.0, 40.0), (67.9, 68.2)):  # a pole, the wall against the still piston, is at 67.4
         root = brentq(exact, low, high, xtol=1e-12)
         assert np.abs(basis.frequency_hz / root - 1).min() < 5e-6
@@ -305,11 +308,11 @@ def test_compliances_of_air_and_wall_add(wall):
     room = box(wall)
     stiffness = 1 / (room.volume / BOX_AIR.bulk_modulus + AREA / wall.stiffness)
     assert stiffness < 0.5 * BOX_AIR.bulk_modulus / room.volume
-    basis = with_cavity(piston(), underside(), room)
+    basis = with_cavity(piston(), placed(room, underside()))
     at_rest = frf(basis, PLACE, PLACE, [0.0])[0]
     assert 1 / at_rest.real == pytest.approx(STIFFNESS + AREA**2 * stiffness, rel=1e-9)
     still = np.array([0.05])  # (omega / omega of the wall)^2 is 1e-6
-    p, _ = pressure_per_force(piston(), PLACE, underside(), room, [Receiver("a", [0.1, 0.1, 0.05])], still)
+    p, _ = pressure_per_force(piston(), PLACE, placed(room, underside()), [Receiver("a", [0.1, 0.1, 0.05])], still)
     assert p[0, 0].real == pytest.approx(-AREA * stiffness / STIFFNESS, rel=1e-5)
 
 
@@ -322,7 +325,7 @@ def test_a_piston_on_air_and_a_sheet_has_three_springs():
     share = gas / (gas + wall)  # of the piston's displacement that the sheet makes
     moving = air.rho * AREA * L * (1 + share + share**2) / 3
     exact = np.sqrt((STIFFNESS + share * wall) / (MASS + moving)) / (2 * np.pi)
-    assert with_cavity(piston(), underside(), room).frequency_hz[0] == pytest.approx(exact, rel=1e-8)
+    assert with_cavity(piston(), placed(room, underside())).frequency_hz[0] == pytest.approx(exact, rel=1e-8)
 
 
 @pytest.mark.parametrize(("law", "wall"), [("kelvin-voigt", FLOOR), ("decay", FLOOR), ("decay", FELT)])
@@ -330,12 +333,12 @@ def test_what_room_and_wall_take_is_what_the_structure_loses(law, wall):
     """The work of the room's pressure on the ceiling, by the one-way formula, closes the structure's own energy."""
     fs, losses = 48e3, LAWS[law]
     room = box(wall, losses)
-    basis = with_cavity(piston(), underside(), room)
+    basis = with_cavity(piston(), placed(room, underside()))
     push = Load("push", PLACE, HalfSine(-100.0, 50.0))
     response = simulate(basis, Scene(loads=(push,)), Clock(0.2, fs))
     assert response.ledger.residual < 1e-9
-    moving = surface_velocity(response, underside(), room)
-    (found,) = heard([moving], room, [Receiver("on the ceiling", place) for place in moving.points])
+    (moving,) = surface_velocity(response, placed(room, underside()))
+    (found,) = room.pressures([[moving]], [Receiver("on the ceiling", place) for place in moving.points])
     row = -PLACE.of(basis.shapes)
     x, v = row @ response.q, row @ response.qd
     own = 0.5 * MASS * v**2 + 0.5 * STIFFNESS * x**2
@@ -347,7 +350,7 @@ def test_what_room_and_wall_take_is_what_the_structure_loses(law, wall):
     after = slice(int(0.02 * fs), int(0.19 * fs))  # the push is over
     assert np.abs(own + given - work)[after].max() < 1e-5 * work
     without = simulate(
-        with_cavity(piston(), underside(), box(replace(wall, resistance=0.0), losses)),
+        with_cavity(piston(), placed(box(replace(wall, resistance=0.0), losses), underside())),
         Scene(loads=(push,)),
         Clock(0.2, fs),
     )
@@ -366,4 +369,4 @@ def test_what_is_no_wall_that_yields_is_refused():
     with pytest.raises(AcousticsError, match=r"walls\.z1: got a compliant wall that is the ceiling"):
         tube({"z1": PANEL}, LAWS["none"])
     with pytest.raises(AcousticsError, match=r"walls\.z0: got a compliant wall without stiffness"):
-        with_cavity(piston(), underside(), box(YieldingWall(10.0)))
+        with_cavity(piston(), placed(box(YieldingWall(10.0)), underside()))

@@ -5,9 +5,11 @@ Loaded with ``runpy`` by the tests of files and pictures, which need the nouns b
 
 import numpy as np
 
+from acoustics.fields.rectangular import Room
 from acoustics.levels.sound_levels import sound_levels
-from acoustics.rooms.box import Receiver, Room, losses_from_beta
-from acoustics.rooms.box_pressure import RoomResponse
+from acoustics.losses import losses_from_beta
+from acoustics.receivers import Receiver
+from acoustics.room_response import RoomResponse
 from femstruct.conventions import N_COMPONENTS, RX, RY, TWIST, UZ
 from femstruct.errors import Finding
 from femstruct.impact.engine.motion import sampled_motion
@@ -106,7 +108,9 @@ def ceiling_by_hand(plate, n_nodes):
     points = np.column_stack([places, np.zeros(len(places))])
     weights = np.full(len(places), LX * LY / len(places))
     rows = sparse_rows(nodes, -rows[:, 2:3], n_nodes)
-    return Surface("ceiling", points, weights, [0, 0, -1], [0, LY, 0], [[1, 0, 0], [0, -1, 0]], [LX, LY], rows)
+    down = np.tile([0, 0, -1], (len(points), 1))
+    corners = [[0, LY, 0], [LX, LY, 0], [LX, 0, 0], [0, 0, 0]]
+    return Surface("ceiling", points, weights, down, [[1, 0, 0], [0, -1, 0]], corners, rows)
 
 
 def basis_by_hand(model):

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from acoustics import Air, Receiver
+from acoustics.fields.half_space import HalfSpace
 from acoustics.levels.sound_levels import sound_levels
-from acoustics.open_air.half_space import HalfSpace
 from acoustics.open_air.sphere import Sphere, sphere_pressures
 from femstruct.conventions import GRAVITY
 from femstruct.errors import InputErrors

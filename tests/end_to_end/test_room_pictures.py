@@ -11,7 +11,6 @@ from PIL import Image
 
 from acoustics import Room
 from acoustics.rooms import receiver_grids as grids
-from acoustics.rooms.receiver_grids import mode_shapes, room_grid
 from femstruct.errors import InputErrors
 from femstruct.files.rooms import write_room_modes
 from femstruct.language import read_study
@@ -89,8 +88,8 @@ def test_modes_of_a_room_open_elsewhere(path: Path) -> None:
 
 def test_shapes_have_a_mean_square_of_one() -> None:
     room = Room([2.0, 1.5, 1.0])
-    grid = room_grid(room)
-    _, shapes = mode_shapes(room, grid, 6)
+    grid = room.grid()
+    _, shapes = room.mode_shapes(grid.points, 6)
     x = np.sort(np.unique(grid.points[:, 0]))
     assert len(x) == 29
     inner = np.all((grid.points > 1e-9) & (grid.points < room.size - 1e-9), axis=1)

@@ -14,6 +14,7 @@ from femstruct.errors import InputErrors
 from femstruct.files.results import write_results
 from femstruct.files.tables import summary
 from femstruct.language import read_study
+from femstruct.sound.placed import placed
 from femstruct.sound.surface import pressure_per_force
 from femstruct.study.result import CaseResult, StudyResult
 from femstruct.view.figures.plots import figures
@@ -110,7 +111,7 @@ def test_power_is_what_arrives_far_away(folder: Path, case: CaseResult) -> None:
     ]
     drive = places.point("P", "test").probe("z")
     hz = answer.frequency_hz[chosen]
-    p, _ = pressure_per_force(case.basis, drive, places.surfaces["low"], room.room, receivers, hz)
+    p, _ = pressure_per_force(case.basis, drive, placed(room.room, places.surfaces["low"]), receivers, hz)
     arrived = 40.0**2 / RC * (np.repeat(share, 24) * 2 * np.pi / 24) @ np.abs(p) ** 2
     # 1e-3: the size of the plate over the distance
     assert answer.sound.power[chosen] == pytest.approx(arrived.tolist(), rel=1e-3)

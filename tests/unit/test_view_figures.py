@@ -15,7 +15,7 @@ from matplotlib.colors import to_rgb
 
 from acoustics.levels.ending import ended
 from acoustics.levels.sound_levels import response_levels
-from acoustics.rooms.box import Receiver
+from acoustics.receivers import Receiver
 from acoustics.rooms.pressure_maps import PressureMap
 from femstruct.modal.analytic import given_modes
 from femstruct.study.result import Channel

@@ -11,7 +11,7 @@ from matplotlib.patheffects import withStroke
 
 from acoustics.levels.rated import RatedRoom
 from acoustics.levels.sound_levels import level_history
-from acoustics.rooms.box_pressure import RoomResponse
+from acoustics.room_response import RoomResponse
 from femstruct.study.result import StudyResult
 from femstruct.view.figures.drawing import (
     TOTAL,

@@ -11,11 +11,11 @@ from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 
 from acoustics.levels.sound_levels import REFERENCE_PA
-from acoustics.open_air.half_space import HalfSpace
-from acoustics.rooms.box import Receiver
-from acoustics.rooms.pressure_maps import PressureMap, pressure_map
+from acoustics.receivers import Receiver
+from acoustics.rooms.pressure_maps import PressureMap
 from femstruct.sound.surface import surface_velocity
 from femstruct.study.result import StudyResult
+from femstruct.study.room_surfaces import placed_room
 from femstruct.view.figures.drawing import new_figure, panels
 
 MOST: Final = 4
@@ -35,14 +35,14 @@ def pressure_maps(result: StudyResult, room: str) -> Figure | None:
     model = result.models.get(case.basis_key)
     if plan is None or room not in case.rooms or case.response is None or model is None:
         return None
-    if isinstance(plan.room, HalfSpace):
+    if not plan.room.bounded:
         return None
     frequencies = heard_peaks(result, room)
     if not frequencies:
         return None
-    ceiling = surface_velocity(case.response, model.surfaces[plan.under], plan.room, plan.offset, plan.name)
+    moving = surface_velocity(case.response, placed_room(plan, model.surfaces))
     height = float(plan.receivers[0].position[2])
-    drawn = pressure_map(ceiling, plan.room, list(frequencies.values()), at=height)
+    drawn = plan.room.pressure_map(moving, list(frequencies.values()), at=height)
     return draw_map(
         drawn, list(frequencies), plan.receivers, f"{result.plan.baseline}: pressure in {room} at z = {height:g} m"
     )

@@ -9,16 +9,16 @@ from typing import Any, Final
 import numpy as np
 from scipy.sparse import csr_array
 
-from acoustics.meshed.meshed_room import ShapedRoom
-from acoustics.open_air.half_space import HalfSpace
 from femstruct.arrays import Floats
 from femstruct.conventions import N_COMPONENTS
 from femstruct.model.model import Model
-from femstruct.model.probe import Surface
+from femstruct.sound.placed import Placed
+from femstruct.study.room_surfaces import placed_room
 from femstruct.study.study import RoomPlan
 
 POINT, SUPPORT, SPRING, MASS, SURFACE, ROOM = "#d62728", "#2ca02c", "#ff7f0e", "#000000", "#1f77b4", "#9467bd"
 SIZE: Final = 13  # of marks, in pixels
+LEVEL: Final = 1e-6  # of a room's size: corners that differ by less are of one height
 
 
 @dataclass(frozen=True)
@@ -43,12 +43,12 @@ def add_labels(plotter: Any, model: Model, rooms: Sequence[RoomPlan]) -> None:
         *_marks(plotter, [(name, _where(model, rows)) for name, rows in masses], MASS, "masses"),
     ]
     for surface in model.surfaces.values():
-        corners = _corners(surface)
+        corners = surface.outline
         plotter.add_lines(np.concatenate([corners, corners[:1]]), color=SURFACE, width=3, connected=True)
         labels.append(Label(surface.name, corners[0], SURFACE))
     for plan in rooms:
         if plan.under in model.surfaces:
-            labels += _room(plotter, plan, model.surfaces[plan.under])
+            labels += _room(plotter, plan, placed_room(plan, model.surfaces))
     for label in merged(labels, 1e-6 * float(np.linalg.norm(np.ptp(model.mesh.points, axis=0)))):
         plotter.add_point_labels(
             label.place[None], [label.name], text_color=label.colour, font_size=15, shape="rounded_rect",
@@ -90,31 +90,13 @@ def _marks(plotter: Any, places: Sequence[tuple[str, Floats]], colour: str, labe
     return [Label(name, where[(where @ np.array([1.0, 1.0, 1.0])).argmax()], colour) for name, where in places]
 
 
-def _corners(surface: Surface) -> Floats:
-    first, second = surface.along * surface.size[:, None]
-    corners: Floats = surface.corner + np.array([0 * first, first, first + second, second])
-    return corners
-
-
-def _room(plotter: Any, plan: RoomPlan, surface: Surface) -> list[Label]:
-    """The outline of a room below its surface, and its receivers; returns their names."""
-    frame = np.stack([*surface.along, -surface.normal])
-    middle = surface.corner + surface.size @ surface.along / 2.0 - np.asarray(plan.offset) @ surface.along
-    if isinstance(plan.room, HalfSpace):
-        receivers = [(f"{plan.name}.{item.name}", (item.position + middle)[None]) for item in plan.receivers]
-        return _marks(plotter, receivers, ROOM, "receivers")
-    if isinstance(plan.room, ShapedRoom):
-        lower = middle - plan.room.centre @ frame
-        edges = plan.room.mesh.edges
-        plotter.add_lines((edges @ frame + lower).reshape(-1, 3), color=ROOM, width=2)
-        receivers = [(f"{plan.name}.{item.name}", (item.position @ frame + lower)[None]) for item in plan.receivers]
-        ends = edges.reshape(-1, 3) @ frame + lower
-        return [Label(plan.name, ends[ends.sum(axis=1).argmin()], ROOM), *_marks(plotter, receivers, ROOM, "receivers")]
-    lx, ly, lz = plan.room.size
-    lower = middle + surface.normal * lz - np.array([lx, ly]) / 2.0 @ surface.along
-    corner = np.array([[x, y, z] for z in (0, lz) for x, y in ((0, 0), (lx, 0), (lx, ly), (0, ly))]) @ frame + lower
-    pairs = [(0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7)]
-    plotter.add_lines(corner[np.array(pairs).ravel()], color=ROOM, width=2)
-    receivers = [(f"{plan.name}.{item.name}", (item.position @ frame + lower)[None]) for item in plan.receivers]
-    outermost = corner[corner[:4].sum(axis=1).argmax()]
-    return [Label(plan.name, outermost, ROOM), *_marks(plotter, receivers, ROOM, "receivers")]
+def _room(plotter: Any, plan: RoomPlan, room: Placed) -> list[Label]:
+    """The outline of a room beside its surface, and its receivers; returns their names."""
+    edges, named = room.from_room(plan.room.outline), []
+    if len(edges):
+        ends = edges.reshape(-1, 3)
+        plotter.add_lines(ends, color=ROOM, width=2)
+        low = ends[ends[:, 2] <= ends[:, 2].min() + LEVEL * np.ptp(ends, axis=0).max()]
+        named = [Label(plan.name, low[low.sum(axis=1).argmax()], ROOM)]
+    receivers = [(f"{plan.name}.{item.name}", room.from_room(item.position)[None]) for item in plan.receivers]
+    return [*named, *_marks(plotter, receivers, ROOM, "receivers")]

@@ -3,22 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
 
 from acoustics.arrays import Complexes
+from acoustics.fields.sound_field import SoundField
 from acoustics.levels.sound_levels import REFERENCE_PA
-from acoustics.meshed.meshed_room import ShapedRoom
-from acoustics.open_air.half_space import HalfSpace
-from acoustics.rooms.box import Receiver, Room
-from acoustics.rooms.receiver_grids import RoomGrid, room_grid
-from acoustics.source import SurfaceVelocity
+from acoustics.receivers import Receiver
+from acoustics.rooms.receiver_grids import RoomGrid
 from femstruct.arrays import Floats
 from femstruct.files.atomic import file_name, replacing
-from femstruct.sound.surface import heard, pressure_spectrum, surface_velocity
+from femstruct.sound.surface import Motion, surface_velocity
 from femstruct.study.result import StudyResult
+from femstruct.study.room_surfaces import placed_room
 from femstruct.study.study import RoomPlan
 from femstruct.view.figures.maps import heard_peaks
 from femstruct.view.scenes.opengl import NoOpenGL, require_opengl
@@ -44,26 +44,26 @@ def room_pictures(result: StudyResult, folder: str | Path) -> tuple[list[Path], 
     model = result.models.get(case.basis_key)
     for plan in case.case.study.rooms:
         room = plan.room
-        if isinstance(room, HalfSpace) or model is None or case.response is None or plan.name not in case.rooms:
+        if not room.bounded or model is None or case.response is None or plan.name not in case.rooms:
             continue
-        moving = surface_velocity(case.response, model.surfaces[plan.under], room, plan.offset, plan.name)
+        moving, grid = surface_velocity(case.response, placed_room(plan, model.surfaces)), room.grid()
         try:
             require_opengl()
             peaks = dict(list(heard_peaks(result, plan.name).items())[:MOST])
             if peaks:
                 paths.append(Path(folder) / file_name("pressure_surfaces", plan.name))
-                picture_surfaces(moving, room, plan, peaks, paths[-1], result.plan.baseline)
+                picture_surfaces(moving, grid, plan, peaks, paths[-1], result.plan.baseline)
             for wanted in plan.animate:
                 word = "pulse" if wanted is None else f"{wanted:g} Hz"
                 paths.append((Path(folder) / file_name("animation", plan.name, word)).with_suffix(".gif"))
-                animate(moving, room, plan, wanted, paths[-1], result.plan.baseline)
+                animate(moving, grid, plan, wanted, paths[-1], result.plan.baseline)
         except NoOpenGL as error:
             return paths, str(error)
     return paths, ""
 
 
 def picture_surfaces(
-    moving: SurfaceVelocity, room: Room | ShapedRoom, plan: RoomPlan, peaks: dict[str, float], path: Path, title: str
+    moving: Motion, grid: RoomGrid, plan: RoomPlan, peaks: dict[str, float], path: Path, title: str
 ) -> None:
     """Draw surfaces of equal pressure at some frequencies on one sheet, a pane each, in phase with the largest.
 
@@ -71,8 +71,7 @@ def picture_surfaces(
     """
     import pyvista
 
-    grid = room_grid(room)
-    p = pressure_spectrum(moving, room, np.array(list(peaks.values())), grid.points)
+    p = plan.room.spectrum(moving, np.array(list(peaks.values())), grid.points)
     plotter: Any = pyvista.Plotter(
         off_screen=True, shape=(1, len(peaks)), window_size=[PANE[0] * len(peaks), PANE[1]], border=False
     )
@@ -105,9 +104,7 @@ _BAR: Final = {
 }  # fmt: skip
 
 
-def animate(
-    moving: SurfaceVelocity, room: Room | ShapedRoom, plan: RoomPlan, frequency_hz: float | None, path: Path, title: str
-) -> None:
+def animate(moving: Motion, grid: RoomGrid, plan: RoomPlan, frequency_hz: float | None, path: Path, title: str) -> None:
     """Write a moving picture (GIF) of the pressure on the boundary and on two planes through the first receiver.
 
     frequency_hz : one period of that frequency, of the record's spectrum; None: the first milliseconds of the pulse.
@@ -115,12 +112,11 @@ def animate(
     Raises NoOpenGL where VTK cannot draw.
     """
     require_opengl()
-    grid = room_grid(room)
     if frequency_hz is not None:
-        p = pressure_spectrum(moving, room, np.array([frequency_hz]), grid.points)[:, 0]
+        p = plan.room.spectrum(moving, np.array([frequency_hz]), grid.points)[:, 0]
         _write(plan, grid, path, *_tone(p, frequency_hz, f"{title}: {plan.name}"))
     else:
-        _write(plan, grid, path, *_pulse(moving, room, grid, f"{title}: {plan.name}"))
+        _write(plan, grid, path, *_pulse(moving, plan.room, grid, f"{title}: {plan.name}"))
 
 
 _Frames = tuple[Callable[[int], Floats], int, float, str, Callable[[int], str]]
@@ -138,19 +134,20 @@ def _tone(p: Complexes, frequency_hz: float, title: str) -> _Frames:
     return frame, FRAMES, largest, "Re P [Pa/Hz]", words
 
 
-def _pulse(moving: SurfaceVelocity, room: Room | ShapedRoom, grid: RoomGrid, title: str) -> _Frames:
+def _pulse(moving: Motion, room: SoundField, grid: RoomGrid, title: str) -> _Frames:
     """From the surface's first motion until sound has crossed the room some times."""
     across = float(np.linalg.norm(np.ptp(grid.points, axis=0))) / room.air.c
-    size = np.sqrt(np.einsum("kt,kt->t", moving.rates, moving.rates))
+    rates, dt = moving[0].rates, moving[0].dt
+    size = np.sqrt(np.einsum("kt,kt->t", rates, rates))
     start = int(np.argmax(size > 1e-3 * size.max()))
-    count = min(len(size), start + max(2, int(CROSSINGS * across / moving.dt)))
-    short = SurfaceVelocity(moving.points, moving.weights, moving.shapes, moving.rates[:, :count], moving.dt)
+    count = min(len(size), start + max(2, int(CROSSINGS * across / dt)))
+    short = [replace(one, rates=one.rates[:, :count]) for one in moving]
     receivers = [Receiver(str(i), place) for i, place in enumerate(grid.points)]
-    p = heard([short], room, receivers)[0].p
+    p = room.pressures([short], receivers)[0].p
     shown = np.linspace(start, count - 1, min(PULSE, count - start)).astype(int)
 
     def words(i: int) -> str:
-        return f"{title}, t = {1e3 * shown[i] * moving.dt:.1f} ms"
+        return f"{title}, t = {1e3 * shown[i] * dt:.1f} ms"
 
     return lambda i: p[:, shown[i]], len(shown), float(np.abs(p).max()) or 1.0, "p [Pa]", words
 

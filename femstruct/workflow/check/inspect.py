@@ -7,12 +7,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-from acoustics.meshed.meshed_room import ShapedRoom
-from acoustics.open_air.half_space import HalfSpace
-from acoustics.rooms.box import modal_damping_ratio, room_modes
-from femstruct.arrays import Floats
 from femstruct.assembly.assemble import assemble
 from femstruct.errors import Finding
 from femstruct.files.finding_tables import finding_table
@@ -23,8 +17,8 @@ from femstruct.modal.basis import ModalBasis
 from femstruct.modal.damping import Damping, FromMaterials, LossFactor, Ratio, Rayleigh
 from femstruct.model.facts import ModelFacts, model_facts
 from femstruct.model.model import Model
-from femstruct.sound.surface import room_coordinates
 from femstruct.study.machine import BlockMode, Sag
+from femstruct.study.room_surfaces import placed_room
 from femstruct.study.structures import ModesModel
 from femstruct.study.study import Case, Extent, Plan, RoomPlan, Study
 from femstruct.workflow.check.asked_modes import DEFAULT_MODES, damped_as_far_as_solved
@@ -35,7 +29,6 @@ from femstruct.workflow.judgement.impact_findings import room_findings
 from femstruct.workflow.judgement.study_findings import study_findings
 from femstruct.workflow.run.provenance import Progress
 from femstruct.workflow.stages.channels import refuse_absent_forces
-from femstruct.workflow.stages.coupled_air import ceiling
 from femstruct.workflow.stages.modal_bases import Meshed, Solved, key_of, meshed, solve
 from femstruct.workflow.stages.places import Places
 from femstruct.workflow.stages.positions import positioned
@@ -230,7 +223,7 @@ def _try_places(study: Study, places: Places) -> None:
     """The same as far as it takes no modes."""
     force_probes(study, places)
     for plan in study.rooms:
-        room_coordinates(ceiling(plan, places), plan.room, plan.offset, plan.name)
+        placed_room(plan, places.surfaces)
         spheres_before(plan, study, places)
 
 
@@ -250,25 +243,9 @@ def _study_table(plan: Plan) -> Table:
 
 
 def _room_table(plan: RoomPlan) -> Table:
-    room = plan.room
-    size: Floats
-    if isinstance(room, HalfSpace):
-        return {
-            "side": "above" if room.normal[2] > 0 else "below",
-            "receivers_m": {receiver.name: receiver.position.tolist() for receiver in plan.receivers},
-        } | ({"directivity_hz": list(plan.directivity)} if plan.directivity else {})
-    cells: Table = {}
-    if isinstance(room, ShapedRoom):
-        size, found = np.ptp(room.extent, axis=0), room.frequency_hz[1:]
-        cells = {"largest_cell_m": room.mesh.largest_cell, "own_modes_up_to_hz": room.up_to_hz}
-    else:
-        size, found = room.size, room_modes(room, 1000.0)[0]
-    frequencies = [float(f) for f in found[:3]]
     return {
-        "size_m": size.tolist(),
-        **cells,
-        "coupling": plan.coupling,
-        "first_modes_hz": frequencies,
-        "damping_ratio": {f"{f:g}": modal_damping_ratio(plan.room.losses, f) for f in (20.0, *frequencies) if f > 0},
+        **plan.room.described(),
+        **({"coupling": plan.coupling} if plan.room.pushes_back else {}),
         "receivers_m": {receiver.name: receiver.position.tolist() for receiver in plan.receivers},
+        **({"directivity_hz": list(plan.directivity)} if plan.directivity else {}),
     }

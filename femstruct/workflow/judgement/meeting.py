@@ -3,7 +3,7 @@ coupling leaves out there; and rooms that a standard is not for."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf, isfinite, log10, pi, sqrt
 from typing import Final
 
@@ -11,18 +11,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from acoustics.levels.methods import Method
-from acoustics.meshed.meshed_room import ShapedRoom
-from acoustics.open_air.half_space import HalfSpace
-from acoustics.rooms.box import Room, modal_damping_ratios, room_modes, t60_of
-from acoustics.rooms.box_transfer import overlaps
+from acoustics.losses import modal_damping_ratios, t60_of
 from femstruct.arrays import Floats
 from femstruct.errors import Finding
 from femstruct.modal.basis import ModalBasis
-from femstruct.model.probe import Surface
 from femstruct.model.structure import Structure
 from femstruct.parts.foundation import Foundation
 from femstruct.parts.plate import Plate
-from femstruct.sound.surface import room_coordinates
+from femstruct.sound.placed import Placed
 from femstruct.study.structures import StructureModel
 from femstruct.study.study import RoomPlan, Study
 from femstruct.workflow.stages.rated_rooms import method_for
@@ -50,13 +46,13 @@ class ModePairs:
     motion: Floats
 
 
-def meeting_findings(plan: RoomPlan, study: Study, surface: Surface, basis: ModalBasis) -> tuple[Finding, ...]:
+def meeting_findings(plan: RoomPlan, study: Study, placed: Placed, basis: ModalBasis) -> tuple[Finding, ...]:
     """Findings on a rated room: its volume, floating floors in its bands, and floor modes that meet its own modes; and
     on any room what one-way coupling leaves out where they do.
 
-    surface : the ceiling. basis : of the structure without the air, damped.
+    placed : the room. basis : of the structure without the air, damped.
     """
-    pairs = mode_pairs(plan, surface, basis)
+    pairs = mode_pairs(placed, basis)
     left_out = exchange_findings(plan, pairs) if plan.receivers else ()
     method = method_for(plan, study)
     if method is None:
@@ -84,11 +80,11 @@ def meeting_findings(plan: RoomPlan, study: Study, surface: Surface, basis: Moda
     return (*found, *left_out)
 
 
-def mode_pairs(plan: RoomPlan, surface: Surface, basis: ModalBasis) -> ModePairs:
+def mode_pairs(placed: Placed, basis: ModalBasis) -> ModePairs:
     """All modes of a floor and of the room below it up to the frequency above which a room's modes overlap.
 
     That is 2000 sqrt(T60 / V) (M. R. Schroeder, J. Acoust. Soc. Am. 99, 3240 (1996), doi:10.1121/1.414868). No pairs in
-    the open, and in a room without losses.
+    the open, in a room without losses, and in one that is not known by modes.
 
     Notes
     -----
@@ -100,21 +96,21 @@ def mode_pairs(plan: RoomPlan, surface: Surface, basis: ModalBasis) -> ModePairs
     of two oscillators that gyroscopic forces g couple. In resonance the room's answer to a given force on the structure
     is 1 + kappa times smaller with the air pushing back, its energy under forces of all frequencies as much.
     """
-    room = plan.room
+    room = placed.room
     t60 = t60_of(room.losses, DECAY_HZ)
-    if isinstance(room, HalfSpace) or not isfinite(t60):
+    if not isfinite(t60):
         return _no_pairs()
     top = SINGLE_MODES * sqrt(t60 / room.volume)
     elastic = np.flatnonzero((np.array(basis.kind) == "elastic") & (basis.frequency_hz <= top))
     if not len(elastic):
         return _no_pairs()
     top = min(top, BESIDE * float(basis.frequency_hz[elastic].max()))
-    points = room_coordinates(surface, room, plan.offset, plan.name)
-    shapes, weights = surface.shapes(basis.shapes[:, :, elastic]), surface.weights
-    room_hz, products, others, squares = _on_ceiling(room, points, weights, shapes, top)
+    surfaces = [replace(one, shapes=one.shapes[:, elastic]) for one in placed.shapes(basis)]
+    room_hz, products, others, squares = room.modes_on(surfaces, top)
     if not len(room_hz):
         return _no_pairs()
-    sizes, products = np.sqrt(weights @ shapes**2), np.abs(products)
+    sizes = np.sqrt(sum(one.weights @ one.shapes**2 for one in surfaces))
+    products = np.abs(products)
     both = np.outer(sizes, others)
     floor_hz = basis.frequency_hz[elastic]
     floor_width = 2 * np.nan_to_num(basis.damping_ratio[elastic]) * floor_hz
@@ -177,27 +173,6 @@ def _exchanged(pairs: ModePairs) -> str:
     """What one-way coupling makes of the pair that exchanges most."""
     band = 10 * log10(1 + float(pairs.kappa.max()))
     return f", and with one-way coupling up to {band:.1f} dB too high in a band"
-
-
-def _on_ceiling(
-    room: Room | ShapedRoom, points: Floats, weights: Floats, shapes: Floats, up_to_hz: float
-) -> tuple[Floats, Floats, Floats, Floats]:
-    """Modes of a room up to a frequency, without the uniform one: frequencies [n] [Hz]; integrals over the surface of
-    their shapes times shapes [p, k] of a floor [k, n]; roots of those of their squares [n]; integrals of their squares
-    over the room [n] [m^3]."""
-    if isinstance(room, ShapedRoom):
-        chosen = np.flatnonzero((room.frequency_hz <= up_to_hz) & (np.arange(len(room.frequency_hz)) > 0))
-        sounds = room.modes.at(points)[:, chosen]
-        products, sizes = shapes.T @ (weights[:, None] * sounds), np.sqrt(weights @ sounds**2)
-        return room.frequency_hz[chosen], products, sizes, np.full(len(chosen), room.volume)
-    frequency_hz, indices = room_modes(room, up_to_hz)
-    squares = room.volume * np.where(indices > 0, 0.5, 1.0).prod(axis=1)
-    orders, at = np.unique(indices[:, :2], axis=0, return_inverse=True)  # on the ceiling many modes look alike
-    products = overlaps(room, orders, points, weights[:, None] * shapes).T
-    # cos^2 a cos^2 b = (1 + cos 2a + cos 2b + cos 2a cos 2b) / 4
-    doubled = sum(overlaps(room, orders * twice, points, weights[:, None])[:, 0] for twice in ([2, 0], [0, 2], [2, 2]))
-    sizes = np.sqrt(np.maximum(weights.sum() + doubled, 0.0) / 4.0)
-    return frequency_hz, products[:, at.ravel()], sizes[at.ravel()], squares
 
 
 def floating(structure: StructureModel, bands_hz: tuple[float, ...]) -> list[Finding]:

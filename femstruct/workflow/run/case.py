@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from functools import partial
 
 from acoustics.errors import Advice
-from acoustics.open_air.half_space import HalfSpace
 from femstruct.errors import Finding
 from femstruct.findings.catalogue import ranked
 from femstruct.impact.result.response import Response
@@ -15,6 +14,7 @@ from femstruct.modal.basis import ModalBasis
 from femstruct.sound.power import Radiated
 from femstruct.sound.surface import coupling_findings
 from femstruct.study.result import SILENT, AccuracyCheck, CaseResult, Channel, Frf
+from femstruct.study.room_surfaces import placed_room
 from femstruct.study.study import Case, Study
 from femstruct.workflow.compare.verdicts import judged
 from femstruct.workflow.judgement.all_findings import all_findings
@@ -26,7 +26,7 @@ from femstruct.workflow.run.accuracy import accuracy_findings
 from femstruct.workflow.run.provenance import Stopwatch
 from femstruct.workflow.run.struck import Struck, strike, told_once
 from femstruct.workflow.stages.channels import motion_rows, record, refuse_absent_forces
-from femstruct.workflow.stages.coupled_air import ceiling, coupled, coupled_key, weight_on_air
+from femstruct.workflow.stages.coupled_air import coupled, coupled_key, weight_on_air
 from femstruct.workflow.stages.modal_bases import Solved, damped
 from femstruct.workflow.stages.peaks import peak_findings
 from femstruct.workflow.stages.places import Places
@@ -85,7 +85,7 @@ def run_case(
             shares = mode_energies(whole.response)
             channels = record(study, own.places, whole.response, whole.rooms)
             findings += _of_records(study, own.places, basis, whole.response, channels)
-        if any(isinstance(plan.room, HalfSpace) for plan in study.rooms):
+        if any(plan.room.open_air is not None for plan in study.rooms):
             with clock("sound energy", case.name):
                 radiated, found_of_sound = sound_energies(study, own.places, whole.response)
                 told += found_of_sound
@@ -140,12 +140,12 @@ def _of_rooms(study: Study, places: Places, basis: ModalBasis, vacuo: ModalBasis
     """What the modes tell of rooms, by room. basis : with the air that pushes back; vacuo : without it."""
     told: list[tuple[str, Advice | Finding]] = []
     for plan in study.rooms:
-        surface = ceiling(plan, places)
+        room = placed_room(plan, places.surfaces)
         found: list[Advice | Finding] = [
             *overlap_findings(plan, study, vacuo),
             *blank_findings(plan, study, basis.complete_below_hz),
-            *meeting_findings(plan, study, surface, vacuo),
-            *(coupling_findings(vacuo, surface, plan.room) if plan.coupling == "one-way" else ()),
+            *meeting_findings(plan, study, room, vacuo),
+            *(coupling_findings(vacuo, room) if plan.coupling == "one-way" else ()),
         ]
         told += [(plan.name, one) for one in found]
     return told

@@ -11,8 +11,7 @@ from typing import Final
 from acoustics.errors import Advice
 from acoustics.levels.ending import ended
 from acoustics.levels.sound_levels import Levels
-from acoustics.open_air.half_space import HalfSpace
-from acoustics.rooms.box_pressure import RoomResponse
+from acoustics.room_response import RoomResponse
 from femstruct.errors import Finding
 from femstruct.impact.compiled.workers import compilation
 from femstruct.impact.engine.needed_units import have
@@ -25,11 +24,11 @@ from femstruct.modal.basis import ModalBasis
 from femstruct.sound.surface import surface_velocities
 from femstruct.study.machine import Verdict
 from femstruct.study.result import Drop, OwnSound
+from femstruct.study.room_surfaces import placed_room
 from femstruct.study.study import Study, TimePlan
 from femstruct.workflow.judgement.impact_findings import impact_findings, room_findings, sampled_findings
 from femstruct.workflow.judgement.source_findings import source_findings, walking_findings
 from femstruct.workflow.run.needed_kernels import units_of
-from femstruct.workflow.stages.coupled_air import ceiling
 from femstruct.workflow.stages.places import Places
 from femstruct.workflow.stages.rated_rooms import band_levels, blows_of, method_for
 from femstruct.workflow.stages.room_transfers import RoomTransfers
@@ -203,9 +202,9 @@ def _rooms(
     """What is heard in every room, by drop; ends : up to which frequency of each is of interest [Hz]."""
     rooms = {}
     for plan in study.rooms:
-        if not plan.receivers and (plan.coupling == "two-way" or isinstance(plan.room, HalfSpace)):
+        if not plan.receivers and (plan.coupling == "two-way" or plan.room.open_air is not None):
             continue
-        moving = surface_velocities(list(responses.values()), ceiling(plan, places), plan.room, plan.offset, plan.name)
+        moving = surface_velocities(list(responses.values()), placed_room(plan, places.surfaces))
         pressures = transfers.heard(moving, plan.room, plan.receivers, ends[plan.name])
         rooms[plan.name] = dict(zip(responses, pressures, strict=True))
     return rooms

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import scipy
 
-from acoustics.rooms.box_pressure import RoomResponse
+from acoustics.room_response import RoomResponse
 from femstruct.arrays import Floats
 from femstruct.errors import InputError
 from femstruct.impact.result.force_on_ground import on_the_ground, passed_on

@@ -8,33 +8,18 @@ from typing import Final
 
 import numpy as np
 
-from acoustics.meshed.meshed_room import ShapedRoom
-from acoustics.meshed.walls import YieldingWall
-from acoustics.open_air.half_space import HalfSpace
-from acoustics.rooms.box import Room
 from femstruct.arrays import Floats
-from femstruct.errors import Finding, InputError, some_of
+from femstruct.errors import Finding
 from femstruct.impact.result.response import Response
 from femstruct.modal.basis import ModalBasis
-from femstruct.model.probe import Probe, Surface
+from femstruct.model.probe import Probe
 from femstruct.sound.two_way import with_cavity
+from femstruct.study.room_surfaces import placed_room
 from femstruct.study.study import RoomPlan
 from femstruct.workflow.stages.places import Places
 
 CARRIED: Final = 0.05  # share of a weight at rest that sealed air may carry
 _HELD: Final = 1e-9  # share of a probe's motion in rigid modes that is rounding
-
-
-def ceiling(plan: RoomPlan, places: Places) -> Surface:
-    """The surface a room lies under.
-
-    Raises InputError when the structure has no such surface.
-    """
-    if plan.under not in places.surfaces:
-        raise InputError(
-            f"rooms.{plan.name}.under", got=f"'{plan.under}'", expected=some_of(places.surfaces) or "a surface"
-        )
-    return places.surfaces[plan.under]
 
 
 def coupled(
@@ -46,10 +31,9 @@ def coupled(
     """
     told: list[tuple[str, Finding]] = []
     for plan in rooms:
-        if plan.coupling == "two-way" and not isinstance(plan.room, HalfSpace):
+        if plan.coupling == "two-way":
             known = len(basis.findings)
-            surface = ceiling(plan, places)
-            basis = with_cavity(basis, surface, plan.room, plan.offset, leak=plan.leak, name=plan.name)
+            basis = with_cavity(basis, placed_room(plan, places.surfaces), leak=plan.leak)
             told += [(plan.name, found) for found in basis.findings[known:]]
     return basis, told
 
@@ -102,19 +86,10 @@ def static_stiffness(basis: ModalBasis, place: Probe) -> float:
 def coupled_key(key: str, rooms: Sequence[RoomPlan]) -> str:
     """The name of a basis joined to rooms: that of the structure alone where none pushes back."""
     joined = [
-        (plan.name, plan.under, plan.offset, _shape(plan.room), plan.room.air.c, plan.room.air.rho)
+        (plan.name, plan.under, plan.offset, plan.room.identity, plan.room.air.c, plan.room.air.rho)
+        + tuple(sorted(plan.walls.items()))
         + (() if plan.leak is None else (plan.leak.inertance,))
         for plan in rooms
         if plan.coupling == "two-way"
     ]
     return hashlib.sha256(repr((key, joined)).encode()).hexdigest()[:12] if joined else key
-
-
-def _shape(room: Room | ShapedRoom | HalfSpace) -> object:
-    """What tells rooms apart, but for their air."""
-    if isinstance(room, ShapedRoom):
-        cells = hashlib.sha256(room.mesh.points.tobytes() + room.mesh.cells.tobytes()).hexdigest()
-        yielding = {name: wall for name, wall in room.walls.items() if isinstance(wall, YieldingWall)}
-        springs = [(name, wall.mass, wall.stiffness) for name, wall in sorted(yielding.items())]
-        return cells, room.ceiling, room.up_to_hz, springs
-    return room.size.tolist() if isinstance(room, Room) else ()

@@ -13,8 +13,8 @@ from acoustics.errors import Advice
 from acoustics.levels.methods import Blows, Method, method_of, rating_of
 from acoustics.levels.rated import RatedRoom, rate_room
 from acoustics.levels.sound_levels import Levels, equivalent_levels
-from acoustics.rooms.box import t60_of
-from acoustics.rooms.box_pressure import RoomResponse
+from acoustics.losses import t60_of
+from acoustics.room_response import RoomResponse
 from acoustics.rooms.room_advice import t60_missed
 from femstruct.errors import Finding, some_of
 from femstruct.impact.scene.impact_sources import BETWEEN_BLOWS, HAMMERS, TAPPING_MACHINE

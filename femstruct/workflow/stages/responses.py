@@ -7,7 +7,6 @@ from collections.abc import Sequence
 import numpy as np
 
 from acoustics.errors import Advice
-from acoustics.open_air.half_space import HalfSpace
 from femstruct.arrays import Floats
 from femstruct.errors import Finding, InputError, some_of
 from femstruct.modal.basis import ForceRow, ModalBasis
@@ -16,8 +15,8 @@ from femstruct.model.probe import Probe
 from femstruct.sound.power import power_per_force
 from femstruct.sound.surface import pressure_per_force
 from femstruct.study.result import Frf
+from femstruct.study.room_surfaces import placed_room
 from femstruct.study.study import FrfRequest, RoomPlan, Spot
-from femstruct.workflow.stages.coupled_air import ceiling
 from femstruct.workflow.stages.places import Places
 
 
@@ -81,8 +80,8 @@ def _pressure(
             _asked(request, "response"), got=f"'{request.response}'", expected=" or ".join(heard) or "a room"
         )
     plan, receiver = heard[request.response.name]
-    surface = ceiling(plan, places)
-    values, advice = pressure_per_force(basis, drive, surface, plan.room, [receiver], frequency, plan.offset, plan.name)
+    room = placed_room(plan, places.surfaces)
+    values, advice = pressure_per_force(basis, drive, room, [receiver], frequency)
     unit = "Pa/(N m)" if request.drive.what.startswith("r") else "Pa/N"
     return Frf(request, frequency, values[0], unit), advice
 
@@ -91,13 +90,13 @@ def _power(
     request: FrfRequest, drive: Probe, places: Places, basis: ModalBasis, rooms: Sequence[RoomPlan], frequency: Floats
 ) -> tuple[Frf, tuple[Advice, ...]]:
     """Sound power into an open room, ROOM.power, over the mean square of the force."""
-    plans = {plan.name: plan for plan in rooms if isinstance(plan.room, HalfSpace)}
+    plans = {plan.name: plan for plan in rooms if plan.room.open_air is not None}
     plan = plans.get(request.response.name)
-    if plan is None or not isinstance(plan.room, HalfSpace):
+    if plan is None:
         expected = " or ".join(f"{name}.power" for name in plans) or "an open room"
         raise InputError(_asked(request, "response"), got=f"'{request.response}'", expected=expected)
-    surface = ceiling(plan, places)
-    sound, advice = power_per_force(basis, drive, surface, plan.room, frequency, plan.directivity, plan.name)
+    room = placed_room(plan, places.surfaces)
+    sound, advice = power_per_force(basis, drive, room, frequency, plan.directivity)
     unit = "W/(N m)^2" if request.drive.what.startswith("r") else "W/N^2"
     return Frf(request, frequency, sound.power.astype(np.complex128), unit, sound), advice
 

@@ -9,16 +9,15 @@ import numpy as np
 
 from acoustics.errors import AcousticsError, Advice
 from acoustics.levels.sound_levels import Levels, response_levels
-from acoustics.open_air.half_space import HalfSpace
 from acoustics.open_air.sphere import TOUCHING, refuse_inside, sphere_pressures
-from acoustics.rooms.box_pressure import RoomResponse
+from acoustics.room_response import RoomResponse
 from femstruct.arrays import Floats
 from femstruct.errors import Finding, InputError, some_of
 from femstruct.impact.result.response import Response
 from femstruct.sound.impactor import moved_advice, sphere_of
 from femstruct.study.result import OwnSound
+from femstruct.study.room_surfaces import placed_room
 from femstruct.study.study import PlacedBody, RoomPlan, Study
-from femstruct.workflow.stages.coupled_air import ceiling
 from femstruct.workflow.stages.places import Places
 
 
@@ -34,15 +33,16 @@ def spheres_before(plan: RoomPlan, study: Study, places: Places) -> dict[str, tu
     A body is its radius above (below) what it is placed on, where it is pushed; what gap there is at the start is then
     closed. A body that is placed on another one is above the top of its sphere.
     """
-    if not isinstance(plan.room, HalfSpace) or not plan.receivers:
+    space = plan.room.open_air
+    if space is None or not plan.receivers:
         return {}
     found = {}
     for body in study.bodies:
         centre = _from_surface(body, plan, study, places)
-        height = None if centre is None else float(centre @ plan.room.normal)
+        height = None if centre is None else float(centre @ space.normal)
         if body.radius is None or centre is None or height is None or height < body.radius * (1 - TOUCHING):
             continue
-        if _upward(body) * plan.room.normal[2] < 0:  # placed below what is above the surface
+        if _upward(body) * space.normal[2] < 0:  # placed below what is above the surface
             continue
         try:
             refuse_inside(body.radius, centre, plan.receivers)
@@ -83,11 +83,11 @@ def levels_by_receiver(rooms: Mapping[str, RoomResponse], whole: Mapping[str, Ro
 
 def _own_sound(plan: RoomPlan, study: Study, places: Places, response: Response) -> RoomResponse | None:
     """Pressures that the bodies in the air of a half space make themselves; None where there are none."""
-    placed = spheres_before(plan, study, places)
-    if not placed or not isinstance(plan.room, HalfSpace):
+    placed, space = spheres_before(plan, study, places), plan.room.open_air
+    if not placed or space is None:
         return None
-    spheres = [sphere_of(response, name, *sphere, plan.room) for name, sphere in placed.items()]
-    heard = sphere_pressures(spheres, plan.room, plan.receivers)
+    spheres = [sphere_of(response, name, *sphere, space) for name, sphere in placed.items()]
+    heard = sphere_pressures(spheres, space, plan.receivers)
     moved = [advice for name, (radius, _) in placed.items() for advice in moved_advice(response, name, radius)]
     return replace(heard, findings=(*heard.findings, *moved))
 
@@ -118,7 +118,7 @@ def own_findings(
                     ),
                 )
             )
-    listening = [plan for plan in study.rooms if isinstance(plan.room, HalfSpace) and plan.receivers]
+    listening = [plan for plan in study.rooms if plan.room.open_air is not None and plan.receivers]
     for body in study.bodies:
         if body.radius is not None and body.name not in sounding and listening:
             finding = Finding(
@@ -133,7 +133,8 @@ def own_findings(
 
 def _left_out(body: PlacedBody, plan: RoomPlan, study: Study, places: Places, response: Response) -> bool:
     """Whether a body without a radius strikes something in the air of a half space where somebody listens."""
-    if body.radius is not None or not isinstance(plan.room, HalfSpace) or not plan.receivers:
+    space = plan.room.open_air
+    if body.radius is not None or space is None or not plan.receivers:
         return False
     centre = _from_surface(body, plan, study, places)
     strikes = any(
@@ -141,8 +142,8 @@ def _left_out(body: PlacedBody, plan: RoomPlan, study: Study, places: Places, re
         for contact in response.scene.contacts
         if body.name in (contact.upper, contact.lower)
     )
-    on_side = _upward(body) * plan.room.normal[2] > 0
-    return strikes and on_side and centre is not None and float(centre @ plan.room.normal) > -1e-9
+    on_side = _upward(body) * space.normal[2] > 0
+    return strikes and on_side and centre is not None and float(centre @ space.normal) > -1e-9
 
 
 def _from_surface(body: PlacedBody, plan: RoomPlan, study: Study, places: Places) -> Floats | None:
@@ -152,9 +153,7 @@ def _from_surface(body: PlacedBody, plan: RoomPlan, study: Study, places: Places
     found = _centre(body, {one.name: one for one in study.bodies}, places, ())
     if found is None:
         return None
-    surface = ceiling(plan, places)
-    centre: Floats = found - (surface.corner + surface.size @ surface.along / 2.0)
-    return centre
+    return np.asarray(found - placed_room(plan, places.surfaces).first.centre)
 
 
 def _centre(body: PlacedBody, bodies: Mapping[str, PlacedBody], places: Places, seen: Sequence[str]) -> Floats | None:

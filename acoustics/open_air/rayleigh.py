@@ -3,85 +3,30 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
 from typing import Final
 
 import numpy as np
 
-from acoustics.air import Air
-from acoustics.arrays import Complexes, Floats, freeze, frozen
-from acoustics.errors import AcousticsError, Advice
-from acoustics.rooms.box import Losses, Receiver, positions
-from acoustics.rooms.box_pressure import NEGLIGIBLE, RoomResponse
+from acoustics.arrays import Complexes, Floats
+from acoustics.errors import Advice
+from acoustics.open_air.baffle import Baffle, in_front, on_plane
+from acoustics.receivers import Receiver
+from acoustics.room_response import RoomResponse
+from acoustics.rooms.box_pressure import NEGLIGIBLE
 from acoustics.rooms.continuation import PADDING, extended, fast_length, source_bandwidth
-from acoustics.source import SurfaceVelocity, alike
+from acoustics.source import SurfaceVelocity, SurfaceVibration, alike
 
 POINTS_PER_WAVE: Final = 6.0  # of the surface, to a wave in air
 NEAR: Final = 2.0  # distances between points within which a receiver hears the points one by one
 _LINES: Final = 64  # frequencies whose phases are made from one table
 
 
-@dataclass(frozen=True, eq=False)
-class HalfSpace:
-    """The air in front of a plane, rigid but for what moves in it, without end and without losses.
-
-    normal : [3], unit vector into the air. The plane goes through the origin; so do receivers' coordinates.
-
-    >>> HalfSpace(normal=[0, 0, -1]).normal.tolist()
-    [0.0, 0.0, -1.0]
-    """
-
-    air: Air = field(default_factory=Air)
-    normal: Floats = field(default_factory=lambda: np.array([0.0, 0.0, 1.0]))
-
-    def __post_init__(self) -> None:
-        normal = frozen("field.normal", self.normal, (3,))
-        if abs(np.linalg.norm(normal) - 1) > 1e-9:
-            raise AcousticsError("field.normal", got=f"{normal.tolist()}", expected="a unit vector")
-        freeze(self, normal=normal)
-
-    @property
-    def losses(self) -> Losses:
-        """None: the air of a half space takes nothing up."""
-        return Losses()
-
-    @property
-    def volume(self) -> float:
-        """Without end [m^3]."""
-        return float(np.inf)
-
-
-def in_front(space: HalfSpace, receivers: Sequence[Receiver]) -> Floats:
-    """Where the receivers are [n, 3] [m].
-
-    Raises AcousticsError: none, or one that is not in front of the plane.
-    """
-    places = positions(receivers)
-    for receiver, height in zip(receivers, places @ space.normal, strict=True):
-        if not height > 0:
-            raise AcousticsError(
-                f"receiver {receiver.name}",
-                got=f"{receiver.position.tolist()} m, {-height:g} m behind the surface",
-                expected="a point in front of it",
-            )
-    return places
-
-
 def harmonic_field(
-    space: HalfSpace,
-    points: Floats,
-    weights: Floats,
-    shapes: Floats,
-    rates: Complexes,
-    frequency_hz: Floats,
-    receivers: Sequence[Receiver],
+    surface: SurfaceVibration, space: Baffle, receivers: Sequence[Receiver]
 ) -> tuple[Complexes, tuple[Advice, ...]]:
     """Complex pressure [n_receivers, nf] [Pa] in front of a baffled surface that moves with exp(+j omega t).
 
     With it comes advice on the points and the receivers.
-
-    points [p, 3], weights [p], shapes [p, k] : as of a `SurfaceVelocity` [m], [m^2], positive into the air.
-    rates [k, nf] : complex velocities of the modal coordinates; shapes times rates is m/s.
 
     Raises AcousticsError: a point off the plane, a receiver behind it, none at all.
 
@@ -91,25 +36,25 @@ def harmonic_field(
 
     A piston of 1 cm^2 and 1 m/s at 100 Hz, heard at 1 m: rho omega Q / (2 pi R):
 
-    >>> heard, _ = harmonic_field(HalfSpace(), np.zeros((1, 3)), np.array([1e-4]), np.ones((1, 1)),
-    ...                           np.ones((1, 1), complex), np.array([100.0]), [Receiver("mic", [0, 0, 1])])
+    >>> piston = SurfaceVibration([[0, 0, 0]], [1e-4], [[1]], [[1]], [100.0])
+    >>> heard, _ = harmonic_field(piston, Baffle(), [Receiver("mic", [0, 0, 1])])
     >>> print(f"{abs(heard[0, 0]):.5f} {1.21 * 2 * np.pi * 100 * 1e-4 / (2 * np.pi):.5f}")
     0.01210 0.01210
     """
-    _on_plane(space, points)
+    on_plane(space, surface.points)
     places = in_front(space, receivers)
-    s = np.asarray(2j * np.pi * frequency_hz)
+    s = np.asarray(2j * np.pi * surface.frequency_hz)
     p = np.empty((len(places), len(s)), dtype=np.complex128)
     for row, place in enumerate(places):
-        far = np.linalg.norm(points - place, axis=1)
+        far = np.linalg.norm(surface.points - place, axis=1)
         kernel = np.exp(-np.outer(s / space.air.c, far))
-        sums = kernel @ ((weights / far)[:, None] * shapes)
-        p[row] = space.air.rho * s / (2 * np.pi) * (sums * rates.T).sum(axis=1)
-    return p, spacing_advice(space, points, weights, places, float(frequency_hz.max()))
+        sums = kernel @ ((surface.weights / far)[:, None] * surface.shapes)
+        p[row] = space.air.rho * s / (2 * np.pi) * (sums * surface.rates.T).sum(axis=1)
+    return p, spacing_advice(space, surface.points, surface.weights, places, float(surface.frequency_hz.max()))
 
 
 def field_pressures(
-    surfaces: Sequence[SurfaceVelocity], space: HalfSpace, receivers: Sequence[Receiver]
+    surfaces: Sequence[SurfaceVelocity], space: Baffle, receivers: Sequence[Receiver]
 ) -> list[RoomResponse]:
     """Pressure in front of a baffled surface for each of several of its motions.
 
@@ -130,13 +75,14 @@ def field_pressures(
     >>> t = np.arange(2400) / 48e3
     >>> push = np.where(t < 0.02, t - np.sin(2 * np.pi * t / 0.02) * 0.02 / (2 * np.pi), 0.02 + 0 * t)
     >>> piston = SurfaceVelocity(np.zeros((1, 3)), [1e-4], [[1]], [push], dt=1 / 48e3)
-    >>> heard = field_pressures([piston], HalfSpace(Air(343, 1.21)), [Receiver("mic", [0, 0, 3.43])])[0].p[0]
+    >>> from acoustics.air import Air
+    >>> heard = field_pressures([piston], Baffle(Air(343, 1.21)), [Receiver("mic", [0, 0, 3.43])])[0].p[0]
     >>> print(f"{heard[960] * 2 * np.pi * 3.43 / (1.21 * 1e-4):.4f} {abs(heard[:470]).max() / heard.max():.4f}")
     2.0000 0.0000
     """
     alike(surfaces)
     first = surfaces[0]
-    _on_plane(space, first.points)
+    on_plane(space, first.points)
     places = in_front(space, receivers)
     nt = first.rates.shape[1]
     longest = max(float(np.linalg.norm(first.points - place, axis=1).max()) for place in places) / space.air.c
@@ -164,7 +110,7 @@ def field_pressures(
     return found
 
 
-def _sums(space: HalfSpace, surface: SurfaceVelocity, place: Floats, s: Complexes) -> Complexes:
+def _sums(space: Baffle, surface: SurfaceVelocity, place: Floats, s: Complexes) -> Complexes:
     """Sums over the points of weight, shape and exp(-s R / c) / R [nf, k], at equally spaced frequencies s."""
     delay = np.linalg.norm(surface.points - place, axis=1) / space.air.c
     shapes = (surface.weights / (delay * space.air.c))[:, None] * surface.shapes
@@ -177,7 +123,7 @@ def _sums(space: HalfSpace, surface: SurfaceVelocity, place: Floats, s: Complexe
 
 
 def spacing_advice(
-    space: HalfSpace, points: Floats, weights: Floats, places: Floats, highest_hz: float
+    space: Baffle, points: Floats, weights: Floats, places: Floats, highest_hz: float
 ) -> tuple[Advice, ...]:
     """Advice on points too far apart for a frequency, and on receivers too near."""
     apart = float(np.sqrt(weights.max()))
@@ -204,14 +150,3 @@ def spacing_advice(
             )
         )
     return tuple(found)
-
-
-def _on_plane(space: HalfSpace, points: Floats) -> None:
-    off = np.abs(points @ space.normal)
-    extent = float(np.ptp(points, axis=0).max())
-    if off.max() > 1e-6 * extent:
-        raise AcousticsError(
-            "surface.points",
-            got=f"a point {off.max():g} m off the plane of the baffle",
-            expected="a flat surface through the origin",
-        )

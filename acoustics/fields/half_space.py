@@ -1,0 +1,91 @@
+"""The half space beside a surface in a rigid baffle."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from math import inf
+from typing import ClassVar
+
+import numpy as np
+
+from acoustics.arrays import Complexes, Floats
+from acoustics.errors import AcousticsError, Advice
+from acoustics.fields.sound_field import SoundField
+from acoustics.losses import Losses
+from acoustics.open_air.baffle import Baffle, in_front, on_plane
+from acoustics.open_air.rayleigh import field_pressures, harmonic_field
+from acoustics.receivers import Receiver
+from acoustics.room_response import RoomResponse
+from acoustics.source import SurfaceVelocity, SurfaceVibration, together
+
+PLANE = "plane"
+
+
+@dataclass(frozen=True, eq=False)
+class HalfSpace(Baffle, SoundField):
+    """The air in front of a plane, rigid but for what moves in it, without end and without losses.
+
+    normal : [3], unit vector into the air. The plane goes through the origin; so do receivers' coordinates.
+
+    >>> HalfSpace(normal=[0, 0, -1]).facing.tolist()
+    [0.0, 0.0, -1.0]
+    """
+
+    word: ClassVar[str] = "a half space"
+    losses: Losses = field(default_factory=Losses, init=False)
+
+    @property
+    def volume(self) -> float:
+        """Without end [m^3]."""
+        return inf
+
+    @property
+    def open_air(self) -> Baffle:
+        """Itself."""
+        return self
+
+    def described(self) -> dict[str, object]:
+        """On which side of the surface it is."""
+        return {"side": "above" if self.normal[2] > 0 else "below"}
+
+    @property
+    def movable(self) -> tuple[str, ...]:
+        """The plane."""
+        return (PLANE,)
+
+    @property
+    def middle(self) -> Floats:
+        """The origin."""
+        return np.zeros(3)
+
+    @property
+    def facing(self) -> Floats:
+        """Into the air [3]."""
+        return self.normal
+
+    def axes(self, along: Floats, normal: Floats) -> Floats:
+        """The global ones."""
+        return np.eye(3)
+
+    def accept(self, wall: str, points: Floats, normals: Floats) -> None:
+        """Refuse what is not in the plane."""
+        if wall != PLANE:
+            raise AcousticsError("surface.wall", got=f"'{wall}' of a half space", expected=f"its {PLANE}")
+        on_plane(self, points)
+
+    def places(self, receivers: Sequence[Receiver]) -> Floats:
+        """Where the receivers are [n, 3] [m]."""
+        return in_front(self, receivers)
+
+    def pressures(
+        self, motions: Sequence[Sequence[SurfaceVelocity]], receivers: Sequence[Receiver], up_to_hz: float = inf
+    ) -> list[RoomResponse]:
+        """By Rayleigh's integral: see `acoustics.open_air.rayleigh.field_pressures`."""
+        return field_pressures([together(motion) for motion in motions], self, receivers)
+
+    def harmonic(
+        self, surfaces: Sequence[SurfaceVibration], receivers: Sequence[Receiver]
+    ) -> tuple[Complexes, tuple[Advice, ...]]:
+        """By Rayleigh's integral: see `acoustics.open_air.rayleigh.harmonic_field`."""
+        return harmonic_field(together(surfaces), self, receivers)

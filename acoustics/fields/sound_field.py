@@ -1,0 +1,259 @@
+"""What every sound field has: the air into which surfaces radiate, whatever is round it.
+
+A kind of field (a box, a room of any shape, a half space) is one module of this package with a frozen class, and is
+entered nowhere else: `registry` finds it. A new kind overrides what it has; what it has not is nothing: no air that
+pushes back, no modes, no picture. Places are in the field's own coordinates [m].
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from math import inf
+from typing import ClassVar, NamedTuple, Protocol
+
+import numpy as np
+
+from acoustics.air import Air
+from acoustics.arrays import Complexes, Floats
+from acoustics.errors import AcousticsError, Advice
+from acoustics.losses import Losses, modal_damping_ratio
+from acoustics.open_air.baffle import Baffle
+from acoustics.receivers import Receiver
+from acoustics.room_response import RoomResponse
+from acoustics.rooms.box_two_way import CoupledAir
+from acoustics.rooms.pressure_maps import PressureMap
+from acoustics.rooms.receiver_grids import RoomGrid
+from acoustics.source import SurfaceShapes, SurfaceVelocity, SurfaceVibration
+
+LOW_HZ = 20.0  # where hearing begins: a damping ratio is told there too
+DOWN = np.array([0.0, 0.0, -1.0])
+DOWN.flags.writeable = False
+
+
+class ModesOnSurface(NamedTuple):
+    """Modes of a field beside the shapes of what moves: frequencies [n] [Hz], without the uniform one; integrals over
+    the surface of their shapes times the shapes that move [k, n]; roots of those of their squares [n]; integrals of
+    their squares over the field [n] [m^3]."""
+
+    frequency_hz: Floats
+    products: Floats
+    sizes: Floats
+    squares: Floats
+
+
+class MadeTransfer(Protocol):
+    """A transfer from the motion of a surface to receivers, for motions to come."""
+
+    def of(self, surface: SurfaceVelocity, room: object, receivers: Sequence[Receiver], up_to_hz: float) -> bool:
+        """Whether a motion is one of its surface in its field, in a record of the same length and sampling."""
+
+    def made(self) -> MadeTransfer:
+        """Itself."""
+
+    def pressures(self, surfaces: Sequence[SurfaceVelocity]) -> list[RoomResponse] | None:
+        """Pressures of other motions; None where they need a new search."""
+
+
+class KeptTransfer(Protocol):
+    """What a first motion found out, from which a transfer can be made."""
+
+    def of(self, surface: SurfaceVelocity, room: object, receivers: Sequence[Receiver], up_to_hz: float) -> bool:
+        """As of `MadeTransfer`."""
+
+    def made(self) -> MadeTransfer:
+        """The transfer, found now."""
+
+
+class SoundField(ABC):
+    """Air that surfaces radiate into, and what is heard there; the base of all kinds.
+
+    air, losses : what it is filled with, and how sound dies away in it.
+    word : what messages call its kind. pushes_back : whether it can be coupled two-way. bounded : whether it has a form
+    that can be drawn: an outline, cells that fill it, maps.
+    """
+
+    air: Air
+    losses: Losses
+    word: ClassVar[str]
+    pushes_back: ClassVar[bool] = False
+    bounded: ClassVar[bool] = False
+
+    # what it is
+
+    @property
+    @abstractmethod
+    def volume(self) -> float:
+        """Volume of its air [m^3], infinite in the open."""
+
+    @property
+    def complete_up_to_hz(self) -> float:
+        """Frequency [Hz] up to which it answers with all it has, infinite for a closed form."""
+        return inf
+
+    @property
+    def identity(self) -> object:
+        """What tells it from others of its kind that push back, but for its air and its losses: numbers and words."""
+        return ()
+
+    @property
+    def open_air(self) -> Baffle | None:
+        """The plane that it lies in front of, if it is a half space: its sound power and directivity can be stated, and
+        bodies in it are heard themselves; None for any other field."""
+        return None
+
+    def described(self) -> dict[str, object]:
+        """What is to be said of it in tables, by name with its unit."""
+        return {}
+
+    # where surfaces are, and who listens
+
+    @property
+    @abstractmethod
+    def movable(self) -> tuple[str, ...]:
+        """Names of the walls that surfaces may move; the surface on the first one places the field."""
+
+    @property
+    @abstractmethod
+    def middle(self) -> Floats:
+        """Where on the first wall the centre of a surface comes to lie that is not placed otherwise [3]."""
+
+    @property
+    def facing(self) -> Floats:
+        """Direction, global axes [3], in which the surface that places it must face."""
+        return DOWN
+
+    def axes(self, along: Floats, normal: Floats) -> Floats:
+        """Its axes x, y, z as rows, global [3, 3], given the two sides [2, 3] and the normal [3] of the surface that
+        places it: of a room below, x along the first side and z up."""
+        return np.stack([*along, -normal])
+
+    @abstractmethod
+    def accept(self, wall: str, points: Floats, normals: Floats) -> None:
+        """Refuse a surface that the field cannot take there.
+
+        points [p, 3] : of the surface, and corners of its outline. normals [p, 3] : unit vectors into the field.
+
+        Raises AcousticsError: no such wall, a wall that this kind cannot move, points that are not on it.
+        """
+
+    @abstractmethod
+    def places(self, receivers: Sequence[Receiver]) -> Floats:
+        """Where the receivers are [n, 3]; raises AcousticsError for none, or one that is not in the field."""
+
+    # what is heard
+
+    @abstractmethod
+    def pressures(
+        self, motions: Sequence[Sequence[SurfaceVelocity]], receivers: Sequence[Receiver], up_to_hz: float = inf
+    ) -> list[RoomResponse]:
+        """Pressure at the receivers for each of several motions of the same surfaces, summed over the surfaces.
+
+        motions : of each, the velocities of all surfaces; they differ in their rates. up_to_hz : the highest frequency
+        of interest; what lies above it may be left out.
+
+        Returns RoomResponse of each; its findings are reasons to believe it less.
+        """
+
+    def pressures_to_keep(
+        self, motions: Sequence[Sequence[SurfaceVelocity]], receivers: Sequence[Receiver], up_to_hz: float = inf
+    ) -> tuple[list[RoomResponse], KeptTransfer | None]:
+        """As `pressures`, and what makes further motions of these surfaces cheap; None where nothing does."""
+        return self.pressures(motions, receivers, up_to_hz), None
+
+    @abstractmethod
+    def harmonic(
+        self, surfaces: Sequence[SurfaceVibration], receivers: Sequence[Receiver]
+    ) -> tuple[Complexes, tuple[Advice, ...]]:
+        """Complex pressure [n_receivers, nf] [Pa] of surfaces that move with exp(+j omega t), and advice on it."""
+
+    def spectrum(self, surfaces: Sequence[SurfaceVelocity], frequency_hz: Floats, points: Floats) -> Complexes:
+        """Fourier transform of the pressure [p, nf] [Pa/Hz] at points [p, 3]: of the record of the velocity, times the
+        transfer at that frequency.
+
+        What a record long enough for the air to fall silent would give, the surfaces standing still after its end.
+        """
+        receivers = [Receiver(str(number), place) for number, place in enumerate(points)]
+        return self.harmonic([one.at(frequency_hz) for one in surfaces], receivers)[0]
+
+    # air that pushes back, and its modes
+
+    def coupled_air(self, surfaces: Sequence[SurfaceShapes], up_to_hz: float) -> CoupledAir:
+        """Its air as a mechanical system joined to the shapes of surfaces, which move in the same coordinates.
+
+        up_to_hz : modes of the air up to it are kept [Hz]; the others act as added mass.
+
+        Raises AcousticsError where the kind does not push back.
+        """
+        raise AcousticsError("coupling", got=f"two-way with {self.word}", expected="one-way")
+
+    def coupling_advice(self, first_hz: float) -> tuple[Advice, ...]:
+        """Advice on what `coupled_air` leaves out. first_hz : the lowest mode of structure and air, 0 for none [Hz]."""
+        return ()
+
+    def modes_on(self, surfaces: Sequence[SurfaceShapes], up_to_hz: float) -> ModesOnSurface:
+        """Its modes up to a frequency beside shapes of surfaces; none where it is not known by modes."""
+        none = np.zeros(0)
+        return ModesOnSurface(none, np.zeros((surfaces[0].shapes.shape[1], 0)), none, none)
+
+    # what is drawn
+
+    @property
+    def outline(self) -> Floats:
+        """Ends of the edges that show its form [m, 2, 3]; none where it is not bounded."""
+        return np.zeros((0, 2, 3))
+
+    def grid(self) -> RoomGrid:
+        """Cells that fill it, fine enough for pictures; raises AcousticsError where it is not bounded."""
+        raise AcousticsError("grid", got=self.word, expected="a room with a form")
+
+    def mode_shapes(self, points: Floats, count: int) -> tuple[Floats, Floats]:
+        """Frequencies [k] [Hz] and shapes [n, k] at points [n, 3] of its first modes, at most `count`, without the
+        uniform one; of unit mean square."""
+        return np.zeros(0), np.zeros((len(points), 0))
+
+    def pressure_map(
+        self,
+        surfaces: Sequence[SurfaceVelocity],
+        frequencies_hz: Sequence[float] | Floats,
+        *,
+        normal: str = "z",
+        at: float,
+        divisions: tuple[int, int] = (48, 40),
+    ) -> PressureMap:
+        """Spectrum of the pressure on the plane x, y or z = `at`, as of `spectrum`; nan where the plane leaves it.
+
+        Raises AcousticsError: a field that is not bounded, a plane outside, a room without losses at a resonance.
+        """
+        raise AcousticsError("map", got=self.word, expected="a room with a form")
+
+
+def described_modes(losses: Losses, frequency_hz: Floats) -> dict[str, object]:
+    """What is said in tables of a closed room's modes: the first three, and how they are damped."""
+    first = [float(f) for f in frequency_hz[:3]]
+    ratios = {f"{f:g}": modal_damping_ratio(losses, f) for f in (LOW_HZ, *first) if f > 0}
+    return {"first_modes_hz": first, "damping_ratio": ratios}
+
+
+def air_stiffness_ratio(room: SoundField, area: float | Floats, stiffness: float | Floats) -> float | Floats:
+    """Stiffness rho c^2 area^2 / V of the sealed room's air over that of the structure which moves its ceiling [-].
+
+    area : area of the moving surface [m^2], or of a mode: the integral of its mass-normalised shape over the surface
+        [m^2/sqrt(kg)].
+    stiffness : stiffness of the structure under it [N/m], or of a mode: omega^2 [rad^2/s^2].
+
+    Notes
+    -----
+    A mode's frequency with the air is about sqrt(1 + ratio) times that without. The room is compressed uniformly,
+    which holds well below its first mode.
+
+    References
+    ----------
+    F. Fahy, P. Gardonio, Sound and Structural Vibration, 2nd ed., section 7.4 (uniform pressure in an enclosure).
+
+    >>> from acoustics.fields.rectangular import Room
+    >>> box = Room([0.58, 0.47, 0.1], Air(340, 1.29))
+    >>> round(air_stiffness_ratio(box, box.ceiling_area, 4.641e5), 3)
+    0.876
+    """
+    return room.air.bulk_modulus * area**2 / (room.volume * stiffness)
