@@ -309,7 +309,7 @@ def test_damping_between_modes_is_weighed_beside_rigid_ones(resistance: float) -
     motion, against the responses by the whole matrix of damping and by its diagonal, at the resonances."""
     free, _ = oscillator(MASS, frequency_hz=0.0, axis="z")
     leaking = Leak(20.0, resistance)
-    basis = with_cavity(free, underside(), box(LOSSES["kelvin-voigt"]), leak=leaking, up_to_hz=1000.0)
+    basis = with_cavity(free, placed(box(LOSSES["kelvin-voigt"]), underside()), leak=leaking, up_to_hz=1000.0)
     assert basis.n_rigid == 1
     (told,) = [finding.values for finding in basis.findings if finding.code == "two-way-coupling"]
     shape = basis.shapes[0, 2]

@@ -21,7 +21,7 @@ BY_HAND = runpy.run_path(str(DATA))
 DRAW = """
 import runpy, sys
 from pathlib import Path
-from acoustics.rooms.box import Receiver, Room
+from acoustics import Receiver, Room
 from femstruct import assemble, modal_basis, read_model
 from femstruct.view.scenes.scene import picture_model, picture_modes, shapes_all
 made = runpy.run_path(sys.argv[1])
