@@ -1,4 +1,4 @@
-"""The command line: `femstruct run | check | modes | frf | impact | sound | identify | explain | schema`."""
+"""The command line: `femstruct run | report | plot | export | check | modes | frf | impact | sound | ..`."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from typing import Annotated, Any, Literal
 import typer
 
 from femstruct.exits import GOOD, INTERRUPTED, NOT_TRUSTED, end, heed_signals, leave_with, refuse_unreadable_words
-from femstruct.study_commands import print_json, progress, solved, stages, verdict, watched
+from femstruct.study_commands import print_json, progress, shown, solved, stages, watched
 
 app = typer.Typer(
     help="Impact vibration of structures and the sound it makes in a room.",
@@ -97,7 +97,6 @@ def run(
     """Run a study and write its results to a folder: modes, responses, impacts, sound and levels as numbers, pictures
     and tables."""
     from femstruct.files.atomic import refuse_unwritable
-    from femstruct.files.tables import summary
     from femstruct.workflow.run.output import write_all
 
     folder = output or Path("results") / study.name.removesuffix(".yaml").removesuffix(".study")
@@ -107,15 +106,64 @@ def run(
     _, result = solved(study, set_, case)
     with progress() as tell:
         seconds, told = write_all(result, folder, tell, pictures=not no_pictures)
-    if as_json:
-        print_json(summary(result))
-    else:
-        from femstruct.view.tables.terminal import show_study
+    return shown(result, seconds, str(folder), as_json, verbose, told)
 
-        show_study(result, seconds, str(folder), verbose)
-        if told:
-            print(told)
-    return verdict(result)
+
+ResultsFile = Annotated[
+    Path, typer.Argument(metavar="RESULTS", help="results.h5 of a run, or the folder that it is in")
+]
+
+
+@_command
+def report(
+    results: ResultsFile,
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", metavar="DIR", help="default: the folder of the results")
+    ] = None,
+    no_pictures: Annotated[
+        bool, typer.Option("--no-pictures", help="numbers, tables and sound alone: half the time")
+    ] = False,
+    as_json: AsJson = False,
+    verbose: Verbose = False,
+) -> int:
+    """Write page, tables, pictures and sounds of a results file again. Nothing is computed anew."""
+    from femstruct.files.atomic import refuse_unwritable
+    from femstruct.results_commands import results_file
+    from femstruct.workflow.run.output import redraw
+
+    source = results_file(results)
+    folder = output or source.parent
+    refuse_unwritable(folder)
+    with progress() as tell:
+        result, told = redraw(source, folder, tell, not no_pictures)
+    return shown(result, {}, str(folder), as_json, verbose, told)
+
+
+@_command
+def plot(
+    results: ResultsFile,
+    what: Annotated[str, typer.Argument(metavar="[WHAT]", help="a picture; without it all are listed")] = "",
+    output: Annotated[Path, typer.Option("-o", "--output", metavar="DIR", help="default: here")] = Path(),
+    as_json: AsJson = False,
+) -> int:
+    """Draw one picture of a results file. Nothing is computed anew."""
+    from femstruct.files.atomic import refuse_unwritable
+    from femstruct.files.stored import read_results
+    from femstruct.results_commands import pictures_of, plotted, results_file
+
+    refuse_unwritable(output)
+    result = read_results(results_file(results))
+    if what:
+        with progress() as tell:
+            tell(f"picture {what}")
+            lines = [str(path) for path in plotted(result, what, output)]
+    else:
+        lines = pictures_of(result)
+    if as_json:
+        print_json({"written" if what else "pictures": lines})
+    else:
+        print(*lines, sep="\n")
+    return GOOD
 
 
 @_command

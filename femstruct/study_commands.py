@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import sys
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,15 +17,27 @@ if TYPE_CHECKING:
 
 def stages(study: Path, case: str, sets: list[str], as_json: bool, verbose: bool, with_rooms: bool) -> int:
     """Simulate a study and print it; nothing is written. Returns the exit code."""
-    from femstruct.files.tables import summary
-
     _, result = solved(study, sets, case, with_rooms=with_rooms)
+    return shown(result, {}, "", as_json, verbose)
+
+
+def shown(
+    result: StudyResult, seconds: Mapping[str, float], folder: str, as_json: bool, verbose: bool, told: str = ""
+) -> int:
+    """Print a result, as tables or as JSON; returns its exit code.
+
+    seconds : of CPU, by stage, for writing to the folder. told : what more there is to say, not in JSON.
+    """
     if as_json:
+        from femstruct.files.tables import summary
+
         print_json(summary(result))
     else:
         from femstruct.view.tables.terminal import show_study
 
-        show_study(result, {}, verbose=verbose)
+        show_study(result, seconds, folder, verbose)
+        if told:
+            print(told)
     return verdict(result)
 
 
@@ -44,8 +57,6 @@ def solved(study: Path, sets: list[str], case: str, with_rooms: bool = True) -> 
 def watched(study: Path, sets: list[str], case: str, folder: Path, as_json: bool, verbose: bool, pictures: bool) -> int:
     """Rounds of a study until Ctrl-C; then all files of the last one are written."""
     from femstruct.exits import tell
-    from femstruct.files.tables import summary
-    from femstruct.view.tables.terminal import show_study
     from femstruct.workflow.run.output import write_all
     from femstruct.workflow.run.watch import rounds
 
@@ -58,10 +69,7 @@ def watched(study: Path, sets: list[str], case: str, folder: Path, as_json: bool
                     said = "Not run: the last results are unchanged"
                 elif one.result is not None:
                     code, last = verdict(one.result), one.result
-                    if as_json:
-                        print_json(summary(last))
-                    else:
-                        show_study(last, {}, str(folder), verbose)
+                    shown(last, {}, str(folder), as_json, verbose)
                     said = f"{one.seconds:.2f} s, reused: {one.reused}"
                 print(f"{said}; waiting for a change, Ctrl-C ends", file=sys.stderr)
                 told("waiting for a change of the study's files")

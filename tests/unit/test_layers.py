@@ -31,7 +31,7 @@ LAYERS = [
     ["femstruct.study"],
     ["femstruct.language", "femstruct.files", "femstruct.view"],
     ["femstruct.workflow"],
-    ["femstruct.exits", "femstruct.study_commands", "femstruct.cli"],
+    ["femstruct.exits", "femstruct.study_commands", "femstruct.results_commands", "femstruct.cli"],
     ["femstruct.__main__"],
 ]
 ACOUSTICS = [

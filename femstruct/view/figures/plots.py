@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -18,10 +20,19 @@ from femstruct.view.figures.spectra import frequency_response, sound
 from femstruct.view.figures.struck_sound import own_sounds
 from femstruct.view.figures.vibration import spectrum
 
+Drawing = Callable[[], Figure | None]
 
-def figures(result: StudyResult) -> dict[str, Figure]:
-    """All figures of a study by file name: frequency responses, channels and their spectra, contacts, bodies, energy,
-    sound, sound energy and where it goes, levels over time, the sound of striking bodies themselves, ratings, maps."""
+
+def drawings(result: StudyResult) -> dict[str, Drawing]:
+    """What draws each figure of a study, by file name; None comes of one that has nothing to show.
+
+    Frequency responses, channels and their spectra, contacts, bodies, energy, sound, sound energy and where it goes,
+    levels over time, the sound of striking bodies themselves, ratings, maps.
+    """
+
+    def each(word: str, draw: Callable[[StudyResult, str], Figure | None], names: Iterable[str]) -> dict[str, Drawing]:
+        return {file_name(word, name): partial(draw, result, name) for name in names}
+
     cases = result.cases.values()
     responses = dict.fromkeys(name for case in cases for name in case.frf)
     channels = dict.fromkeys(name for case in cases for name in case.channels)
@@ -34,23 +45,28 @@ def figures(result: StudyResult) -> dict[str, Figure]:
     rooms = dict.fromkeys(name for case in cases for name in case.rooms)
     powers = [name for name in responses if any(name in case.frf and case.frf[name].sound for case in cases)]
     open_rooms = dict.fromkeys(name for case in cases for name in case.radiated)
-    made: dict[str, Figure | None] = {
-        **{file_name("frf", name): frequency_response(result, name) for name in responses if name not in powers},
-        **{file_name("frf", name): sound_power(result, name) for name in powers},
-        **{file_name("directivity", name): power_directivity(result, name) for name in powers},
-        **{file_name("history", name): history(result, name) for name in channels if not _drawn_already(result, name)},
-        **{file_name("spectrum", name): spectrum(result, name) for name in channels},
-        file_name("contact_forces"): contact_forces(result),
-        file_name("bodies"): travels(result),
-        file_name("energy"): energy(result),
-        **{file_name("sound", name): sound(result, name) for name in receivers},
-        **{file_name("sound_energy", name): sound_energy(result, name) for name in open_rooms},
-        **{file_name("directivity", name): room_directivity(result, name) for name in open_rooms},
-        **{file_name("level", name): levels_over_time(result, name) for name in rooms},
-        **{file_name("own_sound", name): own_sounds(result, name) for name in rooms},
-        **{file_name("rated", name): rated_bands(result, name) for name in rooms},
-        **{file_name("pressure_map", name): pressure_maps(result, name) for name in rooms},
+    return {
+        **each("frf", frequency_response, [name for name in responses if name not in powers]),
+        **each("frf", sound_power, powers),
+        **each("directivity", power_directivity, powers),
+        **each("history", history, [name for name in channels if not _drawn_already(result, name)]),
+        **each("spectrum", spectrum, channels),
+        file_name("contact_forces"): partial(contact_forces, result),
+        file_name("bodies"): partial(travels, result),
+        file_name("energy"): partial(energy, result),
+        **each("sound", sound, receivers),
+        **each("sound_energy", sound_energy, open_rooms),
+        **each("directivity", room_directivity, open_rooms),
+        **each("level", levels_over_time, rooms),
+        **each("own_sound", own_sounds, rooms),
+        **each("rated", rated_bands, rooms),
+        **each("pressure_map", pressure_maps, rooms),
     }
+
+
+def figures(result: StudyResult) -> dict[str, Figure]:
+    """All figures of a study that have something to show, by file name."""
+    made = {name: draw() for name, draw in drawings(result).items()}
     return {name: figure for name, figure in made.items() if figure is not None}
 
 

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import json
+import os
 import re
-from collections.abc import Sequence
+import shutil
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Final, NamedTuple
 
@@ -17,11 +19,13 @@ from femstruct.files.audio import listening_scale, write_sequence, write_wav
 from femstruct.files.belongings import NAME, together
 from femstruct.files.results import write_results
 from femstruct.files.rooms import write_room_modes
+from femstruct.files.stored import read_results
 from femstruct.files.tables import summary
 from femstruct.study.result import StudyResult
 from femstruct.view.report import write_report
 from femstruct.workflow.run.provenance import Progress, Stopwatch
 
+RESULTS: Final = "results.h5"
 NO_PICTURES: Final = "Pictures left out, because of --no-pictures."
 NAMED: Final = 4  # files of those that are removed
 
@@ -42,8 +46,30 @@ def write_all(
     folder.mkdir(parents=True, exist_ok=True)
     clock = Stopwatch(progress)
     with together(folder, finished=len(result.cases) == len(result.plan.cases)) as stage:
-        left_out = _write(result, stage.path, clock, pictures)
+        left_out = _write(result, stage.path, clock, pictures, lambda path: write_results(path, result))
     return clock.seconds, "\n".join(filter(None, (left_out, _cleared(stage.removed), _older(stage.older))))
+
+
+def redraw(
+    source: Path, folder: Path, progress: Progress = lambda line: None, pictures: bool = True
+) -> tuple[StudyResult, str]:
+    """Write all that `write_all` does from a results file, which stays as it is or is copied to another folder.
+
+    Nothing is solved. Returns what the file says, and sentences as `write_all` does.
+    """
+    result = read_results(source)
+    folder.mkdir(parents=True, exist_ok=True)
+    with together(folder, finished=len(result.cases) == len(result.plan.cases)) as stage:
+        left_out = _write(result, stage.path, Stopwatch(progress), pictures, lambda path: _take(source, path))
+    return result, "\n".join(filter(None, (left_out, _cleared(stage.removed), _older(stage.older))))
+
+
+def _take(source: Path, path: Path) -> None:
+    """The same file under another name, or a copy of it."""
+    try:
+        os.link(source, path)
+    except OSError:  # another disk, or one without such names
+        shutil.copyfile(source, path)
 
 
 def _older(kept: Sequence[str]) -> str:
@@ -87,12 +113,14 @@ def _write_summary(result: StudyResult, folder: Path) -> None:
         path.write_text(json.dumps(summary(result), indent=1, allow_nan=False) + "\n", encoding="utf-8")
 
 
-def _write(result: StudyResult, folder: Path, clock: Stopwatch, pictures: bool) -> str:
-    """All files in their order; a sentence about pictures that were left out."""
+def _write(
+    result: StudyResult, folder: Path, clock: Stopwatch, pictures: bool, results_file: Callable[[Path], None]
+) -> str:
+    """All files in their order; a sentence about pictures that were left out. results_file : makes results.h5."""
     with clock("sound"):
         sounds = _write_sounds(result, folder)
     with clock("results file"):
-        write_results(folder / "results.h5", result)
+        results_file(folder / RESULTS)
         _write_summary(result, folder)
         for plan in result.cases[result.plan.baseline].case.study.rooms:
             write_room_modes(plan, (folder / file_name("room_modes", plan.name)).with_suffix(".vtu"))
