@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from importlib.metadata import EntryPoint, entry_points
+from importlib.metadata import EntryPoint, distributions
 from inspect import isabstract
 from typing import Any, Final, NamedTuple
 
@@ -26,11 +26,18 @@ def added_kinds(group: str, base: type) -> tuple[Added, ...]:
     >>> added_kinds("femstruct.nothing", int)
     ()
     """
-    return tuple(_loaded(entry, base) for entry in sorted(entry_points(group=group), key=lambda one: one.name))
+    # importlib.metadata.entry_points parses the files of all packages, which takes ten times as long.
+    packages = [one for one in distributions() if f"[{group}]" in (one.read_text("entry_points.txt") or "")]
+    first_on_path = {package.name: package for package in reversed(packages)}
+    found = [
+        (entry, f"{package.name} {package.version}")
+        for package in first_on_path.values()
+        for entry in package.entry_points.select(group=group)
+    ]
+    return tuple(_loaded(entry, package, base) for entry, package in sorted(found, key=lambda one: one[0].name))
 
 
-def _loaded(entry: EntryPoint, base: type) -> Added:
-    package = f"{entry.dist.name} {entry.dist.version}" if entry.dist is not None else "unknown"
+def _loaded(entry: EntryPoint, package: str, base: type) -> Added:
     source = f"package {package}, entry point {entry.name} = {entry.value}"
     try:
         kind = entry.load()

@@ -222,5 +222,13 @@ def test_the_words_of_another_package_may_be_imported_first(site: Path) -> None:
         assert (told.returncode, told.stderr) == (0, "")
 
 
+def test_the_first_of_two_versions_on_the_path_counts(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    for folder, value in (("new", "collections:OrderedDict"), ("old", "gone:Thing")):
+        installed(tmp_path / folder, "some-guest", f"[some.group]\nthing = {value}\n")
+    for folder in ("old", "new"):
+        monkeypatch.syspath_prepend(str(tmp_path / folder))
+    assert [one.kind.__name__ for one in added_kinds("some.group", dict)] == ["OrderedDict"]
+
+
 def test_nothing_is_added_where_nothing_is_installed() -> None:
     assert added_kinds("femstruct.laws", Law) == ()
