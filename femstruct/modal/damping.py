@@ -42,7 +42,15 @@ class LossFactor:
 
 @dataclass(frozen=True)
 class Rayleigh:
-    """C = alpha M + beta K: alpha [1/s], beta [s]. alpha also brakes rigid motion."""
+    """C = alpha M + beta K: alpha [1/s], beta [s]. alpha also brakes rigid motion.
+
+    Ratios of (alpha / omega + beta omega) / 2, 1 % at 10 Hz here:
+
+    >>> from math import pi
+    >>> law = Rayleigh(alpha=0.01 * 2 * pi * 10.0, beta=0.01 / (2 * pi * 10.0))
+    >>> round((law.alpha / (2 * pi * 10.0) + law.beta * 2 * pi * 10.0) / 2, 9)
+    0.01
+    """
 
     alpha: float
     beta: float
@@ -50,7 +58,11 @@ class Rayleigh:
 
 @dataclass(frozen=True)
 class FromMaterials:
-    """The loss factor of every part's own material or foundation: sum of eta_part K_part, a full matrix."""
+    """The loss factor of every part's own material or foundation: sum of eta_part K_part, a full matrix.
+
+    >>> Damping(FromMaterials()).modes
+    ()
+    """
 
 
 @dataclass(frozen=True)
@@ -59,6 +71,9 @@ class ModeDamping:
 
     number : our mode number, from 1, rigid ones counted. near_hz : where that mode is expected [Hz], to 5 %.
     ratio, loss_factor : exactly one of them [1].
+
+    >>> ModeDamping(4, near_hz=19.9, ratio=0.06).loss_factor is None
+    True
     """
 
     number: int

@@ -22,6 +22,15 @@ class Model:
     NAME.2. elastics : springs, foundations and joints with stiffness. inerts : masses. ties : supports and joints.
 
     Raises FemstructError: rows that do not fit the mesh.
+
+    A plate with a point on it: where the point is, and how many nodes carry the plate:
+
+    >>> from femstruct import Material, PlaceOn, Plate, Structure, mesh_structure
+    >>> steel = Material("steel", E=210e9, nu=0.3, rho=7850.0)
+    >>> plate = Plate("plate", steel, 0.003, origin=(0.0, 0.0, 0.0), size=(0.5, 0.4), mesh=(4, 3))
+    >>> model = mesh_structure(Structure("a plate", (plate,), points=(PlaceOn("middle", "plate", at=((0.25, 0.2),)),)))
+    >>> model.points["middle"].position.tolist(), model.mesh.n_nodes, model.parts["plate"].quads.shape
+    ([0.25, 0.2, 0.0], 20, (12, 4))
     """
 
     structure: Structure

@@ -16,6 +16,13 @@ class Region:
 
     size : sides of the rectangle or rim [m]. at : its centre from the part's origin corner along the part's own axes
     [m], None for the centre of the part. line : the two ends of a line, part coordinates [m].
+
+    A rectangle of 0.3 m x 0.2 m about a place, the rim of one in the middle, and a line:
+
+    >>> Region("rectangle", size=(0.3, 0.2), at=(1.0, 0.5)).at, Region("rim", size=(0.3, 0.2)).at
+    ((1.0, 0.5), None)
+    >>> print(Region("line", line=((0.0, 0.5), (2.0, 0.5))))
+    line from (0, 0.5) to (2, 0.5) m
     """
 
     kind: Literal["whole", "rectangle", "rim", "line"]

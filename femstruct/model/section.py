@@ -18,6 +18,15 @@ class Section:
     moment only for circles and tubes); ky, kz : shear coefficients along y and z [1].
 
     Raises InputError for a constant that is not positive.
+
+    An IPE 100 by its table; `femstruct.model.section` has `rectangle`, `circle`, `tube` and others by their sides:
+
+    >>> Section("IPE 100", A=10.3e-4, Iy=171e-8, Iz=15.9e-8, J=1.2e-8, ky=0.55, kz=0.40).ky
+    0.55
+    >>> Section("slip", A=-1.0, Iy=1e-6, Iz=1e-6, J=1e-6)
+    Traceback (most recent call last):
+    ...
+    femstruct.errors.InputError: sections.slip.A: got -1, expected a positive number
     """
 
     name: str

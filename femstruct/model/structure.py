@@ -28,6 +28,13 @@ class Joint:
 
     stiffness : directions (x y z rx ry rz, global) that are springs instead of rigid or free [N/m, N m/rad], one at
     every pair of joined nodes.
+
+    A tube that stands on a plate: rigid, or free to turn with a spring of 5 kN m/rad about x:
+
+    >>> Joint("weld", "tube", "plate").kind
+    'rigid'
+    >>> dict(Joint("hinge", "tube", "plate", kind="pinned", stiffness={"rx": 5e3}).stiffness)
+    {'rx': 5000.0}
     """
 
     name: str
@@ -67,7 +74,18 @@ class PlaceOn:
 
 @dataclass(frozen=True)
 class SurfaceOn:
-    """A named side of a region of a plate, where it radiates or is pressed."""
+    """A named side of a region of a plate, where it radiates or is pressed.
+
+    The underside of a floor, which radiates into the room below; its area is the sum of its weights:
+
+    >>> from femstruct import Material, Plate, mesh_structure
+    >>> concrete = Material("concrete", E=30e9, nu=0.2, rho=2400.0)
+    >>> floor = Plate("floor", concrete, 0.18, origin=(0.0, 0.0, 0.0), size=(5.0, 4.0), mesh=0.5)
+    >>> model = mesh_structure(Structure("a floor", (floor,), surfaces=(SurfaceOn("ceiling", "floor", "below"),)))
+    >>> ceiling = model.surfaces["ceiling"]
+    >>> round(float(ceiling.weights.sum()), 9), ceiling.normal.tolist()
+    (20.0, [-0.0, -0.0, -1.0])
+    """
 
     name: str
     on: str

@@ -28,6 +28,12 @@ class Block(Part):
     mass [kg]; size : along x, y, z [m]. center : the centre of mass from the lower corner [m], None for the middle.
     inertia : moments about the centre of mass along x, y, z, which are its principal axes [kg m^2]; None for those of
     a uniform box of this mass and size.
+
+    A machine of 1.2 t, and its moment of inertia about the vertical:
+
+    >>> machine = Block("machine", 1200.0, origin=(0.0, 0.0, 0.0), size=(1.0, 0.8, 0.6))
+    >>> machine.middle, machine.moments[2]
+    ((0.5, 0.4, 0.3), 164.0)
     """
 
     name: str

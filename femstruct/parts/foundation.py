@@ -35,6 +35,15 @@ class Foundation(Part):
     both strains nothing. To the ground it acts on the mid-surface of a plate, on the lower face of a block.
     region : of `on`; the whole is all that faces the other part.
     normal, shear : stiffness per area [N/m^3] of a whole or rectangle region, per length [N/m^2] of a rim or line.
+
+    A block of 500 kg on a mat of 0.5 m^2 with 20 MN/m^3: f = sqrt(s A / m) / 2 pi.
+
+    >>> from femstruct import Block, Structure, assemble, mesh_structure, modal_basis
+    >>> block = Block("block", 500.0, origin=(0.0, 0.0, 0.0), size=(1.0, 0.5, 0.2))
+    >>> mat = Foundation("mat", "block", Region("whole"), normal=20e6, shear=8e6)
+    >>> basis = modal_basis(assemble(mesh_structure(Structure("a block on a mat", (block, mat)))), up_to=100.0)
+    >>> bool(abs(basis.frequency_hz - (20e6 * 0.5 / 500.0) ** 0.5 / 6.283185307).min() < 1e-6)
+    True
     """
 
     name: str

@@ -50,6 +50,19 @@ class Frame(Part):
     what it touches, and every bar hangs beside it on arms at both ends, as a rib under a plate does. Two different
     ones go over into each other along the line; one at an end alone leaves the other points of the line where they
     are. What differs along the line itself only shortens or lengthens the bar.
+
+    A post of steel, 40 mm square and 0.7 m high, clamped at its foot; 68.20 Hz without shear and rotary inertia:
+
+    >>> from femstruct import PlaceOn, Structure, Support, assemble, mesh_structure, modal_basis
+    >>> from femstruct.model.section import rectangle
+    >>> steel = Material("steel", E=210e9, nu=0.3, rho=7850.0)
+    >>> lines = (((0.0, 0.0, 0.0), (0.0, 0.0, 0.7)),)
+    >>> post = Frame("post", steel, rectangle("bar", 0.04, 0.04), lines, mesh=0.1)
+    >>> foot = PlaceOn("foot", "post", at=((0.0, 0.0, 0.0),))
+    >>> held = Support("floor", "clamped", at="foot")
+    >>> model = mesh_structure(Structure("a post", (post,), points=(foot,), supports=(held,)))
+    >>> [round(float(f), 2) for f in modal_basis(assemble(model), up_to=100.0).frequency_hz]  # both ways
+    [68.03, 68.03]
     """
 
     name: str

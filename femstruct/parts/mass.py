@@ -29,6 +29,16 @@ class Mass(Part):
 
     per : what `mass` is counted by: "total" [kg], "length" [kg/m] along a rim, a line or all bars of a frame, "area"
     [kg/m^2].
+
+    Two masses of 5 kg at the places of a point, and a covering of 8 kg/m^2 over all of a plate of 0.2 m^2:
+
+    >>> from femstruct import Material, PlaceOn, Plate, Structure, assemble, mesh_structure
+    >>> light = Material("light", E=3e9, nu=0.3, rho=100.0)
+    >>> plate = Plate("plate", light, thickness=0.01, origin=(0.0, 0.0, 0.0), size=(0.5, 0.4), mesh=0.1)
+    >>> places = PlaceOn("places", "plate", at=((0.1, 0.1), (0.4, 0.3)))
+    >>> parts = (plate, Mass("lumps", 5.0, at="places"), Mass("covering", 8.0, on="plate", per="area"))
+    >>> round(assemble(mesh_structure(Structure("loaded", parts, points=(places,)))).total_mass, 9)  # 0.2 + 10 + 1.6
+    11.8
     """
 
     name: str

@@ -27,6 +27,17 @@ class Spring(Part):
     Two places apart from each other are joined in the middle between them, through rigid arms.
 
     stiffness, damping : x y z rx ry rz along global axes [N/m, N m/rad] and [N s/m, N m s/rad].
+
+    Four isolators under a machine, its centre of mass halfway between them and low: f = sqrt(4 k / m) / 2 pi along z.
+
+    >>> from femstruct import Block, PlaceOn, Structure, assemble, mesh_structure, modal_basis
+    >>> machine = Block("machine", 1200.0, origin=(0.0, 0.0, 0.0), size=(1.0, 0.8, 0.6))
+    >>> feet = PlaceOn("feet", "machine", at=((0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 0.8, 0.0), (1.0, 0.8, 0.0)))
+    >>> isolators = Spring("isolators", "feet", None, stiffness=(4e5, 4e5, 4e5, 0.0, 0.0, 0.0))
+    >>> model = mesh_structure(Structure("a machine", (machine, isolators), points=(feet,)))
+    >>> frequencies = modal_basis(assemble(model), up_to=50.0).frequency_hz
+    >>> bool(abs(frequencies - (4 * 4e5 / 1200.0) ** 0.5 / 6.283185307).min() < 1e-6)
+    True
     """
 
     name: str

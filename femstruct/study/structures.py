@@ -13,7 +13,11 @@ BeamEnd = Literal["pinned", "free", "clamped"]
 
 @dataclass(frozen=True)
 class OscillatorModel:
-    """`structure: {type: oscillator}`: a mass on a spring, moving along z; frequency or stiffness is given."""
+    """`structure: {type: oscillator}`: a mass on a spring, moving along z; frequency or stiffness is given.
+
+    >>> OscillatorModel(mass=2.0, frequency_hz=10.0, stiffness=None, points={"top": 1.0}).mass
+    2.0
+    """
 
     mass: float
     frequency_hz: float | None
@@ -23,7 +27,13 @@ class OscillatorModel:
 
 @dataclass(frozen=True)
 class RodModel:
-    """`structure: {type: rod}`: a free elastic rod along x; points by their position [m] along it."""
+    """`structure: {type: rod}`: a free elastic rod along x; points by their position [m] along it.
+
+    A rod of steel, 1 m long, struck at one end:
+
+    >>> RodModel(1.0, E=210e9, rho=7850.0, area=1e-4, modes=50, points={"tip": 0.0, "end": 1.0}).points["end"]
+    1.0
+    """
 
     length: float
     E: float
@@ -35,7 +45,13 @@ class RodModel:
 
 @dataclass(frozen=True)
 class BeamModel:
-    """`structure: {type: beam}`: a beam along x deflecting along z; points by their position [m] along it."""
+    """`structure: {type: beam}`: a beam along x deflecting along z; points by their position [m] along it.
+
+    A pinned beam of steel, 20 mm x 10 mm x 1 m:
+
+    >>> BeamModel(1.0, ("pinned", "pinned"), EI=350.0, mass_per_length=1.57, modes=20, points={"middle": 0.5}).ends
+    ('pinned', 'pinned')
+    """
 
     length: float
     ends: tuple[BeamEnd, BeamEnd]
@@ -48,7 +64,13 @@ class BeamModel:
 @dataclass(frozen=True)
 class ModesModel:
     """`structure: {type: modes}`: given modes [Hz], damping ratios [1] and mass-normalised shapes at points, along the
-    axis their study moves along; at : positions along it [m], of the points that have one."""
+    axis their study moves along; at : positions along it [m], of the points that have one.
+
+    Two measured modes of a frame, with their shapes at one point:
+
+    >>> ModesModel((12.4, 31.0), (0.01, 0.02), {"head": (0.71, -0.33)}).points["head"]
+    (0.71, -0.33)
+    """
 
     frequency_hz: tuple[float, ...]
     ratio: tuple[float, ...]
@@ -58,7 +80,13 @@ class ModesModel:
 
 @dataclass(frozen=True)
 class NoStructure:
-    """`structure: none`: only bodies and the ground."""
+    """`structure: none`: only bodies and the ground.
+
+    Two balls that meet in the air have none; `Study` says what they do:
+
+    >>> NoStructure()
+    NoStructure()
+    """
 
 
 StructureModel = Structure | OscillatorModel | RodModel | BeamModel | ModesModel | NoStructure

@@ -45,6 +45,9 @@ class Walk:
     as half a cosine. There is no phase in the source of `design_harmonics`. Heel strikes are not in it: it says what a
     floor does that resonates with a harmonic, nothing of floors whose first mode is above them, and nothing of what is
     heard.
+
+    >>> Walk(80.0, pace=2.0, steps=8, harmonics=design_harmonics(2.0)).steps
+    8
     """
 
     mass: float
