@@ -319,8 +319,8 @@ class RoomPlan:
 
     A bedroom below a floor, with a bed in it:
 
+    >>> from acoustics.fields.rectangular import Room
     >>> from acoustics.receivers import Receiver
-    >>> from acoustics.rooms.box import Room
     >>> bed = Receiver("bed", [1.0, 1.0, 0.5])
     >>> RoomPlan("bedroom", Room([4.0, 3.5, 2.4]), under="ceiling", receivers=(bed,)).complete_below_hz
     inf
