@@ -195,7 +195,7 @@ def _room(plan: RoomPlan) -> Item:
 
 
 def _analysis(study: Study) -> dict[str, tuple[Given, ...]]:
-    """How it is computed: damping, modes, window, peaks, accuracy, what is recorded."""
+    """How it is computed: damping, modes, window, peaks, accuracy."""
     damping = study.damping
     base = [
         one._replace(what=_word(damping.base)) if one.what == "value" else one for one in given(damping.base, UNITS)
@@ -209,5 +209,4 @@ def _analysis(study: Study) -> dict[str, tuple[Given, ...]]:
         "window": () if study.time is None else given(study.time, UNITS),
         "peaks": given(study.peaks, UNITS),
         "accuracy": () if study.accuracy is None else given(study.accuracy, UNITS),
-        "recorded": (Given("channels", tuple(map(str, study.records))),) if study.records else (),
     }

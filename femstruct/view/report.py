@@ -1,35 +1,28 @@
-"""A study's results as one page for a browser: tables, findings and pictures, case beside case."""
+"""A study's results as one page, for a browser and for paper: what was asked, what came out, what forbids trust; the
+rest in folds."""
 
 from __future__ import annotations
 
-from base64 import b64encode
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from html import escape
 from pathlib import Path
 from types import MappingProxyType
 from typing import Final
 
+from femstruct.errors import some_of
 from femstruct.files.atomic import replacing
 from femstruct.files.finding_tables import findings_by_case
 from femstruct.findings.entry import Rank
 from femstruct.study.result import StudyResult
+from femstruct.view.page.html import fold, listed, picture, sound, table
+from femstruct.view.page.input_tables import baseline_inputs, cases_table, further_inputs, input_tables
+from femstruct.view.page.pictures import MODEL, RATED, by_kind, kind_of
+from femstruct.view.page.style import STYLE
 from femstruct.view.tables.accuracy_table import outcomes, trust
 from femstruct.view.tables.finding_lines import finding_lines
-from femstruct.view.tables.grid import Grid
 from femstruct.view.tables.rated_table import first_drop
-from femstruct.view.tables.terminal import study_tables
+from femstruct.view.tables.terminal import asked_tables, other_tables
 
-_STYLE: Final = """
-body { font: 15px/1.5 system-ui, sans-serif; margin: 2em auto; max-width: 72em; padding: 0 1em; color: #222; }
-h1 { font-size: 1.5em; } h2 { font-size: 1.1em; margin: 2em 0 .4em; }
-table { border-collapse: collapse; font-variant-numeric: tabular-nums; }
-th, td { padding: .15em .8em; text-align: right; white-space: pre-line; border-bottom: 1px solid #ddd; }
-td { white-space: pre; } /* a number is not broken; what is too wide is scrolled */
-th.key, td.key { text-align: left; padding-left: 0; }
-.wide { overflow-x: auto; } figure { margin: 1em 0; }
-img { max-width: 100%; } .severe { color: #b00020; } figcaption { color: #666; }
-"""
-_KINDS: Final = {".png": "image/png", ".gif": "image/gif", ".wav": "audio/wav"}
 _NOTHING: Final[Mapping[str, bytes]] = MappingProxyType({})
 
 
@@ -54,66 +47,86 @@ def report(
 ) -> str:
     """The page as HTML, with the files of pictures (png, gif) and sounds (wav) by name."""
     title = escape(result.plan.title)
-    parts = [f"<h1>{title}</h1>", _outcomes(result), _findings(result)]
-    parts += [_table(grid) for grid in study_tables(result) if grid.rows]
-    if sounds:
-        heard = [(name, case) for name, case in result.cases.items() if case.rooms]
-        cases = ", ".join(f"{name}, {name} with the bodies' own sound" if c.heard.total else name for name, c in heard)
-        parts.append(f"<h2>Sounds of all cases in turn, at one scale: {escape(cases)}</h2>")
-    parts += [_sound(name, file) for name, file in sounds.items()]
-    parts += [_picture(name, file) for name, file in pictures.items()]
-    told = ", ".join(f"{name} {value}" for name, value in result.provenance.items() if value)
     screen = '<meta name="viewport" content="width=device-width, initial-scale=1">'  # a telephone's own width
-    head = f'<meta charset="utf-8">{screen}<title>{title}</title><style>{_STYLE}</style>'
+    head = f'<meta charset="utf-8">{screen}<title>{title}</title><style>{STYLE}</style>'
+    ranks = _ranked(result)
+    parts = [
+        f"<h1>{title}</h1>",
+        _warning(result, ranks[Rank.FORBIDS]),
+        *_asked(result, pictures),
+        *_found(result, pictures),
+        *_trust(result, ranks),
+        *_folds(result, pictures, sounds),
+    ]
+    versions = ", ".join(f"{name} {value}" for name, value in result.provenance.items() if value)
     body = "\n".join(part for part in parts if part)
     return (
-        f'<!doctype html>\n<html lang="en"><head>{head}</head>\n<body>\n{body}\n<p>{escape(told)}</p>\n</body></html>\n'
+        f'<!doctype html>\n<html lang="en"><head>{head}</head>\n<body>\n{body}\n'
+        f"<footer>{escape(versions)}</footer>\n</body></html>\n"
     )
 
 
-def _outcomes(result: StudyResult) -> str:
-    """How every case ended, and how far its numbers may be off."""
+def _warning(result: StudyResult, forbids: list[str]) -> str:
+    """Before anything is read: that the results must not be trusted."""
+    if not forbids:
+        return ""
+    codes = some_of(dict.fromkeys(line.partition(":")[0] for line in forbids))
+    return f'<p class="severe">Do not trust these results: {escape(codes)}. The reasons are under “Trust”.</p>'
+
+
+def _asked(result: StudyResult, pictures: Mapping[str, bytes]) -> list[str]:
+    """The model, the inputs of the baseline, and the cases."""
+    models = [picture(name, file) for name, file in pictures.items() if kind_of(name).begins == MODEL]
+    cases = table(cases_table(result.plan, list(result.cases)))
+    inputs = [table(grid) for grid in input_tables(baseline_inputs(result.plan))]
+    return ["<h2>Model and inputs</h2>", *models, *inputs, *(["<h2>Cases</h2>", cases] if cases else [])]
+
+
+def _found(result: StudyResult, pictures: Mapping[str, bytes]) -> list[str]:
+    """The results that were asked for: ratings, limits, peaks; how the cases ended."""
     about = [first_drop(result)] if first_drop(result) else []
-    lines = [f"<li>{escape(line)}</li>" for line in (*outcomes(result), *trust(result), *about)]
-    return f"<ul>{''.join(lines)}</ul>" if lines else ""
+    rated = [picture(name, file) for name, file in pictures.items() if kind_of(name).begins == RATED]
+    tables = [table(grid) for grid in asked_tables(result)]
+    return ["<h2>Results</h2>", listed([*outcomes(result), *about]), *tables, *rated]
 
 
-def _findings(result: StudyResult) -> str:
-    """All findings by rank, remarks among them."""
+def _ranked(result: StudyResult) -> dict[Rank, list[str]]:
+    """All findings as lines by rank, each with the cases it holds for."""
     told = [
         (finding, f" ({', '.join(cases)})" if 0 < len(cases) < len(result.cases) else "")
         for finding, cases in findings_by_case(result)
     ]
-    marks = {Rank.FORBIDS: ' class="severe"'}
-    lines = [
-        f"<li{marks.get(rank, '') if rank else ''}>{escape(line)}</li>"
-        for rank, line in finding_lines(told, verbose=True)
+    lines = finding_lines(told, verbose=True)
+    return {rank: [line.removeprefix(f"{rank.value}, ") for own, line in lines if own is rank] for rank in Rank}
+
+
+def _trust(result: StudyResult, ranks: Mapping[Rank, list[str]]) -> list[str]:
+    """What forbids trust; how far the numbers may be off; what limits trust and what is remarked, in folds."""
+    forbids = listed(ranks[Rank.FORBIDS], "severe") or "<p>No finding forbids trust.</p>"
+    limits, remarks = ranks[Rank.LIMITS], ranks[Rank.REMARK]
+    return [
+        "<h2>Trust</h2>",
+        forbids,
+        listed(trust(result)),
+        fold(f"Findings that limit trust ({len(limits)})", [listed(limits)]),
+        fold(f"Remarks ({len(remarks)})", [listed(remarks)]),
     ]
-    return f"<h2>Findings</h2>\n<ul>{''.join(lines)}</ul>" if lines else ""
 
 
-def _table(grid: Grid) -> str:
-    def row(cells: Sequence[str], tag: str) -> str:
-        made = (
-            f"<{tag}{' class=key' if number < grid.keys else ''}>{escape(cell)}</{tag}>"
-            for number, cell in enumerate(cells)
-        )
-        return f"<tr>{''.join(made)}</tr>"
-
-    rows = "".join(row(cells, "td") for cells in grid.rows)
-    return f'<h2>{escape(grid.title)}</h2>\n<div class="wide"><table>{row(grid.columns, "th")}{rows}</table></div>'
-
-
-def _picture(name: str, file: bytes) -> str:
-    image = f'<img src="{_inside(name, file)}" alt="{escape(name)}">'
-    return f"<figure>{image}<figcaption>{escape(name)}</figcaption></figure>"
-
-
-def _sound(name: str, file: bytes) -> str:
-    player = f'<audio controls preload="metadata" src="{_inside(name, file)}"></audio>'
-    return f"<figure>{player}<figcaption>{escape(name)}</figcaption></figure>"
-
-
-def _inside(name: str, file: bytes) -> str:
-    """A file as its own address."""
-    return f"data:{_KINDS[Path(name).suffix]};base64,{b64encode(file).decode('ascii')}"
+def _folds(result: StudyResult, pictures: Mapping[str, bytes], sounds: Mapping[str, bytes]) -> list[str]:
+    """All else: further inputs, other tables, sounds, pictures by kind. Where the study asked for no number the first
+    pictures are open."""
+    kinds = {kind: names for kind, names in by_kind(pictures).items() if kind.begins not in (MODEL, RATED)}
+    opened = next(iter(kinds), None) if not any(grid.rows for grid in asked_tables(result)) else None
+    heard = [(name, case) for name, case in result.cases.items() if case.rooms]
+    order = ", ".join(f"{name}, {name} with the bodies' own sound" if c.heard.total else name for name, c in heard)
+    listen = [f"<p>All cases in turn, at one scale: {escape(order)}</p>"] if sounds else []
+    return [
+        fold("Further inputs", [table(further_inputs(baseline_inputs(result.plan)))]),
+        fold("More tables", [table(grid) for grid in other_tables(result)]),
+        fold("Sounds", [*listen, *(sound(name, file) for name, file in sounds.items())], kind="heard"),
+        *(
+            fold(kind.heading, [picture(name, pictures[name]) for name in names], opened=kind == opened)
+            for kind, names in kinds.items()
+        ),
+    ]

@@ -26,6 +26,7 @@ from femstruct.impact.result.response import (
 )
 from femstruct.impact.scene.bodies import Body, Clock, Contact, Link, Scene
 from femstruct.modal.basis import ForceRow, ModalBasis
+from femstruct.modal.damping import Damping, Ratio
 from femstruct.model.material import Material
 from femstruct.model.mesh import Mesh
 from femstruct.model.model import Model
@@ -199,7 +200,7 @@ def study_by_hand(duration=0.25, sampling=4800.0, save_modal=True, tag=1.0):
     study = Study(
         "By hand",
         Structure("Plate and post", ()),
-        None,
+        Damping(Ratio(0.02)),
         Extent(up_to_hz=500.0),
         (request,),
         time=TimePlan(duration, sampling),

@@ -7,11 +7,14 @@ import re
 import shutil
 import subprocess
 from html import unescape
+from io import BytesIO
 from pathlib import Path
 
 import pytest
+from PIL import Image
 
 from femstruct.language import read_study
+from femstruct.view.report import report
 from femstruct.workflow.run.output import write_all
 from femstruct.workflow.run.run import run_study
 
@@ -86,3 +89,29 @@ def test_the_page_in_a_browser(tmp_path: Path) -> None:
     (duration,) = seen["sounds"]
     assert duration == pytest.approx(0.2 + 0.5 + 0.2, abs=1e-3)
     assert seen["tables"] >= 4 and seen["wide"] <= 1200
+
+
+@pytest.mark.skipif(CHROMIUM is None, reason="no Chromium on this machine")
+def test_the_page_prints_on_a4_with_its_folds_open(tmp_path: Path) -> None:
+    (tmp_path / "model.yaml").write_text(MODEL)
+    (tmp_path / "one.study.yaml").write_text(STUDY)
+    plan = read_study(tmp_path / "one.study.yaml")
+    text = report(run_study(plan), {f"history_{number}.png": square(number) for number in range(12)})
+    (tmp_path / "report.html").write_text(text, encoding="utf-8")
+    printed = tmp_path / "printed.pdf"
+    flags = (*FLAGS[:-1], "--no-pdf-header-footer", f"--print-to-pdf={printed}", f"--user-data-dir={tmp_path / 'b'}")
+    page = (tmp_path / "report.html").as_uri()
+    subprocess.run([str(CHROMIUM), *flags, page], capture_output=True, timeout=120, check=True)
+    pdf = printed.read_bytes()
+    sheets = re.findall(rb"/MediaBox ?\[0 0 ([\d.]+) ([\d.]+)\]", pdf)
+    assert len(sheets) >= 6  # three pictures a page at most, all of them in a fold
+    sides = [(float(width), float(height)) for width, height in sheets]
+    assert all(width == pytest.approx(595, abs=1) and height == pytest.approx(842, abs=1) for width, height in sides)
+    assert len(re.findall(rb"/Subtype ?/Image", pdf)) >= 12
+
+
+def square(number: int) -> bytes:
+    """A picture of one grey, as PNG, each of another."""
+    file = BytesIO()
+    Image.new("L", (900, 450), 20 * number).save(file, format="PNG")
+    return file.getvalue()

@@ -14,6 +14,7 @@ from femstruct.model.section import circle
 from femstruct.parts.frame import Frame
 from femstruct.study.inputs import Inputs, differences, inputs
 from femstruct.study.study import Plan
+from femstruct.view.page.input_tables import cases_table, input_tables
 
 MODELS = Path(__file__).parents[2] / "models"
 STUDIES = sorted(MODELS.glob("*.study.yaml"))
@@ -68,6 +69,18 @@ def test_the_bedrooms_differences_are_those_of_its_file() -> None:
     link = next(one for one in cases["damper"] if one.group == "links")
     assert Given("damping", 4740.0, "N s/m") in link.after and Given("stiffness", 3.32e6, "N/m") in link.after
     assert differences(inputs(plan.cases[3].study), baseline)[0].after == ()
+
+
+def test_the_bedrooms_tables_say_its_inputs_and_cases_in_units_people_use() -> None:
+    plan = read_study(MODELS / "bedroom.study.yaml")
+    tables = {grid.title: grid.rows for grid in input_tables(inputs(plan.cases[0].study))}
+    assert list(tables) == ["materials", "structure", "what acts on it", "rooms", "analysis"]
+    assert tables["materials"] == [("concrete", "30 GPa", "2400 kg/m³", "0.2", "0 %")]
+    assert "thickness 180 mm" in tables["structure"][0][2] and "drop height 1 m" in tables["what acts on it"][0][2]
+    assert "size 5 x 4 x 2.5 m" in tables["rooms"][0][2] and "63 Hz 550 ms" in tables["rooms"][0][2]
+    cases = cases_table(plan, ["as is", "200 mm", "damper"])
+    assert ("200 mm", "slab: thickness", "180 mm", "200 mm") in cases.rows
+    assert [row[0] for row in cases.rows if row[0]] == ["as is", "200 mm", "floating screed, not run", "damper"]
 
 
 def test_what_a_part_gives_is_what_it_was_made_with() -> None:

@@ -27,12 +27,14 @@ class Page(HTMLParser):
     def __init__(self, text: str) -> None:
         super().__init__()
         self.open: list[str] = []
+        self.tags: list[tuple[str, dict[str, str | None]]] = []
         self.words: list[str] = []
         self.sources: list[str] = []
         self.feed(text)
         self.close()
 
     def handle_starttag(self, tag, attrs):
+        self.tags.append((tag, dict(attrs)))
         if tag not in ALONE:
             self.open.append(tag)
         self.sources += [value for name, value in attrs if name in ("src", "href")]
@@ -62,6 +64,55 @@ def test_every_cell_of_every_table_is_on_the_page(result):
         assert grid.title in words
         for row in grid.rows:
             assert {cell for cell in row if cell} <= words, grid.title
+
+
+def test_the_page_begins_with_what_was_asked_and_folds_all_else(result):
+    names = ("history_B.z_velocity.png", "rated_box.png", "model.png", "frf_floor.png", "energy.png")
+    text = report(result, dict.fromkeys(names, b"a picture"), {"listen.box.mic.wav": b"a sound"})
+    marks = [
+        "<h1>By hand",
+        "<h2>Model and inputs",
+        'alt="Model"',
+        "<h3>rooms",
+        "<h3>analysis",
+        "<h2>Cases",
+    ]
+    marks += ["<h2>Results", "<h3>levels", "<h3>peaks", 'alt="Rated bands: box"', "<h2>Trust", "<details"]
+    places = [text.find(mark) for mark in marks]
+    assert -1 not in places and places == sorted(places), dict(zip(marks, places, strict=True))
+    front, folds = text[: places[-1]], text[places[-1] :]
+    assert front.count("<img") == 2 and folds.count("<img") == 3 and "<audio" not in front
+    assert folds.index("Frequency response:") < folds.index("History:") < folds.index('alt="Energy"')
+    page = Page(text)
+    assert all(attributes["alt"] for tag, attributes in page.tags if tag == "img")
+    folded = [attributes for tag, attributes in page.tags if tag == "details"]
+    assert len(folded) > 4 and not any("open" in attributes for attributes in folded)
+    assert "<tbody></tbody>" not in text and "<ul></ul>" not in text
+    cases = text[text.index("<h2>Cases") : text.index("<h2>Results")]
+    assert all(f">{name}<" in cases for name in result.cases)
+
+
+def test_what_forbids_trust_is_said_before_anything_else(result):
+    sound = report(result)
+    assert "No finding forbids trust" in sound and "Do not trust" not in sound
+    case = result.cases[result.plan.baseline]
+    told = Finding("energy-drift", "It drifts by 3 %, 0.1 % are allowed.", {}, severe=True)
+    odd = report(replace(result, cases={**result.cases, result.plan.baseline: replace(case, findings=(told,))}))
+    assert odd.index("Do not trust these results: energy-drift") < odd.index("<h2>")
+    assert (
+        odd.index("<h2>Trust") < odd.index("energy-drift: It drifts by 3 %, 0.1 % are allowed.") < odd.index("<details")
+    )
+    assert "No finding forbids trust" not in odd
+
+
+def test_a_study_that_asks_for_responses_alone_shows_them_unfolded(result):
+    cases = {name: replace(case, channels={}, levels={}) for name, case in result.cases.items()}
+    alone = replace(result, cases=cases, verdicts={}, machine={})
+    page = Page(report(alone, {"mode_shapes.png": b"one", "frf_floor.png": b"two"}))
+    folded = [attributes for tag, attributes in page.tags if tag == "details"]
+    assert [("open" in attributes) for attributes in folded].count(True) == 1
+    text = report(alone, {"mode_shapes.png": b"one", "frf_floor.png": b"two"})
+    assert "<details open><summary>Frequency responses" in text
 
 
 def test_marks_in_names_and_findings_are_text(result, tmp_path):

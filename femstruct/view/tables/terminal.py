@@ -56,17 +56,22 @@ def show_study(result: StudyResult, written: Mapping[str, float], folder: str = 
 
 def study_tables(result: StudyResult) -> tuple[Grid, ...]:
     """All tables of a study in their order, the empty ones among them."""
+    return (*asked_tables(result), *other_tables(result))
+
+
+def asked_tables(result: StudyResult) -> tuple[Grid, ...]:
+    """What a study is run for: ratings, what is asked of a machine, limits, levels, peaks."""
+    return ratings(result), machine(result), limits(result), _levels(result), _peaks(result)
+
+
+def other_tables(result: StudyResult) -> tuple[Grid, ...]:
+    """Where those numbers come from: contacts, blows, energy, sound energy, bands, attenuation by modes."""
     return (
-        ratings(result),
-        machine(result),
-        limits(result),
-        _peaks(result),
         _contacts(result),
         blows(result),
         energies(result),
         whither(result),
         arrays(result),
-        _levels(result),
         radiated(result),
         bands(result),
         _modes_db(result),
