@@ -148,6 +148,7 @@ class ShapedRoom(SoundField):
             "size_m": np.ptp(self.extent, axis=0).tolist(),
             "largest_cell_m": self.mesh.largest_cell,
             "own_modes_up_to_hz": self.up_to_hz,
+            **({"walls": {name: str(wall) for name, wall in self.walls.items()}} if self.walls else {}),
             **described_modes(self.losses, self.frequency_hz[1:]),
         }
 

@@ -46,6 +46,10 @@ class Wall:
                 raise AcousticsError("wall.admittance", got=f"{value:g} at {frequency:g} Hz", expected="a number >= 0")
         freeze(self, admittance=MappingProxyType(dict(sorted(self.admittance.items()))))
 
+    def __str__(self) -> str:
+        """What it takes up, in words."""
+        return "admittance " + ", ".join(f"{value:.4g} at {f:g} Hz" for f, value in self.admittance.items())
+
     def at(self, frequency_hz: Floats) -> Floats:
         """Admittance [n] at frequencies [n] [Hz]."""
         known = np.log(list(self.admittance))
@@ -82,6 +86,10 @@ class YieldingWall:
     mass: float = 0.0
     stiffness: float = 0.0
     resistance: float = 0.0
+
+    def __str__(self) -> str:
+        """How it yields, in words."""
+        return f"{self.mass:g} kg/m^2, {self.stiffness:g} N/m^3, {self.resistance:g} Pa s/m"
 
     def __post_init__(self) -> None:
         for name, unit in (("mass", "kg/m^2"), ("stiffness", "N/m^3"), ("resistance", "Pa s/m")):

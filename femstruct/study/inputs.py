@@ -23,6 +23,9 @@ UNITS: Final = {  # of the fields of a study's nouns
     "frequency": "Hz", "at": "m", "radius": "m", "times": "s",
 }  # fmt: skip
 
+LEAK: Final = {"inertance": "kg/m^4", "resistance": "Pa s/m^3"}
+ENDS: Final = {"_hz": "Hz", "_m": "m", "_s": "s"}  # of names that have a unit
+
 
 class Item(NamedTuple):
     """One noun of the inputs: its name, its kind in a word, and what is given of it."""
@@ -177,21 +180,29 @@ def _link(link: PlannedLink) -> Item:
 
 def _room(plan: RoomPlan) -> Item:
     room = plan.room
-    size = [Given("size", plain(room.size), "m")] if hasattr(room, "size") else []
-    t60 = (
-        [Given("reverberation time", {f"{f:g} Hz": t60 for f, t60 in plan.t60_asked.items()}, "s")]
-        if plan.t60_asked
-        else []
-    )
-    losses = [] if t60 or not hasattr(room, "losses") else list(given(room.losses, UNITS))
-    receivers = Given("receivers", {one.name: plain(one.position) for one in plan.receivers}, "m")
-    levels = [Given("rated by", plan.levels)] if plan.levels else []
-    leak = list(given(plan.leak, {})) if plan.leak is not None else []
-    coupling = [Given("coupling", plan.coupling), *leak]
+    t60 = {f"{frequency:g} Hz": seconds for frequency, seconds in plan.t60_asked.items()}
+    receivers = {one.name: plain(one.position) for one in plan.receivers}
+    given_here = [Given("under", plan.under), *(Given(wall, surface) for wall, surface in plan.walls.items())]
+    given_here += [Given("reverberation time", t60, "s")] if t60 else []
+    given_here += [Given("coupling", plan.coupling), *([] if plan.leak is None else given(plan.leak, LEAK))]
+    given_here += [Given("rated by", plan.levels)] if plan.levels else []
     air = [Given("speed of sound", room.air.c, "m/s"), Given("density of air", room.air.rho, "kg/m^3")]
-    walls = [Given("walls", {name: str(one) for name, one in room.walls.items()})] if hasattr(room, "walls") else []
-    first = [*size, Given("under", plan.under), *walls, *t60, *losses, *coupling, *levels]
-    return Item(plan.name, _word(room), (*first, *air, receivers))
+    described = room.described()
+    ratios: Any = described.pop("damping_ratio", {})
+    given_here += [_with_unit(name, value) for name, value in described.items()]
+    if ratios and not t60:
+        given_here.append(Given("damping ratio", {f"{frequency} Hz": ratio for frequency, ratio in ratios.items()}))
+    return Item(plan.name, room.word.removeprefix("a "), (*given_here, *air, Given("receivers", receivers, "m")))
+
+
+def _with_unit(name: str, value: object) -> Given:
+    """What a field says of itself, whose unit ends its name.
+
+    >>> _with_unit("largest_cell_m", 0.5)
+    Given(what='largest cell', value=0.5, unit='m')
+    """
+    end = next((end for end in ENDS if name.endswith(end)), "")
+    return Given(name.removesuffix(end).replace("_", " "), plain(value), ENDS.get(end, ""))
 
 
 def _analysis(study: Study) -> dict[str, tuple[Given, ...]]:

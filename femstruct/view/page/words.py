@@ -22,7 +22,12 @@ _PREFIXES: Final = {  # unit: (size, shown unit), the largest first
     "m^2": ((1.0, "m^2"), (1e-6, "mm^2")),
     "m^4": ((1.0, "m^4"), (1e-12, "mm^4")),
 }
-_PERCENT: Final = ("ratio", "loss factor", "mode ")  # begin the names of shares that are told in percent
+_PERCENT: Final = (
+    "ratio",
+    "damping ratio",
+    "loss factor",
+    "mode ",
+)  # begin the names of shares that are told in percent
 ROUNDING: Final = 1e-9  # of a drop height that was made a speed
 _LONG: Final = 6  # more values, or places, are counted
 
@@ -54,7 +59,7 @@ def amount(one: Given) -> str:
     if isinstance(value, float | int):
         return _percent(value) if not unit and one.what.startswith(_PERCENT) else _number([value], unit)
     if isinstance(value, Mapping):
-        return ", ".join(f"{name} {amount(Given('', each, unit))}" for name, each in value.items())
+        return ", ".join(f"{name} {amount(Given(one.what, each, unit))}" for name, each in value.items())
     if isinstance(value, tuple):
         return _several(one.what, value, unit)
     return getattr(value, "__name__", str(value))
