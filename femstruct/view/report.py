@@ -124,7 +124,7 @@ def _folds(result: StudyResult, pictures: Mapping[str, bytes], sounds: Mapping[s
     return [
         fold("Further inputs", [table(further_inputs(baseline_inputs(result.plan)))]),
         fold("More tables", [table(grid) for grid in other_tables(result)]),
-        fold("Sounds", [*listen, *(sound(name, file) for name, file in sounds.items())], kind="heard"),
+        fold("Sounds", [*listen, *(sound(name, file) for name, file in sounds.items())], kind="sounds"),
         *(
             fold(kind.heading, [picture(name, pictures[name]) for name in names], opened=kind == opened)
             for kind, names in kinds.items()

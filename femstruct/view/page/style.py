@@ -25,6 +25,6 @@ footer { color: #666; font-size: .85em; margin-top: 2em; }
   summary { list-style: none; break-after: avoid; } h2, h3, figcaption { break-after: avoid; }
   .wide { overflow: visible; } table { font-size: 8pt; } th, td { padding: .1em .45em; } td.text { min-width: 0; }
   thead { display: table-header-group; } tr, figure, img { break-inside: avoid; } img { max-height: 235mm; }
-  .heard { display: none; } /* sounds */
+  .sounds { display: none; }
 }
 """
