@@ -1,10 +1,13 @@
 """Every numbered script runs, and its numbers are those of before (Numbers changed? Then the CHANGELOG says so)."""
 
+import dataclasses
 import runpy
 from pathlib import Path
 
 import numpy as np
 import pytest
+
+from femstruct import read_study
 
 SCRIPTS = Path(__file__).parents[2] / "scripts"
 
@@ -39,6 +42,23 @@ def test_all_outputs_lose_at_a_mode_what_the_net_force_loses(floor: dict[str, fl
     assert losses[0] == pytest.approx(FLOOR[element, case]["mode"], abs=0.001)
     # the link's own force at the slab makes it approximate; 0.05 dB is what prototypes of ours found
     assert max(losses) - min(losses) < 0.05
+
+
+def test_the_floor_in_python_is_the_floor_of_the_files() -> None:
+    """Every case's structure, bodies, contacts, links and records, as read and as the script says them."""
+    said = runpy.run_path(str(SCRIPTS / "01_floor_damper.py"))["plan"]("bfs16")
+    chosen = ("parts.floor.element=bfs16", "parts.slab.element=bfs16")
+    read = read_study(SCRIPTS.parent / "models" / "floor_tennis_ball.study.yaml", chosen)
+    assert [case.name for case in said.cases] == [case.name for case in read.cases]
+    for mine, its in zip(said.cases, read.cases, strict=True):
+        for field in dataclasses.fields(mine.study):
+            if field.name not in ("title", "structure", "rooms"):
+                assert getattr(mine.study, field.name) == getattr(its.study, field.name), field.name
+        assert dataclasses.replace(mine.study.structure, title=its.study.structure.title) == its.study.structure
+        (room,), (other) = mine.study.rooms, its.study.rooms[0]
+        assert (room.under, room.room.losses, room.room.air) == (other.under, other.room.losses, other.room.air)
+        assert room.room.size.tolist() == other.room.size.tolist()
+        assert room.receivers[0].position.tolist() == other.receivers[0].position.tolist()
 
 
 # Beside femstruct's own numbers: an independent event-driven engine of ours (bodies, beam, hull), closed forms and
