@@ -215,7 +215,7 @@ def test_listening_points_move_no_frequency_and_carrying_points_have_nodes() -> 
     base = model.parts["base"]
     for line in (0.05, 0.1, 0.5, 0.55):  # foam rim, legs
         assert np.abs(base.x - line).min() <= ROUNDING
-    assert np.diff(base.x).max() <= 0.2 + 1e-12
+    assert np.diff(base.x).max() <= 0.2 + ROUNDING
 
 
 def test_frame_lines_take_the_nodes_of_the_plate() -> None:

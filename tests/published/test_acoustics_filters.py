@@ -54,10 +54,12 @@ def test_levels_are_those_of_the_recursion() -> None:
                 fast = scipy.signal.lfilter([1 - keep], [1, -keep], heard**2).max()
                 wanted = 10 * np.log10(max(fast, 1e-30) / 4e-10)
                 if wanted > max(levels.values()) - 80:
+                    # maxima between the samples that are kept: 6e-4 dB here
                     assert levels[nominal] == pytest.approx(wanted, abs=2e-3), nominal
                     if fraction == 3:
                         exposure = 10 * np.log10(heard @ heard / RATE / 4e-10)
-                        assert found.exposure_db[nominal] == pytest.approx(exposure, abs=1e-3), nominal
+                        # of the samples that are kept: 2e-6 dB here
+                        assert found.exposure_db[nominal] == pytest.approx(exposure, abs=2e-4), nominal
 
 
 def test_time_weightings_are_those_of_the_recursion() -> None:
@@ -65,7 +67,8 @@ def test_time_weightings_are_those_of_the_recursion() -> None:
         for kind, tau in (("F", 0.125), ("S", 1.0)):
             keep = np.exp(-1 / RATE / tau)
             wanted = scipy.signal.lfilter([1 - keep], [1, -keep], p**2)
-            assert np.abs(time_weighted(p**2, 1 / RATE, kind) - wanted).max() < 1e-10 * wanted.max()
+            # rounding: 1e-14 here
+            assert np.abs(time_weighted(p**2, 1 / RATE, kind) - wanted).max() < 1e-11 * wanted.max()
     long = np.ones(400_000)  # 400 s, longer than the exponent of Fast reaches
     assert time_weighted(long, 1e-3, "F")[-1] == pytest.approx(1.0)
 

@@ -42,7 +42,7 @@ def test_worked_examples_of_table_c1(levels, weighted, adaptation, excess):
     own A.2.1."""
     rating = weighted_impact_level(in_thirds(levels))
     assert (rating.weighted_db, rating.adaptation_db) == (weighted, adaptation)
-    assert rating.unfavourable_db == pytest.approx(excess, abs=1e-6)
+    assert rating.unfavourable_db == pytest.approx(excess, abs=1e-6)  # levels have one decimal: rounding
 
 
 def test_the_slip_of_the_reprint_is_the_band_at_3150_hz():
@@ -60,7 +60,7 @@ def test_reference_floor_and_improvement():
     floor = weighted_impact_level(in_thirds(REFERENCE))
     assert (floor.weighted_db, floor.adaptation_db) == (78, -11)
     fine = weighted_impact_level(in_thirds(REFERENCE), step_db=0.1)
-    assert (fine.weighted_db, fine.adaptation_db) == pytest.approx((77.6, -10.3), abs=1e-6)
+    assert (fine.weighted_db, fine.adaptation_db) == pytest.approx((77.6, -10.3), abs=1e-6)  # steps of 0.1 dB: rounding
     covered = weighted_impact_level(in_thirds(np.subtract(REFERENCE, REDUCTION)))
     assert 78 - covered.weighted_db == 15
 
@@ -95,7 +95,7 @@ def test_the_excess_is_as_large_as_allowed(levels):
     def excess(lower):
         return np.maximum(np.array(levels) - (curve - lower), 0).sum()
 
-    assert excess(0) <= 32 + 1e-6 < excess(1) + 2e-6
+    assert excess(0) <= 32 + 1e-6 < excess(1) + 2e-6  # levels have one decimal: rounding
 
 
 def test_rubber_ball_of_table_d4():
@@ -124,7 +124,7 @@ def test_third_octaves_are_preferred_and_halves_are_rounded_up():
 
 
 def test_the_correction_for_reverberation_is_what_fast_makes_of_a_decay():
-    """Against a decay that is simulated and averaged: formula 4 was derived from it. 0.1 % for the rounded 1.7275 s."""
+    """Against a decay that is simulated and averaged: formula 4 was derived from it. 1e-3 for the rounded 1.7275 s."""
     dt = 1 / 48e3
     t = dt * np.arange(int(3 / dt))
     for t60 in (0.3, 0.5, 1.0, 1.7275, 3.0):
@@ -144,7 +144,7 @@ def test_standardised_levels():
 
 def test_energy_average():
     assert float(energy_average([60, 60, 60])) == pytest.approx(60)
-    np.testing.assert_allclose(energy_average([[60, 50], [70, 50]]), [67.4036, 50], atol=1e-4)
+    np.testing.assert_allclose(energy_average([[60, 50], [70, 50]]), [67.4036, 50], atol=1e-4)  # four decimals
 
 
 def test_what_cannot_be_rated_is_refused():

@@ -36,8 +36,9 @@ def test_zero_gap_energies(record: dict[str, float]) -> None:
     last = response.ledger.end
     # the last contact leaves the bodies free: their energies at the end are those after it
     energies = [last.bodies["damper"], last.bodies["ball"], last.structure]
+    # half a unit of the eighth digit
     assert np.allclose(np.array(energies) / (0.5 * record["rb"]), record["damper,ball,structure"], rtol=0, atol=6e-9)
-    assert response.ledger.residual < 1e-12
+    assert response.ledger.residual < 1e-12  # rounding: the laws are linear
 
 
 @pytest.mark.parametrize("record", RECORDS["three_body_damper"], ids=lambda r: f"{r['wb_over_w']:g}-{r['wd_over_w']:g}")
@@ -88,8 +89,9 @@ def test_press_at_first_separation(
     response = simulate(basis, scene, Clock(5e-3, 200e3))
     stock = response.ledger.at_separation
     assert stock is not None
-    assert stock.t == pytest.approx(separation, abs=6e-8)
+    assert stock.t == pytest.approx(separation, abs=6e-8)  # half a unit of the fourth digit
     start = response.ledger.start.total
-    assert stock.structure / start == pytest.approx(machine, abs=6e-5)
+    assert stock.structure / start == pytest.approx(machine, abs=6e-5)  # half a unit of the fourth digit
+    # half a unit of the fourth digit
     assert (stock.bodies["damper"] + stock.links["mount"]) / start == pytest.approx(damper, abs=6e-5)
-    assert stock.bodies["slider"] / start == pytest.approx(slider, abs=6e-5)
+    assert stock.bodies["slider"] / start == pytest.approx(slider, abs=6e-5)  # half a unit of the fourth digit

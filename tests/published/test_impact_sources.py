@@ -40,7 +40,7 @@ def test_force_restitution_and_contact_time_are_those_of_the_tables(source):
     assert body.velocity[-1] / source.speed == pytest.approx(RESTITUTION[0], abs=RESTITUTION[1])
     assert contact.first_open == pytest.approx(CONTACT_S[0], abs=CONTACT_S[1])
     assert contact.closings == 1
-    assert response.ledger.residual < 1e-8
+    assert response.ledger.residual < 1e-8  # what the steps leave open
     assert response.findings == ()
 
 
@@ -48,6 +48,7 @@ def test_the_ball_does_not_depend_on_the_engines_tolerance():
     coarse, fine = (dropped(RUBBER_BALL, tolerance) for tolerance in (1e-6, 1e-10))
     # forces agree to what the coarser run may miss, some steps of 1e-6 of the largest
     assert coarse.contacts["floor"].force == pytest.approx(fine.contacts["floor"].force, abs=1e-4 * 1600)
+    # the coarser run's tolerance
     assert coarse.bodies["source"].velocity[-1] == pytest.approx(fine.bodies["source"].velocity[-1], rel=1e-6)
 
 

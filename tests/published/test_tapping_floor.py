@@ -79,4 +79,4 @@ def test_the_numbers_of_the_shipped_study_and_its_verdicts(result: StudyResult) 
     assert codes["one-way-resonance"].values["kappa"] == pytest.approx(0.15, abs=0.01)  # 0.15 at 76 Hz by hand
     # the fall from 40 mm onto 140 mm of concrete, by the test of statistical energies: 1.959 m v
     assert codes["hammers-rebound"].values["restitution"] == pytest.approx(0.959, abs=0.01)
-    assert codes["thick-for-short-waves"].values["density_ratio"] == pytest.approx(2.1, abs=0.05)
+    assert codes["thick-for-short-waves"].values["density_ratio"] == pytest.approx(2.1, abs=0.05)  # two digits
