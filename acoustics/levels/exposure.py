@@ -13,7 +13,7 @@ from acoustics.levels.filters import band_passes
 
 EXPOSURE_BANDS_HZ: Final = (31.5, 63.0, 125.0, 250.0, 500.0)
 LEAST_SAMPLING_HZ: Final = 1600.0  # for the octave at 500 Hz
-_NOTHING: Final = 1e-30  # N^2 s: the level of nothing is a number
+_LEAST_EXPOSURE: Final = 1e-30  # N^2 s: the level of nothing is a number
 
 
 def force_exposure_levels(force: Floats, dt: float) -> dict[float, float]:
@@ -44,5 +44,5 @@ def force_exposure_levels(force: Floats, dt: float) -> dict[float, float]:
     passes, found = band_passes(len(force), sampling_hz, 1, thinned=False), {}
     for nominal in EXPOSURE_BANDS_HZ:
         heard = passes[nominal].of(np.fft.rfft(force, passes[nominal].length), 0.0).values
-        found[nominal] = 10 * log10(max(float(heard @ heard) * dt, _NOTHING))
+        found[nominal] = 10 * log10(max(float(heard @ heard) * dt, _LEAST_EXPOSURE))
     return found

@@ -27,9 +27,9 @@ from acoustics.source import SurfaceVelocity
 
 REFERENCE_J: Final = 1e-12
 LOWEST_HZ: Final = 10.0  # nominal centre of the first third octave
-FADED: Final = 0.1  # share of the record, its end, over which the motion is brought to rest
+FADE_OUT_SHARE: Final = 0.1  # share of the record, its end, over which the motion is brought to rest
 FEWEST_POINTS: Final = 3.0  # to a wave in air, below which the sums over the points mean nothing
-TOLD: Final = 0.01  # share of the energy from which on what is missing is told
+SHARE_ALLOWED: Final = 0.01  # share of the energy from which on what is missing is told
 _LEFT_OUT: Final = 1e-6  # share of the energy that lines beyond the last one may have
 _FAINT: Final = 1e-3  # of the largest peak of the density, below which a peak is not told
 _JUMP: Final = 0.01  # mean square of the velocity at the start over that of the record
@@ -149,7 +149,7 @@ def loudest(frequency_hz: Floats, density: Floats, count: int) -> list[float]:
 
 def at_rest(rates: Floats) -> Floats:
     """Velocities [k, nt] brought smoothly to rest over the last tenth of the record."""
-    tail = max(2, round(FADED * rates.shape[1]))
+    tail = max(2, round(FADE_OUT_SHARE * rates.shape[1]))
     faded = rates.copy()
     faded[:, -tail:] *= 0.5 * (1 + np.cos(np.pi * np.arange(1, tail + 1) / tail))
     return faded
@@ -192,9 +192,9 @@ def radiated_energy(surface: SurfaceVelocity, air: Air) -> SoundEnergy:
     frequency, density, plane, beyond = _densities(surface, at_rest(surface.rates), air, top)
     energy = float(density.sum()) * float(frequency[1])
     # A Hann window has the energy of 3/8 of its length: that of the last fifth stands for .75 of a tenth.
-    end = np.hanning(max(2, round(2 * FADED * nt)) + 2)[1:-1]
+    end = np.hanning(max(2, round(2 * FADE_OUT_SHARE * nt)) + 2)[1:-1]
     last, its_density, _, _ = _densities(surface, surface.rates[:, -len(end) :] * end, air, top)
-    late = float(its_density.sum()) * float(last[1]) * FADED * nt / (0.375 * len(end))
+    late = float(its_density.sum()) * float(last[1]) * FADE_OUT_SHARE * nt / (0.375 * len(end))
     weights = np.abs(frequency_weighting(frequency, "A")) ** 2
     bands = third_octave_bands(1 / dt, LOWEST_HZ)
     result = SoundEnergy(
@@ -267,14 +267,14 @@ def _by_band(density: Floats, step_hz: float, bands_hz: Mapping[float, float]) -
 
 
 def _short(result: SoundEnergy) -> tuple[Advice, ...]:
-    if result.last_tenth <= TOLD:
+    if result.last_tenth <= SHARE_ALLOWED:
         return ()
     return (
         Advice(
             "sound-energy-not-decayed",
             f"the last tenth of the record has {100 * result.last_tenth:.2g} % of the sound energy; "
-            f"{100 * TOLD:g} % is allowed. Sound that is radiated after the end is missing: simulate longer",
-            {"last_tenth": result.last_tenth, "allowed": TOLD},
+            f"{100 * SHARE_ALLOWED:g} % is allowed. Sound that is radiated after the end is missing: simulate longer",
+            {"last_tenth": result.last_tenth, "allowed": SHARE_ALLOWED},
         ),
     )
 
@@ -282,7 +282,7 @@ def _short(result: SoundEnergy) -> tuple[Advice, ...]:
 def _coarse(result: SoundEnergy, apart: float, air: Air, beyond_j: float) -> tuple[Advice, ...]:
     whole = result.energy_j + beyond_j
     share = (result.share_above(result.spacing_hz) * result.energy_j + beyond_j) / whole if whole > 0 else 0.0
-    if share <= TOLD:
+    if share <= SHARE_ALLOWED:
         return ()
     return (
         Advice(
@@ -290,7 +290,7 @@ def _coarse(result: SoundEnergy, apart: float, air: Air, beyond_j: float) -> tup
             f"{100 * share:.2g} % of the sound energy lies above {result.spacing_hz:.4g} Hz, where the points of the "
             f"surface, {apart:.3g} m apart, are fewer than {POINTS_PER_WAVE:g} a wavelength in air. Above "
             f"{air.c / (FEWEST_POINTS * apart):.4g} Hz it is not counted: use a finer mesh",
-            {"share": share, "spacing_hz": result.spacing_hz, "allowed": TOLD},
+            {"share": share, "spacing_hz": result.spacing_hz, "allowed": SHARE_ALLOWED},
         ),
     )
 

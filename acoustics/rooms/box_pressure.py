@@ -25,9 +25,11 @@ from acoustics.rooms.cosine_sums import Heard, added, energies, energy_of, press
 from acoustics.rooms.room_advice import one_way, source_advice, truncation
 from acoustics.source import SurfaceVelocity, alike
 
-SILENT: Final = 1e-9  # share of the velocity below which a cosine is not driven: symmetry, but for rounding
+LEAST_DRIVE: Final = 1e-9  # share of the velocity below which a cosine is not driven: symmetry, but for rounding
 NEGLIGIBLE: Final = 1e-9  # share of the summed velocity spectrum above the highest frequency that is evaluated
-FADED: Final = 1e-9  # of an evanescent wave's pressure at the ceiling, below which it is not evaluated further down
+LEAST_EVANESCENT: Final = (
+    1e-9  # of an evanescent wave's pressure at the ceiling, below which it is not evaluated further down
+)
 _TILE: Final = 512  # cosines handled at once
 _BLOCK: Final = 1 << 15  # complex numbers handled at once: they stay in the cache
 _MEMORY: Final = 1 << 24  # complex numbers of one batch of cosines
@@ -182,7 +184,7 @@ def _driven(surfaces: Sequence[SurfaceVelocity], coefficients: Floats) -> NDArra
     driven = np.zeros(len(coefficients), dtype=bool)
     for surface in surfaces:
         speed = np.abs(coefficients) @ surface.sizes
-        driven |= speed > SILENT * (np.abs(surface.shapes).max(axis=0, initial=0) @ surface.sizes)
+        driven |= speed > LEAST_DRIVE * (np.abs(surface.shapes).max(axis=0, initial=0) @ surface.sizes)
     return driven
 
 
@@ -242,8 +244,8 @@ def _through(
     Notes
     -----
     On the frequency axis the transfer of the uniform cosine is infinite at 0; the displacement takes the velocity's
-    place there. Cosines are left out where they have decayed to FADED of their pressure on the way to the highest
-    listener.
+    place there. Cosines are left out where they have decayed to LEAST_EVANESCENT of their pressure on the way to the
+    highest receiver.
     """
     nf = len(motion.s)
     parts = [[np.zeros((min(mix.shape), nf), dtype=np.complex128) for mix in mixes] for _ in motion.spectra]
@@ -254,7 +256,7 @@ def _through(
     for low in range(0, len(orders), _TILE):
         tile = slice(low, low + _TILE)
         own_k = k_lm[tile]
-        reach = np.hypot(spreading, -np.log(FADED) / nearest) if nearest > 0 else np.full(last, np.inf)
+        reach = np.hypot(spreading, -np.log(LEAST_EVANESCENT) / nearest) if nearest > 0 else np.full(last, np.inf)
         begin = max(1 if motion.displaced else 0, int(np.searchsorted(reach, own_k[0])))
         width = max(1, _BLOCK // len(own_k))
         for start in range(begin, last, width):

@@ -14,7 +14,7 @@ from acoustics.errors import AcousticsError
 from acoustics.receivers import Receiver, positions
 from acoustics.room_response import RoomResponse
 from acoustics.rooms.box import Box
-from acoustics.rooms.box_pressure import FADED, pressures_and_orders
+from acoustics.rooms.box_pressure import LEAST_EVANESCENT, pressures_and_orders
 from acoustics.rooms.box_transfer import cosines, horizontal_wavenumber, project, transfer, wavenumber_squared
 from acoustics.rooms.continuation import band_cut, band_end, extended, source_bandwidth, transform_axis
 from acoustics.rooms.cosine_orders import ENOUGH, audible, moved, not_in, square, undriven
@@ -23,7 +23,7 @@ from acoustics.source import SurfaceVelocity, alike
 
 _TILE: Final = 256  # cosines handled at once
 _BLOCK: Final = 1 << 15  # complex numbers handled at once: they stay in the cache
-_NOTHING: Final = 1e-12  # weight of a line from which on it is left out
+_LEAST_WEIGHT: Final = 1e-12  # weight of a line from which on it is left out
 
 
 @dataclass(frozen=True, eq=False)
@@ -163,7 +163,7 @@ def _ways(searched: Searched, orders: Integers) -> Complexes:
     surface, room, receivers, up_to_hz = searched.surface, searched.room, searched.receivers, searched.up_to_hz
     s, _ = transform_axis(surface.rates.shape[1], surface.dt)
     wanted = band_end(len(s)) * (band_cut(s.imag / (2 * np.pi), up_to_hz) if up_to_hz < inf else 1.0)
-    nf = int(np.flatnonzero(wanted > _NOTHING)[-1]) + 1
+    nf = int(np.flatnonzero(wanted > _LEAST_WEIGHT)[-1]) + 1
     s, places = s[:nf], positions(receivers)
     heights, plane = np.unique(places[:, 2], return_inverse=True)
     found = np.zeros((len(receivers), surface.shapes.shape[1], nf), dtype=np.complex128)
@@ -177,7 +177,7 @@ def _ways(searched: Searched, orders: Integers) -> Complexes:
     )
     nearest = float(room.size[2] - heights.max())
     reach = np.sqrt(np.abs(wavenumber_squared(room.losses, room.air, s)))
-    reach = np.hypot(reach, -np.log(FADED) / nearest) if nearest > 0 else np.full(nf, inf)
+    reach = np.hypot(reach, -np.log(LEAST_EVANESCENT) / nearest) if nearest > 0 else np.full(nf, inf)
     for low in range(0, len(orders), _TILE):
         tile = slice(low, low + _TILE)
         width = max(1, _BLOCK // len(k_lm[tile]))

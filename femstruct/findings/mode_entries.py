@@ -106,7 +106,7 @@ MODES: Final = (
         LIMITS,
         "no mode of the case reaches the MAC below with a baseline mode that has damping of its own",
         "Give the case its own 'damping'.",
-        (Limit(0.5, "MAC", "below, the shapes are more different than similar", CHOSEN, "damping._ALIKE"),),
+        (Limit(0.5, "MAC", "below, the shapes are more different than similar", CHOSEN, "damping._MIN_MAC"),),
     ),
     Entry(
         "mode-damping-unused",

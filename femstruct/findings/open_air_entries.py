@@ -46,7 +46,7 @@ OPEN_AIR: Final = (
         LIMITS,
         "the share of the sound energy above the last mode, plain or A-weighted, is too large",
         "Ask for more modes.",
-        (Limit(0.01, "% of the sound energy", _ONE_PER_CENT, "10 lg 1.01", "sound_energy.TOLD"),),
+        (Limit(0.01, "% of the sound energy", _ONE_PER_CENT, "10 lg 1.01", "sound_energy.SHARE_ALLOWED"),),
     ),
     Entry(
         "sound-energy-not-taken",
@@ -62,7 +62,7 @@ OPEN_AIR: Final = (
         LIMITS,
         "the last tenth of the record has more than the threshold share of the sound energy",
         "Simulate longer.",
-        (Limit(0.01, "% of the sound energy", _ONE_PER_CENT, "10 lg 1.01", "sound_energy.TOLD"),),
+        (Limit(0.01, "% of the sound energy", _ONE_PER_CENT, "10 lg 1.01", "sound_energy.SHARE_ALLOWED"),),
     ),
     Entry(
         "sound-energy-points-coarse",
@@ -71,7 +71,7 @@ OPEN_AIR: Final = (
         "the share of the sound energy above 6 points a wavelength is too large",
         "Use a finer mesh.",
         (
-            Limit(0.01, "% of the sound energy", _ONE_PER_CENT, "10 lg 1.01", "sound_energy.TOLD"),
+            Limit(0.01, "% of the sound energy", _ONE_PER_CENT, "10 lg 1.01", "sound_energy.SHARE_ALLOWED"),
             Limit(
                 3.0,
                 "points a wavelength, counted at all",

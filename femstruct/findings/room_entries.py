@@ -46,7 +46,9 @@ ROOMS: Final = (
         "both lie within half the sum of their bandwidths, with similar shapes on the ceiling, in a rated room",
         "Vary the stiffness or the size of the room by a few per cent and report the scatter.",
         (
-            Limit(0.3, "correlation of the two shapes", "one drives the other", CHOSEN, "meeting.ALIKE"),
+            Limit(
+                0.3, "correlation of the two shapes", "one drives the other", CHOSEN, "meeting.MIN_SHAPE_CORRELATION"
+            ),
             Limit(0.1, "of the largest motion of the ceiling", "other modes do not matter", CHOSEN, "meeting.MOVES"),
         ),
     ),

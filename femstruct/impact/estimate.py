@@ -34,7 +34,7 @@ STRICT = 1e-10  # at the latest here the tolerance limits every step; a loose on
 FINER = 1  # halvings of the longest step, for the same reason
 SHORTER = (0.83, 0.7, 0.59)  # of the shortest step of an exact march: others round otherwise; two may agree by luck
 STRICTEST = 1e-13  # tolerance below which the steps are those of rounding
-ROUNDING = 1e-13  # of a peak force or a speed: what no tolerance takes away
+LEAST_ERROR = 1e-13  # of a peak force or a speed: what no tolerance takes away
 
 
 @dataclass(frozen=True)
@@ -106,7 +106,7 @@ def error_of(response: Response) -> ErrorEstimate:
         others = [_Again(compiled, response.scene, none, None, shorter=part) for part in SHORTER]
         own = others[0].with_first(_of(response))
         found = [again.run() for again in others]
-        return _compared(response, own, found, None, None, ROUNDING + response.ledger.residual)
+        return _compared(response, own, found, None, None, LEAST_ERROR + response.ledger.residual)
     tolerance = response.clock.tolerance
     if not response.bodies and not response.events:  # a forced vibration: nothing here to be wrong
         return ErrorEstimate(tolerance, None, response.clock.duration, {}, {}, {})
@@ -114,7 +114,7 @@ def error_of(response: Response) -> ErrorEstimate:
     tables = tabulated(compiled.system, levels_for(compiled.halvings), collocation_rule())
     own = _Again(compiled, response.scene, tables, tolerance).with_first(_of(response))
     other = _Again(compiled, response.scene, tables, against, finer=FINER).run()
-    return _compared(response, own, [other], tolerance, against, ROUNDING)
+    return _compared(response, own, [other], tolerance, against, LEAST_ERROR)
 
 
 Peaks = Mapping[str, tuple[float, float]]  # largest forces [N] and their times [s] by contact

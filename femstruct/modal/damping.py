@@ -15,7 +15,7 @@ from femstruct.modal.likeness import mac
 from femstruct.modal.outputs import AXES
 
 _NEAR = 0.05  # how far mode N may be from where its damping was measured
-_ALIKE = 0.5  # the least MAC at which two shapes count as the same mode
+_MIN_MAC = 0.5  # the least MAC at which two shapes count as the same mode
 
 
 @dataclass(frozen=True)
@@ -179,7 +179,7 @@ def carry_damping(damping: Damping, baseline: ModalBasis, changed: ModalBasis) -
     for index, mode in exceptions.items():
         to = partner.get(index)
         alike = float(likeness[index, to]) if to is not None and elastic[to] else 0.0
-        if to is not None and alike >= _ALIKE:
+        if to is not None and alike >= _MIN_MAC:
             carried.append(replace(mode, number=to + 1, near_hz=float(changed.frequency_hz[to])))
             continue
         message = (

@@ -17,7 +17,7 @@ from femstruct.sparse.solvers import FASTEST, SOLVERS, Analysis, Factored, ZeroP
 # Sound structures reach about 1e-11 on meshes of 200 x 200; the look itself does not refuse anything.
 _SUSPICIOUS = 1e-12
 # A massless mechanism strains and weighs nothing but rounding: real modes have 1e-3 and more in one of the two.
-_NOTHING = 1e-10
+_NO_ENERGY = 1e-10
 # |sigma| x^T M x of a shape of x^T diag(A) x = 1: |sigma| / omega_max^2, 1e-14 and more, if it has any mass at all.
 _MASSLESS = 1e-20
 
@@ -84,7 +84,7 @@ def factorise(pencil: Pencil, sigma: float, labels: Sequence[str] = ()) -> Facto
         factor = pencil.analysis.factor(values)
     except ZeroPivot:
         _refuse_null_vector(pencil, sigma, values, labels)
-        factor = pencil.analysis.factor(_nudged(pencil.pattern, values, _NOTHING * 1e-5))
+        factor = pencil.analysis.factor(_nudged(pencil.pattern, values, _NO_ENERGY * 1e-5))
     else:
         if _reciprocal_condition(factor, diagonal) < _SUSPICIOUS:
             _refuse_null_vector(pencil, sigma, values, labels)
@@ -116,8 +116,8 @@ def _refuse_null_vector(pencil: Pencil, sigma: float, values: Values, labels: Se
         shape = nudged.solve(diagonal * shape)
         shape /= np.sqrt(shape @ (diagonal * shape))
     weighs = float(np.abs(shape) @ (abs(M) @ np.abs(shape)))
-    massless = weighs < _MASSLESS / abs(sigma) or relative_energy(M, shape[:, None])[0] < _NOTHING
-    if massless and relative_energy(K, shape[:, None])[0] < _NOTHING:
+    massless = weighs < _MASSLESS / abs(sigma) or relative_energy(M, shape[:, None])[0] < _NO_ENERGY
+    if massless and relative_energy(K, shape[:, None])[0] < _NO_ENERGY:
         raise _singular(int(np.argmax(np.abs(shape) * np.sqrt(diagonal))), labels)
 
 

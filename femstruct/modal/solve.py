@@ -20,7 +20,7 @@ MOST_MODES = 3000  # they take minutes, and gigabytes in anything that rings for
 _DENSE = 300  # degrees of freedom up to which full matrices cost less than the set-up of Lanczos
 # A rigid mode strains nothing but rounding: 1e-16 of the terms of phi^T K phi at most on plates, frames and joints
 # of all sizes tried. The softest elastic mode of a 400 x 400 plate has 1e-12, of a floor on springs at 0.2 Hz 1e-11.
-_ROUNDING = 2e-14
+_UNSTRAINED = 2e-14
 # Where K hardly touches a mode (a plate free to shift in its own plane, where no matrix entry resists), even the terms
 # of phi^T K phi are rounding: up to 1e-17 |sigma| measured, 1e-18 |sigma| once the modes are separated. A real spring
 # is told from none down to 3e-8 of the frequency of sigma, which is near the first elastic one, or the limit.
@@ -297,7 +297,7 @@ def _classified(
         values[slack] = np.where(np.abs(found) <= _UNTOUCHED * scale, 0.0, found)
         shapes[:, slack] = signed(shapes[:, slack] @ turn, np.sqrt(np.abs(M.diagonal())))
     # Of those it does touch, only the lowest ones can strain nothing but rounding.
-    unstrained = relative_energy(K, shapes) < _ROUNDING
+    unstrained = relative_energy(K, shapes) < _UNSTRAINED
     rigid = np.where(slack, values == 0.0, np.logical_and.accumulate(slack | unstrained))
     values = np.where(rigid, 0.0, values)
     order = np.argsort(values, kind="stable")

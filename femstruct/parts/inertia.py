@@ -17,7 +17,7 @@ from femstruct.model.model import Model
 from femstruct.model.part import Part
 from femstruct.model.region import Vector
 
-ROUNDING = 1e-6  # of the largest moment: moments are written with a few digits
+MOMENT_ROUNDING = 1e-6  # of the largest moment: moments are written with a few digits
 
 
 @dataclass(frozen=True)
@@ -51,10 +51,10 @@ class Inertia(Part):
             raise InputError(f"{where}.mass", got=f"{self.mass:g}", expected="a positive mass")
         principal, _ = self.principal()
         told = ", ".join(f"{value:.4g}" for value in principal)
-        if principal[0] < -ROUNDING * principal[2]:
+        if principal[0] < -MOMENT_ROUNDING * principal[2]:
             got = f"principal moments of {told} kg*m^2"
             raise InputError(f"{where}.inertia", got=got, expected="none below zero", do="check the signs")
-        if principal[0] + principal[1] < (1.0 - ROUNDING) * principal[2]:
+        if principal[0] + principal[1] < (1.0 - MOMENT_ROUNDING) * principal[2]:
             raise InputError(
                 f"{where}.inertia",
                 got=f"principal moments of {told} kg*m^2",

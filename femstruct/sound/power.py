@@ -13,7 +13,7 @@ from acoustics.errors import Advice
 from acoustics.open_air.directivity import Directivity, radiation_pattern
 from acoustics.open_air.radiated_power import plane_wave_power, radiated_power
 from acoustics.open_air.rayleigh import POINTS_PER_WAVE
-from acoustics.open_air.sound_energy import TOLD, SoundEnergy, at_rest, ended_energy, loudest, radiated_energy
+from acoustics.open_air.sound_energy import SHARE_ALLOWED, SoundEnergy, at_rest, ended_energy, loudest, radiated_energy
 from acoustics.source import side_by_side, together
 from femstruct.arrays import Floats
 from femstruct.errors import Finding
@@ -139,14 +139,14 @@ def _beyond(basis: ModalBasis, highest_hz: float) -> tuple[Advice, ...]:
 def _modes_missing(energy: SoundEnergy, basis: ModalBasis) -> tuple[Advice, ...]:
     top = basis.complete_below_hz
     share, weighted = (energy.share_above(top, kind) if np.isfinite(top) else 0.0 for kind in ("Z", "A"))
-    if max(share, weighted) <= TOLD:
+    if max(share, weighted) <= SHARE_ALLOWED:
         return ()
     return (
         Advice(
             "sound-energy-beyond-modes",
             f"{100 * share:.2g} % of the sound energy, A-weighted {100 * weighted:.2g} %, lies above {top:.4g} Hz, "
             "where modes are left out: it is not counted, and bands there are blank. Use more modes",
-            {"share": share, "share_a": weighted, "complete_below_hz": top, "allowed": TOLD},
+            {"share": share, "share_a": weighted, "complete_below_hz": top, "allowed": SHARE_ALLOWED},
         ),
     )
 

@@ -20,7 +20,9 @@ from femstruct.model.probe import Probe
 from femstruct.sound.placed import Placed
 
 Motion = tuple[SurfaceVelocity, ...]  # of all surfaces of a room
-STILL = 1e-9  # share of the speed of the mode that moves a surface most, below which a mode does not move it
+MIN_SHARE_OF_SURFACE = (
+    1e-9  # share of the speed of the mode that moves a surface most, below which a mode does not move it
+)
 STIFF_AIR = 0.1  # air stiffness over structural stiffness above which frequencies move by more than 5 %
 
 
@@ -67,7 +69,7 @@ def surface_velocities(responses: Sequence[Response], room: Placed) -> list[Moti
         largest = np.abs(one.shapes).max(axis=0)
         for response in responses:
             speed = largest * response.amplitudes()
-            kept |= speed >= STILL * speed.max(initial=0.0)
+            kept |= speed >= MIN_SHARE_OF_SURFACE * speed.max(initial=0.0)
     moving = np.flatnonzero(kept)
     found = []
     for response in responses:

@@ -21,7 +21,9 @@ from femstruct.sound.placed import Placed
 from femstruct.sound.two_way_findings import cut, what_it_did
 
 Bools = NDArray[np.bool_]
-FEEBLE: Final = 1e-3  # of the structure's motion: damping between modes that makes less is left out
+NEGLIGIBLE_DAMPING_COUPLING: Final = (
+    1e-3  # of the structure's motion: damping between modes that makes less is left out
+)
 _LOADS: Final = 8
 _LIGHT: Final = 1e-6
 _NONE: Final = 1e-9  # share of a surface's motion below which it displaces no volume: rounding
@@ -112,7 +114,7 @@ def with_cavity(
     in_time = viscous + np.divide(hysteretic, scale, out=np.zeros_like(scale), where=scale > 0)
     stray = _stray(in_time, coupled, own[basis.modes], ~residual)
     # The resistance of a leak or of a wall that yields is a dashpot, never a modal ratio.
-    kept = stray >= FEEBLE or leak is not None or bool(basis.volumes) or air.resisted
+    kept = stray >= NEGLIGIBLE_DAMPING_COUPLING or leak is not None or bool(basis.volumes) or air.resisted
     dashpots = own.T @ basis.dashpots @ own
     if not kept:
         viscous, hysteretic, dashpots = (np.diag(np.diag(losses)) for losses in (viscous, hysteretic, dashpots))

@@ -26,7 +26,7 @@ _SYMMETRIC = {"SymmetricMode": True}
 _COMPLEX_PIVOT = 1e-3
 # Least eigenvalue, of a matrix scaled to a diagonal of terms of size 1, under which its sign may be rounding: that of a
 # free frame has been seen to be wrong at 2e-17. Inside the spectrum of a plate of 200 x 200 it is 1e-9.
-_ROUNDING = 1e-13
+_LEAST_PIVOT = 1e-13
 
 
 class ZeroPivot(Exception):
@@ -108,7 +108,7 @@ class Rslab:
         shape = np.random.default_rng(1).standard_normal(self._size)
         shape = root * factored.solve(root * shape)  # twice: towards the shape of the least eigenvalue
         least = float(np.linalg.norm(shape)) / float(np.linalg.norm(root * factored.solve(root * shape)))
-        return factored.negative if least > _ROUNDING else None
+        return factored.negative if least > _LEAST_PIVOT else None
 
     def _factored(self, values: Values) -> _RslabFactor:
         try:

@@ -112,7 +112,7 @@ class OwnSound:
     total_levels: Mapping[str, Levels]
 
 
-SILENT: Final = OwnSound({}, {}, {}, {})
+NO_OWN_SOUND: Final = OwnSound({}, {}, {}, {})
 
 
 @dataclass(frozen=True, eq=False)
@@ -157,7 +157,7 @@ class CaseResult:
     drops: Mapping[str, Drop] = field(default_factory=dict)
     errors: ErrorEstimate | None = None
     radiated: Mapping[str, Radiated] = field(default_factory=dict)
-    heard: OwnSound = SILENT
+    heard: OwnSound = NO_OWN_SOUND
 
 
 @dataclass(frozen=True)

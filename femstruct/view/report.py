@@ -23,14 +23,14 @@ from femstruct.view.tables.finding_lines import finding_lines
 from femstruct.view.tables.rated_table import first_drop
 from femstruct.view.tables.terminal import asked_tables, other_tables
 
-_NOTHING: Final[Mapping[str, bytes]] = MappingProxyType({})
+_NO_FILES: Final[Mapping[str, bytes]] = MappingProxyType({})
 
 
 def write_report(
     result: StudyResult,
     path: str | Path,
-    pictures: Mapping[str, bytes] = _NOTHING,
-    sounds: Mapping[str, bytes] = _NOTHING,
+    pictures: Mapping[str, bytes] = _NO_FILES,
+    sounds: Mapping[str, bytes] = _NO_FILES,
 ) -> Path:
     """Write the page to a path, in one step: what the terminal shows, and the files of pictures and sounds by name.
 
@@ -43,7 +43,7 @@ def write_report(
 
 
 def report(
-    result: StudyResult, pictures: Mapping[str, bytes] = _NOTHING, sounds: Mapping[str, bytes] = _NOTHING
+    result: StudyResult, pictures: Mapping[str, bytes] = _NO_FILES, sounds: Mapping[str, bytes] = _NO_FILES
 ) -> str:
     """The page as HTML, with the files of pictures (png, gif) and sounds (wav) by name."""
     title = escape(result.plan.title)

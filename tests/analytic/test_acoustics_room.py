@@ -257,10 +257,10 @@ def test_waves_that_have_decayed_on_the_way_are_left_out(kind, monkeypatch):
     found = pressure(moving, room, here, orders=24).p
     fewer = sum(transfers)
     transfers.clear()
-    monkeypatch.setattr(stage, "FADED", 1e-300)
+    monkeypatch.setattr(stage, "LEAST_EVANESCENT", 1e-300)
     whole = pressure(moving, room, here, orders=24).p
     assert fewer < 0.8 * sum(transfers)
-    # FADED is 1e-9 of each cosine; the window on the record raises what is left out by exp(13.5 / 2) on average
+    # 1e-9 of each cosine is left out; the window on the record raises that by exp(13.5 / 2) on average
     np.testing.assert_allclose(found, whole, rtol=0, atol=1e-6 * np.abs(whole).max())
 
 

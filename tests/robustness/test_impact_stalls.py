@@ -33,8 +33,8 @@ def ringing(hertz: float, duration: float) -> tuple[Scene, Clock]:
 def test_a_march_that_stalls_says_so_soon(monkeypatch: pytest.MonkeyPatch) -> None:
     """25 000 periods in one sample, and steps for a sixth of them; looked at every 50 000 of them."""
     monkeypatch.setattr(march, "MAX_STEPS", 60_000)
-    monkeypatch.setattr(march, "PACED", 50_000)
-    monkeypatch.setattr(march, "PACED_WORK", 0.0)
+    monkeypatch.setattr(march, "STEPS_BETWEEN_CHECKS", 50_000)
+    monkeypatch.setattr(march, "WORK_BETWEEN_CHECKS", 0.0)
     bodies = (Body("mite", 1.0, 1e-3), Body("ball", 1.0))
     links = (Link("spring", "mite", GROUND, (2 * np.pi * 25_000.0) ** 2),)
     scene = Scene(bodies, (Contact("wall", "ball", GROUND, Hertz(1.0), gap=1.0),), links)
@@ -47,7 +47,7 @@ def test_a_stiffness_mistyped_is_refused_in_seconds(monkeypatch: pytest.MonkeyPa
 
     The shortest look at the pace, half a second where steps take 2 us; alone they would look after 1.6 million.
     """
-    monkeypatch.setattr(march, "PACED_WORK", 0.0)
+    monkeypatch.setattr(march, "WORK_BETWEEN_CHECKS", 0.0)
     scene, clock = ringing(1e8, 10.0)
     start = time.process_time()
     with pytest.raises(

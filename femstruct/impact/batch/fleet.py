@@ -26,7 +26,7 @@ from femstruct.impact.scene.bodies import Clock, Contact
 from femstruct.modal.basis import ModalBasis
 
 MAX_STEPS = 2_000_000  # of a run
-PACED = 50_000  # steps tried between two looks at its progress: a tenth of a second or more
+STEPS_BETWEEN_CHECKS = 50_000  # steps tried between two looks at its progress: a tenth of a second or more
 SURVEYED = 4096  # runs looked at together for the tick
 LEAST_HALVINGS = 12
 
@@ -128,7 +128,7 @@ def run_some(fleet: Fleet, first: int, out: Floats, stop: Integers) -> None:
             duration=fleet.clock.duration,
             quiet=fleet.clock.quiet,
             max_steps=MAX_STEPS,
-            paced=PACED,
+            paced=STEPS_BETWEEN_CHECKS,
             halvings=fleet.compiled.halvings,
             top_level=fleet.top_level,
             tolerance=fleet.clock.tolerance * ERROR_BUDGET,

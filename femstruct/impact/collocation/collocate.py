@@ -16,8 +16,10 @@ from femstruct.impact.engine.sampling import Record
 from femstruct.impact.engine.system import Compiled
 
 MAX_STEPS = 20_000_000
-PACED = 200_000  # steps tried between two looks at the progress, at least: enough for thousands of closings
-PACED_WORK = 5e7  # and their number times SELF + n: some 4 s where the modes are not thousands
+STEPS_BETWEEN_CHECKS = (
+    200_000  # steps tried between two looks at the progress, at least: enough for thousands of closings
+)
+WORK_BETWEEN_CHECKS = 5e7  # and their number times SELF + n: some 4 s where the modes are not thousands
 SELF = 30  # what a step costs beside its coordinates, 2.1 us against 0.07 us for each of them
 LEDGER_ROWS = 2048  # at most, while nothing acts
 
@@ -87,4 +89,4 @@ def paced(system: System) -> int:
     may still be that slow for a hundredth of the window or more.
     """
     size = SELF + len(system.omega) + len(system.coupling) ** 2 // 2
-    return max(int(PACED_WORK / size), PACED)
+    return max(int(WORK_BETWEEN_CHECKS / size), STEPS_BETWEEN_CHECKS)

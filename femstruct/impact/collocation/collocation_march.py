@@ -30,8 +30,8 @@ from femstruct.impact.engine.gauss_points import LONGEST_DOUBLINGS, PLACES, Rule
 from femstruct.impact.engine.instant_forces import (
     AWAY,
     CLOSED,
+    DISPLACEMENT_ROUNDING,
     OPEN,
-    ROUNDING,
     State,
     copy_to,
     load_at,
@@ -247,8 +247,8 @@ def _confirm_step(system: System, state: State, trial: Trial, bounds: Floats, re
         if system.interfaces[a]["kind"] == LINK:
             continue
         offset = system.interfaces[a]["offset"]
-        record.size[a, 0] = max(record.size[a, 0], bounds[a, 2] / ROUNDING + abs(offset))
-        record.size[a, 1] = max(record.size[a, 1], bounds[a, 3] / ROUNDING)
+        record.size[a, 0] = max(record.size[a, 0], bounds[a, 2] / DISPLACEMENT_ROUNDING + abs(offset))
+        record.size[a, 1] = max(record.size[a, 1], bounds[a, 3] / DISPLACEMENT_ROUNDING)
         if record.newest[a] >= 0:
             for p in range(PLACES):
                 if confirm(system, state, a, trial.place[a, p] + offset, trial.rate[a, p], record):

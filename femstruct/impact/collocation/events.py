@@ -14,7 +14,17 @@ import numpy as np
 from femstruct.arrays import Floats
 from femstruct.impact.compiled.kernels import kernel
 from femstruct.impact.engine.gauss_points import PLACES, STAGES, Rule
-from femstruct.impact.engine.instant_forces import AWAY, CLAMPED, CLOSED, OPEN, PRELOAD, ROUNDING, State, law, sense
+from femstruct.impact.engine.instant_forces import (
+    AWAY,
+    CLAMPED,
+    CLOSED,
+    DISPLACEMENT_ROUNDING,
+    OPEN,
+    PRELOAD,
+    State,
+    law,
+    sense,
+)
 from femstruct.impact.engine.modal_tables import Tables
 from femstruct.impact.engine.propagate import Trial
 from femstruct.impact.engine.records import LINK, System
@@ -63,8 +73,8 @@ def strays(level: int, h: float, system: System, state: State, rule: Rule, table
             for j in range(STAGES + 1):
                 out[a, 0] += push[0, j, a, b] * derivatives[b, j]
                 out[a, 1] += push[1, j, a, b] * derivatives[b, j]
-        out[a, 2] *= ROUNDING
-        out[a, 3] *= ROUNDING
+        out[a, 2] *= DISPLACEMENT_ROUNDING
+        out[a, 3] *= DISPLACEMENT_ROUNDING
 
 
 @kernel

@@ -13,7 +13,7 @@ from femstruct.impact.engine.records import CONSTANT, HALF_SINE, LINK, System
 from femstruct.impact.laws.dispatch import force as force_of
 
 OPEN, CLOSED, CLAMPED = 0, 1, 2  # a contact without force; with force; indented, its dashpot out of force
-ROUNDING = 4e-15  # relative to the terms a displacement is summed from
+DISPLACEMENT_ROUNDING = 4e-15  # relative to the terms a displacement is summed from
 PRELOAD = 1e-9  # of a preload: what a force must exceed it by, or fall short of it; its rounding if that is more
 TINY = 1e-100  # of a coordinate and its rate: no motion
 AWAY = 3  # one that waits for the first blow of its body: never closed by motion

@@ -15,7 +15,7 @@ from femstruct.impact.compiled.byte_layout import Counts, Cube, Matrix, Vector
 from femstruct.impact.compiled.kernels import kernel
 from femstruct.impact.engine.dense import solve_dense
 from femstruct.impact.engine.gauss_points import PLACES, POINTS, STAGES, Rule
-from femstruct.impact.engine.instant_forces import CLOSED, ROUNDING, State, dot, law, load_at, net_force
+from femstruct.impact.engine.instant_forces import CLOSED, DISPLACEMENT_ROUNDING, State, dot, law, load_at, net_force
 from femstruct.impact.engine.modal_tables import Tables
 from femstruct.impact.engine.records import HALF_SINE, LINK, System
 
@@ -187,7 +187,7 @@ def _unknown(h: float, system: System, state: State, trial: Trial, a: int) -> fl
     for i in range(len(state.z)):
         still += abs(system.rows[a, i] * state.z[i])
         moving += abs(system.rows[a, i] * state.v[i])
-    still, moving = ROUNDING * (still + h * moving), ROUNDING * moving
+    still, moving = DISPLACEMENT_ROUNDING * (still + h * moving), DISPLACEMENT_ROUNDING * moving
     largest, shaken = abs(system.interfaces[a]["preload"]), 0.0
     for p in range(PLACES):
         depth = trial.place[a, p] + shift

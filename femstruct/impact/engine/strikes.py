@@ -11,8 +11,8 @@ from femstruct.impact.engine.energy import BROUGHT, stored
 from femstruct.impact.engine.instant_forces import (
     CLAMPED,
     CLOSED,
+    DISPLACEMENT_ROUNDING,
     OPEN,
-    ROUNDING,
     State,
     copy_to,
     dot,
@@ -24,13 +24,13 @@ from femstruct.impact.engine.records import LINK, System
 from femstruct.impact.engine.sampling import Record
 
 ENERGY, MOMENTUM, HELD, SINCE = 0, 1, 2, 3  # columns of a strike in the record
-STILL = 0.1  # of its weight: what the contact force under a body that lies still may miss
+REST_FORCE_ERROR = 0.1  # of its weight: what the contact force under a body that lies still may miss
 
 
 @kernel
 def lies(force: float, weight: float) -> bool:
     """Whether a body under gravity lay still on a contact of this force when it was lifted off."""
-    return abs(force - weight) <= STILL * weight
+    return abs(force - weight) <= REST_FORCE_ERROR * weight
 
 
 @kernel
@@ -88,7 +88,7 @@ def strike(now: float, t: int, number: int, system: System, state: State, place:
             margin = 0.0
             for j in range(len(state.z)):
                 margin += abs(system.rows[a, j] * state.z[j])
-            touch(system, state, a, place[a], rate[a], ROUNDING * margin)
+            touch(system, state, a, place[a], rate[a], DISPLACEMENT_ROUNDING * margin)
             mine[ENERGY] += stored(system, state, a, place[a])
             loaded[a] = 1.0 if state.status[a] == CLOSED else 0.0
             if loaded[a] > 0.0:

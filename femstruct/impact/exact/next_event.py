@@ -19,7 +19,7 @@ from femstruct.impact.exact.regime import inner_product
 from femstruct.impact.exact.roots import NEVER, first_descent, magnitude, stays_positive
 
 INDENTATION, FORCE, SPEED, EXCESS = 0, 1, 2, 3  # what crossed zero; the first three are columns of fresh
-ROUNDING = 4e-15  # of a row's displacement, relative to the terms it is summed from
+DISPLACEMENT_ROUNDING = 4e-15  # of a row's displacement, relative to the terms it is summed from
 AT_ONCE = 1e-20  # of a step: less than a place in it, or the time, can tell from its start
 
 
@@ -80,7 +80,7 @@ def watch(system: System, state: State, order: int, h: float, before: float, sti
         room.terms[a, 0], room.terms[a, 1], room.terms[a, 2] = still, moving, np.sqrt(system.mobility[a])
         held = room.spring[a] * (still + max(h, before) * moving + abs(system.interfaces[a]["offset"]))
         lost = room.dash[a] * (moving + 2.0 * stiff * still)
-        shake += ROUNDING * room.terms[a, 2] * (held + lost)
+        shake += DISPLACEMENT_ROUNDING * room.terms[a, 2] * (held + lost)
     for a in range(len(system.interfaces)):
         law, status, place, rate = system.interfaces[a], state.status[a], room.place[a], room.rate[a]
         link = law["kind"] == LINK
@@ -88,10 +88,10 @@ def watch(system: System, state: State, order: int, h: float, before: float, sti
             continue
         clamps = not link and law["tensile"] == 0 and law["closing"] > 0.0
         still, moving = room.terms[a, 0], room.terms[a, 1]
-        noise = ROUNDING * (still + max(h, before) * moving + abs(law["offset"]))
-        noise_rate = ROUNDING * (moving + 2.0 * stiff * still)
+        noise = DISPLACEMENT_ROUNDING * (still + max(h, before) * moving + abs(law["offset"]))
+        noise_rate = DISPLACEMENT_ROUNDING * (moving + 2.0 * stiff * still)
         shaken = h * h * room.terms[a, 2] * shake
-        small = ROUNDING * (4.0 * still + h * moving) + shaken
+        small = DISPLACEMENT_ROUNDING * (4.0 * still + h * moving) + shaken
         small_rate = 2.0 * (stiff * noise + noise_rate)
         for kind in range(4):
             doubt, lesser = noise, small
@@ -145,7 +145,7 @@ def switch(system: System, state: State, room: ExactRoom, a: int, what: int, bef
         state.status[a] = CLOSED if state.status[a] == OPEN else OPEN
     elif state.status[a] == CLOSED:
         depth = room.here[a, 0] + law["offset"]
-        margin = ROUNDING * (
+        margin = DISPLACEMENT_ROUNDING * (
             inner_product(state.z, system.rows[a]) + before * inner_product(state.v, system.rows[a]) + law["offset"]
         )
         state.status[a] = CLAMPED if depth > margin else OPEN

@@ -13,7 +13,7 @@ from femstruct.impact.compiled.kernels import kernel, summing
 from femstruct.impact.exact.exact_constants import COARSE, DEPTH, ORDER
 
 NEVER = 2.0
-ROUNDING = 2e-15  # of a Bernstein coefficient, relative to the sum of the powers' coefficients
+COEFFICIENT_ROUNDING = 2e-15  # of a Bernstein coefficient, relative to the sum of the powers' coefficients
 
 
 @summing
@@ -59,7 +59,7 @@ def first_descent(c: Floats, lead: int, order: int, bernstein: Floats, boxes: Fl
 
     Excursions below zero smaller than rounding are none.
     """
-    doubt, lowest = ROUNDING * magnitude(c, lead, order), 0.0
+    doubt, lowest = COEFFICIENT_ROUNDING * magnitude(c, lead, order), 0.0
     for j in range(ORDER + 1):
         boxes[0, j] = value_of(c[lead:], min(j, order - lead), bernstein[j])
         lowest = min(lowest, boxes[0, j])

@@ -10,7 +10,7 @@ from femstruct.impact.engine.motion import VELOCITY, along
 from femstruct.impact.result.response import EnergyBalance, Response
 
 CHUNK = 32  # rows whose samples are in memory at a time
-NOTHING = 1e-14  # of the largest eigenvalue of a damping matrix: rounding
+EIGENVALUE_ROUNDING = 1e-14  # of the largest eigenvalue of a damping matrix: rounding
 
 
 def dashpot_losses(response: Response) -> tuple[float | None, float]:
@@ -36,7 +36,7 @@ def dashpot_losses(response: Response) -> tuple[float | None, float]:
 def _energy(response: Response, damping: Floats) -> Floats:
     """What a damping matrix [k, k] takes until every sample [nt] [J], by trapezoids."""
     values, vectors = np.linalg.eigh(damping)
-    kept = np.abs(values) > NOTHING * np.abs(values).max()
+    kept = np.abs(values) > EIGENVALUE_ROUNDING * np.abs(values).max()
     values, rows = values[kept], vectors[:, kept].T
     power = np.zeros(len(response.t))
     for first in range(0, len(rows), CHUNK):

@@ -13,7 +13,7 @@ from femstruct.impact.result.response import Outcome
 from femstruct.impact.scene.bodies import Scene
 
 LAST = 0.125  # share of the window in which bodies that rest no longer bounce
-STILL = 0.1  # share of gravity that their mean acceleration may have in it
+REST_ACCELERATION = 0.1  # share of gravity that their mean acceleration may have in it
 
 Flags = NDArray[np.bool_]
 
@@ -60,7 +60,7 @@ def _rest(scene: Scene, endings: Endings, runs: int) -> Flags:
         carried = [end for end in (contact.upper, contact.lower) if isinstance(end, str) and end in weighing]
         still = np.full(runs, bool(carried))
         for name in carried:
-            still &= endings.gain[name] <= STILL * scene.gravity
+            still &= endings.gain[name] <= REST_ACCELERATION * scene.gravity
         rest &= still | ~closed
     return rest
 

@@ -13,7 +13,7 @@ from femstruct.model.material import Material
 from femstruct.model.part import Part
 from femstruct.model.section import Section
 
-ROUNDING = 1e-9  # of a side: what a coordinate written in decimals may be off the edge
+COORDINATE_ROUNDING = 1e-9  # of a side: what a coordinate written in decimals may be off the edge
 Places = str | tuple[tuple[float, ...], ...]
 """Where a point is, as it is written: center, top, bottom, or coordinates [m]."""
 MaterialName = Annotated[Text, Refers("material")]
@@ -70,5 +70,8 @@ def check_coordinates(
     expected = f"a place on the {kind}, {' x '.join(f'{side:g} m' for side in size)}"
     do = f"measure from the {kind}'s own corner, along its own axes"
     for place in places:
-        inside = all(-ROUNDING * side <= x <= side * (1 + ROUNDING) for x, side in zip(place, size, strict=True))
+        inside = all(
+            -COORDINATE_ROUNDING * side <= x <= side * (1 + COORDINATE_ROUNDING)
+            for x, side in zip(place, size, strict=True)
+        )
         here.need(inside, f"{list(place)} m", expected, do)

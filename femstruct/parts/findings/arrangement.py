@@ -13,7 +13,7 @@ from femstruct.model.model import Model
 from femstruct.parts.findings.connections import Piece, held_directions, pieces, place_of_touch
 
 DOMINATES = 1e6  # of the rest: a mass of that share is ground, or a slip of a unit
-ROUNDING = 1e-9
+HELD_ROUNDING = 1e-9
 MOST_PIECES = 10  # of which it is looked whether they touch
 
 
@@ -92,7 +92,7 @@ def _held(model: Model) -> list[Finding]:
         else:
             share = np.linalg.eigvalsh(held[nodes])[:, 0]
             what = "every node"
-        if share.min(initial=1.0) > ROUNDING:
+        if share.min(initial=1.0) > HELD_ROUNDING:
             told.append(
                 Finding(
                     "nothing-moves",

@@ -21,7 +21,7 @@ ZOOM_WITHOUT_RULE: Final = 0.05  # of the window, where no first-impact window i
 BEFORE: Final = 0.05  # of the panel of what begins late: a little of what was before
 AROUND: Final = 1.25  # times the first-impact window, or the time that a force acts in it: what comes next begins
 NEARLY: Final = 0.8  # of the window: a panel of the first impact that is hardly shorter would show the same again
-FADED: Final = 1e-3  # of its largest: a force that is over
+FORCE_IS_OVER: Final = 1e-3  # of its largest: a force that is over
 FEWEST: Final = 10  # samples in a panel
 MARGIN: Final = 0.01  # of the whole window, shown before its start: what begins with a peak is not under the axis
 LEGIBLE: Final = 0.1  # of a unit: numbers are read in the unit of the whole window down to this
@@ -296,7 +296,7 @@ def _first_panel(unit: str, curves: Mapping[str, tuple[Floats, Floats]], window:
     for t, y in curves.values():
         inside = (t >= begin) & (t <= begin + window)
         force = np.abs(y[inside])
-        acting.append(t[inside][force > FADED * force.max(initial=0.0)])
+        acting.append(t[inside][force > FORCE_IS_OVER * force.max(initial=0.0)])
     times = np.concatenate(acting)
     if not times.size:
         return begin, begin + window

@@ -19,7 +19,7 @@ from femstruct.view.tables.rated_table import struck_first
 
 FLOOR_DB: Final = -40.0  # of a directivity
 REFERENCE_W: Final = 1e-12
-NOTHING: Final = 1e-4  # radiation efficiency below which no more is drawn
+LEAST_EFFICIENCY_SHOWN: Final = 1e-4  # radiation efficiency below which no more is drawn
 
 
 def sound_energy(result: StudyResult, room: str) -> Figure | None:
@@ -51,7 +51,7 @@ def sound_energy(result: StudyResult, room: str) -> Figure | None:
         label = f"{name}: L_J {energy.level_db:.1f} dB, L_JA {energy.weighted_db:.1f} dB"
         above.bar(x, np.maximum(levels[name] - floor, 0.0), width, bottom=floor, color=colours[name], label=label)
         efficiency = np.array([energy.bands_efficiency.get(band, np.nan) for band in bands])
-        shown = np.where(efficiency > NOTHING, efficiency, np.nan)
+        shown = np.where(efficiency > LEAST_EFFICIENCY_SHOWN, efficiency, np.nan)
         below.semilogy(np.arange(len(bands)), shown, "o-", color=colours[name], markersize=4, linewidth=1.0)
     below.axhline(1.0, color="0.6", linewidth=0.8)
     for axes in (above, below):
@@ -88,7 +88,9 @@ def sound_power(result: StudyResult, name: str) -> Figure:
         level = _level(line.sound.power)
         above.semilogx(line.frequency_hz, level, color=colour, linewidth=1.1, label=label)
         above.semilogx(line.frequency_hz, _level(line.sound.put_in), ":", color=colour, linewidth=0.9)
-        below.loglog(line.frequency_hz, np.maximum(line.sound.efficiency, NOTHING), color=colour, linewidth=1.0)
+        below.loglog(
+            line.frequency_hz, np.maximum(line.sound.efficiency, LEAST_EFFICIENCY_SHOWN), color=colour, linewidth=1.0
+        )
         least = min(least, float(level.min()))
         peak = max(peak, float(level.max()), float(_level(line.sound.put_in).max()))
     above.plot([], [], ":", color="0.3", label="power that the force puts in")

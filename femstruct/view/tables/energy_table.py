@@ -11,10 +11,10 @@ from femstruct.view.tables.grid import Grid
 from femstruct.view.tables.scales import scaled
 
 SMALLEST = 1e-6  # share of the energy that is told in percent
-TOLD = 0.01  # share of the energy from which on a terminal names what has it
+LEAST_SHARE_NAMED = 0.01  # share of the energy from which on a terminal names what has it
 SEEN = 5e-4  # share of the energy that the sum of a column misses visibly
-OTHERS = f"others, below {100 * TOLD:g} % each"
-NOTHING = 1e-9  # share of the energy put in, below which a ledger holds the tail of a decay and rounding
+OTHERS = f"others, below {100 * LEAST_SHARE_NAMED:g} % each"
+LEDGER_NOISE = 1e-9  # share of the energy put in, below which a ledger holds the tail of a decay and rounding
 
 
 def energies(result: StudyResult) -> Grid:
@@ -42,7 +42,7 @@ def energies(result: StudyResult) -> Grid:
             for body, energy in balance.bodies.items():  # an array of bodies is told as one
                 array = body.rpartition(".")[0] or body
                 kinetic[array] = kinetic.get(array, 0.0) + energy
-            tell = partial(_amount, factor=factor, nothing=NOTHING * _put_in(ledger))
+            tell = partial(_amount, factor=factor, nothing=LEDGER_NOISE * _put_in(ledger))
             bodies = ", ".join(f"{body} {tell(energy)}" for body, energy in kinetic.items())
             stored = sum(balance.contacts.values()) + sum(balance.links.values())
             grid.add(
@@ -98,7 +98,7 @@ def whither(result: StudyResult) -> Grid:
     parted = any(first for first, _ in moments.values())  # nowhere: nothing meets, or what met stays together
     grid = Grid(f"where the energy went [% {'at the separation / ' if parted else ''}at the end]", ("", *moments))
     told = [share for both in moments.values() for shares_then in both for share in shares_then.items()]
-    named = dict.fromkeys(what for what, share in told if share >= TOLD)
+    named = dict.fromkeys(what for what, share in told if share >= LEAST_SHARE_NAMED)
     rest = {
         name: [{OTHERS: 1.0 - sum(abs(then.get(what, 0.0)) for what in named)} if then else {} for then in both]
         for name, both in moments.items()

@@ -14,7 +14,7 @@ from femstruct.view.tables.finding_lines import finding_lines, show_findings
 from femstruct.view.tables.grid import Grid
 
 Row = Mapping[str, Any]
-DUST = 1e-6  # rad: a micrometre a metre is rounding, or nobody's concern
+LEAST_TILT_SHOWN = 1e-6  # rad: a micrometre a metre is rounding, or nobody's concern
 
 
 def show_modes(table: Row, verbose: bool = False) -> None:
@@ -78,7 +78,7 @@ def show_inspection(table: Row, picture: str = "", verbose: bool = False) -> Non
     for body, rest in table["rest"].items():
         screen.print(f"{body}: weight {rest['weight_n']:.4g} N sags {1e3 * rest['sag_m']:.3g} mm on its links")
     for part, sag in table["sags"].items():
-        seen = sag["tilt_rad"] is not None and sag["tilt_rad"] > DUST
+        seen = sag["tilt_rad"] is not None and sag["tilt_rad"] > LEAST_TILT_SHOWN
         leaning = f" and leans by {1e3 * sag['tilt_rad']:.2g} mm/m" if seen else ""
         screen.print(f"{part} sags {1e3 * sag['sag_m']:.3g} mm under the total weight{leaning}")
     for mode in table["block_modes"]:

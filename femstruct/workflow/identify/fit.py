@@ -13,10 +13,12 @@ from femstruct.errors import InputError, NotConverged
 
 STEP = 1e-3  # of a parameter, for its derivative: truncation 1e-6, and an engine that errs by 1e-8 adds 1e-5
 SMALLEST = 0.1  # of its start: the least a parameter counts for in that step
-DEAF = 1e-6  # change of the history over the history itself, for a change by the whole parameter
-ALIKE = 1e-4  # smallest singular value of the derivatives, each of length 1: above the error of the derivatives
+MIN_SENSITIVITY = 1e-6  # change of the history over the history itself, for a change by the whole parameter
+MIN_SINGULAR_VALUE = (
+    1e-4  # smallest singular value of the derivatives, each of length 1: above the error of the derivatives
+)
 INVOLVED = 0.1  # share of a parameter in a combination that the data leave open, from which on it is named
-NOTHING = 0.01  # of its standard deviation: a parameter that small is at its bound
+AT_BOUND = 0.01  # of its standard deviation: a parameter that small is at its bound
 MOST_ITERATIONS = 100
 History = Callable[[Mapping[str, float]], Floats]
 
@@ -129,7 +131,7 @@ def fit(
     spread = np.sqrt(np.diag(inverse))
     noise = float(np.sqrt(squares / (n - p)))
     values, deviations = scale * found.x, noise * spread * np.abs(scale)
-    at_zero = bounded & (found.x < np.maximum(NOTHING * noise * spread, STEP**2))  # the method keeps inside its bounds
+    at_zero = bounded & (found.x < np.maximum(AT_BOUND * noise * spread, STEP**2))  # the method keeps inside its bounds
     wide = float(scipy.special.stdtrit(n - p, 0.5 + 0.5 * confidence)) * deviations
 
     def by_name(column: Floats) -> dict[str, float]:
@@ -155,7 +157,7 @@ def refuse_undetermined(names: Sequence[str], derivatives: Floats, size: float) 
     """Raise InputError where a history of norm `size` does not tell all parameters: derivatives [N, p] by the scaled
     ones, of which one is zero or which depend on each other; it names those that do."""
     lengths = np.linalg.norm(derivatives, axis=0)
-    deaf = [name for name, length in zip(names, lengths, strict=True) if length <= DEAF * size]
+    deaf = [name for name, length in zip(names, lengths, strict=True) if length <= MIN_SENSITIVITY * size]
     if deaf:
         raise InputError(
             "fit " + " and ".join(deaf),
@@ -164,7 +166,7 @@ def refuse_undetermined(names: Sequence[str], derivatives: Floats, size: float) 
             do="remove it, or measure another quantity",
         )
     _, singular, directions = np.linalg.svd(derivatives / lengths, full_matrices=False)
-    if singular[-1] < ALIKE:
+    if singular[-1] < MIN_SINGULAR_VALUE:
         mixed = [name for name, share in zip(names, directions[-1], strict=True) if abs(share) > INVOLVED]
         raise InputError(
             "fit " + " and ".join(mixed),

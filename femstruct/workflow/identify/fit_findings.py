@@ -11,7 +11,7 @@ from femstruct.workflow.identify.fit import Fit
 
 POOR, WRONG = 0.05, 0.2  # residuals over the measured history, root mean squares: told, and not to be trusted
 STRAY = 4.0  # standard deviations of the correlation of white noise
-ROUNDING = 1e-5  # residuals over the history that are no noise but rounding
+RESIDUAL_ROUNDING = 1e-5  # residuals over the history that are no noise but rounding
 OPEN = 0.5  # half width of an interval over its value
 
 
@@ -23,7 +23,7 @@ def fit_findings(fit: Fit) -> tuple[Finding, ...]:
 def _left_over(fit: Fit) -> Iterator[Finding]:
     """Neighbouring residuals of white noise have the correlation 0 +- 1 / sqrt(N); those of a wrong law go together."""
     share = float(np.sqrt(max(1.0 - fit.explained, 0.0)))
-    if share < ROUNDING:
+    if share < RESIDUAL_ROUNDING:
         return
     left = fit.residuals
     together, spread = float(left[1:] @ left[:-1] / (left @ left)), 1.0 / np.sqrt(len(left))

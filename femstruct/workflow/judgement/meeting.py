@@ -23,8 +23,8 @@ from femstruct.study.structures import StructureModel
 from femstruct.study.study import RoomPlan, Study
 from femstruct.workflow.stages.rated_rooms import method_for
 
-TOLD: Final = 5  # pairs that are named
-ALIKE: Final = 0.3  # of two shapes on the ceiling from which on one drives the other
+MOST_PAIRS_NAMED: Final = 5  # pairs that are named
+MIN_SHAPE_CORRELATION: Final = 0.3  # of two shapes on the ceiling from which on one drives the other
 MOVES: Final = 0.1  # rms motion of the ceiling, of the floor mode that moves it most, from which on a mode counts
 EXCHANGED: Final = 0.12  # kappa: 0.5 dB in a band, 1 dB at a line
 SINGLE_MODES: Final = 2000.0  # sqrt(m^3/s)/s: above 2000 sqrt(T / V) modes of a room overlap (Schroeder)
@@ -60,8 +60,10 @@ def meeting_findings(plan: RoomPlan, study: Study, placed: Placed, basis: ModalB
     found = [*_volume(plan, method), *floating(study.structure, method.bands_hz)]
     meet = meetings(pairs)
     if meet:
-        told = ", ".join(f"{floor:.1f} Hz of the floor and {room:.1f} Hz of the room" for floor, room, _ in meet[:TOLD])
-        more = f", and {len(meet) - TOLD} more" if len(meet) > TOLD else ""
+        told = ", ".join(
+            f"{floor:.1f} Hz of the floor and {room:.1f} Hz of the room" for floor, room, _ in meet[:MOST_PAIRS_NAMED]
+        )
+        more = f", and {len(meet) - MOST_PAIRS_NAMED} more" if len(meet) > MOST_PAIRS_NAMED else ""
         found.append(
             Finding(
                 "floor-room-resonance",
@@ -137,7 +139,7 @@ def _no_pairs() -> ModePairs:
 def meetings(pairs: ModePairs) -> list[tuple[float, float, float]]:
     """Modes of the floor that move the ceiling and modes of the room that meet: (floor [Hz], room [Hz], likeness of
     shapes [1]), by frequency."""
-    meets = pairs.near & (pairs.likeness >= ALIKE) & (pairs.motion >= MOVES)[:, None]
+    meets = pairs.near & (pairs.likeness >= MIN_SHAPE_CORRELATION) & (pairs.motion >= MOVES)[:, None]
     at = np.argwhere(meets)
     return sorted((float(pairs.floor_hz[i]), float(pairs.room_hz[j]), float(pairs.likeness[i, j])) for i, j in at)
 

@@ -13,7 +13,7 @@ from femstruct.impact.result.shares import mode_energies
 from femstruct.modal.basis import ModalBasis
 from femstruct.sound.power import Radiated
 from femstruct.sound.surface import coupling_findings
-from femstruct.study.result import SILENT, AccuracyCheck, CaseResult, Channel, Frf
+from femstruct.study.result import NO_OWN_SOUND, AccuracyCheck, CaseResult, Channel, Frf
 from femstruct.study.room_surfaces import placed_room
 from femstruct.study.study import Case, Study
 from femstruct.workflow.compare.verdicts import judged
@@ -111,7 +111,7 @@ def run_case(
         drops=drops,
         errors=None if whole is None else whole.errors,
         radiated=radiated,
-        heard=SILENT if whole is None else whole.heard,
+        heard=NO_OWN_SOUND if whole is None else whole.heard,
     )
 
 

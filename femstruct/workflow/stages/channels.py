@@ -26,7 +26,7 @@ MOTIONS = ("displacement", "velocity", "acceleration")
 AXES = "xyz"
 FILTER_ORDER = 4
 SETTLED = 10.0  # periods of a band's lowest edge after which a filter of order 4 has forgotten
-DUST = 1e-9  # share of the largest value below which a peak is rounding, or a filter's tail
+PEAK_NOISE_FLOOR = 1e-9  # share of the largest value below which a peak is rounding, or a filter's tail
 GROUND = "ground"
 SIDEWAYS = 1e-6  # of the largest: the eigen solver leaves shapes a residual of 1e-9, their forces some 1e-7
 
@@ -127,7 +127,7 @@ def _channel(name: str, values: Floats, unit: str, rule: PeakRule, response: Res
     size = np.abs(filtered)
     largest = float(size.max())
     first = float(size[response.t <= window].max(initial=0.0))
-    return Channel(name, values, unit, first if first > DUST * largest else 0.0, largest)
+    return Channel(name, values, unit, first if first > PEAK_NOISE_FLOOR * largest else 0.0, largest)
 
 
 def _recorded(wanted: Record, study: Study, places: Places, response: Response) -> dict[str, tuple[Floats, str]]:
