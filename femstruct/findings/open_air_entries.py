@@ -21,7 +21,7 @@ OPEN_AIR: Final = (
                 "points a wavelength in air",
                 "each point is then small beside the wave",
                 CHOSEN,
-                "half_space.POINTS_PER_WAVE",
+                "rayleigh.POINTS_PER_WAVE",
             ),
         ),
     ),
@@ -31,7 +31,7 @@ OPEN_AIR: Final = (
         LIMITS,
         "a receiver is nearer than some point distances",
         "Place the receiver further away, or use a finer mesh.",
-        (Limit(2.0, "point distances", "Rayleigh's integral is a sum", CHOSEN, "half_space.NEAR"),),
+        (Limit(2.0, "point distances", "Rayleigh's integral is a sum", CHOSEN, "rayleigh.NEAR"),),
     ),
     Entry(
         "power-beyond-modes",
