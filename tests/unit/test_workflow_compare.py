@@ -31,7 +31,7 @@ def test_a_peak_belongs_to_a_mode_within_2_percent(away, belongs):
         t = case.response.t - 0.5
         burst = size * np.cos(2 * np.pi * 151.1 * (1 + away) * t) * np.exp(-((t / 0.1) ** 2))
         cases[name] = replace(case, channels={"burst": Channel("burst", burst, "m", 1.0, 1.0)})
-    found = compare("without damper", cases).cases["damper 0.6 / new"].modes_db["burst"]
+    found = compare("without damper", cases, Spectra()).cases["damper 0.6 / new"].modes_db["burst"]
     assert (3 in found) == belongs  # at the other modes there is rounding only
 
 
