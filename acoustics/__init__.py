@@ -1,10 +1,10 @@
-"""The room and what is heard in it.
+"""Rooms and the sound in them.
 
-The way through this wing, each step a pure function or a frozen noun::
+The way through this package, each step a pure function or a frozen noun::
 
     Air, Losses -> Room, Receiver      what the room is                          air, rooms.box
-    SurfaceVelocity                    how its ceiling moves: the one door in    source
-    pressure(...) -> RoomResponse      what is heard, in time and frequency      rooms.box_pressure
+    SurfaceVelocity                    how its ceiling moves: the only way in    source
+    pressure(...) -> RoomResponse      sound at receivers, in time and frequency rooms.box_pressure
     cavity_pressure(...)               the same in rooms of any shape            meshed.meshed_pressure
     sphere_pressures(...)              the sound of a striking ball itself       open_air.sphere
     sound_levels(...) -> Levels        peaks, maxima, exposures, bands           levels.sound_levels

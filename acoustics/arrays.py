@@ -1,4 +1,4 @@
-"""Read-only arrays for the frozen nouns of the acoustic wing."""
+"""Read-only arrays for the frozen nouns of the package acoustics."""
 
 from __future__ import annotations
 

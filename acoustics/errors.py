@@ -1,4 +1,4 @@
-"""What the acoustic wing refuses, and what it advises: errors stop the work, advice goes with the result."""
+"""What the package acoustics refuses, and what it advises: errors stop the work, advice goes with the result."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class AcousticsError(ValueError):
 
 @dataclass(frozen=True)
 class Advice:
-    """A reason not to believe a result, or to believe it less, with the numbers that say so.
+    """A reason not to trust a result, or to trust it less, with the numbers that say so.
 
     code : short stable name, such as ``air-stiffness``.
     message : one sentence for a person.

@@ -1,4 +1,4 @@
-"""Who listens: named places in a room or in the open."""
+"""Receivers: named places in a room or in the open."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from acoustics.errors import AcousticsError
 
 @dataclass(frozen=True, eq=False)
 class Receiver:
-    """A point where the pressure is heard: a name and a position [3] from the room's lower corner [m]."""
+    """A receiver, a point whose pressure is computed: a name and a position [3] from the room's lower corner [m]."""
 
     name: str
     position: Floats

@@ -1,4 +1,4 @@
-"""What is heard in a room, as a record of pressures."""
+"""The sound at the receivers of a room, as a record of pressures."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ from acoustics.receivers import Receiver
 class RoomResponse:
     """Pressure at the receivers of a room.
 
-    receivers : who listened, in the order of the rows.
+    receivers : in the order of the rows.
     t : [nt], times from 0, equally spaced [s].
     p : [n_receivers, nt], pressure, positive when compressed [Pa].
-    findings : advice on how far to believe it.
+    findings : advice on how far to trust it.
     complete_below_hz : there is no sound above it, since what makes it is not known there; see
     `acoustics.levels.ending`.
 

@@ -1,4 +1,4 @@
-"""What moves of a room's boundary: the one door into the acoustic wing."""
+"""What moves of a room's boundary: the only way into the package acoustics."""
 
 from __future__ import annotations
 

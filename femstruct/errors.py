@@ -78,7 +78,7 @@ class NotConverged(FemstructError):
 
 @dataclass(frozen=True)
 class Finding:
-    """A reason not to believe a result, or to believe it less, with the numbers that say so.
+    """A reason not to trust a result, or to trust it less, with the numbers that say so.
 
     code : short stable name, such as ``twist-defect``.
     message : one sentence for a person.

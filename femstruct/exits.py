@@ -118,6 +118,6 @@ def tell(error: Exception) -> int:
 
 
 def _of_acoustics(error: Exception) -> bool:
-    """Whether the acoustic wing refused something; it is not loaded only to be asked."""
+    """Whether the package acoustics refused something; it is not loaded only to be asked."""
     wing = sys.modules.get("acoustics.errors")
     return wing is not None and isinstance(error, wing.AcousticsError)

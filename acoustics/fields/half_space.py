@@ -24,7 +24,7 @@ PLANE = "plane"
 
 @dataclass(frozen=True, eq=False)
 class HalfSpace(Baffle, SoundField):
-    """The air in front of a plane, rigid but for what moves in it, without end and without losses.
+    """The air in front of a plane, rigid except for what moves in it, infinite and without losses.
 
     normal : [3], unit vector into the air. The plane goes through the origin; so do receivers' coordinates.
 
@@ -37,7 +37,7 @@ class HalfSpace(Baffle, SoundField):
 
     @property
     def volume(self) -> float:
-        """Without end [m^3]."""
+        """Infinite [m^3]."""
         return inf
 
     @property

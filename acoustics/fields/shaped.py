@@ -1,4 +1,4 @@
-"""The room of any shape: its cells, its losses, what its walls take up, and its modes."""
+"""The room of any shape: its cells, its losses, what its walls absorb, and its modes."""
 
 from __future__ import annotations
 
@@ -44,15 +44,15 @@ INTO: Final = 1e-2  # of the way to the middle of a surface, and of its size int
 
 @dataclass(frozen=True, eq=False)
 class ShapedRoom(SoundField):
-    """A closed room of any shape with rigid walls, some of which may take up sound or yield; a named, level wall
+    """A closed room of any shape with rigid walls, some of which may absorb sound or be compliant; a named, level wall
     moves.
 
     mesh : its cells and named walls; receivers are measured in the mesh's own coordinates [m], z up.
     ceiling : name of the wall that moves, or part of which does, and that the room is placed by; surfaces may move
         any other named wall too.
-    walls : what the named walls take up, or how they yield; the others are rigid.
+    walls : absorption or compliance of the named walls; the others are rigid.
     up_to_hz : modes up to it are its own, the others answer as at rest; None: as far as the cells carry six to a
-        wave, and some 300 modes at most.
+        wave, and about 300 modes at most.
 
     Raises AcousticsError: no such wall, a ceiling that is not level, or that yields beside moving.
 
@@ -203,7 +203,7 @@ class ShapedRoom(SoundField):
         return coupled_cavity(side_by_side(surfaces), self.modes, self.air, self.losses, up_to_hz, self.walls)
 
     def coupling_advice(self, first_hz: float) -> tuple[Advice, ...]:
-        """Advice where walls take up more than the damping of each mode by itself."""
+        """Advice where walls absorb more than the damping of each mode by itself."""
         return two_way_absorption(self.modes, self.walls, self.air, first_hz)
 
     def modes_on(self, surfaces: Sequence[SurfaceShapes], up_to_hz: float) -> ModesOnSurface:

@@ -66,7 +66,7 @@ class KeptTransfer(Protocol):
 
 
 class SoundField(ABC):
-    """Air that surfaces radiate into, and what is heard there; the base of all kinds.
+    """Air that surfaces radiate into, and the sound at its receivers; the base of all kinds.
 
     air, losses : what it is filled with, and how sound dies away in it.
     word : what messages call its kind. pushes_back : whether it can be coupled two-way. bounded : whether it has a form
@@ -93,7 +93,7 @@ class SoundField(ABC):
 
     @property
     def identity(self) -> object:
-        """What tells it from others of its kind that push back, but for its air and its losses: numbers and words."""
+        """What tells it from others of its kind with two-way coupling, except its air and losses: numbers and words."""
         return ()
 
     @property
@@ -152,7 +152,7 @@ class SoundField(ABC):
         motions : of each, the velocities of all surfaces; they differ in their rates. up_to_hz : the highest frequency
         of interest; what lies above it may be left out.
 
-        Returns RoomResponse of each; its findings are reasons to believe it less.
+        Returns RoomResponse of each; its findings are reasons to trust it less.
         """
 
     def pressures_to_keep(
@@ -176,14 +176,14 @@ class SoundField(ABC):
         receivers = [Receiver(str(number), place) for number, place in enumerate(points)]
         return self.harmonic([one.at(frequency_hz) for one in surfaces], receivers)[0]
 
-    # air that pushes back, and its modes
+    # air that reacts on the structure, and its modes
 
     def coupled_air(self, surfaces: Sequence[SurfaceShapes], up_to_hz: float) -> CoupledAir:
         """Its air as a mechanical system joined to the shapes of surfaces, which move in the same coordinates.
 
         up_to_hz : modes of the air up to it are kept [Hz]; the others act as added mass.
 
-        Raises AcousticsError where the kind does not push back.
+        Raises AcousticsError where the kind has no two-way coupling.
         """
         raise AcousticsError("coupling", got=f"two-way with {self.word}", expected="one-way")
 

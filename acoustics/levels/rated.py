@@ -24,7 +24,7 @@ _OCTAVES: Final = frozenset(octave_bands(1e6))  # nominal centres [Hz] of all th
 
 @dataclass(frozen=True, eq=False)
 class RatedRoom:
-    """What is heard of standard blows in one room, by band, and the single numbers made of it.
+    """Sound of standard blows in one room, by band, and the single numbers made of it.
 
     method : how the standards rate these blows. measured_db : levels in the room [drops, receivers, b] [dB], nan in
     bands that are not known. correction_db : what standardising adds to them for the room's volume and reverberation
@@ -79,7 +79,7 @@ class RatedRoom:
 
     @property
     def receivers(self) -> int:
-        """How many listened."""
+        """Number of receivers."""
         return int(self.measured_db.shape[1])
 
     @cached_property
@@ -174,7 +174,7 @@ def rate_room(
         add. nan is a level that is not known: numbers that need it are lower bounds.
     standards : ISO 16283-2 and ISO 717-2, or JIS A 1419-2 and KS F 2863-2; see `acoustics.levels.methods`.
 
-    Raises AcousticsError: nobody who listens, standards that `acoustics.levels.methods.method_of` refuses, third
+    Raises AcousticsError: no receivers, standards that `acoustics.levels.methods.method_of` refuses, third
     octaves for octaves, bands missing (sampled too low), a room without losses where ISO 16283-2 needs its
     reverberation time.
 

@@ -1,4 +1,4 @@
-"""Levels of what is heard: peaks, maxima by time weighting, exposures, octaves and third octaves.
+"""Levels of sound: peaks, maxima by time weighting, exposures, octaves and third octaves.
 
 Levels are 20 lg(p / p0), p0 = 20 uPa.
 """

@@ -1,2 +1,1 @@
-"""Rooms of any shape: their mesh, finite elements, walls that take up sound or yield, pressures, air that pushes
-back."""
+"""Rooms of any shape: their mesh, finite elements, absorbing and compliant walls, pressures, two-way coupling."""

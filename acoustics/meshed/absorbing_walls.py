@@ -1,4 +1,4 @@
-"""What the walls of a room of any shape take up: how they damp its modes, and couple them."""
+"""What the walls of a room of any shape absorb: how they damp its modes, and couple them."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def coupled_walls(coupled: float) -> Advice:
 def two_way_absorption(
     modes: CavityModes, walls: Mapping[str, AnyWall], air: Air, first_hz: float
 ) -> tuple[Advice, ...]:
-    """Advice where walls take up more than the damping of each mode by itself, which is what two-way coupling has.
+    """Advice where walls absorb more than the damping of each mode by itself, which is what two-way coupling has.
 
     first_hz : the lowest mode of structure and air, 0 for none [Hz].
     """

@@ -36,11 +36,11 @@ def cavity_pressure(
 ) -> RoomResponse:
     """Pressure at the receivers of a room of any shape, part of whose boundary moves with the given velocity.
 
-    modes : of `cavity_modes`, up to twice the band of interest. walls : what the named walls take up, or how they
+    modes : of `cavity_modes`, up to twice the band of interest. walls : what the named walls absorb, or how they
     yield; others are rigid.
 
     Returns RoomResponse; its findings name a velocity beyond the modes, a mesh too coarse for them, and walls that
-    take up too much for what is said of them.
+    absorb too much for what is said of them.
 
     Raises AcousticsError: surface points off the boundary, receivers outside, walls without a name in the mesh, losses
     of kind ``source``, which are not causal.

@@ -41,7 +41,7 @@ def coupled_cavity(
     As `acoustics.rooms.box_two_way.coupled_air`, with finite elements: the mass of the modes that were not even found
     is that of their answer at rest to the shapes.
 
-    What walls take up damps each mode by itself. Walls that yield move as the ceiling does, with coordinates of their
+    What walls absorb damps each mode by itself. Walls that yield move as the ceiling does, with coordinates of their
     own; what gives way of them is in the traces of the modes kept. A wall without mass has that of the air next to it:
     of the modes left out.
 

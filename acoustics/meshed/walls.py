@@ -21,7 +21,7 @@ MOST_ABSORBED: Final = 0.951  # which it is
 
 @dataclass(frozen=True, eq=False)
 class Wall:
-    """A locally reacting wall that takes up sound: rho c over its impedance, a real number.
+    """A locally reacting wall that absorbs sound: rho c over its impedance, a real number.
 
     admittance : {frequency [Hz]: rho c / Z [-]}; between them it is linear in log frequency, beyond them constant.
 
@@ -47,7 +47,7 @@ class Wall:
         freeze(self, admittance=MappingProxyType(dict(sorted(self.admittance.items()))))
 
     def __str__(self) -> str:
-        """What it takes up, in words."""
+        """What it absorbs, in words."""
         return "admittance " + ", ".join(f"{value:.4g} at {f:g} Hz" for f, value in self.admittance.items())
 
     def at(self, frequency_hz: Floats) -> Floats:

@@ -1,4 +1,4 @@
-"""The plane that the half space lies in front of, and who listens there."""
+"""The plane that the half space lies in front of, and its receivers."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from acoustics.receivers import Receiver, positions
 
 @dataclass(frozen=True, eq=False)
 class Baffle:
-    """A plane without end, rigid but for what moves in it, and the air in front of it.
+    """An infinite plane, rigid except for what moves in it, and the air in front of it.
 
     normal : [3], unit vector into the air. The plane goes through the origin; so do receivers' coordinates.
 

@@ -12,7 +12,7 @@ from numpy.polynomial.legendre import leggauss, legvander
 from acoustics.arrays import Complexes, Floats
 
 APART: Final = 10.0  # radii above the plane from which what it sends back to the sphere, at most 10 %, is left out
-ORDERS: Final = 10  # of multipoles beside those that ka needs: the far field is then right to some 1e-5
+ORDERS: Final = 10  # of multipoles beside those that ka needs: the far field is then right to about 1e-5
 STEP: Final = 0.1  # of ka, over the height in radii, between frequencies at which multipoles are solved for
 _BLOCK: Final = 64  # frequencies solved for at once
 

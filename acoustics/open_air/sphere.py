@@ -70,7 +70,7 @@ def sphere_pressures(spheres: Sequence[Sphere], space: Baffle, receivers: Sequen
     Notes
     -----
     Acceleration noise (Koss and Alfredson, J. Sound Vib. 27, 1973; Akay, J. Acoust. Soc. Am. 64, 1978), with the plane:
-    see `sphere_transfer`. Spheres do not hear each other. By the transform of the velocity, as `field_pressures`.
+    see `sphere_transfer`. Spheres do not affect each other. By the transform of the velocity, as `field_pressures`.
 
     A sphere far above the plane that speeds up by 1 m/s^2 is followed by rho a^3 cos / (2 r^2), the air it carries:
 
@@ -124,7 +124,7 @@ def sphere_transfer(
     Multipoles at the sphere and their images behind the plane, p = sum c_n (k_n(s r / c) P_n(cos) + its image), k_n the
     modified spherical Bessel functions. The dipole alone is the sphere in free air; what the image's sound does at the
     sphere is in the other c_n, which are found so that the air moves with the sphere everywhere on it. A sphere and an
-    image that do not hear each other are 0.7 dB too quiet far from a touching sphere at low frequencies, and wrong by
+    image that do not affect each other are 0.7 dB too quiet far from a touching sphere at low frequencies, and wrong by
     1 to 8 dB about ka = 3, where hard balls sound. Limits: rigid, at its place, and nothing else in the air; from 10
     radii above the plane the sound that comes back from the image is taken up by nothing, and does no more.
 
@@ -164,7 +164,7 @@ def sphere_transfer(
 
 
 def highest_hz(radius: float, air: Air) -> float:
-    """Frequency up to which a sphere is heard [Hz]."""
+    """Frequency up to which the sound of a sphere is computed [Hz]."""
     return float(HIGHEST_KA * air.c / (2 * np.pi * radius))
 
 
@@ -204,7 +204,7 @@ def push_advice(sphere: Sphere, air: Air) -> list[Advice]:
 
 
 def near_advice(spheres: Sequence[Sphere]) -> list[Advice]:
-    """Advice on two spheres so near that what each does to the other's sound is heard: the nearest, in their radii."""
+    """Advice on two spheres so near that each affects the sound of the other: the nearest, in their radii."""
     pairs = [
         (float(np.linalg.norm(one.place - other.place)), one.radius + other.radius)
         for one, other in combinations(spheres, 2)

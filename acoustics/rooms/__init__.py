@@ -1,1 +1,1 @@
-"""Rectangular rooms: pressures by cosines, in time and harmonic, maps, and air that pushes back."""
+"""Rectangular rooms: pressures by cosines, in time and harmonic, maps, and air that reacts on the structure."""

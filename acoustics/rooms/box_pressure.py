@@ -44,7 +44,7 @@ def pressure(
         then more until the last ones add less than 1e-4 of the pressure (rms, at the worst receiver).
 
     Returns RoomResponse; its findings say whether the orders, the sampling, the decay of the record and the losses
-    allow the result to be believed.
+    allow the result to be trusted.
     Raises AcousticsError: points off the ceiling, a receiver outside the room, no receivers, orders below 1.
 
     Notes
@@ -191,7 +191,7 @@ def _driven(surfaces: Sequence[SurfaceVelocity], coefficients: Floats) -> NDArra
 def _with_cosines(
     motion: _Motion, room: Box, orders: Integers, coefficients: Floats, sums: Sequence[Heard], told: bool
 ) -> tuple[list[Heard], list[float]]:
-    """What is heard of every motion with what the cosines `orders` of the ceiling make, and their shares of it.
+    """The sound of every motion with what the cosines `orders` of the ceiling make, and their shares of it.
 
     coefficients [n, k] : of the modes in the cosines. told : whether the shares are wanted; 0 where not.
     """

@@ -156,7 +156,7 @@ def joined(
     volume : of the room [m^3].
     frequency_hz [n] : of the modes kept, without the uniform one. displaced [1 + n, k] : integrals of the modes, the
     uniform one first, times the shapes over what moves. added [k, k] : mass of the modes left out.
-    absorbed [n] : rate of decay of each mode's energy by what walls take up [1/s]; None for none.
+    absorbed [n] : rate of decay of each mode's energy by what walls absorb [1/s]; None for none.
     """
     n, k = len(frequency_hz), displaced.shape[1]
     compression = np.zeros((1 + n, k + n))

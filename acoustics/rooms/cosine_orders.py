@@ -1,4 +1,4 @@
-"""Which cosines of the ceiling a response needs: grown from few, until more add nothing that can be heard."""
+"""Which cosines of the ceiling a response needs: grown from few, until more add less than a stated share."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is heard at many places, kept as few histories of cosines until the end: one product of matrices a height."""
+"""The sound at many places, kept as few histories of cosines until the end: one product of matrices a height."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from acoustics.rooms.cosine_orders import SEEN
 
 @dataclass(frozen=True, eq=False)
 class Plane:
-    """What the listeners at one height hear so far: histories [n_here, nt], those of cosines not yet mixed.
+    """The sound at the receivers of one height so far: histories [n_here, nt], those of cosines not yet mixed.
 
-    rows : which of all listeners. places : theirs [n_here, 3] [m]. own : a part of what they hear, None for nothing.
+    rows : which of all receivers. places : theirs [n_here, 3] [m]. own : a part of their sound, None for nothing.
     mixes, histories : the other parts, each mix [n_here, n] times histories [n, nt] of cosines. Where cosines are
         fewer than listeners they are mixed only once, at the end: a thousand histories are too much to be added up
         again and again.
@@ -31,7 +31,7 @@ Heard = tuple[Plane, ...]  # at all heights, from the lowest
 
 
 def silence(places: Floats) -> Heard:
-    """Listeners at places [n, 3] [m] by their heights, who hear nothing yet."""
+    """Receivers at places [n, 3] [m] by their heights, without sound yet."""
     heights, plane = np.unique(places[:, 2], return_inverse=True)
     rows = [np.flatnonzero(plane == number) for number in range(len(heights))]
     return tuple(Plane(here, places[here]) for here in rows)
@@ -80,7 +80,7 @@ def _mixed(plane: Plane, nt: int) -> Floats:
 def energy_of(mix: Floats | None, history: Floats) -> Floats:
     """Sums of squares [n_here] of mix @ history, by the products of the histories; of histories where mix is None.
 
-    From some 16,000 samples at least, which tell well enough.
+    From about 16,000 samples at least, which tell well enough.
     """
     every = max(1, history.shape[1] // SEEN)
     history = history[:, ::every]

@@ -1,4 +1,4 @@
-"""Advice on how far a room response is to be believed."""
+"""Advice on how far a room response can be trusted."""
 
 from __future__ import annotations
 

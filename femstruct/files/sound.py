@@ -40,7 +40,7 @@ def write_own(target: h5py.Group, own: RoomResponse, total: RoomResponse) -> Non
 
 
 def write_own_levels(target: h5py.Group, heard: OwnSound) -> None:
-    """Levels of the striking bodies themselves, and of all that is heard."""
+    """Levels of the striking bodies themselves, and of the total sound."""
     own = group(target, "own_levels", "Levels of the striking bodies themselves, ROOM.RECEIVER")
     total = group(target, "total_levels", "Levels of structure and striking bodies together, ROOM.RECEIVER")
     for place, found in ((own, heard.own_levels), (total, heard.total_levels)):

@@ -1,6 +1,6 @@
-"""Impacts on a modal basis: what meets, the laws, the march through time, and where the energy goes.
+"""Impacts on a modal basis: bodies and contacts, laws, time integration, and the energy balance.
 
-``scene`` says what meets, ``laws`` with which force; ``compiled`` turns kernels into machine code; ``engine`` is what
-both marches share, ``collocation`` and ``exact`` are the marches; ``simulate`` runs one scene, ``estimate`` says how
-far off it is; ``result`` is what it brought, ``batch`` many runs of one scene.
+``scene`` has bodies, contacts and loads, ``laws`` the contact forces; ``compiled`` turns kernels into machine code.
+``collocation`` and ``exact`` are the two integrators ("marches"), ``engine`` is what they share. ``simulate`` runs one
+scene, ``estimate`` gives its numerical error; ``result`` has what is returned, ``batch`` many runs of one scene.
 """

@@ -50,7 +50,7 @@ def simulate(basis: ModalBasis, scene: Scene, clock: Clock) -> Response:
     Notes: a contact is never missed: see `femstruct.impact.collocation.events` and `femstruct.impact.exact.roots`. A
     contact that touches without speed closes when the leading derivative of its indentation is positive. Damping of
     the modes is `basis.time_damping`; off its diagonal collocation iterates it within each step, which costs sixty
-    times the diagonal case with 225 modes. Closings and openings within rounding are not told
+    times the diagonal case with 225 modes. Closings and openings within rounding are not reported
     (`femstruct.impact.engine.closings`). The march runs beside the thread that waits
     for it, so that Ctrl-C ends it at once.
 

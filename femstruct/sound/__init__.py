@@ -1,1 +1,1 @@
-"""The crossing from structures to the air: moving surfaces, air that pushes back, radiated power, striking bodies."""
+"""From structures to the air: moving surfaces, two-way coupling, radiated power, the own sound of striking bodies."""

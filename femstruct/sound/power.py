@@ -86,7 +86,7 @@ def power_per_force(
 def radiated_by(
     response: Response, room: Placed, pattern_hz: Sequence[float] = ()
 ) -> tuple[Radiated, tuple[Advice | Finding, ...]]:
-    """What a surface radiates into a half space while a structure moves as simulated, and reasons to believe it less.
+    """What a surface radiates into a half space while a structure moves as simulated, and reasons to trust it less.
 
     room, pattern_hz : as of `power_per_force`.
     """

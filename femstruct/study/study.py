@@ -307,11 +307,11 @@ class Limit:
 
 @dataclass(frozen=True)
 class RoomPlan:
-    """A room under a radiating surface, or the half space beside it, and who listens there.
+    """A room under a radiating surface, or the half space beside it, and its receivers.
 
     under : the surface that places it. walls : further surfaces, by the wall of the room that they move.
     offset : of the surface's centre from the ceiling's centre [m], room axes.
-    coupling : one-way, the air does not push back, or two-way. leak : of a room that pushes back.
+    coupling : one-way, the air does not react on the structure, or two-way. leak : of a two-way room.
     t60_asked : reverberation times that its losses were made from {frequency [Hz]: [s]}, empty for other losses.
     levels : standards by which it is rated, of `acoustics.levels.methods.STANDARDS`.
     animate : frequencies [Hz] of which a moving picture is made, None for the pulse.

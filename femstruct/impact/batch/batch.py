@@ -35,7 +35,7 @@ def simulate_batch(
         stiffness, damping, exponent, cubic and dissipation, LINK.stiffness, LINK.closing, LINK.opening, LINK.preload,
         and LOAD.amplitude of a half sine.
     clock : as for `simulate`; nothing is sampled, so that the sampling rate plays no part.
-    threads : all cores if None. The results do not depend on it, to the last bit.
+    threads : all cores if None. The results do not depend on it.
     progress : told how many runs are done, of how many.
 
     Raises InputError for unknown names, and columns of unequal length or none; FemstructError for values that a body,

@@ -116,7 +116,7 @@ class Batch:
         return severe
 
     def findings(self, i: int) -> tuple[Finding, ...]:
-        """Reasons to believe run i less, in the words of `simulate`.
+        """Reasons to trust run i less, in the words of `simulate`.
 
         Those that take histories or samples are not among them (a structure that still rings, few samples in a contact,
         rest between blows): `simulate(basis, batch.scene(i), clock)` has them.

@@ -19,7 +19,7 @@ MAX_STEPS = 20_000_000
 STEPS_BETWEEN_CHECKS = (
     200_000  # steps tried between two looks at the progress, at least: enough for thousands of closings
 )
-WORK_BETWEEN_CHECKS = 5e7  # and their number times SELF + n: some 4 s where the modes are not thousands
+WORK_BETWEEN_CHECKS = 5e7  # and their number times SELF + n: about 4 s where the modes are not thousands
 SELF = 30  # what a step costs beside its coordinates, 2.1 us against 0.07 us for each of them
 LEDGER_ROWS = 2048  # at most, while nothing acts
 

@@ -74,7 +74,7 @@ def keep(unit: Unit[..., Any], code: bytes, place: Path) -> None:
 
 
 def sweep(place: Path) -> None:
-    """Remove code that nobody has used for long."""
+    """Remove code that has not been used for long."""
     for path in (*place.glob(f"*{SUFFIX}"), *place.glob("*.part")):
         try:
             last = path.stat()

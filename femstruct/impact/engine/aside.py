@@ -1,4 +1,4 @@
-"""A march beside the thread that waits for it, which goes on hearing the keyboard."""
+"""Runs the compiled solver in a worker thread, so that Ctrl-C still works."""
 
 from __future__ import annotations
 

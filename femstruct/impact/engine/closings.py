@@ -2,7 +2,7 @@
 
 A contact that grazes opens and closes for rounding, and one that decays does so for ever: how often depends on the
 march. So an event counts when, before its contact's next one, the indentation after a closing or the gap after an
-opening exceeds RESOLVED of what the displacement was summed from so far. Of the others nothing is told.
+opening exceeds RESOLVED of what the displacement was summed from so far. The others are not reported.
 """
 
 from __future__ import annotations

@@ -18,7 +18,7 @@ from femstruct.impact.engine.records import System
 
 FORMS = (STAGES + 2) * (STAGES + 3) // 2
 SLOW = 6.0  # rate times step below which a remainder bounds what interpolation misses
-MODES_AT_ONCE = 4000  # room for their responses: some 5 MB
+MODES_AT_ONCE = 4000  # room for their responses: about 5 MB
 
 
 class Tables(NamedTuple):

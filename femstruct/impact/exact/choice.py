@@ -18,7 +18,7 @@ def takes_exact_march(system: System, duration: float) -> bool:
 
     Notes: a step of the exact march costs 1.4 us with 2 modes when nothing is sampled; with all samples kept 2 to 6 us
     up to 30 modes and 17 us with 98, whatever happens in it. One of collocation costs several times that, but it is as
-    long as the forces allow, not the fastest mode, and an opening or a closing takes some 50 of them. Measured with 2,
+    long as the forces allow, not the fastest mode, and an opening or a closing takes about 50 of them. Measured with 2,
     12, 30 and 98 modes, a ball, a damper and a link, with all samples kept: the exact march is 1.2 to 1.6 times faster
     at 1350 of its steps and 2 to 4 times slower at 6350; a residual vector at 40 kHz that sets the step of a window of
     0.5 s makes it ten times slower. Up to MOST_STEPS it is taken for its exactness where both take about as long.

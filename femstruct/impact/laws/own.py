@@ -62,7 +62,7 @@ class OwnLaw(Law):
     parameters [p]. deepest [m], fastest [m/s] : up to where the law is checked when it is made; a run that presses
     it in deeper has the finding `beyond-checked`.
 
-    Both functions are compiled when the value is made, some 2 s for the first one, and again in every process: their
+    Both functions are compiled when the value is made, about 2 s for the first one, and again in every process: their
     machine code is not kept on disk. A study file cannot name them.
 
     Raises FemstructError, with the numbers, where the force is not finite, jumps at the first touch, does not rise with

@@ -1,4 +1,4 @@
-"""Reasons to believe a run less, from a few of its numbers: a run alone and each of a batch are judged here."""
+"""Reasons to trust a run less, from a few of its numbers: a run alone and each of a batch are judged here."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""What meets what: bodies, sources, feet, and what measured pulses and rebounds say of them."""
+"""Bodies, sources, feet, and what measured pulses and rebounds say of them."""

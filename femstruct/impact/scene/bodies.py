@@ -1,4 +1,4 @@
-"""What meets in an impact: bodies, contacts, links and loads, between probes of a modal basis, bodies and ground."""
+"""Bodies, contacts, links and loads of an impact, between probes of a modal basis, bodies and ground."""
 
 from __future__ import annotations
 
@@ -208,7 +208,7 @@ class Blows:
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """All that meets, and the state it starts from.
+    """Everything that takes part in an impact, and its initial state.
 
     velocity [k] : modal velocities at t = 0, None for a structure at rest. gravity [m/s^2], 0 for none.
     blows : bodies that strike more than once, in the order in which they are placed when they strike together.

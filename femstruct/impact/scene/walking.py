@@ -41,10 +41,9 @@ class Walk:
 
     Notes
     -----
-    The force, downwards, is m g (1 + sum a_h sin(2 pi h f t)); it comes on over the first step and goes over the last
-    as half a cosine. There is no phase in the source of `design_harmonics`. Heel strikes are not in it: it says what a
-    floor does that resonates with a harmonic, nothing of floors whose first mode is above them, and nothing of what is
-    heard.
+    The force, downwards, is m g (1 + sum a_h sin(2 pi h f t)). It increases over the first step and decreases over the
+    last as half a cosine. There is no phase in the source of `design_harmonics`. Heel strikes are left out: it
+    covers resonance of a floor with a harmonic, not floors whose first mode is above them, and not audible footsteps.
 
     >>> Walk(80.0, pace=2.0, steps=8, harmonics=design_harmonics(2.0)).steps
     8

@@ -14,7 +14,7 @@ NOTABLE_SHEAR, GROSS_SHEAR = 0.005, 0.5
 
 
 def model_findings(model: Model) -> tuple[Finding, ...]:
-    """Reasons to believe the model less: the twist defect of hermite12, plates too thick for Kirchhoff's theory."""
+    """Reasons to trust the model less: the twist defect of hermite12, plates too thick for Kirchhoff's theory."""
     plates = plates_of(model)
     found = [_twist_defect(plate) for plate in plates if plate.part.element == "hermite12"]
     for plate in plates:

@@ -137,7 +137,7 @@ def _of_records(
 
 
 def _of_rooms(study: Study, places: Places, basis: ModalBasis, vacuo: ModalBasis) -> list[tuple[str, Advice | Finding]]:
-    """What the modes tell of rooms, by room. basis : with the air that pushes back; vacuo : without it."""
+    """What the modes tell of rooms, by room. basis : with the air that reacts on the structure; vacuo : without it."""
     told: list[tuple[str, Advice | Finding]] = []
     for plan in study.rooms:
         room = placed_room(plan, places.surfaces)

@@ -89,8 +89,8 @@ def run_again(
     places that are pushed are the same; a case where nothing differs that it depends on, the baseline's structure and
     damping among them. Cases of a study that asks for an accuracy are run anew.
 
-    Returns the result and what it leaves for the next run. The result is that of `run_study`, to the last bit but in
-    rooms, where another choice of cosines leaves out another 1e-4 of what is heard at most.
+    Returns the result and what it leaves for the next run. The result is that of `run_study`, exactly but in
+    rooms, where another choice of cosines leaves out at most 1e-4 of the pressure.
 
     One number of a study changes; its basis does not:
 
@@ -211,7 +211,7 @@ def _reused(modes: bool, cases: Sequence[str]) -> str:
 
 
 def without_rooms(plan: Plan) -> Plan:
-    """The same plan, impacts only: nobody listens, but air that pushes back still does."""
+    """The same plan, impacts only: nobody listens, but air that reacts on the structure still does."""
 
     heard = ("pressure", "power")
 
@@ -230,7 +230,7 @@ def without_rooms(plan: Plan) -> Plan:
 
 
 def _bases(finished: Mapping[str, CaseResult], solved: Mapping[str, Solved]) -> dict[str, ModalBasis]:
-    """The undamped bases of the cases by key, with the air that pushes back."""
+    """The undamped bases of the cases by key, with the air that reacts on the structure."""
     bases: dict[str, ModalBasis] = {}
     for name, result in finished.items():
         key, own = result.basis_key, solved[name]

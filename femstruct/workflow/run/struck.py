@@ -50,7 +50,7 @@ Stopwatch = Callable[[str], AbstractContextManager[None]]
 @dataclass(frozen=True, eq=False)
 class Struck:
     """One simulation: the motion and what the march leaves it wrong by, the pressures, the levels by "ROOM.RECEIVER",
-    the levels of every room that is to be rated {room: [receivers: {band: [dB]}]}, reasons to believe it less, and what
+    the levels of every room that is to be rated {room: [receivers: {band: [dB]}]}, reasons to trust it less, and what
     striking bodies are heard themselves."""
 
     response: Response
@@ -78,7 +78,7 @@ def strike(
 ) -> dict[str, Struck]:
     """Studies that differ in where a source strikes, simulated: impacts, their errors, rooms, levels, by drop.
 
-    basis : damped, with the air that pushes back; vacuo : without it. stage : measures a stage by its name.
+    basis : damped, with the air that reacts on the structure; vacuo : without it. stage : measures a stage by its name.
     transfers : of rooms heard before.
 
     Raises what the stages raise.

@@ -28,7 +28,7 @@ FILTER_ORDER = 4
 SETTLED = 10.0  # periods of a band's lowest edge after which a filter of order 4 has forgotten
 PEAK_NOISE_FLOOR = 1e-9  # share of the largest value below which a peak is rounding, or a filter's tail
 GROUND = "ground"
-SIDEWAYS = 1e-6  # of the largest: the eigen solver leaves shapes a residual of 1e-9, their forces some 1e-7
+SIDEWAYS = 1e-6  # of the largest: the eigen solver leaves shapes a residual of 1e-9, their forces about 1e-7
 
 
 def record(study: Study, places: Places, response: Response, rooms: Mapping[str, RoomResponse]) -> dict[str, Channel]:

@@ -1,4 +1,4 @@
-"""The air that pushes back: bases of structures joined to the rooms of a study whose coupling is two-way."""
+"""Two-way coupling: bases of structures joined to the air of rooms of a study."""
 
 from __future__ import annotations
 
@@ -84,7 +84,7 @@ def static_stiffness(basis: ModalBasis, place: Probe) -> float:
 
 
 def coupled_key(key: str, rooms: Sequence[RoomPlan]) -> str:
-    """The name of a basis joined to rooms: that of the structure alone where none pushes back."""
+    """The name of a basis joined to rooms: that of the structure alone where none is two-way."""
     joined = [
         (plan.name, plan.under, plan.offset, plan.room.identity, plan.room.air.c, plan.room.air.rho)
         + tuple(sorted(plan.walls.items()))

@@ -1,4 +1,4 @@
-"""Peaks of points that hang on what the modes left out: told with the peak of the modes alone beside them.
+"""Peaks that depend on the modes left out: reported with the peak of the modes alone beside them.
 
 Residual vectors hold the static share of all modes beyond the last one at the places that are pushed. A displacement
 or a velocity hardly feels them; the acceleration of the struck point may be theirs for a half, and then moves with

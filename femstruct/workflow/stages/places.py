@@ -1,4 +1,4 @@
-"""Where a structure can be pushed and listened to, by name."""
+"""Where a structure can be driven and observed, by name."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from femstruct.model.probe import Point, Surface
 
 @dataclass(frozen=True, eq=False)
 class Places:
-    """Where a structure can be pushed and listened to: its named points and surfaces."""
+    """Where a structure can be driven and observed: its named points and surfaces."""
 
     points: Mapping[str, Point]
     surfaces: Mapping[str, Surface]

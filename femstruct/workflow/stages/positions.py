@@ -1,4 +1,4 @@
-"""Errors that only show once a structure is built, told with the line of the file they come from."""
+"""Errors that only show once a structure is built, reported with the line of the file they come from."""
 
 from __future__ import annotations
 

@@ -65,7 +65,7 @@ def running(study: Study) -> tuple[float, float]:
 
     Notes
     -----
-    Blows of a real machine come a few milliseconds early or late, so that above some 100 Hz their sounds are
+    Blows of a real machine come a few milliseconds early or late, so that above about 100 Hz their sounds are
     uncorrelated and add in energy: p^2 = f_r mean_k int p_k^2 dt, p_k the sound of hammer k alone, f_r = 10/s. Those of
     blows exactly 0.1 s apart have lines at multiples of 10 Hz, which meet single modes or miss them.
     """

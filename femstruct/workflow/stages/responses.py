@@ -102,7 +102,7 @@ def _power(
 
 
 def response_row(spot: Spot, places: Places, basis: ModalBasis, asked_by: str) -> Probe | ForceRow:
-    """What a frequency response listens to: a point's direction or a force of the structure.
+    """The response of a frequency response: a point's direction or a force of the structure.
 
     Raises InputError when there is no such force or place.
     """

@@ -64,7 +64,7 @@ def ordered(study: Study, places: Places, planned: PlannedContact) -> tuple[str,
 def force_probes(study: Study, places: Places) -> dict[str, Probe]:
     """All places where forces act on the structure, by address: each gets residual vectors in the basis.
 
-    The air of a room that pushes back is one of them.
+    The air of a two-way room is one of them.
     """
     stage = _Stage(study, places)
     pairs = [contact.between for contact in planned_contacts(study)] + [link.between for link in study.links]

@@ -1,4 +1,4 @@
-"""What striking bodies are heard themselves in open air: which of them, where they are, and what is left out."""
+"""The own sound of striking bodies in open air: which of them, where they are, and what is left out."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ def heard_themselves(
     rooms: Mapping[str, RoomResponse],
     whole: Mapping[str, RoomResponse],
 ) -> OwnSound:
-    """Striking bodies heard in open air, and all that is heard there with what the structure radiates, by room.
+    """The own sound of striking bodies in open air, and the total with that of the structure, by room.
 
     rooms : of the structure, which end where its modes do; whole : the same before.
 
@@ -95,7 +95,7 @@ def _own_sound(plan: RoomPlan, study: Study, places: Places, response: Response)
 def own_findings(
     study: Study, places: Places, response: Response, heard: OwnSound
 ) -> list[tuple[str, Advice | Finding]]:
-    """How far to believe the sound of bodies, by room; bodies that strike from the side where somebody listens and are
+    """How far to trust the sound of bodies, by room; bodies that strike on the side of receivers and are
     not heard; radii of no use."""
     told: list[tuple[str, Advice | Finding]] = [(name, one) for name, own in heard.own.items() for one in own.findings]
     sounding: set[str] = set()
@@ -132,7 +132,7 @@ def own_findings(
 
 
 def _left_out(body: PlacedBody, plan: RoomPlan, study: Study, places: Places, response: Response) -> bool:
-    """Whether a body without a radius strikes something in the air of a half space where somebody listens."""
+    """Whether a body without a radius strikes something in the air of a half space with receivers."""
     space = plan.room.open_air
     if body.radius is not None or space is None or not plan.receivers:
         return False
