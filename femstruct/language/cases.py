@@ -11,8 +11,7 @@ from pydantic import BaseModel
 
 from acoustics.fields.shaped import ShapedRoom
 from femstruct.errors import InputError, InputErrors
-from femstruct.language.arrays import drops, spread
-from femstruct.language.build_study import study_of
+from femstruct.files.inputs.opening import beside
 from femstruct.language.model.model import ModelSpec
 from femstruct.language.models import (
     ModelFile,
@@ -24,10 +23,10 @@ from femstruct.language.models import (
     title_of,
 )
 from femstruct.language.references import check_names
-from femstruct.language.references_study import check_study
-from femstruct.language.schema_study import StudySpec
+from femstruct.language.study.planned import check_study, study_of
+from femstruct.language.study.spread import drops, spread
+from femstruct.language.study.study import StudySpec
 from femstruct.language.yaml.here import Here
-from femstruct.language.yaml.opening import beside
 from femstruct.language.yaml.patch import MODEL_KEYS, Patch, study_keys
 from femstruct.language.yaml.reader import Mistakes, Position, Tree, dotted, nearest, read_yaml
 from femstruct.language.yaml.validation import validate
@@ -137,9 +136,10 @@ class _Resolved:
         model_spec = validate(ModelSpec, model.value, model, mistakes) if model is not None else None
         study_spec = validate(StudySpec, study.value, study, mistakes)
         if model is not None and model_spec is not None:
-            model_spec.check(Here(model, mistakes, model_spec.names()))
+            names = model_spec.names()
+            model_spec.check(Here(model, mistakes, names))
             if study_spec is not None:
-                check_study(study_spec, study, model_spec, mistakes)
+                check_study(study_spec, Here(study, mistakes, names), model_spec)
         return cls(study, model, study_spec, model_spec, dict(changes))
 
 
@@ -178,7 +178,7 @@ def _case(
     changes = {**overrides, **one.changes}
 
     def built(spec: StudySpec) -> Study | None:
-        return study_of(spec, title_of(tree), structure, damping, tree, mistakes, sources, shaped)
+        return study_of(spec, title_of(tree), structure, damping, Here(tree, mistakes), sources, shaped)
 
     places = {place: built(spec) for place, spec in drops(one.study_spec, names).items()}
     struck = {place: study for place, study in places.items() if study is not None}

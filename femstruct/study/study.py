@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Literal, get_args
+from typing import TYPE_CHECKING, Final, Literal, get_args
 
 from femstruct.errors import FemstructError, InputError
 from femstruct.modal.damping import Damping
@@ -22,6 +22,7 @@ if TYPE_CHECKING:  # a model's modes need none of these
     from femstruct.impact.scene.bodies import HalfSine, Table
     from femstruct.impact.scene.walking import Walk
 
+SETTLED: Final = "settled"  # the limit of the time to rest
 FrfKind = Literal["receptance", "mobility", "accelerance", "transmissibility", "pressure", "power"]
 
 

@@ -49,8 +49,7 @@ class HertzSpec(LawSpec):
                 first, *second = self.radius
                 radii = (first, second[0] if second else inf)
             if radii is None:
-                do = "add 'radius: 5 mm', or the radius of the body"
-                site.refuse("", "a hertz law without a radius", "one", do)
+                site.here.wrong("a hertz law without a radius", "one", "add 'radius: 5 mm', or the radius of the body")
                 return None
             stiffness = Hertz.of_spheres(radii, self.E, self.nu).stiffness
         assert stiffness is not None

@@ -6,7 +6,6 @@ indentation, d' its rate, positive while the ends approach.
 
 from __future__ import annotations
 
-from abc import abstractmethod
 from dataclasses import dataclass
 from typing import Annotated, Any
 
@@ -14,8 +13,7 @@ from pydantic import ValidationInfo, field_validator
 
 from femstruct.impact.laws.law import Law
 from femstruct.impact.scene.restitution import dissipation_for
-from femstruct.language.yaml.build import Builder
-from femstruct.language.yaml.reader import Steps, dotted
+from femstruct.language.yaml.here import Here
 from femstruct.language.yaml.spec import Flag, Quantity, Spec, refuse
 from femstruct.units import QuantityError, power_stiffness, shown_as
 
@@ -38,24 +36,17 @@ class Ends:
 
 @dataclass(frozen=True)
 class Site:
-    """Where a law stands: its two ends, its steps in the file, what notes mistakes, and the texts of the files that
-    laws name, by their names, to which its own are added."""
+    """Where a law stands: its two ends, its place in the file, and the texts of the files that laws name, by their
+    names, to which its own are added."""
 
     ends: Ends
-    steps: Steps
-    builder: Builder
+    here: Here
     sources: dict[str, str]
-
-    def refuse(self, key: str, got: str, expected: str, do: str = "") -> None:
-        """Note a mistake at a key of the law, or at the law for ""."""
-        where = (*self.steps, key) if key else self.steps
-        self.builder.mistakes.add(self.builder.tree.position(where), dotted(where), got=got, expected=expected, do=do)
 
     def meeting_speed(self, given: float | None) -> float | None:
         """The speed [m/s] that a restitution holds at: as given, or as the file tells; None with a mistake noted."""
-        speed = given or self.ends.speed
-        if speed is None:
-            self.refuse("restitution", "a restitution without a meeting speed", "at_speed", "add 'at_speed: 2 m/s'")
+        speed, there = given or self.ends.speed, self.here.at("restitution")
+        there.need(speed, "a restitution without a meeting speed", "at_speed", "add 'at_speed: 2 m/s'")
         return speed
 
 
@@ -70,9 +61,10 @@ class LawSpec(Spec):
         """Whether it takes the radii of the bodies it stands between."""
         return False
 
-    @abstractmethod
     def law(self, site: Site) -> Law | None:
         """The law; None with a mistake noted. Raises FemstructError for what its constructor refuses."""
+        law: Law = self.noun()
+        return law
 
 
 class FactoredSpec(LawSpec):
@@ -86,12 +78,18 @@ class FactoredSpec(LawSpec):
     restitution: Restitution | None = None
     at_speed: MeetingSpeed | None = None
 
-    def chi(self, site: Site) -> float | None:
-        """The dissipation [s/m]; None with a mistake noted."""
-        if self.restitution is None:
-            return self.dissipation
-        speed = site.meeting_speed(self.at_speed)
-        return None if speed is None else dissipation_for(self.restitution, speed)
+    def law(self, site: Site) -> Law | None:
+        chi: float | None = self.dissipation
+        if self.restitution is not None:
+            speed = site.meeting_speed(self.at_speed)
+            chi = None if speed is None else dissipation_for(self.restitution, speed)
+        return None if chi is None else self.with_dissipation(chi, site)
+
+    def with_dissipation(self, chi: float, site: Site) -> Law | None:
+        """The law with a dissipation [s/m]; None with a mistake noted."""
+        keys = {key: value for key, value in self.given().items() if key not in ("restitution", "at_speed")}
+        law: Law = type(self).makes(**{**keys, "dissipation": chi})
+        return law
 
 
 class PowerSpec(LawSpec):
@@ -112,3 +110,15 @@ class PowerSpec(LawSpec):
         if not stiffness > 0.0:
             raise refuse(shown_as(value), "a positive stiffness")
         return stiffness
+
+
+class PublishedSpec(PowerSpec):
+    """A spring k d^n whose dissipation an author gives by restitution and meeting speed."""
+
+    restitution: Restitution
+    at_speed: MeetingSpeed | None = None
+
+    def law(self, site: Site) -> Law | None:
+        speed = site.meeting_speed(self.at_speed)
+        keys = {key: value for key, value in self.given().items() if key != "at_speed"}
+        return None if speed is None else type(self).makes(**keys, speed=speed)

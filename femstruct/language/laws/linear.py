@@ -29,6 +29,6 @@ class LinearSpec(LawSpec):
             assert self.stiffness is not None
             return Linear(self.stiffness, self.damping, self.tensile)
         if site.ends.mass is None:
-            site.refuse("restitution", "a restitution between two ends without a body", "stiffness and damping")
+            site.here.at("restitution").wrong("a restitution between two ends without a body", "stiffness and damping")
             return None
         return Linear.returning(self.restitution, site.ends.mass, self.duration, self.stiffness, self.tensile)

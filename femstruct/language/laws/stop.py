@@ -5,16 +5,14 @@ from __future__ import annotations
 from typing import Literal
 
 from femstruct.impact.laws.stop import Stop
-from femstruct.language.laws.law import LawSpec, Positive, Site
+from femstruct.language.laws.law import LawSpec, Positive
 from femstruct.language.model.directions import Dashpot
 
 
 class StopSpec(LawSpec):
     """A bumper on both sides."""
 
+    makes = Stop
     type: Literal["stop"]
     stiffness: Positive
     damping: Dashpot = 0.0
-
-    def law(self, site: Site) -> Stop:
-        return Stop(self.stiffness, self.damping, self.tensile)

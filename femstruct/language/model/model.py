@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from typing import Any
 
 from pydantic import Field
@@ -17,7 +16,7 @@ from femstruct.language.model.support import SupportSpec
 from femstruct.language.model.surface import SurfaceSpec
 from femstruct.language.parts.base import Library
 from femstruct.language.parts.known_parts import AnyPart
-from femstruct.language.yaml.here import Here, Names
+from femstruct.language.yaml.here import Here, Names, members
 from femstruct.language.yaml.references import check_references
 from femstruct.language.yaml.spec import Spec, Text
 from femstruct.model.structure import Structure
@@ -92,12 +91,3 @@ class ModelSpec(Spec):
         groups = {group: getattr(self, group).items() for group in ("joints", "surfaces", "supports")}
         nouns: Any = {group: tuple(one.noun(name=name) for name, one in items) for group, items in groups.items()}
         return Structure(title, tuple(parts.values()), points=points, **nouns)
-
-
-def members(name: str, count: int) -> Iterable[str]:
-    """The names of the places of a point, or of the bodies of an array.
-
-    >>> members("foot", 1), members("foot", 2)
-    (['foot'], ['foot.1', 'foot.2'])
-    """
-    return [name] if count == 1 else [f"{name}.{number}" for number in range(1, count + 1)]

@@ -9,12 +9,21 @@ from typing import Any, TypeVar
 
 from acoustics.errors import AcousticsError
 from femstruct.conventions import DIRECTIONS
-from femstruct.errors import FemstructError
+from femstruct.errors import FemstructError, InputErrors
 from femstruct.language.yaml.reader import Mistakes, Position, Steps, Tree, dotted, nearest
 
 T = TypeVar("T")
 POINT_DIRECTIONS = (*DIRECTIONS, "n")
 FORCES = ("force", "force_x", "force_y", "force_z")
+
+
+def members(name: str, count: int) -> list[str]:
+    """The names of the places of a point, or of the bodies of an array.
+
+    >>> members("foot", 1), members("foot", 2)
+    (['foot'], ['foot.1', 'foot.2'])
+    """
+    return [name] if count == 1 else [f"{name}.{number}" for number in range(1, count + 1)]
 
 
 @dataclass(frozen=True)
@@ -41,6 +50,10 @@ class Here:
         """A place inside of this one."""
         return replace(self, steps=(*self.steps, *steps))
 
+    def outside(self, count: int) -> Here:
+        """The place that this one is in, so many steps up."""
+        return replace(self, steps=self.steps[:-count])
+
     @property
     def path(self) -> str:
         return dotted(self.steps)
@@ -63,6 +76,10 @@ class Here:
         """What `maker` makes; None with its refusal noted here, or at the key of this mapping that it is about."""
         try:
             return maker()
+        except InputErrors as errors:  # lines with their own places
+            for line in errors.errors:
+                self.mistakes.note(line)
+            return None
         except (FemstructError, AcousticsError) as error:
             inner = error.where.removeprefix(f"{self.path}.")
             there = self.at(inner) if inner != error.where and (*self.steps, inner) in self.tree.keys else self

@@ -24,7 +24,7 @@ _INDEX: Final = re.compile("[0-9]{1,6}")
 @cache
 def study_keys() -> frozenset[str]:
     """The keys of a study file; who reads a model alone has no need to load its schema."""
-    from femstruct.language.schema_study import StudySpec
+    from femstruct.language.study.study import StudySpec
 
     return frozenset(StudySpec.model_fields) - {"title"}
 

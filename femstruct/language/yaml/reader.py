@@ -16,7 +16,7 @@ from ruamel.yaml.error import MarkedYAMLError, YAMLError
 from ruamel.yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
 
 from femstruct.errors import InputError, InputErrors, sentence, some_of
-from femstruct.language.yaml.opening import content
+from femstruct.files.inputs.opening import content
 
 Steps = tuple[str | int, ...]  # from the root to a value: keys and list indices
 

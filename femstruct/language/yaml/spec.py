@@ -34,6 +34,7 @@ class Spec(BaseModel):
 
     one_of : groups of keys of which a file gives exactly one. at_most_one_of : groups of which it may give one.
     needs : keys that mean nothing without others. makes : the noun with the same fields, and a name where it has one.
+    called : what the noun calls keys for which it has another word.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=False, arbitrary_types_allowed=True)
@@ -41,11 +42,13 @@ class Spec(BaseModel):
     at_most_one_of: ClassVar[tuple[tuple[str, ...], ...]] = ()
     needs: ClassVar[tuple[tuple[str, tuple[str, ...]], ...]] = ()
     makes: ClassVar[Callable[..., Any]] = dict
+    called: ClassVar[tuple[tuple[str, str], ...]] = ()
 
     def given(self) -> dict[str, Any]:
-        """The values of all keys, by key, mappings as the nouns they describe; not the word that tells the kind."""
+        """The values of all keys, in the noun's words, mappings as nouns; not the word that tells the kind."""
         values = {key: getattr(self, key) for key in type(self).model_fields if key not in ("type", "shape")}
-        return {key: value.noun() if isinstance(value, Spec) else value for key, value in values.items()}
+        nouns = {key: value.noun() if isinstance(value, Spec) else value for key, value in values.items()}
+        return {dict(self.called).get(key, key): value for key, value in nouns.items()}
 
     def noun(self, **others: Any) -> Any:
         """The noun it describes; others : what the keys do not say, or not in the noun's words."""

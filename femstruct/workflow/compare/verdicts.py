@@ -11,10 +11,9 @@ import numpy as np
 from acoustics.levels.rated import RatedRoom
 from femstruct.impact.result.blow_by_blow import AT_REST, structure_energy
 from femstruct.impact.result.response import Response
-from femstruct.language.limits import SETTLED
 from femstruct.study.machine import Verdict
 from femstruct.study.result import CaseResult, Channel, Drop
-from femstruct.study.study import Limit, Study
+from femstruct.study.study import SETTLED, Limit, Study
 from femstruct.workflow.stages.channels import closings, record
 from femstruct.workflow.stages.places import Places
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import contextlib
 import hashlib
 import io
-from functools import partial
 from pathlib import Path
 from typing import Any, Final
 
@@ -15,8 +14,7 @@ from acoustics.arrays import Integers
 from acoustics.errors import AcousticsError
 from acoustics.meshed.cavity_mesh import CavityMesh
 from femstruct.errors import InputError
-from femstruct.language.yaml.opening import content
-from femstruct.language.yaml.reader import Mistakes, Position
+from femstruct.files.inputs.opening import content
 
 LARGEST: Final = 50_000_000  # bytes
 _NAMELESS: Final = (".med", ".h5m", ".hmf", ".cgns", ".xdmf", ".xmf", ".e", ".ex2", ".exo")
@@ -25,33 +23,25 @@ _CELLS: Final = {"tetra": 4, "tetra10": 4, "hexahedron": 8, "hexahedron20": 8, "
 _FACETS: Final = {"triangle": 3, "triangle6": 3, "quad": 4, "quad8": 4, "quad9": 4}
 
 
-def read_mesh(
-    path: Path, asked_at: Position, asked_path: str, mistakes: Mistakes, sources: dict[str, str]
-) -> CavityMesh | None:
-    """The tetrahedra or hexahedra of a mesh file [m] and its named surfaces; None with mistakes noted.
+def read_mesh(path: Path, sources: dict[str, str]) -> CavityMesh:
+    """The tetrahedra or hexahedra of a mesh file [m] and its named surfaces.
 
     Corners only: nodes on edges and faces are left out, and sides are straight. Names are the physical groups of Gmsh
     or the sets of cells of other formats. sources : is given a digest of the file under its name.
-    """
 
-    refuse = partial(_refuse, asked_at, asked_path, mistakes)
+    Raises InputError.
+    """
     if path.suffix.lower() in _NAMELESS:  # HDF5 may hang on a damaged one, and XDMF names files of its own
-        refuse(f"'{path.name}', of which meshio reads no named surfaces", "a mesh with named surfaces, as of Gmsh")
-        return None
-    try:
-        digest = hashlib.sha256(content(path, LARGEST, "a mesh file, named from the study's folder")).hexdigest()
-    except InputError as error:
-        refuse(error.got, error.expected, error.do)
-        return None
+        got = f"'{path.name}', of which meshio reads no named surfaces"
+        raise InputError("", got=got, expected="a mesh with named surfaces, as of Gmsh")
+    digest = hashlib.sha256(content(path, LARGEST, "a mesh file, named from the study's folder")).hexdigest()
     try:
         mesh = _read(path)
         cells, points = _cells(mesh), np.asarray(mesh.points, dtype=np.float64)
     except InputError as error:
-        refuse(f"'{path.name}', which is no mesh ({error.got})", error.expected)
-        return None
+        raise InputError("", got=f"'{path.name}', which is no mesh ({error.got})", expected=error.expected) from None
     except (Exception, SystemExit):  # meshio tells of files it cannot read in all these ways, and quotes them
-        refuse(f"'{path.name}', which is no mesh", _EXPECTED)
-        return None
+        raise InputError("", got=f"'{path.name}', which is no mesh", expected=_EXPECTED) from None
     used: Integers = np.unique(cells)
     number = np.full(len(points), -1)
     number[used] = np.arange(len(used))
@@ -59,14 +49,10 @@ def read_mesh(
     try:
         found = CavityMesh(points[used], number[cells], walls)
     except AcousticsError as error:
-        refuse(f"'{path.name}', {error.where}: {error.got}", error.expected, error.do)
-        return None
+        got = f"'{path.name}', {error.where}: {error.got}"
+        raise InputError("", got=got, expected=error.expected, do=error.do) from None
     sources[str(path)] = f"sha256 {digest}, {len(cells)} cells, {len(used)} points, walls {', '.join(walls)}\n"
     return found
-
-
-def _refuse(at: Position, path: str, mistakes: Mistakes, got: str, expected: str, do: str = "") -> None:
-    mistakes.add(at, path, got=got, expected=expected, do=do)
 
 
 def _read(path: Path) -> Any:

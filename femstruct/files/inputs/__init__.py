@@ -1,0 +1,1 @@
+"""What a user names: ordinary files, columns of numbers, meshes of rooms. Nothing of it is written."""

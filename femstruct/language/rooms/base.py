@@ -1,0 +1,111 @@
+"""What every room of a study file has, open air too; its kinds stand beside, one file each."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Annotated, ClassVar, Final
+
+from pydantic import Field
+
+from acoustics.air import Air
+from acoustics.fields.shaped import ShapedRoom
+from acoustics.receivers import Receiver
+from femstruct.language.model.point import places
+from femstruct.language.study.body import BodySpec
+from femstruct.language.study.window import TimeSpec
+from femstruct.language.yaml.here import Here, members
+from femstruct.language.yaml.spec import Position3, Quantity, Spec, read_by, refuse
+from femstruct.study.study import RoomPlan
+
+DENSEST_GAS, SLOWEST_LIQUID = 1000.0, 500.0  # kg/m^3: carbon dioxide at 700 bar; m/s: fluorinated liquids have 550
+_IN_AIR: Final = "air has 343 m/s and 1.21 kg/m^3"
+_SOUND: Final = Quantity(("speed",), above=0.0, least=50.0, most=2000.0, too_small=_IN_AIR, too_large=_IN_AIR)
+"""From the heaviest gases (sulphur hexafluoride 134 m/s) to hydrogen, 1300 m/s, and water, 1480 m/s."""
+_FLUID: Final = Quantity(("density",), above=0.0, least=0.01, most=2000.0, too_small=_IN_AIR, too_large=_IN_AIR)
+"""From air at a hundredth of an atmosphere to the heaviest liquids but metals."""
+
+
+class AirSpec(Spec):
+    """Speed of sound and density."""
+
+    makes = Air
+    c: Annotated[float, _SOUND] = 343.0
+    rho: Annotated[float, _FLUID] = 1.21
+
+    def check(self, here: Here) -> None:
+        """A fluid is a gas or a liquid."""
+        got = f"{self.rho:g} kg/m^3 beside a speed of sound of {self.c:g} m/s"
+        expected = f"a gas below {DENSEST_GAS:g} kg/m^3, or a liquid above {SLOWEST_LIQUID:g} m/s"
+        fluid = self.rho <= DENSEST_GAS or self.c >= SLOWEST_LIQUID
+        here.at("rho").need(fluid, got, expected, "air has 1.21 kg/m^3 and 343 m/s")
+
+
+def _receivers(value: object) -> object:
+    found = places(value)
+    for place in found:
+        if len(place) != 3:
+            raise refuse(f"{len(place)} coordinates", "[x, y, z] from the room's lower corner")
+    return found
+
+
+Receivers = Annotated[tuple[tuple[float, float, float], ...], read_by(_receivers, Position3 | list[Position3])]
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What a study says that its rooms depend on. powers : ROOM.power of all that are asked for."""
+
+    time: TimeSpec | None
+    bodies: Sequence[BodySpec]
+    powers: Sequence[str]
+    rooms: Mapping[str, RoomSpec]
+
+
+class RoomSpec(Spec):
+    """A room beside a surface: a kind says which keys it has and what it makes of them.
+
+    signs : keys by which the kind is known. is_open : whether it has a sound power.
+    """
+
+    one_of = (("under", "above", "below"),)
+    signs: ClassVar[tuple[str, ...]] = ()
+    is_open: ClassVar[bool] = False
+
+    air: AirSpec = AirSpec()
+    receivers: dict[str, Receivers] = Field(default_factory=dict)
+
+    @property
+    def standards(self) -> tuple[str, ...]:
+        """By which what is heard in it is stated."""
+        return ()
+
+    @property
+    def listeners(self) -> list[str]:
+        """The names of all receivers: NAME, or NAME.1, NAME.2, ... of several places."""
+        return [receiver.name for receiver in self.heard_at()]
+
+    def heard_at(self) -> list[Receiver]:
+        """The receivers it has."""
+        heard: list[Receiver] = []
+        for name, found in self.receivers.items():
+            heard += [Receiver(one, place) for one, place in zip(members(name, len(found)), found, strict=True)]  # type: ignore[arg-type]
+        return heard
+
+    def check_in(self, here: Here, name: str, asked: Asked) -> None:
+        """Note what is wrong with it in a study."""
+        self.air.check(here.at("air"))
+        for receiver, found in self.receivers.items():
+            for place in found:
+                self.check_receiver(here.at("receivers", receiver), place)
+
+    def check_receiver(self, here: Here, place: tuple[float, float, float]) -> None:
+        """Note a place where nobody can listen."""
+
+    def build(self, here: Here, name: str, sources: dict[str, str], shaped: dict[str, ShapedRoom]) -> RoomPlan | None:
+        """The room with who listens in it; None with mistakes noted.
+
+        sources : is given a digest of its mesh's file. shaped : rooms from meshes that other cases have, by all that
+        is said of them; is given this one.
+        """
+        raise NotImplementedError

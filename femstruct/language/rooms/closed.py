@@ -1,0 +1,160 @@
+"""What rooms under a surface have in common, as it is written."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from typing import Annotated, Any, Literal
+
+from pydantic import model_validator
+
+from acoustics.errors import AcousticsError
+from acoustics.fields.shaped import ShapedRoom
+from acoustics.fields.sound_field import SoundField
+from acoustics.levels.methods import STANDARDS, method_of, refuse_source
+from acoustics.losses import Losses
+from acoustics.receivers import Receiver
+from acoustics.rooms.box_two_way import Leak
+from femstruct.impact.scene.impact_sources import BETWEEN_BLOWS, HAMMERS, TAPPING_MACHINE
+from femstruct.language.rooms.base import Asked, RoomSpec
+from femstruct.language.rooms.losses import LossesSpec
+from femstruct.language.yaml.here import Here
+from femstruct.language.yaml.spec import (
+    FREQUENCY,
+    Frequency,
+    Length,
+    Position2,
+    Quantity,
+    Spec,
+    SurfaceName,
+    exactly_one,
+    only,
+    read_by,
+    refuse,
+    several,
+    word_or,
+)
+from femstruct.study.study import RoomPlan
+
+_Standard = Literal["ISO 16283-2", "ISO 717-2", "JIS A 1419-2", "KS F 2863-2"]  # those of STANDARDS
+_Animated = Frequency | Literal["pulse"]
+_animated = several(word_or({"pulse": None}, FREQUENCY))
+
+
+class LeakSpec(Spec):
+    """An opening of the room to still air: its area and length, or its inertance; and its resistance to flow."""
+
+    one_of = (("area", "inertance"),)
+
+    area: Annotated[float, Quantity(("area",), above=0.0)] | None = None
+    length: Length | None = None
+    inertance: Annotated[float, Quantity(("inertance",), above=0.0)] | None = None
+    resistance: Annotated[float, Quantity(("flow resistance",), least=0.0)] = 0.0
+
+    @model_validator(mode="before")
+    @classmethod
+    def _plug(cls, value: Any) -> Any:
+        if isinstance(value, dict) and ("area" in value) != ("length" in value):
+            got = "an area without a length" if "area" in value else "a length without an area"
+            raise refuse(got, "both, or an inertance", "write it like {area: 10 cm^2, length: 30 mm}")
+        return value
+
+    def leak(self, rho: float) -> Leak:
+        """The leak it describes, of air of a density [kg/m^3]."""
+        plug = rho * (self.length or 0.0) / (self.area or 1.0)
+        return Leak(plug if self.inertance is None else self.inertance, self.resistance)
+
+
+class ClosedSpec(RoomSpec):
+    """A room under a surface."""
+
+    needs = (("mesh", ("ceiling",)), ("ceiling", ("mesh",)))
+
+    under: SurfaceName
+    at: Position2 | None = None
+    losses: LossesSpec | None = None
+    form: Literal["causal", "source"] = "causal"
+    coupling: Literal["one-way", "two-way"] = "one-way"
+    leak: LeakSpec | None = None
+    animate: Annotated[tuple[float | None, ...], read_by(_animated, _Animated | list[_Animated])] = ()
+    levels: Annotated[tuple[str, ...], read_by(several(only(STANDARDS)), _Standard | list[_Standard])] = ()
+
+    @model_validator(mode="before")
+    @classmethod
+    def _closed(cls, value: Any) -> Any:
+        if isinstance(value, dict) and "under" in value:
+            exactly_one(value, ("size", "mesh"))
+            if "directivity" in value:
+                raise refuse("'directivity' beside 'under'", "open air, 'above' or 'below'", "a room reflects sound")
+        return value
+
+    @property
+    def standards(self) -> tuple[str, ...]:
+        return self.levels
+
+    def losses_of(self) -> Losses:
+        """The losses it describes."""
+        return self.losses.losses(self.form) if self.losses is not None else Losses()
+
+    def check_in(self, here: Here, name: str, asked: Asked) -> None:
+        super().check_in(here, name, asked)
+        form, t60 = here.at("form"), self.losses is not None and self.losses.t60 is not None
+        source = self.form == "source"
+        form.need(not (source and t60), "the source's form with t60", "beta or loss_factor", "leave out 'form'")
+        got = "a moving picture without receivers"
+        heard = self.receivers or not self.animate
+        here.at("animate").need(heard, got, "a receiver to cut the room at", "add 'receivers:'")
+        if self.levels:
+            self._check_levels(here, asked)
+        if self.coupling == "one-way":
+            got = "a leak with one-way coupling"
+            here.at("leak").need(self.leak is None, got, "coupling: two-way", "add it", of_key=True)
+            return
+        got = "the source's form with two-way coupling in time"
+        form.need(not source or asked.time is None, got, "causal", "leave out 'form'")
+        closed = {other: room for other, room in asked.rooms.items() if isinstance(room, ClosedSpec)}
+        others = [other for other, room in closed.items() if (room.coupling, room.under) == ("two-way", self.under)]
+        got = f"'{self.under}', which '{others[0]}' with two-way coupling is under already"
+        here.at("under").need(others[0] == name, got, "another surface", "one of the two can be one-way")
+
+    def _check_levels(self, here: Here, asked: Asked) -> None:
+        """Levels need standards that go together and rate what strikes, somebody who listens, a reverberation time to
+        take out, and a sampling that has their bands."""
+        there, tapping = here.at("levels"), any(body.source == TAPPING_MACHINE for body in asked.bodies)
+        do = "add 'receivers: {mic: [x, y, z]}'"
+        there.need(self.receivers, "levels without receivers", "at least one receiver", do)
+        try:
+            method = method_of(self.levels, "tapping" if tapping else "heavy")
+            for body in asked.bodies:
+                refuse_source(self.levels, body.source or "")
+        except AcousticsError as error:
+            there.wrong(error.got, error.expected, error.do)
+            return
+        got = f"{method.measured_by} in a room without losses"
+        lossy = method.correct is None or self.losses is not None
+        there.need(lossy, got, "its reverberation time", "add 'losses: {t60: 0.5 s}'")
+        if asked.time is None:
+            return
+        least, highest, sampling = method.least_sampling_hz, method.bands_hz[-1], asked.time.sampling
+        expected = f"{least:g} Hz or more for the bands up to {highest:g} Hz"
+        there.need(sampling >= least, f"a sampling of {sampling:g} Hz", expected, "sample faster")
+        turn, duration = HAMMERS * BETWEEN_BLOWS, asked.time.duration
+        got, expected = f"a tapping machine for {duration:g} s", f"{turn:g} s or more: one turn of its five hammers"
+        study = here.outside(2).at("time", "duration")
+        study.need(not tapping or duration >= turn, got, expected, "simulate longer")
+
+    @abstractmethod
+    def room(
+        self, here: Here, receivers: list[Receiver], sources: dict[str, str], shaped: dict[str, ShapedRoom]
+    ) -> SoundField | None:
+        """The room it describes; None with mistakes noted. sources, shaped : see `build`."""
+
+    def build(self, here: Here, name: str, sources: dict[str, str], shaped: dict[str, ShapedRoom]) -> RoomPlan | None:
+        receivers = self.heard_at()
+        room = self.room(here, receivers, sources, shaped)
+        if room is None:
+            return None
+        x, y, _ = room.middle.tolist()
+        offset = (self.at[0] - x, self.at[1] - y) if self.at is not None else (0.0, 0.0)
+        leak = self.leak.leak(self.air.rho) if self.leak is not None else None
+        asked, heard = self.losses.asked if self.losses is not None else {}, tuple(receivers)
+        return RoomPlan(name, room, self.under, heard, offset, self.coupling, leak, asked, self.levels, self.animate)

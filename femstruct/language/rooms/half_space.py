@@ -1,0 +1,65 @@
+"""Open air beside a surface as it is written."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, ClassVar, Final
+
+import numpy as np
+from pydantic import model_validator
+
+from acoustics.fields.half_space import HalfSpace
+from acoustics.fields.shaped import ShapedRoom
+from femstruct.language.rooms.base import Asked, RoomSpec
+from femstruct.language.yaml.here import Here
+from femstruct.language.yaml.spec import FREQUENCY, Frequency, SurfaceName, read_by, refuse, several
+from femstruct.study.study import RoomPlan
+
+_CLOSED: Final = (
+    "size", "mesh", "ceiling", "walls", "modes", "at", "losses", "form", "coupling", "leak", "levels", "animate",
+)  # fmt: skip
+
+
+class HalfSpaceSpec(RoomSpec):
+    """Open air in place of a room, and its receivers.
+
+    above, below: the surface in an infinite rigid baffle beside which it is. Receivers are measured from the centre of
+    the surface, global axes. The own sound of bodies with a radius there is computed too.
+    directivity: frequencies at which it is drawn where open air sends its sound, the loudest when left out.
+    """
+
+    signs = ("above", "below")
+    is_open: ClassVar[bool] = True
+
+    above: SurfaceName | None = None
+    below: SurfaceName | None = None
+    directivity: Annotated[tuple[float, ...], read_by(several(FREQUENCY.read), Frequency | list[Frequency])] = ()
+
+    @model_validator(mode="before")
+    @classmethod
+    def _open(cls, value: Any) -> Any:
+        closed = [key for key in _CLOSED if key in value] if isinstance(value, dict) else []
+        if closed:
+            side = "above" if "above" in value else "below"
+            expected = f"air and receivers: there is no room {side} a surface"
+            raise refuse(f"'{closed[0]}' beside '{side}'", expected, "write 'under' for a room")
+        return value
+
+    def check_in(self, here: Here, name: str, asked: Asked) -> None:
+        """A directivity is of something that radiates, at frequencies that the sampling has."""
+        super().check_in(here, name, asked)
+        if self.directivity:
+            there, moves = here.at("directivity"), asked.time is not None or f"{name}.power" in asked.powers
+            do = f"add 'time:', or a response of 'kind: power' to '{name}.power'"
+            there.need(moves, "a directivity of nothing that moves", "a simulation or a power", do)
+            if asked.time is not None:
+                asked.time.carries(there, max(self.directivity))
+
+    def check_receiver(self, here: Here, place: tuple[float, float, float]) -> None:
+        side = "below" if self.above is None else "above"
+        beside, do = (place[2] > 0) == (self.above is not None), "measure from the surface's centre, z up"
+        here.need(beside, f"{list(place)} m", f"a point {side} the surface", do)
+
+    def build(self, here: Here, name: str, sources: dict[str, str], shaped: dict[str, ShapedRoom]) -> RoomPlan:
+        space = HalfSpace(self.air.noun(), np.array([0.0, 0.0, 1.0 if self.above else -1.0]))
+        surface = self.above or self.below or ""
+        return RoomPlan(name, space, surface, tuple(self.heard_at()), directivity=self.directivity)

@@ -1,0 +1,159 @@
+"""Bodies as they are written."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from math import inf, sqrt
+from typing import Annotated, Any, Literal
+
+from pydantic import ConfigDict, model_validator
+
+from femstruct.conventions import GRAVITY
+from femstruct.impact.laws.law import Law
+from femstruct.impact.scene.impact_sources import HAMMERS, TAPPING_MACHINE
+from femstruct.language.laws.known_laws import AnyLaw
+from femstruct.language.laws.law import Ends, LawSpec, Site
+from femstruct.language.study.standard_source import SOURCES, UNCORRELATED, from_source
+from femstruct.language.yaml.here import Here
+from femstruct.language.yaml.spec import Count, Duration, Instant, Length, MassKg, Quantity, Refers, Spec, Text
+from femstruct.study.study import PlacedBody, Repeat
+
+SIDES = ("above", "below", "before", "after")
+FAST = "a plain number is in metres a second: did you mean {number:g} mm/s?"
+HIGH = "a plain number is in metres: did you mean {number:g} mm? For a high speed give 'speed'"
+Beside = Annotated[Text, Refers()]
+DropSpeed = Annotated[float, Quantity(("speed",), least=0.0, most=1000.0, too_large=FAST)]
+DropHeight = Annotated[float, Quantity(("length",), least=0.0, most=100.0, too_large=HIGH)]
+"""It falls without air: a ball of 10 cm and 1 kg is 10 % slower than that after 100 m."""
+
+
+def _optional(*names: str) -> ConfigDict:
+    """The schema of a mapping whose keys a source may bring."""
+
+    def loosen(schema: dict[str, Any]) -> None:
+        schema["required"] = [name for name in schema["required"] if name not in names]
+
+    return ConfigDict(json_schema_extra=loosen)
+
+
+class BlowsSpec(Spec):
+    """A body that strikes several times: at first, first + every, ... it is given its starting state again. A tapping
+    machine brings its own every.
+
+    timing: of a tapping machine. uncorrelated, if left out: each hammer strikes once, a fifth of the duration after the
+    one before, and levels are those of ten such blows a second whose sounds add in energy, as those of a real machine
+    do; regular: `count` turns of blows exactly 0.1 s apart, to listen to, or for a machine measured to be so regular.
+    """
+
+    model_config = _optional("every", "count")
+
+    makes = Repeat
+    count: Count
+    every: Duration
+    first: Instant = 0.0
+    timing: Literal["regular", "uncorrelated"] | None = None
+
+    def given(self) -> dict[str, Any]:
+        return {"count": self.count, "every": self.every, "first": self.first, "alone": self.timing == UNCORRELATED}
+
+
+class BodySpec(Spec):
+    """A point mass beside a place or another body, at rest, dropped or thrown; or a standard source above a place.
+
+    A source has its own mass, drop height and contact law; the hammers of a tapping machine have their turns in place
+    of a law.
+    radius: of a rigid sphere that moves with the body. Its own sound is computed in the half space on its side, and a
+    hertz law without a radius uses this one.
+    """
+
+    one_of = (SIDES,)
+    at_most_one_of = (("drop_height", "speed"),)
+    model_config = _optional("mass")
+
+    source: Literal["rubber ball", "bang machine", "tapping machine"] | None = None
+    mass: MassKg
+    above: Beside | None = None
+    below: Beside | None = None
+    before: Beside | None = None
+    after: Beside | None = None
+    drop_height: DropHeight | None = None
+    speed: DropSpeed | None = None
+    contact: AnyLaw | None = None
+    radius: Length | None = None
+    blows: BlowsSpec | None = None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _from_source(cls, value: Any) -> Any:
+        return from_source(value) if isinstance(value, dict) and value.get("source") in SOURCES else value
+
+    @property
+    def side(self) -> str:
+        """On which side of its target it is."""
+        return next(side for side in SIDES if getattr(self, side) is not None)
+
+    @property
+    def target(self) -> str:
+        """What it is placed beside."""
+        return str(getattr(self, self.side))
+
+    @property
+    def start_speed(self) -> float:
+        """Speed with which it starts towards its target [m/s]."""
+        return sqrt(2 * GRAVITY * self.drop_height) if self.drop_height is not None else self.speed or 0.0
+
+    def check_in(self, here: Here, count: int, others: Collection[str], laws: list[LawSpec], heard: bool) -> None:
+        """Note what is wrong with it.
+
+        count : how many bodies it stands for. others : names of bodies and of the ground. laws : of its contacts.
+        heard : whether there is open air with receivers on its side.
+        """
+        there = here.at(self.side)
+        expected = f"a point of {HAMMERS} places, or of {HAMMERS} for each position"
+        machine, told = self.source == TAPPING_MACHINE, f"{count} places for the {HAMMERS} hammers of a tapping machine"
+        there.need(not machine or count == HAMMERS, told, expected, "100 mm apart, in a line")
+        if here.names.points.get(self.target, 1) == 1:
+            there.place(self.target, others)
+        if self.blows is not None:
+            there, moves = here.at("blows"), self.speed or self.drop_height
+            there.need(moves, "no speed", "a body that strikes", "add 'speed:' or 'drop_height:'")
+            expected, timed = "no timing: each body strikes at its given time", self.blows.timing is not None
+            there.at("timing").need(machine or not timed, "a body that is no tapping machine", expected, "remove it")
+        if self.radius is None or heard or any(law.takes_radius for law in laws):
+            return
+        do = "remove it: the own sound of bodies that move along x is not computed"
+        if self.side in ("above", "below"):
+            do = f"add 'rooms.open: {{{self.side}: SURFACE, receivers: {{mic: [x, y, z]}}}}', or remove it"
+        expected = "open air on the side of the body, or a hertz law without a radius"
+        here.at("radius").wrong(f"a radius, and no receivers {self.side} a surface", expected, do)
+
+    def build(self, name: str, law: Law | None) -> PlacedBody:
+        """The body it describes; law : of its own contact, None where there is none."""
+        blows, dropped = self.blows.noun() if self.blows is not None else None, self.drop_height is not None
+        side: Any = self.side
+        return PlacedBody(
+            name, self.mass, side, self.target, self.start_speed, dropped, law, blows, self.source, self.radius
+        )
+
+
+def ends_of(bodies: Mapping[str, BodySpec], a: str, b: str) -> Ends:
+    """Mass and meeting speed of two ends. The speed is that of the one body that is placed at the other end and moves
+    towards it; not when the other end moves as well."""
+    meeting = {name: bodies[name] for name in (a, b) if name in bodies}
+    masses = [body.mass for body in meeting.values()]
+    mass = 1.0 / sum(1.0 / one for one in masses) if masses else None
+    moving = [name for name, body in meeting.items() if body.start_speed]
+    placed = [name for name in moving if meeting[name].target == (b if name == a else a)]
+    speed = meeting[placed[0]].start_speed if len(moving) == len(placed) == 1 else None
+    first, second = (inf if name not in meeting else meeting[name].radius for name in (a, b))
+    if first is None or second is None or min(first, second) == inf:
+        return Ends(mass, speed, None)
+    return Ends(mass, speed, (first, second))
+
+
+def law_of(spec: LawSpec, ends: Ends, here: Here, sources: dict[str, str]) -> Law | None:
+    """The contact law of a spec that stands here; None with a mistake noted.
+
+    sources : is given the texts of the files that the law names, by their names.
+    """
+    return here.make(lambda: spec.law(Site(ends, here, sources)))

@@ -1,0 +1,76 @@
+"""Limits as they are written: of recorded channels, each in its own dimension, of the time to rest, of ratings."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from typing import Annotated, Final
+
+from acoustics.levels.methods import FIELD, RATING
+from femstruct.language.rooms.base import RoomSpec
+from femstruct.language.study.record import QUANTITIES
+from femstruct.language.yaml.here import Here
+from femstruct.language.yaml.reader import nearest
+from femstruct.language.yaml.spec import Measured, Quantity
+from femstruct.study.study import SETTLED
+from femstruct.units import DIMENSIONS
+
+RATED: Final = "rating"  # ROOM rating
+_LINEAR: Final = {
+    "displacement": "length", "travel": "length", "velocity": "speed", "acceleration": "acceleration", "force": "force",
+}  # fmt: skip
+_TURNING: Final = {"displacement": "angle", "velocity": "angular speed"}
+LIMITED: Final = ("length", "speed", "acceleration", "force", "time", "angle", "angular speed", "level")
+LimitValue = Annotated[Measured, Quantity(LIMITED, above=0.0, which=True)]
+
+
+def check_limits(
+    here: Here, limits: Mapping[str, Measured], records: Mapping[str, Collection[str]], rooms: Mapping[str, RoomSpec]
+) -> None:
+    """Every limit is of something that is recorded or rated, or of the time to rest, and in its dimension."""
+    recorded = [f"{target} {what}" for target, wanted in records.items() for what in wanted]
+    rated = [f"{name} {RATED}" for name, room in rooms.items() if room.receivers and set(room.standards) - {FIELD}]
+    for name, limit in limits.items():
+        there, room = here.at("limits", name), limited_room(name)
+        if room in rooms and name not in rated:
+            deaf = not rooms[room].receivers
+            got = f"a limit of the rating of '{room}', which {'has no receivers' if deaf else 'is not rated'}"
+            add = "receivers: {..}" if deaf else f"levels: [{FIELD}, {RATING}]"
+            there.wrong(got, "a rated room", f"add '{add}' under 'rooms.{room}'", of_key=True)
+        elif name not in (SETTLED, *recorded, *rated):
+            expected = f"a recorded channel, TARGET QUANTITY, a rated room, ROOM {RATED}, or {SETTLED}"
+            there.wrong(f"'{name}'", expected, _what_to_do(name, recorded, rated), of_key=True)
+        elif limit.dimension is not None:
+            wanted = "time" if name == SETTLED else "level" if room else _dimension(name)
+            named, do = DIMENSIONS.get(wanted), ""
+            expected = "a plain number, in rad/s^2"
+            if named is not None:
+                expected, do = f"{named.words} [{named.unit}]", f"write it like {named.example}"
+            there.need(limit.dimension == wanted, DIMENSIONS[limit.dimension].words, expected, do)
+
+
+def limited_room(name: str) -> str:
+    """The room whose rating a limit is of, "" for other limits.
+
+    >>> limited_room("bedroom rating"), limited_room("die.z displacement")
+    ('bedroom', '')
+    """
+    target, _, what = name.rpartition(" ")
+    return target if what == RATED else ""
+
+
+def _dimension(name: str) -> str:
+    """The dimension of a channel.
+
+    >>> _dimension("die.z displacement"), _dimension("die.rx velocity"), _dimension("ground force")
+    ('length', 'angular speed', 'force')
+    """
+    target, _, what = name.rpartition(" ")
+    turning = target.rpartition(".")[2] in ("rx", "ry", "rz")
+    return _TURNING.get(what, "angular acceleration") if turning else _LINEAR[what]
+
+
+def _what_to_do(name: str, recorded: list[str], rated: list[str]) -> str:
+    target, _, what = name.rpartition(" ")
+    add = f"add '{target}: {what}' under 'record:'" if target and what in QUANTITIES else ""
+    near = nearest(name, [*recorded, *rated, SETTLED])
+    return f"{near} or {add}" if add and near.startswith("did") else add or near

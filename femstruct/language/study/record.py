@@ -1,0 +1,37 @@
+"""Records as they are written: which histories are kept, by what they are of."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from typing import Annotated, Literal, get_args
+
+from femstruct.language.yaml.here import Here
+from femstruct.language.yaml.reader import nearest
+from femstruct.language.yaml.spec import only, read_by, several
+
+RecordedQuantity = Literal["displacement", "velocity", "acceleration", "force", "travel"]
+QUANTITIES: tuple[str, ...] = get_args(RecordedQuantity)
+Recorded = Annotated[tuple[str, ...], read_by(several(only(QUANTITIES)), RecordedQuantity | list[RecordedQuantity])]
+
+
+def check_records(
+    here: Here, records: Mapping[str, Collection[str]], bodies: Collection[str], forced: Collection[str]
+) -> None:
+    """Note what cannot be recorded. bodies : their names. forced : names of all that has a force."""
+    for target, what in ((target, what) for target, wanted in records.items() for what in wanted):
+        there, got = here.at("record", target), f"'{target}'"
+        if target in bodies:
+            known = ("displacement", "velocity", "travel")
+            there.need(what in known, f"'{what}' of a body", "displacement, velocity or travel")
+        elif target in forced:
+            there.need(what == "force", f"'{what}' of {got}", "force")
+        elif what == "travel":
+            there.wrong(got, "the name of a body", nearest(target, bodies), of_key=True)
+        elif what == "force":
+            expected = "the name of a contact, link, part, joint, support or ground"
+            there.wrong(got, expected, nearest(target, forced), of_key=True)
+        elif "." in target:
+            there.spot(target, of_key=True)
+        else:
+            do = nearest(target, [*bodies, *(f"{place}.z" for place in here.names.places)])
+            there.wrong(got, "a direction of a point, or a body", do, of_key=True)

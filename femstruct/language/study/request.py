@@ -1,0 +1,62 @@
+"""Frequency responses as they are asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from femstruct.language.rooms.base import RoomSpec
+from femstruct.language.yaml.here import Here
+from femstruct.language.yaml.reader import nearest
+from femstruct.language.yaml.spec import Band, Frequency, Spec, Text
+from femstruct.study.study import FrfKind, FrfRequest, Spot
+
+
+def spot_of(text: str) -> Spot:
+    """An address such as ``O_s.z`` or ``ground.force``.
+
+    >>> spot_of("rail.2.z")
+    Spot(name='rail.2', what='z')
+    """
+    name, _, what = text.rpartition(".")
+    return Spot(name, what)
+
+
+class FrfSpec(Spec):
+    """A frequency response; addresses are POINT.x, NAME.force, of kind pressure ROOM.RECEIVER.pressure, or of kind
+    power, sound power over the mean square of the force, ROOM.power."""
+
+    makes = FrfRequest
+    drive: Text
+    response: Text
+    kind: FrfKind
+    band: Band
+    step: Frequency
+
+    def given(self) -> dict[str, Any]:
+        return {**super().given(), "drive": spot_of(self.drive), "response": spot_of(self.response)}
+
+    def check_in(self, here: Here, rooms: Mapping[str, RoomSpec]) -> None:
+        """Note what is wrong with its addresses, band and step."""
+        here.at("drive").spot(self.drive, forces=True)
+        (low, high), there = self.band, here.at("response")
+        if self.kind == "power" or self.response.endswith(".power"):
+            known = [f"{name}.power" for name, room in rooms.items() if room.is_open]
+            self._check_heard(here, "power", known, "only rooms 'above' or 'below' a surface have a power")
+        elif self.kind == "pressure" or self.response.endswith(".pressure"):
+            known = [f"{name}.{one}.pressure" for name, room in rooms.items() for one in room.listeners]
+            self._check_heard(here, "pressure", known, "there are no receivers: add 'rooms:'")
+        else:
+            there.spot(self.response, forces=True)
+        if here.at("band").need(low < high, f"{low:g} to {high:g} Hz", "a rising band [low, high]"):
+            lines, do = (high - low) / self.step, "take a wider step"
+            here.at("step").need(lines <= 1e6, f"{self.step:g} Hz", "at most a million lines", do)
+
+    def _check_heard(self, here: Here, kind: str, known: list[str], none: str) -> None:
+        """A pressure is heard at ROOM.RECEIVER, a power is that of an open room, ROOM.power; never at 0 Hz."""
+        there = here.at("kind")
+        if there.need(self.kind == kind, f"'{self.kind}' of a {kind}", kind, f"write 'kind: {kind}'"):
+            do = nearest(self.response, known) or none
+            expected = "ROOM.RECEIVER.pressure" if kind == "pressure" else "ROOM.power"
+            here.at("response").need(self.response in known, f"'{self.response}'", expected, do)
+            here.at("band").need(self.band[0] > 0.0, "0 Hz", "a band above 0 Hz")

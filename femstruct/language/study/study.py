@@ -1,0 +1,60 @@
+"""The study file: what happens to the structure."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import Field
+
+from femstruct.language.rooms.known_rooms import AnyRoom
+from femstruct.language.study.body import BodySpec
+from femstruct.language.study.contact import ContactSpec
+from femstruct.language.study.limit import LimitValue
+from femstruct.language.study.link import LinkSpec
+from femstruct.language.study.load import LoadSpec
+from femstruct.language.study.record import Recorded
+from femstruct.language.study.request import FrfSpec
+from femstruct.language.study.start import InitialSpec
+from femstruct.language.study.window import AccuracySpec, ModesSpec, PeaksSpec, TimeSpec
+from femstruct.language.yaml.spec import Instant, Refers, Spec, Text, read_by, refuse
+from femstruct.units import shown_as
+
+
+def _changes(value: object) -> object:
+    """A case is checked where it is applied; here only its form."""
+    if not isinstance(value, dict | None):
+        raise refuse(shown_as(value), "a mapping of paths to values", "write it like {bodies.damper.mass: 0.9 kg}")
+    return value or {}
+
+
+Changes = Annotated[dict[str, Any], read_by(_changes, dict[str, Any] | None)]
+
+
+class CompareSpec(Spec):
+    """Which case the others are compared with."""
+
+    baseline: Annotated[Text, Refers()]
+
+
+class StudySpec(Spec):
+    """A study file."""
+
+    title: Text | None = None
+    model: Text
+    modes: ModesSpec | None = None
+    accuracy: AccuracySpec | None = None
+    frf: dict[str, FrfSpec] = Field(default_factory=dict)
+    bodies: dict[str, BodySpec] = Field(default_factory=dict)
+    contacts: dict[str, ContactSpec] = Field(default_factory=dict)
+    links: dict[str, LinkSpec] = Field(default_factory=dict)
+    loads: dict[str, LoadSpec] = Field(default_factory=dict)
+    initial: InitialSpec = InitialSpec()
+    record: dict[str, Recorded] = Field(default_factory=dict)
+    time: TimeSpec | None = None
+    peaks: PeaksSpec = PeaksSpec()
+    limits: dict[str, LimitValue] = Field(default_factory=dict)
+    quiet: Instant = 0.0
+    rooms: dict[str, AnyRoom] = Field(default_factory=dict)
+    cases: dict[str, Changes] = Field(default_factory=dict)
+    compare: CompareSpec | None = None
+    save: Literal["modal"] | None = None

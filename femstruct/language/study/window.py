@@ -1,0 +1,97 @@
+"""How many modes, how long, how densely, how exactly, and which peaks: what a study asks of its simulation."""
+
+from __future__ import annotations
+
+from typing import Annotated, Final, Literal
+
+from femstruct.language.yaml.here import Here
+from femstruct.language.yaml.spec import (
+    FREQUENCY,
+    Band,
+    Count,
+    Duration,
+    Flag,
+    Frequency,
+    Quantity,
+    Spec,
+    read_by,
+    word_or,
+)
+from femstruct.study.study import AccuracyRule, Extent, PeakRule, TimePlan
+
+MOST_SAMPLES: Final = 20_000_000
+FEWEST_SAMPLES: Final = 5
+UNTIL_NEXT: Final = "until next contact"
+
+
+class ModesSpec(Spec):
+    """How many modes: all up to a frequency, or the lowest ones."""
+
+    one_of = (("up_to", "count"),)
+
+    makes = Extent
+    called = (("up_to", "up_to_hz"),)
+    up_to: Frequency | None = None
+    count: Count | None = None
+
+
+class TimeSpec(Spec):
+    """The window, how densely it is sampled, and whether there is gravity."""
+
+    makes = TimePlan
+    duration: Duration
+    sampling: Frequency
+    gravity: Flag = False
+
+    def check(self, here: Here) -> None:
+        count = self.duration * self.sampling
+        most, fewest = f"at most {MOST_SAMPLES:.0e}", f"at least {FEWEST_SAMPLES}"
+        got = f"{count:.3g} samples"
+        here.need(count <= MOST_SAMPLES, got, most, "shorten the duration or lower the sampling")
+        here.need(count >= FEWEST_SAMPLES, got, fewest, "lengthen the duration or raise the sampling")
+
+    def carries(self, here: Here, hertz: float) -> bool:
+        """Whether the sampling has a frequency; notes where it has not."""
+        half = self.sampling / 2
+        expected = f"less than half the sampling, {half:g} Hz"
+        return here.need(hertz < half, f"{hertz:g} Hz", expected, "sample faster")
+
+
+_IMPACT: Final = word_or({UNTIL_NEXT: None}, Quantity(("time",), above=0.0))
+
+
+class PeaksSpec(Spec):
+    """Which peaks are reported, and what they are filtered with."""
+
+    makes = PeakRule
+    called = (("lowpass", "lowpass_hz"),)
+    first_impact: Annotated[float | None, read_by(_IMPACT, Literal["until next contact"] | Duration)] = 20e-3
+    lowpass: Annotated[float | None, read_by(word_or({"none": None}, FREQUENCY), Literal["none"] | Frequency)] = None
+
+
+class AccuracySpec(Spec):
+    """Add modes until what is recorded in a band changes by no more than a share in the first impact."""
+
+    makes = AccuracyRule
+    called = (("up_to", "up_to_hz"),)
+    within: Annotated[float, Quantity(("ratio",), above=0.0, below=1.0)]
+    band: Band
+    up_to: Frequency | None = None
+
+    def check_in(self, here: Here, time: TimeSpec | None, structure: str | None, first: float | None) -> None:
+        """It needs a simulation, a band below half the sampling, and modes to add.
+
+        structure : the type of a structure in closed form. first : up to where the study asks for modes [Hz].
+        """
+        low, high = self.band
+        there = here.at("band")
+        there.need(low < high, f"{low:g} to {high:g} Hz", "a rising band [low, high]")
+        do = "add 'time: {duration: 1 s, sampling: 48 kHz}'"
+        if here.need(time is not None, "no time", "an impact to be accurate about", do) and time is not None:
+            time.carries(there, high)
+        got = "a structure of given modes" if structure == "modes" else "no structure"
+        more = structure not in ("none", "modes")
+        here.need(more, got, "a structure that has more modes to add", "remove 'accuracy'")
+        if self.up_to is not None and first is not None and structure is None:
+            there = here.at("up_to")
+            there.need(self.up_to >= first, f"{self.up_to:g} Hz", f"at least modes.up_to, {first:g} Hz")
