@@ -6,7 +6,7 @@ import re
 import types
 from typing import Annotated, Any, Final, TypeVar, Union, get_args, get_origin
 
-from pydantic import BaseModel, ValidationError
+from pydantic import BaseModel, Tag, ValidationError
 
 from femstruct.language.yaml.reader import Mistakes, Steps, Tree, dotted, near_name, nearest
 from femstruct.language.yaml.spec import LATER
@@ -147,11 +147,14 @@ def _bare(schema: Any) -> Any:
 
 
 def _own_tags(member: Any) -> tuple[str, ...]:
+    tags = (
+        tuple(one.tag for one in get_args(member)[1:] if isinstance(one, Tag))
+        if get_origin(member) is Annotated
+        else ()
+    )
     bare = _bare(member)
-    for name in ("type", "shape"):
-        if isinstance(bare, type) and issubclass(bare, BaseModel) and name in bare.model_fields:
-            return tuple(get_args(bare.model_fields[name].annotation))
-    return ("given",) if isinstance(bare, type) else ()
+    fields = bare.model_fields if isinstance(bare, type) and issubclass(bare, BaseModel) else {}
+    return tags or (tuple(get_args(fields["type"].annotation)) if "type" in fields else ())
 
 
 def _tags(union: Any) -> list[str]:
