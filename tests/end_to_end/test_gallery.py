@@ -56,10 +56,8 @@ def test_the_floor_in_python_is_the_floor_of_the_files() -> None:
                 assert getattr(mine.study, field.name) == getattr(its.study, field.name), field.name
         assert dataclasses.replace(mine.study.structure, title=its.study.structure.title) == its.study.structure
         (room,), (other) = mine.study.rooms, its.study.rooms[0]
-        assert (room.under, room.room.air) == (other.under, other.room.air)
-        assert dataclasses.asdict(room.room.losses) == dataclasses.asdict(other.room.losses)
-        assert room.room.size.tolist() == other.room.size.tolist()
-        assert room.receivers[0].position.tolist() == other.receivers[0].position.tolist()
+        assert (room.under, repr(room.room)) == (other.under, repr(other.room))
+        assert repr(room.receivers) == repr(other.receivers)
 
 
 # Beside femstruct's own numbers: an independent event-driven engine of ours (bodies, beam, hull), closed forms and
