@@ -120,8 +120,8 @@ def plan(element: Literal["bfs16", "hermite12"]) -> Plan:
         records=(*alone.records, Record("floor on damper", "force"), Record("damper", "travel")),
     )
     cases = [Case("without damper", alone)]
-    for ratio in (0.6, 1.2):  # of the damper's mass to the floor's, 0.75 kg
-        damper = PlacedBody("damper", 0.75 * ratio, "below", "O_f")
+    for ratio, mass in ((0.6, 0.45), (1.2, 0.9)):  # of the floor's mass, 0.75 kg
+        damper = PlacedBody("damper", mass, "below", "O_f")
         cases.append(Case(f"damper {ratio}", replace(with_damper, bodies=(ball, damper))))
     return Plan("Tennis ball on the floor, with and without the impact damper", tuple(cases), baseline=cases[0].name)
 
