@@ -94,8 +94,8 @@ def run(
     as_json: AsJson = False,
     verbose: Verbose = False,
 ) -> int:
-    """Run a study and write its results to a folder: modes, responses, impacts, sound and levels as numbers, pictures
-    and tables."""
+    """Run a study and write its results. Modes, responses, impacts, sound and levels become numbers, pictures, tables
+    in a folder."""
     from femstruct.files.atomic import refuse_unwritable
     from femstruct.workflow.run.output import write_all
 
@@ -168,7 +168,7 @@ def plot(
 
 @_command
 def warm_up() -> int:
-    """Compile the simulation kernels now, about 15 seconds, once. Otherwise the first simulation compiles them."""
+    """Compile the simulation kernels now. This takes about 15 seconds, once; otherwise the first simulation does it."""
     from femstruct.impact.compiled.store import folder
     from femstruct.impact.compiled.workers import compilation
     from femstruct.impact.engine.needed_units import ALL
@@ -187,7 +187,7 @@ def impact(
     as_json: AsJson = False,
     verbose: Verbose = False,
 ) -> int:
-    """Simulate the impacts of a study and print peaks, contacts and energies. No files are written."""
+    """Simulate the impacts of a study. Prints peaks, contacts and energies; no files are written."""
     return stages(study, case, set_, as_json, verbose, with_rooms=False)
 
 
@@ -199,7 +199,7 @@ def sound(
     as_json: AsJson = False,
     verbose: Verbose = False,
 ) -> int:
-    """Simulate the impacts of a study and the sound in its rooms. No files are written."""
+    """Simulate impacts and the sound in rooms. No files are written."""
     return stages(study, case, set_, as_json, verbose, with_rooms=True)
 
 
@@ -213,7 +213,7 @@ def check(
     as_json: AsJson = False,
     verbose: Verbose = False,
 ) -> int:
-    """Check a file and describe it: geometry, masses, sags, degrees of freedom, rigid-body modes, findings."""
+    """Check a file and describe it. Geometry, masses, sags, degrees of freedom, rigid-body modes, findings."""
     from femstruct.workflow.check.inspect import inspect_file
 
     with progress() as tell:
@@ -242,7 +242,7 @@ def modes(
     as_json: AsJson = False,
     verbose: Verbose = False,
 ) -> int:
-    """Print natural frequencies, damping ratios and kinds of modes. No mode of the mesh is missing, which is proved."""
+    """Print natural frequencies and damping. No mode of the mesh is missing, which is proved."""
     from femstruct.workflow.check.asked_modes import extent_of, modes_of
 
     with progress() as tell:
@@ -304,7 +304,7 @@ def identify(
     as_json: AsJson = False,
     verbose: Verbose = False,
 ) -> int:
-    """Fit parameters of a study to a measured history, with confidence intervals."""
+    """Fit parameters to a measured history. Confidence intervals are printed with them."""
     from femstruct.workflow.identify.identify import identify as identified
 
     if picture is not None:
@@ -335,7 +335,7 @@ def explain(
     ] = "",
     as_json: AsJson = False,
 ) -> int:
-    """Explain a finding: what its code means, its thresholds, and what to do."""
+    """Explain a finding. What its code means, its thresholds, and what to do."""
     from femstruct.findings.catalogue import CATALOGUE, entry_of
     from femstruct.findings.explain import entry_table, explanation, listing
 
@@ -350,7 +350,7 @@ def explain(
 def schema(
     kind: Annotated[Kind, typer.Argument(metavar="model|study", help="kind of file")] = "model",
 ) -> int:
-    """Print the JSON schema of a model or a study file, for editors."""
+    """Print the JSON schema of a file. For editors, of a model or a study file."""
     from femstruct.language import json_schema
 
     print_json(json_schema(kind))

@@ -124,7 +124,8 @@ def _truncation(
     told = ", ".join(f"{axis} {100.0 * share[i]:.0f} %" for i, axis in enumerate(AXES) if moves[i])
     values = {f"share_{axis}": float(share[i]) for i, axis in enumerate(AXES)} | {"top_frequency_hz": top}
     message = (
-        f"The {len(eigenvalues)} modes up to {top:.4g} Hz carry this much of the mass: {told}. The rest (higher modes, "
-        "and what the supports hold) answers through the residual vectors only."
+        f"The {len(eigenvalues)} modes up to {top:.4g} Hz carry this share of the mass: {told}. The rest (higher "
+        "modes, "
+        "and mass held by supports) is included only by the residual vectors."
     )
     return (Finding("modal-mass-low", message, values),)

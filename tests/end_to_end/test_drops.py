@@ -1,4 +1,4 @@
-"""A source of several places: a simulation each, rated together; against studies with one place each."""
+"""A source of several places: one simulation for each, rated together; against studies with one place each."""
 
 from __future__ import annotations
 
@@ -245,7 +245,7 @@ def test_check_names_the_places(tmp_path: Path, capsys: pytest.CaptureFixture[st
     table = inspect_file(tmp_path / "one.study.yaml").table()
     assert table["drops"] == ["drops.1", "drops.2"]
     show_inspection(table)
-    assert "the source strikes drops.1, drops.2: a simulation each" in capsys.readouterr().out
+    assert "the source strikes drops.1, drops.2: one simulation for each" in capsys.readouterr().out
     assert inspect_file(tmp_path / "model.yaml").table()["drops"] == []
 
 

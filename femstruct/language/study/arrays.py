@@ -1,6 +1,6 @@
 """Arrays of bodies: a body at a point of several places is one body each, with its contacts and links.
 
-A standard source is one body, whose places are struck one after the other: a simulation each.
+A standard source is one body, whose places are struck one after the other: one simulation for each.
 """
 
 from __future__ import annotations

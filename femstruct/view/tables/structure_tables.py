@@ -96,7 +96,7 @@ def show_inspection(table: Row, picture: str = "", verbose: bool = False) -> Non
             cells, most = f"{room['largest_cell_m']:.3g} m", f"{room['own_modes_up_to_hz']:.4g} Hz"
             screen.print(f"  cells of {cells} at most; modes of its own, as of rigid walls, up to {most}")
     if table["drops"]:
-        screen.print(f"the source strikes {some_of(table['drops'])}: a simulation each")
+        screen.print(f"the source strikes {some_of(table['drops'])}: one simulation for each")
     show_findings(screen, _read(table["findings"]), verbose)
     if picture:
         screen.print(f"picture: {picture}")
@@ -104,7 +104,7 @@ def show_inspection(table: Row, picture: str = "", verbose: bool = False) -> Non
 
 def _show_happening(screen: Console, table: Row) -> None:
     """Cases, bodies and window of a study."""
-    baseline = f"; below is the baseline, {table['baseline']}" if len(table["cases"]) > 1 else ""
+    baseline = f"; the following describes the baseline, {table['baseline']}" if len(table["cases"]) > 1 else ""
     screen.print(f"{_counted(len(table['cases']), 'case')}: {some_of(table['cases'])}{baseline}", soft_wrap=True)
     for name, body in table["bodies"].items():
         speed = f", towards it at {body['speed_m_s']:.4g} m/s" if body["speed_m_s"] else ""

@@ -110,7 +110,7 @@ def _percent(value: float | None) -> str:
 
 def _contacts(result: StudyResult) -> Grid:
     grid = Grid(
-        "contacts (peak forces at any instant, between samples too)",
+        "contacts (true peak forces, also between samples)",
         ("", "case", "peak force [N]", "closings", "first opens [ms]"),
         keys=2,
     )
@@ -130,7 +130,7 @@ def _levels(result: StudyResult) -> Grid:
         for name, case in result.cases.items()
     }
     cut = any(isfinite(end) for end in ends.values())
-    told += "; of the sound up to where the modes end: a lower bound of the whole" if cut else ""
+    told += "; only sound below the last mode is included: lower bounds" if cut else ""
     grid = Grid(f"levels re 20 µPa{told}", ("receiver", *result.cases))
     names = list(dict.fromkeys(name for case in result.cases.values() for name in case.levels))
     for name in names:
