@@ -11,7 +11,7 @@ from femstruct.errors import InputError, InputErrors, sentence
 if TYPE_CHECKING:
     from femstruct.study.result import StudyResult
 
-SOLID: Final = ("mode_shapes", "rooms")  # pictures in three dimensions, each of several files
+SOLID: Final = ("model", "mode_shapes", "rooms")  # pictures in three dimensions, some of several files
 
 
 def results_file(given: Path) -> Path:
@@ -42,9 +42,9 @@ def plotted(result: StudyResult, what: str, folder: Path) -> list[Path]:
     if what in SOLID:
         from femstruct.view.scenes.beside import drawn_beside
         from femstruct.view.scenes.room_scene import room_pictures
-        from femstruct.view.scenes.scene import shapes_all
+        from femstruct.view.scenes.scene import model_picture, shapes_all
 
-        draw = shapes_all if what == "mode_shapes" else room_pictures
+        draw = {"model": model_picture, "mode_shapes": shapes_all, "rooms": room_pictures}[what]
         paths, left_out = drawn_beside(lambda: draw(result, folder))()
         why = left_out or why
     elif draws := drawings(result).get(f"{what}.png"):

@@ -25,6 +25,7 @@ DIVISIONS: Final = 3
 ALONG: Final = 8  # pieces of a bar, which is curved more than a cell of a plate
 MOST_TICKS: Final = 5
 THIN: Final = 0.08  # of the largest extent: no room for ticks
+MARGIN: Final = 12  # pixels around a picture of a model
 TITLE: Final = 34  # pixels above the panes
 LIFT: Final = 0.12  # of half a pane: a shape stands above its words
 DEFORMATION: Final = 0.06  # largest displacement in a picture, of the diagonal of the structure
@@ -54,6 +55,28 @@ def shapes_all(result: StudyResult, folder: str | Path) -> tuple[list[Path], str
         paths.append(path)
     known = any(case.basis.omega.size for case in result.cases.values())
     return paths, "Pictures of shapes left out: the structure is in closed form." if known and not paths else ""
+
+
+def baseline_model(result: StudyResult) -> Model | None:
+    """The meshed model of a study's baseline; None for a structure in closed form, or of bodies alone."""
+    model = result.models.get(result.cases[result.plan.baseline].basis_key)
+    return model if model is not None and model.parts else None
+
+
+def model_picture(result: StudyResult, folder: str | Path) -> tuple[list[Path], str]:
+    """The model of the baseline with its names, its rooms and its receivers, as model.png in a folder.
+
+    Returns as `shapes_all` does.
+    """
+    model = baseline_model(result)
+    if model is None:
+        return [], ""
+    path = Path(folder) / file_name("model")
+    try:
+        picture_model(model, result.cases[result.plan.baseline].case.study.rooms, path)
+    except NoOpenGL as error:
+        return [], str(error)
+    return [path], ""
 
 
 def picture_modes(model: Model, basis: ModalBasis, path: str | Path, title: str = "", most: int = MOST_MODES) -> None:
@@ -129,7 +152,7 @@ def picture_model(model: Model | None, rooms: Sequence[RoomPlan], path: str | Pa
     plotter.set_background("white")
     plotter.enable_parallel_projection()
     plotter.camera.zoom(0.85)  # what is tall keeps its scales and names inside
-    _save(plotter, path)
+    _save(plotter, path, cut=True)
 
 
 def add_scales(plotter: Any) -> None:
@@ -181,10 +204,13 @@ def _mesh(fine: Refined, points: Floats, own: Any = None) -> Any:
     return mesh
 
 
-def _save(plotter: Any, path: str | Path) -> None:
-    from PIL import Image
+def _save(plotter: Any, path: str | Path, cut: bool = False) -> None:
+    """Write what a plotter shows; cut : without the white around it."""
+    from PIL import Image, ImageOps
 
     image = Image.fromarray(plotter.screenshot(None, return_img=True))
     plotter.close()
+    if cut:
+        image = ImageOps.expand(image.crop(ImageOps.invert(image).getbbox()), MARGIN, "white")
     with replacing(path) as temporary:
         image.save(temporary)  # which has the suffix of path

@@ -138,18 +138,30 @@ def _drawn(result: StudyResult, folder: Path, clock: Stopwatch) -> tuple[list[st
     from femstruct.view.scenes.beside import drawn_beside
     from femstruct.view.scenes.opengl import NoOpenGL
     from femstruct.view.scenes.room_scene import room_pictures
-    from femstruct.view.scenes.scene import shapes_all
+    from femstruct.view.scenes.scene import model_picture, shapes_all
 
     with clock("pictures"):
-        solid = drawn_beside(lambda: (shapes_all(result, folder), room_pictures(result, folder)))
+        solid = drawn_beside(lambda: [draw(result, folder) for draw in (shapes_all, room_pictures, model_picture)])
         flat = plot_all(result, folder)
     with clock("pictures in three dimensions"):
         try:
-            (shapes, left_out), (moving, _) = solid()
+            (shapes, left_out), (moving, _), (model, _) = solid()
         except NoOpenGL as error:
-            shapes, moving, left_out = [], [], str(error)
+            shapes, moving, model, left_out = [], [], [], str(error)
+    model = model or _outline(result, folder)
     first = sorted(flat, key=lambda path: not path.name.startswith(("rated", "level", "own_sound")))
-    return [path.name for path in (*first, *moving, *shapes)], left_out
+    return [path.name for path in (*model, *first, *moving, *shapes)], left_out
+
+
+def _outline(result: StudyResult, folder: Path) -> list[Path]:
+    """The model in lines, where it cannot be drawn in three dimensions."""
+    from femstruct.view.figures.drawing import save
+    from femstruct.view.figures.outline import outline
+    from femstruct.view.scenes.scene import baseline_model
+
+    model = baseline_model(result)
+    rooms = result.cases[result.plan.baseline].case.study.rooms
+    return [] if model is None else [save(outline(model, rooms), folder / file_name("model"))]
 
 
 class _Heard(NamedTuple):
