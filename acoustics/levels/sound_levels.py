@@ -6,10 +6,10 @@ Levels are 20 lg(p / p0), p0 = 20 uPa.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from math import ceil, inf, log10, nan
 from types import MappingProxyType
-from typing import Final
+from typing import Annotated, Final
 
 import numpy as np
 
@@ -18,9 +18,13 @@ from acoustics.errors import AcousticsError, Advice
 from acoustics.levels.bands import Fraction, octave_bands, ringing_time, third_octave_bands
 from acoustics.levels.filters import band_passes
 from acoustics.levels.weighting import FrequencyWeighting, TimeWeighting, time_weighted, weighted, weighted_by
+from acoustics.reported import Axis, Reported
 from acoustics.room_response import RoomResponse
 
 REFERENCE_PA: Final = 20e-6
+_DB: Final = "dB re 20 µPa"
+_BAND: Final = Axis("band_hz", "Hz", "Nominal centre of the third octave")
+_OCTAVE: Final = Axis("octave_hz", "Hz", "Nominal centre of the octave")
 _SILENCE: Final = 1e-30  # Pa^2, -205 dB: the level of nothing is a number
 
 
@@ -39,20 +43,20 @@ class Levels:
     it are nan, single numbers are of the sound below.
     """
 
-    peak_pa: float
-    l_peak_db: float
-    l_cpeak_db: float
-    l_afmax_db: float
-    l_asmax_db: float
-    l_aimax_db: float
-    l_aeq_db: float
-    l_ae_db: float
-    bands_db: Mapping[float, float]
-    octaves_db: Mapping[float, float]
-    exposure_db: Mapping[float, float]
+    peak_pa: Annotated[float, Reported("Pa", "Largest |pressure|, unweighted")]
+    l_peak_db: Annotated[float, Reported(_DB, "Level of the peak, unweighted", symbol="L_peak")]
+    l_cpeak_db: Annotated[float, Reported(_DB, "Level of the peak, C-weighted")]
+    l_afmax_db: Annotated[float, Reported(_DB, "Largest A-weighted Fast level", symbol="L_AFmax")]
+    l_asmax_db: Annotated[float, Reported(_DB, "Largest A-weighted Slow level")]
+    l_aimax_db: Annotated[float, Reported(_DB, "Largest A-weighted Impulse level")]
+    l_aeq_db: Annotated[float, Reported(_DB, "A-weighted level of the mean square over the record")]
+    l_ae_db: Annotated[float, Reported(_DB, "A-weighted sound exposure level")]
+    bands_db: Annotated[Mapping[float, float], Reported(_DB, "Largest Fast level in the third octave", axis=_BAND)]
+    octaves_db: Annotated[Mapping[float, float], Reported(_DB, "Largest Fast level in the octave", axis=_OCTAVE)]
+    exposure_db: Annotated[Mapping[float, float], Reported(_DB, "Sound exposure level in the third octave", axis=_BAND)]
     findings: tuple[Advice, ...] = ()
     reference_pa: float = REFERENCE_PA
-    complete_below_hz: float = inf
+    complete_below_hz: Annotated[float, Reported("Hz", "Where the sound ends; bands that reach above are blank")] = inf
 
     def __post_init__(self) -> None:
         for name in ("bands_db", "octaves_db", "exposure_db"):
@@ -61,8 +65,7 @@ class Levels:
     @property
     def single_numbers(self) -> dict[str, float]:
         """The levels that are one number each, by name [dB]."""
-        names = ("l_peak_db", "l_cpeak_db", "l_afmax_db", "l_asmax_db", "l_aimax_db", "l_aeq_db", "l_ae_db")
-        return {name: getattr(self, name) for name in names}
+        return {field.name: getattr(self, field.name) for field in fields(self) if field.name.startswith("l_")}
 
 
 def response_levels(response: RoomResponse, bands_of: RoomResponse | None = None) -> dict[str, Levels]:

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from math import inf, isnan, log10, nan
 from types import MappingProxyType
-from typing import Final
+from typing import Annotated, Final
 
 import numpy as np
 
@@ -22,10 +22,13 @@ from acoustics.levels.ending import shown
 from acoustics.levels.weighting import FrequencyWeighting, frequency_weighting
 from acoustics.open_air.radiated_power import plane_wave_power, radiated_power
 from acoustics.open_air.rayleigh import POINTS_PER_WAVE
+from acoustics.reported import Axis, Reported
 from acoustics.rooms.continuation import fast_length
 from acoustics.source import SurfaceVelocity
 
 REFERENCE_J: Final = 1e-12
+_DB: Final = "dB re 1 pJ"
+_BAND: Final = Axis("band_hz", "Hz", "Nominal centre of the third octave")
 LOWEST_HZ: Final = 10.0  # nominal centre of the first third octave
 FADE_OUT_SHARE: Final = 0.1  # share of the record, its end, over which the motion is brought to rest
 FEWEST_POINTS: Final = 3.0  # to a wave in air, below which the sums over the points mean nothing
@@ -47,12 +50,12 @@ class SoundEnergy:
     that reach above it are nan.
     """
 
-    frequency_hz: Floats
-    density: Floats
-    plane: Floats
+    frequency_hz: Annotated[Floats, Reported("Hz", "Frequency", along=("frequency_hz",))]
+    density: Annotated[Floats, Reported("J/Hz", "Sound energy, of positive frequencies", along=("frequency_hz",))]
+    plane: Annotated[Floats, Reported("J/Hz", "That of plane waves of the same motion", along=("frequency_hz",))]
     bands_hz: Mapping[float, float]
-    weighted_j: float
-    last_tenth: float
+    weighted_j: Annotated[float, Reported("J", "Sound energy, A-weighted", "energy_a_j")]
+    last_tenth: Annotated[float, Reported("1", "Share of it in the last tenth of the record", "last_tenth_share")]
     spacing_hz: float
     findings: tuple[Advice, ...] = ()
     complete_below_hz: float = inf
@@ -69,22 +72,22 @@ class SoundEnergy:
         )
 
     @property
-    def energy_j(self) -> float:
+    def energy_j(self) -> Annotated[float, Reported("J", "Sound energy")]:
         """All of it [J]."""
         return float(self.density.sum()) * self.step_hz
 
     @property
-    def level_db(self) -> float:
+    def level_db(self) -> Annotated[float, Reported(_DB, "Sound energy level", "l_j_db")]:
         """L_J [dB re 1 pJ]; -inf in silence."""
         return level(self.energy_j)
 
     @property
-    def weighted_db(self) -> float:
+    def weighted_db(self) -> Annotated[float, Reported(_DB, "Sound energy level, A-weighted", "l_ja_db")]:
         """L_JA, A-weighted [dB re 1 pJ]; -inf in silence."""
         return level(self.weighted_j)
 
     @property
-    def efficiency(self) -> float:
+    def efficiency(self) -> Annotated[float, Reported("1", "Radiation efficiency")]:
         """Radiated energy over that of plane waves of the same motion [1]; nan where nothing moves."""
         plane = float(self.plane.sum()) * self.step_hz
         return self.energy_j / plane if plane > 0 else nan
@@ -95,7 +98,7 @@ class SoundEnergy:
         return float(self.frequency_hz[1] - self.frequency_hz[0])
 
     @property
-    def bands_j(self) -> dict[float, float]:
+    def bands_j(self) -> Annotated[dict[float, float], Reported("J", "Sound energy in the band", axis=_BAND)]:
         """Energy of the third octaves {nominal: [J]}."""
         energies = _by_band(self.density, self.step_hz, self.bands_hz)
         return {
@@ -104,12 +107,14 @@ class SoundEnergy:
         }
 
     @property
-    def bands_db(self) -> dict[float, float]:
+    def bands_db(self) -> Annotated[dict[float, float], Reported(_DB, "Sound energy level of the band", axis=_BAND)]:
         """L_J of the third octaves {nominal: [dB re 1 pJ]}; -inf where there is nothing."""
         return {band: level(energy) for band, energy in self.bands_j.items()}
 
     @property
-    def bands_efficiency(self) -> dict[float, float]:
+    def bands_efficiency(
+        self,
+    ) -> Annotated[dict[float, float], Reported("1", "Its radiation efficiency", axis=_BAND)]:
         """Radiation efficiency of the third octaves {nominal: [1]}; nan where nothing moves."""
         plane = _by_band(self.plane, self.step_hz, self.bands_hz)
         return {band: e / plane[band] if plane[band] > 0 else nan for band, e in self.bands_j.items()}

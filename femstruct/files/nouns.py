@@ -28,7 +28,7 @@ Fetch = Callable[[Any], Array]  # finds it there again
 INLINE: Final = 32  # numbers of an array that stands in the tables themselves
 _CLASS: Final = "is"  # no field of a dataclass can have this name
 _OURS: Final = ("femstruct", "acoustics")
-_GROUPS: Final = ("femstruct.elements", "femstruct.parts", "femstruct.laws")  # entry points of packages that add nouns
+_GROUPS: Final = ("femstruct.laws", "femstruct.language.laws", "femstruct.language.parts")  # of packages that add nouns
 
 
 class Stored(NamedTuple):

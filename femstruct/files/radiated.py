@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from math import isfinite
 from typing import TYPE_CHECKING, Any
 
 from acoustics.open_air.directivity import Directivity
-from acoustics.open_air.sound_energy import REFERENCE_J
+from femstruct.files.described import described, write_described
 from femstruct.files.hdf5 import axis, group, put
 from femstruct.files.numbers import label, number
 from femstruct.sound.power import PowerResponse, Radiated
@@ -21,21 +20,8 @@ Table = dict[str, Any]
 
 def radiated_table(radiated: Radiated) -> Table:
     """What a surface radiated into a half space; levels re 1 pJ, None in silence."""
-    energy = radiated.energy
-    return {
-        "energy_j": number(energy.energy_j),
-        "l_j_db": number(energy.level_db),
-        "energy_a_j": number(energy.weighted_j),
-        "l_ja_db": number(energy.weighted_db),
-        "efficiency": number(energy.efficiency),
-        "given_to_structure_j": number(radiated.given_j),
-        "share_of_given": number(radiated.share),
-        "last_tenth_share": number(energy.last_tenth),
-        "bands_j": _by_frequency(energy.bands_j),
-        "bands_db": _by_frequency(energy.bands_db),
-        "bands_efficiency": _by_frequency(energy.bands_efficiency),
-        "directivity": _pattern_table(radiated.pattern),
-    }
+    pattern = {"directivity": _pattern_table(radiated.pattern)}
+    return described(radiated.energy) | described(radiated) | pattern
 
 
 def radiated_beside(case: CaseResult, baseline: CaseResult | None) -> Table:
@@ -57,31 +43,10 @@ def _pattern_table(pattern: Directivity) -> Table:
     return table
 
 
-def _by_frequency(values: Mapping[float, float]) -> Table:
-    return {label(frequency): number(value) for frequency, value in values.items()}
-
-
 def write_radiated(target: h5py.Group, radiated: Radiated) -> None:
     """The same in the results file, with the density of the energy and the directivities."""
-    energy = radiated.energy
-    target.attrs.update(
-        energy_j=energy.energy_j,
-        l_j_db=energy.level_db,
-        energy_a_j=energy.weighted_j,
-        l_ja_db=energy.weighted_db,
-        efficiency=energy.efficiency,
-        given_to_structure_j=radiated.given_j,
-        share_of_given=radiated.share,
-        last_tenth_share=energy.last_tenth,
-        reference_j=REFERENCE_J,
-    )
-    frequency = axis(target, "frequency_hz", energy.frequency_hz, "Hz", "Frequency")
-    put(target, "density", energy.density, "J/Hz", "Sound energy, of positive frequencies", (frequency,))
-    plane = "That of plane waves of the same motion, rho c S <v^2>"
-    put(target, "plane_density", energy.plane, "J/Hz", plane, (frequency,))
-    band = axis(target, "band_hz", list(energy.bands_hz), "Hz", "Nominal centre of the third octave")
-    put(target, "band_energy", list(energy.bands_j.values()), "J", "Sound energy in the band", (band,))
-    put(target, "band_efficiency", list(energy.bands_efficiency.values()), "1", "Radiation efficiency of it", (band,))
+    write_described(target, radiated.energy)
+    write_described(target, radiated)
     write_pattern(group(target, "directivity", "Where the sound goes"), radiated.pattern, "Pa m/Hz")
 
 

@@ -30,6 +30,7 @@ from femstruct.errors import Finding
 from femstruct.files.atomic import replacing
 from femstruct.files.bases import write_basis, write_damping
 from femstruct.files.blows import write_blows
+from femstruct.files.described import write_rows
 from femstruct.files.finding_tables import finding_table, study_findings_table
 from femstruct.files.hdf5 import axis, group, put, put_text
 from femstruct.files.machine import write_verdicts
@@ -212,21 +213,12 @@ def _write_response(target: h5py.Group, case: CaseResult, response: Response) ->
         put(channels, channel.name, channel.values, channel.unit, f"{channel.name}, recorded", (time,), peaks)
     if response.contacts:
         contacts, histories = _table(target, "contacts", "Contacts", response.contacts), response.contacts.values()
-        both = ("contact", time)
-        put(contacts, "force", np.array([c.force for c in histories]), "N", "Contact force, compressive", both)
-        put(contacts, "indentation", np.array([c.indentation for c in histories]), "m", "Negative when open", both)
-        put(contacts, "peak_force", [c.peak_force for c in histories], "N", "Peak between the samples", both[:1])
-        put(contacts, "peak_time", [c.peak_time for c in histories], "s", "Time of the peak force", both[:1])
-        put(contacts, "closings", [c.closings for c in histories], "1", "How often it closed", both[:1])
-        first = [np.nan if c.first_open is None else c.first_open for c in histories]
-        put(contacts, "first_open", first, "s", "First opening after a closing; nan if never", both[:1])
+        write_rows(contacts, list(histories), "contact")
     if response.bodies:
-        bodies, motions = _table(target, "bodies", "Bodies", response.bodies), response.bodies.values()
-        both = ("body", time)
+        bodies = _table(target, "bodies", "Bodies", response.bodies)
         mass = {body.name: body.mass for body in response.scene.bodies}
-        put(bodies, "mass", [mass[name] for name in response.bodies], "kg", "Mass", both[:1])
-        put(bodies, "displacement", np.array([b.displacement for b in motions]), "m", "Displacement", both)
-        put(bodies, "velocity", np.array([b.velocity for b in motions]), "m/s", "Velocity", both)
+        put(bodies, "mass", [mass[name] for name in response.bodies], "kg", "Mass", ("body",))
+        write_rows(bodies, list(response.bodies.values()), "body")
     if response.links:
         links = _table(target, "links", "Links", response.links)
         put(links, "force", np.array(list(response.links.values())), "N", "Positive in compression", ("link", time))

@@ -11,6 +11,7 @@ import numpy as np
 from acoustics.levels.rated import RatedRoom
 from acoustics.levels.sound_levels import REFERENCE_PA, Levels
 from acoustics.room_response import RoomResponse
+from femstruct.files.described import write_described
 from femstruct.files.finding_tables import finding_table
 from femstruct.files.hdf5 import axis, group, put
 from femstruct.study.result import OwnSound
@@ -50,19 +51,8 @@ def write_own_levels(target: h5py.Group, heard: OwnSound) -> None:
 
 def write_levels(target: h5py.Group, levels: Levels) -> None:
     """Band levels and single numbers at one receiver."""
-    reference = f"dB re {levels.reference_pa:g} Pa"
-    target.attrs.update(
-        peak_pa=levels.peak_pa,
-        **levels.single_numbers,
-        reference_pa=levels.reference_pa,
-        complete_below_hz=levels.complete_below_hz,  # the sound ends there, bands that reach above are nan
-        findings=json.dumps([finding_table(advice) for advice in levels.findings]),
-    )
-    band = axis(target, "band_hz", list(levels.bands_db), "Hz", "Nominal centre of the third octave")
-    put(target, "l_fmax", list(levels.bands_db.values()), reference, "Largest Fast level in the band", (band,))
-    octave = axis(target, "octave_hz", list(levels.octaves_db), "Hz", "Nominal centre of the octave")
-    put(target, "octave_l_fmax", list(levels.octaves_db.values()), reference, "Largest Fast level in it", (octave,))
-    put(target, "sel", list(levels.exposure_db.values()), reference, "Sound exposure level of the band", (band,))
+    target.attrs["findings"] = json.dumps([finding_table(advice) for advice in levels.findings])
+    write_described(target, levels)
 
 
 def write_rated(target: h5py.Group, rated: RatedRoom) -> None:

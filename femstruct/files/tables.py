@@ -6,8 +6,8 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from acoustics.levels.rated import RatedRoom
-from acoustics.levels.sound_levels import Levels
 from femstruct.files.arrays import array_tables
+from femstruct.files.described import columns, described
 from femstruct.files.finding_tables import finding_table, study_findings_table
 from femstruct.files.machine import machine_table, verdict_tables
 from femstruct.files.numbers import label, number
@@ -61,15 +61,15 @@ def _case(case: CaseResult) -> Table:
             name: {"first_impact": number(channel.first_impact), "whole": number(channel.whole), "unit": channel.unit}
             for name, channel in case.channels.items()
         },
-        "contacts": {} if response is None else _contacts(response),
-        "bodies": {} if response is None else _bodies(response),
+        "contacts": {} if response is None else {name: described(one) for name, one in response.contacts.items()},
+        "bodies": {} if response is None else {name: described(one) for name, one in response.bodies.items()},
         "blows": {} if response is None else _blows(response),
         "arrays": {} if response is None else array_tables(response),
         "energy": None if response is None else _energy(response, case.shares),
-        "levels": {name: _levels(levels) for name, levels in case.levels.items()},
+        "levels": {name: described(levels) for name, levels in case.levels.items()},
         "sound_energy": {name: radiated_table(radiated) for name, radiated in case.radiated.items()},
-        "own_levels": {name: _levels(levels) for name, levels in case.heard.own_levels.items()},
-        "total_levels": {name: _levels(levels) for name, levels in case.heard.total_levels.items()},
+        "own_levels": {name: described(levels) for name, levels in case.heard.own_levels.items()},
+        "total_levels": {name: described(levels) for name, levels in case.heard.total_levels.items()},
         "rated": {name: _rated(rated) for name, rated in case.rated.items()},
         "drops": {place: _drop(drop) for place, drop in case.drops.items()},
         "accuracy": None if case.accuracy is None else accuracy_table(case.accuracy),
@@ -78,48 +78,11 @@ def _case(case: CaseResult) -> Table:
     }
 
 
-def _contacts(response: Response) -> Table:
-    return {
-        name: {
-            "peak_force_n": number(contact.peak_force),
-            "closings": contact.closings,
-            "first_open_s": number(contact.first_open),
-        }
-        for name, contact in response.contacts.items()
-    }
-
-
-def _bodies(response: Response) -> Table:
-    return {
-        name: {
-            "end_velocity": number(body.end_velocity),
-            "travel": number(body.displacement.max() - body.displacement.min()),
-        }
-        for name, body in response.bodies.items()
-    }
-
-
 def _blows(response: Response) -> Table:
     """Blow by blow, by body; energy_growth is what the last blow leaves the structure at most over what the first."""
     names = dict.fromkeys(blow.body for blow in response.blows)
-    return {name: _blows_of([blow for blow in response.blows if blow.body == name]) for name in names}
-
-
-def _blows_of(blows: Sequence[Blow]) -> Table:
-    return {
-        "t_s": [number(blow.t) for blow in blows],
-        "interval_s": [number(blow.interval) for blow in blows],
-        "input_j": [number(blow.energy) for blow in blows],
-        "impulse_ns": [number(blow.impulse) for blow in blows],
-        "peak_force_n": [number(blow.peak_force) for blow in blows],
-        "peak_time_s": [number(blow.peak_time) for blow in blows],
-        "closings": [blow.closings for blow in blows],
-        "held_force_n": [number(blow.held_force) for blow in blows],
-        "structure_largest_j": [number(blow.largest_energy) for blow in blows],
-        "structure_left_j": [number(blow.left_energy) for blow in blows],
-        "rest_after_s": [number(blow.rest_after) for blow in blows],
-        "energy_growth": number(growth(blows)),
-    }
+    own = {name: [blow for blow in response.blows if blow.body == name] for name in names}
+    return {name: columns(blows) | {"energy_growth": number(growth(blows))} for name, blows in own.items()}
 
 
 def growth(blows: Sequence[Blow]) -> float | None:
@@ -206,16 +169,6 @@ def _by_frequency(values: Mapping[float, float]) -> Table:
     return {label(frequency): number(value) for frequency, value in values.items()}
 
 
-def _levels(levels: Levels) -> Table:
-    return {
-        "peak_pa": number(levels.peak_pa),
-        **{name: number(value) for name, value in levels.single_numbers.items()},
-        "complete_below_hz": number(levels.complete_below_hz),
-        "bands_db": _by_frequency(levels.bands_db),
-        "octaves_db": _by_frequency(levels.octaves_db),
-    }
-
-
 def _rated(rated: RatedRoom) -> Table:
     """A room as the standards state it: its single numbers by symbol, the first the one to state, and its bands."""
     return {
@@ -261,6 +214,6 @@ def _drop(drop: Drop) -> Table:
     return {
         "outcome": drop.outcome,
         "peak_force_n": {name: number(force) for name, force in drop.peak_force.items()},
-        "levels": {name: _levels(levels) for name, levels in drop.levels.items()},
-        "total_levels": {name: _levels(levels) for name, levels in drop.total_levels.items()},
+        "levels": {name: described(levels) for name, levels in drop.levels.items()},
+        "total_levels": {name: described(levels) for name, levels in drop.total_levels.items()},
     }

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
+from femstruct.files.described import described
 from femstruct.files.hdf5 import axis, group, put
 from femstruct.files.numbers import number
 from femstruct.impact.estimate import ErrorEstimate, Resolved
@@ -49,19 +50,10 @@ def error_table(found: ErrorEstimate) -> Table:
         "tolerance": found.tolerance,
         "against": found.against,
         "first_until_s": number(found.first_until),
-        **{name: _resolved(getattr(found, field), unit) for name, field, _, unit, _ in _KINDS},
-    }
-
-
-def _resolved(numbers: Mapping[str, Resolved], unit: str) -> Table:
-    return {
-        name: {
-            "value": number(one.value),
-            "error": number(one.error),
-            "relative": number(one.relative),
-            "unit": unit,
-        }
-        for name, one in numbers.items()
+        **{
+            name: {of: described(one) | {"unit": unit} for of, one in getattr(found, field).items()}
+            for name, field, _, unit, _ in _KINDS
+        },
     }
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
@@ -28,6 +28,7 @@ from femstruct.impact.exact.exact_constants import THETA, exact_room, exact_rule
 from femstruct.impact.exact.exact_march import exact_march
 from femstruct.impact.result.response import Response
 from femstruct.impact.scene.bodies import Scene
+from femstruct.reported import Reported
 
 STRICTER = 100.0
 STRICT = 1e-10  # at the latest here the tolerance limits every step; a loose one need not
@@ -42,12 +43,12 @@ class Resolved:
     """A number of a run and its estimated error, in the same unit; scale : what the error is small against, the number
     itself for a force, the largest speed of a body for its velocity."""
 
-    value: float
-    error: float
+    value: Annotated[float, Reported("see unit", "Number of the run")]
+    error: Annotated[float, Reported("see unit", "Estimated error of it")]
     scale: float
 
     @property
-    def relative(self) -> float:
+    def relative(self) -> Annotated[float, Reported("1", "The error as a share of what it is small against")]:
         """The error as a share of the scale [1]."""
         return self.error / self.scale if self.scale > 0.0 else 0.0
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Final
+from typing import Annotated, Final
 
 import numpy as np
 
@@ -21,6 +21,7 @@ from femstruct.impact.result.response import Response
 from femstruct.modal.basis import ModalBasis
 from femstruct.modal.frf import modal_amplitudes
 from femstruct.model.probe import Probe
+from femstruct.reported import Reported
 from femstruct.sound.placed import Placed
 from femstruct.sound.surface import surface_velocity
 
@@ -46,11 +47,11 @@ class Radiated:
     what it started with, and the work of all that pushed it."""
 
     energy: SoundEnergy
-    given_j: float
+    given_j: Annotated[float, Reported("J", "Energy given to the structure", "given_to_structure_j")]
     pattern: Directivity
 
     @property
-    def share(self) -> float:
+    def share(self) -> Annotated[float, Reported("1", "Sound energy over the energy given", "share_of_given")]:
         """What of the energy given to the structure became sound [1]; nan where nothing was given."""
         return self.energy.energy_j / self.given_j if self.given_j > 0 else float("nan")
 

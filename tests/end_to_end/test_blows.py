@@ -88,7 +88,7 @@ def test_blows_in_json_file_and_figures(taps: StudyResult, tmp_path: Path) -> No
     assert list(table["blows"]) == ["one", "two", "three"]
     assert set(table["blows"]["one"]) == {
         "t_s", "interval_s", "input_j", "impulse_ns", "peak_force_n", "peak_time_s", "closings", "held_force_n",
-        "structure_largest_j", "structure_left_j", "rest_after_s", "energy_growth",
+        "structure_largest_j", "structure_left_j", "rest_after_s", "energy_growth", "number",
     }  # fmt: skip
     assert table["blows"]["three"]["t_s"] == pytest.approx([0.2, 0.5])
     assert max(table["blows"]["two"]["peak_force_n"]) == table["contacts"]["two on p2"]["peak_force_n"]

@@ -121,7 +121,7 @@ def test_drops_in_terminal_tables_and_file(
         np.testing.assert_array_equal(stored["measured"][:], rated.measured_db)
         second = file["cases/as given/drops/drops.2/bedroom.mic.2"]
         levels = case.drops["drops.2"].levels["bedroom.mic.2"]
-        np.testing.assert_array_equal(second["l_fmax"][:], list(levels.bands_db.values()))
+        np.testing.assert_array_equal(second["bands_db"][:], list(levels.bands_db.values()))
 
 
 def test_bands_are_drawn_with_the_curve_of_the_rating(result: StudyResult) -> None:

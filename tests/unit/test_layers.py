@@ -21,6 +21,7 @@ LAYERS = [
         "femstruct.findings",
         "femstruct.arrays",
         "femstruct.units",
+        "femstruct.reported",
         "femstruct.plugins",
     ],
     ["femstruct.sparse", "femstruct.elements", "femstruct.model", "femstruct.parts"],
@@ -38,6 +39,7 @@ ACOUSTICS = [
     [
         "acoustics.errors",
         "acoustics.arrays",
+        "acoustics.reported",
         "acoustics.air",
         "acoustics.losses",
         "acoustics.receivers",

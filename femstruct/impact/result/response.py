@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import Enum
+from typing import Annotated
 
 import numpy as np
 
@@ -13,6 +14,7 @@ from femstruct.errors import Finding
 from femstruct.impact.engine.motion import DISPLACEMENT, VELOCITY, Motion, along, coordinates, only
 from femstruct.impact.scene.bodies import Clock, Scene
 from femstruct.modal.basis import ModalBasis
+from femstruct.reported import Reported
 
 
 class Outcome(Enum):
@@ -42,12 +44,12 @@ class ContactHistory:
     """One contact over the window: force [nt] [N], indentation [nt] [m] (negative when open), both at the samples;
     peak_force [N] and peak_time [s] from the dense solution; closings beyond rounding; first_open [s] or None."""
 
-    force: Floats
-    indentation: Floats
-    peak_force: float
-    peak_time: float
-    closings: int
-    first_open: float | None
+    force: Annotated[Floats, Reported("N", "Contact force, compressive", along=("time",))]
+    indentation: Annotated[Floats, Reported("m", "Indentation, negative when open", along=("time",))]
+    peak_force: Annotated[float, Reported("N", "Peak force, between the samples too", "peak_force_n")]
+    peak_time: Annotated[float, Reported("s", "Time of the peak force", "peak_time_s")]
+    closings: Annotated[int, Reported("1", "How often the contact closed")]
+    first_open: Annotated[float | None, Reported("s", "First opening after a closing", "first_open_s")]
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,9 +57,14 @@ class BodyHistory:
     """One body: displacement [nt] [m] and velocity [nt] [m/s] along its axis, at the samples; end_velocity [m/s] at the
     end of the window, an interval after the last of them."""
 
-    displacement: Floats
-    velocity: Floats
-    end_velocity: float
+    displacement: Annotated[Floats, Reported("m", "Displacement", along=("time",))]
+    velocity: Annotated[Floats, Reported("m/s", "Velocity", along=("time",))]
+    end_velocity: Annotated[float, Reported("m/s", "Velocity at the end of the window")]
+
+    @property
+    def travel(self) -> Annotated[float, Reported("m", "Distance between its furthest places")]:
+        """Distance between its furthest places [m]."""
+        return float(self.displacement.max() - self.displacement.min())
 
 
 @dataclass(frozen=True)
@@ -75,19 +82,24 @@ class Blow:
     """
 
     body: str
-    number: int
-    t: float
-    energy: float
-    impulse: float
-    peak_force: float
-    peak_time: float
-    closings: int
-    largest_energy: float
-    left_energy: float
-    rest_after: float | None
-    interval: float
+    number: Annotated[int, Reported("1", "Number among the blows of its body")]
+    t: Annotated[float, Reported("s", "When it is given its starting state", "t_s")]
+    energy: Annotated[float, Reported("J", "What it brings less what it takes along when lifted off", "input_j")]
+    impulse: Annotated[float, Reported("N s", "Momentum it brings less what it takes along", "impulse_ns")]
+    peak_force: Annotated[float, Reported("N", "Peak contact force until its next blow", "peak_force_n")]
+    peak_time: Annotated[float, Reported("s", "Time of the peak force", "peak_time_s")]
+    closings: Annotated[int, Reported("1", "How often its contacts close until its next blow")]
+    largest_energy: Annotated[
+        float, Reported("J", "Largest energy of the structure in the interval", "structure_largest_j")
+    ]
+    left_energy: Annotated[float, Reported("J", "Energy of the structure at its end", "structure_left_j")]
+    rest_after: Annotated[
+        float | None,
+        Reported("s", "From when on less than 1 % of that is left", "rest_after_s"),
+    ]
+    interval: Annotated[float, Reported("s", "To the next blow of any body", "interval_s")]
     seen: bool
-    held_force: float
+    held_force: Annotated[float, Reported("N", "Contact force when it is lifted off; 0 when open", "held_force_n")]
     held_since: float | None
 
 

@@ -8,8 +8,10 @@ from math import inf, isfinite
 
 from rich.console import Console
 
+from acoustics.levels.sound_levels import Levels
 from femstruct.errors import some_of
 from femstruct.files.finding_tables import findings_by_case
+from femstruct.reported import reported
 from femstruct.study.result import NET_FORCE, CaseComparison, CaseResult, StudyResult
 from femstruct.view.tables.accuracy_table import anything_meets, outcomes, trust
 from femstruct.view.tables.array_table import arrays
@@ -124,18 +126,19 @@ def _contacts(result: StudyResult) -> Grid:
 
 
 def _levels(result: StudyResult) -> Grid:
-    told = "; total: with the bodies' own sound" if any(c.heard.total for c in result.cases.values()) else ""
+    ending = "; total: with the bodies' own sound" if any(c.heard.total for c in result.cases.values()) else ""
     ends = {
         name: min((one.complete_below_hz for one in case.levels.values()), default=inf)
         for name, case in result.cases.items()
     }
     cut = any(isfinite(end) for end in ends.values())
-    told += "; only sound below the last mode is included: lower bounds" if cut else ""
-    grid = Grid(f"levels re 20 µPa{told}", ("receiver", *result.cases))
+    ending += "; only sound below the last mode is included: lower bounds" if cut else ""
+    grid = Grid(f"levels re 20 µPa{ending}", ("receiver", *result.cases))
     names = list(dict.fromkeys(name for case in result.cases.values() for name in case.levels))
     for name in names:
-        grid.add(f"{name} L_peak [dB]", *(_level(case, name, "l_peak_db") for case in result.cases.values()))
-        grid.add(f"{name} L_AFmax [dB]", *(_level(case, name, "l_afmax_db") for case in result.cases.values()))
+        for what, told in reported(Levels).items():
+            if told.symbol:
+                grid.add(f"{name} {told.symbol} [dB]", *(_level(case, name, what) for case in result.cases.values()))
     add_totals(grid, result)
     if cut:
         grid.add("sound ends at [Hz]", *(f"{end:.4g}" if isfinite(end) else "-" for end in ends.values()))

@@ -1,0 +1,96 @@
+"""Nouns as tables of what they report: for JSON, for HDF5, for spreadsheets. Nothing here knows any of them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from femstruct.files.hdf5 import axis, put
+from femstruct.files.numbers import label, number
+from femstruct.reported import Reported, reported
+
+if TYPE_CHECKING:  # slow to import, and most runs write no such file
+    import h5py
+
+
+class Entry(NamedTuple):
+    """One of the things that a noun reports."""
+
+    name: str
+    told: Reported
+    value: Any
+
+    @property
+    def key(self) -> str:
+        """Its name in JSON."""
+        return self.told.key or self.name
+
+
+def entries(noun: Any) -> Iterator[Entry]:
+    """All that a noun reports, in the order of its fields and properties."""
+    kind: object = type(noun)
+    for name, told in reported(kind).items():
+        yield Entry(name, told, getattr(noun, name))
+
+
+def described(noun: Any) -> dict[str, Any]:
+    """What a noun reports as a table for JSON; histories and spectra are left to the results file.
+
+    >>> from femstruct.impact.estimate import Resolved
+    >>> described(Resolved(2.0, 0.5, 10.0))
+    {'value': 2.0, 'error': 0.5, 'relative': 0.05}
+    """
+    return {one.key: _plain(one.value) for one in entries(noun) if not isinstance(one.value, np.ndarray)}
+
+
+def columns(nouns: Sequence[Any]) -> dict[str, list[Any]]:
+    """The same of several nouns of one kind: a list for each number."""
+    rows = [described(noun) for noun in nouns]
+    return {key: [row[key] for row in rows] for key in (rows[0] if rows else {})}
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, Mapping):
+        return {key if isinstance(key, str) else label(key): _plain(item) for key, item in value.items()}
+    if isinstance(value, tuple | list):
+        return [_plain(item) for item in value]
+    return value if isinstance(value, bool | int | str) else number(value)
+
+
+def write_described(target: h5py.Group, noun: Any) -> None:
+    """What a noun reports in a group: numbers as attributes, mappings and arrays as datasets with their axes."""
+    for name, told, value in entries(noun):
+        if isinstance(value, Mapping):
+            kind = told.axis or ("name", "1", "Name")
+            if kind[0] not in target:
+                axis(target, kind[0], list(value), *kind[1:])
+            put(target, name, list(value.values()), told.unit, told.long_name, kind[:1])
+        elif isinstance(value, np.ndarray):
+            if told.along == (name,):
+                axis(target, name, value, told.unit, told.long_name)
+            else:
+                put(target, name, value, told.unit, told.long_name, told.along)
+        elif value is not None:
+            target.attrs[name] = list(value) if isinstance(value, tuple) else value
+
+
+def write_rows(target: h5py.Group, nouns: Sequence[Any], row: str) -> None:
+    """What several nouns of one kind report, a dataset for each number: a row a noun, named by the axis `row`.
+
+    Axes of their histories are those of the same name in the group.
+    """
+    kind: object = type(nouns[0])
+    for name, told in reported(kind).items():
+        values = [getattr(noun, name) for noun in nouns]
+        if isinstance(values[0], np.ndarray):
+            put(target, name, np.array(values), told.unit, told.long_name, (row, *told.along))
+        elif not isinstance(values[0], Mapping | tuple):
+            put(target, name, _column(values), told.unit, told.long_name, (row,))
+
+
+def _column(values: list[Any]) -> list[Any]:
+    """Numbers that do not exist are nan, texts "" ."""
+    texts = any(isinstance(value, str) for value in values)
+    return [("" if texts else np.nan) if value is None else value for value in values]
