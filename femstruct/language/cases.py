@@ -10,7 +10,7 @@ from typing import Any, Literal
 from pydantic import BaseModel
 
 from acoustics.fields.shaped import ShapedRoom
-from femstruct.errors import InputError, InputErrors
+from femstruct.errors import InputErrors
 from femstruct.files.inputs.opening import beside
 from femstruct.language.model.model import ModelSpec
 from femstruct.language.models import (
@@ -22,13 +22,13 @@ from femstruct.language.models import (
     refuse_kind,
     title_of,
 )
-from femstruct.language.references import check_names
+from femstruct.language.names import check_names
+from femstruct.language.patch import MODEL_KEYS, Patch, study_keys
 from femstruct.language.study.planned import check_study, study_of
 from femstruct.language.study.spread import drops, spread
 from femstruct.language.study.study import StudySpec
 from femstruct.language.yaml.here import Here
-from femstruct.language.yaml.patch import MODEL_KEYS, Patch, study_keys
-from femstruct.language.yaml.reader import Mistakes, Position, Tree, dotted, nearest, read_yaml
+from femstruct.language.yaml.reader import Mistakes, Tree, nearest, read_yaml
 from femstruct.language.yaml.validation import validate
 from femstruct.study.study import Case, Plan, Study
 from femstruct.units import shown_as
@@ -63,49 +63,35 @@ def read_study(path: str | Path, overrides: Sequence[str] = (), only: str | None
     >>> [(case.name, case.study.bodies[0].mass) for case in plan.cases], plan.baseline
     ([('light', 1.0), ('heavy', 2.0)], 'light')
     """
-    study = read_yaml(path)
+    mistakes, study = Mistakes(), read_yaml(path)
     refuse_kind(study, "study", study_keys(), lambda: MODEL_KEYS)
-    mistakes = Mistakes()
-    first = _model_tree(study, study.value.get("model"), study.position(("model",)), "model", mistakes)
-    patch = Patch(study, first, mistakes)
+    patch = Patch(study, _model_tree(Here(study, mistakes).at("model"), study.value.get("model")), mistakes)
     override(patch, overrides)
-    base_study = patch.study.tree() if patch.study else study
-    base_model = patch.model.tree() if patch.model else None
-    if base_study.value.get("model") != study.value.get("model"):
-        base_model = _model_tree(base_study, base_study.value.get("model"), Position("--set"), "model", mistakes)
-    base = _Resolved.of(base_study, base_model, patch.changes, mistakes)
-    sound = not mistakes.lines
-    resolved = _cases(base_study, base_model, mistakes)
-    if sound and not mistakes.lines:
-        cases = [
-            (name, _Resolved.of(one.study.tree(), one.model.tree() if one.model else None, one.changes, mistakes))
-            for name, one in resolved
-            if one.study
-        ]
-    else:
-        cases = []
+    base = patch.study.tree() if patch.study else study
+    model = patch.model.tree() if patch.model else None
+    if base.value.get("model") != study.value.get("model"):
+        model = _model_tree(Here(base, mistakes).at("model"), base.value.get("model"))
+    as_given = _Resolved.of(base, model, patch.changes, mistakes)
+    sound, patches = not mistakes.lines, _cases(base, model, mistakes)
+    cases: dict[str, _Resolved] = {}
+    for name, one in patches.items() if sound and not mistakes.lines else ():
+        drafts = [draft.tree() if draft is not None else None for draft in (one.study, one.model)]
+        cases[name] = _Resolved.of(drafts[0] or base, drafts[1], one.changes, mistakes)
     mistakes.stop_if_any()
-    if not cases:
-        cases = [(AS_GIVEN, base)]
-    names = [name for name, _ in cases]
-    baseline = _baseline(base_study, names)
-    if only is not None:
-        if only not in names:
-            raise InputErrors((f"--case: got '{only}', expected a case of {path}; {nearest(only, names)}",))
-        cases = [(name, one) for name, one in cases if name == only]
-        baseline = only
+    cases = cases or {AS_GIVEN: as_given}
+    baseline = _baseline(base, [*cases]) if only is None else only
+    if baseline not in cases:
+        raise InputErrors((f"--case: got '{only}', expected a case of {path}; {nearest(baseline, cases)}",))
     sources: dict[str, str] = {}
     positions: dict[str, tuple[str, int, int]] = {}
-    for _, one in [("", base), *cases]:
-        for tree in (one.study, one.model):
-            if tree is not None:
-                sources[tree.file] = tree.text
-                positions = {**positions_of(tree), **positions}
+    for tree in (tree for one in (as_given, *cases.values()) for tree in (one.study, one.model) if tree is not None):
+        sources[tree.file] = tree.text
+        positions = {**positions_of(tree), **positions}
     shaped: dict[str, ShapedRoom] = {}
-    built = tuple(_case(name, one, patch.changes, mistakes, sources, shaped) for name, one in cases)
+    asked = {only: cases[only]} if only is not None else cases
+    built = [_case(name, one, patch.changes, mistakes, sources, shaped) for name, one in asked.items()]
     mistakes.stop_if_any()
-    whole = tuple(case for case in built if case is not None)
-    return Plan(title_of(base_study), whole, baseline, sources, positions)
+    return Plan(title_of(base), tuple(case for case in built if case is not None), baseline, sources, positions)
 
 
 def read_any(path: str | Path, overrides: Sequence[str] = ()) -> ModelFile | Plan:
@@ -143,21 +129,19 @@ class _Resolved:
         return cls(study, model, study_spec, model_spec, dict(changes))
 
 
-def _cases(study: Tree, model: Tree | None, mistakes: Mistakes) -> list[tuple[str, Patch]]:
-    listed = study.value.get("cases")
-    done = []
+def _cases(study: Tree, model: Tree | None, mistakes: Mistakes) -> dict[str, Patch]:
+    """What every case of a study makes of both files."""
+    listed, done = study.value.get("cases"), {}
     for name, changes in listed.items() if isinstance(listed, dict) else ():
-        own = model
+        there, own = Here(study, mistakes).at("cases", name), model
         if isinstance(changes, dict) and "model" in changes:
-            at = study.position(("cases", name, "model"))
-            own = _model_tree(study, changes["model"], at, dotted(("cases", name, "model")), mistakes)
-        patch = Patch(study, own, mistakes)
+            own = _model_tree(there.at("model"), changes["model"])
+        patch = done[name] = Patch(study, own, mistakes)
         if isinstance(changes, dict):
-            patch.case(changes, study, ("cases", name))
+            patch.case(changes, there)
             if "model" in changes and patch.study is not None:
-                patch.study.put(("model",), changes["model"], study, ("cases", name, "model"))
+                patch.study.put(("model",), changes["model"], there.at("model"))
                 patch.changes["model"] = str(changes["model"])
-        done.append((name, patch))
     return done
 
 
@@ -192,24 +176,16 @@ def _baseline(study: Tree, names: Sequence[str]) -> str:
     return str(chosen) if chosen in names else names[0]
 
 
-def _model_tree(study: Tree, name: Any, at: Position, asked_path: str, mistakes: Mistakes) -> Tree | None:
+def _model_tree(there: Here, name: Any) -> Tree | None:
     """The model file a study names, beside it; None with mistakes noted."""
     if name is None:
         return None  # the schema notes that it is missing
-    if not isinstance(name, str) or not name.strip():
-        mistakes.add(at, asked_path, got=shown_as(name), expected="the name of a model file")
+    named = isinstance(name, str) and bool(name.strip())
+    if not there.need(named, shown_as(name), "the name of a model file"):
         return None
-    try:
-        tree = read_yaml(beside(study.file, name), at, asked_path)
-        refuse_kind(tree, "model", MODEL_KEYS, study_keys)
-    except InputErrors as errors:
-        for line in errors.errors:
-            mistakes.note(line)
-        return None
-    except InputError as error:
-        mistakes.add(at, asked_path, got=error.got, expected=error.expected, do=error.do)
-        return None
-    return tree
+    tree = there.make(lambda: read_yaml(beside(there.tree.file, name), there.position, there.path))
+    sound = tree is not None and there.make(lambda: refuse_kind(tree, "model", MODEL_KEYS, study_keys))
+    return tree if sound else None
 
 
 def _study_like(tree: Tree) -> bool:

@@ -8,9 +8,9 @@ from pathlib import Path
 
 from femstruct.errors import FemstructError, InputErrors
 from femstruct.language.model.model import ModelSpec
-from femstruct.language.references import check_names
+from femstruct.language.names import check_names
+from femstruct.language.patch import MODEL_KEYS, Patch, study_keys
 from femstruct.language.yaml.here import Here
-from femstruct.language.yaml.patch import MODEL_KEYS, Patch, study_keys
 from femstruct.language.yaml.reader import Mistakes, Position, Tree, dotted, near_name, parse_value, read_yaml
 from femstruct.language.yaml.validation import validate
 from femstruct.modal.damping import Damping
@@ -47,9 +47,8 @@ def read_model_file(path: str | Path, overrides: Sequence[str] = ()) -> ModelFil
     >>> model.title, model.structure.mass
     ('oscillator', 0.5)
     """
-    tree = read_yaml(path)
+    mistakes, tree = Mistakes(), read_yaml(path)
     refuse_kind(tree, "model", MODEL_KEYS, study_keys)
-    mistakes = Mistakes()
     patch = Patch(None, tree, mistakes)
     override(patch, overrides)
     tree = patch.model.tree() if patch.model else tree
@@ -60,8 +59,7 @@ def read_model_file(path: str | Path, overrides: Sequence[str] = ()) -> ModelFil
     mistakes.stop_if_any()
     structure, damping = built_model(spec, tree, mistakes) if spec is not None else (None, None)
     mistakes.stop_if_any()
-    if structure is None or damping is None:
-        raise InputErrors((f"{path}: cannot be read",))
+    assert structure is not None and damping is not None
     return ModelFile(title_of(tree), structure, damping, {tree.file: tree.text}, positions_of(tree))
 
 
@@ -109,41 +107,37 @@ def built_model(spec: ModelSpec, tree: Tree, mistakes: Mistakes) -> tuple[Struct
 def override(patch: Patch, overrides: Sequence[str]) -> None:
     """Apply texts ``PATH=VALUE`` of the command line; mistakes are noted under ``--set``."""
     for text in overrides:
-        path, equals, value_text = text.partition("=")
-        where = f"--set {text}"
-        if not equals or not path.strip():
-            patch.mistakes.add(Position(where), "", got="no PATH=VALUE", expected="--set bodies.ball.mass='60 g'")
-            continue
-        tree = parse_value(value_text, where, patch.mistakes)
-        patch.assign(path.strip(), tree.value["value"], tree, ("value",))
-        _warn_if_set_again(patch, path.strip(), where)
+        path, equals, value = (part.strip() for part in text.partition("="))
+        is_one = equals and path
+        there = Here(parse_value(value if is_one else "0", f"--set {text}", patch.mistakes), patch.mistakes)
+        if there.need(is_one, "no PATH=VALUE", "--set bodies.ball.mass='60 g'"):
+            patch.assign(path, there.tree.value, there)
+            _refuse_if_set_again(patch, path, there)
 
 
-def _warn_if_set_again(patch: Patch, path: str, where: str) -> None:
-    """An override that every case undoes would do nothing: refuse it."""
+def _refuse_if_set_again(patch: Patch, path: str, there: Here) -> None:
+    """An override that every case undoes would do nothing."""
     cases = patch.study.value.get("cases") if patch.study else None
     if isinstance(cases, dict) and cases and all(isinstance(one, dict) and path in one for one in cases.values()):
-        name = next(iter(cases))
-        do = f"set 'cases.{name}.{path}' instead"
-        patch.mistakes.add(
-            Position(where), path, got="a path that every case sets itself", expected="another path", do=do
-        )
+        do = f"set 'cases.{next(iter(cases))}.{path}' instead"
+        there.at(path).wrong("a path that every case sets itself", "another path", do)
 
 
-def refuse_kind(tree: Tree, wanted: str, own: frozenset[str], others: Callable[[], frozenset[str]]) -> None:
-    """One sentence for the other kind of file, instead of one for each of its keys."""
-    keys = tree.value.keys()
+def refuse_kind(tree: Tree, wanted: str, own: frozenset[str], others: Callable[[], frozenset[str]]) -> bool:
+    """True, or InputErrors: one sentence for the other kind of file, instead of one for each of its keys."""
+    keys, mistakes = tree.value.keys(), Mistakes()
     if not keys or keys & own:
-        return
-    other = others()
+        return True
+    other, here = others(), Here(tree, mistakes)
     if keys & other:
         found = "study" if wanted == "model" else "model"
         first = next(key for key in tree.value if key in other)
-        at = tree.position((first,), of_key=True)
-        raise InputErrors((f"{at}: {first}: got a {found} file, expected a {wanted} file",))
-    if "title" not in keys and not any(near_name(key, own | other) for key in keys):
-        at, do = tree.position((), of_key=True), f"a {wanted} has {', '.join(sorted(own)[:4])}, ..."
-        raise InputErrors((f"{at}: got a file without a key of the language, expected a {wanted} file; {do}",))
+        here.at(first).wrong(f"a {found} file", f"a {wanted} file", of_key=True)
+    elif "title" not in keys and not any(near_name(key, own | other) for key in keys):
+        do = f"a {wanted} has {', '.join(sorted(own)[:4])}, ..."
+        here.wrong("a file without a key of the language", f"a {wanted} file", do, of_key=True)
+    mistakes.stop_if_any()
+    return True
 
 
 def title_of(tree: Tree) -> str:

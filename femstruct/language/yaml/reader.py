@@ -71,7 +71,7 @@ class Tree:
     """
 
     file: str
-    value: dict[str, Any]
+    value: Any
     keys: Mapping[Steps, Position]
     values: Mapping[Steps, Position]
     text: str
@@ -126,13 +126,11 @@ def parse_yaml(text: str, file: str, mistakes: Mistakes) -> Tree:
 
 
 def parse_value(text: str, file: str, mistakes: Mistakes) -> Tree:
-    """The tree ``{value: ...}`` of a YAML text that may be any value, such as one from the command line."""
-    node = _compose(text, file, mistakes)
-    walk = _Walk(file, mistakes)
-    value = walk.value(node, ("value",)) if node is not None else None
-    nowhere = Position(file)
-    positions: dict[Steps, Position] = dict.fromkeys([*walk.keys, *walk.values, ("value",)], nowhere)
-    return Tree(file, {"value": value}, positions, positions, text)
+    """The tree of a YAML text that may be any value, such as one from the command line, without lines."""
+    node, walk = _compose(text, file, mistakes), _Walk(file, mistakes)
+    value = walk.value(node, ()) if node is not None else None
+    positions = dict.fromkeys([*walk.keys, *walk.values, ()], Position(file))
+    return Tree(file, value, positions, positions, text)
 
 
 def _read_text(path: Path, at: Position, asked_path: str, mistakes: Mistakes) -> str:

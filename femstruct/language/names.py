@@ -1,0 +1,91 @@
+"""Names that cannot be, in both files."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from typing import Any, Final
+
+from femstruct.language.yaml.here import Here
+from femstruct.language.yaml.reader import Mistakes, Tree
+
+LONGEST: Final = 80  # characters
+NAMESPACE: Final = (
+    "parts",
+    "joints",
+    "points",
+    "surfaces",
+    "supports",
+    "bodies",
+    "contacts",
+    "links",
+    "loads",
+    "rooms",
+)
+_READABLE: Final = (  # what is wrong, got, expected, do
+    (lambda name: len(name) > LONGEST, "a name of {size} characters", f"at most {LONGEST}", "shorten it"),
+    (lambda name: "\n" in name or "\t" in name, "a name with a tab or a new line", "a name in one line", ""),
+    # legends of pictures leave such lines out
+    (lambda name: name.startswith("_"), "the name '{name}'", "a name that does not begin with _", "rename it"),
+)
+_FILE: Final = (
+    *_READABLE,
+    (lambda name: not name.strip(". "), "the name '{name}'", "a name with a letter or a digit", ""),
+)
+_PLAIN: Final = (
+    *_READABLE,
+    (
+        lambda name: not name.strip() or "." in name or "[" in name,
+        "the name '{name}'",
+        "a name without dots",
+        "write {clean}",
+    ),
+    (lambda name: name == "ground", "the name 'ground'", "another name", "ground is what does not move"),
+)
+
+
+def check_names(model: Tree | None, study: Tree | None, mistakes: Mistakes) -> None:
+    """Names contain no dots, and no two things share one. Cases and receivers may have dots: `damper 0.6`."""
+    seen: dict[str, str] = {}
+    if study is not None:
+        here = Here(study, mistakes)
+        _check_file_names(here.at("cases"), _mapping(study.value, "cases"))
+        for room in _mapping(study.value, "rooms"):
+            receivers = _mapping(_mapping(study.value["rooms"], room), "receivers")
+            _check_file_names(here.at("rooms", room, "receivers"), receivers)
+    for tree in [tree for tree in (model, study) if tree is not None]:
+        for group in (*NAMESPACE, "materials", "sections", "frf"):
+            for name in _mapping(tree.value, group):
+                there = Here(tree, mistakes).at(group, name)
+                if _is_good(there, name, _PLAIN) and group in NAMESPACE:
+                    got = f"'{name}', which names one of the {seen.get(name)} already"
+                    there.need(name not in seen, got, "one name for one thing", "rename one", of_key=True)
+                    seen.setdefault(name, group)
+
+
+def _check_file_names(here: Here, names: Mapping[str, Any]) -> None:
+    """Names that become names of groups and files."""
+    files: dict[str, str] = {}
+    for name in names:
+        first = files.setdefault(re.sub(r"\W+", "_", name).lower(), name)
+        got, expected = (
+            f"'{name}' and '{first}', whose files would have one name",
+            "names that differ in letters or digits",
+        )
+        here.at(name).need(first == name, got, expected, "rename one", of_key=True)
+        _is_good(here.at(name), name, _FILE)
+
+
+def _is_good(here: Here, name: str, rules: Any) -> bool:
+    """Whether a name can be read in a line and used for a file; notes why it cannot."""
+    clean = name.replace(".", "_").replace("[", "_") or "a name"
+    for is_wrong, got, expected, do in rules:
+        if is_wrong(name):
+            here.wrong(got.format(name=name, size=len(name)), expected, do.format(clean=clean), of_key=True)
+            return False
+    return True
+
+
+def _mapping(value: Any, key: str) -> Mapping[str, Any]:
+    found = value.get(key) if isinstance(value, dict) else None
+    return found if isinstance(found, dict) else {}

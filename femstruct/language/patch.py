@@ -1,0 +1,271 @@
+"""Cases and overrides as edits of one tree: the paths of a study and of its model together."""
+
+from __future__ import annotations
+
+import copy
+import re
+from collections.abc import Mapping
+from functools import cache
+from typing import Any, Final
+
+from femstruct.language.model.model import ModelSpec
+from femstruct.language.yaml.here import Here
+from femstruct.language.yaml.reader import Mistakes, Steps, Tree, dotted, nearest
+from femstruct.language.yaml.references import found, references
+from femstruct.language.yaml.spec import Spec
+from femstruct.units import shown_as
+
+MODEL_KEYS: Final = frozenset(ModelSpec.model_fields) - {"title"}
+_NAMED: Final = (  # top-level mappings from names: a new name is an addition, never a slip
+    "materials", "sections", "parts", "joints", "points", "surfaces", "supports",
+    "frf", "bodies", "contacts", "links", "loads", "rooms", "cases",
+)  # fmt: skip
+_NAMED_INSIDE: Final = (("damping", "modes"),)
+_INDEX: Final = re.compile("[0-9]{1,6}")
+
+
+@cache
+def _study() -> type[Spec]:
+    """The schema of a study file, which who reads a model alone has no need to load."""
+    from femstruct.language.study.study import StudySpec
+
+    return StudySpec
+
+
+def study_keys() -> frozenset[str]:
+    """The keys of a study file."""
+    return frozenset(_study().model_fields) - {"title"}
+
+
+class Draft:
+    """A tree being edited: what a case makes of a file."""
+
+    def __init__(self, tree: Tree) -> None:
+        self.file, self.text = tree.file, tree.text
+        self.value: dict[str, Any] = copy.deepcopy(tree.value)
+        self.keys, self.values = dict(tree.keys), dict(tree.values)
+
+    def tree(self) -> Tree:
+        """The tree as it is now."""
+        return Tree(self.file, self.value, self.keys, self.values, self.text)
+
+    def put(self, steps: Steps, value: Any, there: Here) -> None:
+        """Set the value at a path to one that stands elsewhere; its positions are those it has there."""
+        self.at(steps[:-1])[steps[-1]] = copy.deepcopy(value)
+        self._forget(steps)
+        self.keys[steps] = there.tree.position(there.steps, of_key=True)
+        size = len(there.steps)
+        for known, here in ((there.tree.keys, self.keys), (there.tree.values, self.values)):
+            own = known.items() if known is there.tree.values else ((p, at) for p, at in known.items() if len(p) > size)
+            here |= {steps + path[size:]: position for path, position in own if path[:size] == there.steps}
+
+    def drop(self, steps: Steps) -> None:
+        """Remove the value at a path, if it is there."""
+        parent = self.at(steps[:-1])
+        if isinstance(parent, dict) and parent.pop(steps[-1], self) is not self:
+            self._forget(steps)
+
+    def at(self, steps: Steps) -> Any:
+        """The value at a path."""
+        value: Any = self.value
+        for step in steps:
+            value = value[step]
+        return value
+
+    def _forget(self, steps: Steps) -> None:
+        for known in (self.keys, self.values):
+            for path in [path for path in known if path[: len(steps)] == steps]:
+                del known[path]
+
+
+class Patch:
+    """Both trees of a study while a case changes them, and the record of what it changed.
+
+    What its functions call `there` is where a change is written.
+    """
+
+    def __init__(self, study: Tree | None, model: Tree | None, mistakes: Mistakes) -> None:
+        self.study = Draft(study) if study else None
+        self.model = Draft(model) if model else None
+        self.mistakes = mistakes
+        self.changes: dict[str, str] = {}
+
+    def draft(self, path: str) -> Draft | None:
+        """The tree a path belongs to: its first key tells."""
+        of_model = self.model is not None and path.split(".", 1)[0] in MODEL_KEYS
+        return self.model if self.study is None or of_model else self.study
+
+    def case(self, changes: Mapping[str, Any], there: Here) -> None:
+        """Apply a case: values, then `remove`, then `add`."""
+        for key in [key for key in changes if key not in ("add", "remove", "model")]:
+            self.assign(key, changes[key], there.at(key))
+        listed, removed = changes.get("remove", []), there.at("remove")
+        for number, path in enumerate(listed if isinstance(listed, list) else [listed]):
+            self._remove(path, removed.at(number) if isinstance(listed, list) else removed)
+        added = changes.get("add", {})
+        if not isinstance(added, dict):
+            there.at("add").wrong(shown_as(added), "a mapping of new paths to values", of_key=True)
+            return
+        for key, value in added.items():
+            self.add(key, value, there.at("add", key))
+
+    def assign(self, path: str, value: Any, there: Here) -> None:
+        """Set what a path names to a value; a mapping patches a mapping."""
+        draft = self.draft(path)
+        steps = self._find(draft, path, there, may_be_new=True)
+        if draft is not None and steps is not None:
+            self.changes[path] = _told(value)
+            self._merge(draft, steps, value, there)
+
+    def _merge(self, draft: Draft, steps: Steps, value: Any, there: Here) -> None:
+        parent = draft.at(steps[:-1])
+        old = parent.get(steps[-1]) if isinstance(parent, dict) else parent[steps[-1]]
+        if not (isinstance(old, dict) and isinstance(value, dict)):
+            draft.put(steps, value, there)
+            return
+        for key, item in value.items():
+            if key not in old and _is_named(steps):
+                _unknown(dotted((*steps, key)), key, old, there.at(key), new=True)
+            else:
+                self._merge(draft, (*steps, key), item, there.at(key))
+
+    def add(self, path: str, value: Any, there: Here) -> None:
+        """Put something new at a path."""
+        draft, keys = self.draft(path), MODEL_KEYS | study_keys()
+        parent_text, _, name = path.rpartition(".")
+        first = path.split(".", 1)[0]
+        if draft is None:
+            return
+        if first not in keys:
+            _unknown(path, first, keys, there)
+            return
+        if parent_text == first and first in _NAMED:
+            _create(draft, first, there)
+        if _resolve(draft.value, path) is not None:
+            there.wrong(f"'{path}', which is there already", "a new path", "set its value", of_key=True)
+            return
+        parent = self._find(draft, parent_text, there) if parent_text else ()
+        if parent is None:
+            return
+        if there.need(isinstance(draft.at(parent), dict), f"'{path}'", "a path into a mapping", of_key=True):
+            draft.put((*parent, name), value, there)
+            self.changes[path] = f"added: {_told(value)}"
+
+    def _remove(self, path: Any, there: Here) -> None:
+        if not there.need(
+            isinstance(path, str), shown_as(path), "a path", "write it like [bodies.damper]", of_key=True
+        ):
+            return
+        draft = self.draft(path)
+        steps = self._find(draft, path, there)
+        if draft is None or steps is None:
+            return
+        of_list = isinstance(steps[-1], int)
+        if there.need(not of_list, f"'{path}'", "a key of a mapping", "set the whole list", of_key=True):
+            draft.drop(steps)
+            self.changes[path] = "removed"
+            if len(steps) == 2:
+                self._drop_dependents(str(steps[0]), str(steps[1]))
+
+    def _drop_dependents(self, kind: str, name: str) -> None:
+        """What cannot be without the thing removed: what refers to it and goes with it; anything's records, their
+        limits, and FRFs."""
+        gone, study = {name}, self.study
+        for draft, schema in ((study, _study), (self.model, lambda: ModelSpec)):
+            if draft is not None:
+                going = [one.path for one in references(schema()) if one.refers.goes_with == kind]
+                for owner in {steps[:2] for path in going for steps, used in found(draft.value, path) if used == name}:
+                    draft.drop(owner)
+                    gone.add(str(owner[1]))
+        if study is None or kind in ("materials", "sections", "frf", "cases"):
+            return
+        dropped = {name} if kind in ("record", "rooms") else set()
+        for target in list(_mapping(study.value, "record")):
+            own = kind == "bodies" and target.startswith(f"{name} on ")
+            if own or not gone.isdisjoint((target, target.rpartition(".")[0])):
+                study.drop(("record", target))
+                dropped.add(target)
+        for limit in list(_mapping(study.value, "limits")):
+            if limit.rpartition(" ")[0] in dropped:
+                study.drop(("limits", limit))
+        for request, spec in list(_mapping(study.value, "frf").items()):
+            ends = [str(spec.get(side, "")) for side in ("drive", "response")] if isinstance(spec, dict) else []
+            if any(end.rpartition(".")[0] in gone for end in ends):
+                study.drop(("frf", request))
+
+    def _find(self, draft: Draft | None, path: str, there: Here, may_be_new: bool = False) -> Steps | None:
+        """The steps of a path; an unknown one is noted with the nearest key, and None returned."""
+        if draft is None:
+            return None
+        if steps := _resolve(draft.value, path):
+            return steps
+        parent_text, _, last = path.rpartition(".")
+        first, keys = path.split(".", 1)[0], MODEL_KEYS | study_keys()
+        if may_be_new and parent_text == first and first in keys and first not in _NAMED:
+            _create(draft, first, there)
+        parent = _resolve(draft.value, parent_text) if parent_text else ()
+        if parent is not None and isinstance(draft.at(parent), dict):
+            if may_be_new and (parent or last in keys) and not _is_named(parent) and "[" not in last:
+                return (*parent, last)  # the schema knows whether there is such a key
+            _unknown(path, last, draft.at(parent) if parent else keys, there, new=_is_named(parent))
+            return None
+        reached, rest = _reach(draft.value, path)
+        known = draft.at(reached) if reached else keys
+        _unknown(path, rest.split(".", 1)[0], known if isinstance(known, dict | frozenset) else (), there)
+        return None
+
+
+def _create(draft: Draft, first: str, there: Here) -> None:
+    if not isinstance(draft.value.get(first), dict):
+        draft.value[first] = {}
+        draft.keys[first,] = draft.values[first,] = there.tree.position(there.steps, of_key=True)
+
+
+def _unknown(path: str, word: str, known: Any, there: Here, new: bool = False) -> None:
+    do = "; ".join(text for text in (nearest(word, known), "a new one goes under 'add:'" if new else "") if text)
+    there.wrong(f"the path '{path}', which does not exist", "a path of the files", do, of_key=True)
+
+
+def _mapping(value: Mapping[str, Any], key: str) -> dict[str, Any]:
+    inside = value.get(key)
+    return inside if isinstance(inside, dict) else {}
+
+
+def _is_named(steps: Steps) -> bool:
+    return (len(steps) == 1 and steps[0] in _NAMED) or steps in _NAMED_INSIDE
+
+
+def _told(value: Any) -> str:
+    if isinstance(value, dict):
+        return "{" + ", ".join(f"{key}: {_told(item)}" for key, item in value.items()) + "}"
+    if isinstance(value, list):
+        return "[" + ", ".join(_told(item) for item in value) + "]"
+    return shown_as(value).strip("'")
+
+
+def _resolve(value: Any, path: str) -> Steps | None:
+    """Steps of a dotted path in a tree, keys that contain dots included; None when it does not lead anywhere.
+
+    >>> _resolve({"record": {"O_s.z": ["velocity"]}}, "record.O_s.z[0]")
+    ('record', 'O_s.z', 0)
+    """
+    steps, rest = _reach(value, path)
+    return steps if not rest else None
+
+
+def _reach(value: Any, path: str) -> tuple[Steps, str]:
+    """How far a path leads: the steps that exist, and the rest of the text."""
+    steps: list[str | int] = []
+    pieces = path.replace("[", ".").replace("]", "").split(".") if path else []
+    while pieces:
+        longest, step = 0, ""  # type: int, str | int
+        if isinstance(value, dict):
+            longest = next((n for n in range(len(pieces), 0, -1) if ".".join(pieces[:n]) in value), 0)
+            step = ".".join(pieces[:longest])
+        elif isinstance(value, list) and _INDEX.fullmatch(pieces[0]) and int(pieces[0]) < len(value):
+            longest, step = 1, int(pieces[0])
+        if not longest:
+            break
+        value, pieces = value[step], pieces[longest:]
+        steps.append(step)
+    return tuple(steps), ".".join(pieces)
