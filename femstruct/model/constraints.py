@@ -7,7 +7,7 @@ import scipy
 from scipy.sparse import csr_array, vstack
 
 from femstruct.arrays import Floats, Integers
-from femstruct.conventions import DIRECTIONS, N_COMPONENTS, TWIST
+from femstruct.conventions import DIRECTIONS, N_COMPONENTS
 from femstruct.errors import InputError, some_of
 from femstruct.model.anchors import listed, places_of, point_rows
 from femstruct.model.fastened import Elastic, Tie
@@ -34,9 +34,7 @@ def support(item: Support, model: Model, tolerance: float) -> Tie:
         raise InputError(f"{where}.on", got=f"'{name}'", expected=f"a part with nodes: {some_of(model.parts)}")
     part = model.parts[name]
     if item.edge is None and item.line is None:
-        components = np.eye(N_COMPONENTS)[listed(where, _named(item))]
-        if item.fix == "clamped" and part.has_twist:
-            components = np.eye(N_COMPONENTS)
+        components = part.clamped if item.fix == "clamped" else np.eye(N_COMPONENTS)[listed(where, _named(item))]
         return _held(item.name, part.nodes, components, n_nodes)
     pieces = []
     for nodes, clamped, simple in part.edges(item, tolerance):
@@ -61,8 +59,8 @@ def _named(item: Support) -> object:
 def joint(item: Joint, model: Model, tolerance: float) -> tuple[Tie | None, Elastic | None]:
     """Equations, and springs where a stiffness is given, between the coincident nodes of two parts.
 
-    A block takes along the nodes of the other part that lie in it. A rigid joint of two bfs16 plates along a line also
-    makes the slope across the line continuous between nodes; where one lies on a block it cannot twist.
+    A block takes along the nodes of the other part that lie in it. A rigid joint of two parts along a line also
+    equates what both have there beside their motion (`Meshed.along`); what lies on a block is flat (`Meshed.flat`).
     """
     where = f"joints.{item.name}"
     for end in (item.a, item.b):
@@ -90,9 +88,9 @@ def joint(item: Joint, model: Model, tolerance: float) -> tuple[Tie | None, Elas
     at = model.mesh.points[pairs[:, 0 if other.box is not None and one.box is None else 1]]
     tie = _relative(item.name, pairs, at, components, model) if stiff else None
     if tie is not None and item.kind == "rigid" and not springy:
-        twist = _flat_rows(item, model, pairs) if boxes else _twist_rows(item, model, pairs)
-        rows = csr_array(vstack([tie.rows, twist]))
-        tie = Tie(item.name, rows, np.concatenate([tie.directions, np.zeros((twist.shape[0], 3))]), grounded=False)
+        beside = _flat_rows(item, model, pairs) if boxes else _common_rows(item, model, pairs)
+        rows = csr_array(vstack([tie.rows, beside]))
+        tie = Tie(item.name, rows, np.concatenate([tie.directions, np.zeros((beside.shape[0], 3))]), grounded=False)
     if not springy:
         return tie, None
     relative = _relative(item.name, pairs, at, np.eye(N_COMPONENTS)[springy], model)
@@ -121,27 +119,23 @@ def _relative(name: str, pairs: Integers, at: Floats, components: Floats, model:
 
 
 def _flat_rows(item: Joint, model: Model, pairs: Integers) -> csr_array:
-    """No twist of a bfs16 plate where several of its nodes follow a block: it is flat there, and so are its edges."""
+    """What vanishes of a part several nodes of which follow a block."""
     n_nodes = model.mesh.n_nodes
     for name, nodes in zip((item.a, item.b), pairs.T, strict=True):
-        if model.parts[name].has_twist and len(nodes) > 1:
-            return _held(item.name, nodes, np.eye(N_COMPONENTS)[[TWIST]], n_nodes).rows
+        if len(flat := model.parts[name].flat) and len(nodes) > 1:
+            return _held(item.name, nodes, flat, n_nodes).rows
     return csr_array((0, n_nodes * N_COMPONENTS))
 
 
-def _twist_rows(item: Joint, model: Model, pairs: Integers) -> csr_array:
-    """Equal twist where two bfs16 plates meet: the rate of turning about the common line s is +TWIST for a plate with s
-    along its x, -TWIST along its y."""
+def _common_rows(item: Joint, model: Model, pairs: Integers) -> csr_array:
+    """What two parts have in common along the line of their nodes, where both have it."""
     n_nodes = model.mesh.n_nodes
-    none = csr_array((0, n_nodes * N_COMPONENTS))
-    sides = [model.parts[name].own_axes for name in (item.a, item.b) if model.parts[name].has_twist]
-    if len(sides) < 2 or len(pairs) < 2:
-        return none
     line = model.mesh.points[pairs[-1, 0]] - model.mesh.points[pairs[0, 0]]
-    first, second = (1.0 if axes is not None and abs(axes[0] @ line) > abs(axes[1] @ line) else -1.0 for axes in sides)
-    unit = np.eye(N_COMPONENTS)[[TWIST]]
-    one, other = (_held(item.name, nodes, unit, n_nodes).rows for nodes in pairs.T)
-    return csr_array(first * one - second * other)
+    sides = [model.parts[name].along(line) for name in (item.a, item.b)]
+    if len(pairs) < 2 or len(sides[0]) != len(sides[1]):
+        return csr_array((0, n_nodes * N_COMPONENTS))
+    one, other = (_held(item.name, nodes, side, n_nodes).rows for nodes, side in zip(pairs.T, sides, strict=True))
+    return csr_array(one - other)
 
 
 def _pairs(item: Joint, model: Model, tolerance: float) -> Integers:

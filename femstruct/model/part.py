@@ -22,7 +22,7 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from femstruct.arrays import Floats, Integers
-from femstruct.conventions import COMPONENTS, N_COMPONENTS
+from femstruct.conventions import COMPONENTS, DIRECTIONS, N_COMPONENTS
 from femstruct.errors import Finding, InputError
 from femstruct.model.fastened import Elastic, Inert, Tie
 from femstruct.model.given import Given, given
@@ -218,10 +218,21 @@ class Meshed(ABC):
         """From its nodes to its face [3] [m]: a box that the face reaches into takes the node along."""
         return np.zeros(3)
 
+    # What its nodes have beside the six components of their motion is a matter of its kind:
+
     @property
-    def has_twist(self) -> bool:
-        """Whether its nodes have the twist as a degree of freedom."""
-        return False
+    def clamped(self) -> Floats:
+        """What is held of nodes that are clamped, as components [m, 7]."""
+        return np.eye(len(DIRECTIONS), N_COMPONENTS)
+
+    @property
+    def flat(self) -> Floats:
+        """What vanishes, beside the six, at nodes of it that lie on a rigid face, as components [m, 7]."""
+        return np.zeros((0, N_COMPONENTS))
+
+    def along(self, line: Floats) -> Floats:
+        """What two parts have in common, beside the six, at nodes joined along a line [3], as components [m, 7]."""
+        return np.zeros((0, N_COMPONENTS))
 
     def edges(self, item: Support, tolerance: float) -> list[tuple[Integers, Floats, Floats]]:
         """Nodes of each edge or line a support names, and the components [m, 7] it holds there, clamped and simple."""

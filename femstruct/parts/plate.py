@@ -197,8 +197,18 @@ class PlateMesh(Meshed):
         return half
 
     @property
-    def has_twist(self) -> bool:
-        return plate.dofs_per_node(self.part.element) > 3
+    def clamped(self) -> Floats:
+        return np.concatenate([np.eye(TWIST, N_COMPONENTS), self.flat])
+
+    @property
+    def flat(self) -> Floats:
+        """No twist on a rigid face, where the plate and so its edges are flat; with bfs16, whose nodes have one."""
+        return np.eye(N_COMPONENTS)[TWIST:] if plate.dofs_per_node(self.part.element) > 3 else super().flat
+
+    def along(self, line: Floats) -> Floats:
+        """Slopes across a line are continuous between nodes where the rate of turning about it is: +TWIST on a plate
+        with the line along its x, -TWIST along its y."""
+        return self.flat if abs(self.axes[0] @ line) > abs(self.axes[1] @ line) else -self.flat
 
     def dofs(self) -> OwnDofs:
         """w, the two rotations about its own axes and, for bfs16, the twist of every node; in its plane it is rigid:
