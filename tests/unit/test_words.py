@@ -58,7 +58,10 @@ def test_messages_use_the_terms_of_the_field(path: Path) -> None:
     assert not told, f"docs/terms.md says what to write instead: {told}"
 
 
-@pytest.mark.parametrize("path", [*PAGES, *sorted((ROOT / "docs").glob("*.md"))], ids=lambda path: path.name)
+DOCUMENTS = [*PAGES, *sorted((ROOT / "docs").glob("*.md")), *sorted((ROOT / "models").glob("*.yaml"))]
+
+
+@pytest.mark.parametrize("path", DOCUMENTS, ids=lambda path: path.name)
 def test_documents_use_the_terms_of_the_field(path: Path) -> None:
     lines = re.sub("`[^`\n]*`", "CODE", path.read_text(encoding="utf-8").split(HEADING)[0]).splitlines()
     told = [f"{path.name}:{number}: {words}" for number, line in enumerate(lines, 1) if (words := words_in(line))]
