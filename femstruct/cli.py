@@ -167,6 +167,32 @@ def plot(
 
 
 @_command
+def export(
+    results: ResultsFile,
+    to: Annotated[Literal["csv", "xlsx"], typer.Option("--to", metavar="csv|xlsx", help="kind of file")] = "csv",
+    output: Annotated[Path, typer.Option("-o", "--output", metavar="DIR", help="default: here")] = Path(),
+    as_json: AsJson = False,
+) -> int:
+    """Write tables of a results file for a spreadsheet. Third octaves and ratings of all cases come first."""
+    from femstruct.files.atomic import refuse_unwritable
+    from femstruct.files.sheets import sheets, write_csv, write_workbook
+    from femstruct.files.stored import read_results
+    from femstruct.results_commands import results_file
+
+    refuse_unwritable(output)
+    source = results_file(results)
+    tables = sheets(read_results(source))
+    output.mkdir(parents=True, exist_ok=True)
+    name = source.absolute().parent.name if source.stem == "results" else source.stem
+    paths = [str(path) for path in (write_csv if to == "csv" else write_workbook)(tables, output, name)]
+    if as_json:
+        print_json({"written": paths})
+    else:
+        print(*paths, sep="\n")
+    return GOOD
+
+
+@_command
 def warm_up() -> int:
     """Compile the simulation kernels now. This takes about 15 seconds, once; otherwise the first simulation does it."""
     from femstruct.impact.compiled.store import folder

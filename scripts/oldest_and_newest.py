@@ -17,7 +17,7 @@ from pathlib import Path
 ROOT = Path(__file__).parents[1]
 _TYPES = ("ruff", "mypy", "scipy-stubs")  # they check the newest only, and ask for new packages
 _OF_ITS_TIME = ["click<8.5", "pyparsing<3.3"]  # what old typer and matplotlib call, the newest warn of
-_PRODUCT = ("rslab",)  # of the tests' own packages: those that users install too
+_PRODUCT = ("rslab", "xlsxwriter")  # of the tests' own packages: those that users install too
 
 
 def requirements(age: str, pyproject: str) -> list[str]:

@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+import csv
 import json
 import shutil
+import sys
+import zipfile
 from pathlib import Path
+from xml.etree import ElementTree
 
+import numpy as np
 import pytest
 from typer.testing import CliRunner
 
@@ -13,6 +18,7 @@ from femstruct.cli import app
 from femstruct.errors import FemstructError, InputError
 from femstruct.exits import leave_with
 from femstruct.files.belongings import NAME
+from femstruct.files.sheets import Sheet, _rows
 from femstruct.files.stored import read_results
 from femstruct.view.report import report
 from femstruct.workflow.run import run as solving
@@ -141,7 +147,7 @@ def test_what_is_read_draws_what_was_run(folder: Path) -> None:
     assert "<h1>" in page and "bedroom" in page
 
 
-@pytest.mark.parametrize("command", [["report"], ["plot", "energy"]])
+@pytest.mark.parametrize("command", [["report"], ["plot", "energy"], ["export"]])
 def test_no_file_and_no_whole_file(folder: Path, tmp_path: Path, command: list[str]) -> None:
     """One plain sentence each, and 2."""
     word, *more = command
@@ -158,3 +164,58 @@ def test_errors_are_of_this_project(folder: Path, tmp_path: Path) -> None:
     with pytest.raises(InputError, match="no such file"):
         read_results(tmp_path)
     assert issubclass(InputError, FemstructError)
+
+
+def cells(path: Path, sheet: int) -> list[list[float | str]]:
+    """A sheet of a workbook as Excel reads it: numbers, and texts by their number in the shared table."""
+    name = "{http://schemas.openxmlformats.org/spreadsheetml/2006/main}"
+    with zipfile.ZipFile(path) as book:
+        texts = ["".join(one.itertext()) for one in ElementTree.fromstring(book.read("xl/sharedStrings.xml"))]
+        page = ElementTree.fromstring(book.read(f"xl/worksheets/sheet{sheet}.xml"))
+
+    def value(cell: ElementTree.Element) -> float | str:
+        text = cell.findtext(f"{name}v", "")
+        return texts[int(text)] if cell.get("t") == "s" else float(text)
+
+    return [[value(cell) for cell in row if cell.find(f"{name}v") is not None] for row in page.iter(f"{name}row")]
+
+
+def test_export_writes_what_the_nouns_say(folder: Path, tmp_path: Path, unsolved: None) -> None:
+    """Third octaves first, then ratings, of all cases: as comma-separated values and as a workbook."""
+    result = read_results(folder / "results.h5")
+    code, told = call("export", folder, "--to", "csv", "-o", tmp_path, "--json")
+    paths = json.loads(told)["written"]
+    assert code == 0 and [Path(path).name for path in paths[:2]] == ["out.third_octaves.csv", "out.ratings.csv"]
+    with Path(paths[0]).open(encoding="utf-8-sig", newline="") as file:
+        head, *rows = csv.reader(file)
+    assert head[:2] == ["band_hz", "as it is: bedroom.mic.1 bands_db"] and len(head) == 1 + 2 * 2
+    levels = result.cases["thick"].levels["bedroom.mic.2"].bands_db
+    found = {float(row[0]): float(row[4]) if row[4] else None for row in rows}
+    assert found == {band: level if np.isfinite(level) else None for band, level in levels.items()}
+    with Path(paths[1]).open(encoding="utf-8-sig", newline="") as file:
+        ratings = list(csv.DictReader(file))
+    rated = {
+        (name, symbol): one
+        for name, case in result.cases.items()
+        for symbol, one in case.rated["bedroom"].numbers.items()
+    }
+    assert [(row["case"], row["number"]) for row in ratings] == list(rated)
+    assert [float(row["value_db"]) for row in ratings] == [one.value_db for one in rated.values()]
+    code, told = call("export", folder, "--to", "xlsx", "-o", tmp_path)
+    assert code == 0 and told.strip() == str(tmp_path / "out.xlsx")
+    assert cells(tmp_path / "out.xlsx", 1)[0] == head
+    assert [row[3] for row in cells(tmp_path / "out.xlsx", 2)[1:]] == [one.value_db for one in rated.values()]
+
+
+def test_export_without_its_package_says_what_to_install(
+    folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "xlsxwriter", None)
+    code, told = call("export", folder, "--to", "xlsx", "-o", tmp_path)
+    assert code == 2 and "pip install 'femstruct[office]'" in told and not list(tmp_path.iterdir())
+
+
+def test_blows_have_a_row_each() -> None:
+    """Lists of a table are rows, and what is one number is repeated."""
+    rows = _rows("blows", ("case",), [(("a",), {"t_s": [0.0, 1.0], "growth": 2.0, "inner": {}})])
+    assert rows == Sheet("blows", ("case", "t_s", "growth"), [("a", 0.0, 2.0), ("a", 1.0, 2.0)])

@@ -1,0 +1,125 @@
+"""Results as plain tables for a spreadsheet: one file of comma-separated values a table, or one workbook."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any, Final, NamedTuple
+
+from femstruct.errors import InputError
+from femstruct.files.atomic import replacing, short
+from femstruct.files.tables import Table, summary
+from femstruct.study.result import StudyResult
+
+Cell = str | float | int | bool | None
+BANDS: Final = (  # sheet, table of the summary, what of it
+    ("third octaves", "levels", "bands_db"),
+    ("third octaves total", "total_levels", "bands_db"),
+    ("octaves", "levels", "octaves_db"),
+    ("exposures", "levels", "exposure_db"),
+    ("rated bands", "rated", "bands_db"),
+    ("sound energy bands", "sound_energy", "bands_db"),
+)
+ROWS: Final = (  # tables of the summary with a row for every name
+    "levels", "total_levels", "own_levels", "sound_energy", "limits", "peaks", "contacts", "bodies", "blows",
+)  # fmt: skip
+LONGEST: Final = 31  # characters of a sheet's name
+
+
+class Sheet(NamedTuple):
+    """A table: its name, its columns, its rows; a cell is None where a number does not exist."""
+
+    name: str
+    columns: tuple[str, ...]
+    rows: list[tuple[Cell, ...]]
+
+
+def sheets(result: StudyResult) -> tuple[Sheet, ...]:
+    """All tables of a study that have rows: third octaves and ratings first, as columns and rows of all cases.
+
+    Columns are named as in JSON, with their units: "peak_force_n".
+    """
+    table = summary(result)
+    cases: Mapping[str, Table] = table["cases"]
+    numbers = [
+        ((case, room, symbol), one)
+        for case, own in cases.items()
+        for room, rated in own["rated"].items()
+        for symbol, one in rated["numbers"].items()
+    ]
+    thirds, *others = (_by_band(cases, *which) for which in BANDS)
+    changes = [((case, name), one) for case, own in table["comparison"].items() for name, one in own["peaks"].items()]
+    findings = [((one["code"],), one | {"cases": ", ".join(one["cases"])}) for one in table["findings"]]
+    made = (
+        thirds,
+        _rows("ratings", ("case", "room", "number"), numbers),
+        *others,
+        *(_rows(name.replace("_", " "), ("case", "name"), _named(cases, name)) for name in ROWS),
+        _rows("changes of peaks", ("case", "name"), changes),
+        _rows("findings", ("finding",), findings),
+    )
+    return tuple(sheet for sheet in made if sheet.rows)
+
+
+def _named(cases: Mapping[str, Table], table: str) -> list[tuple[tuple[str, ...], Table]]:
+    return [((case, name), one) for case, own in cases.items() for name, one in own[table].items()]
+
+
+def _by_band(cases: Mapping[str, Table], name: str, table: str, what: str) -> Sheet:
+    """A row for every band of any case, a column for every case and place."""
+    columns = {f"{case}: {place}": one[what] for (case, place), one in _named(cases, table)}
+    bands = sorted({band for values in columns.values() for band in values}, key=float)
+    rows: list[tuple[Cell, ...]] = [(float(band), *(values.get(band) for values in columns.values())) for band in bands]
+    return Sheet(name, ("band_hz", *(f"{column} {what}" for column in columns)), rows)
+
+
+def _rows(name: str, keys: tuple[str, ...], found: Sequence[tuple[tuple[str, ...], Table]]) -> Sheet:
+    """A row for every table, or where it has lists one for each of their places; tables within tables are left out."""
+    flat = [(named, row) for named, one in found for row in _flat(one)]
+    columns = list(dict.fromkeys(column for _, row in flat for column in row))
+    return Sheet(name, (*keys, *columns), [(*named, *(row.get(column) for column in columns)) for named, row in flat])
+
+
+def _flat(table: Table) -> Iterator[dict[str, Cell]]:
+    plain = {name: value for name, value in table.items() if not isinstance(value, Mapping)}
+    listed = {name: value for name, value in plain.items() if isinstance(value, list)}
+    for place in range(max(map(len, listed.values()), default=1)):
+        yield {name: value[place] if name in listed else value for name, value in plain.items()}
+
+
+def write_csv(tables: Sequence[Sheet], folder: Path, name: str) -> list[Path]:
+    """A file NAME.TABLE.csv for every table, that spreadsheets know for UTF-8 by its mark; returns the files."""
+    paths = [folder / f"{short(name)}.{sheet.name.replace(' ', '_')}.csv" for sheet in tables]
+    for path, sheet in zip(paths, tables, strict=True):
+        with replacing(path) as temporary, temporary.open("w", encoding="utf-8-sig", newline="") as file:
+            csv.writer(file).writerows([sheet.columns, *sheet.rows])
+    return paths
+
+
+def write_workbook(tables: Sequence[Sheet], folder: Path, name: str) -> list[Path]:
+    """One workbook NAME.xlsx with a sheet for every table; returns the file.
+
+    Raises InputError where the package that writes it is not installed.
+    """
+    try:
+        import xlsxwriter
+    except ImportError:
+        raise InputError(
+            "--to xlsx",
+            got="no package xlsxwriter",
+            expected="it installed",
+            do="pip install 'femstruct[office]', or use --to csv",
+        ) from None
+    path = folder / f"{short(name)}.xlsx"
+    with replacing(path) as temporary:
+        book: Any = xlsxwriter.Workbook(temporary, {"strings_to_formulas": False, "strings_to_urls": False})
+        head = book.add_format({"bold": True, "text_wrap": True})
+        for sheet in tables:
+            page = book.add_worksheet(sheet.name[:LONGEST])
+            page.freeze_panes(1, 1)
+            for number, row in enumerate([sheet.columns, *sheet.rows]):
+                page.write_row(number, 0, row, None if number else head)
+            page.autofit()
+        book.close()
+    return [path]
