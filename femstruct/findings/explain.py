@@ -21,7 +21,7 @@ def explanation(entry: Entry) -> str:
     <BLANKLINE>
       raised when    a part sags by more than the threshold share of the size of the
                      structure
-      threshold      10 % of the size: springs are not built that soft (source: engineering
+      threshold      10 % of the size: springs are not built so soft (source: engineering
                      judgement)
       what to do     Check the units of springs, layers and moduli, unless they are soft on
                      purpose.

@@ -11,7 +11,7 @@ IMPACT: Final = (
         "energy-drift",
         "The energy balance does not close.",
         LIMITS,
-        "the residual of the energy ledger is more than the threshold share of the energy put in",
+        "the residual of the energy balance is more than the threshold share of the energy put in",
         "Shorten the window. In Python, give 'Clock' a smaller tolerance.",
         (
             Limit(

@@ -20,7 +20,7 @@ LEVELS: Final = (
         "Rated bands are blank, because the modes end below them.",
         LIMITS,
         "the upper edge of a rated band lies above the last mode of the floor or of the room",
-        "Give 'modes: {up_to: F}' with the stated F. Single numbers are lower limits ('at least').",
+        "Give 'modes: {up_to: F}' with the stated F. Single numbers are lower bounds ('at least').",
     ),
     Entry(
         "rating-of-few-places",

@@ -26,7 +26,7 @@ MODES: Final = (
             Limit(
                 2.0,
                 "cells a bending wavelength",
-                "below, modes are those of the mesh",
+                "below, the mesh cannot represent the wave",
                 "sampling theorem",
                 "waves.NO_WAVE",
                 forbids=True,
@@ -58,7 +58,9 @@ MODES: Final = (
             Limit(
                 0.005, "% of the first frequency", "less is below the error of a mesh", _MINDLIN, "theory.NOTABLE_SHEAR"
             ),
-            Limit(0.5, "% of the first frequency", "no plate any more", CHOSEN, "theory.GROSS_SHEAR", forbids=True),
+            Limit(
+                0.5, "% of the first frequency", "it is no longer a plate", CHOSEN, "theory.GROSS_SHEAR", forbids=True
+            ),
         ),
         forbids="the first frequency is more than 50 % too high",
     ),
@@ -67,7 +69,7 @@ MODES: Final = (
         "The plate is thick for the short waves at the highest frequency.",
         LIMITS,
         "the bending wavelength is shorter than a number of thicknesses",
-        "Read the highest bands as a lower limit; the message states the missing level in dB.",
+        "Read the highest bands as a lower bound; the message states the missing level in dB.",
         (
             Limit(
                 10.0,

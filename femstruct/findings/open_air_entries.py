@@ -31,7 +31,15 @@ OPEN_AIR: Final = (
         LIMITS,
         "a receiver is nearer than some point distances",
         "Place the receiver further away, or use a finer mesh.",
-        (Limit(2.0, "point distances", "Rayleigh's integral is a sum", CHOSEN, "rayleigh.NEAR"),),
+        (
+            Limit(
+                2.0,
+                "point distances",
+                "nearer, single points matter in the sum for Rayleigh's integral",
+                CHOSEN,
+                "rayleigh.NEAR",
+            ),
+        ),
     ),
     Entry(
         "power-beyond-modes",
@@ -53,7 +61,7 @@ OPEN_AIR: Final = (
         "The sound energy is not subtracted from the structure, although it is a part of its losses.",
         LIMITS,
         "the sound energy is more than the threshold share of what the structure lost in its own damping",
-        "Increase the loss factor by this share, or read the levels as upper limits.",
+        "Increase the loss factor by this share, or read the levels as upper bounds.",
         (Limit(0.1, "% of the losses", "amplitudes decay 5 % faster", "sqrt(1 + 0.1)", "femstruct.sound.power.FELT"),),
     ),
     Entry(
@@ -75,7 +83,7 @@ OPEN_AIR: Final = (
             Limit(
                 3.0,
                 "points a wavelength, counted at all",
-                "below, sums mean nothing",
+                "below, the sum over points is not valid",
                 CHOSEN,
                 "sound_energy.FEWEST_POINTS",
             ),
@@ -113,7 +121,7 @@ OPEN_AIR: Final = (
             Limit(
                 0.1,
                 "% of the radius",
-                "1 dB, since sound goes with the height",
+                "1 dB, since sound is proportional to the height",
                 CHOSEN,
                 "femstruct.sound.impactor.MOVED",
             ),
@@ -141,7 +149,7 @@ OPEN_AIR: Final = (
         "The sphere is too large for the highest frequencies of its push.",
         LIMITS,
         "more than the threshold share of the energy of the push lies above the last computed frequency",
-        "Read the highest bands of its own sound as lower limits.",
+        "Read the highest bands of its own sound as lower bounds.",
         (
             Limit(1e-3, "% of the energy of the acceleration", "less is not audible", CHOSEN, "sphere.UNSAMPLED"),
             Limit(24.0, "wavelengths, circumference", "multipoles end there", CHOSEN, "sphere.HIGHEST_KA"),

@@ -152,7 +152,7 @@ STRUCTURE: Final = (
         "Ribs beside the mid-surface are too stiff, because plates cannot stretch in their own plane here.",
         LIMITS,
         "a frequency of the rib with its strip of plate is too high by more than the threshold",
-        "Model bars without 'offsets' as the lower limit of the stiffness, and report both.",
+        "Model bars without 'offsets' as a lower bound of the stiffness, and report both.",
         (
             Limit(1e-3, "of a frequency", "less is below other errors", _SOLIDS, "eccentric.NOTABLE"),
             Limit(1e-2, "of a frequency", "the usual error of a mesh", _SOLIDS, "eccentric.SEVERE", forbids=True),
@@ -202,7 +202,7 @@ STRUCTURE: Final = (
         LIMITS,
         "a part sags by more than the threshold share of the size of the structure",
         "Check the units of springs, layers and moduli, unless they are soft on purpose.",
-        (Limit(0.1, "% of the size", "springs are not built that soft", CHOSEN, "structure_findings.FAR"),),
+        (Limit(0.1, "% of the size", "springs are not built so soft", CHOSEN, "structure_findings.FAR"),),
     ),
     Entry(
         "leaning-block",

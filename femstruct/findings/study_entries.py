@@ -54,7 +54,7 @@ STUDY: Final = (
         "The best value of a parameter is zero, the end of its range.",
         REMARK,
         "the fit ends at 0",
-        "Remove the parameter, or quote its upper limit.",
+        "Remove the parameter, or quote its upper bound.",
     ),
     Entry(
         "parameter-open",
