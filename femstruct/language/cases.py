@@ -180,8 +180,7 @@ def _model_tree(there: Here, name: Any) -> Tree | None:
     """The model file a study names, beside it; None with mistakes noted."""
     if name is None:
         return None  # the schema notes that it is missing
-    named = isinstance(name, str) and bool(name.strip())
-    if not there.need(named, shown_as(name), "the name of a model file"):
+    if not there.need(isinstance(name, str) and bool(name.strip()), shown_as(name), "the name of a model file"):
         return None
     tree = there.make(lambda: read_yaml(beside(there.tree.file, name), there.position, there.path))
     sound = tree is not None and there.make(lambda: refuse_kind(tree, "model", MODEL_KEYS, study_keys))

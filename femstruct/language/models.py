@@ -119,8 +119,9 @@ def _refuse_if_set_again(patch: Patch, path: str, there: Here) -> None:
     """An override that every case undoes would do nothing."""
     cases = patch.study.value.get("cases") if patch.study else None
     if isinstance(cases, dict) and cases and all(isinstance(one, dict) and path in one for one in cases.values()):
-        do = f"set 'cases.{next(iter(cases))}.{path}' instead"
-        there.at(path).wrong("a path that every case sets itself", "another path", do)
+        there.at(path).wrong(
+            "a path that every case sets itself", "another path", f"set 'cases.{next(iter(cases))}.{path}' instead"
+        )
 
 
 def refuse_kind(tree: Tree, wanted: str, own: frozenset[str], others: Callable[[], frozenset[str]]) -> bool:
@@ -131,11 +132,16 @@ def refuse_kind(tree: Tree, wanted: str, own: frozenset[str], others: Callable[[
     other, here = others(), Here(tree, mistakes)
     if keys & other:
         found = "study" if wanted == "model" else "model"
-        first = next(key for key in tree.value if key in other)
-        here.at(first).wrong(f"a {found} file", f"a {wanted} file", of_key=True)
+        here.at(next(key for key in tree.value if key in other)).wrong(
+            f"a {found} file", f"a {wanted} file", of_key=True
+        )
     elif "title" not in keys and not any(near_name(key, own | other) for key in keys):
-        do = f"a {wanted} has {', '.join(sorted(own)[:4])}, ..."
-        here.wrong("a file without a key of the language", f"a {wanted} file", do, of_key=True)
+        here.wrong(
+            "a file without a key of the language",
+            f"a {wanted} file",
+            f"a {wanted} has {', '.join(sorted(own)[:4])}, ...",
+            of_key=True,
+        )
     mistakes.stop_if_any()
     return True
 

@@ -51,15 +51,21 @@ def check_names(model: Tree | None, study: Tree | None, mistakes: Mistakes) -> N
         here = Here(study, mistakes)
         _check_file_names(here.at("cases"), _mapping(study.value, "cases"))
         for room in _mapping(study.value, "rooms"):
-            receivers = _mapping(_mapping(study.value["rooms"], room), "receivers")
-            _check_file_names(here.at("rooms", room, "receivers"), receivers)
+            _check_file_names(
+                here.at("rooms", room, "receivers"), _mapping(_mapping(study.value["rooms"], room), "receivers")
+            )
     for tree in [tree for tree in (model, study) if tree is not None]:
         for group in (*NAMESPACE, "materials", "sections", "frf"):
             for name in _mapping(tree.value, group):
                 there = Here(tree, mistakes).at(group, name)
                 if _is_good(there, name, _PLAIN) and group in NAMESPACE:
-                    got = f"'{name}', which names one of the {seen.get(name)} already"
-                    there.need(name not in seen, got, "one name for one thing", "rename one", of_key=True)
+                    there.need(
+                        name not in seen,
+                        f"'{name}', which names one of the {seen.get(name)} already",
+                        "one name for one thing",
+                        "rename one",
+                        of_key=True,
+                    )
                     seen.setdefault(name, group)
 
 
@@ -68,11 +74,13 @@ def _check_file_names(here: Here, names: Mapping[str, Any]) -> None:
     files: dict[str, str] = {}
     for name in names:
         first = files.setdefault(re.sub(r"\W+", "_", name).lower(), name)
-        got, expected = (
+        here.at(name).need(
+            first == name,
             f"'{name}' and '{first}', whose files would have one name",
             "names that differ in letters or digits",
+            "rename one",
+            of_key=True,
         )
-        here.at(name).need(first == name, got, expected, "rename one", of_key=True)
         _is_good(here.at(name), name, _FILE)
 
 

@@ -160,8 +160,9 @@ class Patch:
         steps = self._find(draft, path, there)
         if draft is None or steps is None:
             return
-        of_list = isinstance(steps[-1], int)
-        if there.need(not of_list, f"'{path}'", "a key of a mapping", "set the whole list", of_key=True):
+        if there.need(
+            not isinstance(steps[-1], int), f"'{path}'", "a key of a mapping", "set the whole list", of_key=True
+        ):
             draft.drop(steps)
             self.changes[path] = "removed"
             if len(steps) == 2:
@@ -222,8 +223,12 @@ def _create(draft: Draft, first: str, there: Here) -> None:
 
 
 def _unknown(path: str, word: str, known: Any, there: Here, new: bool = False) -> None:
-    do = "; ".join(text for text in (nearest(word, known), "a new one goes under 'add:'" if new else "") if text)
-    there.wrong(f"the path '{path}', which does not exist", "a path of the files", do, of_key=True)
+    there.wrong(
+        f"the path '{path}', which does not exist",
+        "a path of the files",
+        "; ".join(text for text in (nearest(word, known), "a new one goes under 'add:'" if new else "") if text),
+        of_key=True,
+    )
 
 
 def _mapping(value: Mapping[str, Any], key: str) -> dict[str, Any]:

@@ -32,8 +32,11 @@ def read_mesh(path: Path, sources: dict[str, str]) -> CavityMesh:
     Raises InputError.
     """
     if path.suffix.lower() in _NAMELESS:  # HDF5 may hang on a damaged one, and XDMF names files of its own
-        got = f"'{path.name}', of which meshio reads no named surfaces"
-        raise InputError("", got=got, expected="a mesh with named surfaces, as of Gmsh")
+        raise InputError(
+            "",
+            got=f"'{path.name}', of which meshio reads no named surfaces",
+            expected="a mesh with named surfaces, as of Gmsh",
+        )
     digest = hashlib.sha256(content(path, LARGEST, "a mesh file, named from the study's folder")).hexdigest()
     try:
         mesh = _read(path)
@@ -49,8 +52,9 @@ def read_mesh(path: Path, sources: dict[str, str]) -> CavityMesh:
     try:
         found = CavityMesh(points[used], number[cells], walls)
     except AcousticsError as error:
-        got = f"'{path.name}', {error.where}: {error.got}"
-        raise InputError("", got=got, expected=error.expected, do=error.do) from None
+        raise InputError(
+            "", got=f"'{path.name}', {error.where}: {error.got}", expected=error.expected, do=error.do
+        ) from None
     sources[str(path)] = f"sha256 {digest}, {len(cells)} cells, {len(used)} points, walls {', '.join(walls)}\n"
     return found
 
@@ -66,8 +70,9 @@ def _cells(mesh: Any) -> Integers:
     """Corners of the cells of the one kind there is [m, 4 or 8]."""
     kinds = {_CELLS[block.type] for block in mesh.cells if block.type in _CELLS}
     if len(kinds) != 1:
-        got = "tetrahedra and hexahedra" if kinds else "neither tetrahedra nor hexahedra"
-        raise InputError("", got=got, expected=_EXPECTED)
+        raise InputError(
+            "", got=("tetrahedra and hexahedra" if kinds else "neither tetrahedra nor hexahedra"), expected=_EXPECTED
+        )
     (corners,) = kinds
     blocks = [block.data[:, :corners] for block in mesh.cells if block.type in _CELLS]
     return np.concatenate(blocks).astype(np.int64)

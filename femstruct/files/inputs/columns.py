@@ -55,8 +55,7 @@ def read_columns(path: Path, dimensions: tuple[str, str], sources: dict[str, str
         text = content(path, LARGEST, "a CSV file beside the study").decode("utf-8-sig")
         rows = list(csv.reader(io.StringIO(text)))
     except (UnicodeDecodeError, csv.Error):
-        expected = "a CSV file of text in UTF-8"
-        raise InputError("", got=f"'{path}', which is no table", expected=expected) from None
+        raise InputError("", got=f"'{path}', which is no table", expected="a CSV file of text in UTF-8") from None
     sources[str(path)] = text
     scales, header = [1.0, 1.0], True
     pairs: list[list[float]] = []
@@ -66,8 +65,12 @@ def read_columns(path: Path, dimensions: tuple[str, str], sources: dict[str, str
             continue
         try:
             if len(cells) != 2:
-                do = "separate them by a comma, and write decimals with a point"
-                raise InputError("", got=f"{len(cells)} columns", expected=f"two: {_WORDS[dimensions[0]]}", do=do)
+                raise InputError(
+                    "",
+                    got=f"{len(cells)} columns",
+                    expected=f"two: {_WORDS[dimensions[0]]}",
+                    do="separate them by a comma, and write decimals with a point",
+                )
             numbers = _numbers(cells)
             if numbers is not None:
                 pairs.append([value * scale for value, scale in zip(numbers, scales, strict=True)])

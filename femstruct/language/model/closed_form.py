@@ -39,8 +39,12 @@ class ClosedSpec(Spec):
 
     def check_point(self, here: Here, point: PointSpec) -> None:
         """Note what is wrong with a point on it."""
-        where = "the structure's own 'points'" if self.type == "modes" else "no points: there is no structure"
-        here.wrong(f"a point of structure '{self.type}'", where, "move or remove it", of_key=True)
+        here.wrong(
+            f"a point of structure '{self.type}'",
+            "the structure's own 'points'" if self.type == "modes" else "no points: there is no structure",
+            "move or remove it",
+            of_key=True,
+        )
 
 
 class NoStructureSpec(ClosedSpec):
@@ -79,12 +83,14 @@ class AlongSpec(ClosedSpec):
     def check_point(self, here: Here, point: PointSpec) -> None:
         expected = f"a position from 0 to {self.length:g} m"
         for one in point.at if isinstance(point.at, tuple) else ():
-            got = f"{one[0]:g} m" if len(one) == 1 else f"{len(one)} coordinates"
-            here.at("at").need(len(one) == 1 and 0 <= one[0] <= self.length, got, f"{expected} along it")
+            here.at("at").need(
+                len(one) == 1 and 0 <= one[0] <= self.length,
+                f"{one[0]:g} m" if len(one) == 1 else f"{len(one)} coordinates",
+                f"{expected} along it",
+            )
         here.at("at").need(point.at not in ("top", "bottom"), f"{point.at} of a {self.type}", expected, "write center")
         here.need(point.at is not None, "nothing", "'at'", "add 'at: 0'", of_key=True)
-        only = f"a position along the {self.type} only"
-        here.at("on").need(point.on is None, "'on'", only, "remove it", of_key=True)
+        here.at("on").need(point.on is None, "'on'", f"a position along the {self.type} only", "remove it", of_key=True)
 
 
 class RodSpec(AlongSpec):
@@ -145,8 +151,9 @@ class GivenModesSpec(ClosedSpec):
             raise FemstructError("structure.frequency", got=f"[{told}] Hz", expected="frequencies that ascend")
         for name, point in self.points.items():
             if len(point.shape) != count:
-                got = f"{len(point.shape)} values"
-                raise FemstructError(f"structure.points.{name}", got=got, expected=f"{count}, one a mode")
+                raise FemstructError(
+                    f"structure.points.{name}", got=f"{len(point.shape)} values", expected=f"{count}, one a mode"
+                )
         shapes = {name: tuple(point.shape) for name, point in self.points.items()}
         at = {name: point.at for name, point in self.points.items() if point.at is not None}
         return ModesModel(tuple(self.frequency), tuple(ratios), shapes, at)

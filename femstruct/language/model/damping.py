@@ -44,8 +44,9 @@ class DampingSpec(Spec):
 
     def check(self, here: Here) -> None:
         for mode in self.modes:
-            known = re.fullmatch("[1-9][0-9]{0,5}", mode)
-            here.at("modes", mode).need(known, f"'{mode}'", "a mode number from 1", of_key=True)
+            here.at("modes", mode).need(
+                re.fullmatch("[1-9][0-9]{0,5}", mode), f"'{mode}'", "a mode number from 1", of_key=True
+            )
 
     def given(self) -> dict[str, Any]:
         base = self.rayleigh.noun() if self.rayleigh is not None else damping.Ratio(self.ratio or 0.0)

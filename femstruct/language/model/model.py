@@ -57,11 +57,20 @@ class ModelSpec(Spec):
         """Every name it uses is there, of the right kind, and its keys agree with each other."""
         if self.structure is not None:
             for group in _OF_PARTS:
-                given, told = getattr(self, group), f"'{group}' beside 'structure'"
-                here.at(group).need(not given, told, "one of them", f"remove '{group}'", of_key=True)
+                here.at(group).need(
+                    not getattr(self, group),
+                    f"'{group}' beside 'structure'",
+                    "one of them",
+                    f"remove '{group}'",
+                    of_key=True,
+                )
         else:
-            do = "add 'parts: ...', or 'structure: none' for a study of bodies only"
-            here.need(self.parts, "no parts", "'parts' or 'structure'", do)
+            here.need(
+                self.parts,
+                "no parts",
+                "'parts' or 'structure'",
+                "add 'parts: ...', or 'structure: none' for a study of bodies only",
+            )
         check_references(ModelSpec, here)
         for group in _OF_PARTS:
             for name, one in getattr(self, group).items():
@@ -72,8 +81,9 @@ class ModelSpec(Spec):
             if self.structure is None:
                 point.check_on(there, self.parts)
                 continue
-            got = f"a patch of structure '{self.structure.type}'"
-            there.at("patch").need(point.patch is None, got, "a patch on a plate", "remove it")
+            there.at("patch").need(
+                point.patch is None, f"a patch of structure '{self.structure.type}'", "a patch on a plate", "remove it"
+            )
             self.structure.check_point(there, point)
 
     def build(self, title: str, here: Here) -> StructureModel | None:

@@ -74,8 +74,12 @@ class PointSpec(Spec):
         part = parts[self.on]
         if self.at is not None:
             part.check_place(here.at("at"), self.at)
-        plane = self.patch is None or "plate" in part.known_as
-        here.at("patch").need(plane, f"a patch on a {part.type}", "a patch on a plate", "remove it")
+        here.at("patch").need(
+            self.patch is None or "plate" in part.known_as,
+            f"a patch on a {part.type}",
+            "a patch on a plate",
+            "remove it",
+        )
 
     def place_on(self, name: str, parts: Mapping[str, PartSpec]) -> PlaceOn:
         """The place it describes."""

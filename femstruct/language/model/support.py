@@ -38,6 +38,9 @@ class SupportSpec(Spec):
             here.need(not along, "an edge or line of a point", "only a point, or 'on: PART' with an edge")
             return
         here.at("on").known(self.on, "plate" if along else "part")
-        do = "add edge: all, or list the directions as in [x, y]"
-        whole = f"'{self.fix}' for a whole part"
-        here.at("fix").need(along or isinstance(self.fix, tuple), whole, "an edge, a line or directions", do)
+        here.at("fix").need(
+            along or isinstance(self.fix, tuple),
+            f"'{self.fix}' for a whole part",
+            "an edge, a line or directions",
+            "add edge: all, or list the directions as in [x, y]",
+        )

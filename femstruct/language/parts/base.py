@@ -70,8 +70,12 @@ def check_coordinates(
     expected = f"a place on the {kind}, {' x '.join(f'{side:g} m' for side in size)}"
     do = f"measure from the {kind}'s own corner, along its own axes"
     for place in places:
-        inside = all(
-            -COORDINATE_ROUNDING * side <= x <= side * (1 + COORDINATE_ROUNDING)
-            for x, side in zip(place, size, strict=True)
+        here.need(
+            all(
+                -COORDINATE_ROUNDING * side <= x <= side * (1 + COORDINATE_ROUNDING)
+                for x, side in zip(place, size, strict=True)
+            ),
+            f"{list(place)} m",
+            expected,
+            do,
         )
-        here.need(inside, f"{list(place)} m", expected, do)

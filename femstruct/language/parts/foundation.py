@@ -42,10 +42,17 @@ class FoundationSpec(PartSpec):
         if along:
             right, unit = ("stiffness/length", "N/m^2 (per length of a rim or line)")
         for key, one in self.stiffness.given().items():
-            got = f"a stiffness in {'N/m^3' if along else 'N/m^2'}"
-            there.at(key).need(one.dimension in (None, right), got, unit, "match the unit to the region")
-        some = any(one.value for one in self.stiffness.given().values())
-        there.need(some, "no stiffness at all", "a positive normal or shear stiffness")
+            there.at(key).need(
+                one.dimension in (None, right),
+                f"a stiffness in {'N/m^3' if along else 'N/m^2'}",
+                unit,
+                "match the unit to the region",
+            )
+        there.need(
+            any(one.value for one in self.stiffness.given().values()),
+            "no stiffness at all",
+            "a positive normal or shear stiffness",
+        )
 
     def given(self) -> dict[str, Any]:
         values = super().given()

@@ -17,8 +17,11 @@ INERTIA = Quantity(("inertia",))
 def _moments(value: object) -> object:
     """Three moments, or three and three products."""
     if not isinstance(value, list) or len(value) not in (3, 6):
-        expected = "[Ixx, Iyy, Izz] or [Ixx, Iyy, Izz, Ixy, Iyz, Izx]"
-        raise refuse(shown_as(value), expected, "write it like [2 kg*m^2, 2 kg*m^2, 3 kg*m^2]")
+        raise refuse(
+            shown_as(value),
+            "[Ixx, Iyy, Izz] or [Ixx, Iyy, Izz, Ixy, Iyz, Izx]",
+            "write it like [2 kg*m^2, 2 kg*m^2, 3 kg*m^2]",
+        )
     return tuple(INERTIA.read(one) for one in value)
 
 

@@ -27,8 +27,12 @@ class MassSpec(PartSpec):
     region: Region | None = None
 
     def check(self, here: Here) -> None:
-        got = "both 'at' and 'on'" if self.at else "no place"
-        if not here.need((self.at is None) != (self.on is None), got, "one of at: POINT and on: PART", of_key=True):
+        if not here.need(
+            (self.at is None) != (self.on is None),
+            "both 'at' and 'on'" if self.at else "no place",
+            "one of at: POINT and on: PART",
+            of_key=True,
+        ):
             return
         known = here.names.known
         frame = self.on in known["plate or frame"] and self.on not in known["plate"]
@@ -38,8 +42,11 @@ class MassSpec(PartSpec):
         elif frame or (self.region is not None and self.region.is_line):
             where, allowed = "along a frame" if frame else "along a rim or line", ["mass", "mass/length"]
         unit = UNITS[self.mass.dimension or "mass"]
-        expected = " or ".join(UNITS[one] for one in allowed)
-        here.at("mass").need(self.mass.dimension in (None, *allowed), f"a mass in {unit} {where}", expected)
+        here.at("mass").need(
+            self.mass.dimension in (None, *allowed),
+            f"a mass in {unit} {where}",
+            " or ".join(UNITS[one] for one in allowed),
+        )
         there, whole = here.at("region"), self.region is None
         there.need(whole or self.at is None, "a region at a point", "a region on a part", "use on: PART", of_key=True)
         there.need(whole or not frame, "a region of a frame", "all of the frame", "remove 'region'", of_key=True)

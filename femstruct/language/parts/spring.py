@@ -28,8 +28,13 @@ class SpringSpec(PartSpec):
         if there.need(first != "ground", "'ground'", "a point first", f"write [{second}, ground]"):
             there.known(first, "point")
         here.at("between", 1).known(second, "point", ["ground"])
-        some = any((*self.stiffness.noun(), *self.damping.noun()))
-        here.need(some, "no stiffness and no damping", "one of them", "add stiffness: {z: ...}", of_key=True)
+        here.need(
+            any((*self.stiffness.noun(), *self.damping.noun())),
+            "no stiffness and no damping",
+            "one of them",
+            "add stiffness: {z: ...}",
+            of_key=True,
+        )
 
     def given(self) -> dict[str, Any]:
         values = super().given()

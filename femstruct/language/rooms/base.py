@@ -35,10 +35,12 @@ class AirSpec(Spec):
 
     def check(self, here: Here) -> None:
         """A fluid is a gas or a liquid."""
-        got = f"{self.rho:g} kg/m^3 beside a speed of sound of {self.c:g} m/s"
-        expected = f"a gas below {DENSEST_GAS:g} kg/m^3, or a liquid above {SLOWEST_LIQUID:g} m/s"
-        fluid = self.rho <= DENSEST_GAS or self.c >= SLOWEST_LIQUID
-        here.at("rho").need(fluid, got, expected, "air has 1.21 kg/m^3 and 343 m/s")
+        here.at("rho").need(
+            self.rho <= DENSEST_GAS or self.c >= SLOWEST_LIQUID,
+            f"{self.rho:g} kg/m^3 beside a speed of sound of {self.c:g} m/s",
+            f"a gas below {DENSEST_GAS:g} kg/m^3, or a liquid above {SLOWEST_LIQUID:g} m/s",
+            "air has 1.21 kg/m^3 and 343 m/s",
+        )
 
 
 def _receivers(value: object) -> object:

@@ -50,6 +50,9 @@ def check_sound_crosses(size: Size, room: ClosedSpec, here: Here) -> None:
     between = 4.0 * x * y * z / (2.0 * (x * y + y * z + z * x)) / room.air.c
     shortest = room.losses.shortest if room.losses is not None else None
     if shortest is not None:
-        got = f"{1e3 * shortest:g} ms, less than sound takes from wall to wall, {1e3 * between:.2g} ms"
-        expected, do = "a reverberation time: sound falls by 60 dB in it", f"did you mean {1e3 * shortest:g} s?"
-        here.at("losses", "t60").need(shortest >= between, got, expected, do)
+        here.at("losses", "t60").need(
+            shortest >= between,
+            f"{1e3 * shortest:g} ms, less than sound takes from wall to wall, {1e3 * between:.2g} ms",
+            "a reverberation time: sound falls by 60 dB in it",
+            f"did you mean {1e3 * shortest:g} s?",
+        )

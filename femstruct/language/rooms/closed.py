@@ -54,8 +54,11 @@ class LeakSpec(Spec):
     @classmethod
     def _plug(cls, value: Any) -> Any:
         if isinstance(value, dict) and ("area" in value) != ("length" in value):
-            got = "an area without a length" if "area" in value else "a length without an area"
-            raise refuse(got, "both, or an inertance", "write it like {area: 10 cm^2, length: 30 mm}")
+            raise refuse(
+                "an area without a length" if "area" in value else "a length without an area",
+                "both, or an inertance",
+                "write it like {area: 10 cm^2, length: 30 mm}",
+            )
         return value
 
     def leak(self, rho: float) -> Leak:
@@ -100,28 +103,41 @@ class ClosedSpec(RoomSpec):
         form, t60 = here.at("form"), self.losses is not None and self.losses.t60 is not None
         source = self.form == "source"
         form.need(not (source and t60), "the source's form with t60", "beta or loss_factor", "leave out 'form'")
-        got = "a moving picture without receivers"
-        heard = self.receivers or not self.animate
-        here.at("animate").need(heard, got, "a receiver to cut the room at", "add 'receivers:'")
+        here.at("animate").need(
+            self.receivers or not self.animate,
+            "a moving picture without receivers",
+            "a receiver to cut the room at",
+            "add 'receivers:'",
+        )
         if self.levels:
             self._check_levels(here, asked)
         if self.coupling == "one-way":
-            got = "a leak with one-way coupling"
-            here.at("leak").need(self.leak is None, got, "coupling: two-way", "add it", of_key=True)
+            here.at("leak").need(
+                self.leak is None, "a leak with one-way coupling", "coupling: two-way", "add it", of_key=True
+            )
             return
-        got = "the source's form with two-way coupling in time"
-        form.need(not source or asked.time is None, got, "causal", "leave out 'form'")
+        form.need(
+            not source or asked.time is None,
+            "the source's form with two-way coupling in time",
+            "causal",
+            "leave out 'form'",
+        )
         closed = {other: room for other, room in asked.rooms.items() if isinstance(room, ClosedSpec)}
         others = [other for other, room in closed.items() if (room.coupling, room.under) == ("two-way", self.under)]
-        got = f"'{self.under}', which '{others[0]}' with two-way coupling is under already"
-        here.at("under").need(others[0] == name, got, "another surface", "one of the two can be one-way")
+        here.at("under").need(
+            others[0] == name,
+            f"'{self.under}', which '{others[0]}' with two-way coupling is under already",
+            "another surface",
+            "one of the two can be one-way",
+        )
 
     def _check_levels(self, here: Here, asked: Asked) -> None:
         """Levels need standards that go together and rate what strikes, somebody who listens, a reverberation time to
         take out, and a sampling that has their bands."""
         there, tapping = here.at("levels"), any(body.source == TAPPING_MACHINE for body in asked.bodies)
-        do = "add 'receivers: {mic: [x, y, z]}'"
-        there.need(self.receivers, "levels without receivers", "at least one receiver", do)
+        there.need(
+            self.receivers, "levels without receivers", "at least one receiver", "add 'receivers: {mic: [x, y, z]}'"
+        )
         try:
             method = method_of(self.levels, "tapping" if tapping else "heavy")
             for body in asked.bodies:
@@ -129,18 +145,28 @@ class ClosedSpec(RoomSpec):
         except AcousticsError as error:
             there.wrong(error.got, error.expected, error.do)
             return
-        got = f"{method.measured_by} in a room without losses"
-        lossy = method.correct is None or self.losses is not None
-        there.need(lossy, got, "its reverberation time", "add 'losses: {t60: 0.5 s}'")
+        there.need(
+            method.correct is None or self.losses is not None,
+            f"{method.measured_by} in a room without losses",
+            "its reverberation time",
+            "add 'losses: {t60: 0.5 s}'",
+        )
         if asked.time is None:
             return
         least, highest, sampling = method.least_sampling_hz, method.bands_hz[-1], asked.time.sampling
-        expected = f"{least:g} Hz or more for the bands up to {highest:g} Hz"
-        there.need(sampling >= least, f"a sampling of {sampling:g} Hz", expected, "sample faster")
+        there.need(
+            sampling >= least,
+            f"a sampling of {sampling:g} Hz",
+            f"{least:g} Hz or more for the bands up to {highest:g} Hz",
+            "sample faster",
+        )
         turn, duration = HAMMERS * BETWEEN_BLOWS, asked.time.duration
-        got, expected = f"a tapping machine for {duration:g} s", f"{turn:g} s or more: one turn of its five hammers"
-        study = here.outside(2).at("time", "duration")
-        study.need(not tapping or duration >= turn, got, expected, "simulate longer")
+        here.outside(2).at("time", "duration").need(
+            not tapping or duration >= turn,
+            f"a tapping machine for {duration:g} s",
+            f"{turn:g} s or more: one turn of its five hammers",
+            "simulate longer",
+        )
 
     @abstractmethod
     def room(

@@ -40,8 +40,11 @@ class HalfSpaceSpec(RoomSpec):
         closed = [key for key in _CLOSED if key in value] if isinstance(value, dict) else []
         if closed:
             side = "above" if "above" in value else "below"
-            expected = f"air and receivers: there is no room {side} a surface"
-            raise refuse(f"'{closed[0]}' beside '{side}'", expected, "write 'under' for a room")
+            raise refuse(
+                f"'{closed[0]}' beside '{side}'",
+                f"air and receivers: there is no room {side} a surface",
+                "write 'under' for a room",
+            )
         return value
 
     def check_in(self, here: Here, name: str, asked: Asked) -> None:
@@ -49,15 +52,23 @@ class HalfSpaceSpec(RoomSpec):
         super().check_in(here, name, asked)
         if self.directivity:
             there, moves = here.at("directivity"), asked.time is not None or f"{name}.power" in asked.powers
-            do = f"add 'time:', or a response of 'kind: power' to '{name}.power'"
-            there.need(moves, "a directivity of nothing that moves", "a simulation or a power", do)
+            there.need(
+                moves,
+                "a directivity of nothing that moves",
+                "a simulation or a power",
+                f"add 'time:', or a response of 'kind: power' to '{name}.power'",
+            )
             if asked.time is not None:
                 asked.time.carries(there, max(self.directivity))
 
     def check_receiver(self, here: Here, place: tuple[float, float, float]) -> None:
         side = "below" if self.above is None else "above"
-        beside, do = (place[2] > 0) == (self.above is not None), "measure from the surface's centre, z up"
-        here.need(beside, f"{list(place)} m", f"a point {side} the surface", do)
+        here.need(
+            (place[2] > 0) == (self.above is not None),
+            f"{list(place)} m",
+            f"a point {side} the surface",
+            "measure from the surface's centre, z up",
+        )
 
     def build(self, here: Here, name: str, sources: dict[str, str], shaped: dict[str, ShapedRoom]) -> RoomPlan:
         space = HalfSpace(self.air.noun(), np.array([0.0, 0.0, 1.0 if self.above else -1.0]))

@@ -54,8 +54,11 @@ class LossesSpec(Spec):
         if isinstance(value, dict):
             exactly_one(value, ("beta", "loss_factor", "t60"))
             if ("t60" in value) == ("at" in value):
-                got = "t60 with a frequency" if "at" in value else "no frequency"
-                raise refuse(got, "'at' with beta or loss_factor only", "write it like {beta: 1.16 %, at: 293 Hz}")
+                raise refuse(
+                    "t60 with a frequency" if "at" in value else "no frequency",
+                    "'at' with beta or loss_factor only",
+                    "write it like {beta: 1.16 %, at: 293 Hz}",
+                )
         return value
 
     @property

@@ -62,8 +62,7 @@ class MeshedRoomSpec(ClosedSpec):
         return value
 
     def check_in(self, here: Here, name: str, asked: Asked) -> None:
-        causal = self.form == "causal"
-        here.at("form").need(causal, "the source's form in a meshed room", "causal", "leave out 'form'")
+        here.at("form").need(self.form == "causal", "the source's form in a meshed room", "causal", "leave out 'form'")
         super().check_in(here, name, asked)
         if self.size is not None:
             check_sound_crosses(self.size, self, here)
@@ -121,8 +120,9 @@ class MeshedRoomSpec(ClosedSpec):
             try:
                 probe(room.mesh, receiver.position[None, :])
             except AcousticsError as error:
-                written = receiver.name if receiver.name in self.receivers else receiver.name.rpartition(".")[0]
-                got = f"{receiver.position.tolist()} m, a point outside the mesh"
-                here.at("receivers", written).wrong(got, error.expected)
+                here.at(
+                    "receivers",
+                    receiver.name if receiver.name in self.receivers else receiver.name.rpartition(".")[0],
+                ).wrong(f"{receiver.position.tolist()} m, a point outside the mesh", error.expected)
                 sound = False
         return sound

@@ -117,15 +117,22 @@ class BodySpec(Spec):
         if self.blows is not None:
             there, moves = here.at("blows"), self.speed or self.drop_height
             there.need(moves, "no speed", "a body that strikes", "add 'speed:' or 'drop_height:'")
-            expected, timed = "no timing: each body strikes at its given time", self.blows.timing is not None
-            there.at("timing").need(machine or not timed, "a body that is no tapping machine", expected, "remove it")
+            there.at("timing").need(
+                machine or not (self.blows.timing is not None),
+                "a body that is no tapping machine",
+                "no timing: each body strikes at its given time",
+                "remove it",
+            )
         if self.radius is None or heard or any(law.takes_radius for law in laws):
             return
         do = "remove it: the own sound of bodies that move along x is not computed"
         if self.side in ("above", "below"):
             do = f"add 'rooms.open: {{{self.side}: SURFACE, receivers: {{mic: [x, y, z]}}}}', or remove it"
-        expected = "open air on the side of the body, or a hertz law without a radius"
-        here.at("radius").wrong(f"a radius, and no receivers {self.side} a surface", expected, do)
+        here.at("radius").wrong(
+            f"a radius, and no receivers {self.side} a surface",
+            "open air on the side of the body, or a hertz law without a radius",
+            do,
+        )
 
     def build(self, name: str, law: Law | None) -> PlacedBody:
         """The body it describes; law : of its own contact, None where there is none."""

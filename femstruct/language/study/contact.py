@@ -21,9 +21,12 @@ class BetweenSpec(Spec):
     def check_ends(self, here: Here, sizes: Mapping[str, int], ends: Collection[str]) -> None:
         """Note what its ends are not. sizes : of arrays of bodies. ends : names of bodies and the ground."""
         counts, there = joined(self.between, sizes, here.names), here.at("between")
-        told = " and ".join(f"{count} {end}" for count, end in zip(counts, self.between, strict=False))
-        alike = len({count for count in counts if count > 1}) <= 1
-        there.need(alike, told, "as many of both, or one", "name one of them, as NAME.1")
+        there.need(
+            len({count for count in counts if count > 1}) <= 1,
+            " and ".join(f"{count} {end}" for count, end in zip(counts, self.between, strict=False)),
+            "as many of both, or one",
+            "name one of them, as NAME.1",
+        )
         for number, end in enumerate(self.between):
             if not counts or counts[number] == 1:
                 there.at(number).place(end, ends)
@@ -39,12 +42,19 @@ class ContactSpec(BetweenSpec):
 
     def check_in(self, here: Here, struck: Collection[str]) -> None:
         """Note keys that do not agree; struck : bodies that are lifted off at every blow."""
-        got = f"a gap of {self.gap:g} m and a preload of {self.preload:g} N"
-        do = "a preloaded contact is closed: remove the gap"
-        here.need(not (self.gap and self.preload), got, "one of them", do)
+        here.need(
+            not (self.gap and self.preload),
+            f"a gap of {self.gap:g} m and a preload of {self.preload:g} N",
+            "one of them",
+            "a preloaded contact is closed: remove the gap",
+        )
         held = [end for end in self.between if end in struck] if self.preload else []
-        got = f"a preload on '{''.join(held[:1])}', which is lifted off at every blow"
-        here.at("preload").need(not held, got, "none", "remove it, or the blows")
+        here.at("preload").need(
+            not held,
+            f"a preload on '{''.join(held[:1])}', which is lifted off at every blow",
+            "none",
+            "remove it, or the blows",
+        )
 
     def build(
         self, here: Here, name: str, bodies: Mapping[str, BodySpec], sources: dict[str, str]
@@ -63,15 +73,28 @@ def check_contacts(here: Here, contacts: Mapping[str, ContactSpec], bodies: Mapp
     by_ends: dict[frozenset[str], str] = {}
     for name, contact in contacts.items():
         first = by_ends.setdefault(frozenset(contact.between), name)
-        got = f"a second contact between {' and '.join(contact.between)} (the first is '{first}')"
-        alone = first == name or contacts[first].gap != contact.gap
-        here.at("contacts", name).need(alone, got, "one contact, or another gap", "remove one", of_key=True)
+        here.at("contacts", name).need(
+            first == name or contacts[first].gap != contact.gap,
+            f"a second contact between {' and '.join(contact.between)} (the first is '{first}')",
+            "one contact, or another gap",
+            "remove one",
+            of_key=True,
+        )
     for name, body in bodies.items():
         own, named = f"{name} on {body.target}", by_ends.get(frozenset((name, body.target)))
         if body.contact is None:
             continue
-        got, there = f"a contact that disagrees with 'contacts.{named}' between the same ends", here.at("bodies", name)
-        agree = named is None or contacts[named].law == body.contact
-        there.at("contact").need(agree, got, "one contact, or two that agree", "remove one of them", of_key=True)
-        free, there = named is not None or own not in contacts, here.at("contacts", own)
-        there.need(free, "the name of a body's own contact", "another name", "rename it", of_key=True)
+        here.at("bodies", name).at("contact").need(
+            named is None or contacts[named].law == body.contact,
+            f"a contact that disagrees with 'contacts.{named}' between the same ends",
+            "one contact, or two that agree",
+            "remove one of them",
+            of_key=True,
+        )
+        here.at("contacts", own).need(
+            named is not None or own not in contacts,
+            "the name of a body's own contact",
+            "another name",
+            "rename it",
+            of_key=True,
+        )

@@ -40,8 +40,16 @@ class LinkSpec(BetweenSpec):
 
     def check_in(self, here: Here, struck: Collection[str]) -> None:
         """Note a link of nothing, and one to a body that is lifted off at every blow (struck)."""
-        some = self.stiffness or self.damping.closing or self.damping.opening or self.preload
-        here.need(some, "no stiffness and no damping", "one of them", of_key=True)
+        here.need(
+            self.stiffness or self.damping.closing or self.damping.opening or self.preload,
+            "no stiffness and no damping",
+            "one of them",
+            of_key=True,
+        )
         for number, end in enumerate(self.between):
-            got = f"'{end}', which is lifted off at every blow"
-            here.at("between", number).need(end not in struck, got, "a body without blows", "remove one of them")
+            here.at("between", number).need(
+                end not in struck,
+                f"'{end}', which is lifted off at every blow",
+                "a body without blows",
+                "remove one of them",
+            )

@@ -100,12 +100,17 @@ class LoadSpec(Spec):
         if self.body is not None and self.body not in bodies:
             here.at("body").known(self.body, "body", bodies)
         given, missing = ("count", "every") if self.every is None else ("every", "count")
-        both = (self.count is None) == (self.every is None)
-        here.at(given).need(both, f"'{given}' without '{missing}'", "both or none", f"add '{missing}: ...'")
+        here.at(given).need(
+            (self.count is None) == (self.every is None),
+            f"'{given}' without '{missing}'",
+            "both or none",
+            f"add '{missing}: ...'",
+        )
         if self.half_sine is not None:
             right, got = "pressure" if self.on is not None else "force", self.half_sine.amplitude.dimension
-            there = here.at("half_sine", "amplitude")
-            there.need(got in (None, right), f"a {got}", f"a {right}", "surfaces take Pa, points N")
+            here.at("half_sine", "amplitude").need(
+                got in (None, right), f"a {got}", f"a {right}", "surfaces take Pa, points N"
+            )
 
     def build(self, here: Here, name: str, sources: dict[str, str]) -> PlannedLoad | PlannedWalk | None:
         """The load it describes; None with a mistake noted. sources : is given the text of its file, by its name."""

@@ -37,9 +37,13 @@ def check_study(study: StudySpec, here: Here, model: ModelSpec) -> None:
         own = [name, *members(name, sizes.get(name, 1))]
         laws = [one.law for one in study.contacts.values() if name in one.between]
         laws += [body.contact] if body.contact is not None else []
-        heard = any(room.receivers and getattr(room, body.side, None) is not None for room in study.rooms.values())
-        others = [end for end in ends if end not in own]
-        body.check_in(here.at("bodies", name), sizes.get(name, 1), others, laws, heard)
+        body.check_in(
+            here.at("bodies", name),
+            sizes.get(name, 1),
+            [end for end in ends if end not in own],
+            laws,
+            any(room.receivers and getattr(room, body.side, None) is not None for room in study.rooms.values()),
+        )
     for group in ("contacts", "links"):
         for name, one in getattr(study, group).items():
             one.check_ends(here.at(group, name), sizes, ends)
@@ -47,8 +51,11 @@ def check_study(study: StudySpec, here: Here, model: ModelSpec) -> None:
     check_contacts(here, study.contacts, study.bodies)
     counts = drop_counts(study.bodies, here.names)
     for name in list(counts)[1:]:
-        got = f"a second source of several places (the first is '{next(iter(counts))}')"
-        here.at("bodies", name, "above").wrong(got, "one", f"give '{name}' one place")
+        here.at("bodies", name, "above").wrong(
+            f"a second source of several places (the first is '{next(iter(counts))}')",
+            "one",
+            f"give '{name}' one place",
+        )
     for name, load in study.loads.items():
         load.check_in(here.at("loads", name), [*study.bodies, *bodies_of(sizes)])
     study.initial.check(here.at("initial"))
@@ -64,9 +71,12 @@ def check_study(study: StudySpec, here: Here, model: ModelSpec) -> None:
     if study.accuracy is not None:
         first, there = study.modes.up_to if study.modes is not None else None, here.at("accuracy")
         study.accuracy.check_in(there, study.time, structure, first)
-        some = study.record or study.contacts or any(body.contact is not None for body in study.bodies.values())
-        do = "add 'record: {POINT.z: acceleration}'"
-        there.need(some, "no record and no contact", "something to compare", do)
+        there.need(
+            study.record or study.contacts or any(body.contact is not None for body in study.bodies.values()),
+            "no record and no contact",
+            "something to compare",
+            "add 'record: {POINT.z: acceleration}'",
+        )
     start = study.initial.velocity or study.initial.rigid
     heard = any(request.kind in ("pressure", "power") for request in study.frf.values())
     moving = study.bodies or study.loads or start or study.record or study.limits or (study.rooms and not heard)

@@ -21,17 +21,25 @@ def check_records(
     for target, what in ((target, what) for target, wanted in records.items() for what in wanted):
         there, got = here.at("record", target), f"'{target}'"
         if target in bodies:
-            known = ("displacement", "velocity", "travel")
-            there.need(what in known, f"'{what}' of a body", "displacement, velocity or travel")
+            there.need(
+                what in ("displacement", "velocity", "travel"),
+                f"'{what}' of a body",
+                "displacement, velocity or travel",
+            )
         elif target in forced:
             there.need(what == "force", f"'{what}' of {got}", "force")
         elif what == "travel":
             there.wrong(got, "the name of a body", nearest(target, bodies), of_key=True)
         elif what == "force":
-            expected = "the name of a contact, link, part, joint, support or ground"
-            there.wrong(got, expected, nearest(target, forced), of_key=True)
+            there.wrong(
+                got, "the name of a contact, link, part, joint, support or ground", nearest(target, forced), of_key=True
+            )
         elif "." in target:
             there.spot(target, of_key=True)
         else:
-            do = nearest(target, [*bodies, *(f"{place}.z" for place in here.names.places)])
-            there.wrong(got, "a direction of a point, or a body", do, of_key=True)
+            there.wrong(
+                got,
+                "a direction of a point, or a body",
+                nearest(target, [*bodies, *(f"{place}.z" for place in here.names.places)]),
+                of_key=True,
+            )

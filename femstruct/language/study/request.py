@@ -41,22 +41,33 @@ class FrfSpec(Spec):
         here.at("drive").spot(self.drive, forces=True)
         (low, high), there = self.band, here.at("response")
         if self.kind == "power" or self.response.endswith(".power"):
-            known = [f"{name}.power" for name, room in rooms.items() if room.is_open]
-            self._check_heard(here, "power", known, "only rooms 'above' or 'below' a surface have a power")
+            self._check_heard(
+                here,
+                "power",
+                [f"{name}.power" for name, room in rooms.items() if room.is_open],
+                "only rooms 'above' or 'below' a surface have a power",
+            )
         elif self.kind == "pressure" or self.response.endswith(".pressure"):
-            known = [f"{name}.{one}.pressure" for name, room in rooms.items() for one in room.listeners]
-            self._check_heard(here, "pressure", known, "there are no receivers: add 'rooms:'")
+            self._check_heard(
+                here,
+                "pressure",
+                [f"{name}.{one}.pressure" for name, room in rooms.items() for one in room.listeners],
+                "there are no receivers: add 'rooms:'",
+            )
         else:
             there.spot(self.response, forces=True)
         if here.at("band").need(low < high, f"{low:g} to {high:g} Hz", "a rising band [low, high]"):
-            lines, do = (high - low) / self.step, "take a wider step"
-            here.at("step").need(lines <= 1e6, f"{self.step:g} Hz", "at most a million lines", do)
+            here.at("step").need(
+                ((high - low) / self.step) <= 1e6, f"{self.step:g} Hz", "at most a million lines", "take a wider step"
+            )
 
     def _check_heard(self, here: Here, kind: str, known: list[str], none: str) -> None:
         """A pressure is heard at ROOM.RECEIVER, a power is that of an open room, ROOM.power; never at 0 Hz."""
-        there = here.at("kind")
-        if there.need(self.kind == kind, f"'{self.kind}' of a {kind}", kind, f"write 'kind: {kind}'"):
-            do = nearest(self.response, known) or none
-            expected = "ROOM.RECEIVER.pressure" if kind == "pressure" else "ROOM.power"
-            here.at("response").need(self.response in known, f"'{self.response}'", expected, do)
+        if here.at("kind").need(self.kind == kind, f"'{self.kind}' of a {kind}", kind, f"write 'kind: {kind}'"):
+            here.at("response").need(
+                self.response in known,
+                f"'{self.response}'",
+                "ROOM.RECEIVER.pressure" if kind == "pressure" else "ROOM.power",
+                nearest(self.response, known) or none,
+            )
             here.at("band").need(self.band[0] > 0.0, "0 Hz", "a band above 0 Hz")

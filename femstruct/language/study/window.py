@@ -86,12 +86,21 @@ class AccuracySpec(Spec):
         low, high = self.band
         there = here.at("band")
         there.need(low < high, f"{low:g} to {high:g} Hz", "a rising band [low, high]")
-        do = "add 'time: {duration: 1 s, sampling: 48 kHz}'"
-        if here.need(time is not None, "no time", "an impact to be accurate about", do) and time is not None:
+        if (
+            here.need(
+                time is not None,
+                "no time",
+                "an impact to be accurate about",
+                "add 'time: {duration: 1 s, sampling: 48 kHz}'",
+            )
+            and time is not None
+        ):
             time.carries(there, high)
-        got = "a structure of given modes" if structure == "modes" else "no structure"
-        more = structure not in ("none", "modes")
-        here.need(more, got, "a structure that has more modes to add", "remove 'accuracy'")
+        here.need(
+            structure not in ("none", "modes"),
+            "a structure of given modes" if structure == "modes" else "no structure",
+            "a structure that has more modes to add",
+            "remove 'accuracy'",
+        )
         if self.up_to is not None and first is not None and structure is None:
-            there = here.at("up_to")
-            there.need(self.up_to >= first, f"{self.up_to:g} Hz", f"at least modes.up_to, {first:g} Hz")
+            here.at("up_to").need(self.up_to >= first, f"{self.up_to:g} Hz", f"at least modes.up_to, {first:g} Hz")

@@ -30,9 +30,12 @@ def kinds_of(package: ModuleType, base: type[BaseModel]) -> tuple[Any, ...]:
     for kind, source in added_kinds(package.__name__, base):
         words = _words(kind)
         if not words or words[0] in taken:
-            got = f"type: {', '.join(words)}, taken by {taken[words[0]].__module__}" if words else "no type"
-            expected = 'a word of its own, type: Literal["word"]'
-            raise FemstructError(source, got=got, expected=expected, do=MEND)
+            raise FemstructError(
+                source,
+                got=(f"type: {', '.join(words)}, taken by {taken[words[0]].__module__}" if words else "no type"),
+                expected='a word of its own, type: Literal["word"]',
+                do=MEND,
+            )
         taken |= dict.fromkeys(words, kind)
     return tuple(dict.fromkeys(taken.values()))
 

@@ -82,8 +82,9 @@ class Here:
             return None
         except (FemstructError, AcousticsError) as error:
             inner = error.where.removeprefix(f"{self.path}.")
-            there = self.at(inner) if inner != error.where and (*self.steps, inner) in self.tree.keys else self
-            there.wrong(error.got or str(error), error.expected, error.do)
+            (self.at(inner) if inner != error.where and (*self.steps, inner) in self.tree.keys else self).wrong(
+                error.got or str(error), error.expected, error.do
+            )
             return None
 
     def each(self, group: str, specs: Mapping[str, Any], maker: Callable[[Here, str, Any], T | None]) -> dict[str, T]:
@@ -96,8 +97,11 @@ class Here:
         """Whether something of a kind has this name, or it is one of the others; noted where not."""
         names = [*self.names.known.get(kind, ()), *also]
         if name not in names:
-            do = nearest(name, names) if names else f"there are none: add '{kind.split()[-1]}s:'"
-            self.wrong(f"'{name}'", f"the name of a {kind}", do)
+            self.wrong(
+                f"'{name}'",
+                f"the name of a {kind}",
+                nearest(name, names) if names else f"there are none: add '{kind.split()[-1]}s:'",
+            )
         return name in names
 
     def place(self, name: str, also: Collection[str] = ()) -> None:
@@ -109,8 +113,7 @@ class Here:
             self.wrong(f"'{name}', which has {several} places", "one place", f"write {name}.1 to {name}.{several}")
             return
         words = "point" if not also else "point, body or ground" if "ground" in also else "point or body"
-        do = nearest(name, known) or "there are no points: add 'points:'"
-        self.wrong(f"'{name}'", f"the name of a {words}", do)
+        self.wrong(f"'{name}'", f"the name of a {words}", nearest(name, known) or "there are no points: add 'points:'")
 
     def spot(self, text: str, forces: bool = False, of_key: bool = False) -> None:
         """Note what is no address: POINT.direction, or NAME.force where forces are allowed."""
@@ -120,11 +123,18 @@ class Here:
             if name not in self.names.forces:
                 self.wrong(got, "a force of the structure", nearest(name, self.names.forces), of_key)
         elif not name or what not in POINT_DIRECTIONS:
-            example = f"write it like {name or text}.z" if (name or text) in points else "write it like O_f.z"
-            expected = f"POINT.{'|'.join(POINT_DIRECTIONS)}" + (" or NAME.force" if forces else "")
-            self.wrong(got, expected, example, of_key)
+            self.wrong(
+                got,
+                f"POINT.{'|'.join(POINT_DIRECTIONS)}" + (" or NAME.force" if forces else ""),
+                f"write it like {name or text}.z" if (name or text) in points else "write it like O_f.z",
+                of_key,
+            )
         elif name in points and name not in places:
-            do = f"write {name}.1.{what} to {name}.{points[name]}.{what}"
-            self.wrong(f"{got}, which has several places", "one place", do, of_key)
+            self.wrong(
+                f"{got}, which has several places",
+                "one place",
+                f"write {name}.1.{what} to {name}.{points[name]}.{what}",
+                of_key,
+            )
         elif name not in places:
             self.wrong(got, "a direction of a point", nearest(name, sorted(places)) or "there are no points", of_key)

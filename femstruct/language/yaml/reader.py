@@ -119,8 +119,13 @@ def parse_yaml(text: str, file: str, mistakes: Mistakes) -> Tree:
     walk = _Walk(file, mistakes)
     value = walk.value(node, ()) if node is not None else {}
     if node is not None and not isinstance(value, dict):
-        got = "a list" if isinstance(value, list) else "text"  # of whose file, nobody knows: it is not quoted
-        mistakes.add(walk.values[()], "", got=got, expected="a mapping", do="begin with 'title: ...'")
+        mistakes.add(
+            walk.values[()],
+            "",
+            got=("a list" if isinstance(value, list) else "text"),
+            expected="a mapping",
+            do="begin with 'title: ...'",
+        )
         value = {}
     return Tree(file, value, walk.keys, walk.values, text)
 
@@ -188,9 +193,17 @@ def _compose(text: str, file: str, mistakes: Mistakes) -> Node | None:
         mark = error.problem_mark or error.context_mark
         at = Position(file, mark.line + 1, mark.column + 1) if mark else Position(file, 1, 1)
         told = " ".join(str(part) for part in (error.context, error.problem) if part)
-        tab = "found character '\\t'" in told
-        do = "indent with spaces: YAML has no tabs" if tab else "check brackets, quotes and indents"
-        mistakes.add(at, "", got=f"broken YAML ({told})", expected="YAML", do=do)
+        mistakes.add(
+            at,
+            "",
+            got=f"broken YAML ({told})",
+            expected="YAML",
+            do=(
+                "indent with spaces: YAML has no tabs"
+                if ("found character '\\t'" in told)
+                else "check brackets, quotes and indents"
+            ),
+        )
         return None
     except YAMLError:
         mistakes.add(Position(file, 1, 1), "", got="characters that are not text", expected="a text file")
@@ -283,8 +296,13 @@ class _Walk:
         """Note what no system can print, write or use in a name: NUL and its like, halves of characters."""
         found = _NO_TEXT.search(text)
         if found:
-            got = f"a character that is no text (U+{ord(found[0]):04X})"
-            self.mistakes.add(at, dotted(steps), got=got, expected="text", do="remove it")
+            self.mistakes.add(
+                at,
+                dotted(steps),
+                got=f"a character that is no text (U+{ord(found[0]):04X})",
+                expected="text",
+                do="remove it",
+            )
         return found is not None
 
     def scalar(self, node: ScalarNode, steps: Steps) -> Any:

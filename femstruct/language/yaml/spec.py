@@ -69,8 +69,11 @@ class Spec(BaseModel):
                 given = value.get(key) is not None
                 missing = [other for other in others if given and value.get(other) is None]
                 if missing:
-                    do = f"add '{missing[0]}: ...', or remove '{key}'"
-                    raise refuse(f"{key} without {missing[0]}", f"'{missing[0]}' beside '{key}'", do)
+                    raise refuse(
+                        f"{key} without {missing[0]}",
+                        f"'{missing[0]}' beside '{key}'",
+                        f"add '{missing[0]}: ...', or remove '{key}'",
+                    )
         return value
 
 
@@ -125,19 +128,28 @@ class Quantity:
         if self.above is not None and not number > self.above:
             raise refuse(shown_as(value), f"a positive value: {named.words}", f"write it like {named.example}")
         if self.least is not None and not number >= self.least:
-            do = self.too_small.format(number=number, thousandfold=1e3 * number)
-            raise refuse(shown_as(value), f"{named.words} of at least {self._shown(self.least)}", do)
+            raise refuse(
+                shown_as(value),
+                f"{named.words} of at least {self._shown(self.least)}",
+                self.too_small.format(number=number, thousandfold=1e3 * number),
+            )
         if self.below is not None and not number < self.below:
             raise refuse(
                 shown_as(value), f"{named.words} below {self.below:g}", f"2 % is 0.02: did you mean {number:g} %?"
             )
         if self.most is not None and not number <= self.most:
-            do = self.too_large.format(number=number, thousandfold=1e3 * number)
-            raise refuse(shown_as(value), f"{named.words} of at most {self._shown(self.most)}", do)
+            raise refuse(
+                shown_as(value),
+                f"{named.words} of at most {self._shown(self.most)}",
+                self.too_large.format(number=number, thousandfold=1e3 * number),
+            )
         largest = FARTHEST if named.unit == "m" else LARGEST
         if number and not SMALLEST <= abs(number) <= largest:
-            expected = f"{named.words} between {SMALLEST:g} and {largest:g} {named.unit}"
-            raise refuse(shown_as(value), expected, "correct its power of ten")
+            raise refuse(
+                shown_as(value),
+                f"{named.words} between {SMALLEST:g} and {largest:g} {named.unit}",
+                "correct its power of ten",
+            )
         return Measured(number, dimension) if self.which else number
 
     def _shown(self, limit: float) -> str:
@@ -250,5 +262,8 @@ def exactly_one(spec: Mapping[str, object], names: Sequence[str], or_none: bool 
     """Refuse a mapping with several of these keys, or with none of them; a key without a value is not given."""
     given = [name for name in names if spec.get(name) is not None]
     if len(given) > 1 or not (given or or_none):
-        got = f"both {' and '.join(given)}" if given else f"none of {', '.join(names)}"
-        raise refuse(got, f"exactly one of {', '.join(names)}", "remove all but one" if given else "add one")
+        raise refuse(
+            f"both {' and '.join(given)}" if given else f"none of {', '.join(names)}",
+            f"exactly one of {', '.join(names)}",
+            "remove all but one" if given else "add one",
+        )
