@@ -8,7 +8,7 @@ from typing import Any, Final, NamedTuple
 
 from femstruct.errors import FemstructError
 
-MEND: Final = "mend that package or uninstall it"
+MEND: Final = "repair or uninstall that package"
 
 
 class Added(NamedTuple):

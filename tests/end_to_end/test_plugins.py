@@ -186,7 +186,7 @@ def test_a_broken_package_is_named(what: str, tmp_path: Path, monkeypatch: pytes
     message = str(error.value)
     assert message.startswith("package some-guest 0.1, entry point thing = ")
     assert told in message
-    assert message.endswith("; mend that package or uninstall it")
+    assert message.endswith("; repair or uninstall that package")
 
 
 def test_half_a_law_is_told_what_it_lacks(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -99,7 +99,7 @@ def energy(result: StudyResult) -> Figure | None:
     beside = [name for name in holders if name != "structure"]
     takers = _takers([response.ledger for response in responses.values()])
     above = 0.17 * ((len(beside) + len(takers) + 4) // 5)  # inches of further rows of the legend
-    figure = new_figure(10.0, 1.1 + above + 2.3 * len(responses), "Where the energy is")
+    figure = new_figure(10.0, 1.1 + above + 2.3 * len(responses), "Energy over time")
     zooms = {name: _zoom(result, float(response.t[-1])) for name, response in responses.items()}
     columns = 2 if any(_apart(zooms[name], float(response.t[-1])) for name, response in responses.items()) else 1
     grid = panels(figure, len(responses), columns, between=0.75, top=0.65 + above, sharey="row")

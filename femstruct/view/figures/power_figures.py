@@ -67,7 +67,7 @@ def sound_energy(result: StudyResult, room: str) -> Figure | None:
 
 
 def sound_power(result: StudyResult, name: str) -> Figure:
-    """Sound power per force, beside the power that the force puts in, and the radiation efficiency, over frequency.
+    """Sound power per force, beside the input power of the force, and the radiation efficiency, over frequency.
 
     Cases whose answer is the same share one line.
     """
@@ -93,7 +93,7 @@ def sound_power(result: StudyResult, name: str) -> Figure:
         )
         least = min(least, float(level.min()))
         peak = max(peak, float(level.max()), float(_level(line.sound.put_in).max()))
-    above.plot([], [], ":", color="0.3", label="power that the force puts in")
+    above.plot([], [], ":", color="0.3", label="input power of the force")
     low, high = request.band
     above.set_xlim(low, high)
     if isfinite(peak):
@@ -179,6 +179,6 @@ def _told(pattern: Directivity, line: int) -> str:
     circle, angle = pattern.loudest(line)
     where = "on the normal" if angle == 0.0 else f"at {angle:+.0f}° towards {pattern.sides[circle]}"
     return (
-        f"{pattern.frequency_hz[line]:.4g} Hz, dB re its loudest, {where}: {pattern.index_db[line]:+.1f} dB re the "
+        f"{pattern.frequency_hz[line]:.4g} Hz, dB re its maximum, {where}: {pattern.index_db[line]:+.1f} dB re the "
         "mean over the half sphere"
     )

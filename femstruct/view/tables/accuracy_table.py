@@ -87,7 +87,7 @@ def _together(told: Mapping[str, str], count: int) -> list[str]:
 def accuracy(check: AccuracyCheck) -> str:
     """What more modes still change, and which are used."""
     if check.worst is None:
-        return "accuracy: the basis holds every mode there is"
+        return "accuracy: the basis contains all modes"
     name, worst = check.worst
     return (
         f"accuracy: {name} {worst.smaller:.4g} / {worst.larger:.4g} {worst.unit} with the modes up to "

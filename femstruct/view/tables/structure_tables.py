@@ -94,7 +94,7 @@ def show_inspection(table: Row, picture: str = "", verbose: bool = False) -> Non
         screen.print(f"room {name}: {room['coupling']} coupling; first modes {first} Hz; damping {ratios}")
         if "largest_cell_m" in room:
             cells, most = f"{room['largest_cell_m']:.3g} m", f"{room['own_modes_up_to_hz']:.4g} Hz"
-            screen.print(f"  cells of {cells} at most; modes of its own, as of rigid walls, up to {most}")
+            screen.print(f"  cells of {cells} at most; room modes, with rigid walls, up to {most}")
     if table["drops"]:
         screen.print(f"the source strikes {some_of(table['drops'])}: one simulation for each")
     show_findings(screen, _read(table["findings"]), verbose)
