@@ -8,6 +8,7 @@ Each arrow is a pure function, each noun a frozen value; nothing points back::
     read_model, read_study      a YAML file           -> Model, Plan
     mesh_structure              Structure             -> Model, for structures written in Python
     assemble                    Model                 -> Assembly
+    given_matrices              someone's M, C, K     -> Assembly
     modal_basis, with_damping   Assembly              -> ModalBasis
     frf, simulate               ModalBasis, Scene     -> frequency response, Response
     surface_velocity            Response, Surface     -> acoustics.SurfaceVelocity
@@ -23,7 +24,9 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from femstruct.assembly.assemble import assemble as assemble
+    from femstruct.assembly.given import given_matrices as given_matrices
     from femstruct.assembly.matrices import Assembly as Assembly
+    from femstruct.assembly.matrices import DofMap as DofMap
     from femstruct.errors import FemstructError as FemstructError
     from femstruct.errors import Finding as Finding
     from femstruct.errors import InputError as InputError
@@ -117,7 +120,8 @@ if TYPE_CHECKING:
 
 _NAMES = {
     "assembly.assemble": ("assemble",),
-    "assembly.matrices": ("Assembly",),
+    "assembly.given": ("given_matrices",),
+    "assembly.matrices": ("Assembly", "DofMap"),
     "errors": ("FemstructError", "Finding", "InputError"),
     "files.results": ("write_results",),
     "files.stored": ("read_results",),

@@ -17,6 +17,12 @@ class DofMap:
 
     T [n_nodes * 7, n_free] : nodal components from the free degrees of freedom; ties, joints and supports are in it.
     labels [n_free] : a name for each, for messages, made when asked for: "floor node 12 (0.1, 0.2, 0) RX".
+
+    Two degrees of freedom of one node, UX and UZ, that is held along y and does not turn:
+
+    >>> places = csr_array(([1.0, 1.0], ([0, 2], [0, 1])), shape=(7, 2))
+    >>> DofMap(places, ("UX", "UZ")).T.shape
+    (7, 2)
     """
 
     T: csr_array
@@ -58,6 +64,16 @@ class Assembly:
     forces : of every spring, foundation, support and joint by name, and "ground": the sum of what reaches the ground.
     momentum [3, n_free] : r^T M of the rigid translations along x, y, z. total_mass [kg].
     grounded : names of the forces that add up to "ground".
+
+    Its matrices are scipy's, for any other program; `given_matrices` makes one of those of another program:
+
+    >>> from femstruct import Block, PlaceOn, Spring, Structure, assemble, mesh_structure
+    >>> block = Block("block", 500.0, origin=(0.0, 0.0, 0.0), size=(1.0, 0.5, 0.2))
+    >>> feet = PlaceOn("feet", "block", at=((0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 0.5, 0.0), (1.0, 0.5, 0.0)))
+    >>> springs = Spring("springs", "feet", None, stiffness=(0.0, 0.0, 1e6, 0.0, 0.0, 0.0))
+    >>> assembly = assemble(mesh_structure(Structure("a block on springs", (block, springs), points=(feet,))))
+    >>> float(assembly.K[2, 2]), float(assembly.M[2, 2]), assembly.dofs.labels[2]
+    (4000000.0, 500.0, 'block node 0 (0.5, 0.25, 0.1) UZ')
     """
 
     M: csc_array

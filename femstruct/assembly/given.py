@@ -1,0 +1,96 @@
+"""Matrices of another program -> Assembly."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.sparse import csc_array, csr_array
+
+from femstruct.arrays import frozen, frozen_integers
+from femstruct.assembly.matrices import Assembly, DofMap
+from femstruct.conventions import COMPONENTS, N_COMPONENTS
+from femstruct.errors import FemstructError
+
+ASYMMETRIC = 1e-9  # of the largest entry: matrices that were written to a file with ten digits differ by less
+
+
+def given_matrices(
+    M: Any,
+    K: Any,
+    nodes: ArrayLike,
+    components: ArrayLike,
+    points: ArrayLike,
+    C: Any = None,
+    loss_factor: float = 0.0,
+) -> Assembly:
+    """The assembly of matrices that were made elsewhere.
+
+    M, K, C [n, n] : mass, stiffness and the dashpots that damp beside the structure itself, dense or sparse [kg, N/m,
+    N s/m]; supports are already taken out of them.
+    nodes, components [n] : which node and which of its components (`femstruct.conventions`: UX .. RZ) each degree of
+    freedom is. points [n_nodes, 3] : where the nodes are [m].
+    loss_factor : of all of it, for `FromMaterials`; the stiffness has the name "given".
+
+    Returns an Assembly without forces by name: what holds the structure is not in the matrices.
+
+    Raises FemstructError for a matrix of another size or that is not symmetric, for a node or component that is not
+    there, and for two degrees of freedom that are one.
+
+    Two masses of 1 and 2 kg on springs in a row, k = 1 kN/m each, along x: omega^2 = k (5 -+ sqrt(17)) / (4 kg).
+
+    >>> from femstruct import modal_basis
+    >>> from femstruct.conventions import UX
+    >>> k = 1e3
+    >>> assembly = given_matrices(np.diag([1.0, 2.0]), [[2 * k, -k], [-k, k]], [0, 1], [UX, UX], np.eye(2, 3))
+    >>> (modal_basis(assembly, up_to=10.0).omega ** 2).round(6).tolist()
+    [219.223594, 2280.776406]
+    """
+    where = "given matrices"
+    points = frozen(f"{where} points", np.asarray(points, dtype=np.float64), (None, 3))
+    nodes = frozen_integers(f"{where} nodes", np.asarray(nodes), (None,))
+    components = frozen_integers(f"{where} components", np.asarray(components), (len(nodes),))
+    n = len(nodes)
+    for name, numbers, most in (("nodes", nodes, len(points)), ("components", components, N_COMPONENTS)):
+        if n and not (numbers.min() >= 0 and numbers.max() < most):
+            raise FemstructError(
+                f"{where} {name}", got=f"{numbers.min()} to {numbers.max()}", expected=f"0 to {most - 1}"
+            )
+    columns = nodes * N_COMPONENTS + components
+    if len(np.unique(columns)) < n:
+        twice = np.flatnonzero(np.bincount(columns) > 1)[0]
+        got = f"two degrees of freedom at node {twice // N_COMPONENTS} {COMPONENTS[twice % N_COMPONENTS]}"
+        raise FemstructError(where, got=got, expected="one each")
+    mass, stiffness = (_symmetric(f"{where} {name}", matrix, n) for name, matrix in (("M", M), ("K", K)))
+    dashpots = _symmetric(f"{where} C", C, n) if C is not None else csc_array((n, n))
+    translations = (components[:, None] == np.arange(3)).astype(np.float64)
+    momentum = np.asarray((mass @ translations).T)
+    labels = tuple(f"node {node} {COMPONENTS[component]}" for node, component in zip(nodes, components, strict=True))
+    return Assembly(
+        M=mass,
+        K=stiffness,
+        C=dashpots,
+        dofs=DofMap(csr_array((np.ones(n), (columns, np.arange(n))), shape=(len(points) * N_COMPONENTS, n)), labels),
+        points=points,
+        part_stiffness={"given": stiffness},
+        loss_factors={"given": loss_factor},
+        forces={},
+        momentum=momentum,
+        total_mass=float((momentum * translations.T).sum(axis=1).max()),
+    )
+
+
+def _symmetric(where: str, matrix: Any, n: int) -> csc_array:
+    """A matrix as it is kept, exactly symmetric."""
+    sparse = csc_array(matrix, dtype=np.float64)
+    if sparse.shape != (n, n):
+        raise FemstructError(where, got=f"{sparse.shape}", expected=f"{(n, n)}, a row for each degree of freedom")
+    if not np.isfinite(sparse.data).all():
+        raise FemstructError(where, got="a value that is not finite", expected="finite values")
+    off = abs(sparse - sparse.T)
+    if off.max() > ASYMMETRIC * abs(sparse).max():
+        row, column = np.unravel_index(int(off.argmax()), off.shape)
+        got = f"{sparse[row, column]:g} at ({row}, {column}) and {sparse[column, row]:g} at ({column}, {row})"
+        raise FemstructError(where, got=got, expected="a symmetric matrix")
+    return csc_array((sparse + sparse.T) * 0.5)
