@@ -98,6 +98,7 @@ def write_results(path: str | Path, result: StudyResult) -> None:
 
 def _write(file: h5py.File, result: StudyResult) -> None:
     file.attrs.update(
+        Conventions="CF-1.11",  # units and long_name of datasets, axes as coordinates
         format=FORMAT,
         format_version=FORMAT_VERSION,
         title=result.plan.title,

@@ -16,7 +16,7 @@ from femstruct.conventions import COMPONENTS
 from femstruct.errors import FemstructError, InputError
 from femstruct.files.hdf5 import key
 from femstruct.files.results import write_results
-from femstruct.files.seal import seal
+from femstruct.files.seal import LENGTH, seal
 from femstruct.files.stored import read_results
 from femstruct.files.tables import summary
 from femstruct.language import read_study
@@ -172,6 +172,40 @@ def test_xarray_opens_labelled_tables(result, path):
     with xarray.open_dataset(path, group="cases/without damper/frf/centre", engine="h5netcdf") as table:
         np.testing.assert_array_equal(table["response"], case.frf["centre"].values)
         assert table["response"].dims == ("frequency_hz",)
+
+
+def test_units_and_long_names_are_what_xarray_shows(path):
+    with h5py.File(path) as file:
+        assert file.attrs["Conventions"].startswith("CF-")
+    for name, item in datasets(path):
+        if name.startswith(("cases/", "bases/")):
+            assert item.attrs["units"] == item.attrs["unit"] and item.attrs["long_name"] == item.attrs["description"]
+
+
+def test_an_older_file_and_a_newer_one_say_so(path, tmp_path):
+    for version, told in (
+        (2, "got format version 2, expected 3; run the study again"),
+        (4, "the version of femstruct that"),
+    ):
+        other = tmp_path / "other.h5"
+        other.write_bytes(path.read_bytes()[:-LENGTH])
+        with h5py.File(other, "r+") as file:
+            file.attrs["format_version"] = version
+        sealed_anew(other)
+        with pytest.raises(InputError, match=told):
+            read_results(other)
+
+
+@pytest.mark.parametrize("word", ["kg^-0.5", "Mass-normalised shapes", "By hand", "Made by hand.", "0.1.0", "m/s"])
+def test_two_flipped_bits_of_an_attribute_are_caught(path, tmp_path, word):
+    """Units, descriptions, provenance, findings: attributes, of which HDF5 itself has no checksum."""
+    data = bytearray(path.read_bytes())
+    place = data.index(word.encode())
+    data[place] ^= 1
+    data[place + 1] ^= 1
+    (tmp_path / "flipped.h5").write_bytes(data)
+    with pytest.raises(InputError, match="do not have the checksum"):
+        read_results(tmp_path / "flipped.h5")
 
 
 def test_xarray_opens_all_stages_of_a_case(path):
