@@ -11,6 +11,8 @@ from acoustics.fields.half_space import HalfSpace
 from acoustics.open_air.radiated_power import radiated_power, radiation_efficiency, radiation_impedance, radiation_modes
 from acoustics.open_air.rayleigh import field_pressures, harmonic_field
 
+ROUNDING = 1e-11  # rounding: 8e-14 here at most
+
 AIR = Air(343.0, 1.21)
 RADIUS = 0.1
 
@@ -46,7 +48,7 @@ def test_piston_on_its_axis():
     k = 2 * np.pi * f / AIR.c
     for z, p in zip(heights, heard, strict=True):
         exact = AIR.rho * AIR.c * (np.exp(-1j * k * z) - np.exp(-1j * k * np.hypot(z, RADIUS)))
-        assert np.abs(p - exact).max() < 1e-9 * np.abs(exact).max()
+        assert np.abs(p - exact).max() < ROUNDING * np.abs(exact).max()
 
 
 def test_piston_impedance_and_power():
@@ -58,7 +60,7 @@ def test_piston_impedance_and_power():
         k = ka / RADIUS
         exact = 1 - j1(2 * ka) / ka + 1j * struve(1, 2 * ka) / ka
         power = radiated_power(points, weights, shapes, rates, np.array([k * AIR.c / (2 * np.pi)]), AIR)
-        assert power[0] == pytest.approx(AIR.rho * AIR.c * area * exact.real / 2, rel=1e-9)
+        assert power[0] == pytest.approx(AIR.rho * AIR.c * area * exact.real / 2, rel=ROUNDING)
         found = radiation_impedance(points, weights, shapes, k, AIR)[0, 0] / (AIR.rho * AIR.c * area)
         assert found.real == pytest.approx(exact.real, rel=2e-3)  # second order in the distance of the points
         assert found.imag == pytest.approx(exact.imag, abs=4e-3)  # first order
@@ -97,8 +99,9 @@ def test_efficiency_of_a_rectangular_piston():
     points, weights = rectangle((0.6, 0.4), (48, 32))
     shapes = np.ones((len(points), 1))
     low, high = radiation_efficiency(points, weights, shapes, np.ones((1, 2), complex), np.array([20.0, 3000.0]), AIR)
+    # (k a)^2 of the next term, at 20 Hz: 2e-3 here
     assert low == pytest.approx((2 * np.pi * 20 / AIR.c) ** 2 * 0.24 / (2 * np.pi), rel=0.01)
-    assert high == pytest.approx(1.0, abs=0.02)
+    assert high == pytest.approx(1.0, abs=0.02)  # the edge, which falls as 1 / ka: 3e-3 here
 
 
 def test_radiation_modes_share_no_power_and_give_all_of_it():
@@ -107,16 +110,17 @@ def test_radiation_modes_share_no_power_and_give_all_of_it():
     k = 20.0
     strength, patterns = radiation_modes(points, weights, k)
     area = weights.sum()
-    assert patterns.T @ (weights[:, None] * patterns) / area == pytest.approx(np.eye(len(strength)), abs=1e-9)
+    assert patterns.T @ (weights[:, None] * patterns) / area == pytest.approx(np.eye(len(strength)), abs=ROUNDING)
     velocity = np.random.default_rng(3).normal(size=(len(points), 2)) @ np.array([1.0, 1j])
     parts = patterns.T @ (weights * velocity) / area
     power = radiated_power(
         points, weights, np.eye(len(points)), velocity[:, None], np.array([k * AIR.c / (2 * np.pi)]), AIR
     )
-    assert power[0] == pytest.approx(AIR.rho * AIR.c * area / 2 * (strength * np.abs(parts) ** 2).sum(), rel=1e-9)
+    # rounding: 7e-13 here
+    assert power[0] == pytest.approx(AIR.rho * AIR.c * area / 2 * (strength * np.abs(parts) ** 2).sum(), rel=1e-10)
     apart = np.linalg.norm(points[:, None] - points, axis=2)
     pairs = k**2 / (2 * np.pi) * np.sinc(k * apart / np.pi) * np.sqrt(np.outer(weights, weights))
-    assert np.linalg.eigvalsh(pairs)[::-1][: len(strength)] == pytest.approx(strength, rel=1e-9, abs=1e-11)
+    assert np.linalg.eigvalsh(pairs)[::-1][: len(strength)] == pytest.approx(strength, rel=ROUNDING, abs=ROUNDING)
 
 
 def test_a_piston_in_time():
@@ -131,7 +135,7 @@ def test_a_piston_in_time():
     surface = SurfaceVelocity(points, weights, np.ones((len(points), 1)), [velocity(t)], 1 / fs)
     (heard,) = field_pressures([surface], HalfSpace(AIR), [Receiver("mic", [0, 0, z])])
     exact = AIR.rho * AIR.c * (velocity(t - z / AIR.c) - velocity(t - np.hypot(z, RADIUS) / AIR.c))
-    assert np.abs(heard.p[0] - exact).max() < 1e-6 * np.abs(exact).max()
+    assert np.abs(heard.p[0] - exact).max() < 1e-6 * np.abs(exact).max()  # Gauss points of the disc: 1e-8 here
     assert not heard.findings
 
 

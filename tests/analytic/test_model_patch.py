@@ -110,7 +110,7 @@ def test_a_disc_is_nearly_the_square_of_its_polar_moment() -> None:
     for patch in (0.04, (0.04 * np.sqrt(3), 0.04 * np.sqrt(3))):
         model = meshed(patch, cells=(20, 16))
         sags.append(sag(assemble(model), model.points["P"].probe("z")))
-    assert sags[0] == pytest.approx(sags[1], rel=1e-3)
+    assert sags[0] == pytest.approx(sags[1], rel=1e-3)  # the fourth order: 2e-4 here
 
 
 @pytest.mark.parametrize("shape", ["disc", "rectangle"])
@@ -124,8 +124,8 @@ def test_a_small_patch_is_a_point(shape: str) -> None:
         model = meshed(float(size) if shape == "disc" else (float(size), float(size)))
         missed.append(abs(sag(assembly, model.points["P"].probe("z")) / exact - 1))
     order = np.diff(np.log(missed)) / np.diff(np.log(sizes))
-    assert order == pytest.approx([2.0, 2.0], abs=0.02)
-    assert missed[0] < 1e-2
+    assert order == pytest.approx([2.0, 2.0], abs=0.02)  # the next order: 0.012 here
+    assert missed[0] < 1e-2  # 4e-3 here: the order is not that of what is large
 
 
 def test_a_hit_between_nodes_is_that_of_a_finer_mesh() -> None:
@@ -141,7 +141,7 @@ def test_a_hit_between_nodes_is_that_of_a_finer_mesh() -> None:
         rebounds.append(response.bodies["ball"].velocity[-1])
     # where the point lies in its cell: (.2, .4) of the coarse one, (.4, .8) of the next
     assert peaks[0] == pytest.approx(peaks[2], rel=5e-3) and peaks[1] == pytest.approx(peaks[2], rel=1e-3)
-    assert rebounds[1] == pytest.approx(rebounds[2], abs=2e-3)
+    assert rebounds[1] == pytest.approx(rebounds[2], abs=2e-3)  # mesh of the one between: 6e-5 here
 
 
 @pytest.mark.parametrize(("written", "patch"), [("3 cm", 0.03), ("[20 mm, 0.05]", (0.02, 0.05))])

@@ -57,7 +57,7 @@ def test_a_slab_over_a_wall_rings_as_its_spans_do():
 
 def test_a_clamped_wall_makes_two_equal_rooms():
     omega = modal_basis(assemble(mesh_structure(continuous(fix="clamped"))), count=2).omega
-    assert omega == pytest.approx([levy_clamped(WIDTH, SPAN)] * 2, rel=1e-4)
+    assert omega == pytest.approx([levy_clamped(WIDTH, SPAN)] * 2, rel=1e-4)  # (k h)^4: 4e-5 here
 
 
 @pytest.mark.parametrize("shift", [0.0, 0.37])
@@ -96,5 +96,5 @@ def test_a_wall_under_half_the_width_stops_there():
     omega = [modal_basis(assemble(mesh_structure(one)), count=2).omega for one in (none, half, structure)]
     odd = omega[2][0]  # the odd mode does not move the wall, so any length of it leaves it alone
     assert omega[0][0] < 0.9 * odd
-    assert odd == pytest.approx(min(omega[1], key=lambda found: abs(found - odd)), rel=1e-9)
+    assert odd == pytest.approx(min(omega[1], key=lambda found: abs(found - odd)), rel=1e-11)  # rounding: 9e-14 here
     assert omega[1].max() < (1 - 1e-3) * omega[2][1]  # fewer constraints; the other half of the line is free to move

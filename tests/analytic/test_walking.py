@@ -14,6 +14,8 @@ from femstruct.language import read_study
 from femstruct.study.result import CaseResult
 from femstruct.workflow.run.run import run_study
 
+ROUNDING = 1e-13  # rounding: 1e-15 here at most
+
 WALK = Walk(70.0, 2.0, 8, (0.4, 0.1, 0.05))
 G = 70.0 * 9.80665
 
@@ -39,7 +41,7 @@ def test_design_amplitudes_by_pace():
     """CCIP-016 as quoted: .41 (f - .95) up to .56, .069 + .0056 f, .033 + .0064 f, .013 + .0065 f, f the harmonic's."""
     for pace in (1.0, 1.8, 2.8):
         wanted = (min(0.41 * (pace - 0.95), 0.56), 0.069 + 0.0112 * pace, 0.033 + 0.0192 * pace, 0.013 + 0.026 * pace)
-        assert design_harmonics(pace) == pytest.approx(wanted, rel=1e-12)
+        assert design_harmonics(pace) == pytest.approx(wanted, rel=ROUNDING)
     assert design_harmonics(2.5)[0] == 0.56
     with pytest.raises(FemstructError, match=r"pace: got 3 Hz, expected 1 to 2\.8 Hz"):
         design_harmonics(3.0)
@@ -47,12 +49,12 @@ def test_design_amplitudes_by_pace():
 
 def test_the_force_is_its_series_and_is_shared_along_the_path():
     t = np.linspace(0.5, 3.5, 301)
-    np.testing.assert_allclose(WALK.force(t), series(t), rtol=1e-12)
+    np.testing.assert_allclose(WALK.force(t), series(t), rtol=ROUNDING)
     assert WALK.force(np.array([0.0, 4.0])).tolist() == pytest.approx([0.0, 0.0], abs=1e-9)
     tables = WALK.tables(5)
     times = tables[0].times
     values = np.array([table.values for table in tables])
-    np.testing.assert_allclose(-values.sum(axis=0), WALK.force(times), rtol=1e-12, atol=1e-9)
+    np.testing.assert_allclose(-values.sum(axis=0), WALK.force(times), rtol=ROUNDING, atol=1e-9)
     moving = values[:, 1:-1]
     at = (np.arange(5) @ moving) / moving.sum(axis=0)  # where the force acts, in places: an even walk
     np.testing.assert_allclose(at, times[1:-1], rtol=0, atol=1e-9)  # 4 s along 4 lengths
@@ -77,7 +79,7 @@ time: {duration: 5 s, sampling: 1 kHz}
     )  # fmt: skip
     # straight lines of 32 points to the third harmonic's period miss .22 % of the second's amplitude
     error = np.abs(case.channels["m.z velocity"].values - exact.y[1]).max() / np.abs(exact.y[1]).max()
-    assert error < 3e-3
+    assert error < 3e-3  # 1.3e-3 here
     assert {one.code for one in case.findings} & {"walking-below-modes", "walking-low-frequency-only"} == set()
 
 
@@ -109,7 +111,7 @@ time: {{duration: 5 s, sampling: 1 kHz}}
     )  # fmt: skip
     for channel, values in (("displacement", exact.y[0]), ("velocity", exact.y[1])):
         error = np.abs(case.channels[f"p8.z {channel}"].values - top * values).max() / np.abs(top * values).max()
-        assert error < 1e-2, channel
+        assert error < 1e-2, channel  # .5 %, as said above
 
 
 def test_what_a_walker_cannot_tell_is_said(tmp_path: Path) -> None:
