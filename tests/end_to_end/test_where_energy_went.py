@@ -41,12 +41,14 @@ def test_from_the_file_to_all_tables(tmp_path: Path, capsys: pytest.CaptureFixtu
             ("mode 2", pytest.approx(20e3)),
         ]
         assert sum(part["energy_j"] for part in parts) == pytest.approx(
-            energy[when]["structure"], abs=1e-10 * energy["input_j"]
+            energy[when]["structure"],
+            abs=1e-11 * energy["input_j"],  # steps and rounding: 2e-14 here
         )
         lost = energy[when]["lost"]
         assert lost["modes"] > 0.0 and lost["contacts"]["ball on P"] == 0.0  # its law has no dashpot
         assert lost["modes"] + sum(lost["contacts"].values()) + sum(lost["links"].values()) == pytest.approx(
-            energy[when]["dissipated"], rel=1e-14
+            energy[when]["dissipated"],
+            rel=1e-14,  # steps and rounding: none here
         )
     assert energy["end"]["lost"]["modes"] > energy["at_separation"]["lost"]["modes"]
     write_results(tmp_path / "r.h5", result)
@@ -56,7 +58,8 @@ def test_from_the_file_to_all_tables(tmp_path: Path, capsys: pytest.CaptureFixtu
             assert kept == [energy[when]["lost"]["modes"], 0.0, *energy[when]["lost"]["contacts"].values()]
         modes = file["cases/as given/energy/modes"]
         assert modes["end"][:].tolist() == [part["energy_j"] for part in energy["end"]["modes"]]
-        assert modes["at_separation"][:].sum() == pytest.approx(energy["at_separation"]["structure"], rel=1e-9)
+        # steps and rounding: 3e-14 here
+        assert modes["at_separation"][:].sum() == pytest.approx(energy["at_separation"]["structure"], rel=1e-11)
     show_study(result, {})
     shown = capsys.readouterr().out
     assert "where the energy went" in shown

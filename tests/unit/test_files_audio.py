@@ -48,6 +48,7 @@ def test_a_sequence_holds_every_sound_at_one_scale_where_its_side_car_says(tmp_p
     assert len(samples) == 4000 + 4000 + 8000 + 4000 + 400
     for name, start in told["starts_s"].items():
         first = round(start * rate)
+        # 32-bit floats: 6e-8
         assert samples[first : first + len(sounds[name])] == pytest.approx(sounds[name] / 2.0, rel=1e-6)
     assert not samples[4000:8000].any()
 
@@ -64,6 +65,7 @@ def test_24_bits_for_listening_come_back_to_half_of_the_last(tmp_path):
     write_wav(tmp_path / "a.wav", p, 48000.0, full_scale=scale, form="pcm24")
     rate, samples = wavfile.read(tmp_path / "a.wav")  # scipy puts 24 bits into the upper three bytes of 32
     assert rate == 48000 and samples.dtype == np.int32 and not (samples & 0xFF).any()
+    # rounding of the half unit
     assert samples / 256 / (2**23 - 1) * scale == pytest.approx(p, abs=0.5 / (2**23 - 1) * scale * (1 + 1e-9))
     told = json.loads((tmp_path / "a.wav.json").read_text())
     assert told["form"] == "pcm24" and 20 * np.log10(told["full_scale"] / told["peak"]) == pytest.approx(1.0)

@@ -21,6 +21,7 @@ def first(roots: list[float], scale: float = 1.0, order: int = ORDER, lead: int 
 @pytest.mark.parametrize("apart", [1e-1, 1e-3, 1e-6])
 def test_close_roots_are_found(apart: float) -> None:
     """A dip of apart^2 / 4 below zero: its first end to rounding over the slope there."""
+    # steps and rounding: none here
     assert first([0.3, 0.3 + apart, 2.5, -1.2]) == pytest.approx(0.3, abs=1e-15 / apart * 10)
 
 
@@ -33,14 +34,14 @@ def test_random_roots_against_the_list() -> None:
         slope = np.prod([abs(inside[0] - r) for r in roots if r != inside[0]]) if inside else 1.0
         size = np.prod([1 + abs(r) for r in roots])
         if inside and slope > 1e-9 * size:
-            assert found == pytest.approx(inside[0], abs=1e-14 * size / slope)
+            assert found == pytest.approx(inside[0], abs=1e-14 * size / slope)  # steps and rounding: 1e-16 here
         elif not inside:
             assert found == NEVER or found > 1.0 - 1e-6
 
 
 def test_leading_coefficients_may_be_left_out() -> None:
     """theta^3 (0.4 - theta): what is zero at the start is divided off, its next root stays."""
-    assert first([0.4], lead=3) == pytest.approx(0.4, abs=1e-15)
+    assert first([0.4], lead=3) == pytest.approx(0.4, abs=1e-15)  # rounding
 
 
 @pytest.mark.parametrize("start", [1e-8, 1e-20, 5e-26, 1e-40])
@@ -64,6 +65,7 @@ def test_touching_is_no_descent() -> None:
     args = (exact_rule().bernstein, np.zeros((DEPTH, ORDER + 1)), np.zeros((DEPTH, 2)))
     assert first_descent(c, 0, ORDER, *args) == NEVER
     c[0] = 0.25 - 1e-13
+    # steps and rounding: 6e-12 here
     assert first_descent(c, 0, ORDER, *args) == pytest.approx(0.5 - np.sqrt(1e-13), abs=1e-9)
 
 

@@ -79,7 +79,7 @@ def test_what_is_written_is_what_is_meant(text: str, tmp_path: Path) -> None:
     assert type(law) is type(meant)
     if isinstance(meant, Hertz):  # the order of a few products
         assert isinstance(law, Hertz)
-        assert law.stiffness == pytest.approx(meant.stiffness, rel=1e-14)
+        assert law.stiffness == pytest.approx(meant.stiffness, rel=1e-14)  # rounding: 2e-16 here
         assert law.damping == meant.damping
     else:
         assert law == meant
@@ -89,8 +89,8 @@ def test_what_is_written_is_what_is_meant(text: str, tmp_path: Path) -> None:
 def test_tables(text: str, tmp_path: Path) -> None:
     law = read(tmp_path, f"{{type: table, {text}, restitution: 0.6}}")
     assert isinstance(law, Tabulated)
-    assert np.allclose(law.indentations, [0, 1e-3, 2e-3], rtol=1e-15)
-    assert np.allclose(law.forces, [0, 500, 1500], rtol=1e-15)
+    assert np.allclose(law.indentations, [0, 1e-3, 2e-3], rtol=1e-15)  # read from text: rounding
+    assert np.allclose(law.forces, [0, 500, 1500], rtol=1e-15)  # read from text: rounding
     assert law.dissipation == HuntCrossley.returning(0.6, 2.0, 1.0).dissipation
     sources = read_study(tmp_path / "hit.study.yaml").sources
     assert (CSV in sources.values()) == (text == "file: pad.csv")  # kept with the results

@@ -10,7 +10,7 @@ import ast
 import io
 import re
 import tokenize
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 import pytest
@@ -26,7 +26,8 @@ def small_numbers(node: ast.AST, below: float) -> list[ast.Constant]:
 
 
 def only_numbers(node: ast.AST) -> bool:
-    return all(isinstance(part, ast.Constant | ast.BinOp | ast.operator) for part in ast.walk(node))
+    parts = (ast.Constant, ast.BinOp, ast.operator)
+    return bool(small_numbers(node, 0.5)) and all(isinstance(part, parts) for part in ast.walk(node))
 
 
 def tolerances(statement: ast.stmt) -> Iterator[tuple[ast.expr, list[ast.Constant]]]:
@@ -47,10 +48,11 @@ def without_reason(text: str) -> list[str]:
         token.start[0]: token.line.lstrip().startswith("#") for token in tokens if token.type == tokenize.COMMENT
     }
     tree = ast.parse(text)
-    named = {}
-    for node in ast.walk(tree):
-        if isinstance(node, ast.Assign) and small_numbers(node.value, 0.5) and only_numbers(node.value):
-            named.update({target.id: node for target in node.targets if isinstance(target, ast.Name)})
+
+    def named(statements: Iterable[ast.AST]) -> dict[str, ast.stmt]:
+        """Statements that give a number a name."""
+        found = [node for node in statements if isinstance(node, ast.Assign) and only_numbers(node.value)]
+        return {target.id: node for node in found for target in node.targets if isinstance(target, ast.Name)}
 
     def reasoned(statement: ast.stmt) -> bool:
         lines = range(statement.lineno, (statement.end_lineno or 0) + 1)
@@ -59,11 +61,11 @@ def without_reason(text: str) -> list[str]:
     missing = []
     tests = [node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)]
     for test in tests:
-        told, asked = ast.get_docstring(test) or "", []
+        told, asked, names = ast.get_docstring(test) or "", [], named(tree.body) | named(ast.walk(test))
         for statement in (node for node in ast.walk(test) if isinstance(node, ast.stmt) and not hasattr(node, "body")):
             for tolerance, found in tolerances(statement):
-                names = {node.id for node in ast.walk(tolerance) if isinstance(node, ast.Name)} & named.keys()
-                missing += [f"{named[name].lineno}: {name}" for name in names if not reasoned(named[name])]
+                used = [] if found else [node.id for node in ast.walk(tolerance) if isinstance(node, ast.Name)]
+                missing += [f"{names[n].lineno}: {n}" for n in used if n in names and not reasoned(names[n])]
                 numbers = [ast.get_source_segment(text, number) or "" for number in found]
                 if reasoned(statement):
                     told = " ".join((told, *numbers))

@@ -58,7 +58,7 @@ def test_a_room_that_fills_slowly_is_told(tmp_path: Path, count: int, t60: str, 
     codes = {
         found.code: found for found in (*rated_findings(one.rooms[0], one), *overlap_findings(one.rooms[0], one, MODES))
     }
-    assert -10 * np.log10(1 - 0.1) == pytest.approx(0.46, abs=5e-3)
+    assert -10 * np.log10(1 - 0.1) == pytest.approx(0.46, abs=5e-3)  # two decimals
     assert ("tapping-not-steady" in codes) == bool(told)
     if told:
         assert told in codes["tapping-not-steady"].message
