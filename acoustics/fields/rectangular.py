@@ -73,7 +73,7 @@ class Room(Box, SoundField):
                 "surface.wall",
                 got=f"a surface on '{wall}' of a rectangular room",
                 expected="surfaces on its ceiling" if wall in OTHERS else f"a wall of the room, {CEILING}",
-                do="give the room `walls` or a mesh, in which any wall may move" if wall in OTHERS else "",
+                do="give the room `walls` or a mesh: any of their walls may move" if wall in OTHERS else "",
             )
         beyond = np.abs(points - self.size / 2.0) - self.size / 2.0
         beyond[:, 2] = np.abs(points[:, 2] - self.size[2])

@@ -1,7 +1,7 @@
 """What every sound field has: the air into which surfaces radiate, whatever is round it.
 
 A kind of field (a box, a room of any shape, a half space) is one module of this package with a frozen class, and is
-entered nowhere else: `registry` finds it. A new kind overrides what it has; what it has not is nothing: no air that
+entered nowhere else: `known_fields` finds it. A new kind overrides what it has; what it has not is nothing: no air that
 pushes back, no modes, no picture. Places are in the field's own coordinates [m].
 """
 

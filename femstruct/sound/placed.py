@@ -41,13 +41,12 @@ class Placed:
         return self.surfaces[0]
 
     def shapes(self, basis: ModalBasis) -> list[SurfaceShapes]:
-        """Motion of the surfaces into the room in every mode, with the flow through a leak of the room spread over the
-        first of them."""
-        moving = [surface.shapes(basis.shapes) for surface in self.surfaces]
-        if self.name in basis.volumes:
-            moving[0] = moving[0] + basis.volumes[self.name] / self.first.weights.sum()
-        parts = zip(self.points, self.surfaces, moving, strict=True)
-        return [SurfaceShapes(points, surface.weights, shapes) for points, surface, shapes in parts]
+        """Motion of the surfaces into the room in every mode, with the flow through a leak of the room spread over
+        them."""
+        area = sum(float(surface.weights.sum()) for surface in self.surfaces)
+        flow = basis.volumes[self.name] / area if self.name in basis.volumes else 0.0
+        parts = zip(self.points, self.surfaces, strict=True)
+        return [SurfaceShapes(points, one.weights, one.shapes(basis.shapes) + flow) for points, one in parts]
 
     def from_room(self, points: Floats) -> Floats:
         """Global coordinates [.., 3] of places in the room [.., 3] [m]."""

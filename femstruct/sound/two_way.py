@@ -164,12 +164,9 @@ def _holders(
 
 
 def _leaking(surfaces: list[SurfaceShapes], leak: Leak) -> list[SurfaceShapes]:
-    """The surfaces with one more coordinate: the plug of a leak, whose flow is spread over the first of them."""
-    flow = [-1.0 / (np.sqrt(leak.inertance) * surfaces[0].area)] + [0.0] * (len(surfaces) - 1)
-    plugged = [
-        np.hstack([one.shapes, np.full((len(one.shapes), 1), out)]) for one, out in zip(surfaces, flow, strict=True)
-    ]
-    return [replace(one, shapes=own) for one, own in zip(surfaces, plugged, strict=True)]
+    """The surfaces with one more coordinate: the plug of a leak, whose flow is spread over them."""
+    flow = -1.0 / (np.sqrt(leak.inertance) * sum(one.area for one in surfaces))
+    return [replace(one, shapes=np.hstack([one.shapes, np.full((len(one.shapes), 1), flow)])) for one in surfaces]
 
 
 def _resisted(volume: Floats, moving: SurfaceShapes, room: SoundField) -> int:

@@ -14,7 +14,7 @@ from acoustics.fields.sound_field import SoundField
 
 def _kinds() -> Iterator[type[SoundField]]:
     for name in sorted(module.name for module in iter_modules(places)):
-        if name not in ("registry", "sound_field"):
+        if name not in ("known_fields", "sound_field"):
             module = import_module(f"{package}.{name}")
             mine = [one for one in vars(module).values() if isinstance(one, type) and issubclass(one, SoundField)]
             yield from (one for one in mine if one.__module__ == module.__name__)

@@ -1,0 +1,183 @@
+"""Rooms that several surfaces move: a wall beside a ceiling against a box lying on its side, and a ceiling in two parts
+against the whole of it, in time, in frequency and with air that pushes back."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from acoustics import Air, Receiver, SurfaceVibration, losses_from_t60
+from acoustics.fields.half_space import HalfSpace
+from acoustics.fields.rectangular import Room
+from acoustics.fields.shaped import ShapedRoom
+from acoustics.fields.sound_field import SoundField
+from acoustics.meshed.cavity_mesh import box_mesh
+from acoustics.rooms.box_two_way import Leak
+from femstruct import assemble, modal_basis, read_model
+from femstruct.errors import FemstructError, InputError
+from femstruct.impact.scene.bodies import Clock, HalfSine, Load, Scene
+from femstruct.impact.simulate import simulate
+from femstruct.modal.damping import Damping, Ratio, with_damping
+from femstruct.sound.placed import placed
+from femstruct.sound.power import power_per_force
+from femstruct.sound.surface import air_stiffness, pressure_per_force, surface_velocity
+from femstruct.sound.two_way import with_cavity
+from femstruct.study.study import RoomPlan
+
+SIZE = np.array([1.2, 0.9, 0.7])
+AIR = Air(340.0, 1.2)
+LOSSES = losses_from_t60(0.3)
+HZ = np.linspace(15.0, 320.0, 120)
+
+
+def gauss(a: float, b: float, cells: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Points of a rectangle [n], [n] and weights, three by three in each cell."""
+    node, share = np.polynomial.legendre.leggauss(3)
+    along = [((np.arange(cells)[:, None] + (node + 1) / 2) / cells).ravel() * side for side in (a, b)]
+    each = np.outer(np.tile(share, cells), np.tile(share, cells)).ravel() * a * b / (2 * cells) ** 2
+    x, y = (one.ravel() for one in np.meshgrid(*along, indexing="ij"))
+    return x, y, each
+
+
+def test_a_wall_and_a_ceiling_are_two_boxes_one_lying_on_its_side() -> None:
+    """By finite elements both at once; by cosines each alone, the wall as the ceiling of the box turned about y.
+
+    The wall x = 0 becomes the ceiling: (x, y, z) -> (z, y, Lx - x).
+    """
+    lx, ly, lz = SIZE
+    x, y, area = gauss(lx, ly, 6)
+    across = np.cos(np.pi * x / lx) + 0.4
+    above = SurfaceVibration(np.column_stack([x, y, np.full(x.size, lz)]), area, across[:, None], np.ones((1, 120)), HZ)
+    b, a, area = gauss(ly, lz, 6)
+    bulge = (np.sin(np.pi * a / lz) * np.sin(np.pi * b / ly))[:, None]
+    rates = np.full((1, 120), 0.7j)
+    beside = SurfaceVibration(np.column_stack([np.zeros(a.size), b, a]), area, bulge, rates, HZ)
+    places = np.array([[0.4, 0.3, 0.2], [1.1, 0.8, 0.05], [0.7, 0.15, 0.5]])
+    mics = [Receiver(str(i), place) for i, place in enumerate(places)]
+    room = ShapedRoom(box_mesh(SIZE, [14, 11, 9]), "z1", AIR, LOSSES, up_to_hz=900.0)
+    found, _ = room.harmonic([above, beside], mics)
+
+    lying = Room([lz, ly, lx], AIR, LOSSES)
+    turned = replace(beside, points=np.column_stack([a, b, np.full(a.size, lx)]))
+    there = [Receiver(str(i), [z, y, lx - x]) for i, (x, y, z) in enumerate(places)]
+    parts = [Room(SIZE, AIR, LOSSES).harmonic([above], mics)[0], lying.harmonic([turned], there)[0]]
+    assert np.abs(parts[1]).max() > 0.1 * np.abs(parts[0]).max()
+    # 0.3 %: eleven cells to a wave at 320 Hz, modes above 900 Hz at rest; 6e-2 with the sign of one surface turned
+    assert np.abs(found - sum(parts)).max() < 3e-3 * np.abs(found).max()
+
+
+MODEL = """
+title: A slab with parts of its underside
+materials: {concrete: {E: 30 GPa, nu: 0.2, rho: 2400}}
+parts: {slab: {type: plate, material: concrete, thickness: 8 mm, origin: [0, 0, 0.7], size: [1.2, 0.9], mesh: [12, 9]}}
+supports: {edges: {on: slab, edge: all, fix: simple}}
+points: {drop: {on: slab, at: [0.35, 0.3]}}
+surfaces:
+  whole: {on: slab, side: below}
+  left: {on: slab, side: below, region: {rectangle: [0.7 m, 0.9 m], at: [0.35 m, 0.45 m]}}
+  right: {on: slab, side: below, region: {rectangle: [0.5 m, 0.9 m], at: [0.95 m, 0.45 m]}}
+  top: {on: slab, side: above}
+  high: {on: slab, side: above, region: {rectangle: [0.7 m, 0.9 m], at: [0.35 m, 0.45 m]}}
+  far: {on: slab, side: above, region: {rectangle: [0.5 m, 0.9 m], at: [0.95 m, 0.45 m]}}
+"""
+TO_LEFT = (-0.25, 0.0)  # of the left part's centre from the middle of the ceiling
+
+
+@pytest.fixture(scope="module")
+def slab(tmp_path_factory):
+    path = tmp_path_factory.mktemp("slab") / "slab.yaml"
+    path.write_text(MODEL, encoding="utf-8")
+    model = read_model(path)
+    basis = with_damping(modal_basis(assemble(model), up_to=400.0), Damping(Ratio(0.01)))
+    return basis, model.surfaces, model.points["drop"].probe("z")
+
+
+FIELDS = [
+    pytest.param(Room(SIZE, AIR, LOSSES), id="box"),
+    pytest.param(ShapedRoom(box_mesh(SIZE, [7, 5, 4]), "z1", AIR, LOSSES, up_to_hz=450.0), id="mesh"),
+    pytest.param(HalfSpace(AIR), id="half space"),
+]
+MICS = [Receiver("a", [0.4, 0.3, 0.2]), Receiver("b", [0.9, 0.7, 0.5])]
+
+
+def rooms(field: SoundField, surfaces):
+    """One room under the whole slab, and the same under its two parts."""
+    if field.open_air is not None:
+        shift = surfaces["high"].centre - surfaces["top"].centre
+        return placed(field, surfaces["top"]), placed(
+            field, surfaces["high"], (shift[0], shift[1]), walls={"plane": surfaces["far"]}
+        )
+    ceiling = field.movable[0]
+    parts = placed(field, surfaces["left"], TO_LEFT, walls={ceiling: surfaces["right"]})
+    return placed(field, surfaces["whole"]), parts
+
+
+@pytest.mark.parametrize("field", FIELDS)
+def test_a_ceiling_in_two_parts_is_heard_as_the_whole(field: SoundField, slab) -> None:
+    basis, surfaces, drive = slab
+    whole, parts = rooms(field, surfaces)
+    assert len(parts.surfaces) == 2 and parts.origin == pytest.approx(whole.origin, abs=1e-12)
+    at = [np.concatenate(one.points) for one in (whole, parts)]
+    assert len(at[0]) == len(at[1]) and {*map(tuple, at[0].round(9))} == {*map(tuple, at[1].round(9))}
+    one, other = (pressure_per_force(basis, drive, room, MICS, HZ)[0] for room in (whole, parts))
+    assert np.abs(one - other).max() < 1e-9 * np.abs(one).max()  # rounding
+    push = Scene(loads=(Load("push", drive, HalfSine(10.0, 100.0)),))
+    response = simulate(basis, push, Clock(0.2, 8e3))
+    motions = [surface_velocity(response, room) for room in (whole, parts)]
+    assert np.array_equal(motions[1][0].rates, motions[1][1].rates)
+    heard = [field.pressures([motion], MICS)[0].p for motion in motions]
+    # modes that move only one of the parts by more than rounding are with both; a box ends its search by 1e-4
+    assert np.abs(heard[0] - heard[1]).max() < 1e-6 * np.abs(heard[0]).max()
+    assert air_stiffness(basis, parts) == pytest.approx(air_stiffness(basis, whole), rel=1e-9)
+
+
+@pytest.mark.parametrize("leak", [None, Leak(20.0, 2000.0)])
+@pytest.mark.parametrize("field", FIELDS[:2])
+def test_the_air_pushes_back_on_both_parts(field: SoundField, leak: Leak | None, slab) -> None:
+    basis, surfaces, drive = slab
+    whole, parts = rooms(field, surfaces)
+    one, other = (with_cavity(basis, room, leak=leak, up_to_hz=300.0) for room in (whole, parts))
+    assert one.frequency_hz[0] != pytest.approx(basis.frequency_hz[0], rel=0.01)
+    assert other.frequency_hz == pytest.approx(one.frequency_hz, rel=1e-9)
+    assert np.abs(other.viscous) == pytest.approx(np.abs(one.viscous), rel=1e-6, abs=1e-9)
+    heard = [pressure_per_force(each, drive, room, MICS, HZ)[0] for each, room in ((one, whole), (other, parts))]
+    assert np.abs(heard[0] - heard[1]).max() < 1e-9 * np.abs(heard[0]).max()  # rounding
+
+
+def test_a_half_space_takes_up_the_power_of_both_parts(slab) -> None:
+    basis, surfaces, drive = slab
+    (one, _), (other, _) = (
+        power_per_force(basis, drive, room, HZ, [100.0]) for room in rooms(HalfSpace(AIR), surfaces)
+    )
+    assert other.power == pytest.approx(one.power, rel=1e-6)  # nodes of the far field are placed round the points
+    alone, _ = power_per_force(basis, drive, placed(HalfSpace(AIR), surfaces["high"]), HZ, [100.0])
+    assert (alone.power > 1.2 * one.power).any() or (alone.power < one.power / 1.2).any()
+
+
+def test_what_cannot_move_a_wall_is_refused_before_anything_is_computed(slab) -> None:
+    _, surfaces, _ = slab
+    box, half = Room(SIZE, AIR, LOSSES), HalfSpace(AIR)
+    mesh = ShapedRoom(box_mesh(SIZE, [3, 3, 3]), "z1", AIR, LOSSES)
+    for field, first, walls, message in (
+        (
+            box,
+            "left",
+            {"x0": "right"},
+            "a surface on 'x0' of a rectangular room, expected surfaces on its ceiling",
+        ),
+        (mesh, "left", {"x0": "right"}, "a surface that reaches beyond the wall 'x0' of the room"),
+        (mesh, "left", {"z1": "far"}, "a surface on 'z1' that faces out of the room, expected one that faces in"),
+        (mesh, "left", {"roof": "right"}, "a surface on 'roof', expected a wall of the room, z1, x0, x1, y0, y1, z0"),
+        (half, "high", {"ceiling": "far"}, "'ceiling' of a half space, expected its plane"),
+    ):
+        others = {wall: surfaces[name] for wall, name in walls.items()}
+        with pytest.raises(InputError, match=f"rooms.hall: got {message}"):
+            placed(field, surfaces[first], TO_LEFT, "hall", others)
+    with pytest.raises(InputError, match=r"reaches 0\.25 m beyond the ceiling of 1\.2 x 0\.9 m.*place its centre"):
+        placed(box, surfaces["left"], walls={"ceiling": surfaces["right"]})
+    with pytest.raises(InputError, match=r"rooms\.hall: got a surface with normal \(0, 0, 1\), expected .* down"):
+        placed(box, surfaces["top"], name="hall")
+    with pytest.raises(FemstructError, match=r"rooms\.yard\.coupling: got two-way with a half space, expected one-way"):
+        RoomPlan("yard", half, "top", (), coupling="two-way")
