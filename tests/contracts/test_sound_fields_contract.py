@@ -27,6 +27,7 @@ AIR = Air(340.0, 1.2)
 DT = 1 / 8000
 T = DT * np.arange(1600)
 PULSE = np.where(T < 0.02, np.sin(np.pi * T / 0.02) ** 3, 0.0)
+ROUNDING = 1e-9  # of numbers of the size of 1
 HZ = np.array([20.0, 55.0, 130.0])
 
 
@@ -132,7 +133,7 @@ def test_surfaces_of_one_structure_share_their_rates(example: Example) -> None:
     own = together([one, SurfaceVelocity(other.points, other.weights, 0.5 * other.shapes, 2 * other.rates, DT)])
     assert own.rates.shape == (4, len(T))
     for each in (apart, own):
-        assert np.abs(each.shapes @ each.rates - shared.shapes @ shared.rates).max() < 1e-15
+        assert np.abs(each.shapes @ each.rates - shared.shapes @ shared.rates).max() < ROUNDING
     heard = [example.field.pressures([[each]], example.receivers)[0].p for each in (shared, own)]
     assert np.abs(heard[1] - heard[0]).max() < 1e-4 * np.abs(heard[0]).max()  # answers at rest to 2 shapes, or 4
 
@@ -204,8 +205,8 @@ def test_air_that_pushes_back_is_a_mechanical_system(example: Example) -> None:
     air = field.coupled_air(example.surfaces, 200.0)
     displaced = sum(one.weights @ one.shapes for one in example.surfaces)
     uniform = np.sqrt(AIR.rho * AIR.c**2 / field.volume) * displaced
-    assert air.compression[0, :2] == pytest.approx(uniform, rel=1e-9)
-    assert np.linalg.eigvalsh(air.mass).min() > 0 and air.mass == pytest.approx(air.mass.T, abs=1e-14)
+    assert air.compression[0, :2] == pytest.approx(uniform, rel=ROUNDING)
+    assert np.linalg.eigvalsh(air.mass).min() > 0 and air.mass == pytest.approx(air.mass.T, abs=ROUNDING)
     assert air.mass.shape == (2 + len(air.frequency_hz),) * 2 and len(air.frequency_hz) > 0
     assert not field.coupling_advice(30.0)  # walls that take nothing up
     assert field.identity
@@ -220,7 +221,7 @@ def test_modes_beside_surfaces_are_those_that_are_drawn(example: Example) -> Non
     assert hz == pytest.approx(found.frequency_hz)
     unit = np.sqrt(field.volume / found.squares) if len(hz) else np.ones(0)
     exact = whole.shapes.T @ (whole.weights[:, None] * drawn)
-    assert np.abs(found.products) * unit == pytest.approx(np.abs(exact), abs=1e-9)
+    assert np.abs(found.products) * unit == pytest.approx(np.abs(exact), abs=ROUNDING)
     # the box has the squares' sums from cosines of twice the order, the others from the shapes: rounding
     assert found.sizes * unit == pytest.approx(np.sqrt(whole.weights @ drawn**2), rel=1e-6)
 
@@ -236,10 +237,12 @@ def test_pictures_show_what_is_heard(example: Example) -> None:
             field.pressure_map(surfaces, [55.0], at=0.1)
         return
     low, high = (end(field.outline.reshape(-1, 3), axis=0) for end in (np.min, np.max))
-    assert high - low == pytest.approx(SIZE) and (field.middle <= high + 1e-12).all()
+    assert high - low == pytest.approx(SIZE) and (field.middle <= high + ROUNDING).all()
     grid = field.grid()
     assert (
-        (grid.points >= low - 1e-9).all() and (grid.points <= high + 1e-9).all() and grid.cells.max() < len(grid.points)
+        (grid.points >= low - ROUNDING).all()
+        and (grid.points <= high + ROUNDING).all()
+        and grid.cells.max() < len(grid.points)
     )
     drawn = field.pressure_map(surfaces, [55.0, 130.0], at=0.2, divisions=(6, 4))
     x, y = np.meshgrid(drawn.first, drawn.second, indexing="ij")
