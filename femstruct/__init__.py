@@ -11,7 +11,8 @@ Each arrow is a pure function, each noun a frozen value; nothing points back::
     given_matrices              someone's M, C, K     -> Assembly
     modal_basis, with_damping   Assembly              -> ModalBasis
     frf, simulate               ModalBasis, Scene     -> frequency response, Response
-    surface_velocity            Response, Surface     -> acoustics.SurfaceVelocity
+    placed                      a room, Surface       -> Placed, in the room's coordinates
+    surface_velocity            Response, Placed      -> acoustics.SurfaceVelocity of each surface
     run_study                   Plan                  -> StudyResult
     identify                    a study, a record     -> its numbers, with intervals
     write_results, read_results StudyResult           -> results.h5 and back
@@ -87,6 +88,8 @@ if TYPE_CHECKING:
     from femstruct.parts.mass import Mass as Mass
     from femstruct.parts.plate import Plate as Plate
     from femstruct.parts.spring import Spring as Spring
+    from femstruct.sound.placed import Placed as Placed
+    from femstruct.sound.placed import placed as placed
     from femstruct.sound.surface import surface_velocity as surface_velocity
     from femstruct.study.result import StudyResult as StudyResult
     from femstruct.study.structures import BeamModel as BeamModel
@@ -158,6 +161,7 @@ _NAMES = {
     "parts.mass": ("Mass",),
     "parts.plate": ("Plate",),
     "parts.spring": ("Spring",),
+    "sound.placed": ("Placed", "placed"),
     "sound.surface": ("surface_velocity",),
     "study.result": ("StudyResult",),
     "study.structures": ("BeamModel", "ModesModel", "NoStructure", "OscillatorModel", "RodModel"),

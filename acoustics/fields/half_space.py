@@ -37,35 +37,28 @@ class HalfSpace(Baffle, SoundField):
 
     @property
     def volume(self) -> float:
-        """Infinite [m^3]."""
         return inf
 
     @property
     def open_air(self) -> Baffle:
-        """Itself."""
         return self
 
     def described(self) -> dict[str, object]:
-        """On which side of the surface it is."""
         return {"side": "above" if self.normal[2] > 0 else "below"}
 
     @property
     def movable(self) -> tuple[str, ...]:
-        """The plane."""
         return (PLANE,)
 
     @property
     def middle(self) -> Floats:
-        """The origin."""
         return np.zeros(3)
 
     @property
     def facing(self) -> Floats:
-        """Into the air [3]."""
         return self.normal
 
     def axes(self, along: Floats, normal: Floats) -> Floats:
-        """The global ones."""
         return np.eye(3)
 
     def accept(self, wall: str, points: Floats, normals: Floats) -> None:
@@ -75,7 +68,6 @@ class HalfSpace(Baffle, SoundField):
         on_plane(self, points)
 
     def places(self, receivers: Sequence[Receiver]) -> Floats:
-        """Where the receivers are [n, 3] [m]."""
         return in_front(self, receivers)
 
     def pressures(

@@ -49,16 +49,13 @@ class Room(Box, SoundField):
 
     @property
     def identity(self) -> object:
-        """Its size."""
         return self.size.tolist()
 
     def described(self) -> dict[str, object]:
-        """Its size and its first modes."""
         return {"size_m": self.size.tolist(), **described_modes(self.losses, room_modes(self, TOLD_HZ)[0])}
 
     @property
     def movable(self) -> tuple[str, ...]:
-        """The ceiling."""
         return (CEILING,)
 
     @property
@@ -87,7 +84,6 @@ class Room(Box, SoundField):
             )
 
     def places(self, receivers: Sequence[Receiver]) -> Floats:
-        """Where the receivers are [n, 3] [m]."""
         for receiver in receivers:
             inside(self, f"receiver {receiver.name}", receiver.position[None, :])
         return positions(receivers)
@@ -101,9 +97,7 @@ class Room(Box, SoundField):
     def pressures_to_keep(
         self, motions: Sequence[Sequence[SurfaceVelocity]], receivers: Sequence[Receiver], up_to_hz: float = inf
     ) -> tuple[list[RoomResponse], KeptTransfer | None]:
-        """The cosines that were found are kept; of losses of kind ``source``, which have no weighting, nothing is."""
-        if self.losses.kind == "source":
-            return self.pressures(motions, receivers, up_to_hz), None
+        """The cosines that were found are kept."""
         return search([together(motion) for motion in motions], self, receivers, up_to_hz)
 
     def harmonic(
@@ -117,7 +111,6 @@ class Room(Box, SoundField):
         return coupled_air(self, side_by_side(surfaces), up_to_hz)
 
     def modes_on(self, surfaces: Sequence[SurfaceShapes], up_to_hz: float) -> ModesOnSurface:
-        """Its modes, in closed form, beside the shapes of what moves of its ceiling."""
         moving = side_by_side(surfaces)
         frequency_hz, indices = room_modes(self, up_to_hz)
         squares = self.volume * np.where(indices > 0, 0.5, 1.0).prod(axis=1)
@@ -137,11 +130,9 @@ class Room(Box, SoundField):
         return np.asarray(corners[np.array(pairs)] * self.size)
 
     def grid(self) -> RoomGrid:
-        """Equal cells."""
         return box_grid(self)
 
     def mode_shapes(self, points: Floats, count: int) -> tuple[Floats, Floats]:
-        """In closed form, as many as are wanted."""
         return box_mode_shapes(self, points, count)
 
     def pressure_map(

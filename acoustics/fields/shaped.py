@@ -143,7 +143,6 @@ class ShapedRoom(SoundField):
         return cells, self.ceiling, self.up_to_hz, springs
 
     def described(self) -> dict[str, object]:
-        """Its size, its cells and its first modes."""
         return {
             "size_m": np.ptp(self.extent, axis=0).tolist(),
             "largest_cell_m": self.mesh.largest_cell,
@@ -179,7 +178,6 @@ class ShapedRoom(SoundField):
             )
 
     def places(self, receivers: Sequence[Receiver]) -> Floats:
-        """Where the receivers are [n, 3] [m]."""
         where = positions(receivers)
         probe(self.mesh, where)
         return where
@@ -203,11 +201,9 @@ class ShapedRoom(SoundField):
         return coupled_cavity(side_by_side(surfaces), self.modes, self.air, self.losses, up_to_hz, self.walls)
 
     def coupling_advice(self, first_hz: float) -> tuple[Advice, ...]:
-        """Advice where walls absorb more than the damping of each mode by itself."""
         return two_way_absorption(self.modes, self.walls, self.air, first_hz)
 
     def modes_on(self, surfaces: Sequence[SurfaceShapes], up_to_hz: float) -> ModesOnSurface:
-        """Its modes beside the shapes of what moves."""
         moving = side_by_side(surfaces)
         hz = self.frequency_hz
         chosen = np.flatnonzero((hz <= up_to_hz) & (np.arange(len(hz)) > 0))
@@ -223,7 +219,6 @@ class ShapedRoom(SoundField):
         return self.mesh.edges
 
     def grid(self) -> RoomGrid:
-        """Its own cells, halved."""
         return halved_grid(self.mesh)
 
     def mode_shapes(self, points: Floats, count: int) -> tuple[Floats, Floats]:
@@ -240,7 +235,6 @@ class ShapedRoom(SoundField):
         at: float,
         divisions: tuple[int, int] = (48, 40),
     ) -> PressureMap:
-        """Of what lies in its cells."""
 
         def spectrum(frequency_hz: Floats, points: Floats) -> Complexes:
             return self.spectrum(surfaces, frequency_hz, points).T

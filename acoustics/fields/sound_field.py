@@ -42,27 +42,17 @@ class ModesOnSurface(NamedTuple):
     squares: Floats
 
 
-class MadeTransfer(Protocol):
-    """A transfer from the motion of a surface to receivers, for motions to come."""
+class KeptTransfer(Protocol):
+    """What a first motion of surfaces found out, kept for motions to come."""
 
     def of(self, surface: SurfaceVelocity, room: object, receivers: Sequence[Receiver], up_to_hz: float) -> bool:
-        """Whether a motion is one of its surface in its field, in a record of the same length and sampling."""
+        """Whether a motion is one of its surfaces in its field, in a record of the same length and sampling."""
 
-    def made(self) -> MadeTransfer:
-        """Itself."""
+    def prepare(self) -> None:
+        """Do now what the next motion would do."""
 
     def pressures(self, surfaces: Sequence[SurfaceVelocity]) -> list[RoomResponse] | None:
-        """Pressures of other motions; None where they need a new search."""
-
-
-class KeptTransfer(Protocol):
-    """What a first motion found out, from which a transfer can be made."""
-
-    def of(self, surface: SurfaceVelocity, room: object, receivers: Sequence[Receiver], up_to_hz: float) -> bool:
-        """As of `MadeTransfer`."""
-
-    def made(self) -> MadeTransfer:
-        """The transfer, found now."""
+        """Pressures of other motions; None where they need another search."""
 
 
 class SoundField(ABC):

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import astuple, dataclass
+from functools import cached_property
 from math import inf
 from typing import Final
 
 import numpy as np
 
 from acoustics.arrays import Complexes, Floats, Integers
-from acoustics.errors import AcousticsError
 from acoustics.receivers import Receiver, positions
 from acoustics.room_response import RoomResponse
 from acoustics.rooms.box import Box
@@ -27,10 +27,11 @@ _LEAST_WEIGHT: Final = 1e-12  # weight of a line from which on it is left out
 
 
 @dataclass(frozen=True, eq=False)
-class Searched:
-    """What a search for cosines found for motions of one ceiling, of which `surface` is the first.
+class RoomTransfer:
+    """From the rates of a ceiling's modes to the pressures at receivers of a room, on the lines of one record.
 
-    blocks : the cosines [n, 2] that were evaluated, block by block. orders [m, 2] : all that were looked at.
+    surface : the first of the motions whose cosines were searched for. blocks : the cosines [n, 2] that were evaluated,
+    block by block. orders [m, 2] : all that were looked at.
     """
 
     room: Box
@@ -39,6 +40,17 @@ class Searched:
     up_to_hz: float
     blocks: tuple[Integers, ...]
     orders: Integers
+
+    @cached_property
+    def ways(self) -> tuple[Complexes, Complexes]:
+        """Pressure over modal rate [r, k, nf], of all cosines and of those added last, weighted for the record's
+        transform."""
+        before, last = (_ways(self, block) for block in (np.concatenate(self.blocks[:-1]), self.blocks[-1]))
+        return before + last, last
+
+    def prepare(self) -> None:
+        """Find the ways now."""
+        _ = self.ways
 
     def of(self, surface: SurfaceVelocity, room: object, receivers: Sequence[Receiver], up_to_hz: float) -> bool:
         """Whether a motion is one of this ceiling in this room, in a record of the same length and sampling."""
@@ -53,102 +65,61 @@ class Searched:
             and all(np.array_equal(getattr(mine, word), getattr(surface, word)) for word in words)
         )
 
-    def made(self) -> RoomTransfer:
-        """The transfer through these cosines."""
-        return room_transfer(self)
+    def pressures(self, surfaces: Sequence[SurfaceVelocity]) -> list[RoomResponse] | None:
+        """Pressures of other motions, to rounding those of the ceiling's cosines; None where they need other cosines.
+
+        surfaces : motions of the transfer's own ceiling, see `of`.
+
+        Notes
+        -----
+        Cosines that were left out as inaudible must be so now, those added last must add no more than they may, and
+        none of the motions' band must be missing: the tests of the search that found them.
+        """
+        alike(surfaces)
+        first, room, orders, (whole, last) = surfaces[0], self.room, self.orders, self.ways
+        nt = first.rates.shape[1]
+        broad = project(first, room, square(2, 2))
+        highest_hz = [source_bandwidth(broad @ surface.rates, surface.dt) for surface in surfaces]
+        _, weight = transform_axis(nt, first.dt)
+        found, quietest = [], []
+        for surface, highest in zip(surfaces, highest_hz, strict=True):
+            spectra = np.fft.rfft(extended(surface.rates, len(weight)) * weight, axis=1)[:, : whole.shape[2]]
+            p, share = _heard(whole, spectra, weight, nt), _heard(last, spectra, weight, nt)
+            energy, part = (np.einsum("rt,rt->r", one, one) for one in (p, share))
+            worst = float(np.sqrt(np.divide(part, energy, out=np.zeros_like(energy), where=energy > 0).max()))
+            if worst >= ENOUGH:
+                return None
+            quietest.append(float(energy.min()) * len(self.blocks))  # each block left out as much as it may
+            findings = (
+                *source_advice(surface, room, orders, highest),
+                *truncation(worst, orders),
+                *one_way(room),
+            )
+            found.append(RoomResponse(self.receivers, surface.t, p, findings))
+        top = min(max(highest_hz), 2 * self.up_to_hz)
+        if not undriven(surfaces, room, orders, top):
+            return None
+        products, left = [moved(surface) for surface in surfaces], not_in(orders, np.concatenate(self.blocks))
+        missed = len(left) and audible(project(first, room, left), products, room, left, quietest).any()
+        return None if missed else found
+
+
+def search(
+    surfaces: Sequence[SurfaceVelocity], room: Box, receivers: Sequence[Receiver], up_to_hz: float = inf
+) -> tuple[list[RoomResponse], RoomTransfer | None]:
+    """Pressures as `acoustics.rooms.box_pressure.pressures` has them, and the transfer through the cosines they took.
+
+    None for losses of kind ``source``, whose transform has no weighting. Raises AcousticsError as `pressures` does.
+    """
+    responses, blocks, orders = pressures_and_orders(surfaces, room, receivers, up_to_hz=up_to_hz)
+    if room.losses.kind == "source":
+        return responses, None
+    return responses, RoomTransfer(room, tuple(receivers), surfaces[0], up_to_hz, tuple(blocks), orders)
 
 
 def _values(room: Box) -> tuple[object, ...]:
     """All that a room is made of, to be compared."""
     return (*room.size.tolist(), *astuple(room.air), *astuple(room.losses))
-
-
-@dataclass(frozen=True, eq=False)
-class RoomTransfer:
-    """From the rates of a ceiling's modes to the pressures at receivers of a room, on the lines of one record.
-
-    whole, last [r, k, nf] : pressure over modal rate, of all cosines and of those added last, weighted for the record's
-    transform.
-    """
-
-    searched: Searched
-    whole: Complexes
-    last: Complexes
-
-    def of(self, surface: SurfaceVelocity, room: object, receivers: Sequence[Receiver], up_to_hz: float) -> bool:
-        """As `Searched.of`."""
-        return self.searched.of(surface, room, receivers, up_to_hz)
-
-    def made(self) -> RoomTransfer:
-        """Itself."""
-        return self
-
-    def pressures(self, surfaces: Sequence[SurfaceVelocity]) -> list[RoomResponse] | None:
-        """As `pressures_through`."""
-        return pressures_through(self, surfaces)
-
-
-def search(
-    surfaces: Sequence[SurfaceVelocity], room: Box, receivers: Sequence[Receiver], up_to_hz: float = inf
-) -> tuple[list[RoomResponse], Searched]:
-    """Pressures as `acoustics.rooms.box_pressure.pressures` has them, and the cosines that they took.
-
-    Raises AcousticsError as `pressures` does.
-    """
-    responses, blocks, orders = pressures_and_orders(surfaces, room, receivers, up_to_hz=up_to_hz)
-    return responses, Searched(room, tuple(receivers), surfaces[0], up_to_hz, tuple(blocks), orders)
-
-
-def room_transfer(searched: Searched) -> RoomTransfer:
-    """The transfer through the cosines of a search, by which the pressures of other motions follow.
-
-    Raises AcousticsError for losses of kind ``source``, whose transform has no weighting.
-    """
-    if searched.room.losses.kind == "source":
-        raise AcousticsError("losses", got="kind source", expected="a causal kind", do="use form: causal")
-    before, last = (_ways(searched, block) for block in (np.concatenate(searched.blocks[:-1]), searched.blocks[-1]))
-    before += last
-    return RoomTransfer(searched, before, last)
-
-
-def pressures_through(transfer: RoomTransfer, surfaces: Sequence[SurfaceVelocity]) -> list[RoomResponse] | None:
-    """Pressures of other motions of a ceiling, to rounding those of its cosines; None where they need other cosines.
-
-    surfaces : motions of the transfer's own ceiling, see `Searched.of`.
-
-    Notes
-    -----
-    Cosines that were left out as inaudible must be so now, those added last must add no more than they may, and none of
-    the motions' band must be missing: the tests of the search that found them.
-    """
-    alike(surfaces)
-    first, searched = surfaces[0], transfer.searched
-    room, orders = searched.room, searched.orders
-    nt = first.rates.shape[1]
-    broad = project(first, room, square(2, 2))
-    highest_hz = [source_bandwidth(broad @ surface.rates, surface.dt) for surface in surfaces]
-    _, weight = transform_axis(nt, first.dt)
-    found, quietest = [], []
-    for surface, highest in zip(surfaces, highest_hz, strict=True):
-        spectra = np.fft.rfft(extended(surface.rates, len(weight)) * weight, axis=1)[:, : transfer.whole.shape[2]]
-        p, share = _heard(transfer.whole, spectra, weight, nt), _heard(transfer.last, spectra, weight, nt)
-        energy, part = (np.einsum("rt,rt->r", one, one) for one in (p, share))
-        worst = float(np.sqrt(np.divide(part, energy, out=np.zeros_like(energy), where=energy > 0).max()))
-        if worst >= ENOUGH:
-            return None
-        quietest.append(float(energy.min()) * len(searched.blocks))  # each block left out as much as it may
-        findings = (
-            *source_advice(surface, room, orders, highest),
-            *truncation(worst, orders),
-            *one_way(room),
-        )
-        found.append(RoomResponse(searched.receivers, surface.t, p, findings))
-    top = min(max(highest_hz), 2 * searched.up_to_hz)
-    if not undriven(surfaces, room, orders, top):
-        return None
-    products, left = [moved(surface) for surface in surfaces], not_in(orders, np.concatenate(searched.blocks))
-    missed = len(left) and audible(project(first, room, left), products, room, left, quietest).any()
-    return None if missed else found
 
 
 def _heard(ways: Complexes, spectra: Complexes, weight: Floats, nt: int) -> Floats:
@@ -158,9 +129,9 @@ def _heard(ways: Complexes, spectra: Complexes, weight: Floats, nt: int) -> Floa
     return np.asarray(p)
 
 
-def _ways(searched: Searched, orders: Integers) -> Complexes:
+def _ways(kept: RoomTransfer, orders: Integers) -> Complexes:
     """Pressure over modal rate [r, k, nf] that some cosines make, weighted as spectra of the record are."""
-    surface, room, receivers, up_to_hz = searched.surface, searched.room, searched.receivers, searched.up_to_hz
+    surface, room, receivers, up_to_hz = kept.surface, kept.room, kept.receivers, kept.up_to_hz
     s, _ = transform_axis(surface.rates.shape[1], surface.dt)
     wanted = band_end(len(s)) * (band_cut(s.imag / (2 * np.pi), up_to_hz) if up_to_hz < inf else 1.0)
     nf = int(np.flatnonzero(wanted > _LEAST_WEIGHT)[-1]) + 1

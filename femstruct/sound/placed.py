@@ -26,6 +26,15 @@ class Placed:
     room : the sound field. name : of the room; a basis that is coupled to it may have a leak of that name.
     surfaces : the first one places the room. points : of each [p, 3], in the room's coordinates [m].
     axes [3, 3], origin [3] : of the room, global; axes as rows [m].
+
+    `placed` makes one. The plane of a half space, the room's axes being those of the structure:
+
+    >>> from scipy.sparse import csr_array
+    >>> from acoustics import HalfSpace
+    >>> corners = [[0, 0, 1], [2, 0, 1], [2, 2, 1], [0, 2, 1]]
+    >>> top = Surface("top", [[1, 1, 1]], [4], [[0, 0, 1]], [[1, 0, 0], [0, 1, 0]], corners, csr_array((1, 7)))
+    >>> placed(HalfSpace(), top).origin.tolist()
+    [1.0, 1.0, 1.0]
     """
 
     room: SoundField
@@ -67,6 +76,16 @@ def placed(
 
     Raises InputError: a surface that faces elsewhere, reaches beyond its wall, or lies on a wall that this kind of room
     cannot move.
+
+    A room of 4 x 3 m under a slab of 2 x 2 m, whose middle is 1 m from that of the ceiling:
+
+    >>> from scipy.sparse import csr_array
+    >>> from acoustics import Room
+    >>> corners = [[0, 0, 2.5], [2, 0, 2.5], [2, 2, 2.5], [0, 2, 2.5]]
+    >>> slab = Surface("slab", [[1, 1, 2.5]], [4], [[0, 0, -1]], [[1, 0, 0], [0, 1, 0]], corners, csr_array((1, 7)))
+    >>> room = placed(Room([4, 3, 2.5]), slab, offset=(1.0, 0.0))
+    >>> room.points[0].tolist(), room.from_room(np.zeros(3)).tolist()
+    ([[3.0, 1.5, 2.5]], [-2.0, -0.5, 0.0])
     """
     where = f"rooms.{name}"
     if (surface.normals @ room.facing).min() < FACING:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Final
 
-from acoustics.fields.sound_field import KeptTransfer, MadeTransfer, SoundField
+from acoustics.fields.sound_field import KeptTransfer, SoundField
 from acoustics.receivers import Receiver
 from acoustics.room_response import RoomResponse
 from acoustics.source import together
@@ -28,26 +28,26 @@ class RoomTransfers:
     """
 
     def __init__(self) -> None:
-        self._kept: list[KeptTransfer | MadeTransfer] = []
+        self._kept: list[KeptTransfer] = []
 
     def heard(
         self, moving: Sequence[Motion], room: SoundField, receivers: Sequence[Receiver], up_to_hz: float
     ) -> list[RoomResponse]:
         """Pressures as `SoundField.pressures` has them."""
         whole = [together(motion) for motion in moving]
-        for number, kept in enumerate(self._kept):
+        for kept in self._kept:
             if kept.of(whole[0], room, receivers, up_to_hz):
-                transfer = self._kept[number] = kept.made()
-                found = transfer.pressures(whole)
+                found = kept.pressures(whole)
                 if found is not None:
                     return found
-                del self._kept[number]
+                self._kept.remove(kept)
                 break
-        found, search = room.pressures_to_keep(moving, receivers, up_to_hz)
-        if search is not None:
-            self._kept = [*self._kept[1 - MOST :], search]
+        found, new = room.pressures_to_keep(moving, receivers, up_to_hz)
+        if new is not None:
+            self._kept = [*self._kept[1 - MOST :], new]
         return found
 
     def prepare(self) -> None:
         """Make the transfers of all rooms that were heard, for motions to come."""
-        self._kept = [kept.made() for kept in self._kept]
+        for kept in self._kept:
+            kept.prepare()
