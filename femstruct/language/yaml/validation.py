@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import re
 import types
+from collections.abc import Iterator
 from typing import Annotated, Any, Final, TypeVar, Union, get_args, get_origin
 
-from pydantic import BaseModel, Tag, ValidationError
+from pydantic import BaseModel, ValidationError
 
 from femstruct.language.yaml.reader import Mistakes, Steps, Tree, dotted, near_name, nearest
 from femstruct.language.yaml.spec import LATER
@@ -34,62 +35,62 @@ def validate(schema: type[S], value: Any, tree: Tree, mistakes: Mistakes) -> S |
 
 
 def _note(error: Any, schema: type[BaseModel], tree: Tree, mistakes: Mistakes) -> None:
-    loc: Steps = error["loc"]
-    kind: str = error["type"]
-    context: dict[str, Any] = error.get("ctx", {})
+    loc, kind = error["loc"], error["type"]
+    if kind == "union_tag_invalid":
+        loc = (*loc, "shape" if "rectangle" in error["ctx"]["expected_tags"] else "type")
     steps = _steps(loc, tree.value, absent=kind != "refused")
-    got, expected, do, of_key = shown_as(error["input"]), str(error["msg"]), "", False
-    if kind == "refused":
-        got, expected, do = context["got"], context["expected"], context["do"]
-    elif kind == "extra_forbidden":
-        key = str(loc[-1])
-        known = _allowed(schema, loc[:-1])
-        got, of_key = f"the unknown key '{key}'", True
-        expected, do = "a key of the language", nearest(key, known)
-        if NUMBER_LIKE.fullmatch(key):
-            do = "write decimals with a point: a comma begins the next item"
-        if _is_later(loc):
-            got, expected, do = f"'{key}', which is {LATER}", "a model or study without it", "remove it"
-    elif kind == "missing" and isinstance(loc[-1], int):
+    if kind == "missing" and isinstance(loc[-1], int):
         steps = steps[:-1]
-        got, expected = "a list that is too short", f"at least {loc[-1] + 1} values"
-    elif kind == "missing":
-        got, expected, do, of_key = "nothing", f"'{loc[-1]}'", f"add '{loc[-1]}: ...'", True
-    elif kind == "too_long":
-        got, expected = f"{context['actual_length']} values", f"{context['max_length']}"
-    elif kind == "too_short":
-        got, expected = f"{context['actual_length']} values", f"at least {context['min_length']}"
-    elif kind in ("tuple_type", "list_type"):
-        expected, do = "a list", "write it like [1, 2]"
-    elif kind in ("dict_type", "model_type", "model_attributes_type"):
-        expected, do = "a mapping", "write it like {name: value}"
-    elif kind == "union_tag_not_found":
-        got = "no 'type'"
-        known = _tags(_descend(schema, loc))
-        expected, do = "a key 'type'", f"add type: {' | '.join(known)}" if known else "add 'type: ...'"
-        if not isinstance(error["input"], dict):
-            got, expected, do = shown_as(error["input"]), "a mapping", "write it like {type: ..., ...}"
-    elif kind == "union_tag_invalid":
-        known = [tag.strip(" '") for tag in context["expected_tags"].split(",")]
-        word = context["tag"]
-        steps = _steps((*loc, "shape" if "rectangle" in known else "type"), tree.value)
-        later = word in ("shell", "solid")
-        got = f"'{word}'" + (f", which is {LATER}" if later else "")
-        expected, do = f"one of {', '.join(known)}", "" if later else nearest(word, known)
-    elif kind == "literal_error":
-        words = re.findall("'([^']*)'", context["expected"])
-        expected, do = f"one of {', '.join(words)}", nearest(str(error["input"]), words) if error["input"] else ""
-    mistakes.add(tree.position(steps, of_key), dotted(steps), got=got, expected=expected, do=do)
+    at = tree.position(steps, of_key=kind == "extra_forbidden" or (kind == "missing" and isinstance(loc[-1], str)))
+    got, expected, do = _told(kind, error["input"], error.get("ctx", {}), loc, schema) or ("", error["msg"], "")
+    mistakes.add(at, dotted(steps), got=got or shown_as(error["input"]), expected=expected, do=do)
 
 
-_LATER_KEYS: Final = (
-    ("parts", "*", "layers"), ("parts", "*", "file"), ("parts", "*", "set"), ("parts", "*", "scale"),
-)  # fmt: skip
+def _told(
+    kind: str, given: Any, context: dict[str, Any], loc: Steps, schema: type[BaseModel]
+) -> tuple[str, str, str] | None:
+    """What was got ("" for the value as it is shown), what is expected, what to do; None for what pydantic says."""
+    match kind:
+        case "refused":
+            return context["got"], context["expected"], context["do"]
+        case "extra_forbidden":
+            return _told_of_key(str(loc[-1]), loc, _allowed(schema, loc[:-1]))
+        case "missing" if isinstance(loc[-1], int):
+            return "a list that is too short", f"at least {loc[-1] + 1} values", ""
+        case "missing":
+            return "nothing", f"'{loc[-1]}'", f"add '{loc[-1]}: ...'"
+        case "too_long":
+            return f"{context['actual_length']} values", f"{context['max_length']}", ""
+        case "too_short":
+            return f"{context['actual_length']} values", f"at least {context['min_length']}", ""
+        case "tuple_type" | "list_type":
+            return "", "a list", "write it like [1, 2]"
+        case "dict_type" | "model_type" | "model_attributes_type":
+            return "", "a mapping", "write it like {name: value}"
+        case "union_tag_not_found" if not isinstance(given, dict):
+            return "", "a mapping", "write it like {type: ..., ...}"
+        case "union_tag_not_found":
+            known = " | ".join(tag for one in _at(schema, loc) for tag in _tags(one))
+            return "no 'type'", "a key 'type'", f"add type: {known}" if known else "add 'type: ...'"
+        case "union_tag_invalid":
+            words, word = [tag.strip(" '") for tag in context["expected_tags"].split(",")], context["tag"]
+            later = f", which is {LATER}" if word in ("shell", "solid") else ""
+            return f"'{word}'{later}", f"one of {', '.join(words)}", "" if later else nearest(word, words)
+        case "literal_error":
+            words = re.findall("'([^']*)'", context["expected"])
+            return "", f"one of {', '.join(words)}", nearest(str(given), words) if given else ""
+    return None
 
 
-def _is_later(loc: Steps) -> bool:
-    short = (loc[0], "*", loc[-1]) if len(loc) > 1 else loc
-    return short in _LATER_KEYS and len(loc) <= 4
+_LATER_KEYS: Final = ("layers", "file", "set", "scale")  # of parts
+
+
+def _told_of_key(key: str, loc: Steps, known: list[str]) -> tuple[str, str, str]:
+    if loc[0] == "parts" and key in _LATER_KEYS and len(loc) <= 4:
+        return f"'{key}', which is {LATER}", "a model or study without it", "remove it"
+    comma = "write decimals with a point: a comma begins the next item"
+    do = comma if NUMBER_LIKE.fullmatch(key) else nearest(key, known)
+    return f"the unknown key '{key}'", "a key of the language", do
 
 
 def _steps(loc: Steps, value: Any, absent: bool = True) -> Steps:
@@ -111,53 +112,43 @@ def _steps(loc: Steps, value: Any, absent: bool = True) -> Steps:
 
 
 def _allowed(schema: Any, loc: Steps) -> list[str]:
-    found = _descend(schema, loc)
-    if isinstance(found, type) and issubclass(found, BaseModel):
-        return [field.alias or name for name, field in found.model_fields.items()]
-    return []
+    """The keys of the mapping that a pydantic location points at."""
+    return [key for one in _at(schema, loc) for key in _fields(one)]
 
 
-def _descend(schema: Any, loc: Steps) -> Any:
-    """The annotation a pydantic location points at."""
+def _fields(schema: Any) -> dict[str, Any]:
+    """The annotations of a mapping's keys; none for what is no mapping of the language."""
+    fields = schema.model_fields if isinstance(schema, type) and issubclass(schema, BaseModel) else {}
+    return {info.alias or name: info.annotation for name, info in fields.items()}
+
+
+def _tags(schema: Any) -> tuple[str, ...]:
+    """By which words a kind is told from the others."""
+    fields = _fields(schema)
+    literal = fields.get("type", fields.get("shape"))
+    return get_args(literal) if literal is not None else ("given",)
+
+
+def _at(schema: Any, loc: Steps) -> list[Any]:
+    """What may stand at a pydantic location."""
+    known = [schema]
     for step in loc:
-        schema = _bare(schema)
-        if isinstance(schema, type) and issubclass(schema, BaseModel):
-            by_key = {info.alias or name: info.annotation for name, info in schema.model_fields.items()}
-            schema = by_key.get(str(step))
-        elif get_origin(schema) is dict:
-            schema = get_args(schema)[1]
-        elif get_origin(schema) in (tuple, list):
-            schema = get_args(schema)[0]
-        elif get_origin(schema) in (Union, types.UnionType):
-            schema = next((member for member in get_args(schema) if step in _own_tags(member)), None)
-        else:
-            return None
-    return _bare(schema)
+        if step in [getattr(one, "__name__", "") for one in known]:
+            continue  # a kind that is told by its keys: a misspelt one may have been meant for another kind
+        inside = [_fields(one).get(str(step)) for one in known] + [
+            get_args(one)[get_origin(one) is dict] for one in known if get_origin(one) in (dict, list, tuple)
+        ]
+        tagged = [one for one in known if step in _tags(one)] if len(known) > 1 else []
+        known = tagged or [one for each in inside if each is not None for one in _alternatives(each)]
+    return known
 
 
-def _bare(schema: Any) -> Any:
-    while True:
-        if get_origin(schema) is Annotated:
-            schema = get_args(schema)[0]
-        elif get_origin(schema) in (Union, types.UnionType) and type(None) in get_args(schema):
-            members = [member for member in get_args(schema) if member is not type(None)]
-            schema = members[0] if len(members) == 1 else Union[tuple(members)]  # noqa: UP007 (made at run time)
-        else:
-            return schema
-
-
-def _own_tags(member: Any) -> tuple[str, ...]:
-    tags = (
-        tuple(one.tag for one in get_args(member)[1:] if isinstance(one, Tag))
-        if get_origin(member) is Annotated
-        else ()
-    )
-    bare = _bare(member)
-    fields = bare.model_fields if isinstance(bare, type) and issubclass(bare, BaseModel) else {}
-    return tags or (tuple(get_args(fields["type"].annotation)) if "type" in fields else ())
-
-
-def _tags(union: Any) -> list[str]:
-    if get_origin(union) not in (Union, types.UnionType):
-        return []
-    return [tag for member in get_args(union) for tag in _own_tags(member)]
+def _alternatives(annotation: Any) -> Iterator[Any]:
+    origin, inside = get_origin(annotation), get_args(annotation)
+    if origin is Annotated:
+        yield from _alternatives(inside[0])
+    elif origin in (Union, types.UnionType):
+        for one in inside:
+            yield from _alternatives(one)
+    elif annotation is not type(None):
+        yield annotation
