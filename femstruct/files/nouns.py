@@ -25,7 +25,7 @@ Array = NDArray[Any]
 Keep = Callable[[Array], object]  # puts an array somewhere, tells where
 Fetch = Callable[[Any], Array]  # finds it there again
 
-INLINE: Final = 32  # numbers of an array that stands in the tables themselves
+INLINE: Final = 128  # numbers of an array that stands in the tables themselves
 _CLASS: Final = "is"  # no field of a dataclass can have this name
 _OURS: Final = ("femstruct", "acoustics")
 _GROUPS: Final = ("femstruct.laws", "femstruct.language.laws", "femstruct.language.parts")  # of packages that add nouns
