@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 from femstruct.impact.laws.cubic import Cubic
 from femstruct.language.laws.law import FactoredSpec
 from femstruct.language.model.directions import Stiffness
-from femstruct.language.yaml.spec import Quantity
+from femstruct.language.yaml import Quantity
 
 
 class CubicSpec(FactoredSpec):

@@ -10,7 +10,7 @@ from pydantic import Field
 from femstruct.impact.laws.hertz import Hertz
 from femstruct.language.laws.law import LawSpec, Site
 from femstruct.language.model.material import Modulus
-from femstruct.language.yaml.spec import AnyRatio, Length, Quantity, read_by
+from femstruct.language.yaml import AnyRatio, Length, Quantity, read_by
 
 
 def _radii(value: object) -> object:

@@ -13,8 +13,7 @@ from pydantic import ValidationInfo, field_validator
 
 from femstruct.impact.laws.law import Law
 from femstruct.impact.scene.restitution import dissipation_for
-from femstruct.language.yaml.here import Here
-from femstruct.language.yaml.spec import Flag, Quantity, Spec, refuse
+from femstruct.language.yaml import Flag, Here, Quantity, Spec, refuse
 from femstruct.units import QuantityError, power_stiffness, shown_as
 
 Positive = Annotated[float, Quantity(("stiffness",), above=0.0)]

@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 from femstruct.impact.laws.linear import Linear
 from femstruct.language.laws.law import LawSpec, Positive, Restitution, Site
 from femstruct.language.model.directions import Dashpot
-from femstruct.language.yaml.spec import Quantity
+from femstruct.language.yaml import Quantity
 
 
 class LinearSpec(LawSpec):

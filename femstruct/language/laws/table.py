@@ -11,7 +11,7 @@ from femstruct.files.inputs.columns import read_columns
 from femstruct.files.inputs.opening import beside
 from femstruct.impact.laws.tabulated import Tabulated
 from femstruct.language.laws.law import FactoredSpec, Site
-from femstruct.language.yaml.spec import Quantity, Text
+from femstruct.language.yaml import Quantity, Text
 
 Depth = Annotated[float, Quantity(("length",), least=0.0)]
 Push = Annotated[float, Quantity(("force",), least=0.0)]

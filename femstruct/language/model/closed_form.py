@@ -12,12 +12,12 @@ from femstruct.errors import FemstructError
 from femstruct.language.model.material import Modulus
 from femstruct.language.model.point import PointSpec
 from femstruct.language.model.section import Area
-from femstruct.language.yaml.here import Here
-from femstruct.language.yaml.spec import (
+from femstruct.language.yaml import (
     Component,
     Coordinate,
     Count,
     Frequency,
+    Here,
     Length,
     MassKg,
     Quantity,

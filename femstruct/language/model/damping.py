@@ -7,8 +7,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
-from femstruct.language.yaml.here import Here
-from femstruct.language.yaml.spec import Frequency, LossFactor, Quantity, Ratio, Spec
+from femstruct.language.yaml import Frequency, Here, LossFactor, Quantity, Ratio, Spec
 from femstruct.modal import damping
 
 

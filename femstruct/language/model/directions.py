@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from femstruct.language.yaml.spec import Quantity, Spec
+from femstruct.language.yaml import Quantity, Spec
 
 Stiffness = Annotated[float, Quantity(("stiffness",), least=0.0)]
 RotationalStiffness = Annotated[float, Quantity(("rotational stiffness",), least=0.0)]

@@ -5,8 +5,7 @@ from __future__ import annotations
 from typing import Annotated, Any, Literal
 
 from femstruct.language.model.directions import SixStiffnesses
-from femstruct.language.yaml.here import Here
-from femstruct.language.yaml.spec import Refers, Spec, Text
+from femstruct.language.yaml import Here, Refers, Spec, Text
 from femstruct.model.structure import Joint
 
 PartName = Annotated[Text, Refers("part", goes_with="parts")]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from femstruct.language.yaml.spec import AnyRatio, MaterialLossFactor, Quantity, Spec
+from femstruct.language.yaml import AnyRatio, MaterialLossFactor, Quantity, Spec
 from femstruct.model.material import Material
 
 Modulus = Annotated[float, Quantity(("pressure",), above=0.0)]

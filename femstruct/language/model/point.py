@@ -6,9 +6,19 @@ from collections.abc import Mapping
 from typing import Annotated, Literal
 
 from femstruct.language.parts.base import PartSpec
-from femstruct.language.yaml.here import Here
-from femstruct.language.yaml.reader import nearest
-from femstruct.language.yaml.spec import LENGTH, Coordinate, Length, Quantity, Refers, Spec, Text, read_by, refuse
+from femstruct.language.yaml import (
+    LENGTH,
+    Coordinate,
+    Here,
+    Length,
+    Quantity,
+    Refers,
+    Spec,
+    Text,
+    nearest,
+    read_by,
+    refuse,
+)
 from femstruct.model.region import Side
 from femstruct.model.structure import PlaceOn
 from femstruct.units import QuantityError, quantity, shown_as

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from femstruct.language.yaml.spec import Length, Position2, Spec, exactly_one, read_by, refuse
+from femstruct.language.yaml import Length, Position2, Spec, exactly_one, read_by, refuse
 from femstruct.model import region
 from femstruct.units import shown_as
 

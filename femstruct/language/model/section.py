@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import Discriminator, Tag, create_model
 
-from femstruct.language.yaml.here import Here
-from femstruct.language.yaml.spec import Factor, Length, Quantity, Spec
+from femstruct.language.yaml import Factor, Here, Length, Quantity, Spec
 from femstruct.model import section
 
 Area = Annotated[float, Quantity(("area",), above=0.0)]

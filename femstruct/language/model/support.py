@@ -5,8 +5,7 @@ from __future__ import annotations
 from typing import Annotated, Literal, get_args
 
 from femstruct.conventions import DIRECTIONS
-from femstruct.language.yaml.here import Here
-from femstruct.language.yaml.spec import PointName, Position2, Refers, Spec, Text, only, read_by, refuse
+from femstruct.language.yaml import Here, PointName, Position2, Refers, Spec, Text, only, read_by, refuse
 from femstruct.model.structure import Edge, Fix, Support
 from femstruct.units import shown_as
 

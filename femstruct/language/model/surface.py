@@ -5,8 +5,7 @@ from __future__ import annotations
 from typing import Annotated
 
 from femstruct.language.model.region import Region, RegionSpec
-from femstruct.language.yaml.here import Here
-from femstruct.language.yaml.spec import Refers, Spec, Text
+from femstruct.language.yaml import Here, Refers, Spec, Text
 from femstruct.model.region import Side
 from femstruct.model.structure import SurfaceOn
 

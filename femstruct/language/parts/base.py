@@ -7,8 +7,7 @@ from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar
 
 from femstruct.errors import FemstructError
-from femstruct.language.yaml.here import Here
-from femstruct.language.yaml.spec import Refers, Spec, Text
+from femstruct.language.yaml import Here, Refers, Spec, Text
 from femstruct.model.material import Material
 from femstruct.model.part import Part
 from femstruct.model.section import Section

@@ -5,8 +5,7 @@ from __future__ import annotations
 from typing import Annotated, Literal
 
 from femstruct.language.parts.base import PartSpec, Places, check_coordinates
-from femstruct.language.yaml.here import Here
-from femstruct.language.yaml.spec import Length, MassKg, Position3, Quantity
+from femstruct.language.yaml import Here, Length, MassKg, Position3, Quantity
 from femstruct.parts.block import Block
 
 Inertia = Annotated[float, Quantity(("inertia",), above=0.0)]

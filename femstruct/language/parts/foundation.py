@@ -6,8 +6,7 @@ from typing import Annotated, Any, Literal
 
 from femstruct.language.model.region import Region, RegionSpec
 from femstruct.language.parts.base import PartSpec
-from femstruct.language.yaml.here import Here
-from femstruct.language.yaml.spec import MaterialLossFactor, Measured, Quantity, Refers, Spec, Text
+from femstruct.language.yaml import Here, MaterialLossFactor, Measured, Quantity, Refers, Spec, Text
 from femstruct.parts.foundation import Foundation
 
 Spread = Annotated[Measured, Quantity(("stiffness/area", "stiffness/length"), least=0.0, which=True)]

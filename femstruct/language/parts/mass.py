@@ -6,8 +6,7 @@ from typing import Annotated, Any, Final, Literal
 
 from femstruct.language.model.region import Region
 from femstruct.language.parts.base import PartSpec
-from femstruct.language.yaml.here import Here
-from femstruct.language.yaml.spec import Measured, PointName, Quantity, Refers, Text
+from femstruct.language.yaml import Here, Measured, PointName, Quantity, Refers, Text
 from femstruct.model import region
 from femstruct.parts.mass import Mass
 

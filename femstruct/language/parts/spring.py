@@ -6,8 +6,7 @@ from typing import Annotated, Any, Literal
 
 from femstruct.language.model.directions import SixDashpots, SixStiffnesses
 from femstruct.language.parts.base import PartSpec
-from femstruct.language.yaml.here import Here
-from femstruct.language.yaml.spec import Refers, Text
+from femstruct.language.yaml import Here, Refers, Text
 from femstruct.parts.spring import Spring
 
 End = Annotated[Text, Refers()]

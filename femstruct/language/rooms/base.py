@@ -14,8 +14,7 @@ from acoustics.receivers import Receiver
 from femstruct.language.model.point import places
 from femstruct.language.study.body import BodySpec
 from femstruct.language.study.window import TimeSpec
-from femstruct.language.yaml.here import Here, members
-from femstruct.language.yaml.spec import Position3, Quantity, Spec, read_by, refuse
+from femstruct.language.yaml import Here, Position3, Quantity, Spec, members, read_by, refuse
 from femstruct.study.study import RoomPlan
 
 DENSEST_GAS, SLOWEST_LIQUID = 1000.0, 500.0  # kg/m^3: carbon dioxide at 700 bar; m/s: fluorinated liquids have 550

@@ -7,8 +7,7 @@ from typing import Annotated, Any
 from acoustics.fields.rectangular import Room
 from femstruct.language.rooms.base import Asked
 from femstruct.language.rooms.closed import ClosedSpec
-from femstruct.language.yaml.here import Here
-from femstruct.language.yaml.spec import Quantity
+from femstruct.language.yaml import Here, Quantity
 
 MILLIMETRES = "a plain number is in metres: did you mean {number:g} mm?"
 Side = Annotated[float, Quantity(("length",), above=0.0, most=1000.0, too_large=MILLIMETRES)]

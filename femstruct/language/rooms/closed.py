@@ -17,10 +17,10 @@ from acoustics.rooms.box_two_way import Leak
 from femstruct.impact.scene.impact_sources import BETWEEN_BLOWS, HAMMERS, TAPPING_MACHINE
 from femstruct.language.rooms.base import Asked, RoomSpec
 from femstruct.language.rooms.losses import LossesSpec
-from femstruct.language.yaml.here import Here
-from femstruct.language.yaml.spec import (
+from femstruct.language.yaml import (
     FREQUENCY,
     Frequency,
+    Here,
     Length,
     Position2,
     Quantity,

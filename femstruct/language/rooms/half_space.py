@@ -10,8 +10,7 @@ from pydantic import model_validator
 from acoustics.fields.half_space import HalfSpace
 from acoustics.fields.shaped import ShapedRoom
 from femstruct.language.rooms.base import Asked, RoomSpec
-from femstruct.language.yaml.here import Here
-from femstruct.language.yaml.spec import FREQUENCY, Frequency, SurfaceName, read_by, refuse, several
+from femstruct.language.yaml import FREQUENCY, Frequency, Here, SurfaceName, read_by, refuse, several
 from femstruct.study.study import RoomPlan
 
 _CLOSED: Final = (

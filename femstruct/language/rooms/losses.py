@@ -9,7 +9,7 @@ from pydantic import model_validator
 from acoustics.air import Air
 from acoustics.losses import Losses, losses_from_beta, losses_from_loss_factor, losses_from_t60, losses_from_t60_bands
 from acoustics.meshed.walls import MOST_ABSORBED, AnyWall, Wall, YieldingWall, absorbing
-from femstruct.language.yaml.spec import (
+from femstruct.language.yaml import (
     Duration,
     Frequency,
     LossFactor,

@@ -20,9 +20,7 @@ from femstruct.language.rooms.base import Asked
 from femstruct.language.rooms.box import Size, check_inside, check_sound_crosses
 from femstruct.language.rooms.closed import ClosedSpec
 from femstruct.language.rooms.losses import WallSpec
-from femstruct.language.yaml.here import Here
-from femstruct.language.yaml.reader import nearest
-from femstruct.language.yaml.spec import Frequency, Spec, Text, refuse
+from femstruct.language.yaml import Frequency, Here, Spec, Text, nearest, refuse
 
 
 class RoomModesSpec(Spec):

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 
 from femstruct.impact.scene.impact_sources import DROPPED, HAMMERS, TAPPING_MACHINE
 from femstruct.language.study.body import BodySpec
-from femstruct.language.yaml.here import Names, members
+from femstruct.language.yaml import Names, members
 
 
 def array_sizes(bodies: Mapping[str, BodySpec], names: Names) -> dict[str, int]:

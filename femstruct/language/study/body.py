@@ -14,8 +14,7 @@ from femstruct.impact.scene.impact_sources import HAMMERS, TAPPING_MACHINE
 from femstruct.language.laws.known_laws import AnyLaw
 from femstruct.language.laws.law import Ends, LawSpec, Site
 from femstruct.language.study.standard_source import SOURCES, UNCORRELATED, from_source
-from femstruct.language.yaml.here import Here
-from femstruct.language.yaml.spec import Count, Duration, Instant, Length, MassKg, Quantity, Refers, Spec, Text
+from femstruct.language.yaml import Count, Duration, Here, Instant, Length, MassKg, Quantity, Refers, Spec, Text
 from femstruct.study.study import PlacedBody, Repeat
 
 SIDES = ("above", "below", "before", "after")

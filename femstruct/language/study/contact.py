@@ -8,8 +8,7 @@ from typing import Annotated
 from femstruct.language.laws.known_laws import AnyLaw
 from femstruct.language.study.arrays import joined
 from femstruct.language.study.body import BodySpec, ends_of, law_of
-from femstruct.language.yaml.here import Here
-from femstruct.language.yaml.spec import Ends, Gap, Quantity, Spec
+from femstruct.language.yaml import Ends, Gap, Here, Quantity, Spec
 from femstruct.study.study import PlannedContact
 
 

@@ -8,9 +8,7 @@ from typing import Annotated, Final
 from acoustics.levels.methods import FIELD, RATING
 from femstruct.language.rooms.base import RoomSpec
 from femstruct.language.study.record import QUANTITIES
-from femstruct.language.yaml.here import Here
-from femstruct.language.yaml.reader import nearest
-from femstruct.language.yaml.spec import Measured, Quantity
+from femstruct.language.yaml import Here, Measured, Quantity, nearest
 from femstruct.study.study import SETTLED
 from femstruct.units import DIMENSIONS
 

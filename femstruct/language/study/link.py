@@ -7,8 +7,7 @@ from typing import Annotated, Any
 
 from femstruct.language.model.directions import Dashpot, Stiffness
 from femstruct.language.study.contact import BetweenSpec
-from femstruct.language.yaml.here import Here
-from femstruct.language.yaml.spec import Instant, Quantity, Spec, read_by
+from femstruct.language.yaml import Here, Instant, Quantity, Spec, read_by
 from femstruct.study.study import PlannedLink
 
 

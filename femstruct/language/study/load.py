@@ -12,11 +12,11 @@ from femstruct.files.inputs.opening import beside
 from femstruct.impact.scene.bodies import HalfSine
 from femstruct.impact.scene.walking import PACES_HZ, Walk, design_harmonics
 from femstruct.language.study.request import spot_of
-from femstruct.language.yaml.here import Here
-from femstruct.language.yaml.spec import (
+from femstruct.language.yaml import (
     Count,
     Duration,
     Frequency,
+    Here,
     Instant,
     MassKg,
     Measured,

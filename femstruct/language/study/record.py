@@ -5,9 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping
 from typing import Annotated, Literal, get_args
 
-from femstruct.language.yaml.here import Here
-from femstruct.language.yaml.reader import nearest
-from femstruct.language.yaml.spec import only, read_by, several
+from femstruct.language.yaml import Here, nearest, only, read_by, several
 
 RecordedQuantity = Literal["displacement", "velocity", "acceleration", "force", "travel"]
 QUANTITIES: tuple[str, ...] = get_args(RecordedQuantity)

@@ -6,9 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from femstruct.language.rooms.base import RoomSpec
-from femstruct.language.yaml.here import Here
-from femstruct.language.yaml.reader import nearest
-from femstruct.language.yaml.spec import Band, Frequency, Spec, Text
+from femstruct.language.yaml import Band, Frequency, Here, Spec, Text, nearest
 from femstruct.study.study import FrfKind, FrfRequest, Spot
 
 

@@ -13,8 +13,7 @@ from femstruct.language.study.link import LinkSpec
 from femstruct.language.study.load import LoadSpec
 from femstruct.language.study.standard_source import UNCORRELATED, turn
 from femstruct.language.study.study import StudySpec
-from femstruct.language.yaml.here import Names
-from femstruct.language.yaml.spec import Measured
+from femstruct.language.yaml import Measured, Names
 
 Joining = TypeVar("Joining", ContactSpec, LinkSpec)
 

@@ -15,7 +15,7 @@ from femstruct.impact.scene.impact_sources import (
     RUBBER_BALL,
     TAPPING_MACHINE,
 )
-from femstruct.language.yaml.spec import refuse
+from femstruct.language.yaml import refuse
 
 SOURCES: Final = (*DROPPED, TAPPING_MACHINE)
 UNCORRELATED: Final = "uncorrelated"

@@ -5,8 +5,7 @@ from __future__ import annotations
 from typing import Annotated, Any
 
 from femstruct.language.study.request import spot_of
-from femstruct.language.yaml.here import Here
-from femstruct.language.yaml.spec import Measured, Quantity, Refers, Spec, Speed, Text
+from femstruct.language.yaml import Here, Measured, Quantity, Refers, Spec, Speed, Text
 from femstruct.study.study import InitialMotion, RigidMotion
 
 Spin = Annotated[float, Quantity(("angular speed",))]

@@ -16,7 +16,7 @@ from femstruct.language.study.record import Recorded
 from femstruct.language.study.request import FrfSpec
 from femstruct.language.study.start import InitialSpec
 from femstruct.language.study.window import AccuracySpec, ModesSpec, PeaksSpec, TimeSpec
-from femstruct.language.yaml.spec import Instant, Refers, Spec, Text, read_by, refuse
+from femstruct.language.yaml import Instant, Refers, Spec, Text, read_by, refuse
 from femstruct.units import shown_as
 
 

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from typing import Annotated, Final, Literal
 
-from femstruct.language.yaml.here import Here
-from femstruct.language.yaml.spec import (
+from femstruct.language.yaml import (
     FREQUENCY,
     Band,
     Count,
     Duration,
     Flag,
     Frequency,
+    Here,
     Quantity,
     Spec,
     read_by,
