@@ -11,7 +11,7 @@ from femstruct.conventions import GRAVITY
 from femstruct.model.given import Given, given, of_material, of_section, plain
 from femstruct.model.material import Material
 from femstruct.model.section import Section
-from femstruct.model.structure import Structure
+from femstruct.model.structure import Joint, Structure
 from femstruct.study.study import PlacedBody, PlannedContact, PlannedLink, PlannedLoad, RoomPlan, Study
 
 UNITS: Final = {  # of the fields of a study's nouns
@@ -68,7 +68,7 @@ def inputs(study: Study) -> Inputs:
         groups["parts"] = [Item(part.name, _word(part), part.described()) for part in structure.parts]
         _name_nouns(groups)
         groups["supports"] = [_item(one, "support") for one in structure.supports]
-        groups["joints"] = [_item(one, one.kind, without=("kind",)) for one in structure.joints]
+        groups["joints"] = [_joint(one) for one in structure.joints]
         groups["points"] = [_item(one, "point") for one in structure.points]
         groups["surfaces"] = [_item(one, "surface") for one in structure.surfaces]
     else:
@@ -141,11 +141,16 @@ def _name_nouns(groups: dict[str, list[Item]]) -> None:
             if isinstance(noun, Material):
                 groups["materials"].append(Item(noun.name, "", of_material(noun)))
             elif isinstance(noun, Section):
-                groups["sections"].append(Item(noun.name, "", of_section(noun)))
+                groups["sections"].append(Item(noun.name, "section", of_section(noun)))
             named.append(one._replace(value=noun.name) if isinstance(noun, Material | Section) else one)
         groups["parts"][number] = part._replace(given=tuple(named))
     for group in ("materials", "sections"):
         groups[group] = list(dict.fromkeys(groups[group]))
+
+
+def _joint(joint: Joint) -> Item:
+    item = _item(joint, f"{joint.kind} joint", without=("kind", "a", "b"))
+    return item._replace(given=(Given("between", (joint.a, joint.b)), *item.given))
 
 
 def _body(body: PlacedBody) -> Item:
@@ -158,7 +163,7 @@ def _body(body: PlacedBody) -> Item:
 
 
 def _contact(contact: PlannedContact) -> Item:
-    item = _item(contact, contact.law.word or _word(contact.law))
+    item = _item(contact, f"{contact.law.word or _word(contact.law)} contact")
     return item._replace(given=tuple(one for one in item.given if one.what != "law"))
 
 

@@ -16,7 +16,8 @@ from femstruct.findings.entry import Rank
 from femstruct.study.result import StudyResult
 from femstruct.view.page.html import fold, listed, picture, sound, table
 from femstruct.view.page.input_tables import baseline_inputs, cases_table, further_inputs, input_tables
-from femstruct.view.page.pictures import MODEL, RATED, by_kind, kind_of
+from femstruct.view.page.natural_frequencies import natural_frequencies
+from femstruct.view.page.pictures import MODEL, RATED, RESPONSE, by_kind, kind_of
 from femstruct.view.page.style import STYLE
 from femstruct.view.tables.accuracy_table import outcomes, trust
 from femstruct.view.tables.finding_lines import finding_lines
@@ -83,11 +84,19 @@ def _asked(result: StudyResult, pictures: Mapping[str, bytes]) -> list[str]:
 
 
 def _found(result: StudyResult, pictures: Mapping[str, bytes]) -> list[str]:
-    """The results that were asked for: ratings, limits, peaks; how the cases ended."""
+    """The results that were asked for: ratings, limits, levels, peaks, and how the cases ended; where none is asked
+    for, natural frequencies and frequency responses."""
     about = [first_drop(result)] if first_drop(result) else []
-    rated = [picture(name, file) for name, file in pictures.items() if kind_of(name).begins == RATED]
     tables = [table(grid) for grid in asked_tables(result)]
-    return ["<h2>Results</h2>", listed([*outcomes(result), *about]), *tables, *rated]
+    if not any(tables):
+        tables = [table(natural_frequencies(result))]
+    shown = [picture(name, file) for name, file in pictures.items() if kind_of(name).begins in _front(result)]
+    return ["<h2>Results</h2>", listed([*outcomes(result), *about]), *tables, *shown]
+
+
+def _front(result: StudyResult) -> tuple[str, ...]:
+    """Kinds of pictures among the results."""
+    return (RATED,) if any(grid.rows for grid in asked_tables(result)) else (RATED, RESPONSE)
 
 
 def _ranked(result: StudyResult) -> dict[Rank, list[str]]:
@@ -114,19 +123,15 @@ def _trust(result: StudyResult, ranks: Mapping[Rank, list[str]]) -> list[str]:
 
 
 def _folds(result: StudyResult, pictures: Mapping[str, bytes], sounds: Mapping[str, bytes]) -> list[str]:
-    """All else: further inputs, other tables, sounds, pictures by kind. Where the study asked for no number the first
-    pictures are open."""
-    kinds = {kind: names for kind, names in by_kind(pictures).items() if kind.begins not in (MODEL, RATED)}
-    opened = next(iter(kinds), None) if not any(grid.rows for grid in asked_tables(result)) else None
+    """All else: further inputs, other tables, sounds, pictures by kind."""
+    kinds = {kind: names for kind, names in by_kind(pictures).items() if kind.begins not in (MODEL, *_front(result))}
     heard = [(name, case) for name, case in result.cases.items() if case.rooms]
     order = ", ".join(f"{name}, {name} with the bodies' own sound" if c.heard.total else name for name, c in heard)
     listen = [f"<p>All cases in turn, at one scale: {escape(order)}</p>"] if sounds else []
+    grids = (natural_frequencies(result), *other_tables(result))
     return [
         fold("Further inputs", [table(further_inputs(baseline_inputs(result.plan)))]),
-        fold("More tables", [table(grid) for grid in other_tables(result)]),
+        fold("More tables", [table(grid) for grid in grids]),
         fold("Sounds", [*listen, *(sound(name, file) for name, file in sounds.items())], kind="sounds"),
-        *(
-            fold(kind.heading, [picture(name, pictures[name]) for name in names], opened=kind == opened)
-            for kind, names in kinds.items()
-        ),
+        *(fold(kind.heading, [picture(name, pictures[name]) for name in names]) for kind, names in kinds.items()),
     ]

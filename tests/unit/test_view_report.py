@@ -14,6 +14,7 @@ import pytest
 
 from femstruct.errors import Finding
 from femstruct.view.figures.loudness import levels_over_time, rated_bands
+from femstruct.view.page.natural_frequencies import natural_frequencies
 from femstruct.view.report import report, write_report
 from femstruct.view.tables.terminal import study_tables
 
@@ -105,14 +106,25 @@ def test_what_forbids_trust_is_said_before_anything_else(result):
     assert "No finding forbids trust" not in odd
 
 
-def test_a_study_that_asks_for_responses_alone_shows_them_unfolded(result):
+def test_a_study_that_asks_for_responses_alone_shows_them_and_its_modes(result):
     cases = {name: replace(case, channels={}, levels={}) for name, case in result.cases.items()}
     alone = replace(result, cases=cases, verdicts={}, machine={})
-    page = Page(report(alone, {"mode_shapes.png": b"one", "frf_floor.png": b"two"}))
-    folded = [attributes for tag, attributes in page.tags if tag == "details"]
-    assert [("open" in attributes) for attributes in folded].count(True) == 1
     text = report(alone, {"mode_shapes.png": b"one", "frf_floor.png": b"two"})
-    assert "<details open><summary>Frequency responses" in text
+    front, folds = text[text.index("<h2>Results") : text.index("<h2>Trust")], text[text.index("<details") :]
+    assert "natural frequencies" in front and "<td>19.90, 2 %</td>" in front
+    assert "Frequency response: floor" in front and "Frequency response: floor" not in folds
+    assert 'alt="Mode shapes"' in folds and 'alt="Mode shapes"' not in front
+
+
+def test_modes_stand_beside_each_other_where_cases_have_their_own(result):
+    (first, case), *others = result.cases.items()
+    shared = natural_frequencies(result)
+    assert shared.columns == ("mode", ", ".join(result.cases))
+    assert [row[1] for row in shared.rows[:2]] == ["0.00", "19.90, 2 %"]
+    damped = replace(case.basis, viscous=2.0 * case.basis.viscous)
+    apart = natural_frequencies(replace(result, cases={first: replace(case, basis=damped), **dict(others)}))
+    assert apart.columns == ("mode", first, ", ".join(name for name, _ in others))
+    assert apart.rows[1][1:] == ("19.90, 4 %", "19.90, 2 %")
 
 
 def test_marks_in_names_and_findings_are_text(result, tmp_path):

@@ -99,10 +99,10 @@ def energy(result: StudyResult) -> Figure | None:
     beside = [name for name in holders if name != "structure"]
     takers = _takers([response.ledger for response in responses.values()])
     above = 0.17 * ((len(beside) + len(takers) + 4) // 5)  # inches of further rows of the legend
-    figure = new_figure(10.0, 1.1 + above + 2.3 * len(responses), "Energy over time")
+    figure = new_figure(10.0, 1.25 + above + 2.3 * len(responses), "Energy over time")
     zooms = {name: _zoom(result, float(response.t[-1])) for name, response in responses.items()}
     columns = 2 if any(_apart(zooms[name], float(response.t[-1])) for name, response in responses.items()) else 1
-    grid = panels(figure, len(responses), columns, between=0.75, top=0.65 + above, sharey="row")
+    grid = panels(figure, len(responses), columns, between=0.75, top=0.8 + above, sharey="row")
     for row, (name, response) in zip(grid, responses.items(), strict=True):
         ledger = response.ledger
         factor, unit = scaled("J", float(_input(ledger).max()))
@@ -118,7 +118,7 @@ def energy(result: StudyResult) -> Figure | None:
         fontsize=8,
         loc="lower right",
         bbox_to_anchor=(1.0, 1.0),
-        borderaxespad=0.3,
+        borderaxespad=2.2,  # above the titles of the panels
         frameon=False,
         ncols=4 if beside else 5,
         columnspacing=1.0,

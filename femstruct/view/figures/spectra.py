@@ -98,7 +98,7 @@ def sound(result: StudyResult, receiver: str) -> Figure | None:
         above.set_ylim(peak - DYNAMIC_RANGE_DB, peak + 6)
     label = mode_lines(above, numbered(basis), LOWEST_HZ, top)
     resolution = 1.0 / (dt * len(first))
-    finish(above, label, f"lines {resolution:.3g} Hz apart, dB re 20 µPa")
+    finish(above, label, f"level of lines {resolution:.3g} Hz apart, dB re 20 µPa")
     legend_above(above, up=12)
     plain_ticks(above)
     _bands(below, result, receiver)

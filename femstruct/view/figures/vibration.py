@@ -64,7 +64,7 @@ def spectrum(result: StudyResult, channel: str) -> Figure | None:
     axes.set_xlim(low, top)
     axes.set_ylim(max(lowest - 6, peak - DYNAMIC_RANGE_DB), peak + 6)
     label = mode_lines(axes, modes, low, top)
-    finish(axes, label, f"lines {spacing:.3g} Hz apart, dB re {reference[1]}")
+    finish(axes, label, f"level of lines {spacing:.3g} Hz apart, dB re {reference[1]}")
     legend_above(axes, up=12)
     plain_ticks(axes)
     return figure

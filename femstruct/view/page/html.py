@@ -8,13 +8,13 @@ from html import escape
 from pathlib import Path
 from typing import Final
 
-from femstruct.view.page.pictures import told
+from femstruct.view.page.pictures import kind_of, told
 from femstruct.view.tables.grid import Grid, fitting
 
 _KINDS: Final = {".png": "image/png", ".gif": "image/gif", ".wav": "audio/wav"}
-WIDEST: Final = 112  # characters of a table that fits on A4; what is wider goes on in another one below
+WIDEST: Final = 126  # characters of a table that fits on A4; what is wider goes on in another one below
 LONGEST: Final = 44  # characters of a cell; a column with a longer one is text, and broken
-HEADING: Final = 16  # characters of a heading, which is broken anywhere
+HEADING: Final = 14  # characters of a heading, which is broken anywhere
 
 
 def table(grid: Grid) -> str:
@@ -43,11 +43,12 @@ def _width(cell: str) -> int:
     return max(map(len, cell.split("\n")))
 
 
-def fold(title: str, parts: Iterable[str], *, opened: bool = False, kind: str = "") -> str:
-    """What is read on demand, under a title; "" where there is nothing of it."""
+def fold(title: str, parts: Iterable[str], kind: str = "") -> str:
+    """What is read on demand, under a title, which is repeated inside for paper; "" where there is nothing of it."""
     inside = "\n".join(part for part in parts if part)
-    attributes = (f' class="{kind}"' if kind else "") + (" open" if opened else "")
-    return f"<details{attributes}><summary>{escape(title)}</summary>\n{inside}\n</details>" if inside else ""
+    start = f'<details class="{kind}">' if kind else "<details>"
+    heading = f'<summary>{escape(title)}</summary>\n<h2 class="paper">{escape(title)}</h2>'
+    return f"{start}{heading}\n{inside}\n</details>" if inside else ""
 
 
 def listed(lines: Iterable[str], kind: str = "") -> str:
@@ -60,7 +61,7 @@ def listed(lines: Iterable[str], kind: str = "") -> str:
 def picture(name: str, file: bytes) -> str:
     """A picture with what it shows, and the name of its file."""
     image = f'<img src="{_inside(name, file)}" alt="{escape(told(name))}">'
-    return f"<figure>{image}<figcaption>{escape(name)}</figcaption></figure>"
+    return f'<figure class="{kind_of(name).begins or "other"}">{image}<figcaption>{escape(name)}</figcaption></figure>'
 
 
 def sound(name: str, file: bytes) -> str:

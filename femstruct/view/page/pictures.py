@@ -7,6 +7,7 @@ from typing import Final, NamedTuple
 
 MODEL: Final = "model"
 RATED: Final = "rated"
+RESPONSE: Final = "frf"
 
 
 class Kind(NamedTuple):
@@ -22,7 +23,7 @@ KINDS: Final = (
     Kind(RATED, "Rated bands", "Rated bands"),
     Kind("level", "Levels over time", "Levels over time"),
     Kind("own_sound", "Sound of the striking bodies", "Sound of the striking bodies"),
-    Kind("frf", "Frequency responses", "Frequency response"),
+    Kind(RESPONSE, "Frequency responses", "Frequency response"),
     Kind("mode_shapes", "Mode shapes", "Mode shapes"),
     Kind("history", "Histories", "History"),
     Kind("contact_forces", "Contact forces", "Contact forces"),

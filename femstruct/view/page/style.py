@@ -13,6 +13,7 @@ th { white-space: pre-line; vertical-align: bottom; } td { white-space: pre; } /
 .key, .text { text-align: left; } th:first-child, td:first-child { padding-left: 0; }
 td.text { white-space: pre-line; min-width: 14em; }
 .wide { overflow-x: auto; } figure { margin: 1em 0; } img { max-width: 100%; }
+.model img { max-height: 30em; } .paper { display: none; }
 figcaption { color: #666; font-size: .9em; }
 .severe { color: #b00020; } div.severe, p.severe { border-left: 4px solid #b00020; padding: .1em .8em; }
 summary { font-size: 1.1em; font-weight: 600; cursor: pointer; padding: .4em 0; border-top: 1px solid #bbb; }
@@ -22,9 +23,11 @@ footer { color: #666; font-size: .85em; margin-top: 2em; }
 @media print {
   body { font-size: 9.5pt; margin: 0; max-width: none; padding: 0; }
   details::details-content { content-visibility: visible; block-size: auto; } /* folds print open */
-  summary { list-style: none; break-after: avoid; } h2, h3, figcaption { break-after: avoid; }
+  summary { display: none; } .paper { display: block; } h2, h3 { break-after: avoid; }
   .wide { overflow: visible; } table { font-size: 8pt; } th, td { padding: .1em .45em; } td.text { min-width: 0; }
-  thead { display: table-header-group; } tr, figure, img { break-inside: avoid; } img { max-height: 235mm; }
+  thead { display: table-header-group; } tr { break-inside: avoid; }
+  figure { display: inline-block; width: 100%; margin: .5em 0; } img { max-height: 225mm; }
+  .model img { max-height: 110mm; }
   .sounds { display: none; }
 }
 """

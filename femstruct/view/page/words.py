@@ -28,6 +28,7 @@ _PERCENT: Final = (
     "loss factor",
     "mode ",
 )  # begin the names of shares that are told in percent
+LARGE: Final = 1e7  # from there on whole numbers have an exponent
 ROUNDING: Final = 1e-9  # of a drop height that was made a speed
 _LONG: Final = 6  # more values, or places, are counted
 
@@ -40,6 +41,8 @@ def spoken(one: Given) -> str:
     >>> spoken(Given("band", (1.0, 500.0), "Hz")), spoken(Given("loss factor", 0.02))
     ('band 1 to 500 Hz', 'loss factor 2 %')
     """
+    if one.what == "lines":
+        return f"{len(one.value)} line{'s' if len(one.value) > 1 else ''}"
     return f"{one.what} {amount(one)}"
 
 
@@ -74,13 +77,13 @@ def _several(what: str, values: tuple[Any, ...], unit: str) -> str:
         return _number(values, unit, " to ") if what == "band" else _number(values, unit, ", ", "({})")
     if what == "between":
         return " and ".join(values)
-    if what == "lines" or (len(values) > _LONG and not all(isinstance(value, str) for value in values)):
-        return f"{len(values)}" if what.endswith("s") else f"{len(values)} places"
+    if len(values) > _LONG and not all(isinstance(value, str) for value in values):
+        return f"{len(values)} places"
     return ", ".join(value if isinstance(value, str) else amount(Given(what, value, unit)) for value in values)
 
 
 def _percent(value: float) -> str:
-    return f"{100.0 * value:.6g} %"
+    return f"{100.0 * value:.5g} %"
 
 
 def _number(values: Iterable[float], unit: str, between: str = "", frame: str = "{}") -> str:
@@ -89,8 +92,18 @@ def _number(values: Iterable[float], unit: str, between: str = "", frame: str = 
     largest = max(map(abs, numbers), default=0.0)
     scales = _PREFIXES.get(unit, ()) if frame == "{}" and largest else ()
     size, shown = next((scale for scale in scales if scale[1] and largest >= scale[0] * (1.0 - ROUNDING)), (1.0, unit))
-    told = frame.format(between.join(f"{value / size:.6g}" for value in numbers))
+    told = frame.format(between.join(_digits(value / size) for value in numbers))
     return f"{told} {superscript(shown)}".strip()
+
+
+def _digits(value: float) -> str:
+    """Whole numbers in full, others with five digits.
+
+    >>> _digits(20000.0), _digits(1171.875), _digits(-0.2)
+    ('20000', '1171.9', '-0.2')
+    """
+    whole = value == round(value) and abs(value) < LARGE
+    return f"{value:.0f}" if whole else f"{value:.5g}"
 
 
 def superscript(unit: str) -> str:

@@ -51,7 +51,7 @@ def add_labels(plotter: Any, model: Model, rooms: Sequence[RoomPlan]) -> None:
             labels += _room(plotter, plan, placed_room(plan, model.surfaces))
     for label in merged(labels, 1e-6 * float(np.linalg.norm(np.ptp(model.mesh.points, axis=0)))):
         plotter.add_point_labels(
-            label.place[None], [label.name], text_color=label.colour, font_size=15, shape="rounded_rect",
+            label.place[None], [label.name], text_color=label.colour, font_size=20, shape="rounded_rect",
             shape_color="white", shape_opacity=0.75, margin=2, show_points=False, always_visible=True, bold=False,
         )  # fmt: skip
 

@@ -25,6 +25,7 @@ DIVISIONS: Final = 3
 ALONG: Final = 8  # pieces of a bar, which is curved more than a cell of a plate
 MOST_TICKS: Final = 5
 THIN: Final = 0.08  # of the largest extent: no room for ticks
+TICKS: Final = 15
 MARGIN: Final = 12  # pixels around a picture of a model
 TITLE: Final = 34  # pixels above the panes
 LIFT: Final = 0.12  # of half a pane: a shape stands above its words
@@ -116,7 +117,7 @@ def picture_modes(model: Model, basis: ModalBasis, path: str | Path, title: str 
         direction = _draw_mode(plotter, fine, edges, moved[:, :, place])
         ratio = 100.0 * basis.damping_ratio[mode]
         words = f"{mode + 1}:  {basis.frequency_hz[mode]:.2f} Hz,  damping {ratio:.2g} %,  {direction}"
-        plotter.add_text(words, position=(10, 8), font_size=8, color="black")
+        plotter.add_text(words, position=(10, 8), font_size=10, color="black")
     plotter.set_background("white")
     _save(plotter, path)
 
@@ -145,7 +146,7 @@ def picture_model(model: Model | None, rooms: Sequence[RoomPlan], path: str | Pa
         look = {"opacity": 0.75, "show_edges": True, "edge_color": "#8a8a8a"} if solid else {"line_width": 5}
         plotter.add_mesh(mesh, color=colour, label=name, **look)
     add_labels(plotter, model, rooms)
-    plotter.add_legend(bcolor=None, border=False, size=(0.22, 0.035 * max(len(fine.parts), 3)), loc="upper left")
+    plotter.add_legend(bcolor=None, border=False, size=(0.24, 0.042 * max(len(fine.parts), 3)), loc="upper left")
     plotter.add_axes()
     plotter.view_isometric()
     add_scales(plotter)
@@ -167,7 +168,7 @@ def add_scales(plotter: Any) -> None:
         scales[f"{axis}title"] = f"{axis} {start:.{decimals}f} to {end:.{decimals}f} m" if thin else f"{axis} in m"
         scales[f"show_{axis}labels"] = not thin
         scales[f"n_{axis}labels"] = int(min(1 + np.ceil(4.0 * part), MOST_TICKS))
-    plotter.show_bounds(grid=False, location="outer", font_size=11, color="#444444", fmt=f"%.{decimals}f", **scales)
+    plotter.show_bounds(grid=False, location="outer", font_size=TICKS, color="#444444", fmt=f"%.{decimals}f", **scales)
 
 
 def _draw_mode(plotter: Any, fine: Refined, edges: Any, moved: Floats) -> str:
