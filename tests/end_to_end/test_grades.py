@@ -172,13 +172,13 @@ def test_a_tapping_machine_has_octaves_of_the_mean_square(tmp_path: Path) -> Non
 def test_other_blows_are_told_and_other_sources_refused(tmp_path: Path) -> None:
     by_hand = "{mass: 7.3 kg, above: drops.1, speed: 4 m/s, contact: {type: linear, stiffness: 60 kN/m, damping: 90}}"
     codes = {one.code: one for one in run(tmp_path, (TYRE, by_hand)).cases["thin"].findings}
-    told = "the levels of JIS A 1419-2 and KS F 2863-2 are those of one bang machine; here it is tyre"
+    told = "levels by JIS A 1419-2 and KS F 2863-2 require one bang machine; here the source is tyre"
     told += ": single numbers are withheld"
     assert codes["rating-of-other-blows"].message == f"bedroom: {told}"
     codes = {
         one.code: one for one in run(tmp_path, ("[JIS A 1419-2, KS F 2863-2]", "ISO 717-2")).cases["thin"].findings
     }
-    told = "are those of one rubber ball; here it is bang machine, for JIS A 1419-2 or KS F 2863-2"
+    told = "require one rubber ball; here the source is bang machine, for JIS A 1419-2 or KS F 2863-2"
     assert told in codes["rating-of-other-blows"].message
     for source, expected in (
         (

@@ -146,7 +146,7 @@ def _other_blows(method: Method, study: Study) -> tuple[Finding, ...]:
     return (
         Finding(
             "rating-of-other-blows",
-            f"{' and '.join(method.standards)} rates the levels of {one}; here {here_are}"
+            f"levels by {' and '.join(method.standards)} require {one}; here {here_are}"
             f"{': single numbers are withheld' if method.numbers else ''}",
             {what.replace(" ", "_"): here, "others": len(others) + len(pushed)},
         ),
