@@ -19,7 +19,7 @@ Z. Friedman, J. B. Kosmatka, Computers & Structures 47 (1993) 473-481, doi:10.10
 from __future__ import annotations
 
 from functools import cache
-from typing import Final
+from typing import Final, Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -30,7 +30,8 @@ from femstruct.elements.members import block, densities, outer, property_arrays
 from femstruct.elements.polynomials import HERMITE_SLOPE, HERMITE_VALUE, LINEAR, derivative, integral, powers
 from femstruct.errors import InputError
 
-KINDS: Final = ("euler", "timoshenko", "timoshenko18")
+FrameElement = Literal["euler", "timoshenko", "timoshenko18"]
+KINDS: Final = get_args(FrameElement)
 N_DOFS: Final = 12  # of the kinds with two nodes
 
 _AXIAL: Final = [0, 6]

@@ -27,7 +27,7 @@ Journal 1 (1963) 1631-1637.
 from __future__ import annotations
 
 from functools import cache
-from typing import Final
+from typing import Final, Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -46,7 +46,8 @@ from femstruct.elements.polynomials import (
 )
 from femstruct.errors import InputError
 
-KINDS: Final = ("hermite12", "acm12", "bfs16")
+PlateElement = Literal["hermite12", "acm12", "bfs16"]
+KINDS: Final = get_args(PlateElement)
 CORNERS: Final = ((0, 0), (0, 1), (1, 1), (1, 0))
 """Corner of each node as (xi, eta)."""
 

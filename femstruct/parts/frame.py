@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import inf
-from typing import Literal
 
 import numpy as np
 import scipy
@@ -71,7 +70,7 @@ class Frame(Part):
     lines: tuple[tuple[Vector, ...], ...]
     mesh: float | None = None
     orientation: Vector | None = None
-    element: Literal["timoshenko18", "timoshenko", "euler"] = "timoshenko18"
+    element: frame.FrameElement = "timoshenko18"
     start_offset: Vector = (0.0, 0.0, 0.0)
     end_offset: Vector = (0.0, 0.0, 0.0)
 

@@ -55,7 +55,7 @@ class Plate(Part):
     origin: Vector
     size: Pair
     mesh: float | tuple[int, int]
-    element: Literal["hermite12", "acm12", "bfs16"] = "bfs16"
+    element: plate.PlateElement = "bfs16"
     normal: Vector = (0.0, 0.0, 1.0)
     x_direction: Vector | None = None
 

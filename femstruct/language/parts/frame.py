@@ -6,6 +6,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
+from femstruct.elements.frame import FrameElement
 from femstruct.language.parts.base import MaterialName, PartSpec, SectionName
 from femstruct.language.yaml import Direction3, Length, Position3, Spec
 from femstruct.parts.frame import Frame
@@ -30,7 +31,7 @@ class FrameSpec(PartSpec):
     lines: Annotated[list[Annotated[list[Position3], Field(min_length=2)]], Field(min_length=1)]
     mesh: Length | None = None
     orientation: Direction3 | None = None
-    element: Literal["timoshenko18", "timoshenko", "euler"] = "timoshenko18"
+    element: FrameElement = "timoshenko18"
     offsets: OffsetsSpec = OffsetsSpec()
 
     def given(self) -> dict[str, Any]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
+from femstruct.elements.plate import PlateElement
 from femstruct.language.parts.base import MaterialName, PartSpec, Places, check_coordinates
 from femstruct.language.yaml import LENGTH, Count, Direction3, Here, Length, Position3, read_by, refuse
 from femstruct.parts.plate import Plate
@@ -27,7 +28,7 @@ class PlateSpec(PartSpec):
     type: Literal["plate"]
     material: MaterialName
     thickness: Length
-    element: Literal["hermite12", "acm12", "bfs16"] = "bfs16"
+    element: PlateElement = "bfs16"
     origin: Position3
     size: tuple[Length, Length]
     mesh: Annotated[float | tuple[int, int], read_by(_mesh, Length | tuple[Count, Count])]
