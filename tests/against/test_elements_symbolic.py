@@ -59,7 +59,7 @@ def test_centre_deflections_equal_those_of_separate_prototypes(plate_grid):
         for load in ("q", "P"):
             for aspect, (nx, ny) in ((1, (8, 8)), (2, (16, 8)), (5, (32, 8))):
                 expected = cases[f"stat_{edges}_{load}_asp{aspect}_{nx}x{ny}"]
-                for kind, number in zip(plate.KINDS, expected, strict=True):
+                for kind, number in zip(("hermite12", "acm12", "bfs16"), expected, strict=True):
                     grid = plate_grid(kind, nx, ny, float(aspect), 1.0)
                     middle = grid.dof((ny // 2) * (nx + 1) + nx // 2, 0)
                     force = np.zeros(grid.K.shape[0])
