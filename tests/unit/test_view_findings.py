@@ -25,7 +25,7 @@ from femstruct.view.tables.finding_lines import show_findings
 from femstruct.view.tables.structure_tables import show_frf
 from femstruct.view.tables.terminal import show_study
 
-AIR = Finding("two-way-coupling", "The air pushes back.")
+AIR = Finding("two-way-coupling", "The air reacts.")
 FLOAT = Finding("floating-floor", "It floats.")
 TWIST = Finding("twist-defect", "Stiff in twist.", {"mean_excess": 0.1})
 COARSE = Finding("coarse-mesh", "Too few <cells>.", severe=True)
@@ -71,9 +71,9 @@ def test_a_study_tells_them_and_the_page_has_all(result: StudyResult, capsys: py
     show_study(result, {}, verbose=True)
     assert CODES.findall(capsys.readouterr().out) == ORDER
     page = report(result)
-    assert CODES.findall(page) == ORDER
-    assert '<li class="severe">forbids trust, coarse-mesh: Too few &lt;cells&gt;.</li>' in page
-    assert "<li>remark, floating-floor: It floats.</li>" in page
+    assert re.findall(r"<li[^>]*>([\w-]+): ", page) == ORDER
+    assert '<li class="severe">coarse-mesh: Too few &lt;cells&gt;.</li>' in page
+    assert "<li>floating-floor: It floats.</li>" in page
 
 
 def test_machines_have_all_with_their_ranks(result: StudyResult, tmp_path: Path) -> None:
