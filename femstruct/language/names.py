@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import Any, Final
 
 from femstruct.language.yaml.here import Here
-from femstruct.language.yaml.reader import Mistakes, Tree
+from femstruct.language.yaml.tree import Mistakes, Tree
 
 LONGEST: Final = 80  # characters
 NAMESPACE: Final = (

@@ -6,7 +6,6 @@ A file of a noun finds here what it is written in.
 from __future__ import annotations
 
 from femstruct.language.yaml.here import Here, Names, members
-from femstruct.language.yaml.reader import nearest
 from femstruct.language.yaml.spec import (
     FREQUENCY,
     LENGTH,
@@ -46,6 +45,7 @@ from femstruct.language.yaml.spec import (
     several,
     word_or,
 )
+from femstruct.language.yaml.tree import nearest
 
 __all__ = [
     "FREQUENCY",

@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 from acoustics.errors import AcousticsError
 from femstruct.conventions import DIRECTIONS
 from femstruct.errors import FemstructError, InputErrors
-from femstruct.language.yaml.reader import Mistakes, Position, Steps, Tree, dotted, nearest
+from femstruct.language.yaml.tree import Mistakes, Position, Steps, Tree, dotted, nearest
 
 T = TypeVar("T")
 POINT_DIRECTIONS = (*DIRECTIONS, "n")

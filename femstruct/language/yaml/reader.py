@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import difflib
 import re
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
 from functools import lru_cache
 from itertools import accumulate
 from pathlib import Path
@@ -15,10 +12,9 @@ from ruamel.yaml import YAML
 from ruamel.yaml.error import MarkedYAMLError, YAMLError
 from ruamel.yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
 
-from femstruct.errors import InputError, InputErrors, sentence, some_of
+from femstruct.errors import InputError, InputErrors
 from femstruct.files.inputs.opening import content
-
-Steps = tuple[str | int, ...]  # from the root to a value: keys and list indices
+from femstruct.language.yaml.tree import Mistakes, Position, Steps, Tree, dotted, nearest
 
 LARGEST_FILE: Final = 500_000  # bytes; a minute of reading at the worst, and far more than any model needs
 LARGEST_TREE: Final = 100_000  # values, aliases followed
@@ -27,74 +23,11 @@ _WHOLE: Final = re.compile(r"[-+]?[0-9]{1,18}")
 _REAL: Final = re.compile(r"[-+]?(?:\.[0-9]+|[0-9]+(?:\.[0-9]*)?)(?:[eE][-+]?[0-9]+)?")
 _NO_TEXT: Final = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\ud800-\udfff\ufffe\uffff]")
 _NOT_NUMBERS: Final = {".nan": "nan", ".inf": "inf", "+.inf": "inf", "-.inf": "-inf"}
-
-
-@dataclass(frozen=True)
-class Position:
-    """A place in a file, counted from 1; line 0 for what has no lines, such as the command line."""
-
-    file: str
-    line: int = 0
-    column: int = 0
-
-    def __str__(self) -> str:
-        return f"{self.file}:{self.line}:{self.column}" if self.line else self.file
-
-
-@dataclass
-class Mistakes:
-    """The mistakes found so far, a line each, without repetition."""
-
-    lines: list[str] = field(default_factory=list)
-
-    def add(self, position: Position, path: str, *, got: str = "", expected: str = "", do: str = "") -> None:
-        """Note one mistake as ``file:line:column: path: got, expected; do``."""
-        self.note(": ".join(part for part in (str(position), sentence(path, got, expected, do)) if part))
-
-    def note(self, line: str) -> None:
-        """Note a mistake that is already a sentence."""
-        line = " ".join(line.split())
-        if line not in self.lines:
-            self.lines.append(line)
-
-    def stop_if_any(self) -> None:
-        """Raise InputErrors when there are mistakes."""
-        if self.lines:
-            raise InputErrors(tuple(self.lines))
-
-
-@dataclass(frozen=True)
-class Tree:
-    """A YAML file as mappings, lists, texts, numbers, booleans and None, and where each of them stands.
-
-    keys : where the key (or list item) of a path begins. values : where its value begins. text : the file verbatim.
-    """
-
-    file: str
-    value: Any
-    keys: Mapping[Steps, Position]
-    values: Mapping[Steps, Position]
-    text: str
-
-    def position(self, steps: Steps, of_key: bool = False) -> Position:
-        """Where a value (or its key) stands; of a path that is not there, where its nearest ancestor's key does."""
-        if not of_key and steps in self.values:
-            return self.values[steps]
-        while steps and steps not in self.keys:
-            steps = steps[:-1]
-        return self.keys.get(steps, Position(self.file, 1, 1))
-
-
-def dotted(steps: Steps) -> str:
-    """A path as people write it.
-
-    >>> dotted(("parts", "slab", "origin", 2))
-    'parts.slab.origin[2]'
-    """
-    text = ""
-    for step in steps:
-        text += f"[{step}]" if isinstance(step, int) else f".{step}" if text else step
-    return text
+_WORDS: Final = {
+    **dict.fromkeys(("", "~", "null", "Null", "NULL")),
+    **dict.fromkeys(("true", "True", "TRUE"), True),
+    **dict.fromkeys(("false", "False", "FALSE"), False),
+}
 
 
 def read_yaml(path: str | Path, asked_at: Position | None = None, asked_path: str = "") -> Tree:
@@ -106,51 +39,43 @@ def read_yaml(path: str | Path, asked_at: Position | None = None, asked_path: st
     name), a folder, binary data, an empty file, broken YAML, duplicate keys, tags, too many or circular aliases, a
     file that is too large.
     """
-    mistakes = Mistakes()
-    text = _read_text(Path(path), asked_at or Position(str(path), 1, 1), asked_path, mistakes)
-    tree = parse_yaml(text, str(path), mistakes)
+    mistakes, file = Mistakes(), str(path)
+    text = _read_text(Path(path), asked_at or Position(file, 1, 1), asked_path)
+    node, walk = _compose(text, file), _Walk(file, mistakes)
+    value = walk.value(node, ())
+    if not isinstance(value, dict):  # of whose file, nobody knows: it is not quoted
+        got = "a list" if isinstance(value, list) else "text"
+        mistakes.add(walk.values[()], "", got=got, expected="a mapping", do="begin with 'title: ...'")
     mistakes.stop_if_any()
-    return tree
-
-
-def parse_yaml(text: str, file: str, mistakes: Mistakes) -> Tree:
-    """The tree of a YAML text; what is wrong with it is added to `mistakes`."""
-    node = _compose(text, file, mistakes)
-    walk = _Walk(file, mistakes)
-    value = walk.value(node, ()) if node is not None else {}
-    if node is not None and not isinstance(value, dict):
-        mistakes.add(
-            walk.values[()],
-            "",
-            got=("a list" if isinstance(value, list) else "text"),
-            expected="a mapping",
-            do="begin with 'title: ...'",
-        )
-        value = {}
     return Tree(file, value, walk.keys, walk.values, text)
 
 
 def parse_value(text: str, file: str, mistakes: Mistakes) -> Tree:
     """The tree of a YAML text that may be any value, such as one from the command line, without lines."""
-    node, walk = _compose(text, file, mistakes), _Walk(file, mistakes)
-    value = walk.value(node, ()) if node is not None else None
+    walk, value = _Walk(file, mistakes), None
+    try:
+        value = walk.value(_compose(text, file), ())
+    except InputErrors as errors:
+        mistakes.note(errors.errors[0])
     positions = dict.fromkeys([*walk.keys, *walk.values, ()], Position(file))
     return Tree(file, value, positions, positions, text)
 
 
-def _read_text(path: Path, at: Position, asked_path: str, mistakes: Mistakes) -> str:
+def _refused(at: Position, got: str, expected: str, do: str = "", path: str = "") -> InputErrors:
+    mistakes = Mistakes()
+    mistakes.add(at, path, got=got, expected=expected, do=do)
+    return InputErrors(tuple(mistakes.lines))
+
+
+def _read_text(path: Path, at: Position, asked_path: str) -> str:
     try:
         return content(path, LARGEST_FILE, "a YAML file").decode("utf-8-sig")
     except UnicodeDecodeError as error:
-        got, expected, do = _not_text(error), "text in UTF-8", "save it as UTF-8"
+        raise _refused(at, _not_text(error), "text in UTF-8", "save it as UTF-8", asked_path) from None
     except InputError as error:
-        got, expected, do = error.got, error.expected, error.do
-        if got.startswith("no file"):
-            do = nearest(path.name, _siblings(path))
-        elif got.startswith("a file of"):
-            do = "put large tables into CSV files"
-    mistakes.add(at, asked_path, got=got, expected=expected, do=do)
-    raise InputErrors(tuple(mistakes.lines))
+        do = "put large tables into CSV files" if error.got.startswith("a file of") else error.do
+        do = nearest(path.name, _siblings(path)) if error.got.startswith("no file") else do
+        raise _refused(at, error.got, error.expected, do, asked_path) from None
 
 
 def _not_text(error: UnicodeDecodeError) -> str:
@@ -167,57 +92,29 @@ def _siblings(path: Path) -> list[str]:
         return []
 
 
-def nearest(name: str, known: Iterable[object]) -> str:
-    """``did you mean 'x'?`` with the known name nearest to this one; the known names when none is near."""
-    near = near_name(name, known)
-    if near:
-        return f"did you mean '{near}'?"
-    names = sorted({str(one) for one in known})
-    return f"known here: {some_of(names)}" if names else ""
-
-
-def near_name(name: str, known: Iterable[object]) -> str:
-    """The known name nearest to this one, empty when none is near."""
-    folded = {one.lower(): one for one in sorted({str(one) for one in known}, reverse=True)}
-    near = difflib.get_close_matches(name[:100].lower(), folded, n=1, cutoff=0.6)
-    return folded[near[0]] if near else ""
-
-
-def _compose(text: str, file: str, mistakes: Mistakes) -> Node | None:
-    if _bracket_depth(text) > 10 * DEEPEST:  # the YAML reader's time grows with its square
-        mistakes.add(Position(file, 1, 1), "", got="endless nesting", expected=f"at most {DEEPEST} levels")
-        return None
+def _compose(text: str, file: str) -> Node:
+    """The nodes of a text; raises InputErrors for what is no YAML."""
+    at, told = Position(file, 1, 1), ("an empty file", "a mapping", "begin with 'title: ...'")
     try:
+        if _bracket_depth(text) > 10 * DEEPEST:  # the YAML reader's time grows with its square
+            raise RecursionError
         node = _composed(text)
+        if node is not None:
+            return node
     except MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
-        at = Position(file, mark.line + 1, mark.column + 1) if mark else Position(file, 1, 1)
-        told = " ".join(str(part) for part in (error.context, error.problem) if part)
-        mistakes.add(
-            at,
-            "",
-            got=f"broken YAML ({told})",
-            expected="YAML",
-            do=(
-                "indent with spaces: YAML has no tabs"
-                if ("found character '\\t'" in told)
-                else "check brackets, quotes and indents"
-            ),
-        )
-        return None
+        at = Position(file, mark.line + 1, mark.column + 1) if mark else at
+        words = " ".join(str(part) for part in (error.context, error.problem) if part)
+        tabs = "indent with spaces: YAML has no tabs" if "found character '\\t'" in words else ""
+        told = (f"broken YAML ({words})", "YAML", tabs or "check brackets, quotes and indents")
     except YAMLError:
-        mistakes.add(Position(file, 1, 1), "", got="characters that are not text", expected="a text file")
-        return None
+        told = ("characters that are not text", "a text file", "")
     except RecursionError:
-        mistakes.add(Position(file, 1, 1), "", got="endless nesting", expected=f"at most {DEEPEST} levels")
-        return None
+        told = ("endless nesting", f"at most {DEEPEST} levels", "")
     except (ValueError, AssertionError, AttributeError, TypeError, LookupError) as error:
         # the YAML reader trips over some broken texts with its own errors
-        mistakes.add(Position(file, 1, 1), "", got=f"broken YAML ({error})", expected="YAML")
-        return None
-    if node is None:
-        mistakes.add(Position(file, 1, 1), "", got="an empty file", expected="a mapping", do="begin with 'title: ...'")
-    return node
+        told = (f"broken YAML ({error})", "YAML", "")
+    raise _refused(at, *told)
 
 
 @lru_cache(maxsize=2)
@@ -317,10 +214,8 @@ class _Walk:
             return None
         if node.style:  # quoted or block: always a text
             return text
-        if text in ("", "~", "null", "Null", "NULL"):
-            return None
-        if text in ("true", "True", "TRUE", "false", "False", "FALSE"):
-            return text.lower() == "true"
+        if text in _WORDS:
+            return _WORDS[text]
         if _WHOLE.fullmatch(text):
             return int(text)
         if _REAL.fullmatch(text):

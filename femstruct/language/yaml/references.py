@@ -7,8 +7,8 @@ from functools import cache
 from typing import Annotated, Any, Final, Literal, NamedTuple, get_args, get_origin
 
 from femstruct.language.yaml.here import Here
-from femstruct.language.yaml.reader import Steps
 from femstruct.language.yaml.spec import Refers, Spec
+from femstruct.language.yaml.tree import Steps
 
 EACH: Final = "*"  # in a path: every name of a mapping, every item of a list, a single value that stands for one
 

@@ -17,7 +17,7 @@ from pydantic import (
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
 from femstruct.language.yaml.here import Here
-from femstruct.language.yaml.reader import nearest
+from femstruct.language.yaml.tree import nearest
 from femstruct.model.material import MOST_LOSSES
 from femstruct.units import DIMENSIONS, QuantityError, quantity_of, shown_as
 

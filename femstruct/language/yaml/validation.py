@@ -9,8 +9,8 @@ from typing import Annotated, Any, Final, TypeVar, Union, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 
-from femstruct.language.yaml.reader import Mistakes, Steps, Tree, dotted, near_name, nearest
 from femstruct.language.yaml.spec import LATER
+from femstruct.language.yaml.tree import Mistakes, Steps, Tree, dotted, near_name, nearest
 from femstruct.units import shown_as
 
 S = TypeVar("S", bound=BaseModel)

@@ -19,7 +19,7 @@ from femstruct.files.numbers import number
 from femstruct.findings.catalogue import ranked
 from femstruct.impact.scene.bodies import Table as Measured
 from femstruct.language import read_study
-from femstruct.language.yaml.reader import nearest
+from femstruct.language.yaml.tree import nearest
 from femstruct.study.result import CaseResult
 from femstruct.study.study import Plan
 from femstruct.workflow.identify.fit import Fit, fit
