@@ -12,7 +12,8 @@ import pytest
 from PIL import Image
 
 import femstruct.view.scenes.scene as scene
-from femstruct.view.figures.outline import VIEW, outline
+from femstruct.view.figures.outline import outline
+from femstruct.view.scenes.labels import CHARACTER, VIEW, Label, apart
 from femstruct.workflow.run.output import write_all
 
 BY_HAND = runpy.run_path(str(Path(__file__).parents[1] / "data" / "study_by_hand.py"))
@@ -29,6 +30,21 @@ def test_lines_are_the_edges_of_plates_and_bars_in_isometric_view() -> None:
     corners = np.array([[0.0, 0.0, 0.0], [0.4, 0.32, 0.0]]) @ VIEW.T
     assert plate[:, 1].max() == pytest.approx(corners[0, 1]) and plate[:, 1].min() == pytest.approx(corners[1, 1])
     assert np.concatenate(post.get_segments())[:, 1].min() == pytest.approx(-0.2 * np.sqrt(2.0 / 3.0))
+
+
+def test_names_cover_no_other() -> None:
+    """A letter is as wide and high as the drawing's are: 10 names at one place and beside it are all readable."""
+    places = [np.array([0.01 * (number % 3), 0.0, 0.02 * (number % 2)]) for number in range(10)]
+    low, high = np.zeros(3), np.ones(3)
+    labels = apart([Label(f"receiver {number}", place, "red") for number, place in enumerate(places)], low, high)
+    wide = np.sqrt(2.0)  # of the unit cube, seen isometrically; it is 2 sqrt(2 / 3) high
+    letter = np.array(CHARACTER) * max(wide, 2.0 * np.sqrt(2.0 / 3.0))
+    at = np.array([VIEW @ label.place for label in labels])
+    for one in range(10):
+        for other in range(one):
+            beside = abs(at[one, 0] - at[other, 0]) >= letter[0] * len("receiver 0")
+            assert beside or abs(at[one, 1] - at[other, 1]) >= letter[1] * (1.0 - 1e-9)  # rounding
+    assert at[:, 0] == pytest.approx([(VIEW @ place)[0] for place in places], abs=1e-12)  # none is moved aside
 
 
 def test_the_page_has_its_model_without_opengl(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -3,22 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Final
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 
-from femstruct.arrays import Floats, Integers
+from femstruct.arrays import Integers
 from femstruct.model.model import Model
 from femstruct.model.refine import refined
 from femstruct.study.room_surfaces import placed_room
 from femstruct.study.study import RoomPlan
 from femstruct.view.figures.drawing import BASELINE, COLOURS, new_figure, panels
-
-VIEW: Final = np.array([[-1.0, 1.0, 0.0], [-1.0, -1.0, 2.0]]) / np.sqrt([[2.0], [6.0]])  # isometric, z up
-ROOM: Final = "#9467bd"
+from femstruct.view.scenes.labels import ROOM, VIEW, Label, apart
 
 
 def outline(model: Model, rooms: Sequence[RoomPlan]) -> Figure:
@@ -32,8 +28,7 @@ def outline(model: Model, rooms: Sequence[RoomPlan]) -> Figure:
         edges = np.concatenate([_edges(fine.quads[own[fine.quads[:, 0]]]), fine.lines[own[fine.lines[:, 0]]]])
         colour = COLOURS[number % len(COLOURS)]
         axes.add_collection(LineCollection(list(fine.points[edges] @ VIEW.T), colors=colour, label=name))
-    for name, point in model.points.items():
-        _mark(axes, name, point.position, BASELINE)
+    marks = [Label(name, point.position, BASELINE) for name, point in model.points.items()]
     for plan in rooms:
         if plan.under in model.surfaces:
             room = placed_room(plan, model.surfaces)
@@ -42,8 +37,11 @@ def outline(model: Model, rooms: Sequence[RoomPlan]) -> Figure:
                 list(edges_of_room @ VIEW.T), colors=ROOM, linestyles="--", zorder=1, label=plan.name
             )
             axes.add_collection(lines)
-            for receiver in plan.receivers:
-                _mark(axes, receiver.name, room.from_room(receiver.position), ROOM)
+            marks += [Label(item.name, room.from_room(item.position), ROOM) for item in plan.receivers]
+    for mark, named in zip(marks, apart(marks, low, high), strict=True):
+        axes.plot(*(VIEW @ mark.place), ".", color=mark.colour)
+        text = {"textcoords": "offset points", "fontsize": 8, "color": mark.colour}
+        axes.annotate(mark.name, tuple(VIEW @ named.place), (4, 3), **text)
     sides = " x ".join(f"{side:.4g}" for side in high - low)
     axes.text(0.01, 0.01, f"structure: {sides} m along x, y, z", transform=axes.transAxes, fontsize=8)
     axes.autoscale()
@@ -52,12 +50,6 @@ def outline(model: Model, rooms: Sequence[RoomPlan]) -> Figure:
     axes.set_axis_off()
     axes.legend(fontsize=8, loc="upper left", frameon=False)
     return figure
-
-
-def _mark(axes: Axes, name: str, place: Floats, colour: str) -> None:
-    x, y = VIEW @ place
-    axes.plot(x, y, ".", color=colour)
-    axes.annotate(name, (x, y), (4, 3), textcoords="offset points", fontsize=8, color=colour)
 
 
 def _edges(quads: Integers) -> Integers:

@@ -18,6 +18,9 @@ from femstruct.study.study import RoomPlan
 
 POINT, SUPPORT, SPRING, MASS, SURFACE, ROOM = "#d62728", "#2ca02c", "#ff7f0e", "#000000", "#1f77b4", "#9467bd"
 SIZE: Final = 13  # of marks, in pixels
+VIEW: Final = np.array([[-1.0, 1.0, 0.0], [-1.0, -1.0, 2.0]]) / np.sqrt([[2.0], [6.0]])
+"""Isometric view: rows to the right and up, of unit length, as pyvista looks by `view_isometric`."""
+CHARACTER: Final = (0.016, 0.034)  # of the height of a picture's contents: width and height of a letter
 LEVEL: Final = 1e-6  # of a room's size: corners that differ by less are of one height
 
 
@@ -48,8 +51,9 @@ def add_labels(plotter: Any, model: Model, rooms: Sequence[RoomPlan]) -> None:
         labels.append(Label(surface.name, corners[0], SURFACE))
     for plan in rooms:
         if plan.under in model.surfaces:
-            labels += _room(plotter, plan, placed_room(plan, model.surfaces))
-    for label in merged(labels, 1e-6 * float(np.linalg.norm(np.ptp(model.mesh.points, axis=0)))):
+            labels += _room(plotter, plan, placed_room(plan, model.surfaces), f"{plan.name}." if len(rooms) > 1 else "")
+    low, high = np.reshape(plotter.bounds, (3, 2)).T
+    for label in apart(merged(labels, 1e-6 * float(np.linalg.norm(np.ptp(model.mesh.points, axis=0)))), low, high):
         plotter.add_point_labels(
             label.place[None], [label.name], text_color=label.colour, font_size=20, shape="rounded_rect",
             shape_color="white", shape_opacity=0.75, margin=2, show_points=False, always_visible=True, bold=False,
@@ -74,6 +78,30 @@ def merged(labels: Sequence[Label], near: float) -> list[Label]:
     return [Label(name, group[0].place, group[0].colour) for name, group in zip(names, groups, strict=True)]
 
 
+def apart(labels: Sequence[Label], low: Floats, high: Floats) -> list[Label]:
+    """Labels that would cover an earlier one, moved up until they cover none.
+
+    low, high [3] : the box of all that is drawn [m], whose height in the picture tells the size of a letter.
+
+    >>> at = np.zeros(3)
+    >>> first, second = apart([Label("left", at, POINT), Label("foot", at, SUPPORT)], at - 1.0, at + 1.0)
+    >>> first.place.tolist(), bool(VIEW[1] @ second.place > 0.0), abs(VIEW[0] @ second.place) < 1e-12
+    ([0.0, 0.0, 0.0], True, True)
+    """
+    corners = np.stack(np.meshgrid(*zip(low, high, strict=True)), axis=-1).reshape(-1, 3) @ VIEW.T
+    width, height = np.ptp(corners, axis=0).max() * np.array(CHARACTER)
+    placed: list[Label] = []
+    taken: list[tuple[float, float, float]] = []
+    for label in labels:
+        x, y = VIEW @ label.place
+        end, up = x + width * len(label.name), 0.0
+        while any(x < right and left < end and abs(y + up - at) < height for left, right, at in taken):
+            up += 0.25 * height
+        taken.append((x, end, y + up))
+        placed.append(Label(label.name, label.place + up * VIEW[1], label.colour))
+    return placed
+
+
 def _where(model: Model, rows: csr_array) -> Floats:
     """Nodes that rows act on [m, 3]."""
     places: Floats = model.mesh.points[np.unique(rows.indices // N_COMPONENTS)]
@@ -90,13 +118,13 @@ def _marks(plotter: Any, places: Sequence[tuple[str, Floats]], colour: str, labe
     return [Label(name, where[(where @ np.array([1.0, 1.0, 1.0])).argmax()], colour) for name, where in places]
 
 
-def _room(plotter: Any, plan: RoomPlan, room: Placed) -> list[Label]:
-    """The outline of a room beside its surface, and its receivers; returns their names."""
+def _room(plotter: Any, plan: RoomPlan, room: Placed, before: str) -> list[Label]:
+    """The outline of a room beside its surface, and its receivers; returns their names. before : those of receivers."""
     edges, named = room.from_room(plan.room.outline), []
     if len(edges):
         ends = edges.reshape(-1, 3)
         plotter.add_lines(ends, color=ROOM, width=2)
         low = ends[ends[:, 2] <= ends[:, 2].min() + LEVEL * np.ptp(ends, axis=0).max()]
         named = [Label(plan.name, low[low.sum(axis=1).argmax()], ROOM)]
-    receivers = [(f"{plan.name}.{item.name}", room.from_room(item.position)[None]) for item in plan.receivers]
+    receivers = [(before + item.name, room.from_room(item.position)[None]) for item in plan.receivers]
     return [*named, *_marks(plotter, receivers, ROOM, "receivers")]
