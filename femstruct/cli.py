@@ -62,7 +62,7 @@ def main() -> None:
 
 
 def _command(function: Callable[..., int]) -> Callable[..., None]:
-    """A command that leaves with the exit code its function returns, and tells an interruption from a failure."""
+    """A command that exits with the code its function returns; an interruption is not a failure."""
 
     @functools.wraps(function)
     def command(*args: Any, **options: Any) -> None:

@@ -27,7 +27,7 @@ def summary(result: StudyResult) -> Table:
     first recorded channel); `bands_db_by_receiver` and `modes_db_by_channel` have all. Attenuations are positive where
     the case is quieter than the baseline; `rated_db` is what a room's single numbers are above the baseline's, negative
     then, `rated_spread_db` what that spreads over the drops, `sound_energy_db` what the sound energy into the open is
-    above the baseline's. `levels` are those of what the structure radiates; where striking bodies are heard themselves,
+    above the baseline's. `levels` are those of what the structure radiates; where striking bodies have own sound,
     `own_levels` are theirs and `total_levels` those of all. A sound ends at its `complete_below_hz`, where its modes
     do; bands that reach above it are None, and a single number that needs them is what it is `at_least`.
     """

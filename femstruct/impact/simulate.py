@@ -54,7 +54,7 @@ def simulate(basis: ModalBasis, scene: Scene, clock: Clock) -> Response:
     (`femstruct.impact.engine.closings`). The march runs beside the thread that waits
     for it, so that Ctrl-C ends it at once.
 
-    A ball of 1 kg meets a wall through a spring of pi^2 N/m: half a period of contact, 1 s.
+    A ball of 1 kg strikes a wall through a spring of pi^2 N/m: half a period of contact, 1 s.
 
     >>> from femstruct.impact.scene.bodies import GROUND, Body, Clock, Contact, Scene
     >>> from femstruct.impact.laws.linear import Linear

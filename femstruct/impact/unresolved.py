@@ -1,4 +1,4 @@
-"""Reasons not to believe the peaks and the end of a run: what its march may have missed them by."""
+"""Peaks and end velocities of a run whose estimated numerical error is too large."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def unresolved_findings(errors: ErrorEstimate, within: float | None = None) -> t
 
 
 def _instead(errors: ErrorEstimate, allowed: float) -> str:
-    """What to believe, or to do, where a peak of the whole window is not resolved."""
+    """What to use, or to do, where a peak of the whole window is not resolved."""
     worst = max((one.relative for one in errors.first_peak.values()), default=0.0)
     if errors.first_peak and worst <= allowed:
         firsts = ", ".join(f"{name} {one.value:.4g} N" for name, one in errors.first_peak.items())

@@ -1,4 +1,4 @@
-"""Structures known in closed form, through the same door: oscillator, rod, beam, and modes given as numbers.
+"""Structures known in closed form, with the same interface: oscillator, rod, beam, and modes given as numbers.
 
 Each function returns a ModalBasis and its named points. There is no mesh: the points of the basis are the named ones,
 then evenly spaced stations, enough to tell the mode shapes apart.

@@ -1,4 +1,4 @@
-"""ModalBasis: the only door out of the finite-element wing."""
+"""ModalBasis: the only way out of the finite-element part."""
 
 from __future__ import annotations
 

@@ -29,7 +29,7 @@ def modal_basis(
 
     up_to : upper frequency [Hz]; all modes with f <= up_to are returned, none is skipped (inertia count).
     count : number of modes, rigid ones counted. Give one of the two.
-    probes : where the structure will be pushed or listened to; the static response to forces there is exact. The
+    probes : where the structure will be driven or observed; the static response to forces there is exact. The
     places of permanent dashpots are added to them.
 
     Returns a ModalBasis with no other damping than the permanent dashpots': `with_damping` adds the structure's own.

@@ -1,4 +1,4 @@
-"""What a kind of part is to the rest of the house. The kinds themselves stand in `femstruct.parts`, one file each.
+"""What a kind of part offers to the rest of the program. The kinds stand in `femstruct.parts`, one file each.
 
 A `Part` is described, a `Meshed` part has nodes. Whoever adds a kind overrides what it has; what it has not is nothing.
 The way of a part, in order::

@@ -1,4 +1,4 @@
-"""Probe: one noun for where a structure is pushed and where it is listened to."""
+"""Probe: one noun for where a structure is driven and where it is observed."""
 
 from __future__ import annotations
 

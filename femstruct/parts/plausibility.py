@@ -100,8 +100,8 @@ def _length(value: float) -> str:
 
 
 def thickness_findings(name: str, material: Material, h: float, side: float, hangs: bool) -> tuple[Finding, ...]:
-    """A film for a plate, or one that would hang through; h, side : thickness and shorter side [m]; hangs : whether it
-    lies flat on nothing."""
+    """A foil in place of a plate, or a plate that would sag far; h, side : thickness and shorter side [m]; hangs :
+    whether it is flat and not supported over its area."""
     if h < THINNEST * side:
         meant = _meant(h, lambda other: side / 300.0 <= other <= side / 5.0)
         asked = "" if meant is None else f". Did you mean {_length(meant)}?"

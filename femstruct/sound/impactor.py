@@ -1,4 +1,4 @@
-"""The crossing from striking bodies to the air: what was pushed of a body becomes a sphere that is heard itself."""
+"""The crossing from striking bodies to the air: a body that is pushed becomes a sphere whose own sound is computed."""
 
 from __future__ import annotations
 

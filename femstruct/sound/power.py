@@ -62,7 +62,7 @@ def power_per_force(
     """Sound power of a baffled surface per unit of a harmonic force on the structure, and advice.
 
     room : a half space beside its surfaces.
-    frequency_hz [nf] : above 0 [Hz]. pattern_hz : where the directivity is wanted, the loudest frequencies if left out.
+    frequency_hz [nf] : above 0 [Hz]. pattern_hz : of the directivity, the loudest frequencies if left out.
 
     Notes
     -----

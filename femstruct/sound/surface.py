@@ -38,7 +38,7 @@ def surface_velocity(response: Response, room: Placed) -> Motion:
     Examples
     --------
     A rigid square of 1 kg, its underside one point of 0.25 m^2, hit from above by an equal mass that hands over all
-    its speed of 1 m/s: the room below hears a ceiling coming in at 1 m/s.
+    its speed of 1 m/s: for the room below the ceiling moves inwards at 1 m/s.
 
     >>> from acoustics.fields.rectangular import Room
     >>> from femstruct.model.probe import Surface
@@ -85,7 +85,7 @@ def pressure_per_force(
 ) -> tuple[Complexes, tuple[Advice, ...]]:
     """Pressure at receivers of a room per unit of harmonic force on the structure [n_receivers, nf] [Pa/N], and advice.
 
-    basis : in vacuo for one-way coupling; coupled to the room by `with_cavity` the air pushes back.
+    basis : in vacuo for one-way coupling; coupled to the room by `with_cavity` for two-way coupling.
     frequency_hz [nf] : above 0 [Hz].
 
     Raises AcousticsError for a receiver outside the room, or a resonance of a room without losses.

@@ -45,8 +45,8 @@ def with_cavity(
     for a leak, and one for every shape in which walls yield. Its shapes are the motion of the structure in each; modes
     of the air move it little. It may be coupled to another room in turn.
 
-    Raises InputError when a basis without end (closed form) is given no `up_to_hz`, AcousticsError for a kind of room
-    that does not push back.
+    Raises InputError when an infinite basis (closed form) is given no `up_to_hz`, AcousticsError for a kind of room
+    without two-way coupling.
 
     Notes
     -----
@@ -55,13 +55,13 @@ def with_cavity(
     without cancellation. A room without a leak takes away one rigid mode, if any of them displaces volume.
 
     Damping couples the new modes. Where that makes less than 1e-3 of the structure's motion, and there is no leak and
-    no resistance of a wall that yields, only the diagonal is kept, which costs less than a tenth in `simulate`; the
+    no resistance of a compliant wall, only the diagonal is kept, which costs less than a tenth in `simulate`; the
     finding ``two-way-coupling`` says which, and gives frequencies in vacuo and coupled.
     The shapes are not orthonormal with the mass of the structure alone, but with that of structure and air; `holders`
     has what of their energy is the structure's, the air's (with the plug of a leak) and that of walls that yield.
 
-    Walls of a room of any shape that take up sound damp each of its modes by itself, with the rate c int beta P_n^2 / V
-    of its energy; the finding ``two-way-absorption`` tells where that is not enough. Walls that yield are exact.
+    Absorbing walls of a room of any shape damp each of its modes separately, with the rate c int beta P_n^2 / V
+    of its energy; the finding ``two-way-absorption`` reports where that is not enough. Compliant walls are exact.
 
     A rigid square of 1 kg over half a cubic metre of air, its only spring, 1.21 343^2 0.25^2 / 0.5 N/m, a third of
     which moves with it:

@@ -1,4 +1,4 @@
-"""What two-way coupling tells of itself: what it did, and where it is rough."""
+"""Findings of two-way coupling: its effect, and where it is a rough approximation."""
 
 from __future__ import annotations
 

@@ -80,7 +80,7 @@ def _owner(indptr: NDArray[Any]) -> NDArray[np.int32]:
 
 
 def _fixed(places: NDArray[np.int32]) -> NDArray[np.int32]:
-    """A view that nobody can write to: matrices made of a pattern share it."""
+    """A read-only view: matrices made of a pattern share it."""
     view = places.view()
     view.flags.writeable = False
     return view

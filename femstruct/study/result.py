@@ -100,7 +100,7 @@ class AccuracyCheck:
 
 @dataclass(frozen=True, eq=False)
 class OwnSound:
-    """Striking bodies that are heard themselves, in the open air of some rooms.
+    """The own sound of striking bodies, in the open air of some rooms.
 
     own : the pressures they make, by "ROOM"; total : with what the structure radiates, by "ROOM". own_levels,
     total_levels : by "ROOM.RECEIVER".
@@ -118,7 +118,7 @@ NO_OWN_SOUND: Final = OwnSound({}, {}, {}, {})
 @dataclass(frozen=True, eq=False)
 class Drop:
     """What is kept of one blow of a source that strikes several places: how it ended (a sentence), peak forces of the
-    contacts [N] by name, levels by "ROOM.RECEIVER", total_levels where the source is heard itself, and what came of the
+    contacts [N] by name, levels by "ROOM.RECEIVER", total_levels where the source has own sound, and what came of the
     limits on channels and the time to rest."""
 
     outcome: str

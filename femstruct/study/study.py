@@ -101,8 +101,8 @@ class PlacedBody:
     law : of its own contact, None where a named contact or nothing joins them.
     blows : when it is given this start again; None for a body that strikes once. See
     `femstruct.impact.scene.bodies.Blows`.
-    source : the standard source it is, None for any other body. radius : of a rigid sphere that is heard itself [m],
-    None for a body that is not.
+    source : the standard source it is, None for any other body. radius : of a rigid sphere with own sound [m], None for
+    a body without.
 
     A ball of 54 g that is dropped from 0.23 m on a point, with its own contact:
 
@@ -181,9 +181,9 @@ class PlannedLoad:
 
 @dataclass(frozen=True)
 class PlannedWalk:
-    """Somebody who walks along places, one after the other, or stays at one; a point may have several places.
+    """A person who walks along places, one after the other, or stays at one; a point may have several places.
 
-    Somebody of 80 kg who stays at one place, eight steps at two a second:
+    A person of 80 kg who stays at one place, eight steps at two a second:
 
     >>> from femstruct import Walk
     >>> from femstruct.impact.scene.walking import design_harmonics
@@ -347,7 +347,7 @@ class RoomPlan:
             )
 
     def heard_to_hz(self, complete_below_hz: float) -> float:
-        """Where what is heard of a structure ends [Hz] whose modes are complete below a frequency."""
+        """Where the sound of a structure ends [Hz] whose modes are complete below a frequency."""
         return min(complete_below_hz, self.complete_below_hz)
 
     @property
@@ -361,8 +361,8 @@ class Study:
     """All inputs of one simulation, in SI units.
 
     structure, damping : the model. extent : how many modes its basis has. frf : frequency responses asked for.
-    bodies, contacts, links, loads, walks, initial : what meets, and how it starts. records : histories to keep.
-    time : the window, None when nothing is simulated. peaks : which peaks are reported. rooms : who listens.
+    bodies, contacts, links, loads, walks, initial : what takes part, its initial state. records : histories to keep.
+    time : the window, None when nothing is simulated. peaks : which peaks are reported. rooms : with their receivers.
     limits : what the verdicts of a case are about. save_modal : whether the modal coordinates go into the results
     file. accuracy : None to use the modes asked for.
 

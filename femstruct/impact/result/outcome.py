@@ -34,7 +34,7 @@ class Endings:
 
 
 def outcomes_of(scene: Scene, endings: Endings, runs: int) -> tuple[Outcome, ...]:
-    """The outcome of every run of a scene; gravity and what meets what are the same in all."""
+    """The outcome of every run of a scene; gravity and contacts are the same in all."""
     touched = np.zeros(runs, dtype=bool)
     closed = np.zeros(runs, dtype=bool)
     for name in endings.closed:

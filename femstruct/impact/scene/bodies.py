@@ -30,7 +30,7 @@ class Body:
     mass [kg]; velocity at t = 0 [m/s], positive along the axis; falls : the weight acts on it when there is gravity
     (a body that rests on links at t = 0 is in equilibrium with its weight, which then does no more work).
 
-    A ball that comes down from 0.23 m meets what is below it with sqrt(2 g h):
+    A ball that falls 0.23 m strikes with sqrt(2 g h):
 
     >>> ball = Body("ball", 0.054, velocity=-((2 * 9.80665 * 0.23) ** 0.5))
     >>> round(ball.velocity, 3)
@@ -192,7 +192,7 @@ class Blows:
 
     At every blow it is lifted off and given its starting state again: its displacement is that of `over`, what it is
     above (below, before, after), so that its gap to that is the one it started with, and its velocity is the one it
-    started with, in space, not relative to what it meets. In between it is free: it rebounds, flies on, falls back
+    started with, in space, not relative to what it strikes. In between it is free: it rebounds, flies on, falls back
     under gravity. Until `first` it is held still, without contact and without weight.
     """
 

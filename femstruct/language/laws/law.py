@@ -24,8 +24,8 @@ MeetingSpeed = Annotated[float, Quantity(("speed",), above=0.0)]
 
 @dataclass(frozen=True)
 class Ends:
-    """What a restitution needs to know of two ends: the mass that meets [kg], that of a body alone or the reduced mass
-    of two, None without a body; the speed they meet with [m/s], None where the file does not tell it; their radii [m],
+    """What a restitution needs to know of two ends: the striking mass [kg], that of a body alone or the reduced mass
+    of two, None without a body; their closing speed [m/s], None where the file does not give it; their radii [m],
     infinite for what is no body, None where a body has none."""
 
     mass: float | None
@@ -43,7 +43,7 @@ class Site:
     sources: dict[str, str]
 
     def meeting_speed(self, given: float | None) -> float | None:
-        """The speed [m/s] that a restitution holds at: as given, or as the file tells; None with a mistake noted."""
+        """The speed [m/s] that a restitution holds at: as given, or from the file; None with a mistake noted."""
         speed, there = given or self.ends.speed, self.here.at("restitution")
         there.need(speed, "a restitution without a meeting speed", "at_speed", "add 'at_speed: 2 m/s'")
         return speed

@@ -78,7 +78,7 @@ class RoomSpec(Spec):
 
     @property
     def standards(self) -> tuple[str, ...]:
-        """By which what is heard in it is stated."""
+        """Standards by which its levels are stated."""
         return ()
 
     @property
@@ -101,10 +101,10 @@ class RoomSpec(Spec):
                 self.check_receiver(here.at("receivers", receiver), place)
 
     def check_receiver(self, here: Here, place: tuple[float, float, float]) -> None:
-        """Note a place where nobody can listen."""
+        """Note a receiver at an impossible place."""
 
     def build(self, here: Here, name: str, sources: dict[str, str], shaped: dict[str, ShapedRoom]) -> RoomPlan | None:
-        """The room with who listens in it; None with mistakes noted.
+        """The room with its receivers; None with mistakes noted.
 
         sources : is given a digest of its mesh's file. shaped : rooms from meshes that other cases have, by all that
         is said of them; is given this one.

@@ -132,7 +132,7 @@ class ClosedSpec(RoomSpec):
         )
 
     def _check_levels(self, here: Here, asked: Asked) -> None:
-        """Levels need standards that go together and rate what strikes, somebody who listens, a reverberation time to
+        """Levels need compatible standards that rate the source, a receiver, a reverberation time to
         take out, and a sampling that has their bands."""
         there, tapping = here.at("levels"), any(body.source == TAPPING_MACHINE for body in asked.bodies)
         there.need(

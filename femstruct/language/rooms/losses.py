@@ -1,4 +1,4 @@
-"""How sound dies away in a room, and what its walls take up, as they are written."""
+"""Losses of a room and absorption of its walls, as they are written."""
 
 from __future__ import annotations
 

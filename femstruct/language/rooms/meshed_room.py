@@ -105,7 +105,7 @@ class MeshedRoomSpec(ClosedSpec):
         return here.at("mesh").make(lambda: read_mesh(beside(here.tree.file, self.mesh or ""), sources))
 
     def _held(self, here: Here) -> bool:
-        """Whether walls that yield are held in place where the air pushes back; notes those that are not."""
+        """Whether compliant walls have a stiffness where coupling is two-way; notes those without."""
         loose = [wall for wall, one in self.walls.items() if one.mass is not None and one.stiffness == 0.0]
         for wall in loose if self.coupling == "two-way" else ():
             here.at("walls", wall).wrong("a mass without a stiffness", HELD)

@@ -105,7 +105,7 @@ class BodySpec(Spec):
         """Note what is wrong with it.
 
         count : how many bodies it stands for. others : names of bodies and of the ground. laws : of its contacts.
-        heard : whether there is open air with receivers on its side.
+        heard : whether its own sound is computed, in open air with receivers on its side.
         """
         there = here.at(self.side)
         expected = f"a point of {HAMMERS} places, or of {HAMMERS} for each position"

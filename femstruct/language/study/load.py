@@ -1,4 +1,4 @@
-"""Loads as they are written: histories of forces and pressures, and somebody who walks."""
+"""Loads as they are written: histories of forces and pressures, and walking persons."""
 
 from __future__ import annotations
 

@@ -60,7 +60,7 @@ class FrfSpec(Spec):
             )
 
     def _check_heard(self, here: Here, kind: str, known: list[str], none: str) -> None:
-        """A pressure is heard at ROOM.RECEIVER, a power is that of an open room, ROOM.power; never at 0 Hz."""
+        """A pressure is that at ROOM.RECEIVER, a power is that of an open room, ROOM.power; never at 0 Hz."""
         if here.at("kind").need(self.kind == kind, f"'{self.kind}' of a {kind}", kind, f"write 'kind: {kind}'"):
             here.at("response").need(
                 self.response in known,

@@ -25,7 +25,7 @@ def from_source(body: Mapping[str, Any]) -> dict[str, Any]:
     """The keys of a body whose `source` is given, with those that the source brings.
 
     Raises what `refuse` makes for keys that the source brings itself, and for a tapping machine without a law or
-    whose hammers are told when to strike.
+    whose hammers strike at given times.
     """
     name = str(body["source"])
     tapping = name == TAPPING_MACHINE

@@ -43,7 +43,7 @@ def planned(structure: Structure) -> Layout:
 
 
 def _carrying_points(structure: Structure, layout: Layout) -> None:
-    """Springs, masses and supports hold a node; a point that is only hit or heard does not."""
+    """Springs, masses and supports hold a node; a point that is only struck or recorded does not."""
     used = {name for part in structure.parts for name in part.carriers()}
     used |= {support.at for support in structure.supports}
     for point in structure.points:

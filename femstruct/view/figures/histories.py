@@ -90,7 +90,7 @@ def energy(result: StudyResult) -> Figure | None:
     """The ledger of every case, stacked: bodies, structure, contacts and links, what each contact and link took, other
     losses; up to what was put in.
 
-    Where air pushes back, that of rooms and of walls that yield stands beside the structure.
+    With two-way coupling, rooms and compliant walls stand beside the structure.
     """
     responses = _responses(result)
     if not responses:

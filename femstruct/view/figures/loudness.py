@@ -1,4 +1,4 @@
-"""Figures of what is heard: levels over time as a meter shows them, and rooms rated by the standards."""
+"""Figures of sound: levels over time as a meter shows them, and rooms rated by the standards."""
 
 from __future__ import annotations
 

@@ -28,7 +28,7 @@ RIM: Final = (withStroke(linewidth=2.5, foreground="white"),)  # to be read on a
 def pressure_maps(result: StudyResult, room: str) -> Figure | None:
     """Pressure on the horizontal plane of a room's first receiver, at the most prominent peaks of the baseline.
 
-    None where the baseline has no such room, no response or no peak that is heard.
+    None where the baseline has no such room, no response or no peak.
     """
     case = result.cases[result.plan.baseline]
     plan = next((item for item in case.case.study.rooms if item.name == room), None)

@@ -66,7 +66,7 @@ def frequency_response(result: StudyResult, name: str) -> Figure:
 
 
 def sound(result: StudyResult, receiver: str) -> Figure | None:
-    """Spectrum and third octaves of the pressure at a receiver ("ROOM.NAME") in all cases; None if nobody hears it.
+    """Spectrum and third octaves of the pressure at a receiver ("ROOM.NAME") in all cases; None without such receiver.
 
     Frequencies end where the modal basis or the modes of the room do: above, the answer is not complete. With the
     bodies' own sound a line is thicker and dashed.

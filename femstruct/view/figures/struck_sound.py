@@ -1,4 +1,4 @@
-"""The click and the ring: what striking bodies are heard themselves beside what the structure radiates."""
+"""The click and the ring: the own sound of striking bodies and the sound of the structure."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ MOST: Final = 4  # receivers shown
 
 def own_sounds(result: StudyResult, room: str) -> Figure | None:
     """First sound at the receivers of a room, of the baseline: of the bodies, of the structure, and in total; None
-    where no body is heard itself."""
+    where no body has own sound."""
     name = result.plan.baseline
     if room not in result.cases[name].heard.own:
         name = next((name for name, case in result.cases.items() if room in case.heard.own), "")

@@ -204,7 +204,7 @@ def _cells(grid: RoomGrid) -> Any:
 
 
 def _furnish(plotter: Any, cells: Any, receivers: tuple[Receiver, ...]) -> None:
-    """The room's edges, who listens, and scales in metres."""
+    """The room's edges, its receivers, and scales in metres."""
     edges = cells.extract_surface(algorithm="dataset_surface").extract_feature_edges(20.0, boundary_edges=False)
     plotter.add_mesh(edges, color="#555555", line_width=2)
     if receivers:

@@ -134,7 +134,7 @@ def _band(case: CaseResult, room: str, quantity: str, kind: str, band: float) ->
 
 
 def add_totals(grid: Grid, result: StudyResult) -> None:
-    """A line for every receiver where striking bodies are heard themselves: levels of all that is heard."""
+    """A line for every receiver where own sound is computed: levels of the total."""
     for name in dict.fromkeys(name for case in result.cases.values() for name in case.heard.total_levels):
         grid.add(f"{name} total L_peak / L_AFmax [dB]", *(_total(case, name) for case in result.cases.values()))
 

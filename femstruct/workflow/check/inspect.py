@@ -42,7 +42,7 @@ Table = dict[str, Any]
 
 @dataclass(frozen=True, eq=False)
 class Inspection:
-    """What `check` tells of a file. model and facts are None for closed-form structures; plan for a model file.
+    """What `check` reports of a file. model and facts are None for closed-form structures; plan for a model file.
 
     drops : places that a source strikes, where it strikes several. positions : of points; None for one of given modes
     that does not say where it is.

@@ -1,4 +1,4 @@
-"""A structure at rest under its own weight, and how its blocks move in its modes: what `check` tells of machines."""
+"""A structure at rest under its own weight, and how its blocks move in its modes: what `check` reports of machines."""
 
 from __future__ import annotations
 

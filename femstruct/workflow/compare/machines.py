@@ -1,6 +1,6 @@
 """What a press engineer must see first, one row a case: ground force, travels, sags, rest, dampers, energy, growth.
 
-It is told of studies with blows, and of those that record the force on the ground.
+It is made for studies with blows, and of those that record the force on the ground.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Verdicts on the limits of a study. A limit that is exceeded is a result, not a failure: no exit code tells of it."""
+"""Verdicts on the limits of a study. A limit that is exceeded is a result, not a failure: it has no exit code."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def _of_one_run(limits: Sequence[Limit], channels: Mapping[str, Channel], respon
 
 
 def _worst(drops: Mapping[str, Drop]) -> tuple[Verdict, ...]:
-    """Of every limit the verdict of the drop that meets it least, with its place."""
+    """Of every limit the verdict of the worst drop, with its place."""
     by_limit = zip(*(drop.verdicts for drop in drops.values()), strict=True)
     found = []
     for several in by_limit:

@@ -1,4 +1,4 @@
-"""When not to believe a fit: a law that does not match, noise unlike what the intervals assume, open parameters."""
+"""When not to trust a fit: a law that does not match, noise unlike what the intervals assume, open parameters."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ OPEN = 0.5  # half width of an interval over its value
 
 
 def fit_findings(fit: Fit) -> tuple[Finding, ...]:
-    """Reasons not to believe a fit, with their numbers."""
+    """Reasons not to trust a fit, with their numbers."""
     return (*_left_over(fit), *_at_zero(fit), *_open(fit))
 
 
 def _left_over(fit: Fit) -> Iterator[Finding]:
-    """Neighbouring residuals of white noise have the correlation 0 +- 1 / sqrt(N); those of a wrong law go together."""
+    """Neighbouring residuals of white noise have a correlation of 0 +- 1 / sqrt(N); those of a wrong law have more."""
     share = float(np.sqrt(max(1.0 - fit.explained, 0.0)))
     if share < RESIDUAL_ROUNDING:
         return

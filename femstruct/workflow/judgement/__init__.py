@@ -1,1 +1,1 @@
-"""Reasons to believe results less, by what they are of."""
+"""Reasons to trust results less, by their subject."""

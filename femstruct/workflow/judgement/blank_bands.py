@@ -1,4 +1,4 @@
-"""Rated bands that the modes of a floor or of its room leave blank, told before anything is computed and after."""
+"""Rated bands that the modes of a floor or of its room leave blank, reported before anything is computed and after."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ def blank_bands(method: Method, end_hz: float) -> tuple[float, ...]:
 
 
 def blanks_before(cases: Sequence[Case], solved: Mapping[str, float] = _SOLVED) -> list[tuple[str, Finding]]:
-    """What the modes that cases ask for will leave blank of the rated bands of their rooms, by room; each told once.
+    """What the modes that cases ask for will leave blank of the rated bands of their rooms, by room; each once.
 
     solved : what the modes of cases are complete to [Hz], by case, where that is known; of others it is what they ask
         for, and nothing is told of a number of modes.

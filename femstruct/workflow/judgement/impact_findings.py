@@ -1,4 +1,4 @@
-"""Reasons not to believe a result that no single stage can see."""
+"""Reasons not to trust a result that no single stage can see."""
 
 from __future__ import annotations
 

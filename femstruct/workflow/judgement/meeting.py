@@ -1,4 +1,4 @@
-"""What makes a level hang on a few hertz: floors that float, floor modes that meet modes of the room, what one-way
+"""What makes a level sensitive to a few hertz: floating floors, floor modes close to modes of the room, what one-way
 coupling leaves out there; and rooms that a standard is not for."""
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Whether a standard source did, on this floor and at this sampling, what its standard wants of it on a rigid one."""
+"""Whether a standard source satisfies, on this floor and sampling, what its standard requires on a rigid one."""
 
 from __future__ import annotations
 

@@ -21,7 +21,7 @@ SAMPLES_OF_A_LOAD = 10  # in the shortest load: the peak of a half sine between 
 
 
 def study_findings(case: Case, places: Places) -> list[Finding]:
-    """All that can be said of what a case does to its structure, and of how it listens, without any solution.
+    """All that can be said of what a case does to its structure, and of its receivers, without any solution.
 
     Notes
     -----

@@ -46,7 +46,7 @@ def run_case(
     transfers: RoomTransfers,
 ) -> CaseResult:
     """One case through every stage that its study asks for; accuracy : what came of asking for one; transfers : of
-    rooms heard before."""
+    rooms computed before."""
     study, own = case.study, solved[case.name]
     with clock("damping", case.name):
         basis = damped(case, solved, baseline)
@@ -130,7 +130,7 @@ def _responses(
 def _of_records(
     study: Study, places: Places, basis: ModalBasis, response: Response, channels: Mapping[str, Channel]
 ) -> list[Finding]:
-    """What is to be known of recorded histories: what lies above their sampling, peaks that hang on the modes."""
+    """What is to be known of recorded histories: what lies above their sampling, peaks that depend on the modes."""
     rows = motion_rows(study, places, basis).items()
     accelerations = {name: row for name, (what, row) in rows if what == "acceleration"}
     return [*aliased_findings(response, accelerations), *peak_findings(channels)]

@@ -79,7 +79,7 @@ def strike(
     """Studies that differ in where a source strikes, simulated: impacts, their errors, rooms, levels, by drop.
 
     basis : damped, with the air that reacts on the structure; vacuo : without it. stage : measures a stage by its name.
-    transfers : of rooms heard before.
+    transfers : of rooms computed before.
 
     Raises what the stages raise.
 
