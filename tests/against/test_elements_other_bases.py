@@ -6,6 +6,8 @@ import pytest
 
 from femstruct.elements import plate
 
+ROUNDING = 1e-13  # rounding: 2e-16 here at most
+
 TERMS = {
     "acm12": [(0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2), (3, 0), (2, 1), (1, 2), (0, 3), (3, 1), (1, 3)],
     "bfs16": [(i, j) for i in range(4) for j in range(4)],
@@ -78,7 +80,7 @@ def test_stiffness_mass_shapes_and_moments(kind, a, b):
     assert np.abs((got - K) / size).max() <= 1e-14
     np.testing.assert_allclose(plate.mass(kind, [a], [b], 1.0)[0], M, rtol=1e-14, atol=0)
     expected = np.array([rows[0, 0], rows[0, 1], -rows[1, 0], rows[1, 1]])
-    np.testing.assert_allclose(plate.interpolate(kind, [a], [b], [xi], [eta])[0], expected, rtol=1e-12, atol=1e-14)
+    np.testing.assert_allclose(plate.interpolate(kind, [a], [b], [xi], [eta])[0], expected, rtol=ROUNDING, atol=1e-14)
     curvatures = np.array([rows[2, 0], rows[0, 2], 2 * rows[1, 1]])
     moments = plate.moments(kind, [a], [b], [xi], [eta], D)[0]
-    np.testing.assert_allclose(moments, -D @ curvatures, rtol=1e-12, atol=1e-13 * np.abs(moments).max())
+    np.testing.assert_allclose(moments, -D @ curvatures, rtol=ROUNDING, atol=ROUNDING * np.abs(moments).max())

@@ -28,7 +28,7 @@ def test_all_78_stiffness_coefficients_of_hermite12(a, b, nu):
         exact = prefactor * value(coefficient, beta=b / a, nu=nu) * value(unit, a=a, b=b)
         # A coefficient is a sum of up to five terms; where they cancel, rounding is that of the diagonal (1e-15).
         rounding = 1e-15 * np.sqrt(K[i, i] * K[j, j])
-        assert K[i, j] == pytest.approx(exact, rel=1e-12, abs=rounding), place
+        assert K[i, j] == pytest.approx(exact, rel=1e-12, abs=rounding), place  # rounding: 6e-15 here
 
 
 @pytest.mark.parametrize(("a", "b", "nu"), CELLS)
@@ -49,8 +49,8 @@ def test_twist_energy_of_hermite12_is_that_of_the_formula_and_of_the_prototype()
         D = plate.rigidity(1.0, nu, 1.0)
         energy = u @ plate.stiffness("hermite12", [a], [b], D)[0] @ u / 2
         exact = D[0, 0] * (1 - nu) * a * b
-        assert energy / exact == pytest.approx(ratio, rel=1e-12)
-        assert 1 + plate.twist_excess(beta, nu) == pytest.approx(ratio, rel=1e-12)
+        assert energy / exact == pytest.approx(ratio, rel=1e-12)  # rounding: 1e-14 here
+        assert 1 + plate.twist_excess(beta, nu) == pytest.approx(ratio, rel=1e-12)  # rounding: 2e-14 here
 
 
 def test_centre_deflections_equal_those_of_separate_prototypes(plate_grid):

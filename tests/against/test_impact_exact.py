@@ -28,6 +28,8 @@ from femstruct.impact.simulate import simulate
 from femstruct.modal.analytic import given_modes
 from femstruct.modal.basis import ModalBasis
 
+ROUNDING = 1e-13  # steps and rounding: 9e-16 here at most
+
 CASES = json.loads((Path(__file__).parents[1] / "data" / "impact_exact.json").read_text())["cases"]
 NONE = given_modes([], [], {})[0]
 
@@ -74,7 +76,7 @@ def same(found: EnergyBalance, exact: dict, total: float) -> None:
     """To 1e-12 of each term, or of a hundredth of all energy for those that nearly vanish."""
 
     def close(a: float, b: str) -> None:
-        assert a == pytest.approx(float(b), rel=1e-12, abs=1e-14 * total)
+        assert a == pytest.approx(float(b), rel=1e-12, abs=1e-14 * total)  # steps and rounding: 4e-13 here
 
     assert found.t == pytest.approx(float(exact["t"]), rel=1e-12)
     close(found.structure, exact["structure"])
@@ -98,13 +100,13 @@ def test_forty_digits(case: dict) -> None:
     response = simulate(basis, scene, Clock(duration, 100 / duration))
     assert [(e.contact, e.what) for e in response.events] == [(name, what) for _, name, what in case["events"]]
     for event, (t, _, _) in zip(response.events, case["events"], strict=True):
-        assert event.t == pytest.approx(float(t), rel=1e-12, abs=0.0)
+        assert event.t == pytest.approx(float(t), rel=1e-12, abs=0.0)  # steps and rounding: 2e-13 here
     total = abs(response.ledger.start.total) + float(case["end"]["work"])
     if case["separation"]:
         assert response.ledger.at_separation is not None
         same(response.ledger.at_separation, case["separation"], total)
     same(response.ledger.end, case["end"], total)
-    assert response.ledger.residual <= 1e-13
+    assert response.ledger.residual <= 1e-13  # steps and rounding: 1e-14 here
 
 
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case["scene"]["name"])
@@ -123,6 +125,7 @@ def test_estimate_of_rounding(case: dict, monkeypatch: pytest.MonkeyPatch) -> No
     closed = {name for name, contact in response.contacts.items() if contact.closings}
     assert set(found.peak) == closed
     grazes = case["scene"]["name"].startswith("graze")
+    # rounding; grazing is worse by the root of its depth, 2e-9
     assert max(one.relative for one in (*found.peak.values(), *found.velocity.values())) < (1e-4 if grazes else 1e-12)
 
 
@@ -133,7 +136,7 @@ def test_estimate_of_a_linear_bounce() -> None:
     found = error_of(simulate(NONE, scene, Clock(0.05, 1e4)))
     assert found.against is None
     assert abs(found.first_peak["wall"].value - v * np.sqrt(k * m)) <= 3 * found.first_peak["wall"].error
-    assert found.first_peak["wall"].relative < 1e-12
+    assert found.first_peak["wall"].relative < 1e-12  # steps and rounding: 1e-13 here
     assert found.first_until == 0.05
 
 
@@ -142,11 +145,12 @@ def test_estimate_of_a_body_that_nothing_holds() -> None:
     push = Load("push", "ball", Table(np.array([0.0, 1.0]), np.array([3.0, 3.0])))
     found = error_of(simulate(NONE, Scene((Body("ball", 2.0),), loads=(push,)), Clock(0.5, 100.0)))
     assert not found.peak
-    assert abs(found.velocity["ball"].value - 0.75) <= 3 * found.velocity["ball"].error < 1e-12
+    assert abs(found.velocity["ball"].value - 0.75) <= 3 * found.velocity["ball"].error < 1e-12  # rounding
 
 
 def test_the_faintest_touch() -> None:
-    """An excursion of 1e-9 of the amplitude is met; how well is what rounding of the displacement leaves of it."""
+    """An excursion of 1e-9 of the amplitude is met; how well is what rounding of the displacement, 1e-15, leaves of it:
+    the gap is crossed with sqrt(2e-9) of the speed."""
     case = next(c for c in CASES if c["scene"]["name"] == FAINT)
     basis, scene = built(case["scene"])
     response = simulate(basis, scene, Clock(20.0, 5.0))
@@ -189,7 +193,7 @@ def test_collocation_says_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
     exact = simulate(basis, scene, Clock(0.05, 4e3))
     monkeypatch.setattr(engine, "takes_exact_march", lambda *_: False)
     other = simulate(basis, scene, Clock(0.05, 4e3, tolerance=1e-11))
-    assert exact.ledger.residual < 1e-13
+    assert exact.ledger.residual < 1e-13  # steps and rounding: 4e-15 here
     assert [(e.contact, e.what) for e in exact.events] == [(e.contact, e.what) for e in other.events]
     assert len(exact.events) > 5
     # what collocation leaves at its tolerance, over some contacts
@@ -198,13 +202,16 @@ def test_collocation_says_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
         assert np.abs(a - b).max() < 1e-8 * np.abs(b).max()
     for name, contact in exact.contacts.items():
         assert contact.peak_force == pytest.approx(other.contacts[name].peak_force, rel=1e-8)
-        assert contact.peak_time == pytest.approx(other.contacts[name].peak_time, abs=1e-6)
-        assert np.abs(contact.force - other.contacts[name].force).max() < 1e-7 * contact.peak_force
+        # a flat top: the root of what the force lacks
+        assert contact.peak_time == pytest.approx(other.contacts[name].peak_time, abs=1e-8)
+        # steps and rounding: 2e-12 here
+        assert np.abs(contact.force - other.contacts[name].force).max() < 1e-9 * contact.peak_force
     for word in ("lost_modes", "work", "structure"):
         assert getattr(exact.ledger.end, word) == pytest.approx(getattr(other.ledger.end, word), rel=1e-8)
     for word in ("lost_contacts", "lost_links", "bodies", "links", "contacts"):
         for name, value in getattr(exact.ledger.end, word).items():
-            assert value == pytest.approx(getattr(other.ledger.end, word)[name], rel=1e-7, abs=1e-9), (word, name)
+            # steps and rounding: 6e-12 here
+            assert value == pytest.approx(getattr(other.ledger.end, word)[name], rel=1e-11, abs=1e-11), (word, name)
 
 
 def marched(response: Response, z: np.ndarray, v: np.ndarray) -> tuple[int, State]:
@@ -233,8 +240,8 @@ def test_time_reversed() -> None:
     status, there = marched(response, compiled.start[0], compiled.start[1])
     again, back = marched(response, there.z, -there.v)
     assert status == again == DONE
-    assert np.abs(back.z - compiled.start[0]).max() < 1e-10 * np.abs(there.z).max()
-    assert np.abs(back.v + compiled.start[1]).max() < 1e-10 * np.abs(there.v).max()
+    assert np.abs(back.z - compiled.start[0]).max() < ROUNDING * np.abs(there.z).max()
+    assert np.abs(back.v + compiled.start[1]).max() < 1e-12 * np.abs(there.v).max()  # steps and rounding: 5e-15 here
 
 
 def test_a_one_way_dashpot_at_rest_does_not_chatter() -> None:
@@ -247,10 +254,10 @@ def test_a_one_way_dashpot_at_rest_does_not_chatter() -> None:
         gravity=9.81,
     )
     response = simulate(NONE, scene, Clock(20.0, 100.0))
-    assert response.contacts["floor"].force[-1] == pytest.approx(9.81, rel=1e-12)
+    assert response.contacts["floor"].force[-1] == pytest.approx(9.81, rel=ROUNDING)
     assert len(response.events) < 10
     assert (response.bodies["still"].displacement == 0).all()
-    assert response.ledger.residual < 1e-13
+    assert response.ledger.residual < ROUNDING
 
 
 def test_two_bodies_that_stay_in_touch_without_force() -> None:

@@ -28,6 +28,8 @@ from femstruct.model.probe import Probe
 from femstruct.workflow.stages.modal_bases import damped, solve_all
 from femstruct.workflow.stages.staging import scene
 
+ROUNDING = 1e-10  # steps and rounding: 2e-13 here at most
+
 ACCURACY = 1e-6  # what is asked of a peak force
 MODELS = Path(__file__).parents[2] / "models"
 NONE = given_modes([], [], {})[0]
@@ -196,12 +198,12 @@ def test_ball_on_the_shipped_floor(study: str) -> None:
     assert found.closings == (1 if study == "floor_tennis_ball" else 2)
     # both march by 1e-13 a step: measured 4e-15 and 3e-14 of the peak, 1e-6 is asked
     assert found.peak_force == pytest.approx(peak, rel=1e-11)
-    assert np.abs(found.force - forces).max() < 1e-10 * peak
-    assert usual.contacts[contact.name].peak_force == pytest.approx(peak, rel=1e-9)
+    assert np.abs(found.force - forces).max() < ROUNDING * peak
+    assert usual.contacts[contact.name].peak_force == pytest.approx(peak, rel=ROUNDING)
     for run in (strict, usual):
         estimate = error_of(run).first_peak[contact.name]
         assert abs(run.contacts[contact.name].peak_force - peak) <= 3 * estimate.error
-        assert estimate.relative < 1e-10
+        assert estimate.relative < ROUNDING
 
 
 def _ratios(count: int) -> np.ndarray:
@@ -258,5 +260,5 @@ def test_chaotic_end_does_not_spoil_the_first_peak() -> None:
     )
     estimate = error_of(simulate(basis, scene, Clock(0.5, 2e4, tolerance=1e-4)))
     assert estimate.first_until < 0.1
-    assert estimate.first_peak["floor"].relative < 1e-6
+    assert estimate.first_peak["floor"].relative < 1e-6  # steps of 1e-4: 7e-9 here
     assert estimate.velocity["b"].relative > 1e3 * estimate.first_peak["floor"].relative

@@ -123,7 +123,7 @@ def wave_energy(case: RodCase) -> float:
 @pytest.mark.parametrize(("wb", "wd", "other"), [(0.8, 0.8, 0.636844), (2.0, 2.0, 0.903186), (5.0, 5.0, 0.663459)])
 def test_oracle_agrees_with_another_one(wb: float, wd: float, other: float) -> None:
     """An independent delay-differential solver, printed digits."""
-    assert wave_energy(RodCase(wb, wd)) == pytest.approx(other, abs=6e-7)
+    assert wave_energy(RodCase(wb, wd)) == pytest.approx(other, abs=6e-7)  # half a unit of the sixth digit: 4.5e-7 here
 
 
 def test_before_the_echo_the_rod_is_a_dashpot() -> None:
@@ -155,7 +155,7 @@ def test_modes_converge_to_the_waves_at_the_rate_expected(wb: float, wd: float) 
     assert -1.35 < slopes[False] < -0.95
     assert -3.6 < slopes[True] < -1.85  # faster at first where the modes left out are well above the contacts
     assert 1e-3 < errors[False][1] < 2e-3  # 50 modes, as the source used
-    assert errors[True][1] < 3e-5
+    assert errors[True][1] < 3e-5  # with residual vectors, 2.5e-5 here
 
 
 def test_nothing_moves_before_the_wave_arrives() -> None:

@@ -122,6 +122,7 @@ def test_resonances_of_a_tube_closed_by_a_spring():
         return 1 / column(s, LAWS["none"], impedance(SPRING, s), 0.0, TUBE[2]).imag
 
     for low, high in ((100.0, 150.0), (250.0, 300.0)):
+        # cells of second order: 2e-7 here
         assert brentq(inverse, low, high) == pytest.approx(brentq(exact, low, high), rel=1e-5)
 
 
@@ -297,8 +298,8 @@ def test_resonances_of_piston_air_and_wall():
     basis = with_cavity(piston(), placed(box(wall), underside()))
     for low, high in ((20.0, 40.0), (67.9, 68.2)):  # a pole, the wall against the still piston, is at 67.4
         root = brentq(exact, low, high, xtol=1e-12)
-        assert np.abs(basis.frequency_hz / root - 1).min() < 5e-6
-    assert basis.residual_norm.max() < 1e-11
+        assert np.abs(basis.frequency_hz / root - 1).min() < 5e-6  # modes of the room left out: 5e-8 here
+    assert basis.residual_norm.max() < 1e-11  # rounding: 1e-13 here
     assert basis.n_rigid == 0
 
 
@@ -310,9 +311,10 @@ def test_compliances_of_air_and_wall_add(wall):
     assert stiffness < 0.5 * BOX_AIR.bulk_modulus / room.volume
     basis = with_cavity(piston(), placed(room, underside()))
     at_rest = frf(basis, PLACE, PLACE, [0.0])[0]
-    assert 1 / at_rest.real == pytest.approx(STIFFNESS + AREA**2 * stiffness, rel=1e-9)
+    assert 1 / at_rest.real == pytest.approx(STIFFNESS + AREA**2 * stiffness, rel=1e-13)  # rounding: 7e-16 here
     still = np.array([0.05])  # (omega / omega of the wall)^2 is 1e-6
     p, _ = pressure_per_force(piston(), PLACE, placed(room, underside()), [Receiver("a", [0.1, 0.1, 0.05])], still)
+    # (omega / omega of the wall)^2, and 0.05 Hz of the piston: 6e-6 here
     assert p[0, 0].real == pytest.approx(-AREA * stiffness / STIFFNESS, rel=1e-5)
 
 
@@ -325,7 +327,8 @@ def test_a_piston_on_air_and_a_sheet_has_three_springs():
     share = gas / (gas + wall)  # of the piston's displacement that the sheet makes
     moving = air.rho * AREA * L * (1 + share + share**2) / 3
     exact = np.sqrt((STIFFNESS + share * wall) / (MASS + moving)) / (2 * np.pi)
-    assert with_cavity(piston(), placed(room, underside())).frequency_hz[0] == pytest.approx(exact, rel=1e-8)
+    # rounding: 2e-15 here
+    assert with_cavity(piston(), placed(room, underside())).frequency_hz[0] == pytest.approx(exact, rel=1e-12)
 
 
 @pytest.mark.parametrize(("law", "wall"), [("kelvin-voigt", FLOOR), ("decay", FLOOR), ("decay", FELT)])
@@ -336,7 +339,7 @@ def test_what_room_and_wall_take_is_what_the_structure_loses(law, wall):
     basis = with_cavity(piston(), placed(room, underside()))
     push = Load("push", PLACE, HalfSine(-100.0, 50.0))
     response = simulate(basis, Scene(loads=(push,)), Clock(0.2, fs))
-    assert response.ledger.residual < 1e-9
+    assert response.ledger.residual < 1e-11  # rounding: 5e-14 here
     (moving,) = surface_velocity(response, placed(room, underside()))
     (found,) = room.pressures([[moving]], [Receiver("on the ceiling", place) for place in moving.points])
     row = -PLACE.of(basis.shapes)
@@ -348,7 +351,7 @@ def test_what_room_and_wall_take_is_what_the_structure_loses(law, wall):
     given = np.concatenate([[0.0], np.cumsum(steps)])
     work = response.ledger.work[-1]
     after = slice(int(0.02 * fs), int(0.19 * fs))  # the push is over
-    assert np.abs(own + given - work)[after].max() < 1e-5 * work
+    assert np.abs(own + given - work)[after].max() < 2e-6 * work  # the rule's next term: 7e-8 here
     without = simulate(
         with_cavity(piston(), placed(box(replace(wall, resistance=0.0), losses), underside())),
         Scene(loads=(push,)),

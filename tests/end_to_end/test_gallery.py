@@ -32,14 +32,14 @@ def test_floor_damper_keeps_its_numbers(floor: dict[str, float], element: str, c
     for quantity in ("velocity", "pressure", "net force"):
         # a hundredth of a percent: the digits written down above
         assert floor[f"{element} {quantity} {case} %"] == pytest.approx(kept[quantity], abs=0.01)
-    assert floor[f"{element} ledger {case}"] <= 1e-8
+    assert floor[f"{element} ledger {case}"] <= 1e-8  # what the steps leave open
 
 
 @pytest.mark.parametrize(("element", "case"), FLOOR)
 def test_all_outputs_lose_at_a_mode_what_the_net_force_loses(floor: dict[str, float], element: str, case: str) -> None:
     """All force enters at one point but for the soft link: one record, one window, one attenuation."""
     losses = [floor[f"{element} {what} mode 7 {case} dB"] for what in ("velocity", "pressure", "net force")]
-    assert losses[0] == pytest.approx(FLOOR[element, case]["mode"], abs=0.001)
+    assert losses[0] == pytest.approx(FLOOR[element, case]["mode"], abs=0.001)  # three decimals
     # the link's own force at the slab makes it approximate; 0.05 dB is what prototypes of ours found
     assert max(losses) - min(losses) < 0.05
 
@@ -163,7 +163,7 @@ def test_press_response_keeps_its_numbers(tmp_path: Path, monkeypatch: pytest.Mo
     monkeypatch.chdir(tmp_path)
     found = runpy.run_path(str(SCRIPTS / "07_press_response.py"))["main"]()
     kept = (88.32, 2.605, 5.237, 3590, 2.734, 4.517, 3768, 2.321, 2.321)
-    assert list(found.values()) == pytest.approx(kept, rel=1e-3)
+    assert list(found.values()) == pytest.approx(kept, rel=1e-3)  # four digits
     assert len(list((tmp_path / "results").iterdir())) == 3
 
 
@@ -176,7 +176,7 @@ def test_identification_keeps_its_numbers(tmp_path: Path, monkeypatch: pytest.Mo
     assert len(halves) == 16
     assert all(100 * abs(found[name] - 1) < 3 * half for name, half in halves.items())
     assert max(halves.values()) < 5.0
-    assert found["one law for all heights, explained %"] == pytest.approx(97.53, abs=0.01)
+    assert found["one law for all heights, explained %"] == pytest.approx(97.53, abs=0.01)  # two decimals
     shipped = (SCRIPTS.parent / "models" / "tennis_ball_drop.csv").read_text(encoding="utf-8")
     ours, theirs = (np.loadtxt(text.splitlines()[1:], delimiter=",") for text in (read(tmp_path / "drop.csv"), shipped))
     assert ours == pytest.approx(theirs, abs=2e-3)  # three digits are written
@@ -188,13 +188,15 @@ def test_foam_hull_keeps_its_numbers(tmp_path: Path, monkeypatch: pytest.MonkeyP
     monkeypatch.chdir(tmp_path)
     found = runpy.run_path(str(SCRIPTS / "10_foam_hull.py"))["main"](7)
     for height, (thickness, modulus) in {40: (30.515, 164.88), 50: (40.098, 107.35), 60: (50.338, 75.71)}.items():
-        assert found[f"walls {height} mm: bending Hz"] == pytest.approx(293.0, abs=1e-6)
+        assert found[f"walls {height} mm: bending Hz"] == pytest.approx(293.0, abs=1e-6)  # Hz, it was fitted to it
         assert found[f"walls {height} mm: torsion Hz"] == pytest.approx(
             388.0, abs=0.01
         )  # the thickness is found to 1 um
-        assert found[f"walls {height} mm: thickness mm"] == pytest.approx(thickness, abs=2e-3)
-        assert found[f"walls {height} mm: E MPa"] == pytest.approx(modulus, abs=0.02)
+        assert found[f"walls {height} mm: thickness mm"] == pytest.approx(thickness, abs=2e-3)  # mm, found to 1 um
+        assert found[f"walls {height} mm: E MPa"] == pytest.approx(modulus, abs=0.02)  # two decimals and the thickness
+        # two digits, for all heights
         assert found[f"walls {height} mm: a / a0 at 0.3"] == pytest.approx(0.66, abs=0.002)
+    # four decimals and the thickness
     assert found["bending / wave 3: a / a0 at 0.3"] == pytest.approx(0.7927, abs=1e-3)
     assert {path.name for path in (tmp_path / "results").iterdir()} == {"10_foam_hull.png", "10_foam_hull_modes.png"}
 

@@ -43,6 +43,7 @@ def test_units_delay_and_another_sampling() -> None:
     late = folder / "late.csv"
     late.write_text("\n".join(("t [ms], f [mN]", *rows)), encoding="utf-8")
     found = identify(STUDY, late, CHANNEL, (f"{STIFFNESS}=0.1 MN/m^1.5", FITS[1]), delay=True).fit
+    # the record's noise, 1 %, in a third of its samples
     assert found.values[STIFFNESS] == pytest.approx(0.21, rel=0.01)
     # a third of the samples, and a parameter more that pulls at the same end of the pulse
     assert found.values[DAMPING] == pytest.approx(160.0, rel=0.05)
@@ -64,6 +65,7 @@ def test_a_property_of_a_structure_from_an_acceleration(tmp_path: Path) -> None:
     rows = np.column_stack((case.response.t, case.channels[channel].values))[::5]
     np.savetxt(tmp_path / "a.csv", rows, delimiter=",")
     found = identify(study, tmp_path / "a.csv", channel, ("structure.EI=5.5 N*m^2",), case="no damper").fit
+    # the record is written in 18 digits: where the fit stops
     assert found.values["structure.EI"] == pytest.approx(5.9, rel=1e-6)
 
 

@@ -76,11 +76,11 @@ def test_a_ball_is_heard_beside_the_plate(tmp_path: Path) -> None:
     own, total = case.heard.own["open"], case.heard.total["open"]
     # 1 %: the force between its samples, 14 of them
     assert np.abs(own.p - wanted.p).max() < 1e-2 * np.abs(wanted.p).max()
-    assert total.p == pytest.approx(case.rooms["open"].p + own.p, abs=1e-12)
+    assert total.p == pytest.approx(case.rooms["open"].p + own.p, abs=1e-12)  # Pa, rounding
     first = own.p[0][np.flatnonzero(np.abs(own.p[0]) > 0.1 * np.abs(own.p[0]).max())[0]]
     assert first > 0 > case.rooms["open"].p[0].min()  # the ball is thrown up, the plate pushed down
     levels = sound_levels(total.p[1], dt)
-    assert case.heard.total_levels["open.aside"].l_afmax_db == pytest.approx(levels.l_afmax_db, abs=1e-9)
+    assert case.heard.total_levels["open.aside"].l_afmax_db == pytest.approx(levels.l_afmax_db, abs=1e-9)  # rounding
     assert case.levels["open.aside"].l_peak_db == sound_levels(case.rooms["open"].p[1], dt).l_peak_db
     assert not codes(case) & {"own-sound-left-out", "radius-unused", "impactor-moves", "push-coarsely-sampled"}
 
@@ -89,7 +89,7 @@ def test_from_below_it_is_the_same(tmp_path: Path) -> None:
     above = case_of(tmp_path).heard.own["open"].p
     mirrored = OPEN.replace("above: top", "below: low").replace("0.3]", "-0.3]").replace("0.2]", "-0.2]")
     below = case_of(tmp_path, BALL.replace("above", "below"), mirrored).heard.own["open"].p
-    assert below == pytest.approx(above, abs=1e-9 * np.abs(above).max())
+    assert below == pytest.approx(above, abs=1e-9 * np.abs(above).max())  # rounding
 
 
 def test_the_radius_of_a_body_is_that_of_its_hertz_law(tmp_path: Path) -> None:
@@ -118,7 +118,7 @@ def test_what_lies_on_a_ball_is_above_it(tmp_path: Path) -> None:
         for name, height in centres.items()
     ]
     wanted = sphere_pressures(spheres, HalfSpace(Air()), case.heard.own["open"].receivers)
-    assert case.heard.own["open"].p == pytest.approx(wanted.p, abs=1e-9)
+    assert case.heard.own["open"].p == pytest.approx(wanted.p, abs=1e-9)  # Pa, rounding
     (near,) = (finding for finding in case.findings if finding.code == "spheres-near")
     assert near.values["distance_m"] == pytest.approx(0.015)
 
@@ -137,9 +137,9 @@ def test_weight_and_lifting_make_no_sound(tmp_path: Path) -> None:
     own = case.heard.own["open"].p[0]
     for start, end in ((0.0, 1.007e-3), (1.007e-3 + 1.5e-3, 1.007e-3 + 8.013e-3)):  # flights, with the sound's way
         quiet = own[(t > start) & (t < end)]
-        assert np.abs(quiet).max() < 1e-4 * np.abs(own).max()
+        assert np.abs(quiet).max() < 1e-4 * np.abs(own).max()  # what samples of the force leave of flights
     blows = [np.abs(own[(t > start) & (t < start + 2e-3)]).max() for start in (1.007e-3, 9.02e-3)]
-    assert blows[1] == pytest.approx(blows[0], rel=0.05)
+    assert blows[1] == pytest.approx(blows[0], rel=0.05)  # samples of the two blows lie differently
 
 
 def test_what_is_not_heard_is_said(tmp_path: Path) -> None:
@@ -157,7 +157,7 @@ def test_what_is_not_heard_is_said(tmp_path: Path) -> None:
     assert not beneath.heard.own
     soft = BALL.replace(LAW, "{type: linear, stiffness: 10 kN/m}")  # 1.8 mm deep
     (found,) = (finding for finding in case_of(tmp_path, soft).findings if finding.code == "impactor-moves")
-    assert found.values["moved_m"] == pytest.approx(np.sqrt(0.033 / 10e3), rel=0.02)
+    assert found.values["moved_m"] == pytest.approx(np.sqrt(0.033 / 10e3), rel=0.02)  # the plate yields, too
     coarse = case_of(tmp_path, time="duration: 5 ms, sampling: 24 kHz")
     assert "push-coarsely-sampled" in codes(coarse)
 
@@ -222,8 +222,8 @@ def test_the_shipped_ball_clicks() -> None:
         [levels[f"open.{mic}"].l_peak_db for levels in (case.levels, case.heard.own_levels, case.heard.total_levels)]
         for mic in ("over", "aside")
     )
-    assert over == pytest.approx([110.3, 109.9, 114.1], abs=0.06)
-    assert aside == pytest.approx([103.4, 102.7, 103.7], abs=0.06)
+    assert over == pytest.approx([110.3, 109.9, 114.1], abs=0.06)  # half a unit of the last digit
+    assert aside == pytest.approx([103.4, 102.7, 103.7], abs=0.06)  # half a unit of the last digit
     own, borne = case.heard.own["open"], case.rooms["open"]
     click, ring = (
         one.t[np.flatnonzero(np.abs(one.p[0]) > rise * np.abs(one.p[0]).max())[0]]
@@ -232,4 +232,4 @@ def test_the_shipped_ball_clicks() -> None:
     # ball: from the near side of the sphere, when it has risen to 1 %, samples of 5 us later; plate: 0.5 m, blurred by
     # half a period of 10 kHz, where its sound ends
     assert click == pytest.approx((np.hypot(0.49, 0.0335) - 0.01) / 343, abs=15e-6)
-    assert ring == pytest.approx(0.5 / 343, abs=50e-6)
+    assert ring == pytest.approx(0.5 / 343, abs=50e-6)  # half a period of 10 kHz

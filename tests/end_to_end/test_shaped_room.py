@@ -96,7 +96,7 @@ def test_a_box_as_a_mesh_sounds_as_the_box(folder: Path, shape: str) -> None:
         # 1 %: a shift of 1e-4 of the resonance at 40 Hz, which is 2 % wide and falls on a line
         assert np.abs(heard - exact).max() < 1e-2 * np.abs(exact).max(), name
     first = [result.cases["two-way"].basis.frequency_hz[:6] for result in (found, expected)]
-    assert first[0] == pytest.approx(first[1], rel=2e-4)
+    assert first[0] == pytest.approx(first[1], rel=2e-4)  # shapes of 0.08 m: the shift said above, twice
     codes = {finding.code for finding in found.cases["two-way"].findings}
     assert "two-way-coupling" in codes and "one-way-stiff-air" not in codes
 
@@ -126,7 +126,7 @@ def test_walls_that_yield_are_heard_and_push_back_less(folder: Path) -> None:
     wall = SIZE[1] * SIZE[2] / 0.5e6
     assert wall > 0.4 * air
     ratio = [yields[case].frf["mic"].values[0] / rigid[case].frf["mic"].values[0] for case in rigid]
-    assert abs(ratio[0]) == pytest.approx(air / (air + wall), rel=1e-4)
+    assert abs(ratio[0]) == pytest.approx(air / (air + wall), rel=1e-4)  # 0.1 Hz: (f / f_1)^2 of plate and room
     assert abs(ratio[0]) < abs(ratio[1]) < 1.0  # the plate gives way to both
     assert yields["two-way"].basis.frequency_hz[0] < rigid["two-way"].basis.frequency_hz[0]
     for case in rigid:  # and in time
@@ -142,9 +142,9 @@ def test_walls_of_a_room_with_a_size_are_those_of_its_mesh(folder: Path) -> None
         path = study(folder, f"{room}, walls: {{{name}: {{{wall}}}}}, modes: {{up_to: 650 Hz}}")
         found.append(run_study(read_study(path, ("time.duration=30 ms",), only="two-way")).cases["two-way"])
     p, wanted = (case.rooms["air"].p[0] for case in found)
-    assert np.abs(p - wanted).max() < 1e-9 * np.abs(wanted).max()
+    assert np.abs(p - wanted).max() < 1e-9 * np.abs(wanted).max()  # the same matrices: rounding
     heard = [case.frf["mic"].values for case in found]
-    assert heard[0] == pytest.approx(heard[1], rel=1e-7)
+    assert heard[0] == pytest.approx(heard[1], rel=1e-7)  # the same, where the response is near zero
 
 
 def test_bases_of_other_walls_have_other_names(folder: Path) -> None:
@@ -249,11 +249,12 @@ def test_the_lined_room_does_what_its_file_says() -> None:
         assert np.abs(found / brentq(closed, low, high) - 1).min() < 5e-4
     frf = {name: 20 * np.log10(np.abs(case.frf["mic"].values)) for name, case in cases.items()}
     f = cases["bare"].frf["mic"].frequency_hz
+    # one decimal of the file, lines of its step
     assert (frf["lined"] - frf["bare"])[np.abs(f - 47.75).argmin()] == pytest.approx(-6.3, abs=0.3)
     meeting = (f > 60) & (f < 80)
-    assert frf["lined, one-way"][meeting].max() - frf["lined"][meeting].max() == pytest.approx(6.1, abs=0.3)
+    assert frf["lined, one-way"][meeting].max() - frf["lined"][meeting].max() == pytest.approx(6.1, abs=0.3)  # the same
     shifted = [mode for mode in cases["bare"].basis.frequency_hz if 60 < mode < 75]
-    assert shifted == pytest.approx([63.5, 67.1, 73.1], abs=0.05)
+    assert shifted == pytest.approx([63.5, 67.1, 73.1], abs=0.05)  # half a unit of the last digit
 
 
 def test_the_shipped_mesh_is_what_its_script_makes() -> None:
@@ -261,9 +262,9 @@ def test_the_shipped_mesh_is_what_its_script_makes() -> None:
     rooms = [case.study.rooms[0].room for case in plan.cases]
     assert rooms[0] is rooms[2]  # cases share a room that is the same: its modes are solved once
     assert rooms[0] is not rooms[1]
-    assert rooms[0].volume == pytest.approx((5.0 * 4.0 + 2.5 * 3.0) * 2.5, rel=1e-9)
+    assert rooms[0].volume == pytest.approx((5.0 * 4.0 + 2.5 * 3.0) * 2.5, rel=1e-9)  # volumes of cells: rounding
     areas = {name: len(facets) for name, facets in rooms[0].mesh.walls.items()}
     assert areas["floor"] == areas["ceiling"] == 141
     few = "rooms.living room.modes={up_to: 30 Hz}"
     (first,) = inspect_file(MODELS / "l_room.study.yaml", (few,)).table()["rooms"]["living room"]["first_modes_hz"]
-    assert first == pytest.approx(23.2, abs=0.1)
+    assert first == pytest.approx(23.2, abs=0.1)  # one decimal, at the modes of a coarse mesh

@@ -39,19 +39,20 @@ def codes(result: StudyResult, case: str) -> dict[str, dict[str, float]]:
 def test_heave_and_pressure(floor: StudyResult) -> None:
     told = codes(floor, "without damper")
     assert "one-way-stiff-air" not in told
-    assert told["two-way-coupling"]["in_vacuo_hz"] == pytest.approx(19.90, abs=0.01)
+    assert told["two-way-coupling"]["in_vacuo_hz"] == pytest.approx(19.90, abs=0.01)  # two decimals
+    # a piston's, of another mesh: 9e-4 here
     assert told["two-way-coupling"]["coupled_hz"] == pytest.approx(27.25, rel=2e-3)
     both, alone = floor.cases["without damper"], floor.cases["one-way"]
     assert "two-way-coupling" not in codes(floor, "one-way")
     assert "one-way-stiff-air" in codes(floor, "one-way")
     change = both.channels["box.mic pressure"].whole / alone.channels["box.mic pressure"].whole - 1
-    assert change == pytest.approx(-0.27, abs=0.01)
+    assert change == pytest.approx(-0.27, abs=0.01)  # two decimals
     for case in floor.cases.values():
         assert case.response is not None
-        assert case.response.ledger.residual < 1e-6
+        assert case.response.ledger.residual < 1e-8  # what the steps leave open: 2e-11 here
     # the air is in: a loss of 6 % at 19.9 Hz belongs to the foam and is 4.4 % of the coupled mode
     heave = int(told["two-way-coupling"]["coupled_mode"]) - 1
-    assert both.basis.damping_ratio[heave] == pytest.approx(0.06 * 19.9 / 27.25, rel=0.02)
+    assert both.basis.damping_ratio[heave] == pytest.approx(0.06 * 19.9 / 27.25, rel=0.02)  # the mesh: 1 % here
 
 
 def test_reductions_survive(floor: StudyResult) -> None:
@@ -119,7 +120,8 @@ def test_who_holds_the_energy(floor: StudyResult, tmp_path: Path, capsys: pytest
                 held = energy[when]["held_by"]
                 assert list(held) == ([] if name == "one-way" else ["structure", "air of box"])
                 if held:
-                    assert sum(held.values()) == pytest.approx(energy[when]["structure"], rel=1e-6)
+                    # rounding: 3e-14 here
+                    assert sum(held.values()) == pytest.approx(energy[when]["structure"], rel=1e-11)
                     assert 0.0 < held["air of box"] < held["structure"]
                     assert file[f"cases/{name}/energy/held_by/{when}"][:].tolist() == list(held.values())
     show_study(floor, {})
@@ -150,7 +152,7 @@ def test_weight_at_rest_on_sealed_air_is_told() -> None:
     assert told["share"] == pytest.approx(1 - without / with_air)
     # 3 %: the slab is 7e-8 m/N soft under the ball, 3 % of the foam's; a third of it on average, which counts twice
     assert 1 / without - 1 / with_air == pytest.approx(1 / foam - 1 / (foam + air), rel=0.03)
-    assert without == pytest.approx(foam, rel=0.04)
+    assert without == pytest.approx(foam, rel=0.04)  # 3 %, as said above
     weight = 0.054 * 9.80665
     assert sealed.response is not None
     contact = sealed.response.scene.contacts[0]
