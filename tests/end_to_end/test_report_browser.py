@@ -87,7 +87,7 @@ def test_the_page_in_a_browser(tmp_path: Path) -> None:
     assert seen["title"] == "A ball & a plate #1"
     assert len(seen["pictures"]) >= 5 and min(width for _, width in seen["pictures"]) > 300
     (duration,) = seen["sounds"]
-    assert duration == pytest.approx(0.2 + 0.5 + 0.2, abs=1e-3)
+    assert duration == pytest.approx(0.2 + 0.5 + 0.2, abs=1e-3)  # s, samples of the sequence
     assert seen["tables"] >= 4 and seen["wide"] <= 1200
 
 

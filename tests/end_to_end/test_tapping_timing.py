@@ -55,6 +55,7 @@ def test_levels_are_ten_single_blows_a_second(tmp_path: Path) -> None:
     # 0.3 s in which the room falls by 45 dB lie between the blows; sounds end at 900 Hz, bands by 0.1 dB there
     assert rated(case) == pytest.approx(wanted.tolist(), abs=0.12)
     assert case.response is not None
+    # the start of a blow is a time that is given: rounding
     assert [blow.t for blow in case.response.blows] == pytest.approx([0.0, 0.3, 0.6, 0.9, 1.2], abs=1e-9)
     assert "blows-overlap" not in {one.code for one in case.findings}
     same = run(tmp_path, MACHINE.replace("BLOWS", ", blows: {timing: uncorrelated}"))
@@ -65,6 +66,7 @@ def test_regular_turns_stay_and_hang_on_their_lines(tmp_path: Path) -> None:
     single = run(tmp_path, MACHINE.replace("BLOWS", ""))
     turns = run(tmp_path, MACHINE.replace("BLOWS", ", blows: {count: 3, timing: regular}"))
     assert turns.response is not None
+    # the same
     assert [blow.t for blow in turns.response.blows] == pytest.approx([0.1 * i for i in range(15)], abs=1e-9)
     off = np.subtract(rated(turns), rated(single))
     # lines 10 Hz apart: bands of one or two modes differ by decibels, those of many by little
