@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import partial
 from typing import Any, TypeVar
 
@@ -48,11 +48,11 @@ class Here:
 
     def at(self, *steps: str | int) -> Here:
         """A place inside of this one."""
-        return replace(self, steps=(*self.steps, *steps))
+        return Here(self.tree, self.mistakes, self.names, (*self.steps, *steps))
 
     def outside(self, count: int) -> Here:
         """The place that this one is in, so many steps up."""
-        return replace(self, steps=self.steps[:-count])
+        return Here(self.tree, self.mistakes, self.names, self.steps[:-count])
 
     @property
     def path(self) -> str:
