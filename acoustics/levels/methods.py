@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from functools import partial
 from math import ceil, log10, nan
 from types import MappingProxyType
-from typing import Final, Literal
+from typing import Annotated, Final, Literal
 
 import numpy as np
 
@@ -37,6 +37,7 @@ from acoustics.levels.jis_ks import (
     inverse_a_level,
     mean_of_places,
 )
+from acoustics.reported import Reported
 
 FIELD: Final = "ISO 16283-2"
 RATING: Final = "ISO 717-2"
@@ -79,16 +80,23 @@ class SingleNumber:
     were heard there, and nothing is stated with them; they are nan where no band is known.
     """
 
-    value_db: float
-    unrounded_db: float
-    deciding_hz: float
+    value_db: Annotated[float, Reported("dB", "Single number as its standard states it")]
+    unrounded_db: Annotated[float, Reported("dB", "The same before rounding")]
+    deciding_hz: Annotated[float, Reported("Hz", "The band that decides it, nominal centre")]
     curve_db: Mapping[float, float]
     curve: str
-    beside: Mapping[str, float] = field(default_factory=dict)
+    beside: Annotated[Mapping[str, float], Reported("dB", "Stated with the single number")] = field(
+        default_factory=dict
+    )
     blank_hz: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
         freeze(self, curve_db=MappingProxyType(dict(self.curve_db)), beside=MappingProxyType(dict(self.beside)))
+
+    @property
+    def at_least(self) -> Annotated[bool, Reported("1", "Whether bands are blank and the number is a lower bound")]:
+        """Whether it is but a lower bound."""
+        return bool(self.blank_hz)
 
     @property
     def known_db(self) -> float:
@@ -119,12 +127,12 @@ class Method:
     microphones, that it has, 0 where that is not known. volume_m3 : the least and the largest room it is for, or None.
     """
 
-    standards: tuple[str, ...]
-    blows: Blows
+    standards: Annotated[tuple[str, ...], Reported("1", "Standards that were applied")]
+    blows: Annotated[Blows, Reported("1", "Kind of blows")]
     source: str
     fraction: Fraction
     bands_hz: tuple[float, ...]
-    band_quantity: str
+    band_quantity: Annotated[str, Reported("1", "Symbol of the levels by band")]
     average: Callable[[Floats], Floats]
     numbers: tuple[Number, ...]
     correct: Callable[[Mapping[float, float], float, Mapping[float, float]], dict[float, float]] | None = None
@@ -133,7 +141,7 @@ class Method:
     volume_m3: tuple[float, float] | None = None
 
     @property
-    def bands(self) -> str:
+    def bands(self) -> Annotated[str, Reported("1", "What the bands are called")]:
         """What the bands are called."""
         return "octave" if self.fraction == 1 else "third octave"
 

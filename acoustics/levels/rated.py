@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from math import isfinite
 from types import MappingProxyType
-from typing import Final
+from typing import Annotated, Final
 
 import numpy as np
 
@@ -18,8 +18,11 @@ from acoustics.levels.bands import octave_bands
 from acoustics.levels.iso import energy_average
 from acoustics.levels.methods import FIELD, RATING, Blows, Method, Number, SingleNumber, method_of, single_number
 from acoustics.losses import t60_of
+from acoustics.reported import Axis, Reported
 
 _OCTAVES: Final = frozenset(octave_bands(1e6))  # nominal centres [Hz] of all that is heard
+_DB: Final = "dB re 20 µPa"
+_BAND: Final = Axis("band_hz", "Hz", "Nominal centre of the band")
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,9 +41,11 @@ class RatedRoom:
     """
 
     method: Method
-    measured_db: Floats
-    correction_db: Floats
-    t60_s: Mapping[float, float]
+    measured_db: Annotated[
+        Floats, Reported(_DB, "Level in the room, not standardised", along=("drop", "receiver", "band_hz"))
+    ]
+    correction_db: Annotated[Floats, Reported("dB", "What standardising adds", along=("band_hz",))]
+    t60_s: Annotated[Mapping[float, float], Reported("s", "Reverberation time of the room", axis=_BAND)]
 
     def __post_init__(self) -> None:
         bands = len(self.bands_hz)
@@ -62,7 +67,7 @@ class RatedRoom:
         return self.method.bands_hz
 
     @property
-    def blank_hz(self) -> tuple[float, ...]:
+    def blank_hz(self) -> Annotated[tuple[float, ...], Reported("Hz", "Bands that are not known")]:
         """Nominal centres [Hz] of the bands that are not known."""
         unknown = np.isnan(self.measured_db.sum(axis=(0, 1)))
         return tuple(self.bands_hz[i] for i in np.flatnonzero(unknown))
@@ -73,23 +78,27 @@ class RatedRoom:
         return self.method.band_quantity
 
     @property
-    def drops(self) -> int:
+    def drops(self) -> Annotated[int, Reported("1", "Places of the source")]:
         """At how many places the blow was struck."""
         return int(self.measured_db.shape[0])
 
     @property
-    def receivers(self) -> int:
+    def receivers(self) -> Annotated[int, Reported("1", "Receivers")]:
         """Number of receivers."""
         return int(self.measured_db.shape[1])
 
     @cached_property
-    def bands_db(self) -> Mapping[float, float]:
+    def bands_db(
+        self,
+    ) -> Annotated[Mapping[float, float], Reported(_DB, "Mean over drops and receivers", axis=_BAND)]:
         """Averages over drops and receivers {nominal centre [Hz]: `band_quantity` [dB]}."""
         places = energy_average(self.measured_db + self.correction_db, axis=1)
         return self._by_band(self.method.average(places))
 
     @cached_property
-    def spread_db(self) -> Mapping[float, float]:
+    def spread_db(
+        self,
+    ) -> Annotated[Mapping[float, float], Reported("dB", "Their standard deviation", axis=_BAND)]:
         """Standard deviation of a band's levels over all drops and receivers {nominal centre [Hz]: [dB]}."""
         return self._by_band(_deviation(self.measured_db.reshape(-1, len(self.bands_hz))))
 

@@ -40,9 +40,15 @@ def described(noun: Any) -> dict[str, Any]:
 
     >>> from femstruct.impact.estimate import Resolved
     >>> described(Resolved(2.0, 0.5, 10.0))
-    {'value': 2.0, 'error': 0.5, 'relative': 0.05}
+    {'value': 2.0, 'error': 0.5, 'scale': 10.0, 'relative': 0.05}
     """
-    return {one.key: _plain(one.value) for one in entries(noun) if not isinstance(one.value, np.ndarray)}
+    table: dict[str, Any] = {}
+    for one in entries(noun):
+        if isinstance(one.value, Mapping) and one.told.axis is None:
+            table |= _plain(one.value)  # what is reported has names of its own
+        elif not isinstance(one.value, np.ndarray):
+            table[one.key] = _plain(one.value)
+    return table
 
 
 def columns(nouns: Sequence[Any]) -> dict[str, list[Any]]:
@@ -63,10 +69,10 @@ def write_described(target: h5py.Group, noun: Any) -> None:
     """What a noun reports in a group: numbers as attributes, mappings and arrays as datasets with their axes."""
     for name, told, value in entries(noun):
         if isinstance(value, Mapping):
-            kind = told.axis or ("name", "1", "Name")
-            if kind[0] not in target:
-                axis(target, kind[0], list(value), *kind[1:])
-            put(target, name, list(value.values()), told.unit, told.long_name, kind[:1])
+            assert told.axis is not None, "a mapping in a group of its own has an axis"
+            if told.axis[0] not in target:
+                axis(target, told.axis[0], list(value), *told.axis[1:])
+            put(target, name, list(value.values()), told.unit, told.long_name, told.axis[:1])
         elif isinstance(value, np.ndarray):
             if told.along == (name,):
                 axis(target, name, value, told.unit, told.long_name)
@@ -86,7 +92,11 @@ def write_rows(target: h5py.Group, nouns: Sequence[Any], row: str) -> None:
         values = [getattr(noun, name) for noun in nouns]
         if isinstance(values[0], np.ndarray):
             put(target, name, np.array(values), told.unit, told.long_name, (row, *told.along))
-        elif not isinstance(values[0], Mapping | tuple):
+        elif isinstance(values[0], Mapping):
+            for part in dict.fromkeys(part for value in values for part in value):
+                column = [value.get(part) for value in values]
+                put(target, part, _column(column), told.unit, told.long_name, (row,))
+        else:
             put(target, name, _column(values), told.unit, told.long_name, (row,))
 
 

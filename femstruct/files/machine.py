@@ -7,9 +7,8 @@ from dataclasses import asdict
 from math import isfinite
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
-from femstruct.files.hdf5 import axis, put
+from femstruct.files.described import described, write_rows
+from femstruct.files.hdf5 import axis
 from femstruct.study.machine import EnergyShare, Machine, Verdict
 
 if TYPE_CHECKING:  # slow to import, and most runs write no such file
@@ -18,52 +17,15 @@ if TYPE_CHECKING:  # slow to import, and most runs write no such file
 Table = dict[str, Any]
 
 
-def verdict_word(verdict: Verdict) -> str:
-    """What a verdict says in a word.
-
-    >>> verdict_word(Verdict("ground force", 7.0, 6.0, "N", False))
-    'exceeded'
-    """
-    unknown = "not known" if verdict.least else "not seen"
-    return unknown if verdict.met is None else "met" if verdict.met else "exceeded"
-
-
 def verdict_tables(verdicts: Sequence[Verdict]) -> Table:
     """By name of the limit: value, limit, margin (negative where exceeded), the verdict, and of several drops the place
     of the worst."""
-    return {
-        one.name: {
-            "value": one.value,
-            "limit": one.limit,
-            "margin": one.margin,
-            "unit": one.unit,
-            "verdict": verdict_word(one),
-            "at_least": one.least,
-            "at": one.at or None,
-        }
-        for one in verdicts
-    }
+    return {one.name: described(one) | {"at": one.at or None} for one in verdicts}
 
 
 def write_verdicts(target: h5py.Group, verdicts: Sequence[Verdict]) -> None:
     """The same in the results file."""
-    limit = axis(target, "limit", [one.name for one in verdicts], "1", "What is limited")
-    put(target, "limit_unit", [one.unit for one in verdicts], "1", "Unit of value, most and margin", (limit,))
-    for name, values, what in (
-        ("value", [one.value for one in verdicts], "What came out; nan where it is not at rest in time, or not known"),
-        ("most", [one.limit for one in verdicts], "What it should not exceed"),
-        ("margin", [one.margin for one in verdicts], "What is left up to that, negative beyond"),
-    ):
-        put(target, name, [np.nan if one is None else one for one in values], "see limit_unit", what, (limit,))
-    put(target, "at", [one.at for one in verdicts], "1", "Place of the worst drop, where there are several", (limit,))
-    put(
-        target,
-        "verdict",
-        [verdict_word(one) for one in verdicts],
-        "1",
-        "met, exceeded, not seen, not known",
-        (limit,),
-    )
+    write_rows(target, verdicts, axis(target, "name", [one.name for one in verdicts], "1", "What is limited"))
 
 
 def machine_table(machine: Machine) -> Table:

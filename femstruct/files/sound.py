@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import json
-from math import isfinite
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from acoustics.levels.rated import RatedRoom
-from acoustics.levels.sound_levels import REFERENCE_PA, Levels
+from acoustics.levels.sound_levels import Levels
 from acoustics.room_response import RoomResponse
-from femstruct.files.described import write_described
+from femstruct.files.described import write_described, write_rows
 from femstruct.files.finding_tables import finding_table
 from femstruct.files.hdf5 import axis, group, put
 from femstruct.study.result import OwnSound
@@ -57,48 +56,14 @@ def write_levels(target: h5py.Group, levels: Levels) -> None:
 
 def write_rated(target: h5py.Group, rated: RatedRoom) -> None:
     """A room as the standards state it, with the levels of every drop at every receiver that it is made of."""
-    method = rated.method
-    target.attrs.update(
-        standards=", ".join(method.standards),
-        blows=method.blows,
-        bands=method.bands,
-        band_quantity=method.band_quantity,
-        drops=rated.drops,
-        receivers=rated.receivers,
-    )
-    reference = f"dB re {REFERENCE_PA:g} Pa"
+    write_described(target, rated.method)
     if rated.numbers:
-        _write_numbers(target, rated, reference)
-    band = axis(target, "band_hz", list(rated.bands_db), "Hz", f"Nominal centre of the {method.bands}")
-    drop = axis(target, "drop", np.arange(1, rated.drops + 1), "1", "Place of the source, in the order of the study")
-    receiver = axis(target, "receiver", np.arange(1, rated.receivers + 1), "1", "Receiver, in the order of the room")
-    averaged = f"{method.band_quantity}, average over drops and receivers"
-    put(target, "level", list(rated.bands_db.values()), reference, averaged, (band,))
-    deviation = "Standard deviation over drops and receivers; nan for one"
-    put(target, "spread", list(rated.spread_db.values()), "dB", deviation, (band,))
-    each = "Level in the room, not standardised"
-    put(target, "measured", rated.measured_db, reference, each, (drop, receiver, band))
-    put(target, "correction", rated.correction_db, "dB", "What standardising adds for volume and t60", (band,))
-    times = [time if isfinite(time) else np.nan for time in rated.t60_s.values()]
-    put(target, "t60", times, "s", "Reverberation time of the room; nan without losses", (band,))
-
-
-def _write_numbers(target: h5py.Group, rated: RatedRoom, reference: str) -> None:
-    """The single numbers of a room along one axis, the first the one to state."""
-    numbers = rated.numbers
-    symbol = axis(target, "symbol", list(numbers), "1", "Single number")
-    for name, description in (
-        ("value_db", "Single number as its standard states it"),
-        ("unrounded_db", "The same as finely as it can be had"),
-        ("deciding_hz", "The band that decides it, nominal centre"),
-    ):
-        values = [getattr(one, name) for one in numbers.values()]
-        put(target, name, values, "Hz" if name == "deciding_hz" else reference, description, (symbol,))
-    least = [bool(one.blank_hz) for one in numbers.values()]
-    put(target, "at_least", least, "1", "Whether bands are blank and the number is a lower bound", (symbol,))
-    for beside in dict.fromkeys(name for one in numbers.values() for name in one.beside):
-        values = [one.beside.get(beside, np.nan) for one in numbers.values()]
-        put(target, beside, values, "dB", "Stated with the single number; nan where its standard has none", (symbol,))
-    for name, spreads in (("drops", rated.drops_spread_db), ("receivers", rated.receivers_spread_db)):
-        told = f"Standard deviation of the number over {name}; nan for one"
-        put(target, f"{name}_spread_db", list(spreads.values()), "dB", told, (symbol,))
+        symbol = axis(target, "symbol", list(rated.numbers), "1", "Single number, the first the one to state")
+        write_rows(target, list(rated.numbers.values()), symbol)
+        for name, spreads in (("drops", rated.drops_spread_db), ("receivers", rated.receivers_spread_db)):
+            told = f"Standard deviation of the number over {name}; nan for one"
+            put(target, f"{name}_spread_db", list(spreads.values()), "dB", told, (symbol,))
+    axis(target, "band_hz", list(rated.bands_hz), "Hz", f"Nominal centre of the {rated.method.bands}")
+    axis(target, "drop", np.arange(1, rated.drops + 1), "1", "Place of the source, in the order of the study")
+    axis(target, "receiver", np.arange(1, rated.receivers + 1), "1", "Receiver, in the order of the room")
+    write_described(target, rated)

@@ -171,30 +171,12 @@ def _by_frequency(values: Mapping[float, float]) -> Table:
 
 def _rated(rated: RatedRoom) -> Table:
     """A room as the standards state it: its single numbers by symbol, the first the one to state, and its bands."""
-    return {
-        "standards": list(rated.standards),
-        "blows": rated.method.blows,
-        "numbers": {
-            symbol: {
-                "value_db": number(one.value_db),
-                "unrounded_db": number(one.unrounded_db),
-                "at_least": bool(one.blank_hz),
-                **{name: number(value) for name, value in one.beside.items()},
-                "deciding_hz": number(one.deciding_hz),
-                "drops_spread_db": number(rated.drops_spread_db[symbol]),
-                "receivers_spread_db": number(rated.receivers_spread_db[symbol]),
-            }
-            for symbol, one in rated.numbers.items()
-        },
-        "drops": rated.drops,
-        "receivers": rated.receivers,
-        "bands": rated.method.bands,
-        "band_quantity": rated.band_quantity,
-        "bands_db": _by_frequency(rated.bands_db),
-        "blank_hz": list(rated.blank_hz),
-        "spread_db": _by_frequency(rated.spread_db),
-        "t60_s": _by_frequency(rated.t60_s),
+    spreads = {"drops_spread_db": rated.drops_spread_db, "receivers_spread_db": rated.receivers_spread_db}
+    numbers = {
+        symbol: described(one) | {name: number(spread[symbol]) for name, spread in spreads.items()}
+        for symbol, one in rated.numbers.items()
     }
+    return described(rated.method) | described(rated) | {"numbers": numbers}
 
 
 def _rated_beside(

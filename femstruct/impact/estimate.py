@@ -45,7 +45,7 @@ class Resolved:
 
     value: Annotated[float, Reported("see unit", "Number of the run")]
     error: Annotated[float, Reported("see unit", "Estimated error of it")]
-    scale: float
+    scale: Annotated[float, Reported("see unit", "What the error is small against")]
 
     @property
     def relative(self) -> Annotated[float, Reported("1", "The error as a share of what it is small against")]:
@@ -62,9 +62,9 @@ class ErrorEstimate:
     whole window. first_until [s] : when a contact closed again; the end of the window when none did.
     """
 
-    tolerance: float | None
-    against: float | None
-    first_until: float
+    tolerance: Annotated[float | None, Reported("1", "Tolerance of the run, none of an exact march")]
+    against: Annotated[float | None, Reported("1", "Tolerance of the run it is compared with")]
+    first_until: Annotated[float, Reported("s", "When a contact closes again", "first_until_s")]
     first_peak: Mapping[str, Resolved]
     peak: Mapping[str, Resolved]
     velocity: Mapping[str, Resolved]

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Annotated
+
+from femstruct.reported import Reported
 
 
 @dataclass(frozen=True)
@@ -16,16 +19,26 @@ class Verdict:
     """
 
     name: str
-    value: float | None
-    limit: float
-    unit: str
+    value: Annotated[float | None, Reported("see unit", "What came out")]
+    limit: Annotated[float, Reported("see unit", "What it should not exceed")]
+    unit: Annotated[str, Reported("1", "Unit of value, limit and margin")]
     met: bool | None
     seen: float | None = None
-    at: str = ""
-    least: bool = False
+    at: Annotated[str, Reported("1", "Place of the worst drop, where there are several")] = ""
+    least: Annotated[bool, Reported("1", "Whether the value is a lower bound", "at_least")] = False
 
     @property
-    def margin(self) -> float | None:
+    def verdict(self) -> Annotated[str, Reported("1", "met, exceeded, not seen, not known")]:
+        """What it says in a word.
+
+        >>> Verdict("ground force", 7.0, 6.0, "N", False).verdict
+        'exceeded'
+        """
+        unknown = "not known" if self.least else "not seen"
+        return unknown if self.met is None else "met" if self.met else "exceeded"
+
+    @property
+    def margin(self) -> Annotated[float | None, Reported("see unit", "What is left up to the limit, negative beyond")]:
         """What is left up to the limit, negative beyond it; None where that is not known."""
         return None if self.value is None or self.least else self.limit - self.value
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Final
+from typing import Annotated, Final
 
 from numpy import complex128
 from numpy.typing import NDArray
@@ -19,6 +19,7 @@ from femstruct.impact.result.response import Response
 from femstruct.impact.result.shares import ModeEnergies
 from femstruct.modal.basis import ModalBasis
 from femstruct.model.model import Model
+from femstruct.reported import Reported
 from femstruct.sound.power import PowerResponse, Radiated
 from femstruct.study.machine import Machine, Verdict
 from femstruct.study.study import Case, FrfRequest, Plan
@@ -59,11 +60,11 @@ class Deviation:
     """A channel in the band, or a contact's peak force, with a smaller and a larger basis: largest |values|, largest
     difference at any time, all in `unit`, and the difference as a share of the larger basis's value [1]."""
 
-    unit: str
-    smaller: float
-    larger: float
-    difference: float
-    share: float
+    unit: Annotated[str, Reported("1", "Unit of smaller, larger and difference")]
+    smaller: Annotated[float, Reported("see unit", "Largest |value| with the smaller basis")]
+    larger: Annotated[float, Reported("see unit", "Largest |value| with the larger basis")]
+    difference: Annotated[float, Reported("see unit", "Largest difference at any time")]
+    share: Annotated[float, Reported("1", "Difference over the value of the larger basis")]
 
 
 @dataclass(frozen=True)
@@ -76,15 +77,15 @@ class AccuracyCheck:
     every mode there is. stopped : why no modes were added although it does not hold.
     """
 
-    within: float
-    band: tuple[float, float]
-    window: float
-    smaller_hz: float
-    larger_hz: float
-    used_hz: float
-    used_modes: int
+    within: Annotated[float, Reported("1", "Share required", "asked")]
+    band: Annotated[tuple[float, float], Reported("Hz", "Band that is compared", "band_hz")]
+    window: Annotated[float, Reported("s", "End of what is compared", "window_s")]
+    smaller_hz: Annotated[float, Reported("Hz", "What the smaller basis is complete to")]
+    larger_hz: Annotated[float, Reported("Hz", "What the larger basis is complete to")]
+    used_hz: Annotated[float, Reported("Hz", "What the basis is complete to that all cases use")]
+    used_modes: Annotated[int, Reported("1", "Modes of that basis")]
     deviations: Mapping[str, Deviation]
-    holds: bool
+    holds: Annotated[bool, Reported("1", "Whether it is reached")]
     stopped: str
 
     @property
@@ -93,7 +94,7 @@ class AccuracyCheck:
         return max(self.deviations.items(), key=lambda item: item[1].share, default=None)
 
     @property
-    def share(self) -> float:
+    def share(self) -> Annotated[float, Reported("1", "Largest share that more modes change", "reached")]:
         """The largest share [1]."""
         return self.worst[1].share if self.worst else 0.0
 

@@ -118,8 +118,8 @@ def test_drops_in_terminal_tables_and_file(
     write_results(tmp_path / "results.h5", result)
     with h5py.File(tmp_path / "results.h5") as file:
         stored = file["cases/as given/rated/bedroom"]
-        assert stored["measured"].shape == (2, 2, 12)
-        np.testing.assert_array_equal(stored["measured"][:], rated.measured_db)
+        assert stored["measured_db"].shape == (2, 2, 12)
+        np.testing.assert_array_equal(stored["measured_db"][:], rated.measured_db)
         second = file["cases/as given/drops/drops.2/bedroom.mic.2"]
         levels = case.drops["drops.2"].levels["bedroom.mic.2"]
         np.testing.assert_array_equal(second["bands_db"][:], list(levels.bands_db.values()))

@@ -103,6 +103,7 @@ def test_terminal_tables_and_file_say_the_same(
             "value": peak.value,
             "error": peak.error,
             "relative": peak.error / peak.scale,
+            "scale": peak.scale,
             "unit": "N",
         }
         assert told["end_velocity"]["b"]["error"] == speed.error
@@ -110,7 +111,7 @@ def test_terminal_tables_and_file_say_the_same(
         assert told["against"] == (1e-10 if name == "hertz" else None)
         with h5py.File(tmp_path / "results.h5") as file:
             kept = file[f"cases/{name}/error_estimate"]
-            assert kept.attrs["first_until_s"] == told["first_until_s"]
+            assert kept.attrs["first_until"] == told["first_until_s"]
             assert kept["peak_force/error"][0] == peak.error
             assert kept["first_peak_force/value"][0] == errors.first_peak["rattle"].value
             assert kept["end_velocity/error"].attrs["unit"] == "m/s"

@@ -118,7 +118,7 @@ def test_terminal_tables_and_file_say_the_same(
         assert stored["symbol"].asstr()[:].tolist() == SYMBOLS
         assert stored["value_db"][:].tolist() == [one.value_db for one in thick.numbers.values()]
         np.testing.assert_array_equal(stored["L number"][:], [thick.numbers[SYMBOLS[0]].beside["L number"], np.nan])
-        assert stored["measured"].shape == (2, 2, 4)
+        assert stored["measured_db"].shape == (2, 2, 4)
 
 
 def test_a_limit_is_of_the_grade(result: StudyResult) -> None:

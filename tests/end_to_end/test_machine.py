@@ -169,9 +169,9 @@ def test_tables_files_and_terminal(hammer: StudyResult, tmp_path: Path, capsys: 
     with h5py.File(tmp_path / "results.h5") as file:
         limits = file["cases/softer springs/limits"]
         assert list(limits["verdict"].asstr()) == ["exceeded", "met", "met"]
-        assert list(limits["limit_unit"].asstr()) == ["m", "N", "s"]
+        assert list(limits["unit"].asstr()) == ["m", "N", "s"]
         # rounding: none here
-        np.testing.assert_allclose(limits["margin"][()], limits["most"][()] - limits["value"][()], rtol=1e-15)
+        np.testing.assert_allclose(limits["margin"][()], limits["limit"][()] - limits["value"][()], rtol=1e-15)
     show_study(hammer, {})
     text = capsys.readouterr().out
     assert "exceeded by 0.24" in text and "as baseline" in text and "not seated" in text
