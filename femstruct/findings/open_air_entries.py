@@ -62,7 +62,15 @@ OPEN_AIR: Final = (
         LIMITS,
         "the sound energy is more than the threshold share of what the structure lost in its own damping",
         "Increase the loss factor by this share, or read the levels as upper bounds.",
-        (Limit(0.1, "% of the losses", "amplitudes decay 5 % faster", "sqrt(1 + 0.1)", "femstruct.sound.power.FELT"),),
+        (
+            Limit(
+                0.1,
+                "% of the losses",
+                "amplitudes decay 5 % faster",
+                "sqrt(1 + 0.1)",
+                "femstruct.sound.power.LOSSES_ALLOWED",
+            ),
+        ),
     ),
     Entry(
         "sound-energy-not-decayed",

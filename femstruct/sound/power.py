@@ -27,7 +27,7 @@ from femstruct.sound.surface import surface_velocity
 
 SHOWN: Final = 3  # frequencies whose directivity is shown where none are asked for
 # sound energy over the losses of the structure above which it damps the structure by 5 % in amplitude
-FELT: Final = 0.1
+LOSSES_ALLOWED: Final = 0.1
 
 
 @dataclass(frozen=True, eq=False)
@@ -155,15 +155,15 @@ def _modes_missing(energy: SoundEnergy, basis: ModalBasis) -> tuple[Advice, ...]
 def not_taken(energy_j: float, lost_j: float) -> tuple[Advice, ...]:
     """Advice where the sound energy [J] of all surfaces, which is not taken from the structure, would be felt beside
     what it lost in its own damping [J]."""
-    if energy_j <= FELT * lost_j or not lost_j > 0:
+    if energy_j <= LOSSES_ALLOWED * lost_j or not lost_j > 0:
         return ()
     ratio = energy_j / lost_j
     return (
         Advice(
             "sound-energy-not-taken",
             f"the sound energy into the open is {ratio:.2g} of the energy that the structure lost in its own "
-            "damping, and is "
-            f"not subtracted from its energy. Above {FELT:g}, motion and sound are too strong and decay too slowly",
-            {"sound_over_losses": ratio, "allowed": FELT},
+            f"damping, and is not subtracted from its energy. Above {LOSSES_ALLOWED:g}, motion and sound are too "
+            "strong and decay too slowly",
+            {"sound_over_losses": ratio, "allowed": LOSSES_ALLOWED},
         ),
     )

@@ -9,7 +9,7 @@ from typing import TypeVar
 
 from femstruct.arrays import Integers
 
-HEARD = 0.2  # seconds between two looks at the keyboard, where a wait is deaf to it
+CHECK_INTERVAL = 0.2  # seconds between two checks for Ctrl-C, which a plain wait would not notice
 
 R = TypeVar("R")
 
@@ -34,7 +34,7 @@ def run_aside(call: Callable[[], R], stop: Integers) -> R:
 
     Thread(target=work, daemon=True).start()
     try:
-        while not wait([job], timeout=HEARD).done:
+        while not wait([job], timeout=CHECK_INTERVAL).done:
             pass
     except BaseException:
         stop[0] = 1

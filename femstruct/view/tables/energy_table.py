@@ -81,7 +81,7 @@ def _amount(energy: float, factor: float, nothing: float) -> str:
     return f"{factor * energy:.4g}" if abs(energy) >= nothing else "0"
 
 
-def whither(result: StudyResult) -> Grid:
+def energy_destinations(result: StudyResult) -> Grid:
     """What holds the energy of a case and what took it: bodies, modes, contacts and links, losses."""
     moments: dict[str, list[dict[str, float]]] = {}
     for name, case in result.cases.items():

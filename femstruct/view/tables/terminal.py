@@ -17,7 +17,7 @@ from femstruct.view.tables.accuracy_table import anything_meets, outcomes, trust
 from femstruct.view.tables.array_table import arrays
 from femstruct.view.tables.blow_table import blows
 from femstruct.view.tables.console import console
-from femstruct.view.tables.energy_table import energies, whither
+from femstruct.view.tables.energy_table import energies, energy_destinations
 from femstruct.view.tables.finding_lines import show_findings
 from femstruct.view.tables.grid import Grid
 from femstruct.view.tables.machine_table import limits, machine
@@ -72,7 +72,7 @@ def other_tables(result: StudyResult) -> tuple[Grid, ...]:
         _contacts(result),
         blows(result),
         energies(result),
-        whither(result),
+        energy_destinations(result),
         arrays(result),
         radiated(result),
         bands(result),

@@ -33,7 +33,7 @@ from femstruct.workflow.stages.places import Places
 from femstruct.workflow.stages.rated_rooms import band_levels, blows_of, method_for
 from femstruct.workflow.stages.room_transfers import RoomTransfers
 from femstruct.workflow.stages.staging import scene
-from femstruct.workflow.stages.struck_bodies import heard_themselves, levels_by_receiver, own_findings
+from femstruct.workflow.stages.struck_bodies import levels_by_receiver, own_findings, sound_of_bodies
 
 # so it should be of a machine that runs on
 STEADY: Final = (
@@ -116,7 +116,7 @@ def strike(
                 for plan in study.rooms
                 if (method := method_for(plan, study)) is not None
             }
-            bodies = heard_themselves(study, places, responses[drop], own, whole)
+            bodies = sound_of_bodies(study, places, responses[drop], own, whole)
         findings = (
             *_findings(study, responses[drop], errors[drop], vacuo, own, heard),
             *room_findings(own_findings(study, places, responses[drop], bodies)),

@@ -52,7 +52,7 @@ def spheres_before(plan: RoomPlan, study: Study, places: Places) -> dict[str, tu
     return found
 
 
-def heard_themselves(
+def sound_of_bodies(
     study: Study,
     places: Places,
     response: Response,
