@@ -62,7 +62,7 @@ class ErrorEstimate:
     whole window. first_until [s] : when a contact closed again; the end of the window when none did.
     """
 
-    tolerance: Annotated[float | None, Reported("1", "Tolerance of the run, none of an exact march")]
+    tolerance: Annotated[float | None, Reported("1", "Tolerance of the run, none of exact integration")]
     against: Annotated[float | None, Reported("1", "Tolerance of the run it is compared with")]
     first_until: Annotated[float, Reported("s", "When a contact closes again", "first_until_s")]
     first_peak: Mapping[str, Resolved]
