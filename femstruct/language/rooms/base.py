@@ -69,7 +69,6 @@ class RoomSpec(Spec):
     signs : keys by which the kind is known. is_open : whether it has a sound power.
     """
 
-    one_of = (("under", "above", "below"),)
     signs: ClassVar[tuple[str, ...]] = ()
     is_open: ClassVar[bool] = False
 

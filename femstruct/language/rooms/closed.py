@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from abc import abstractmethod
+from collections.abc import Mapping
 from typing import Annotated, Any, Literal
-
-from pydantic import model_validator
 
 from acoustics.errors import AcousticsError
 from acoustics.fields.shaped import ShapedRoom
@@ -26,7 +25,6 @@ from femstruct.language.yaml import (
     Quantity,
     Spec,
     SurfaceName,
-    exactly_one,
     only,
     read_by,
     refuse,
@@ -50,16 +48,14 @@ class LeakSpec(Spec):
     inertance: Annotated[float, Quantity(("inertance",), above=0.0)] | None = None
     resistance: Annotated[float, Quantity(("flow resistance",), least=0.0)] = 0.0
 
-    @model_validator(mode="before")
     @classmethod
-    def _plug(cls, value: Any) -> Any:
-        if isinstance(value, dict) and ("area" in value) != ("length" in value):
+    def refuse_keys(cls, given: Mapping[str, Any]) -> None:
+        if ("area" in given) != ("length" in given):
             raise refuse(
-                "an area without a length" if "area" in value else "a length without an area",
+                "an area without a length" if "area" in given else "a length without an area",
                 "both, or an inertance",
                 "write it like {area: 10 cm^2, length: 30 mm}",
             )
-        return value
 
     def leak(self, rho: float) -> Leak:
         """The leak it describes, of air of a density [kg/m^3]."""
@@ -70,6 +66,7 @@ class LeakSpec(Spec):
 class ClosedSpec(RoomSpec):
     """A room under a surface."""
 
+    one_of = (("under", "above", "below"), ("size", "mesh"))
     needs = (("mesh", ("ceiling",)), ("ceiling", ("mesh",)))
 
     under: SurfaceName
@@ -81,14 +78,10 @@ class ClosedSpec(RoomSpec):
     animate: Annotated[tuple[float | None, ...], read_by(_animated, _Animated | list[_Animated])] = ()
     levels: Annotated[tuple[str, ...], read_by(several(only(STANDARDS)), _Standard | list[_Standard])] = ()
 
-    @model_validator(mode="before")
     @classmethod
-    def _closed(cls, value: Any) -> Any:
-        if isinstance(value, dict) and "under" in value:
-            exactly_one(value, ("size", "mesh"))
-            if "directivity" in value:
-                raise refuse("'directivity' beside 'under'", "open air, 'above' or 'below'", "a room reflects sound")
-        return value
+    def refuse_keys(cls, given: Mapping[str, Any]) -> None:
+        if "directivity" in given:
+            raise refuse("'directivity' beside 'under'", "open air, 'above' or 'below'", "a room reflects sound")
 
     @property
     def standards(self) -> tuple[str, ...]:

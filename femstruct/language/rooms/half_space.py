@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar, Final
 
 import numpy as np
-from pydantic import model_validator
 
 from acoustics.fields.half_space import HalfSpace
 from acoustics.fields.shaped import ShapedRoom
@@ -26,6 +26,7 @@ class HalfSpaceSpec(RoomSpec):
     directivity: frequencies at which it is drawn where open air sends its sound, the loudest when left out.
     """
 
+    one_of = (("under", "above", "below"),)
     signs = ("above", "below")
     is_open: ClassVar[bool] = True
 
@@ -33,18 +34,12 @@ class HalfSpaceSpec(RoomSpec):
     below: SurfaceName | None = None
     directivity: Annotated[tuple[float, ...], read_by(several(FREQUENCY.read), Frequency | list[Frequency])] = ()
 
-    @model_validator(mode="before")
     @classmethod
-    def _open(cls, value: Any) -> Any:
-        closed = [key for key in _CLOSED if key in value] if isinstance(value, dict) else []
-        if closed:
-            side = "above" if "above" in value else "below"
-            raise refuse(
-                f"'{closed[0]}' beside '{side}'",
-                f"air and receivers: there is no room {side} a surface",
-                "write 'under' for a room",
-            )
-        return value
+    def refuse_keys(cls, given: Mapping[str, Any]) -> None:
+        side = "above" if "above" in given else "below"
+        for key in [key for key in _CLOSED if key in given][:1]:
+            expected = f"air and receivers: there is no room {side} a surface"
+            raise refuse(f"'{key}' beside '{side}'", expected, "write 'under' for a room")
 
     def check_in(self, here: Here, name: str, asked: Asked) -> None:
         """A directivity is of something that radiates, at frequencies that the sampling has."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Annotated, Any, Final, Literal, Self
 
 from pydantic import model_validator
@@ -48,18 +49,15 @@ class LossesSpec(Spec):
     t60: Annotated[ByBand, read_by(_t60, Duration | dict[str, Duration])] = None
     at: Frequency | None = None
 
-    @model_validator(mode="before")
     @classmethod
-    def _one_law(cls, value: Any) -> Any:
-        if isinstance(value, dict):
-            exactly_one(value, ("beta", "loss_factor", "t60"))
-            if ("t60" in value) == ("at" in value):
-                raise refuse(
-                    "t60 with a frequency" if "at" in value else "no frequency",
-                    "'at' with beta or loss_factor only",
-                    "write it like {beta: 1.16 %, at: 293 Hz}",
-                )
-        return value
+    def refuse_keys(cls, given: Mapping[str, Any]) -> None:
+        exactly_one(given, ("beta", "loss_factor", "t60"))
+        if ("t60" in given) == ("at" in given):
+            raise refuse(
+                "t60 with a frequency" if "at" in given else "no frequency",
+                "'at' with beta or loss_factor only",
+                "write it like {beta: 1.16 %, at: 293 Hz}",
+            )
 
     @property
     def asked(self) -> dict[float, float]:
@@ -95,13 +93,10 @@ class WallSpec(Spec):
     stiffness: Annotated[float, Quantity(("stiffness/area",), least=0.0)] = 0.0
     resistance: Annotated[float, SpecificImpedance] = 0.0
 
-    @model_validator(mode="before")
     @classmethod
-    def _of_one_kind(cls, value: Any) -> Any:
-        if isinstance(value, dict):
-            ways = ("mass", "stiffness", "resistance")
-            exactly_one(value, ("absorption", "impedance", *([key for key in ways if key in value][:1] or ways)))
-        return value
+    def refuse_keys(cls, given: Mapping[str, Any]) -> None:
+        ways = ("mass", "stiffness", "resistance")
+        exactly_one(given, ("absorption", "impedance", *([key for key in ways if key in given][:1] or ways)))
 
     @model_validator(mode="after")
     def _of_something(self) -> Self:

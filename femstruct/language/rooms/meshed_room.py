@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from acoustics.errors import AcousticsError
 from acoustics.fields.shaped import ShapedRoom
@@ -49,15 +50,14 @@ class MeshedRoomSpec(ClosedSpec):
     walls: dict[str, WallSpec] = Field(default_factory=dict)
     modes: RoomModesSpec | None = None
 
-    @model_validator(mode="before")
     @classmethod
-    def _cut(cls, value: Any) -> Any:
-        if isinstance(value, dict) and "size" in value and ("walls" in value) != ("modes" in value):
-            got, wanted, do = "modes", "walls", "remove 'modes'"
-            if "walls" in value:
-                got, wanted, do = "walls", "modes", "write 'modes: {up_to: 200 Hz}', up to which walls are included"
+    def refuse_keys(cls, given: Mapping[str, Any]) -> None:
+        super().refuse_keys(given)
+        got, wanted, do = "modes", "walls", "remove 'modes'"
+        if "walls" in given:
+            got, wanted, do = "walls", "modes", "write 'modes: {up_to: 200 Hz}', up to which walls are included"
+        if "size" in given and ("walls" in given) != ("modes" in given):
             raise refuse(f"'{got}' of a room with a size", f"'{wanted}' beside '{got}'", do)
-        return value
 
     def check_in(self, here: Here, name: str, asked: Asked) -> None:
         here.at("form").need(self.form == "causal", "the source's form in a meshed room", "causal", "leave out 'form'")

@@ -54,6 +54,10 @@ class Spec(BaseModel):
         """The noun it describes; others : what the keys do not say, or not in the noun's words."""
         return type(self).makes(**{**self.given(), **others})
 
+    @classmethod
+    def refuse_keys(cls, given: Mapping[str, Any]) -> None:
+        """Raise what `refuse` makes of keys that cannot be together, before any of them is read."""
+
     def check(self, here: Here) -> None:
         """Note what is wrong with its keys together, and with the names in it."""
 
@@ -61,6 +65,7 @@ class Spec(BaseModel):
     @classmethod
     def _exclusive(cls, value: Any) -> Any:
         if isinstance(value, dict):
+            cls.refuse_keys(value)
             for names in cls.one_of:
                 exactly_one(value, names)
             for names in cls.at_most_one_of:
