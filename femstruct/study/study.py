@@ -24,6 +24,8 @@ if TYPE_CHECKING:  # a model's modes need none of these
 
 SETTLED: Final = "settled"  # the limit of the time to rest
 FrfKind = Literal["receptance", "mobility", "accelerance", "transmissibility", "pressure", "power"]
+BodySide = Literal["above", "below", "before", "after"]
+RecordedQuantity = Literal["displacement", "velocity", "acceleration", "force", "travel"]
 
 
 @dataclass(frozen=True)
@@ -114,7 +116,7 @@ class PlacedBody:
 
     name: str
     mass: float
-    side: Literal["above", "below", "before", "after"]
+    side: BodySide
     target: str
     speed: float = 0.0
     dropped: bool = False
@@ -235,7 +237,7 @@ class Record:
     """
 
     target: str
-    what: Literal["displacement", "velocity", "acceleration", "force", "travel"]
+    what: RecordedQuantity
 
     def __str__(self) -> str:
         return f"{self.target} {self.what}"

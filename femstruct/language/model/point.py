@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated, Literal
+from typing import Annotated, Literal, get_args
 
 from femstruct.language.parts.base import PartSpec
 from femstruct.language.yaml import (
@@ -23,7 +23,6 @@ from femstruct.model.region import Side
 from femstruct.model.structure import PlaceOn
 from femstruct.units import QuantityError, quantity, shown_as
 
-_AT_WORDS = ("center", "top", "bottom")
 AtWord = Literal["center", "top", "bottom"]
 _WRITTEN = AtWord | Coordinate | list[Coordinate] | list[list[Coordinate]]
 
@@ -43,14 +42,14 @@ def places(value: object) -> tuple[tuple[float, ...], ...]:
 
 def _at(value: object) -> object:
     """A word, a position along a bar, [x, y], [x, y, z], or a list of positions."""
-    if value in _AT_WORDS:
+    if isinstance(value, str) and value in get_args(AtWord):
         return value
     if isinstance(value, list):
         return places(value)
     try:
         return ((quantity(value, "length"),),)
     except QuantityError as error:
-        raise refuse(error.got, "center, [x, y] or [[x, y], [x, y]]", nearest(str(value), _AT_WORDS)) from None
+        raise refuse(error.got, "center, [x, y] or [[x, y], [x, y]]", nearest(str(value), get_args(AtWord))) from None
 
 
 def _patch(value: object) -> object:

@@ -25,15 +25,14 @@ from femstruct.language.yaml import (
     Quantity,
     Spec,
     SurfaceName,
-    only,
     read_by,
     refuse,
     several,
     word_or,
+    words_of,
 )
 from femstruct.study.study import RoomPlan
 
-_Standard = Literal["ISO 16283-2", "ISO 717-2", "JIS A 1419-2", "KS F 2863-2"]  # those of STANDARDS
 _Animated = Frequency | Literal["pulse"]
 _animated = several(word_or({"pulse": None}, FREQUENCY))
 
@@ -76,7 +75,7 @@ class ClosedSpec(RoomSpec):
     coupling: Literal["one-way", "two-way"] = "one-way"
     leak: LeakSpec | None = None
     animate: Annotated[tuple[float | None, ...], read_by(_animated, _Animated | list[_Animated])] = ()
-    levels: Annotated[tuple[str, ...], read_by(several(only(STANDARDS)), _Standard | list[_Standard])] = ()
+    levels: Annotated[tuple[str, ...], words_of(STANDARDS)] = ()
 
     @classmethod
     def refuse_keys(cls, given: Mapping[str, Any]) -> None:

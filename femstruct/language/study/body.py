@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping
 from math import inf, sqrt
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, get_args
 
 from pydantic import ConfigDict, model_validator
 
@@ -14,10 +14,22 @@ from femstruct.impact.scene.impact_sources import HAMMERS, TAPPING_MACHINE
 from femstruct.language.laws.known_laws import AnyLaw
 from femstruct.language.laws.law import Ends, LawSpec, Site
 from femstruct.language.study.standard_source import SOURCES, UNCORRELATED, from_source
-from femstruct.language.yaml import Count, Duration, Here, Instant, Length, MassKg, Quantity, Refers, Spec, Text
-from femstruct.study.study import PlacedBody, Repeat
+from femstruct.language.yaml import (
+    Count,
+    Duration,
+    Here,
+    Instant,
+    Length,
+    MassKg,
+    Quantity,
+    Refers,
+    Spec,
+    Text,
+    word_of,
+)
+from femstruct.study.study import BodySide, PlacedBody, Repeat
 
-SIDES = ("above", "below", "before", "after")
+SIDES: tuple[BodySide, ...] = get_args(BodySide)
 FAST = "a plain number is in metres a second: did you mean {number:g} mm/s?"
 HIGH = "a plain number is in metres: did you mean {number:g} mm? For a high speed give 'speed'"
 Beside = Annotated[Text, Refers()]
@@ -69,7 +81,7 @@ class BodySpec(Spec):
     at_most_one_of = (("drop_height", "speed"),)
     model_config = _optional("mass")
 
-    source: Literal["rubber ball", "bang machine", "tapping machine"] | None = None
+    source: Annotated[str, word_of(SOURCES)] | None = None
     mass: MassKg
     above: Beside | None = None
     below: Beside | None = None
@@ -87,7 +99,7 @@ class BodySpec(Spec):
         return from_source(value) if isinstance(value, dict) and value.get("source") in SOURCES else value
 
     @property
-    def side(self) -> str:
+    def side(self) -> BodySide:
         """On which side of its target it is."""
         return next(side for side in SIDES if getattr(self, side) is not None)
 
@@ -136,9 +148,8 @@ class BodySpec(Spec):
     def build(self, name: str, law: Law | None) -> PlacedBody:
         """The body it describes; law : of its own contact, None where there is none."""
         blows, dropped = self.blows.noun() if self.blows is not None else None, self.drop_height is not None
-        side: Any = self.side
         return PlacedBody(
-            name, self.mass, side, self.target, self.start_speed, dropped, law, blows, self.source, self.radius
+            name, self.mass, self.side, self.target, self.start_speed, dropped, law, blows, self.source, self.radius
         )
 
 

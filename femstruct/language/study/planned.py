@@ -137,7 +137,7 @@ def study_of(
         tuple(load for load in loads if isinstance(load, PlannedLoad)),
         tuple(load for load in loads if isinstance(load, PlannedWalk)),
         study.initial.noun(),
-        tuple(Record(target, what) for target, wanted in study.record.items() for what in wanted),  # type: ignore[arg-type]
+        tuple(Record(target, what) for target, wanted in study.record.items() for what in wanted),
         study.time.noun(quiet=study.quiet) if study.time is not None else None,
         study.peaks.noun(),
         tuple(rooms.values()),

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
-from typing import Annotated, Literal, get_args
+from typing import Annotated, get_args
 
-from femstruct.language.yaml import Here, nearest, only, read_by, several
+from femstruct.language.yaml import Here, nearest, words_of
+from femstruct.study.study import RecordedQuantity
 
-RecordedQuantity = Literal["displacement", "velocity", "acceleration", "force", "travel"]
 QUANTITIES: tuple[str, ...] = get_args(RecordedQuantity)
-Recorded = Annotated[tuple[str, ...], read_by(several(only(QUANTITIES)), RecordedQuantity | list[RecordedQuantity])]
+Recorded = Annotated[tuple[RecordedQuantity, ...], words_of(QUANTITIES)]
 
 
 def check_records(

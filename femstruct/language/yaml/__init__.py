@@ -43,7 +43,9 @@ from femstruct.language.yaml.spec import (
     read_by,
     refuse,
     several,
+    word_of,
     word_or,
+    words_of,
 )
 from femstruct.language.yaml.tree import nearest
 
@@ -88,5 +90,7 @@ __all__ = [
     "read_by",
     "refuse",
     "several",
+    "word_of",
     "word_or",
+    "words_of",
 ]

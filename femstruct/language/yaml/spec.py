@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Annotated, Any, ClassVar, Final, NamedTuple
+from typing import Annotated, Any, ClassVar, Final, Literal, NamedTuple
 
 from pydantic import (
     BaseModel,
@@ -238,6 +238,17 @@ def only(words: Sequence[str]) -> Callable[[object], object]:
         raise refuse(shown_as(value), f"one of {', '.join(words)}", nearest(str(value), words) if value else "")
 
     return read
+
+
+def word_of(words: Sequence[str]) -> BeforeValidator:
+    """Annotation of a text that is one of these words."""
+    return read_by(only(words), Literal.__getitem__(tuple(words)))
+
+
+def words_of(words: Sequence[str]) -> BeforeValidator:
+    """Annotation of a tuple of some of these words; one may stand alone."""
+    literal: Any = Literal.__getitem__(tuple(words))
+    return read_by(several(only(words)), literal | list[literal])
 
 
 def several(read: Callable[[Any], object]) -> Callable[[object], object]:
