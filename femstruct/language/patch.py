@@ -37,6 +37,10 @@ def study_keys() -> frozenset[str]:
     return frozenset(_study().model_fields) - {"title"}
 
 
+def _keys() -> frozenset[str]:
+    return MODEL_KEYS | study_keys()
+
+
 class Draft:
     """A tree being edited: what a case makes of a file."""
 
@@ -125,30 +129,24 @@ class Patch:
             return
         for key, item in value.items():
             if key not in old and _is_named(steps):
-                _unknown(dotted((*steps, key)), key, old, there.at(key), new=True)
+                _unknown(dotted((*steps, key)), steps, key, draft, there.at(key))
             else:
                 self._merge(draft, (*steps, key), item, there.at(key))
 
     def add(self, path: str, value: Any, there: Here) -> None:
         """Put something new at a path."""
-        draft, keys = self.draft(path), MODEL_KEYS | study_keys()
-        parent_text, _, name = path.rpartition(".")
-        first = path.split(".", 1)[0]
+        draft, first = self.draft(path), path.partition(".")[0]
         if draft is None:
             return
-        if first not in keys:
-            _unknown(path, first, keys, there)
-            return
-        if parent_text == first and first in _NAMED:
+        if first in _NAMED and path.count(".") == 1:
             _create(draft, first, there)
-        if _resolve(draft.value, path) is not None:
+        steps, rest = _reach(draft.value, path)
+        if steps and not rest:
             there.wrong(f"'{path}', which is there already", "a new path", "set its value", of_key=True)
-            return
-        parent = self._find(draft, parent_text, there) if parent_text else ()
-        if parent is None:
-            return
-        if there.need(isinstance(draft.at(parent), dict), f"'{path}'", "a path into a mapping", of_key=True):
-            draft.put((*parent, name), value, there)
+        elif "." in rest or (not steps and rest not in _keys()):
+            _unknown(path, steps, rest, draft, there)
+        elif there.need(isinstance(draft.at(steps), dict), f"'{path}'", "a path into a mapping", of_key=True):
+            draft.put((*steps, rest), value, there)
             self.changes[path] = f"added: {_told(value)}"
 
     def _remove(self, path: Any, there: Here) -> None:
@@ -198,21 +196,17 @@ class Patch:
         """The steps of a path; an unknown one is noted with the nearest key, and None returned."""
         if draft is None:
             return None
-        if steps := _resolve(draft.value, path):
-            return steps
-        parent_text, _, last = path.rpartition(".")
-        first, keys = path.split(".", 1)[0], MODEL_KEYS | study_keys()
-        if may_be_new and parent_text == first and first in keys and first not in _NAMED:
+        steps, rest = _reach(draft.value, path)
+        first = path.partition(".")[0]
+        if may_be_new and rest and path.count(".") == 1 and first in _keys() and first not in _NAMED:
             _create(draft, first, there)
-        parent = _resolve(draft.value, parent_text) if parent_text else ()
-        if parent is not None and isinstance(draft.at(parent), dict):
-            if may_be_new and (parent or last in keys) and not _is_named(parent) and "[" not in last:
-                return (*parent, last)  # the schema knows whether there is such a key
-            _unknown(path, last, draft.at(parent) if parent else keys, there, new=_is_named(parent))
-            return None
-        reached, rest = _reach(draft.value, path)
-        known = draft.at(reached) if reached else keys
-        _unknown(path, rest.split(".", 1)[0], known if isinstance(known, dict | frozenset) else (), there)
+            steps, rest = _reach(draft.value, path)
+        if steps and not rest:
+            return steps
+        own = "." not in rest and "[" not in path and isinstance(draft.at(steps), dict)
+        if may_be_new and own and (steps or rest in _keys()) and not _is_named(steps):
+            return (*steps, rest)  # the schema knows whether there is such a key
+        _unknown(path, steps, rest, draft, there)
         return None
 
 
@@ -222,13 +216,14 @@ def _create(draft: Draft, first: str, there: Here) -> None:
         draft.keys[first,] = draft.values[first,] = there.tree.position(there.steps, of_key=True)
 
 
-def _unknown(path: str, word: str, known: Any, there: Here, new: bool = False) -> None:
-    there.wrong(
-        f"the path '{path}', which does not exist",
-        "a path of the files",
-        "; ".join(text for text in (nearest(word, known), "a new one goes under 'add:'" if new else "") if text),
-        of_key=True,
-    )
+def _unknown(path: str, steps: Steps, rest: str, draft: Draft, there: Here) -> None:
+    """Note a path that is there as far as some steps, with the nearest key in place of the rest."""
+    known = draft.at(steps) if steps else _keys()
+    do = nearest(rest.partition(".")[0], known if isinstance(known, dict | frozenset) else ())
+    named = _is_named(steps) and isinstance(known, dict) and "." not in rest
+    new = "a new one goes under 'add:'" if named else ""
+    told = "; ".join(text for text in (do, new) if text)
+    there.wrong(f"the path '{path}', which does not exist", "a path of the files", told, of_key=True)
 
 
 def _mapping(value: Mapping[str, Any], key: str) -> dict[str, Any]:
@@ -248,18 +243,12 @@ def _told(value: Any) -> str:
     return shown_as(value).strip("'")
 
 
-def _resolve(value: Any, path: str) -> Steps | None:
-    """Steps of a dotted path in a tree, keys that contain dots included; None when it does not lead anywhere.
-
-    >>> _resolve({"record": {"O_s.z": ["velocity"]}}, "record.O_s.z[0]")
-    ('record', 'O_s.z', 0)
-    """
-    steps, rest = _reach(value, path)
-    return steps if not rest else None
-
-
 def _reach(value: Any, path: str) -> tuple[Steps, str]:
-    """How far a path leads: the steps that exist, and the rest of the text."""
+    """How far a path leads in a tree, keys that contain dots included: the steps that exist, and the rest of the text.
+
+    >>> _reach({"record": {"O_s.z": ["velocity"]}}, "record.O_s.z[0].x")
+    (('record', 'O_s.z', 0), 'x')
+    """
     steps: list[str | int] = []
     pieces = path.replace("[", ".").replace("]", "").split(".") if path else []
     while pieces:
