@@ -25,7 +25,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from femstruct.assembly.assemble import assemble as assemble
-    from femstruct.assembly.given import given_matrices as given_matrices
+    from femstruct.assembly.given_matrices import given_matrices as given_matrices
     from femstruct.assembly.matrices import Assembly as Assembly
     from femstruct.assembly.matrices import DofMap as DofMap
     from femstruct.errors import FemstructError as FemstructError
@@ -123,7 +123,7 @@ if TYPE_CHECKING:
 
 _NAMES = {
     "assembly.assemble": ("assemble",),
-    "assembly.given": ("given_matrices",),
+    "assembly.given_matrices": ("given_matrices",),
     "assembly.matrices": ("Assembly", "DofMap"),
     "errors": ("FemstructError", "Finding", "InputError"),
     "files.results": ("write_results",),

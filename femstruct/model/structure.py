@@ -158,7 +158,7 @@ def extent(structure: Structure) -> float:
     """
     corners = np.concatenate([np.zeros((0, 3)), *(part.corners() for part in structure.parts)])
     if not len(corners):
-        raise InputError("parts", got="no plate, frame or block", expected="at least one")
+        raise InputError("parts", got="no part with a size", expected="a plate, a frame or a block")
     return float(np.ptp(corners, axis=0).max())
 
 

@@ -56,6 +56,13 @@ contacts: {hit: {between: [ball, ground], law: {type: barrier, stiffness: 50 kN/
 record: {ball: velocity, hit: force}
 time: {duration: 20 ms, sampling: 200 kHz}
 """
+HIT = """
+model: truss.yaml
+modes: {up_to: 1 kHz}
+bodies: {ball: {mass: 100 g, above: apex, speed: 2 m/s, contact: {type: linear, stiffness: 50 kN/m}}}
+record: {apex.z: velocity, ball on apex: force}
+time: {duration: 20 ms, sampling: 20 kHz}
+"""
 
 
 def installed(site: Path, name: str, entries: str) -> None:
@@ -118,6 +125,20 @@ def test_the_words_of_another_package_are_checked_and_in_the_schema(site: Path) 
         assert re.search(expected, told.stderr)
     schema = json.loads(python(site, "-m", "femstruct", "schema", "model").stdout)
     assert "StrutSpec" in schema["$defs"]
+
+
+def test_a_study_of_struts_is_stored_and_read_back(site: Path) -> None:
+    """All results and the page; without the package the file says which one is missing."""
+    only_parts = ENTRIES.split("[femstruct.language.laws]")[0]  # another law would have all kernels compiled anew
+    (site / "femstruct_guest-0.1.dist-info" / "entry_points.txt").write_text(only_parts, encoding="utf-8")
+    (site.parent / "hit.study.yaml").write_text(HIT, encoding="utf-8")
+    told = python(site, "-m", "femstruct", "run", "hit.study.yaml", "--no-pictures", "-o", "out")
+    assert told.returncode == 0, told.stderr
+    assert "strut" in (site.parent / "out" / "report.html").read_text(encoding="utf-8")
+    read = "from femstruct import read_results; print(read_results('out/results.h5').plan.cases[0].study.structure)"
+    assert "Strut(name='left'" in python(site, "-c", read).stdout
+    told = python(site.parent / "nowhere", "-c", read)
+    assert "install the package 'femstruct_guest'" in told.stderr
 
 
 def test_a_law_of_another_package_is_read_and_dispatched_to(site: Path) -> None:

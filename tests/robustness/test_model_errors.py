@@ -134,7 +134,7 @@ FAULTS = {
         Structure("m", (replace(POST, lines=(((0, 0, 0), (0, 0, 0), (0, 0, 1)),)),)),
         r"parts.post.lines\[0\]: got two points 0 m apart",
     ),
-    "nothing": (Structure("m", ()), r"parts: got no plate, frame or block"),
+    "nothing": (Structure("m", ()), r"parts: got no part with a size, expected a plate, a frame or a block"),
 }
 
 
