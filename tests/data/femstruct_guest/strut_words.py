@@ -4,7 +4,7 @@ from typing import Literal
 
 from femstruct.language.model.section import Area
 from femstruct.language.parts.base import MaterialName, PartSpec
-from femstruct.language.yaml.spec import Position3
+from femstruct.language.yaml import Position3
 from femstruct_guest.strut import Strut
 
 
