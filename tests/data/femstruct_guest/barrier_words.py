@@ -2,10 +2,9 @@
 
 from typing import Literal
 
-from femstruct_guest.barrier import Barrier
-
 from femstruct.language.laws.law import FactoredSpec, Positive
 from femstruct.language.yaml import Length
+from femstruct_guest.barrier import Barrier
 
 
 class BarrierSpec(FactoredSpec):
