@@ -48,7 +48,10 @@ supports:
   right foot: {at: r, fix: simple}
   in plane: {at: apex, fix: [y]}
 """
-POST = "  post:  {type: frame, material: steel, section: tube, lines: [[[0, 0, 0], [0, 0, 1]]], mesh: 0.35 m}\n"
+TOP = (
+    "  other: {type: plate, material: steel, thickness: 5 mm, origin: [-0.5, -0.5, 0.6], size: [1, 1], mesh: 0.35 m}\n"
+)
+POST = "  other: {type: frame, material: steel, section: tube, lines: [[[0, 0, 0], [0, 0, 1]]], mesh: 0.35 m}\n"
 FALL = """
 model: nothing.yaml
 bodies: {ball: {mass: 100 g, above: ground, speed: 2 m/s}}
@@ -99,14 +102,15 @@ def test_struts_of_another_package_carry_a_mass(site: Path) -> None:
     assert found == pytest.approx(expected, rel=1e-9)  # rounding of an eigenvalue of two unknowns
 
 
-def test_a_frame_has_a_node_where_a_strut_ends_on_it(site: Path) -> None:
+@pytest.mark.parametrize("other", [POST, TOP], ids=["frame", "plate"])
+def test_a_part_has_a_node_where_a_strut_ends_on_it(site: Path, other: str) -> None:
     """The end at 0.6 m lies between the nodes that a size of 0.35 m gives; a rigid joint to a hinge is refused."""
     path = site.parent / "truss.yaml"
-    text = path.read_text(encoding="utf-8").replace("  lump:", f"{POST}  lump:")
-    path.write_text(text.replace("hinge: {connect: [left, right]", "hinge: {connect: [left, post]"), encoding="utf-8")
-    read = "from femstruct import read_model; print(read_model('truss.yaml').parts['post'].places[:, 2].tolist())"
+    text = path.read_text(encoding="utf-8").replace("  lump:", f"{other}  lump:")
+    path.write_text(text.replace("hinge: {connect: [left, right]", "hinge: {connect: [left, other]"), encoding="utf-8")
+    read = "from femstruct import read_model; print(read_model('truss.yaml').parts['other'].places.round(9).tolist())"
     told = python(site, "-c", read)
-    assert 0.6 in json.loads(told.stdout), told.stderr
+    assert [0.0, 0.0, 0.6] in json.loads(told.stdout), told.stderr
     path.write_text(path.read_text(encoding="utf-8").replace("kind: pinned", "kind: rigid"), encoding="utf-8")
     told = python(site, "-m", "femstruct", "modes", "truss.yaml")
     assert (told.returncode, told.stdout) == (2, "")
