@@ -1,0 +1,129 @@
+"""What every kind of part with nodes must have, run on all: rigid motions, mass, points, and what is drawn of them."""
+
+from __future__ import annotations
+
+import importlib
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import femstruct as fs
+from femstruct.conventions import N_COMPONENTS
+from femstruct.elements import frame, plate
+from femstruct.language.parts.known_parts import KINDS
+from femstruct.model.model import Model
+from femstruct.model.part import Meshed, Part
+from femstruct.model.section import rectangle
+
+STEEL = fs.Material("steel", E=210e9, nu=0.3, rho=7850.0)
+TILTED = (0.0, -0.6, 0.8)  # normal of a plate
+sys.path.insert(0, str(Path(__file__).parents[1] / "data"))
+Strut = importlib.import_module("femstruct_guest.strut").Strut  # a kind of another package keeps to the same
+del sys.path[0]
+
+PARTS: dict[str, Part] = {
+    **{
+        f"plate {kind}": fs.Plate(
+            "part", STEEL, 0.01, (0.3, -0.2, 0.5), (1.2, 0.7), (3, 2), kind, TILTED, (1.0, 0.0, 0.0)
+        )
+        for kind in plate.KINDS
+    },
+    **{
+        f"frame {kind}": fs.Frame(
+            "part",
+            STEEL,
+            rectangle("bar", 0.04, 0.03),
+            (((0.0, 0.0, 0.0), (0.3, 0.4, 0.7), (1.0, 0.4, 0.7)),),
+            mesh=0.3,
+            element=kind,
+            start_offset=(0.0, 0.0, 0.05),
+            end_offset=(0.0, 0.0, 0.05),
+        )
+        for kind in frame.KINDS
+    },
+    "block": fs.Block("part", 120.0, (0.1, 0.2, 0.3), (1.0, 0.8, 0.5), center=(0.4, 0.4, 0.2)),
+    "strut": Strut("part", STEEL, 1e-4, (0.1, 0.2, 0.3), (0.5, 0.9, 1.3)),
+}
+every_part = pytest.mark.parametrize("name", PARTS)
+
+
+def meshed(name: str) -> tuple[Model, Meshed]:
+    model = fs.mesh_structure(fs.Structure("one part", (PARTS[name],)))
+    return model, model.parts["part"]
+
+
+def shifts(part: Meshed) -> np.ndarray:
+    """Nodal components [n * 7, 3] of unit shifts along x, y and z."""
+    nodal = np.zeros((len(part.places), N_COMPONENTS, 3))
+    nodal[:, :3] = np.eye(3)
+    return nodal.reshape(-1, 3)
+
+
+def test_every_kind_with_nodes_is_here() -> None:
+    here = {type(part) for part in PARTS.values()}
+    assert {spec.makes for spec in KINDS if "part" in spec.known_as} <= here
+
+
+@every_part
+def test_unit_shifts_of_the_degrees_of_freedom_shift_every_node(name: str) -> None:
+    _, part = meshed(name)
+    own = part.dofs()
+    nodal = np.zeros((len(part.places) * N_COMPONENTS, 3))
+    np.add.at(nodal, own.rows, own.values[:, None] * own.translations[own.columns])
+    assert nodal == pytest.approx(shifts(part), abs=1e-14)  # rounding of products of unit vectors
+    assert own.count == len(own.translations) == len(own.labels) * len(part.places) + len(own.extra)
+    assert len({*own.labels, *own.extra}) == len(own.labels) + len(own.extra)
+
+
+@every_part
+def test_a_shift_strains_nothing_and_moves_the_mass(name: str) -> None:
+    _, part = meshed(name)
+    K, M = part.stiffness_and_mass()
+    moved = part.dofs().translations
+    assert abs(M - M.T).max() <= 1e-15 * abs(M).max()  # rounding
+    if K is not None:
+        assert abs(K - K.T).max() <= 1e-15 * abs(K).max()  # rounding
+        assert np.abs(K @ moved).max() <= 1e-12 * abs(K).max()  # rounding of sums that cancel
+    assert moved.T @ (M @ moved) == pytest.approx(part.mass * np.eye(3), rel=1e-12, abs=1e-12 * part.mass)  # rounding
+
+
+@every_part
+def test_its_particles_weigh_what_it_weighs(name: str) -> None:
+    _, part = meshed(name)
+    assert part.lumps.shape == (len(part.places),)
+    assert part.lumps.sum() == pytest.approx(part.mass, rel=1e-13)  # rounding
+    assert part.lumps.min() >= 0.0
+
+
+@every_part
+def test_its_nodes_cells_and_groups_are_its_own(name: str) -> None:
+    model, part = meshed(name)
+    for nodes in (part.quads.ravel(), part.lines.ravel(), *part.held_together):
+        assert np.isin(nodes, part.nodes).all()
+    assert part.nodes.tolist() == model.mesh.nodes["part"].tolist()
+    assert part.clamped.shape[1] == part.flat.shape[1] == part.along(np.array([1.0, 0.0, 0.0])).shape[1] == N_COMPONENTS
+
+
+@every_part
+def test_what_is_drawn_shifts_with_it(name: str) -> None:
+    model, part = meshed(name)
+    drawn = part.drawn(3, 4, model.mesh.n_nodes)
+    moved = (drawn.rows @ shifts(part)).reshape(-1, 3, 3)
+    assert moved == pytest.approx(np.broadcast_to(np.eye(3), moved.shape), abs=1e-12)  # rounding
+    for cells in (drawn.quads, drawn.lines):
+        assert cells.size == 0 or (cells.min() >= 0 and cells.max() < len(drawn.points))
+
+
+@every_part
+def test_what_is_spread_over_it_shifts_with_it(name: str) -> None:
+    _, part = meshed(name)
+    spread = part.spread("here", fs.Region("whole"), 1e-9, 3)
+    if spread is None:
+        return
+    nodal = shifts(part).reshape(-1, N_COMPONENTS, 3)[spread.nodes - part.first]
+    moved = np.einsum("pikc,pkcd->pid", spread.rows[:, :3], nodal)
+    assert moved == pytest.approx(np.broadcast_to(np.eye(3), moved.shape), abs=1e-12)  # rounding
+    size = {"plate": 1.2 * 0.7, "frame": np.hypot(0.5, 0.7) + 0.7}[name.split()[0]]
+    assert spread.weights.sum() == pytest.approx(size, rel=1e-12)  # rounding
