@@ -136,7 +136,8 @@ def report(
     refuse_unwritable(folder)
     with progress() as tell:
         result, told = redraw(source, folder, tell, not no_pictures)
-    return shown(result, {}, str(folder), as_json, verbose, told)
+    code = shown(result, {}, str(folder), as_json, verbose, told)
+    return NOT_TRUSTED if code == INTERRUPTED else code  # the run was interrupted, not this command
 
 
 @_command

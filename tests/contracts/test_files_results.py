@@ -1,9 +1,11 @@
 """What every results file promises: units, descriptions, checksums, named axes, a way back, nothing half."""
 
+import importlib
 import re
 import runpy
 from collections.abc import Mapping
 from dataclasses import fields, is_dataclass, replace
+from importlib.metadata import EntryPoint
 from pathlib import Path
 
 import h5py
@@ -14,6 +16,7 @@ from scipy.sparse import csr_array
 
 from femstruct.conventions import COMPONENTS
 from femstruct.errors import FemstructError, InputError
+from femstruct.files import nouns
 from femstruct.files.hdf5 import key
 from femstruct.files.results import write_results
 from femstruct.files.seal import LENGTH, seal
@@ -117,6 +120,15 @@ def test_no_array_is_stored_twice(path):
     assert not set(arrays) & {(table.dtype, table.shape, table.tobytes()) for table in tables}
 
 
+def test_arrays_that_look_alike_are_two(result, tmp_path):
+    """One number of a thousand differs, where nobody looks at first sight; a zero of the other sign is another one."""
+    zeros, one, minus = np.zeros(6400), np.zeros(6400), np.zeros(6400)
+    one[1], minus[3] = 1.0, -0.0
+    write_results(tmp_path / "alike.h5", replace(result, verdicts={"zeros": zeros, "one": one, "minus": minus}))
+    read = read_results(tmp_path / "alike.h5").verdicts
+    assert [read[name].tobytes() for name in read] == [zeros.tobytes(), one.tobytes(), minus.tobytes()]
+
+
 def test_a_law_of_somebodys_own_leaves_its_name(result, tmp_path):
     """Code is not kept in a file: what is read says so when it is called."""
 
@@ -130,6 +142,20 @@ def test_a_law_of_somebodys_own_leaves_its_name(result, tmp_path):
     for word in ("law", "other"):
         with pytest.raises(FemstructError, match="of which a results file has only the name"):
             read[word](1.0)
+
+
+def test_nouns_of_a_package_that_adds_some_are_read(result, tmp_path, monkeypatch):
+    """What an entry point names may be in a file; without the package the error names it."""
+    (tmp_path / "outer_part.py").write_text(
+        "from dataclasses import dataclass\n@dataclass(frozen=True)\nclass Thing:\n    mass: float\n"
+    )
+    monkeypatch.syspath_prepend(tmp_path)
+    thing = importlib.import_module("outer_part").Thing(2.0)
+    write_results(tmp_path / "outer.h5", replace(result, verdicts={"thing": thing}))
+    with pytest.raises(InputError, match="install the package 'outer_part'"):
+        read_results(tmp_path / "outer.h5")
+    monkeypatch.setattr(nouns, "entry_points", lambda group: [EntryPoint("thing", "outer_part:Thing", group)])
+    assert read_results(tmp_path / "outer.h5").verdicts == {"thing": thing}
 
 
 def test_only_nouns_are_read(result, path, tmp_path):

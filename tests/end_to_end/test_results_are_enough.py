@@ -190,6 +190,7 @@ def test_export_writes_what_the_nouns_say(folder: Path, tmp_path: Path, unsolved
         head, *rows = csv.reader(file)
     assert head[:2] == ["band_hz", "as it is: bedroom.mic.1 bands_db"] and len(head) == 1 + 2 * 2
     levels = result.cases["thick"].levels["bedroom.mic.2"].bands_db
+    assert [float(row[0]) for row in rows] == list(levels)
     found = {float(row[0]): float(row[4]) if row[4] else None for row in rows}
     assert found == {band: level if np.isfinite(level) else None for band, level in levels.items()}
     with Path(paths[1]).open(encoding="utf-8-sig", newline="") as file:
