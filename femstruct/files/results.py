@@ -30,7 +30,7 @@ from femstruct.errors import Finding
 from femstruct.files.atomic import replacing
 from femstruct.files.bases import write_basis, write_damping
 from femstruct.files.blows import write_blows
-from femstruct.files.described import write_rows
+from femstruct.files.described import write_described, write_rows
 from femstruct.files.finding_tables import finding_table, study_findings_table
 from femstruct.files.hdf5 import axis, group, put, put_text
 from femstruct.files.machine import write_verdicts
@@ -226,9 +226,7 @@ def _write_response(target: h5py.Group, case: CaseResult, response: Response) ->
     if response.events:
         events = group(target, "events", "Contacts closing and opening")
         number = axis(events, "event", np.arange(1, len(response.events) + 1), "1", "Event number")
-        put(events, "time", [event.t for event in response.events], "s", "When", (number,))
-        put(events, "contact", [event.contact for event in response.events], "1", "Which contact", (number,))
-        put(events, "what", [event.what for event in response.events], "1", "closes or opens", (number,))
+        write_rows(events, response.events, number)
     if response.blows:
         write_blows(group(target, "blows", "Blows of bodies that strike several times"), response.blows)
     _write_energy(target, response, case.shares)
@@ -250,10 +248,9 @@ def _table(target: h5py.Group, name: str, description: str, rows: Mapping[str, o
 
 def _write_energy(target: h5py.Group, response: Response, shares: ModeEnergies | None) -> None:
     ledger = response.ledger
-    energy = group(target, "energy", "The energy ledger, every term by itself", residual=ledger.residual)
+    energy = group(target, "energy", "The energy ledger, every term by itself")
     time = axis(energy, "time", ledger.t, "s", "Time since the start")
-    for name in ("structure", "stored", "dissipated", "work", "blows"):
-        put(energy, name, getattr(ledger, name), "J", _TERMS[name], (time,))
+    write_described(energy, ledger)
     if ledger.bodies:
         body = axis(energy, "body", list(ledger.bodies), "1", "Name")
         rows = np.array(list(ledger.bodies.values()))
@@ -300,15 +297,6 @@ def _write_lost(target: h5py.Group, ledger: EnergyLedger, shares: ModeEnergies |
     place = axis(target, "place", where, "1", "The structure with its dashpots, a contact or a link")
     target["time"] = target.parent["time"]
     put(target, "until_now", np.array(histories), "J", "Lost until now", (place, "time"))
-
-
-_TERMS: Final = {
-    "structure": "Kinetic and elastic energy of the structure, with the coupled air",
-    "stored": "Elastic energy of contacts and links",
-    "dissipated": "Lost in modes, contacts and links until now",
-    "work": "Done by loads and gravity until now",
-    "blows": "Brought by repeated blows less what was lifted off, until now",
-}
 
 
 def _write_comparison(target: h5py.Group, beside: CaseComparison) -> None:

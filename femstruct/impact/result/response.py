@@ -16,6 +16,8 @@ from femstruct.impact.scene.bodies import Clock, Scene
 from femstruct.modal.basis import ModalBasis
 from femstruct.reported import Reported
 
+_TIME = ("time",)  # the axis of histories in the results file
+
 
 class Outcome(Enum):
     """How a simulation ended; the value is the sentence to show."""
@@ -34,9 +36,9 @@ class Event:
     Open is: without force (a clamped dashpot may end it before the indentation), or below the preload.
     """
 
-    t: float
-    contact: str
-    what: str
+    t: Annotated[float, Reported("s", "When", "time")]
+    contact: Annotated[str, Reported("1", "Which contact")]
+    what: Annotated[str, Reported("1", "closes or opens")]
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,8 +46,8 @@ class ContactHistory:
     """One contact over the window: force [nt] [N], indentation [nt] [m] (negative when open), both at the samples;
     peak_force [N] and peak_time [s] from the dense solution; closings beyond rounding; first_open [s] or None."""
 
-    force: Annotated[Floats, Reported("N", "Contact force, compressive", along=("time",))]
-    indentation: Annotated[Floats, Reported("m", "Indentation, negative when open", along=("time",))]
+    force: Annotated[Floats, Reported("N", "Contact force, compressive", along=_TIME)]
+    indentation: Annotated[Floats, Reported("m", "Indentation, negative when open", along=_TIME)]
     peak_force: Annotated[float, Reported("N", "Peak force, between the samples too", "peak_force_n")]
     peak_time: Annotated[float, Reported("s", "Time of the peak force", "peak_time_s")]
     closings: Annotated[int, Reported("1", "How often the contact closed")]
@@ -57,8 +59,8 @@ class BodyHistory:
     """One body: displacement [nt] [m] and velocity [nt] [m/s] along its axis, at the samples; end_velocity [m/s] at the
     end of the window, an interval after the last of them."""
 
-    displacement: Annotated[Floats, Reported("m", "Displacement", along=("time",))]
-    velocity: Annotated[Floats, Reported("m/s", "Velocity", along=("time",))]
+    displacement: Annotated[Floats, Reported("m", "Displacement", along=_TIME)]
+    velocity: Annotated[Floats, Reported("m/s", "Velocity", along=_TIME)]
     end_velocity: Annotated[float, Reported("m/s", "Velocity at the end of the window")]
 
     @property
@@ -154,17 +156,19 @@ class EnergyLedger:
     end: EnergyBalance
     t: Floats
     bodies: Mapping[str, Floats]
-    structure: Floats
-    stored: Floats
+    structure: Annotated[Floats, Reported("J", "Energy of the structure, with the air that pushes back", along=_TIME)]
+    stored: Annotated[Floats, Reported("J", "Elastic energy of contacts and links", along=_TIME)]
     lost_modes: Floats
     lost_contacts: Mapping[str, Floats]
     lost_links: Mapping[str, Floats]
-    work: Floats
-    blows: Floats
-    residual: float
+    work: Annotated[Floats, Reported("J", "Done by loads and gravity until now", along=_TIME)]
+    blows: Annotated[Floats, Reported("J", "Brought by repeated blows less what was lifted off", along=_TIME)]
+    residual: Annotated[float, Reported("1", "Largest error of the sum of all terms, as a share")]
 
     @property
-    def dissipated(self) -> Floats:
+    def dissipated(
+        self,
+    ) -> Annotated[Floats, Reported("J", "Lost in modes, contacts and links", along=_TIME)]:
         """All losses until then [m] [J]."""
         total = self.lost_modes.copy()
         for lost in (*self.lost_contacts.values(), *self.lost_links.values()):
