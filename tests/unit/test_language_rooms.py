@@ -13,6 +13,7 @@ from acoustics.fields.shaped import ShapedRoom
 from femstruct.errors import InputErrors
 from femstruct.language import json_schema, read_study
 from femstruct.language.rooms.known_rooms import KINDS
+from femstruct.language.yaml.reader import read_yaml
 
 MODEL = """
 materials: {wood: {E: 10 GPa, nu: 0.3, rho: 500}}
@@ -64,6 +65,24 @@ def test_keys_that_no_kind_has_together_are_refused(tmp_path: Path, keys: str, t
     with pytest.raises(InputErrors, match=told) as refused:
         study(tmp_path, keys)
     assert len(refused.value.errors) == 1
+
+
+def fits(kind: dict[str, Any], room: dict[str, Any]) -> bool:
+    """Whether an editor takes the keys of a room for those of a kind."""
+    signs = kind.get("anyOf", [{"required": []}])
+    needed = set(kind.get("required", ()))
+    return needed <= room.keys() <= kind["properties"].keys() and any(
+        set(one["required"]) <= room.keys() for one in signs
+    )
+
+
+@pytest.mark.parametrize("keys", KEYS)
+def test_an_editor_takes_a_room_for_one_kind_alone(tmp_path: Path, keys: str) -> None:
+    """The schema says oneOf: a room that fits two kinds would be marked as a mistake."""
+    path = tmp_path / "room.yaml"
+    path.write_text(f"{{{keys}}}")
+    schema = json_schema("study")["$defs"]
+    assert sum(fits(schema[kind.__name__], read_yaml(path).value) for kind in KINDS) == 1
 
 
 def test_every_kind_is_in_the_schema_with_its_own_keys() -> None:

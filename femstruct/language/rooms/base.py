@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Annotated, ClassVar, Final
+from typing import Annotated, Any, ClassVar, Final
 
-from pydantic import Field
+from pydantic import ConfigDict, Field
 
 from acoustics.air import Air
 from acoustics.fields.shaped import ShapedRoom
@@ -63,12 +63,19 @@ class Asked:
     rooms: Mapping[str, RoomSpec]
 
 
+def _told_by_signs(schema: dict[str, Any], kind: type[RoomSpec]) -> None:
+    """Its schema fits no room of another kind: one of its signs is there."""
+    if kind.signs:
+        schema["anyOf"] = [{"required": [sign]} for sign in kind.signs]
+
+
 class RoomSpec(Spec):
     """A room beside a surface: a kind says which keys it has and what it makes of them.
 
     signs : keys by which the kind is known. is_open : whether it has a sound power.
     """
 
+    model_config = ConfigDict(json_schema_extra=_told_by_signs)
     signs: ClassVar[tuple[str, ...]] = ()
     is_open: ClassVar[bool] = False
 
