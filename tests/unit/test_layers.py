@@ -30,7 +30,7 @@ LAYERS = [
     ["femstruct.impact"],
     ["femstruct.sound"],
     ["femstruct.study"],
-    ["femstruct.files.inputs", "femstruct.language", "femstruct.files", "femstruct.view"],
+    ["femstruct.files.inputs", "femstruct.language.yaml", "femstruct.language", "femstruct.files", "femstruct.view"],
     ["femstruct.workflow"],
     ["femstruct.exits", "femstruct.study_commands", "femstruct.results_commands", "femstruct.cli"],
     ["femstruct.__main__"],
