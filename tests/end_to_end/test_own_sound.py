@@ -137,9 +137,9 @@ def test_weight_and_lifting_make_no_sound(tmp_path: Path) -> None:
     own = case.heard.own["open"].p[0]
     for start, end in ((0.0, 1.007e-3), (1.007e-3 + 1.5e-3, 1.007e-3 + 8.013e-3)):  # flights, with the sound's way
         quiet = own[(t > start) & (t < end)]
-        assert np.abs(quiet).max() < 1e-4 * np.abs(own).max()  # what samples of the force leave of flights
+        assert np.abs(quiet).max() < 1e-4 * np.abs(own).max()  # samples of the force at the ends of flights: 7e-5 here
     blows = [np.abs(own[(t > start) & (t < start + 2e-3)]).max() for start in (1.007e-3, 9.02e-3)]
-    assert blows[1] == pytest.approx(blows[0], rel=0.05)  # samples of the two blows lie differently
+    assert blows[1] == pytest.approx(blows[0], rel=0.05)  # samples of the two blows lie differently: 0.6 % here
 
 
 def test_what_is_not_heard_is_said(tmp_path: Path) -> None:
@@ -157,7 +157,9 @@ def test_what_is_not_heard_is_said(tmp_path: Path) -> None:
     assert not beneath.heard.own
     soft = BALL.replace(LAW, "{type: linear, stiffness: 10 kN/m}")  # 1.8 mm deep
     (found,) = (finding for finding in case_of(tmp_path, soft).findings if finding.code == "impactor-moves")
-    assert found.values["moved_m"] == pytest.approx(np.sqrt(0.033 / 10e3), rel=0.02)  # the plate yields, too
+    assert found.values["moved_m"] == pytest.approx(
+        np.sqrt(0.033 / 10e3), rel=0.02
+    )  # the plate yields, too: 0.2 % here
     coarse = case_of(tmp_path, time="duration: 5 ms, sampling: 24 kHz")
     assert "push-coarsely-sampled" in codes(coarse)
 
