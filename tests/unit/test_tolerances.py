@@ -78,12 +78,9 @@ def without_reason(text: str) -> list[str]:
     return sorted(set(missing))
 
 
-AWAITED = {"against", "analytic", "unit", "robustness", "end_to_end"}
-
-
 @pytest.mark.parametrize(
     "path",
-    sorted(p for p in TESTS.rglob("test_*.py") if p.parent.name not in AWAITED),
+    sorted(TESTS.rglob("test_*.py")),
     ids=lambda path: f"{path.parent.name}/{path.stem}",
 )
 def test_tolerances_have_reasons(path: Path) -> None:
