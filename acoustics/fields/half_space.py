@@ -10,8 +10,8 @@ from typing import ClassVar
 import numpy as np
 
 from acoustics.arrays import Complexes, Floats
-from acoustics.errors import AcousticsError, Advice
-from acoustics.fields.sound_field import SoundField
+from acoustics.errors import Advice
+from acoustics.fields.sound_field import FACING, SoundField, faces_out
 from acoustics.losses import Losses
 from acoustics.open_air.baffle import Baffle, in_front, on_plane
 from acoustics.open_air.rayleigh import field_pressures, harmonic_field
@@ -63,8 +63,9 @@ class HalfSpace(Baffle, SoundField):
 
     def accept(self, wall: str, points: Floats, normals: Floats) -> None:
         """Refuse what is not in the plane."""
-        if wall != PLANE:
-            raise AcousticsError("surface.wall", got=f"'{wall}' of a half space", expected=f"its {PLANE}")
+        self.on_wall(wall)
+        if (normals @ self.normal < FACING).any():
+            raise faces_out(wall)
         on_plane(self, points)
 
     def places(self, receivers: Sequence[Receiver]) -> Floats:

@@ -12,7 +12,7 @@ import numpy as np
 
 from acoustics.arrays import Complexes, Floats
 from acoustics.errors import AcousticsError, Advice
-from acoustics.fields.sound_field import KeptTransfer, ModesOnSurface, SoundField, described_modes
+from acoustics.fields.sound_field import FACING, KeptTransfer, ModesOnSurface, SoundField, described_modes, faces_out
 from acoustics.receivers import Receiver, positions
 from acoustics.room_response import RoomResponse
 from acoustics.rooms.box import Box, inside, room_modes
@@ -63,15 +63,21 @@ class Room(Box, SoundField):
         """Middle of the ceiling [3] [m]."""
         return np.array([self.size[0] / 2.0, self.size[1] / 2.0, self.size[2]])
 
+    def on_wall(self, wall: str) -> None:
+        """Its ceiling alone."""
+        if wall in OTHERS:
+            got, do = (
+                f"a surface on '{wall}' of {self.word}",
+                "give the room `walls` or a mesh: any wall may move then",
+            )
+            raise AcousticsError("surface.wall", got=got, expected="surfaces on its ceiling", do=do)
+        super().on_wall(wall)
+
     def accept(self, wall: str, points: Floats, normals: Floats) -> None:
         """Refuse any surface that is not within the ceiling."""
-        if wall != CEILING:
-            raise AcousticsError(
-                "surface.wall",
-                got=f"a surface on '{wall}' of a rectangular room",
-                expected="surfaces on its ceiling" if wall in OTHERS else f"a wall of the room, {CEILING}",
-                do="give the room `walls` or a mesh: any of their walls may move" if wall in OTHERS else "",
-            )
+        self.on_wall(wall)
+        if (normals[:, 2] > -FACING).any():
+            raise faces_out(wall)
         beyond = np.abs(points - self.size / 2.0) - self.size / 2.0
         beyond[:, 2] = np.abs(points[:, 2] - self.size[2])
         worst = int(beyond.max(axis=1).argmax())

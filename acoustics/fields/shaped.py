@@ -15,7 +15,7 @@ import numpy as np
 from acoustics.air import Air
 from acoustics.arrays import Complexes, Floats, freeze, positive
 from acoustics.errors import AcousticsError, Advice
-from acoustics.fields.sound_field import ModesOnSurface, SoundField, described_modes
+from acoustics.fields.sound_field import ModesOnSurface, SoundField, described_modes, faces_out
 from acoustics.losses import Losses
 from acoustics.meshed.absorbing_walls import two_way_absorption
 from acoustics.meshed.cavity_mesh import CavityMesh
@@ -159,9 +159,7 @@ class ShapedRoom(SoundField):
 
     def accept(self, wall: str, points: Floats, normals: Floats) -> None:
         """Refuse a surface that is not within its wall, or faces out of the room."""
-        if wall not in self.movable:
-            got = f"a surface on '{wall}'" + (", a compliant wall" if wall in self.mesh.walls else "")
-            raise AcousticsError("surface.wall", got=got, expected=f"a wall of the room, {', '.join(self.movable)}")
+        self.on_wall(wall)
         off, reach = off_boundary(self.mesh, points, wall)
         if off.max() > OFF_WALL * reach:
             raise AcousticsError(
@@ -173,9 +171,7 @@ class ShapedRoom(SoundField):
         inward = points + INTO * (points.mean(axis=0) - points)
         size = np.ptp(points, axis=0).max() or reach
         if not self.mesh.contains(inward + INTO * size * normals).all():
-            raise AcousticsError(
-                "surface.normals", got=f"a surface on '{wall}' that faces out of the room", expected="one that faces in"
-            )
+            raise faces_out(wall)
 
     def places(self, receivers: Sequence[Receiver]) -> Floats:
         where = positions(receivers)

@@ -27,6 +27,7 @@ from acoustics.rooms.receiver_grids import RoomGrid
 from acoustics.source import SurfaceShapes, SurfaceVelocity, SurfaceVibration
 
 LOW_HZ = 20.0  # where hearing begins: a damping ratio is told there too
+FACING = 0.99  # least cosine of the angle between a surface and the way it should face
 DOWN = np.array([0.0, 0.0, -1.0])
 DOWN.flags.writeable = False
 
@@ -118,13 +119,19 @@ class SoundField(ABC):
         places it: of a room below, x along the first side and z up."""
         return np.stack([*along, -normal])
 
+    def on_wall(self, wall: str) -> None:
+        """Refuse a wall that surfaces cannot move, by an AcousticsError that names it."""
+        if wall not in self.movable:
+            got, expected = f"a surface on '{wall}' of {self.word}", f"one on {', '.join(self.movable)}"
+            raise AcousticsError("surface.wall", got=got, expected=expected)
+
     @abstractmethod
     def accept(self, wall: str, points: Floats, normals: Floats) -> None:
         """Refuse a surface that the field cannot take there.
 
         points [p, 3] : of the surface, and corners of its outline. normals [p, 3] : unit vectors into the field.
 
-        Raises AcousticsError: no such wall, a wall that this kind cannot move, points that are not on it.
+        Raises AcousticsError as `on_wall` does, for points that are not on the wall, and for normals out of the field.
         """
 
     @abstractmethod
@@ -216,6 +223,11 @@ class SoundField(ABC):
         Raises AcousticsError: a field that is not bounded, a plane outside, a room without losses at a resonance.
         """
         raise AcousticsError("map", got=self.word, expected="a room with a form")
+
+
+def faces_out(wall: str) -> AcousticsError:
+    """What is said of a surface whose normals point out of the field."""
+    return AcousticsError("surface.normals", got=f"a surface on '{wall}' that faces out", expected="one that faces in")
 
 
 def described_modes(losses: Losses, frequency_hz: Floats) -> dict[str, object]:

@@ -8,14 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from acoustics.errors import AcousticsError
-from acoustics.fields.sound_field import SoundField
+from acoustics.fields.sound_field import FACING, SoundField
 from acoustics.source import SurfaceShapes
 from femstruct.arrays import Floats
 from femstruct.errors import InputError
 from femstruct.modal.basis import ModalBasis
 from femstruct.model.probe import Surface
 
-FACING = 0.99  # least cosine of the angle between a surface and the way it should face
 WITHIN = "place its centre with `at`, or give it a `region: {rectangle: [..]}`"
 
 
@@ -108,6 +107,7 @@ def placed(
         try:
             room.accept(wall, np.concatenate([moved, corners]), directions)
         except AcousticsError as error:
-            raise InputError(where, got=error.got, expected=error.expected, do=error.do or WITHIN) from error
+            do = WITHIN if error.where == "surface.points" else error.do
+            raise InputError(where, got=error.got, expected=error.expected, do=do) from error
         points.append(moved)
     return Placed(room, name, tuple(one for _, one in own), tuple(points), axes, surface.centre - middle @ axes)

@@ -114,7 +114,7 @@ def air_stiffness(basis: ModalBasis, room: Placed) -> Floats:
 def coupling_findings(basis: ModalBasis, room: Placed) -> tuple[Finding, ...]:
     """A finding when the air of a sealed room is too stiff for one-way coupling."""
     ratios = air_stiffness(basis, room)
-    if not ratios.size or ratios.max() < STIFF_AIR:
+    if not room.room.pushes_back or not ratios.size or ratios.max() < STIFF_AIR:
         return ()
     worst = int(ratios.argmax())
     frequency, ratio = float(basis.frequency_hz[worst]), float(ratios[worst])

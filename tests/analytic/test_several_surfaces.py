@@ -4,6 +4,7 @@ against the whole of it, in time, in frequency and with air that pushes back."""
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,15 +17,17 @@ from acoustics.fields.sound_field import SoundField
 from acoustics.meshed.cavity_mesh import box_mesh
 from acoustics.rooms.box_two_way import Leak
 from femstruct import assemble, modal_basis, read_model
-from femstruct.errors import FemstructError, InputError
+from femstruct.errors import FemstructError, InputError, InputErrors
 from femstruct.impact.scene.bodies import Clock, HalfSine, Load, Scene
 from femstruct.impact.simulate import simulate
+from femstruct.language import read_study
 from femstruct.modal.damping import Damping, Ratio, with_damping
 from femstruct.sound.placed import placed
 from femstruct.sound.power import power_per_force
 from femstruct.sound.surface import air_stiffness, pressure_per_force, surface_velocity
 from femstruct.sound.two_way import with_cavity
 from femstruct.study.study import RoomPlan
+from femstruct.workflow.run.run import run_study
 
 SIZE = np.array([1.2, 0.9, 0.7])
 AIR = Air(340.0, 1.2)
@@ -169,9 +172,14 @@ def test_what_cannot_move_a_wall_is_refused_before_anything_is_computed(slab) ->
             "a surface on 'x0' of a rectangular room, expected surfaces on its ceiling",
         ),
         (mesh, "left", {"x0": "right"}, "a surface that reaches beyond the wall 'x0' of the room"),
-        (mesh, "left", {"z1": "far"}, "a surface on 'z1' that faces out of the room, expected one that faces in"),
-        (mesh, "left", {"roof": "right"}, "a surface on 'roof', expected a wall of the room, z1, x0, x1, y0, y1, z0"),
-        (half, "high", {"ceiling": "far"}, "'ceiling' of a half space, expected its plane"),
+        (mesh, "left", {"z1": "far"}, "a surface on 'z1' that faces out, expected one that faces in"),
+        (
+            mesh,
+            "left",
+            {"roof": "right"},
+            "a surface on 'roof' of a meshed room, expected one on z1, x0, x1, y0",
+        ),
+        (half, "high", {"ceiling": "far"}, "a surface on 'ceiling' of a half space, expected one on plane"),
     ):
         others = {wall: surfaces[name] for wall, name in walls.items()}
         with pytest.raises(InputError, match=f"rooms.hall: got {message}"):
@@ -182,3 +190,48 @@ def test_what_cannot_move_a_wall_is_refused_before_anything_is_computed(slab) ->
         placed(box, surfaces["top"], name="hall")
     with pytest.raises(FemstructError, match=r"rooms\.yard\.coupling: got two-way with a half space, expected one-way"):
         RoomPlan("yard", half, "top", (), coupling="two-way")
+
+
+STUDY = """
+model: slab.yaml
+modes: {up_to: 400 Hz}
+bodies: {ball: {mass: 50 g, above: drop, speed: 1 m/s, contact: {type: linear, stiffness: 1 MN/m}}}
+time: {duration: 0.1 s, sampling: 4 kHz}
+rooms:
+  hall: {size: [1.2, 0.9, 0.7], under: whole, losses: {t60: 0.3 s}, receivers: {mic: [0.4, 0.3, 0.2]}}
+  parts:
+    size: [1.2, 0.9, 0.7]
+    under: left
+    at: [0.35, 0.45]
+    surfaces: {ceiling: right}
+    losses: {t60: 0.3 s}
+    receivers: {mic: [0.4, 0.3, 0.2]}
+"""
+
+
+def written(folder: Path, study: str = STUDY) -> Path:
+    (folder / "slab.yaml").write_text(MODEL, encoding="utf-8")
+    (folder / "hit.study.yaml").write_text(study, encoding="utf-8")
+    return folder / "hit.study.yaml"
+
+
+def test_a_study_has_further_surfaces(tmp_path: Path) -> None:
+    case = run_study(read_study(written(tmp_path))).cases["as given"]
+    assert case.case.study.rooms[1].walls == {"ceiling": "right"}
+    whole, parts = (case.rooms[name].p for name in ("hall", "parts"))
+    # modes that move one of the parts alone by less than 1e-9; a box ends its search by 1e-4
+    assert np.abs(whole - parts).max() < 1e-6 * np.abs(whole).max()
+
+
+@pytest.mark.parametrize(
+    ("new", "message"),
+    [
+        ("x0: right", r":12:20: rooms\.parts\.surfaces\.x0: got a surface on 'x0' of a rectangular room, expected"),
+        ("roof: right", r":12:22: rooms\.parts\.surfaces\.roof: got a surface on 'roof' of .* one on ceiling"),
+        ("ceiling: rihgt", r":12:25: rooms\.parts\.surfaces\.ceiling: got 'rihgt'.*'right'"),
+        ("ceiling: far", r"rooms\.parts: got a surface on 'ceiling' that faces out, expected one that faces in$"),
+    ],
+)
+def test_further_surfaces_are_refused_where_they_are_written(tmp_path: Path, new: str, message: str) -> None:
+    with pytest.raises((InputError, InputErrors), match=message):
+        run_study(read_study(written(tmp_path, STUDY.replace("ceiling: right", new))))

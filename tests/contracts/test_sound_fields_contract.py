@@ -178,6 +178,10 @@ def test_surfaces_that_it_cannot_take_are_refused_by_name(example: Example) -> N
         field.accept(wall, surface.points, directions)
         with pytest.raises(AcousticsError, match=r"surface\.points: got .* m"):
             field.accept(wall, surface.points + 0.05 * directions, directions)
+        with pytest.raises(AcousticsError, match=f"surface.normals: got a surface on '{wall}' that faces out"):
+            field.accept(wall, surface.points, -directions)
+        with pytest.raises(AcousticsError, match="'x9'"):
+            field.on_wall("x9")
         with pytest.raises(AcousticsError, match="'x9'"):
             field.accept("x9", surface.points, directions)
 

@@ -18,6 +18,7 @@ class BoxRoomSpec(ClosedSpec):
     """A rectangular room under a surface, and its receivers.
 
     at: centre of the surface in the ceiling, from the room's corner; by default the middle.
+    surfaces: further surfaces of the structure, by the wall of the room that they move: here its ceiling alone.
     coupling: one-way (the air does not react on the structure) or two-way.
     animate: a frequency, `pulse`, or a list of these: a moving picture of each.
     levels: standards for the levels of a standard source: ISO 16283-2 and ISO 717-2, or JIS A 1419-2 and KS F 2863-2.

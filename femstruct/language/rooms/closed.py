@@ -4,7 +4,11 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Mapping
+from dataclasses import replace
+from functools import partial
 from typing import Annotated, Any, Literal
+
+from pydantic import Field
 
 from acoustics.errors import AcousticsError
 from acoustics.fields.shaped import ShapedRoom
@@ -69,6 +73,7 @@ class ClosedSpec(RoomSpec):
     needs = (("mesh", ("ceiling",)), ("ceiling", ("mesh",)))
 
     under: SurfaceName
+    surfaces: dict[str, SurfaceName] = Field(default_factory=dict)
     at: Position2 | None = None
     losses: LossesSpec | None = None
     form: Literal["causal", "source"] = "causal"
@@ -81,6 +86,11 @@ class ClosedSpec(RoomSpec):
     def refuse_keys(cls, given: Mapping[str, Any]) -> None:
         if "directivity" in given:
             raise refuse("'directivity' beside 'under'", "open air, 'above' or 'below'", "a room reflects sound")
+
+    @property
+    def moved(self) -> set[str]:
+        """All surfaces that move its air."""
+        return {self.under, *self.surfaces.values()}
 
     @property
     def standards(self) -> tuple[str, ...]:
@@ -115,7 +125,8 @@ class ClosedSpec(RoomSpec):
             "leave out 'form'",
         )
         closed = {other: room for other, room in asked.rooms.items() if isinstance(room, ClosedSpec)}
-        others = [other for other, room in closed.items() if (room.coupling, room.under) == ("two-way", self.under)]
+        both = {other: room for other, room in closed.items() if room.coupling == "two-way"}
+        others = [other for other, room in both.items() if room.moved & self.moved]
         here.at("under").need(
             others[0] == name,
             f"'{self.under}', which '{others[0]}' with two-way coupling is under already",
@@ -171,8 +182,11 @@ class ClosedSpec(RoomSpec):
         room = self.room(here, receivers, sources, shaped)
         if room is None:
             return None
+        for wall in self.surfaces:
+            here.at("surfaces", wall).make(partial(room.on_wall, wall))
         x, y, _ = room.middle.tolist()
         offset = (self.at[0] - x, self.at[1] - y) if self.at is not None else (0.0, 0.0)
         leak = self.leak.leak(self.air.rho) if self.leak is not None else None
         asked, heard = self.losses.asked if self.losses is not None else {}, tuple(receivers)
-        return RoomPlan(name, room, self.under, heard, offset, self.coupling, leak, asked, self.levels, self.animate)
+        plan = RoomPlan(name, room, self.under, heard, offset, self.coupling, leak, asked, self.levels, self.animate)
+        return replace(plan, walls=self.surfaces)

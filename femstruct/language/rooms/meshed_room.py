@@ -39,6 +39,7 @@ class MeshedRoomSpec(ClosedSpec):
     x0, x1, y0, y1, floor and ceiling; it is then meshed with six cells a wavelength at `modes: {up_to: }`.
     modes: of a meshed room; by default up to the frequency that its mesh allows.
     at: centre of the surface in the ceiling, from the room's corner or in the mesh; by default the middle.
+    surfaces: further surfaces of the structure, by the wall of the room that they move.
     coupling, animate, levels: as of a rectangular room.
     """
 
