@@ -2,10 +2,12 @@
 
 The way through this package, each step a pure function or a frozen noun::
 
-    Air, Losses -> Room, Receiver      what the room is                          air, rooms.box
-    SurfaceVelocity                    how its ceiling moves: the only way in    source
-    pressure(...) -> RoomResponse      sound at receivers, in time and frequency rooms.box_pressure
-    cavity_pressure(...)               the same in rooms of any shape            meshed.meshed_pressure
+    Air, Losses -> Room, ShapedRoom,   what the sound field is, a kind a file    fields
+      HalfSpace, Receiver
+    SurfaceVelocity                    how surfaces of it move: the only way in  source
+    field.pressures(...) ->            sound at receivers, in time; `harmonic`   fields.sound_field
+      RoomResponse                       in frequency
+    pressure(...), cavity_pressure(...)    the formulas of one kind              rooms, meshed
     sphere_pressures(...)              the sound of a striking ball itself       open_air.sphere
     sound_levels(...) -> Levels        peaks, maxima, exposures, bands           levels.sound_levels
     heavy_impact_level(...), ...       single numbers of the standards           levels.iso, levels.jis_ks
@@ -13,9 +15,9 @@ The way through this package, each step a pure function or a frozen noun::
     radiated_energy(...) -> SoundEnergy    what goes into the open air           open_air.sound_energy
     force_exposure_levels(...)         how hard a source strikes                 levels.exposure
 
-``rooms`` (boxes, by cosines), ``meshed`` (any shape, by finite elements) and ``open_air`` stand beside each other, the
-levels and ratings above them; `tests/unit/test_layers.py` holds the order of their modules. Nothing here knows of
-structures, opens a file or prints.
+``rooms`` (boxes, by cosines), ``meshed`` (any shape, by finite elements) and ``open_air`` stand beside each other with
+their formulas, the kinds of ``fields`` above them, then levels and ratings; `tests/unit/test_layers.py` holds the order
+of their modules. Nothing here knows of structures, opens a file or prints.
 
 Harmonic quantities are the real part of X exp(+j omega t). The surface's velocity is positive into the room, where it
 raises the pressure. Coordinates are the room's own: from its lower corner, z up, the ceiling at z = Lz.
