@@ -219,7 +219,7 @@ def _analysis(study: Study) -> dict[str, tuple[Given, ...]]:
     modes = (Given(f"mode {one.number}", one.ratio or (one.loss_factor or 0.0) / 2.0) for one in damping.modes)
     start = [Given(f"start {spot}", speed, "m/s") for spot, speed in study.initial.velocities]
     return {
-        "damping": (*(base or [Given("by", _word(damping.base))]), *modes),
+        "damping": (*(base or [Given("loss factor", "of the materials")]), *modes),
         "modes": given(study.extent, UNITS),
         "start": (*start, *(given(study.initial.rigid, UNITS) if study.initial.rigid is not None else ())),
         "window": () if study.time is None else given(study.time, UNITS),

@@ -48,7 +48,7 @@ def test_names_cover_no_other() -> None:
 
 
 def test_the_page_has_its_model_without_opengl(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(scene, "require_opengl", lambda: os.kill(os.getpid(), signal.SIGSEGV))
+    monkeypatch.setattr(scene, "require_opengl", lambda: os.kill(os.getpid(), signal.SIGKILL))
     _, told = write_all(BY_HAND["study_by_hand"](), tmp_path)
     assert "libegl1" in told and not (tmp_path / "mode_shapes.png").exists()
     with Image.open(tmp_path / "model.png") as image:

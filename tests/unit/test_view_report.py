@@ -14,8 +14,10 @@ import pytest
 
 from femstruct.errors import Finding
 from femstruct.view.figures.loudness import levels_over_time, rated_bands
+from femstruct.view.page.html import table
 from femstruct.view.page.natural_frequencies import natural_frequencies
 from femstruct.view.report import report, write_report
+from femstruct.view.tables.grid import Grid
 from femstruct.view.tables.terminal import study_tables
 
 BY_HAND = runpy.run_path(str(Path(__file__).parents[1] / "data" / "study_by_hand.py"))
@@ -150,3 +152,15 @@ def test_levels_over_time_show_the_largest_of_the_levels(result):
         assert np.max(line.get_ydata()) == pytest.approx(largest, abs=0.01)  # points of the line, thinned
     assert rated_bands(result, "box") is None
     assert levels_over_time(result, "no such room") is None
+
+
+def test_limits_that_are_exceeded_and_wide_tables_on_paper():
+    grid = Grid("limits", ("", "at most", "soft", "hard"), keys=2)
+    grid.add("settled", "1 s", "met\n0.4 s, 0.6 s left", "exceeded by 0.2 s\n1.2 s")
+    made = table(grid)
+    assert made.count('class="severe"') == 1 and '<td class="severe">exceeded by 0.2 s' in made
+    many = Grid("peaks", ("", *(f"case {number}" for number in range(30))))
+    many.add("O_f.z acceleration [m/s^2]", *(f"{number}.25 / {number}.75" for number in range(30)))
+    pieces = table(many)
+    assert pieces.count("<table>") > 2 and pieces.count(">O_f.z acceleration") == pieces.count("<table>")
+    assert all(f">{number}.25 / {number}.75<" in pieces for number in range(30))

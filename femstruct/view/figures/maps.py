@@ -22,6 +22,7 @@ MOST: Final = 4
 PROMINENT: Final = 6.0  # dB a peak stands above the valleys beside it
 SILENCE: Final = 1e-6  # share of the loudest line below which there are no peaks, only rounding
 NEAR: Final = 0.02
+COLUMNS: Final = 2  # of panes: what is wider cannot be read on paper
 RIM: Final = (withStroke(linewidth=2.5, foreground="white"),)  # to be read on any colour
 
 
@@ -78,11 +79,15 @@ def draw_map(drawn: PressureMap, names: Sequence[str], receivers: Sequence[Recei
     drawn : normal to z. names : one a frequency. The range of the level over the plane stands above each pane.
     """
     count = len(drawn.frequency_hz)
-    width, height = 1.6 + 3.3 * count, 3.9
-    figure = new_figure(width, height, f"{title};  Re P / max |P|, red and blue of opposite phase")
-    (row,) = panels(figure, 1, count, between=0.0, top=0.85, right=0.85)
+    columns = min(count, COLUMNS)
+    rows = -(-count // columns)
+    width, height = 1.6 + 3.3 * columns, 0.6 + 3.3 * rows
+    figure = new_figure(width, height, f"{title}\nRe P / max |P|, red and blue of opposite phase")
+    grid = panels(figure, rows, columns, between=0.9, top=0.95, right=0.85)
+    for unused in grid.ravel()[count:]:
+        unused.remove()
     images = []
-    for axes, spectrum, name in zip(row, drawn.spectrum, names, strict=True):
+    for axes, spectrum, name in zip(grid.ravel()[:count], drawn.spectrum, names, strict=True):
         level = 20.0 * np.log10(np.maximum(np.abs(spectrum), np.finfo(float).tiny) / REFERENCE_PA)
         level = level[np.isfinite(level)]  # nan outside the room
         largest = spectrum.ravel()[np.nanargmax(np.abs(spectrum))]
@@ -105,7 +110,8 @@ def draw_map(drawn: PressureMap, names: Sequence[str], receivers: Sequence[Recei
         axes.set_title(f"{name}\n{level.min():.0f} to {level.max():.0f} dB re 20 µPa/Hz", fontsize=8)
         axes.set_xlabel("x in m")
         axes.tick_params(labelsize=8)
-    row[0].set_ylabel("y in m")
+    for axes in grid[:, 0]:
+        axes.set_ylabel("y in m")
     scale = figure.add_axes((1.0 - 0.65 / width, 0.6 / height, 0.13 / width, 1.0 - 1.5 / height))
     figure.colorbar(images[-1], cax=scale, ticks=(-1.0, 0.0, 1.0), label="of the largest")
     return figure

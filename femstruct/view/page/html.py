@@ -14,6 +14,7 @@ from femstruct.view.tables.grid import Grid, fitting
 _KINDS: Final = {".png": "image/png", ".gif": "image/gif", ".wav": "audio/wav"}
 WIDEST: Final = 126  # characters of a table that fits on A4; what is wider goes on in another one below
 LONGEST: Final = 44  # characters of a cell; a column with a longer one is text, and broken
+EXCEEDED: Final = "exceeded"  # begins the cells of limits that are
 HEADING: Final = 14  # characters of a heading, which is broken anywhere
 
 
@@ -32,7 +33,8 @@ def table(grid: Grid) -> str:
 
 def _piece(grid: Grid, kinds: Sequence[str], shown: Sequence[int]) -> str:
     def row(cells: Sequence[str], tag: str) -> str:
-        starts = [f'<{tag} class="{kinds[i]}">' if kinds[i] else f"<{tag}>" for i in shown]
+        marks = [f"{kinds[i]} severe".strip() if cells[i].startswith(EXCEEDED) else kinds[i] for i in shown]
+        starts = [f'<{tag} class="{mark}">' if mark else f"<{tag}>" for mark in marks]
         return f"<tr>{''.join(f'{a}{escape(cells[i])}</{tag}>' for a, i in zip(starts, shown, strict=True))}</tr>"
 
     head, rows = row(grid.columns, "th"), "".join(row(cells, "td") for cells in grid.rows)

@@ -27,6 +27,7 @@ from femstruct.view.scenes.scene import add_scales
 LEVELS: Final = (-0.75, -0.5, -0.25, 0.25, 0.5, 0.75)  # of the largest
 SHARE: Final = "Re P over its largest magnitude"
 PANE: Final = (560, 500)  # pixels
+COLUMNS: Final = 2  # of panes: what is wider cannot be read on paper
 MOST: Final = 4  # frequencies on one sheet
 FRAMES: Final = 24
 PULSE: Final = 48  # pictures of the pulse
@@ -72,11 +73,12 @@ def picture_surfaces(
     import pyvista
 
     p = plan.room.spectrum(moving, np.array(list(peaks.values())), grid.points)
-    plotter: Any = pyvista.Plotter(
-        off_screen=True, shape=(1, len(peaks)), window_size=[PANE[0] * len(peaks), PANE[1]], border=False
-    )
+    columns = min(len(peaks), COLUMNS)
+    rows = -(-len(peaks) // columns)
+    size = [PANE[0] * columns, PANE[1] * rows]
+    plotter: Any = pyvista.Plotter(off_screen=True, shape=(rows, columns), window_size=size, border=False)
     for pane, (name, own) in enumerate(zip(peaks, p.T, strict=True)):
-        plotter.subplot(0, pane)
+        plotter.subplot(pane // columns, pane % columns)
         cells = _cells(grid)
         largest = own[np.abs(own).argmax()]
         cells[SHARE] = np.real(own / largest)
@@ -93,14 +95,14 @@ def picture_surfaces(
         low, high = float(cells[SHARE].min()), float(cells[SHARE].max())
         amount = f"largest {level:.0f} dB re 20 µPa/Hz; Re P from {low:.2f} to {high:.2f} of it"
         words = f"{title}: {plan.name}, {name}\n{amount}"
-        plotter.add_text(words, position="upper_left", font_size=8, color="black")
+        plotter.add_text(words, position="upper_left", font_size=9, color="black")
     plotter.set_background("white")
     _save(plotter, path)
 
 
 _BAR: Final = {
-    "color": "black", "title_font_size": 13, "label_font_size": 12, "n_labels": 5, "fmt": "%.1f", "width": 0.5,
-    "height": 0.06, "position_x": 0.25, "position_y": 0.02,
+    "color": "black", "title_font_size": 11, "label_font_size": 11, "n_labels": 3, "fmt": "%.1f", "width": 0.28,
+    "height": 0.06, "position_x": 0.02, "position_y": 0.02,
 }  # fmt: skip
 
 

@@ -62,8 +62,8 @@ def study_tables(result: StudyResult) -> tuple[Grid, ...]:
 
 
 def asked_tables(result: StudyResult) -> tuple[Grid, ...]:
-    """What a study is run for: ratings, what is asked of a machine, limits, levels, peaks."""
-    return ratings(result), machine(result), limits(result), _levels(result), _peaks(result)
+    """What a study is run for: ratings, limits, what is asked of a machine, levels, peaks."""
+    return ratings(result), limits(result), machine(result), _levels(result), _peaks(result)
 
 
 def other_tables(result: StudyResult) -> tuple[Grid, ...]:
