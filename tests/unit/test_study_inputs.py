@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from femstruct.impact.laws.hunt_crossley import HuntCrossley
 from femstruct.language import read_study
 from femstruct.model.given import Given
 from femstruct.model.material import Material
@@ -81,6 +82,11 @@ def test_the_bedrooms_tables_say_its_inputs_and_cases_in_units_people_use() -> N
     cases = cases_table(plan, ["as is", "200 mm", "damper"])
     assert ("200 mm", "slab: thickness", "180 mm", "200 mm") in cases.rows
     assert [row[0] for row in cases.rows if row[0]] == ["as is", "200 mm", "floating screed, not run", "damper"]
+
+
+def test_a_laws_stiffness_has_the_unit_of_its_exponent() -> None:
+    assert HuntCrossley(4e6).described() == (Given("stiffness", 4e6, "N/m^1.5"),)
+    assert HuntCrossley(4e6, exponent=2.0, dissipation=0.3).described()[0].unit == "N/m^2"
 
 
 def test_what_a_part_gives_is_what_it_was_made_with() -> None:

@@ -64,12 +64,13 @@ class Law(ABC):
     straight: ClassVar[bool] = False
     varies: ClassVar[Mapping[str, str]] = {}
     doubts: ClassVar[Mapping[str, bool]] = {}
-    units: ClassVar[Mapping[str, str]] = {}  # of its fields, as they are shown
+    units: ClassVar[Mapping[str, str]] = {}  # of its fields, as they are shown; "exponent" stands for its own
     tensile: bool
 
     def described(self) -> tuple[Given, ...]:
         """What is given of it, for tables of the inputs and for comparing cases."""
-        return given(self, self.units)
+        exponent = f"{getattr(self, 'exponent', 1.0):g}"
+        return given(self, {name: unit.replace("exponent", exponent) for name, unit in self.units.items()})
 
     @property
     @abstractmethod
