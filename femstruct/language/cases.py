@@ -27,10 +27,7 @@ from femstruct.language.patch import MODEL_KEYS, Patch, study_keys
 from femstruct.language.study.planned import check_study, study_of
 from femstruct.language.study.spread import drops, spread
 from femstruct.language.study.study import StudySpec
-from femstruct.language.yaml.here import Here
-from femstruct.language.yaml.reader import read_yaml
-from femstruct.language.yaml.tree import Mistakes, Tree, nearest
-from femstruct.language.yaml.validation import validate
+from femstruct.language.yaml import Here, Mistakes, Tree, nearest, read_yaml, validate
 from femstruct.study.study import Case, Plan, Study
 from femstruct.units import shown_as
 

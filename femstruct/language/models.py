@@ -10,10 +10,7 @@ from femstruct.errors import FemstructError, InputErrors
 from femstruct.language.model.model import ModelSpec
 from femstruct.language.names import check_names
 from femstruct.language.patch import MODEL_KEYS, Patch, study_keys
-from femstruct.language.yaml.here import Here
-from femstruct.language.yaml.reader import parse_value, read_yaml
-from femstruct.language.yaml.tree import Mistakes, Position, Tree, dotted, near_name
-from femstruct.language.yaml.validation import validate
+from femstruct.language.yaml import Here, Mistakes, Position, Tree, dotted, near_name, parse_value, read_yaml, validate
 from femstruct.modal.damping import Damping
 from femstruct.model.mesher import mesh_structure
 from femstruct.model.model import Model

@@ -6,8 +6,7 @@ import re
 from collections.abc import Mapping
 from typing import Any, Final
 
-from femstruct.language.yaml.here import Here
-from femstruct.language.yaml.tree import Mistakes, Tree
+from femstruct.language.yaml import Here, Mistakes, Tree
 
 LONGEST: Final = 80  # characters
 NAMESPACE: Final = (

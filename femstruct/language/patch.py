@@ -9,10 +9,7 @@ from functools import cache
 from typing import Any, Final
 
 from femstruct.language.model.model import ModelSpec
-from femstruct.language.yaml.here import Here
-from femstruct.language.yaml.references import found, references
-from femstruct.language.yaml.spec import Spec
-from femstruct.language.yaml.tree import Mistakes, Steps, Tree, dotted, nearest
+from femstruct.language.yaml import Here, Mistakes, Spec, Steps, Tree, dotted, found, nearest, references
 from femstruct.units import shown_as
 
 MODEL_KEYS: Final = frozenset(ModelSpec.model_fields) - {"title"}

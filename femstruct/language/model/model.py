@@ -16,8 +16,7 @@ from femstruct.language.model.support import SupportSpec
 from femstruct.language.model.surface import SurfaceSpec
 from femstruct.language.parts.base import Library
 from femstruct.language.parts.known_parts import AnyPart
-from femstruct.language.yaml import Here, Names, Spec, Text, members
-from femstruct.language.yaml.references import check_references
+from femstruct.language.yaml import Here, Names, Spec, Text, check_references, members
 from femstruct.model.structure import Structure
 from femstruct.study.structures import StructureModel
 

@@ -12,8 +12,7 @@ from femstruct.language.study.limit import check_limits, limited_room
 from femstruct.language.study.record import check_records
 from femstruct.language.study.spread import spread
 from femstruct.language.study.study import StudySpec
-from femstruct.language.yaml import Here, members
-from femstruct.language.yaml.references import check_references
+from femstruct.language.yaml import Here, check_references, members
 from femstruct.modal.damping import Damping
 from femstruct.study.extents import as_many
 from femstruct.study.structures import StructureModel

@@ -1,4 +1,4 @@
-"""What every file of the language goes through: reading, patches, what is written where, what is wrong with it.
+"""What every file of the language goes through: trees with lines, quantities, names, what is wrong and where.
 
 A file of a noun finds here what it is written in.
 """
@@ -6,6 +6,8 @@ A file of a noun finds here what it is written in.
 from __future__ import annotations
 
 from femstruct.language.yaml.here import Here, Names, members
+from femstruct.language.yaml.reader import parse_value, read_yaml
+from femstruct.language.yaml.references import check_references, found, references
 from femstruct.language.yaml.spec import (
     FREQUENCY,
     LENGTH,
@@ -47,7 +49,8 @@ from femstruct.language.yaml.spec import (
     word_or,
     words_of,
 )
-from femstruct.language.yaml.tree import nearest
+from femstruct.language.yaml.tree import Mistakes, Position, Steps, Tree, dotted, near_name, nearest
+from femstruct.language.yaml.validation import validate
 
 __all__ = [
     "FREQUENCY",
@@ -71,8 +74,10 @@ __all__ = [
     "MassKg",
     "MaterialLossFactor",
     "Measured",
+    "Mistakes",
     "Names",
     "PointName",
+    "Position",
     "Position2",
     "Position3",
     "Quantity",
@@ -80,16 +85,26 @@ __all__ = [
     "Refers",
     "Spec",
     "Speed",
+    "Steps",
     "SurfaceName",
     "Text",
+    "Tree",
     "by_band",
+    "check_references",
+    "dotted",
     "exactly_one",
+    "found",
     "members",
+    "near_name",
     "nearest",
     "only",
+    "parse_value",
     "read_by",
+    "read_yaml",
+    "references",
     "refuse",
     "several",
+    "validate",
     "word_of",
     "word_or",
     "words_of",
