@@ -400,3 +400,8 @@ class PlateMesh(Meshed):
 def plates_of(model: Model) -> list[PlateMesh]:
     """The plates of a model."""
     return [part for part in model.parts.values() if isinstance(part, PlateMesh)]
+
+
+def rigid_plates(model: Model) -> dict[str, PlateMesh]:
+    """Those that are rigid in their planes, by name."""
+    return {part.name: part for part in plates_of(model) if part.rigid_in_plane}

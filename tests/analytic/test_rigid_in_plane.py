@@ -26,7 +26,7 @@ from femstruct.parts.findings.eccentric import RibError, eccentric_findings, rib
 from femstruct.parts.findings.folded import folded_findings, in_plane_limit
 from femstruct.parts.foundation import Foundation
 from femstruct.parts.frame import Frame
-from femstruct.parts.plate import Plate
+from femstruct.parts.plate import Plate, PlateMesh
 
 ROUNDING = 1e-12  # rounding: 4e-15 here at most
 
@@ -300,3 +300,16 @@ def test_flat_plates_are_not_folded() -> None:
     model = mesh_structure(Structure("flat", (one, beside), (Joint("seam", "one", "beside"),)))
     assert in_plane_limit(model) is None
     assert folded_findings(model, 1e5) == ()
+
+
+def test_plates_that_stretch_have_none_of_these_findings(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Whether a plate is rigid in its plane is its own to say."""
+    folded = mesh_structure(angle((20, 1)))
+    plate = Plate("plate", STEEL, 5e-3, (0.0, 0.0, 0.0), (1.0, 0.6), 0.1)
+    arm = (0.0, 0.0, -0.0325)
+    line = ((0.0, 0.3, 0.0), (1.0, 0.3, 0.0))
+    rib = Frame("rib", STEEL, rectangle("bar", 0.02, 0.06), (line,), 0.1, start_offset=arm, end_offset=arm)
+    ribbed = mesh_structure(Structure("ribbed", (plate, rib), (Joint("seam", "plate", "rib"),)))
+    assert folded_findings(folded, 50.0) and eccentric_findings(ribbed)
+    monkeypatch.setattr(PlateMesh, "rigid_in_plane", False)
+    assert folded_findings(folded, 50.0) == eccentric_findings(ribbed) == ()

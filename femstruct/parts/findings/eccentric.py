@@ -34,7 +34,7 @@ from femstruct.model.model import Model
 from femstruct.model.structure import Joint
 from femstruct.parts.foundation import Foundation
 from femstruct.parts.frame import FrameMesh, frames_of
-from femstruct.parts.plate import Plate, PlateMesh, plates_of
+from femstruct.parts.plate import Plate, PlateMesh, rigid_plates
 
 NOTABLE, SEVERE = 1e-3, 1e-2  # of a frequency
 _TOUCHING = 1e-6  # of the plate's longer side
@@ -78,7 +78,7 @@ class _Line:
 def rib_errors(model: Model) -> tuple[RibError, ...]:
     """The errors of every line of bars that are joined to a plate through arms out of its plane."""
     found = []
-    for plate in plates_of(model):
+    for plate in rigid_plates(model).values():
         lines = [line for joint in model.structure.joints for line in _lines_on(plate, joint, model)]
         found += [_error(plate, line, lines) for line in lines if abs(line.arm) > 0.0]
     return tuple(found)
@@ -92,7 +92,7 @@ def eccentric_findings(model: Model) -> tuple[Finding, ...]:
         if key not in worst or error.excess > worst[key].excess:
             worst[key] = error
     told = [_told(error) for error in worst.values() if error.excess > NOTABLE]
-    plates = {plate.name: plate.part for plate in plates_of(model)}
+    plates = {name: plate.part for name, plate in rigid_plates(model).items()}
     for part in model.structure.parts:
         if isinstance(part, Foundation) and {part.on, part.to} <= plates.keys():
             told += _layer(part, plates[part.on], plates[str(part.to)])

@@ -25,7 +25,7 @@ from femstruct.errors import Finding, InputError, some_of
 from femstruct.model.grid.geometry import meeting_line
 from femstruct.model.model import Model
 from femstruct.parts.findings.connections import held_directions
-from femstruct.parts.plate import PlateMesh, plates_of
+from femstruct.parts.plate import PlateMesh, rigid_plates
 
 NEAR = 0.5  # of the first frequency left out: from here on modes are raised by some percent
 _PARALLEL = 1e-3  # sine of an angle
@@ -50,9 +50,10 @@ def in_plane_limit(model: Model) -> InPlaneLimit | None:
     """The lowest frequency of folded plates in their own planes; None where no plates are joined at an angle."""
     found: list[InPlaneLimit] = []
     held: Floats | None = None
+    rigid = rigid_plates(model)
     for along, names in _prisms(model):
         held = _held_together(model) if held is None else held
-        plates = [plate for plate in plates_of(model) if plate.name in names]
+        plates = [plate for name, plate in rigid.items() if name in names]
         found += [_stretching(plate) for plate in plates]
         found += _bending(model, plates, along, held)
     return min(found, key=lambda limit: limit.frequency_hz, default=None)
@@ -83,9 +84,10 @@ def _prisms(model: Model) -> list[tuple[Floats, tuple[str, ...]]]:
     size = float(np.ptp(model.mesh.points, axis=0).max())
     folds: list[tuple[Floats, str, str]] = []
     flat: list[tuple[str, str]] = []
+    rigid = rigid_plates(model)
     for joint in model.structure.joints:
-        one, other = (model.parts[name] for name in (joint.a, joint.b))
-        if not (isinstance(one, PlateMesh) and isinstance(other, PlateMesh)):
+        one, other = rigid.get(joint.a), rigid.get(joint.b)
+        if one is None or other is None:
             continue
         if np.linalg.norm(np.cross(one.axes[2], other.axes[2])) < _PARALLEL:
             flat.append((joint.a, joint.b))
