@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from difflib import get_close_matches
 from pathlib import Path
+from textwrap import wrap
 from typing import TYPE_CHECKING, Final
 
 from femstruct.errors import InputError, InputErrors, sentence
@@ -11,6 +12,7 @@ from femstruct.errors import InputError, InputErrors, sentence
 if TYPE_CHECKING:
     from femstruct.study.result import StudyResult
 
+LINE: Final = 110  # characters of a line of names
 SOLID: Final = ("model", "mode_shapes", "rooms")  # pictures in three dimensions, some of several files
 
 
@@ -54,7 +56,8 @@ def plotted(result: StudyResult, what: str, folder: Path) -> list[Path]:
         names = pictures_of(result)
         near = get_close_matches(what, names, n=1)
         do = f"did you mean '{near[0]}'?" if near else ""
-        raise InputErrors((sentence("WHAT", f"'{what}'", "one of these names", do), *(f"  {name}" for name in names)))
+        listed = wrap(", ".join(names), LINE, break_long_words=False, break_on_hyphens=False)
+        raise InputErrors((sentence("WHAT", f"'{what}'", "one of these names", do), *listed))
     if not paths:
         raise InputError(what, got=why, expected="a picture that can be drawn", do="choose another one")
     return paths
