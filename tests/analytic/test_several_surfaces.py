@@ -24,7 +24,7 @@ from femstruct.language import read_study
 from femstruct.modal.damping import Damping, Ratio, with_damping
 from femstruct.sound.placed import placed
 from femstruct.sound.power import power_per_force
-from femstruct.sound.surface import air_stiffness, pressure_per_force, surface_velocity
+from femstruct.sound.surface import air_stiffness, coupling_findings, pressure_per_force, surface_velocity
 from femstruct.sound.two_way import with_cavity
 from femstruct.study.study import RoomPlan
 from femstruct.workflow.run.run import run_study
@@ -190,6 +190,18 @@ def test_what_cannot_move_a_wall_is_refused_before_anything_is_computed(slab) ->
         placed(box, surfaces["top"], name="hall")
     with pytest.raises(FemstructError, match=r"rooms\.yard\.coupling: got two-way with a half space, expected one-way"):
         RoomPlan("yard", half, "top", (), coupling="two-way")
+
+
+class Vented(Room):
+    """A box whose air is too free to act on anything."""
+
+    pushes_back = False
+
+
+def test_only_air_that_can_push_back_is_missed_in_one_way_coupling(slab) -> None:
+    basis, surfaces, _ = slab
+    found = [coupling_findings(basis, placed(kind(SIZE, AIR, LOSSES), surfaces["whole"])) for kind in (Room, Vented)]
+    assert [[one.code for one in each] for each in found] == [["one-way-stiff-air"], []]
 
 
 STUDY = """

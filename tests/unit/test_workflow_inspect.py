@@ -28,3 +28,11 @@ def test_a_study_is_checked_with_its_own_modes() -> None:
     assert study.basis.complete_below_hz == pytest.approx(2500.0)
     assert model.basis.complete_below_hz > 4000.0
     assert any("the bending wavelength at 2500 Hz" in finding.message for finding in study.findings)
+
+
+def test_a_room_of_a_kind_that_says_other_things_is_shown_by_their_names(capsys: pytest.CaptureFixture[str]) -> None:
+    table = inspect_file(MODELS / "floor_tennis_ball.study.yaml").table()
+    show_inspection(table)
+    assert "room box: one-way coupling; first modes 293.1, 361.7, 465.6 Hz; damping " in capsys.readouterr().out
+    show_inspection({**table, "rooms": {"box": {"size_m": [1, 2, 3], "reflections": "none"}}})
+    assert "room box: size_m [1, 2, 3]; reflections none" in capsys.readouterr().out

@@ -15,6 +15,7 @@ from femstruct.study.study import RoomPlan
 
 _CLOSED: Final = (
     "size", "mesh", "ceiling", "walls", "modes", "at", "losses", "form", "coupling", "leak", "levels", "animate",
+    "surfaces",
 )  # fmt: skip
 
 

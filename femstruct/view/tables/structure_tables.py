@@ -89,9 +89,7 @@ def show_inspection(table: Row, picture: str = "", verbose: bool = False) -> Non
         if "side" in room:
             screen.print(f"{name}: open air {room['side']} the surface, in an infinite rigid baffle")
             continue
-        ratios = ", ".join(f"{100 * ratio:.3g} % at {float(f):.4g} Hz" for f, ratio in room["damping_ratio"].items())
-        first = ", ".join(f"{f:.1f}" for f in room["first_modes_hz"])
-        screen.print(f"room {name}: {room['coupling']} coupling; first modes {first} Hz; damping {ratios}")
+        screen.print(f"room {name}: {'; '.join(_room_told(room))}")
         if "largest_cell_m" in room:
             cells, most = f"{room['largest_cell_m']:.3g} m", f"{room['own_modes_up_to_hz']:.4g} Hz"
             screen.print(f"  cells of {cells} at most; room modes, with rigid walls, up to {most}")
@@ -100,6 +98,17 @@ def show_inspection(table: Row, picture: str = "", verbose: bool = False) -> Non
     show_findings(screen, _read(table["findings"]), verbose)
     if picture:
         screen.print(f"picture: {picture}")
+
+
+def _room_told(room: Row) -> list[str]:
+    """What a person reads of a room first; of a kind that says other things of itself, those by their names."""
+    told = [f"{room['coupling']} coupling"] if "coupling" in room else []
+    if "first_modes_hz" in room:
+        told.append(f"first modes {', '.join(f'{f:.1f}' for f in room['first_modes_hz'])} Hz")
+    if "damping_ratio" in room:
+        ratios = [f"{100 * ratio:.3g} % at {float(f):.4g} Hz" for f, ratio in room["damping_ratio"].items()]
+        told.append(f"damping {', '.join(ratios)}")
+    return told or [f"{key} {value}" for key, value in room.items()]
 
 
 def _show_happening(screen: Console, table: Row) -> None:
