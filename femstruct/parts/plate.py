@@ -16,7 +16,7 @@ from femstruct.model.given import Given, given
 from femstruct.model.grid.cell_sides import cell_sides
 from femstruct.model.grid.geometry import distance_to_rectangle, from_rectangle, rectangle_axes, to_rectangle
 from femstruct.model.grid.layout import Grids, Layout
-from femstruct.model.grid.lines import divided, interval_of, snapped
+from femstruct.model.grid.lines import divided, snapped
 from femstruct.model.grid.regions import area_points, grid_points, region_box
 from femstruct.model.grid.scatter import scattered
 from femstruct.model.material import Material
@@ -27,15 +27,14 @@ from femstruct.model.region import Pair, Region, Side, Vector
 from femstruct.model.rows import carried, flat_rows, sparse_rows
 from femstruct.model.structure import PlaceOn, Support, SurfaceOn
 from femstruct.parts.patches import patch_points
+from femstruct.parts.plate_motion import plate_dofs, plate_rows
 from femstruct.parts.plausibility import thickness_findings
 
-OUT_OF_PLANE = ("deflection", "rotation about x", "rotation about y", "twist")
-IN_PLANE = tuple(f"{what}, in its plane" for what in ("shift along x", "shift along y", "rotation about the normal"))
 STEEP = float(np.cos(np.radians(45.0)))  # from there on neither side is above or below
 SURFACE_ORDER = 3
-ROUND = ((0, 2), (1, 2), (1, 3), (0, 3))  # ends of a box along x and y, corner by corner
 """Gauss points a direction in each cell of a surface: exact for the volume a cell displaces, and for its second moment
 with a linear weight; the deflection of a cell is cubic."""
+ROUND = ((0, 2), (1, 2), (1, 3), (0, 3))  # ends of a box along x and y, corner by corner
 
 
 @dataclass(frozen=True)
@@ -211,39 +210,7 @@ class PlateMesh(Meshed):
         return self.flat if abs(self.axes[0] @ line) > abs(self.axes[1] @ line) else -self.flat
 
     def dofs(self) -> OwnDofs:
-        """w, the two rotations about its own axes and, for bfs16, the twist of every node; in its plane it is rigid:
-        u, v and the rotation about the normal of its centroid belong to the whole plate."""
-        labels = OUT_OF_PLANE[: plate.dofs_per_node(self.part.element)]
-        count, per_node = len(self.x) * len(self.y), len(labels)
-        base = np.arange(count) * N_COMPONENTS
-        numbers = np.arange(count * per_node).reshape(count, per_node)
-        u, v, turn = count * per_node + np.arange(3)
-        x, y = (self.local - np.asarray(self.part.size) / 2.0).T
-        move = base[:, None] + np.arange(3)
-        rows: list[Integers] = []
-        columns: list[Integers] = []
-        values: list[Floats] = []
-
-        def add(row: Integers, column: Integers | np.int64, value: Floats) -> None:
-            shape = np.broadcast_shapes(row.shape, np.shape(column), value.shape)
-            rows.append(np.broadcast_to(row, shape).ravel())
-            columns.append(np.broadcast_to(column, shape).ravel())
-            values.append(np.broadcast_to(value, shape).ravel())
-
-        add(move, numbers[:, :1], self.axes[2])
-        add(move, u, self.axes[0])
-        add(move, v, self.axes[1])
-        add(move, turn, np.outer(x, self.axes[1]) - np.outer(y, self.axes[0]))
-        add(move + 3, numbers[:, 1:2], self.axes[0])
-        add(move + 3, numbers[:, 2:3], self.axes[1])
-        add(move + 3, turn, self.axes[2])
-        if per_node > 3:
-            add(base + TWIST, numbers[:, 3], np.ones(count))
-        translations = np.zeros((count * per_node + 3, 3))
-        translations[numbers[:, 0]] = self.axes[2]
-        translations[[u, v]] = self.axes[:2]
-        at = np.concatenate(rows), np.concatenate(columns)
-        return OwnDofs(labels, IN_PLANE, *at, np.concatenate(values), translations)
+        return plate_dofs(self.part.element, self.axes, self.local, self.part.size)
 
     def stiffness_and_mass(self) -> tuple[csr_array, csr_array]:
         """Bending of its cells, inertia as a rigid body in its plane."""
@@ -262,42 +229,8 @@ class PlateMesh(Meshed):
         return K, csr_array(M + csr_array((inertia, (in_plane, in_plane)), shape=M.shape))
 
     def rows(self, local: Floats) -> tuple[Integers, Floats]:
-        """Motion of places of a plate from the components of the corner nodes of their cells.
-
-        local [p, 2] : in the plate's coordinates [m], inside it.
-
-        Returns nodes [p, 4] and rows [p, 6, 4, 7]: three displacements and three rotations, global axes. The deflection
-        follows the element's shape functions; motion in the plane, where the plate is rigid, is bilinear, exactly.
-        """
-        column, xi, a = interval_of(self.x, local[:, 0])
-        row, eta, b = interval_of(self.y, local[:, 1])
-        kind = self.part.element
-        shapes = plate.interpolate(kind, a, b, xi, eta).reshape(len(local), 4, 4, plate.dofs_per_node(kind))
-        linear = np.stack([(1 - xi) * (1 - eta), (1 - xi) * eta, xi * eta, xi * (1 - eta)], axis=1)
-        own = np.zeros((len(local), 6, 4, N_COMPONENTS))
-        for component in (0, 1, 5):
-            own[:, component, :, component] = linear
-        own[:, 2:5, :, 2:5] = shapes[:, :3, :, :3]
-        if plate.dofs_per_node(kind) > 3:
-            own[:, 2:5, :, TWIST] = shapes[:, :3, :, 3]
-        rows = np.empty_like(own)
-        rows[..., :3], rows[..., 3:6], rows[..., TWIST] = (
-            own[..., :3] @ self.axes,
-            own[..., 3:6] @ self.axes,
-            own[..., 6],
-        )
-        turned = np.einsum("ji,pgjnc->pginc", self.axes, rows.reshape(len(local), 2, 3, 4, N_COMPONENTS))
-        grid = self.grid
-        corners = np.stack(
-            [
-                grid[column, row],
-                grid[column, row + 1],
-                grid[column + 1, row + 1],
-                grid[column + 1, row],
-            ],
-            axis=1,
-        )
-        return corners, turned.reshape(rows.shape)
+        """Nodes [p, 4] and rows [p, 6, 4, 7] of the motion of its places [p, 2] [m], as `plate_rows`."""
+        return plate_rows(self.part.element, self.axes, (self.x, self.y), self.grid, local)
 
     def motion_at(self, places: Floats, tolerance: float) -> tuple[Integers, Floats]:
         """Off its mid-surface, places stand on its normals."""
