@@ -28,7 +28,12 @@ Fetch = Callable[[Any], Array]  # finds it there again
 INLINE: Final = 128  # numbers of an array that stands in the tables themselves
 _CLASS: Final = "is"  # no field of a dataclass can have this name
 _OURS: Final = ("femstruct", "acoustics")
-_GROUPS: Final = ("femstruct.laws", "femstruct.language.laws", "femstruct.language.parts")  # of packages that add nouns
+_GROUPS: Final = (  # of packages that add nouns
+    "femstruct.laws",
+    "femstruct.language.laws",
+    "femstruct.language.parts",
+    "femstruct.language.rooms",
+)
 
 
 class Stored(NamedTuple):

@@ -4,6 +4,7 @@ answer in time, in frequency and in pictures."""
 from __future__ import annotations
 
 import ast
+import json
 from pathlib import Path
 from typing import NamedTuple
 
@@ -21,6 +22,7 @@ from acoustics.fields.sound_field import SoundField, air_stiffness_ratio
 from acoustics.meshed.cavity_mesh import box_mesh
 from acoustics.receivers import Receiver
 from acoustics.source import side_by_side, together
+from femstruct.files.nouns import Stored, restored, stored
 
 SIZE = (1.2, 0.9, 0.7)
 AIR = Air(340.0, 1.2)
@@ -255,6 +257,17 @@ def test_pictures_show_what_is_heard(example: Example) -> None:
     # a map of a box has 24 cosines in each direction
     missed = np.abs(drawn.spectrum.reshape(2, -1) - wanted.T)
     assert missed.max() < 1e-3 * np.abs(wanted).max()
+
+
+@every_field
+def test_it_is_read_back_from_results_as_it_was(example: Example) -> None:
+    kept: list[np.ndarray] = []
+    tables = stored(example.field, lambda array: kept.append(array) or len(kept) - 1)
+    again = restored(Stored(*json.loads(json.dumps(tables))), kept.__getitem__)
+    assert type(again) is type(example.field) and again.described() == example.field.described()
+    moved = [both(example)]
+    one, other = (field.pressures(moved, example.receivers)[0].p for field in (example.field, again))
+    assert np.abs(one - other).max() < ROUNDING * np.abs(one).max()
 
 
 def test_nobody_else_asks_which_kind_it_is() -> None:
