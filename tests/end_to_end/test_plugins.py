@@ -16,7 +16,7 @@ import pytest
 from femstruct.errors import FemstructError
 from femstruct.impact.laws.law import Law
 from femstruct.language import parts
-from femstruct.language.parts.base import PartSpec
+from femstruct.language.parts.part import PartSpec
 from femstruct.language.yaml.discovery import kinds_of
 from femstruct.plugins import added_kinds
 
@@ -184,7 +184,7 @@ BROKEN = {
     "no such module": ("gone:Spec", "", "ModuleNotFoundError: No module named 'gone'"),
     "an error of its own": ("MODULE:Spec", "1 / 0", "ZeroDivisionError: division by zero"),
     "no such name": ("MODULE:Spec", "", "has no attribute 'Spec'"),
-    "no class": ("MODULE:Spec", "Spec = 3", "got 3, expected a class that extends femstruct.language.parts.base.Part"),
+    "no class": ("MODULE:Spec", "Spec = 3", "got 3, expected a class that extends femstruct.language.parts.part.Part"),
     "a law": ("MODULE:Spec", "from femstruct.language.laws.stop import StopSpec as Spec", "StopSpec'>, expected a cl"),
     "no word": (
         "MODULE:Spec",

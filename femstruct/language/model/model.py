@@ -14,8 +14,8 @@ from femstruct.language.model.point import PointSpec
 from femstruct.language.model.section import AnySection
 from femstruct.language.model.support import SupportSpec
 from femstruct.language.model.surface import SurfaceSpec
-from femstruct.language.parts.base import Library
 from femstruct.language.parts.known_parts import AnyPart
+from femstruct.language.parts.part import Library
 from femstruct.language.yaml import Here, Names, Spec, Text, check_references, members
 from femstruct.model.structure import Structure
 from femstruct.study.structures import StructureModel

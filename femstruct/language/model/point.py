@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Annotated, Literal, get_args
 
-from femstruct.language.parts.base import PartSpec
+from femstruct.language.parts.part import PartSpec
 from femstruct.language.yaml import (
     LENGTH,
     Coordinate,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from femstruct.language.parts.base import PartSpec, Places, check_coordinates
+from femstruct.language.parts.part import PartSpec, Places, check_coordinates
 from femstruct.language.yaml import Here, Length, MassKg, Position3, Quantity
 from femstruct.parts.block import Block
 

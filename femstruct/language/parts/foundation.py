@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Annotated, Any, Literal
 
 from femstruct.language.model.region import Region, RegionSpec
-from femstruct.language.parts.base import PartSpec
+from femstruct.language.parts.part import PartSpec
 from femstruct.language.yaml import Here, MaterialLossFactor, Measured, Quantity, Refers, Spec, Text
 from femstruct.parts.foundation import Foundation
 

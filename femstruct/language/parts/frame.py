@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field
 
 from femstruct.elements.frame import FrameElement
-from femstruct.language.parts.base import MaterialName, PartSpec, SectionName
+from femstruct.language.parts.part import MaterialName, PartSpec, SectionName
 from femstruct.language.yaml import Direction3, Length, Position3, Spec
 from femstruct.parts.frame import Frame
 

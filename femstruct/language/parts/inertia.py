@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
-from femstruct.language.parts.base import PartSpec
+from femstruct.language.parts.part import PartSpec
 from femstruct.language.yaml import MassKg, PointName, Position3, Quantity, read_by, refuse
 from femstruct.parts.inertia import Inertia
 from femstruct.units import shown_as

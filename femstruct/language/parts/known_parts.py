@@ -6,7 +6,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from femstruct.language import parts
-from femstruct.language.parts.base import PartSpec
+from femstruct.language.parts.part import PartSpec
 from femstruct.language.yaml.discovery import any_of, kinds_of
 
 KINDS: tuple[type[PartSpec], ...] = kinds_of(parts, PartSpec)

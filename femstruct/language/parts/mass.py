@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Annotated, Any, Final, Literal
 
 from femstruct.language.model.region import Region
-from femstruct.language.parts.base import PartSpec
+from femstruct.language.parts.part import PartSpec
 from femstruct.language.yaml import Here, Measured, PointName, Quantity, Refers, Text
 from femstruct.model import region
 from femstruct.parts.mass import Mass

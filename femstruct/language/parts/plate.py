@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Annotated, Literal
 
 from femstruct.elements.plate import PlateElement
-from femstruct.language.parts.base import MaterialName, PartSpec, Places, check_coordinates
+from femstruct.language.parts.part import MaterialName, PartSpec, Places, check_coordinates
 from femstruct.language.yaml import LENGTH, Count, Direction3, Here, Length, Position3, read_by, refuse
 from femstruct.parts.plate import Plate
 from femstruct.units import shown_as

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Annotated, Any, Literal
 
 from femstruct.language.model.directions import SixDashpots, SixStiffnesses
-from femstruct.language.parts.base import PartSpec
+from femstruct.language.parts.part import PartSpec
 from femstruct.language.yaml import Here, Refers, Text
 from femstruct.parts.spring import Spring
 

@@ -18,8 +18,8 @@ from acoustics.losses import Losses
 from acoustics.receivers import Receiver
 from acoustics.rooms.box_two_way import Leak
 from femstruct.impact.scene.impact_sources import BETWEEN_BLOWS, HAMMERS, TAPPING_MACHINE
-from femstruct.language.rooms.base import Asked, RoomSpec
 from femstruct.language.rooms.losses import LossesSpec
+from femstruct.language.rooms.room import Asked, RoomSpec
 from femstruct.language.yaml import (
     FREQUENCY,
     Frequency,

@@ -9,7 +9,7 @@ import numpy as np
 
 from acoustics.fields.half_space import HalfSpace
 from acoustics.fields.shaped import ShapedRoom
-from femstruct.language.rooms.base import Asked, RoomSpec
+from femstruct.language.rooms.room import Asked, RoomSpec
 from femstruct.language.yaml import FREQUENCY, Frequency, Here, SurfaceName, read_by, refuse, several
 from femstruct.study.study import RoomPlan
 

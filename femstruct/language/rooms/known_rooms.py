@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 from pydantic import Discriminator, Tag
 
 from femstruct.language import rooms
-from femstruct.language.rooms.base import RoomSpec
-from femstruct.language.rooms.box import BoxRoomSpec
+from femstruct.language.rooms.rectangular import BoxRoomSpec
+from femstruct.language.rooms.room import RoomSpec
 from femstruct.language.yaml.discovery import kinds_of, union_of
 
 KINDS: tuple[type[RoomSpec], ...] = (*kinds_of(rooms, RoomSpec), BoxRoomSpec)

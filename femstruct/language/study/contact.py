@@ -6,8 +6,8 @@ from collections.abc import Collection, Mapping
 from typing import Annotated
 
 from femstruct.language.laws.known_laws import AnyLaw
-from femstruct.language.study.arrays import joined
 from femstruct.language.study.body import BodySpec, ends_of, law_of
+from femstruct.language.study.body_arrays import joined
 from femstruct.language.yaml import Ends, Gap, Here, Quantity, Spec
 from femstruct.study.study import PlannedContact
 

@@ -6,7 +6,7 @@ from collections.abc import Collection, Mapping
 from typing import Annotated, Final
 
 from acoustics.levels.methods import FIELD, RATING
-from femstruct.language.rooms.base import RoomSpec
+from femstruct.language.rooms.room import RoomSpec
 from femstruct.language.study.record import QUANTITIES
 from femstruct.language.yaml import Here, Measured, Quantity, nearest
 from femstruct.study.study import SETTLED

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from acoustics.fields.shaped import ShapedRoom
 from femstruct.language.model.model import ModelSpec
-from femstruct.language.rooms.base import Asked
-from femstruct.language.study.arrays import array_sizes, bodies_of, drop_counts
+from femstruct.language.rooms.room import Asked
 from femstruct.language.study.body import ends_of, law_of
+from femstruct.language.study.body_arrays import array_sizes, bodies_of, drop_counts
 from femstruct.language.study.contact import check_contacts
 from femstruct.language.study.limit import check_limits, limited_room
 from femstruct.language.study.record import check_records

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from femstruct.language.rooms.base import RoomSpec
+from femstruct.language.rooms.room import RoomSpec
 from femstruct.language.yaml import Band, Frequency, Here, Spec, Text, nearest
 from femstruct.study.study import FrfKind, FrfRequest, Spot
 

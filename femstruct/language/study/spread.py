@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from typing import TypeVar
 
 from femstruct.impact.scene.impact_sources import BETWEEN_BLOWS, DROPPED, HAMMERS, TAPPING_MACHINE
-from femstruct.language.study.arrays import array_sizes, bodies_of, drop_counts, joined
 from femstruct.language.study.body import BlowsSpec, BodySpec
+from femstruct.language.study.body_arrays import array_sizes, bodies_of, drop_counts, joined
 from femstruct.language.study.contact import ContactSpec
 from femstruct.language.study.link import LinkSpec
 from femstruct.language.study.load import LoadSpec

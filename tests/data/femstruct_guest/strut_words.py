@@ -3,7 +3,7 @@
 from typing import Literal
 
 from femstruct.language.model.section import Area
-from femstruct.language.parts.base import MaterialName, PartSpec
+from femstruct.language.parts.part import MaterialName, PartSpec
 from femstruct.language.yaml import Position3
 from femstruct_guest.strut import Strut
 

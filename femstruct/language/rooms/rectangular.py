@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Annotated, Any
 
 from acoustics.fields.rectangular import Room
-from femstruct.language.rooms.base import Asked
 from femstruct.language.rooms.closed import ClosedSpec
+from femstruct.language.rooms.room import Asked
 from femstruct.language.yaml import Here, Quantity
 
 MILLIMETRES = "a plain number is in metres: did you mean {number:g} mm?"

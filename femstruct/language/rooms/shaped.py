@@ -17,10 +17,10 @@ from acoustics.meshed.meshed_two_way import HELD
 from acoustics.receivers import Receiver
 from femstruct.files.inputs.cavity_meshes import read_mesh
 from femstruct.files.inputs.opening import beside
-from femstruct.language.rooms.base import Asked
-from femstruct.language.rooms.box import Size, check_inside, check_sound_crosses
 from femstruct.language.rooms.closed import ClosedSpec
 from femstruct.language.rooms.losses import WallSpec
+from femstruct.language.rooms.rectangular import Size, check_inside, check_sound_crosses
+from femstruct.language.rooms.room import Asked
 from femstruct.language.yaml import Frequency, Here, Spec, Text, nearest, refuse
 
 
