@@ -156,7 +156,7 @@ class EnergyLedger:
     end: EnergyBalance
     t: Floats
     bodies: Mapping[str, Floats]
-    structure: Annotated[Floats, Reported("J", "Energy of the structure, with the air that pushes back", along=_TIME)]
+    structure: Annotated[Floats, Reported("J", "Energy of the structure, with the coupled air", along=_TIME)]
     stored: Annotated[Floats, Reported("J", "Elastic energy of contacts and links", along=_TIME)]
     lost_modes: Floats
     lost_contacts: Mapping[str, Floats]
