@@ -33,13 +33,16 @@ WITHOUT_UNIT = {
 }
 
 
+FEWER_MODES = {"l_room.study.yaml": ("rooms.living room.modes={up_to: 30 Hz}",)}  # its room says how many it has
+
+
 def baseline_of(plan: Plan) -> Inputs:
     return inputs(next(case.study for case in plan.cases if case.name == plan.baseline))
 
 
 @pytest.mark.parametrize("path", STUDIES, ids=lambda path: path.name)
 def test_every_case_differs_from_the_baseline_and_no_number_lacks_its_unit(path: Path) -> None:
-    plan = read_study(path)
+    plan = read_study(path, FEWER_MODES.get(path.name, ()))
     baseline = baseline_of(plan)
     for case in plan.cases:
         found = differences(baseline, inputs(case.study))
