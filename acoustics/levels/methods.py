@@ -147,14 +147,17 @@ class Method:
 
     @property
     def highest_hz(self) -> float:
-        """Where the last band ends [Hz]."""
-        return self.bands_hz[-1] * _half(self.fraction)
+        """Where the last band ends [Hz]: the upper edge beside its exact centre, 3162.28 Hz of the band 3150 Hz."""
+        return self._last_exact * _half(self.fraction)
+
+    @property
+    def _last_exact(self) -> float:
+        return float(10 ** (round(10 * log10(self.bands_hz[-1])) / 10))
 
     @property
     def least_sampling_hz(self) -> float:
         """The sampling that has all bands, in hundreds [Hz]: the last ends below 0.47 of it."""
-        exact = 10 ** (round(10 * log10(self.bands_hz[-1])) / 10)
-        return 100.0 * ceil(exact * _half(self.fraction) / 47.0)
+        return 100.0 * ceil(self.highest_hz / 47.0)
 
 
 def method_of(standards: Sequence[str], blows: Blows = "heavy") -> Method:

@@ -19,6 +19,7 @@ from acoustics.source import SurfaceVelocity
 # peak, 0.0001, 0.0015, 0.016, 0.11 and 0.6 dB of the A-weighted Fast level, 0.001, 0.006, 0.05, 0.2 and 2 dB of a third
 # octave. From 10 on a level of one decimal is right
 SAMPLES_PER_PERIOD: Final = 10.0
+MISSED_AT, MISSED_DB = np.array([2.0, 4.0, 7.5, 15.0, 30.0]), np.array([2.0, 0.2, 0.05, 0.006, 0.001])
 TRUNCATED: Final = 1e-3
 DECAYED: Final = 1e-3
 COARSE: Final = 0.05
@@ -33,9 +34,10 @@ def source_advice(surface: SurfaceVelocity, room: Box, orders: Integers, highest
         found.append(
             Advice(
                 "surface-coarsely-sampled",
-                f"the surface moves up to {highest_hz:.0f} Hz and is sampled at {sampling_hz:.0f} Hz: the highest "
-                "third octaves may miss 0.1 dB or more; sampling at "
-                f"{SAMPLES_PER_PERIOD * highest_hz:.0f} Hz leaves 0.02 dB",
+                f"the surface moves up to {highest_hz:.0f} Hz and is sampled at {sampling_hz:.0f} Hz, "
+                f"{sampling_hz / highest_hz:.1f} samples a period: a third octave there misses about "
+                f"{third_octave_missed_db(sampling_hz / highest_hz):.1g} dB. Sampling at "
+                f"{SAMPLES_PER_PERIOD * highest_hz:.0f} Hz leaves 0.03 dB",
                 {"source_highest_hz": highest_hz, "sampling_hz": sampling_hz},
             )
         )
@@ -56,8 +58,9 @@ def source_advice(surface: SurfaceVelocity, room: Box, orders: Integers, highest
         found.append(
             Advice(
                 "surface-not-decayed",
-                f"the surface still moves at the end ({end / peak:.2g} of its peak): spectra and levels are those of "
-                "a cut record, and the last 5 % of the pressure has an error of about 1e-5. Simulate longer",
+                f"at the end of the record the surface moves with {100.0 * end / peak:.2g} % of its peak "
+                f"({100.0 * DECAYED:g} % is allowed): spectra and levels are those of a truncated record. "
+                "Simulate longer",
                 {"end_ratio": end / peak},
             )
         )
@@ -75,6 +78,14 @@ def source_advice(surface: SurfaceVelocity, room: Box, orders: Integers, highest
             )
         )
     return tuple(found)
+
+
+def third_octave_missed_db(samples: float) -> float:
+    """What a third octave loses to sampling [dB]: the measured table above, between its entries by a power.
+
+    samples : of a period of its frequency.
+    """
+    return float(10 ** np.interp(np.log10(samples), np.log10(MISSED_AT), np.log10(MISSED_DB)))
 
 
 def truncation(share: float, orders: Integers) -> tuple[Advice, ...]:

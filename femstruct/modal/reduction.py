@@ -124,8 +124,8 @@ def _truncation(
     told = ", ".join(f"{axis} {100.0 * share[i]:.0f} %" for i, axis in enumerate(AXES) if moves[i])
     values = {f"share_{axis}": float(share[i]) for i, axis in enumerate(AXES)} | {"top_frequency_hz": top}
     message = (
-        f"The {len(eigenvalues)} modes up to {top:.4g} Hz carry this share of the mass: {told}. The rest (higher "
-        "modes, "
-        "and mass held by supports) is included only by the residual vectors."
+        f"The effective masses of the {len(eigenvalues)} modes up to {top:.4g} Hz sum to this share of the total mass: "
+        f"{told}; {100.0 * _CAPTURED:.0f} % is asked for. The rest belongs to higher modes, which answer statically "
+        "through the residual vectors, and to supports, which cannot move."
     )
     return (Finding("modal-mass-low", message, values),)

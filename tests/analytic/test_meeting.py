@@ -137,6 +137,11 @@ def test_a_floating_floor_is_two_masses_on_a_spring(tmp_path: Path) -> None:
     wanted = np.sqrt(10e6 * (1 / 120 + 1 / 432)) / 2 / np.pi
     assert found.values["resonance_hz"] == pytest.approx(wanted, rel=1e-13)  # steps and rounding: none here
     assert f"is {wanted:.1f} Hz" in found.message
+    # the slab under a force on the screed, by the dynamic stiffness of both, beside the slab alone under the force
+    spin = (2 * np.pi * found.values["lowers_from_hz"]) ** 2
+    both = np.array([[10e6 - spin * 432, -10e6], [-10e6, 10e6 - spin * 120]])
+    moved = np.linalg.solve(both, [0.0, 1.0])[0]
+    assert abs(moved) == pytest.approx(1.0 / (432 * spin), rel=1e-12)  # rounding of a 2 by 2 system
     assert floating(structure, (50.0,)) == []
     part = plan(tmp_path, region="{rectangle: [2 m, 2 m]}").cases[0].study.structure
     assert floating(part, (630.0,)) == []  # not two plates over all of their area

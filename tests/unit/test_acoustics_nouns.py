@@ -28,6 +28,7 @@ from acoustics import (
     third_octave_bands,
 )
 from acoustics.rooms.cosine_orders import band_orders
+from acoustics.rooms.room_advice import third_octave_missed_db
 
 ROUNDING = 1e-12  # rounding: 3e-15 here at most
 
@@ -183,6 +184,12 @@ def test_sampling_is_called_low_before_levels_miss_anything_that_is_told():
     assert abs(far.l_afmax_db - whole.l_afmax_db) > 0.02
     assert told[0].values["sampling_hz"] == pytest.approx(1500.0)
     assert 2.0 <= 1500.0 / told[0].values["source_highest_hz"] < 10.0
+
+
+@pytest.mark.parametrize(("samples", "missed_db"), [(2.0, 2.0), (5.477, 0.1), (7.5, 0.05), (60.0, 0.001)])
+def test_what_sampling_misses_is_read_from_the_measured_table(samples, missed_db):
+    # between 4 and 7.5 samples a power: sqrt(4 * 7.5) samples miss sqrt(0.2 * 0.05) dB, its digits given
+    assert third_octave_missed_db(samples) == pytest.approx(missed_db, rel=1e-3)
 
 
 def test_a_still_surface_is_silent():

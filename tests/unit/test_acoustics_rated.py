@@ -21,6 +21,7 @@ from acoustics import (
     third_octave_bands,
     weighted_impact_level,
 )
+from acoustics.levels.ending import shown
 from acoustics.levels.iso import A_THIRDS, CURVE_THIRDS, equal_parts, shifted_curve
 from acoustics.levels.jis_ks import HEAVY_OCTAVES
 from acoustics.levels.methods import STANDARDS, Blows, method_of, rating_of, refuse_source, single_number
@@ -191,8 +192,11 @@ def test_bands_end_and_samplings_begin_where_the_filters_say():
         bands = octave_bands if method.fraction == 1 else third_octave_bands
         assert method.bands_hz[-1] in bands(method.least_sampling_hz)
         assert method.bands_hz[-1] not in bands(method.least_sampling_hz - 100.0)
-        # nominal frequencies: 1.2e-3 here
-        assert method.highest_hz == pytest.approx(method.bands_hz[-1] * 2 ** (1 / 2 / method.fraction), rel=2e-3)
+        end = 10 * np.ceil(method.highest_hz / 10)  # what 'modes: {up_to: }' is advised to be
+        exact = bands(1e6)[method.bands_hz[-1]]
+        assert shown(exact, end, method.fraction) and not shown(exact, 0.999 * method.highest_hz, method.fraction)
+        # the edge of IEC 61260-1, beside the exact centre of base ten
+        assert method.highest_hz == pytest.approx(exact * 10 ** (0.15 / method.fraction), rel=ROUNDING)
 
 
 def test_a_standard_alone_does_its_own_part():

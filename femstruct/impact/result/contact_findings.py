@@ -94,8 +94,9 @@ def decay_findings(largest: float, left: float, duration: float) -> tuple[Findin
     return (
         Finding(
             "structure-not-decayed",
-            f"The structure still has {100 * left / largest:.2g} % of its largest energy at the end of the window of "
-            f"{duration:g} s: the spectra are those of a cut signal.",
+            f"The structure still has {100 * left / largest:.2g} % of its largest vibration energy at the end, after "
+            f"{duration:g} s: in the spectra of this truncated record, resonances are too low and too wide. Give the "
+            "study a longer time.",
             {"energy_left": left / largest, "allowed": NOT_DECAYED, "duration_s": duration},
         ),
     )
@@ -106,8 +107,8 @@ def sampling_findings(lasting: Mapping[str, float], peaks: Mapping[str, float], 
     return tuple(
         Finding(
             "contact-coarsely-sampled",
-            f"The shortest closing of contact '{name}' lasts {shortest:.3g} s, {shortest * sampling:.1f} samples: "
-            "recorded forces may miss its peak. The table of contacts has the true peak.",
+            f"Contact '{name}': its shortest contact lasts {1e3 * shortest:.3g} ms, {shortest * sampling:.1f} samples: "
+            "the recorded force may miss its peak, which the table of contacts has. Sample faster for its spectrum.",
             {"contact_s": shortest, "samples": shortest * sampling, "peak_force_n": peaks[name]},
         )
         for name, shortest in lasting.items()

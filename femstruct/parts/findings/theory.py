@@ -24,9 +24,9 @@ def model_findings(model: Model) -> tuple[Finding, ...]:
             found.append(
                 Finding(
                     "thick-plate",
-                    f"The thickness of {plate.name} is {ratio:.2g} of its shorter side. Without shear and rotary "
-                    "inertia "
-                    f"its first frequency is about {100 * excess:.1f} % too high, higher frequencies more",
+                    f"The thickness of {plate.name} is {ratio:.2g} of its shorter side. The theory of thin plates "
+                    f"leaves out shear and rotary inertia: simply supported, its first natural frequency is about "
+                    f"{100 * excess:.1f} % too high, higher ones more",
                     {"thickness_to_side": ratio, "first_frequency_excess": excess},
                     severe=excess > GROSS_SHEAR,
                 )

@@ -43,11 +43,10 @@ def mesh_findings(model: Model, up_to_hz: float) -> tuple[Finding, ...]:
             found.append(
                 Finding(
                     "thick-for-short-waves",
-                    f"{name}: the bending wavelength at {up_to_hz:.4g} Hz is {wave / plate.part.thickness:.1f} "
-                    "times the "
-                    f"thickness. Below {SLENDER:g} a plate without shear is too stiff: a Mindlin plate has "
-                    f"{denser:.2g} times the modal density there, and a blow gives it up to "
-                    f"{10 * np.log10(denser):.1f} dB more",
+                    f"{name}: the bending wavelength at {up_to_hz:.4g} Hz is {wave / plate.part.thickness:.1f} times "
+                    f"the thickness; {SLENDER:g} times is asked for. The theory of thin plates leaves out shear: there "
+                    f"its modal density is too low by a factor of {denser:.3g}, and levels of a blow by up to "
+                    f"{10 * np.log10(denser):.1f} dB; less at lower frequencies",
                     {"wavelength_m": wave, "thickness_m": plate.part.thickness, "density_ratio": denser},
                 )
             )
@@ -67,7 +66,7 @@ def _long_bars(frame: FrameMesh, up_to_hz: float) -> list[Finding]:
             "coarse-mesh",
             f"{frame.part.name}: the {worst.kind} wavelength at {up_to_hz:.4g} Hz is {1e3 * length:.0f} mm and the "
             f"longest bar {1e3 * longest:.0f} mm: {length / longest:.2f} bars a wavelength, {frame.part.element} needs "
-            f"{worst.needed:g}",
+            f"{worst.needed:g}. Use bars of {1e3 * length / worst.needed:.3g} mm or less",
             {"wavelength_m": length, "bar_m": longest},
         )
     ]

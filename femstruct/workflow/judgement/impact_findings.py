@@ -38,7 +38,7 @@ def impact_findings(basis: ModalBasis, response: Response) -> tuple[Finding, ...
             left_out = (
                 "the highest given mode: the response of the structure there is not known"
                 if given
-                else "where modes are left out (except their static response). Accelerations there are too low"
+                else "where modes are left out (except their static response). Accelerations above it are too low"
             )
             found.append(
                 Finding(

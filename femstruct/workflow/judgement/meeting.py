@@ -67,9 +67,9 @@ def meeting_findings(plan: RoomPlan, study: Study, placed: Placed, basis: ModalB
         found.append(
             Finding(
                 "floor-room-resonance",
-                f"floor and room modes coincide within their bandwidths and have similar shapes on the ceiling: "
-                f"{told}{more}. The levels there are sensitive to a few hertz in either "
-                f"frequency{_exchanged(pairs) if plan.coupling == 'one-way' else ''}",
+                f"natural frequencies of floor and room lie within each other's bandwidths, with similar shapes on the "
+                f"ceiling: {told}{more}. A few hertz in either frequency change the levels of their third "
+                f"octaves{_exchanged(pairs) if plan.coupling == 'one-way' else ''}",
                 {
                     "pairs": len(meet),
                     "floor_hz": meet[0][0],
@@ -155,10 +155,10 @@ def exchange_findings(plan: RoomPlan, pairs: ModePairs) -> tuple[Finding, ...]:
         Finding(
             "one-way-resonance",
             f"the floor mode at {pairs.floor_hz[i]:.1f} Hz and the room mode at {pairs.room_hz[j]:.1f} Hz exchange "
-            "energy, "
-            f"which one-way coupling leaves out (kappa {kappa:.2f}; {EXCHANGED:g} is allowed). Levels are up to "
-            f"{line:.1f} dB too high at that frequency, and {band:.1f} dB in its band if the blows have no fixed "
-            "interval. Give the room 'coupling: two-way'",
+            "energy. One-way coupling leaves out that the air acts back on the floor: the coupling factor is "
+            f"{kappa:.2f}, and {EXCHANGED:g} is allowed. Levels are up to {line:.1f} dB too high at that frequency, "
+            f"and {band:.1f} dB in its third octave where blows have no fixed interval. Give the room "
+            "'coupling: two-way'",
             {
                 "kappa": kappa,
                 "allowed": EXCHANGED,
@@ -174,12 +174,16 @@ def exchange_findings(plan: RoomPlan, pairs: ModePairs) -> tuple[Finding, ...]:
 def _exchanged(pairs: ModePairs) -> str:
     """What one-way coupling makes of the pair that exchanges most."""
     band = 10 * log10(1 + float(pairs.kappa.max()))
-    return f", and with one-way coupling up to {band:.1f} dB too high in a band"
+    return f", and one-way coupling makes them up to {band:.1f} dB too high"
 
 
 def floating(structure: StructureModel, bands_hz: tuple[float, ...]) -> list[Finding]:
     """Plates that float on others with a resonance up to the last of the bands: two masses per area on a spring per
-    area, f = sqrt(s (1 / m1 + 1 / m2)) / 2 pi."""
+    area, f0 = sqrt(s (1 / m1 + 1 / m2)) / 2 pi.
+
+    Under a force on the upper mass m2 the lower one, m1, moves m1 / (m1 + m2) / |1 - (f / f0)^2| times as much as
+    alone: less from (f / f0)^2 = 2 - m2 / (m1 + m2) on.
+    """
     if not isinstance(structure, Structure):
         return []
     plates = {part.name: part for part in structure.parts if isinstance(part, Plate)}
@@ -191,16 +195,18 @@ def floating(structure: StructureModel, bands_hz: tuple[float, ...]) -> list[Fin
             continue
         upper, lower = (plates[str(name)].material.rho * plates[str(name)].thickness for name in (part.on, part.to))
         resonance = sqrt(part.normal * (1 / upper + 1 / lower)) / (2 * pi)
+        lowers = resonance * sqrt(2 - upper / (upper + lower))
         if resonance <= bands_hz[-1]:
             found.append(
                 Finding(
                     "floating-floor",
                     f"{part.name}: the mass-spring-mass resonance of {part.on} and {part.to} is {resonance:.1f} Hz. "
-                    "The layer "
-                    f"raises levels up to {sqrt(2) * resonance:.0f} Hz and lowers them above. Both depend on its "
-                    f"stiffness, {part.normal:.3g} N/m^3, under its load",
+                    f"Beside the bare {part.to} the layer raises levels near it and lowers them above {lowers:.0f} Hz "
+                    f"(as two rigid masses). Both frequencies follow from the stiffness of the layer under its load, "
+                    f"here {part.normal:.3g} N/m^3",
                     {
                         "resonance_hz": resonance,
+                        "lowers_from_hz": lowers,
                         "stiffness_n_m3": part.normal,
                         "upper_kg_m2": upper,
                         "lower_kg_m2": lower,

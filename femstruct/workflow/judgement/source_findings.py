@@ -39,10 +39,9 @@ def _rebound(study: Study, response: Response) -> list[Finding]:
         found.append(
             Finding(
                 "hammers-rebound",
-                f"{machine}: the hammers rebound from this floor with {share:.2f} of their speed. In real machines "
-                "this is "
-                f"0 to 1 (Acta Acustica 9, 14, 2025), so that real levels may be {lower:.1f} dB lower to "
-                f"{higher:.1f} dB higher",
+                f"{machine}: the hammers rebound from this floor with a coefficient of restitution of {share:.2f}. For "
+                f"real machines 0 to 1 is reported (Acta Acustica 9, 14, 2025): a real machine may give levels "
+                f"{lower:.1f} dB lower to {higher:.1f} dB higher",
                 {"restitution": share, "lower_db": lower, "higher_db": higher},
             )
         )

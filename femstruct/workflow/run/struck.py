@@ -163,7 +163,7 @@ def told_once(told: Mapping[str, Sequence[Finding]]) -> list[Finding]:
 
     >>> told = {"p.1": [Finding("a", "one")], "p.2": [Finding("a", "two"), Finding("b", "three")]}
     >>> [found.message for found in told_once(told)]
-    ['one (dropped at p.1)', 'three (dropped at p.2)']
+    ['one (blows at p.1)', 'three (blows at p.2)']
     """
     found: list[Finding] = []
     known: dict[str, bool] = {}  # code: whether it was severe
@@ -171,7 +171,7 @@ def told_once(told: Mapping[str, Sequence[Finding]]) -> list[Finding]:
         findings = members_once(findings)
         new = [one for one in findings if one.code not in known or (one.severe and not known[one.code])]
         known |= {one.code: one.severe or known.get(one.code, False) for one in new}
-        after = f" (dropped at {place})" if len(told) > 1 else ""
+        after = f" (blows at {place})" if len(told) > 1 else ""
         found += [replace(one, message=one.message + after) for one in new]
     return found
 
@@ -181,7 +181,7 @@ def members_once(findings: Sequence[Finding]) -> list[Finding]:
 
     >>> told = [Finding("a", f"hammer.{i} lasts {3 + i} ms") for i in (1, 2, 3)]
     >>> [found.message for found in members_once(told)]
-    ['hammer.1 lasts 4 ms (and 2 more like it)']
+    ['hammer.1 lasts 4 ms (and 2 more)']
     """
     alike: dict[tuple[str, bool, str], list[Finding]] = {}
     for one in findings:
