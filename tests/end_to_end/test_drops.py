@@ -81,7 +81,7 @@ def test_drops_are_the_runs_of_their_places(result: StudyResult, tmp_path: Path)
     by_hand = rate_room(alone, case.case.study.rooms[0].room)
     rated = case.rated["bedroom"]
     assert dict(rated.bands_db) == pytest.approx(dict(by_hand.bands_db), abs=0.05)  # the same
-    assert dict(rated.drops_spread_db) == pytest.approx(dict(by_hand.drops_spread_db), abs=0.05)  # the same
+    assert dict(rated.drops_spread_db) == pytest.approx(dict(by_hand.drops_spread_db), abs=0.01)  # 8e-5 here
     levels = [drop.levels["bedroom.mic.1"].bands_db[63.0] for drop in case.drops.values()]
     assert abs(levels[0] - levels[1]) > 1.0  # or the test could not tell one place from the other
     assert rated.measured_db[:, 0, 1].tolist() == levels

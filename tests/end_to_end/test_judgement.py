@@ -91,7 +91,7 @@ def test_a_response_without_damping_says_what_its_peaks_are(tmp_path: Path) -> N
         ]
         if finding["code"] == "no-damping"
     ]
-    assert told["values"]["first_hz"] == pytest.approx(first, rel=1e-3)  # the mesh
+    assert told["values"]["first_hz"] == pytest.approx(first, rel=5e-5)  # the mesh: 5e-7 here
     assert (told["values"]["modes"], told["values"]["step_hz"]) == (1, 5.0)
 
 
@@ -174,9 +174,9 @@ def test_a_peak_that_hangs_on_residual_vectors_is_told(tmp_path: Path) -> None:
     true = np.array([kind == "elastic" for kind in response.basis.kind])
     row = solve_all(read_study(tmp_path / "hit.study.yaml").cases)["as given"].places.point("a", "").probe("z")
     parts = row.of(response.basis.shapes)[:, None] * response.qdd
-    assert told.values["peak"] == pytest.approx(np.abs(parts.sum(axis=0)).max(), rel=1e-9)  # the same sum: rounding
+    assert told.values["peak"] == pytest.approx(np.abs(parts.sum(axis=0)).max(), rel=1e-13)  # the same sum: rounding
     # the same sum: rounding
-    assert told.values["modes_alone"] == pytest.approx(np.abs(parts[true].sum(axis=0)).max(), rel=1e-9)
+    assert told.values["modes_alone"] == pytest.approx(np.abs(parts[true].sum(axis=0)).max(), rel=1e-13)
     assert told.values["apart"] > told.values["allowed"]
 
 

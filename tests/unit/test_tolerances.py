@@ -1,7 +1,7 @@
 """A tolerance has a reason: rounding, discretisation, digits that are printed, steps. Without one nobody can tell a
 tolerance that is too wide from one that is right.
 
-A tolerance is a number below 0.5 after rel=, abs=, rtol= or atol=, or one written like 1e-9 after < or <= in an assert.
+A tolerance is a number below 0.5 after rel=, abs=, rtol= or atol=, or one below 0.001 after < or <= in an assert.
 Its reason is a comment in its statement, alone on the line above, or at the constant that names it; one for a number
 holds in the whole test, and so does the docstring of the test where it names that number.
 """
