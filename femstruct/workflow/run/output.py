@@ -76,7 +76,7 @@ def _older(kept: Sequence[str]) -> str:
     """What is said of files of an earlier run beside those of one with cases missing.
 
     >>> _older(["a.wav"])
-    'older, of an earlier run, since cases are missing: a.wav (written_by_femstruct.json lists them)'
+    'Some cases are missing. These files are of an earlier run: a.wav (written_by_femstruct.json lists them)'
     """
     names = some_of(kept, NAMED)
     return f"Some cases are missing. These files are of an earlier run: {names} ({NAME} lists them)" if kept else ""
@@ -86,7 +86,7 @@ def _cleared(removed: Sequence[str]) -> str:
     """What is said of files that are no longer there.
 
     >>> _cleared(["a.wav", "b.wav"]), _cleared([])
-    ('removed what an earlier run left and this one does not make: a.wav, b.wav', '')
+    ('Removed files of an earlier run: a.wav, b.wav', '')
     """
     names = some_of(removed, NAMED)
     return f"Removed files of an earlier run: {names}" if removed else ""
