@@ -31,8 +31,8 @@ if TYPE_CHECKING:
     from femstruct.errors import FemstructError as FemstructError
     from femstruct.errors import Finding as Finding
     from femstruct.errors import InputError as InputError
-    from femstruct.files.results import write_results as write_results
-    from femstruct.files.stored import read_results as read_results
+    from femstruct.files.results_file.results import write_results as write_results
+    from femstruct.files.results_file.stored import read_results as read_results
     from femstruct.impact.batch.batch import simulate_batch as simulate_batch
     from femstruct.impact.batch.metrics import Batch as Batch
     from femstruct.impact.laws.cubic import Cubic as Cubic
@@ -126,8 +126,8 @@ _NAMES = {
     "assembly.given_matrices": ("given_matrices",),
     "assembly.matrices": ("Assembly", "DofMap"),
     "errors": ("FemstructError", "Finding", "InputError"),
-    "files.results": ("write_results",),
-    "files.stored": ("read_results",),
+    "files.results_file.results": ("write_results",),
+    "files.results_file.stored": ("read_results",),
     "impact.batch.batch": ("simulate_batch",),
     "impact.scene.bodies": ("GROUND", "Body", "Clock", "Contact", "HalfSine", "Link", "Load", "Scene", "Table"),
     "impact.laws.cubic": ("Cubic",),

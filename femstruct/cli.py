@@ -149,7 +149,7 @@ def plot(
 ) -> int:
     """Draw one picture of a results file. Nothing is computed anew."""
     from femstruct.files.atomic import refuse_unwritable
-    from femstruct.files.stored import read_results
+    from femstruct.files.results_file.stored import read_results
     from femstruct.results_commands import pictures_of, plotted, results_file
 
     refuse_unwritable(output)
@@ -176,8 +176,8 @@ def export(
 ) -> int:
     """Write tables of a results file for a spreadsheet. Third octaves and ratings of all cases come first."""
     from femstruct.files.atomic import refuse_unwritable
-    from femstruct.files.sheets import sheets, write_csv, write_workbook
-    from femstruct.files.stored import read_results
+    from femstruct.files.results_file.stored import read_results
+    from femstruct.files.tables.sheets import sheets, write_csv, write_workbook
     from femstruct.results_commands import results_file
 
     refuse_unwritable(output)

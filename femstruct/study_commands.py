@@ -29,7 +29,7 @@ def shown(
     seconds : of CPU, by stage, for writing to the folder. told : what more there is to say, not in JSON.
     """
     if as_json:
-        from femstruct.files.tables import summary
+        from femstruct.files.tables.study_tables import summary
 
         print_json(summary(result))
     else:

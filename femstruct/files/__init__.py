@@ -1,1 +1,1 @@
-"""The only code that writes results: hdf5 results stored vtkhdf, tables, audio and sound, each whole or not at all."""
+"""The only code that writes files, each whole or not at all: results, tables, sounds, meshes of room modes."""

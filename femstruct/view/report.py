@@ -11,7 +11,7 @@ from typing import Final
 
 from femstruct.errors import some_of
 from femstruct.files.atomic import replacing
-from femstruct.files.finding_tables import findings_by_case
+from femstruct.files.tables.finding_tables import findings_by_case
 from femstruct.findings.entry import Rank
 from femstruct.study.result import StudyResult
 from femstruct.view.page.html import fold, listed, picture, sound, table

@@ -21,7 +21,7 @@ from scipy.signal import cont2discrete, lfilter
 from acoustics.levels.ending import ended
 from acoustics.receivers import Receiver
 from acoustics.room_response import RoomResponse
-from femstruct.files.results import write_results
+from femstruct.files.results_file.results import write_results
 from femstruct.language import read_study
 from femstruct.study.result import StudyResult
 from femstruct.workflow.run.run import run_study

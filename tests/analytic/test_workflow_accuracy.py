@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from femstruct.errors import InputErrors
-from femstruct.files.results import write_results
-from femstruct.files.tables import summary
+from femstruct.files.results_file.results import write_results
+from femstruct.files.tables.study_tables import summary
 from femstruct.language import read_study
 from femstruct.study.result import CaseResult, StudyResult
 from femstruct.view.tables.terminal import show_study

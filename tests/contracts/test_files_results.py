@@ -16,12 +16,12 @@ from scipy.sparse import csr_array
 
 from femstruct.conventions import COMPONENTS
 from femstruct.errors import FemstructError, InputError
-from femstruct.files import nouns
-from femstruct.files.hdf5 import key
-from femstruct.files.results import write_results
-from femstruct.files.seal import LENGTH, seal
-from femstruct.files.stored import read_results
-from femstruct.files.tables import summary
+from femstruct.files.results_file import nouns
+from femstruct.files.results_file.datasets import key
+from femstruct.files.results_file.results import write_results
+from femstruct.files.results_file.seal import LENGTH, seal
+from femstruct.files.results_file.stored import read_results
+from femstruct.files.tables.study_tables import summary
 from femstruct.language import read_study
 from femstruct.model.probe import Probe
 from femstruct.view.report import report

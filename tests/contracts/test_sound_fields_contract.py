@@ -22,7 +22,7 @@ from acoustics.fields.sound_field import SoundField, air_stiffness_ratio
 from acoustics.meshed.cavity_mesh import box_mesh
 from acoustics.receivers import Receiver
 from acoustics.source import side_by_side, together
-from femstruct.files.nouns import Stored, restored, stored
+from femstruct.files.results_file.nouns import Stored, restored, stored
 
 SIZE = (1.2, 0.9, 0.7)
 AIR = Air(340.0, 1.2)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from femstruct.errors import InputErrors
-from femstruct.files.tables import summary
+from femstruct.files.tables.study_tables import summary
 from femstruct.language import read_study
 from femstruct.study.result import StudyResult
 from femstruct.view.tables.terminal import show_study

@@ -13,8 +13,8 @@ import numpy as np
 import pytest
 
 from acoustics.levels.sound_levels import level_spectrum
-from femstruct.files.results import write_results
-from femstruct.files.tables import summary
+from femstruct.files.results_file.results import write_results
+from femstruct.files.tables.study_tables import summary
 from femstruct.language import read_study
 from femstruct.study.result import StudyResult
 from femstruct.view.figures.loudness import rated_bands

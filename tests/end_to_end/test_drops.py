@@ -10,8 +10,8 @@ import pytest
 
 from acoustics import heavy_impact_level, rate_room
 from femstruct.errors import InputErrors
-from femstruct.files.results import write_results
-from femstruct.files.tables import summary
+from femstruct.files.results_file.results import write_results
+from femstruct.files.tables.study_tables import summary
 from femstruct.language import read_study
 from femstruct.study.result import StudyResult
 from femstruct.view.figures.loudness import levels_over_time, rated_bands

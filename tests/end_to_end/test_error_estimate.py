@@ -10,9 +10,9 @@ import pytest
 
 from femstruct import cli
 from femstruct.exits import leave_with
-from femstruct.files.results import write_results
-from femstruct.files.stored import read_results
-from femstruct.files.tables import summary
+from femstruct.files.results_file.results import write_results
+from femstruct.files.results_file.stored import read_results
+from femstruct.files.tables.study_tables import summary
 from femstruct.impact.estimate import ErrorEstimate, Resolved, error_of
 from femstruct.impact.laws.hertz import Hertz
 from femstruct.impact.scene.bodies import GROUND, Body, Clock, Contact, Scene

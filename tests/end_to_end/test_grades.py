@@ -11,8 +11,8 @@ import pytest
 from acoustics import energy_average, equivalent_levels, impact_grade, inverse_a_level
 from acoustics.levels.jis_ks import HEAVY_OCTAVES, LIGHT_OCTAVES, grade_curve, inverse_a_curve
 from femstruct.errors import InputErrors
-from femstruct.files.results import write_results
-from femstruct.files.tables import summary
+from femstruct.files.results_file.results import write_results
+from femstruct.files.tables.study_tables import summary
 from femstruct.language import read_study
 from femstruct.study.result import StudyResult
 from femstruct.view.figures.loudness import rated_bands

@@ -11,8 +11,8 @@ import pytest
 
 from acoustics import heavy_impact_level, standardised_maximum_level
 from acoustics.levels.iso import A_THIRDS
-from femstruct.files.results import write_results
-from femstruct.files.tables import summary
+from femstruct.files.results_file.results import write_results
+from femstruct.files.tables.study_tables import summary
 from femstruct.language import read_study
 from femstruct.study.result import StudyResult
 from femstruct.study.study import Limit

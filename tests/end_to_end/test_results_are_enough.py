@@ -18,8 +18,8 @@ from femstruct.cli import app
 from femstruct.errors import FemstructError, InputError
 from femstruct.exits import leave_with
 from femstruct.files.belongings import NAME
-from femstruct.files.sheets import Sheet, _rows
-from femstruct.files.stored import read_results
+from femstruct.files.results_file.stored import read_results
+from femstruct.files.tables.sheets import Sheet, _rows
 from femstruct.view.report import report
 from femstruct.workflow.run import run as solving
 

@@ -12,7 +12,7 @@ from PIL import Image
 from acoustics import Room
 from acoustics.rooms import receiver_grids as grids
 from femstruct.errors import InputErrors
-from femstruct.files.rooms import write_room_modes
+from femstruct.files.room_modes import write_room_modes
 from femstruct.language import read_study
 from femstruct.view.scenes import room_scene
 from femstruct.view.scenes.opengl import NoOpenGL, require_opengl

@@ -11,8 +11,8 @@ from scipy.integrate import dblquad
 
 from acoustics import Receiver
 from femstruct.errors import InputErrors
-from femstruct.files.results import write_results
-from femstruct.files.tables import summary
+from femstruct.files.results_file.results import write_results
+from femstruct.files.tables.study_tables import summary
 from femstruct.language import read_study
 from femstruct.sound.placed import placed
 from femstruct.sound.surface import pressure_per_force

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import h5py
 
-from femstruct.files.stored import read_results
+from femstruct.files.results_file.stored import read_results
 from femstruct.language import read_study
 from femstruct.workflow.run.output import write_all
 from femstruct.workflow.run.run import run_study

@@ -12,9 +12,9 @@ import h5py
 import numpy as np
 import pytest
 
-from femstruct.files.results import write_results
-from femstruct.files.stored import read_results
-from femstruct.files.tables import summary
+from femstruct.files.results_file.results import write_results
+from femstruct.files.results_file.stored import read_results
+from femstruct.files.tables.study_tables import summary
 from femstruct.language import read_study
 from femstruct.model.probe import Probe
 from femstruct.study.result import StudyResult

@@ -7,8 +7,8 @@ from pathlib import Path
 import h5py
 import pytest
 
-from femstruct.files.results import write_results
-from femstruct.files.tables import summary
+from femstruct.files.results_file.results import write_results
+from femstruct.files.tables.study_tables import summary
 from femstruct.language import read_study
 from femstruct.study.result import StudyResult
 from femstruct.view.tables.terminal import show_study

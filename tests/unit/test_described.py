@@ -13,8 +13,8 @@ import pytest
 from acoustics.levels.sound_levels import Levels, sound_levels
 from acoustics.open_air.sound_energy import SoundEnergy
 from acoustics.reported import Reported as HeardReported
-from femstruct.files.described import columns, described, write_described, write_rows
-from femstruct.files.hdf5 import axis
+from femstruct.files.results_file.datasets import axis
+from femstruct.files.tables.described import columns, described, write_described, write_rows
 from femstruct.impact.estimate import Resolved
 from femstruct.impact.result.response import Blow, BodyHistory, ContactHistory
 from femstruct.reported import Reported, reported

@@ -255,6 +255,34 @@ def test_every_package_is_installed() -> None:
     assert sorted(listed) == sorted(".".join(folder.relative_to(ROOT).parts) for folder in folders)
 
 
+MOST_FILES = 16  # of a folder: what a reader takes in at a glance
+
+
+def test_no_folder_holds_more_files_than_a_reader_takes_in() -> None:
+    for package in ("femstruct", "acoustics"):
+        for folder in {path.parent for path in modules(package)}:
+            files = [path.name for path in folder.glob("*.py") if path.name != "__init__.py"]
+            assert len(files) <= MOST_FILES, (
+                f"{folder.relative_to(ROOT)} holds {len(files)} files: split it by what they do"
+            )
+
+
+# What both packages have because neither may import the other, and what Python runs by name.
+IN_BOTH_PACKAGES = {"arrays.py", "errors.py", "reported.py", "__main__.py", "__init__.py"}
+
+
+def test_a_file_name_has_one_meaning() -> None:
+    """One noun may have its file where it lives, in `elements` and in `language`; nothing else shares a name."""
+    homes: dict[str, list[str]] = {}
+    for path in modules("femstruct") + modules("acoustics"):
+        folder = path.parent.relative_to(ROOT).as_posix()
+        if path.name not in IN_BOTH_PACKAGES and not folder.startswith(("femstruct/language", "femstruct/elements")):
+            homes.setdefault(path.name, []).append(folder)
+    assert {name: folders for name, folders in homes.items() if len(folders) > 1} == {}
+    language = [path.name for path in modules("femstruct/language") if path.name != "__init__.py"]
+    assert len(language) == len(set(language))
+
+
 LONGEST = 80  # lines of a function beside its docstring
 # A march is one loop: its parts share a dozen arrays and a step, and the compiler takes them as one function.
 LONGER = {"march", "exact_march"}

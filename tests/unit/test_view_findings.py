@@ -15,10 +15,10 @@ from typer.testing import CliRunner
 
 from femstruct.cli import app
 from femstruct.errors import Finding
-from femstruct.files.finding_tables import finding_from, finding_table, study_findings_table
-from femstruct.files.results import write_results
-from femstruct.files.stored import read_results
-from femstruct.files.tables import summary
+from femstruct.files.results_file.results import write_results
+from femstruct.files.results_file.stored import read_results
+from femstruct.files.tables.finding_tables import finding_from, finding_table, study_findings_table
+from femstruct.files.tables.study_tables import summary
 from femstruct.study.result import StudyResult
 from femstruct.view.report import report
 from femstruct.view.tables.finding_lines import show_findings

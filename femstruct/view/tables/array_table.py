@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from femstruct.files.arrays import TERMS, array_tables
+from femstruct.files.tables.array_tables import TERMS, array_tables
 from femstruct.study.result import StudyResult
 from femstruct.view.tables.grid import Grid
 from femstruct.view.tables.scales import digits

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from femstruct.files.tables import growth
+from femstruct.files.tables.study_tables import growth
 from femstruct.study.result import StudyResult
 from femstruct.view.tables.grid import Grid
 from femstruct.view.tables.scales import digits

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from femstruct.files.finding_tables import finding_from
+from femstruct.files.tables.finding_tables import finding_from
 from femstruct.view.tables.console import console
 from femstruct.view.tables.finding_lines import show_findings
 from femstruct.view.tables.grid import Grid

@@ -8,7 +8,7 @@ from typing import Any
 from rich.console import Console
 
 from femstruct.errors import Finding, some_of
-from femstruct.files.finding_tables import finding_from
+from femstruct.files.tables.finding_tables import finding_from
 from femstruct.view.tables.console import console
 from femstruct.view.tables.finding_lines import finding_lines, show_findings
 from femstruct.view.tables.grid import Grid

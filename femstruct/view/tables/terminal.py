@@ -10,7 +10,7 @@ from rich.console import Console
 
 from acoustics.levels.sound_levels import Levels
 from femstruct.errors import some_of
-from femstruct.files.finding_tables import findings_by_case
+from femstruct.files.tables.finding_tables import findings_by_case
 from femstruct.reported import reported
 from femstruct.study.result import NET_FORCE, CaseComparison, CaseResult, StudyResult
 from femstruct.view.tables.accuracy_table import anything_meets, outcomes, trust

@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import Any
 
 from femstruct.errors import InputError
-from femstruct.files.finding_tables import finding_table
-from femstruct.files.numbers import number
+from femstruct.files.tables.finding_tables import finding_table
+from femstruct.files.tables.json_numbers import number
 from femstruct.language import read_model_file
 from femstruct.modal.basis import ModalBasis
 from femstruct.modal.damping import Damping, with_damping

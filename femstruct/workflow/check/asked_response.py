@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from femstruct.assembly.assemble import assemble
 from femstruct.errors import InputError
-from femstruct.files.finding_tables import finding_table
+from femstruct.files.tables.finding_tables import finding_table
 from femstruct.language import read_model_file
 from femstruct.modal.damping import Damping, with_damping
 from femstruct.modal.frf import KINDS, direct_frf

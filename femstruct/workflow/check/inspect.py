@@ -9,8 +9,8 @@ from typing import Any
 
 from femstruct.assembly.assemble import assemble
 from femstruct.errors import Finding
-from femstruct.files.finding_tables import finding_table
-from femstruct.files.numbers import number
+from femstruct.files.tables.finding_tables import finding_table
+from femstruct.files.tables.json_numbers import number
 from femstruct.findings.catalogue import ranked
 from femstruct.language import ModelFile, read_any
 from femstruct.modal.basis import ModalBasis

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from femstruct.conventions import GRAVITY
-from femstruct.files.tables import growth
+from femstruct.files.tables.study_tables import growth
 from femstruct.impact.result.response import EnergyBalance, Response
 from femstruct.study.machine import Companion, EnergyShare, GroundForce, Machine, Rest
 from femstruct.study.result import CaseResult

@@ -13,9 +13,9 @@ import numpy as np
 
 from femstruct.arrays import Floats
 from femstruct.errors import Finding, InputError, InputErrors
-from femstruct.files.finding_tables import finding_table
 from femstruct.files.inputs.columns import read_measured
-from femstruct.files.numbers import number
+from femstruct.files.tables.finding_tables import finding_table
+from femstruct.files.tables.json_numbers import number
 from femstruct.findings.catalogue import ranked
 from femstruct.impact.scene.bodies import Table as Measured
 from femstruct.language import read_study

@@ -17,10 +17,10 @@ from femstruct.errors import some_of
 from femstruct.files.atomic import file_name, replacing, short
 from femstruct.files.audio import listening_scale, write_sequence, write_wav
 from femstruct.files.belongings import NAME, together
-from femstruct.files.results import write_results
-from femstruct.files.rooms import write_room_modes
-from femstruct.files.stored import read_results
-from femstruct.files.tables import summary
+from femstruct.files.results_file.results import write_results
+from femstruct.files.results_file.stored import read_results
+from femstruct.files.room_modes import write_room_modes
+from femstruct.files.tables.study_tables import summary
 from femstruct.study.result import StudyResult
 from femstruct.view.report import write_report
 from femstruct.workflow.run.provenance import Progress, Stopwatch

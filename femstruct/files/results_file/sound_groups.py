@@ -10,9 +10,9 @@ import numpy as np
 from acoustics.levels.rated import RatedRoom
 from acoustics.levels.sound_levels import Levels
 from acoustics.room_response import RoomResponse
-from femstruct.files.described import write_described, write_rows
-from femstruct.files.finding_tables import finding_table
-from femstruct.files.hdf5 import axis, group, put
+from femstruct.files.results_file.datasets import axis, group, put
+from femstruct.files.tables.described import write_described, write_rows
+from femstruct.files.tables.finding_tables import finding_table
 from femstruct.study.result import OwnSound
 
 if TYPE_CHECKING:  # slow to import, and most runs write no such file

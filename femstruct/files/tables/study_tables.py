@@ -6,13 +6,13 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from acoustics.levels.rated import RatedRoom
-from femstruct.files.arrays import array_tables
-from femstruct.files.described import columns, described
-from femstruct.files.finding_tables import finding_table, study_findings_table
-from femstruct.files.machine import machine_table, verdict_tables
-from femstruct.files.numbers import label, number
-from femstruct.files.radiated import radiated_beside, radiated_table
-from femstruct.files.trust import accuracy_table, error_table
+from femstruct.files.tables.accuracy_tables import accuracy_table, error_table
+from femstruct.files.tables.array_tables import array_tables
+from femstruct.files.tables.described import columns, described
+from femstruct.files.tables.finding_tables import finding_table, study_findings_table
+from femstruct.files.tables.json_numbers import label, number
+from femstruct.files.tables.machine_tables import machine_table, verdict_tables
+from femstruct.files.tables.radiated_tables import radiated_beside, radiated_table
 from femstruct.impact.result.response import Blow, EnergyBalance, Response
 from femstruct.impact.result.shares import EnergyGroup, ModeEnergies
 from femstruct.study.result import CaseComparison, CaseResult, Drop, StudyResult

@@ -8,7 +8,7 @@ import numpy as np
 
 from femstruct.arrays import Integers
 from femstruct.conventions import N_COMPONENTS
-from femstruct.files.hdf5 import put
+from femstruct.files.results_file.datasets import put
 from femstruct.modal.basis import ModalBasis
 from femstruct.model.model import Model
 from femstruct.model.refine import Refined, refined

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from femstruct.files.hdf5 import group, put, put_text
-from femstruct.files.nouns import Stored, restored, stored
+from femstruct.files.results_file.datasets import group, put, put_text
+from femstruct.files.results_file.nouns import Stored, restored, stored
 
 if TYPE_CHECKING:  # slow to import, and most runs write no such file
     import h5py

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, Final
 
-from femstruct.files.described import described, write_described, write_rows
-from femstruct.files.hdf5 import axis, group
+from femstruct.files.results_file.datasets import axis, group
+from femstruct.files.tables.described import described, write_described, write_rows
 from femstruct.impact.estimate import ErrorEstimate, Resolved
 from femstruct.study.result import AccuracyCheck
 

@@ -6,9 +6,9 @@ from math import isfinite
 from typing import TYPE_CHECKING, Any
 
 from acoustics.open_air.directivity import Directivity
-from femstruct.files.described import described, write_described
-from femstruct.files.hdf5 import axis, group, put
-from femstruct.files.numbers import label, number
+from femstruct.files.results_file.datasets import axis, group, put
+from femstruct.files.tables.described import described, write_described
+from femstruct.files.tables.json_numbers import label, number
 from femstruct.sound.power import PowerResponse, Radiated
 from femstruct.study.result import CaseResult
 

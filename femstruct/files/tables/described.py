@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from femstruct.files.hdf5 import axis, put
-from femstruct.files.numbers import label, number
+from femstruct.files.results_file.datasets import axis, put
+from femstruct.files.tables.json_numbers import label, number
 from femstruct.reported import Reported, reported
 
 if TYPE_CHECKING:  # slow to import, and most runs write no such file

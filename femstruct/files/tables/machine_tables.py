@@ -7,8 +7,8 @@ from dataclasses import asdict
 from math import isfinite
 from typing import TYPE_CHECKING, Any
 
-from femstruct.files.described import described, write_rows
-from femstruct.files.hdf5 import axis
+from femstruct.files.results_file.datasets import axis
+from femstruct.files.tables.described import described, write_rows
 from femstruct.study.machine import EnergyShare, Machine, Verdict
 
 if TYPE_CHECKING:  # slow to import, and most runs write no such file

@@ -9,7 +9,7 @@ from typing import Any, Final, NamedTuple
 
 from femstruct.errors import InputError
 from femstruct.files.atomic import replacing, short
-from femstruct.files.tables import Table, summary
+from femstruct.files.tables.study_tables import Table, summary
 from femstruct.study.result import StudyResult
 
 Cell = str | float | int | bool | None

@@ -28,19 +28,19 @@ import numpy as np
 
 from femstruct.errors import Finding
 from femstruct.files.atomic import replacing
-from femstruct.files.bases import write_basis, write_damping
-from femstruct.files.blows import write_blows
-from femstruct.files.described import write_described, write_rows
-from femstruct.files.finding_tables import finding_table, study_findings_table
-from femstruct.files.hdf5 import axis, group, put, put_text
-from femstruct.files.machine import write_verdicts
-from femstruct.files.radiated import write_power, write_radiated
-from femstruct.files.seal import seal
-from femstruct.files.sound import write_levels, write_own, write_own_levels, write_rated, write_room
-from femstruct.files.tables import summary
-from femstruct.files.trust import write_accuracy, write_errors
-from femstruct.files.vtkhdf import write_vtkhdf
-from femstruct.files.whole import write_whole
+from femstruct.files.results_file.basis_groups import write_basis, write_damping
+from femstruct.files.results_file.blow_groups import write_blows
+from femstruct.files.results_file.datasets import axis, group, put, put_text
+from femstruct.files.results_file.seal import seal
+from femstruct.files.results_file.sound_groups import write_levels, write_own, write_own_levels, write_rated, write_room
+from femstruct.files.results_file.vtkhdf import write_vtkhdf
+from femstruct.files.results_file.whole import write_whole
+from femstruct.files.tables.accuracy_tables import write_accuracy, write_errors
+from femstruct.files.tables.described import write_described, write_rows
+from femstruct.files.tables.finding_tables import finding_table, study_findings_table
+from femstruct.files.tables.machine_tables import write_verdicts
+from femstruct.files.tables.radiated_tables import write_power, write_radiated
+from femstruct.files.tables.study_tables import summary
 from femstruct.impact.result.response import EnergyBalance, EnergyLedger, Response
 from femstruct.impact.result.shares import ModeEnergies
 from femstruct.study.machine import Verdict

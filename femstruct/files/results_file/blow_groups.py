@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from femstruct.files.described import write_rows
-from femstruct.files.hdf5 import axis, put
+from femstruct.files.results_file.datasets import axis, put
+from femstruct.files.tables.described import write_rows
 from femstruct.impact.result.response import Blow
 
 if TYPE_CHECKING:  # slow to import, and most runs write no such file

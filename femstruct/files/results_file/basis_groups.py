@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from femstruct.conventions import COMPONENTS
-from femstruct.files.hdf5 import axis, group, put
+from femstruct.files.results_file.datasets import axis, group, put
 from femstruct.modal.basis import ModalBasis
 from femstruct.model.probe import Probe
 

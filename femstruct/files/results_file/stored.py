@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from femstruct.errors import FemstructError, InputError
-from femstruct.files.results import FORMAT, FORMAT_VERSION
-from femstruct.files.seal import refuse_broken_seal
-from femstruct.files.whole import read_whole
+from femstruct.files.results_file.results import FORMAT, FORMAT_VERSION
+from femstruct.files.results_file.seal import refuse_broken_seal
+from femstruct.files.results_file.whole import read_whole
 from femstruct.study.result import StudyResult
 
 if TYPE_CHECKING:  # slow to import, and most runs read no such file

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from acoustics.errors import Advice
 from femstruct.errors import Finding
-from femstruct.files.numbers import number
+from femstruct.files.tables.json_numbers import number
 from femstruct.findings.catalogue import place_of, rank_of
 
 if TYPE_CHECKING:  # tables of one structure need nothing of impacts

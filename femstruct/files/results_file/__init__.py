@@ -1,0 +1,1 @@
+"""results.h5: what is written, sealed and read back whole."""

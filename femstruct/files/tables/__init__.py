@@ -1,0 +1,1 @@
+"""Tables of results for machines: JSON, HDF5 and spreadsheets."""
