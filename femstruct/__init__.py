@@ -91,32 +91,32 @@ if TYPE_CHECKING:
     from femstruct.sound.placed import Placed as Placed
     from femstruct.sound.placed import placed as placed
     from femstruct.sound.surface import surface_velocity as surface_velocity
+    from femstruct.study.acting import InitialMotion as InitialMotion
+    from femstruct.study.acting import PlacedBody as PlacedBody
+    from femstruct.study.acting import PlannedContact as PlannedContact
+    from femstruct.study.acting import PlannedLink as PlannedLink
+    from femstruct.study.acting import PlannedLoad as PlannedLoad
+    from femstruct.study.acting import PlannedWalk as PlannedWalk
+    from femstruct.study.acting import Repeat as Repeat
+    from femstruct.study.acting import RigidMotion as RigidMotion
+    from femstruct.study.asked import AccuracyRule as AccuracyRule
+    from femstruct.study.asked import Extent as Extent
+    from femstruct.study.asked import FrfRequest as FrfRequest
+    from femstruct.study.asked import Limit as Limit
+    from femstruct.study.asked import PeakRule as PeakRule
+    from femstruct.study.asked import Record as Record
+    from femstruct.study.asked import RoomPlan as RoomPlan
+    from femstruct.study.asked import Spot as Spot
+    from femstruct.study.asked import TimePlan as TimePlan
     from femstruct.study.result import StudyResult as StudyResult
     from femstruct.study.structures import BeamModel as BeamModel
     from femstruct.study.structures import ModesModel as ModesModel
     from femstruct.study.structures import NoStructure as NoStructure
     from femstruct.study.structures import OscillatorModel as OscillatorModel
     from femstruct.study.structures import RodModel as RodModel
-    from femstruct.study.study import AccuracyRule as AccuracyRule
     from femstruct.study.study import Case as Case
-    from femstruct.study.study import Extent as Extent
-    from femstruct.study.study import FrfRequest as FrfRequest
-    from femstruct.study.study import InitialMotion as InitialMotion
-    from femstruct.study.study import Limit as Limit
-    from femstruct.study.study import PeakRule as PeakRule
-    from femstruct.study.study import PlacedBody as PlacedBody
     from femstruct.study.study import Plan as Plan
-    from femstruct.study.study import PlannedContact as PlannedContact
-    from femstruct.study.study import PlannedLink as PlannedLink
-    from femstruct.study.study import PlannedLoad as PlannedLoad
-    from femstruct.study.study import PlannedWalk as PlannedWalk
-    from femstruct.study.study import Record as Record
-    from femstruct.study.study import Repeat as Repeat
-    from femstruct.study.study import RigidMotion as RigidMotion
-    from femstruct.study.study import RoomPlan as RoomPlan
-    from femstruct.study.study import Spot as Spot
     from femstruct.study.study import Study as Study
-    from femstruct.study.study import TimePlan as TimePlan
     from femstruct.workflow.identify.identify import Identification as Identification
     from femstruct.workflow.identify.identify import identify as identify
     from femstruct.workflow.run.run import run_study as run_study
@@ -165,27 +165,31 @@ _NAMES = {
     "sound.surface": ("surface_velocity",),
     "study.result": ("StudyResult",),
     "study.structures": ("BeamModel", "ModesModel", "NoStructure", "OscillatorModel", "RodModel"),
-    "study.study": (
-        "AccuracyRule",
-        "Case",
-        "Extent",
-        "FrfRequest",
+    "study.acting": (
         "InitialMotion",
-        "Limit",
-        "PeakRule",
         "PlacedBody",
-        "Plan",
         "PlannedContact",
         "PlannedLink",
         "PlannedLoad",
         "PlannedWalk",
-        "Record",
         "Repeat",
         "RigidMotion",
+    ),
+    "study.asked": (
+        "AccuracyRule",
+        "Extent",
+        "FrfRequest",
+        "Limit",
+        "PeakRule",
+        "Record",
         "RoomPlan",
         "Spot",
-        "Study",
         "TimePlan",
+    ),
+    "study.study": (
+        "Case",
+        "Plan",
+        "Study",
     ),
     "workflow.identify.identify": ("Identification", "identify"),
     "workflow.run.run": ("run_study",),

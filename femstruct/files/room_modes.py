@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Final
 
 from femstruct.files.atomic import replacing
-from femstruct.study.study import RoomPlan
+from femstruct.study.asked import RoomPlan
 
 COUNT: Final = 20
 

@@ -8,8 +8,8 @@ import numpy as np
 
 from femstruct.errors import InputError
 from femstruct.modal.analytic import beam, rod
+from femstruct.study.asked import Extent
 from femstruct.study.structures import BeamModel, ModesModel, RodModel, StructureModel
-from femstruct.study.study import Extent
 
 
 def as_many(structure: StructureModel, extent: Extent) -> StructureModel:

@@ -12,7 +12,9 @@ from femstruct.model.given import Given, given, of_material, of_section, plain
 from femstruct.model.material import Material
 from femstruct.model.section import Section
 from femstruct.model.structure import Joint, Structure
-from femstruct.study.study import PlacedBody, PlannedContact, PlannedLink, PlannedLoad, RoomPlan, Study
+from femstruct.study.acting import PlacedBody, PlannedContact, PlannedLink, PlannedLoad
+from femstruct.study.asked import RoomPlan
+from femstruct.study.study import Study
 
 UNITS: Final = {  # of the fields of a study's nouns
     "mass": "kg", "mass_per_length": "kg/m", "length": "m", "area": "m^2", "E": "Pa", "rho": "kg/m^3", "EI": "N m^2",

@@ -21,8 +21,9 @@ from femstruct.modal.basis import ModalBasis
 from femstruct.model.model import Model
 from femstruct.reported import Reported
 from femstruct.sound.power import PowerResponse, Radiated
+from femstruct.study.asked import FrfRequest
 from femstruct.study.machine import Machine, Verdict
-from femstruct.study.study import Case, FrfRequest, Plan
+from femstruct.study.study import Case, Plan
 
 NET_FORCE: Final = "net force on "  # begins the names of channels that no study asks for
 

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from femstruct.errors import InputError, some_of
 from femstruct.model.probe import Surface
 from femstruct.sound.placed import Placed, placed
-from femstruct.study.study import RoomPlan
+from femstruct.study.asked import RoomPlan
 
 
 def placed_room(plan: RoomPlan, surfaces: Mapping[str, Surface]) -> Placed:

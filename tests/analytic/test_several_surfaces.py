@@ -26,7 +26,7 @@ from femstruct.sound.placed import placed
 from femstruct.sound.power import power_per_force
 from femstruct.sound.surface import air_stiffness, coupling_findings, pressure_per_force, surface_velocity
 from femstruct.sound.two_way import with_cavity
-from femstruct.study.study import RoomPlan
+from femstruct.study.asked import RoomPlan
 from femstruct.workflow.run.run import run_study
 
 SIZE = np.array([1.2, 0.9, 0.7])

@@ -36,6 +36,7 @@ from femstruct.model.section import circle
 from femstruct.model.structure import Structure
 from femstruct.parts.frame import Frame, FrameMesh
 from femstruct.parts.plate import Plate, PlateMesh
+from femstruct.study.asked import Extent, FrfRequest, RoomPlan, Spot, TimePlan
 from femstruct.study.result import (
     CaseComparison,
     CaseResult,
@@ -45,7 +46,7 @@ from femstruct.study.result import (
     PeakChange,
     StudyResult,
 )
-from femstruct.study.study import Case, Extent, FrfRequest, Plan, RoomPlan, Spot, Study, TimePlan
+from femstruct.study.study import Case, Plan, Study
 
 LX, LY = 0.4, 0.32
 INDICES = ((1, 1), (2, 1), (1, 2), (2, 2), (3, 1))

@@ -14,8 +14,8 @@ from acoustics.levels.iso import A_THIRDS
 from femstruct.files.results_file.results import write_results
 from femstruct.files.tables.study_tables import summary
 from femstruct.language import read_study
+from femstruct.study.asked import Limit
 from femstruct.study.result import StudyResult
-from femstruct.study.study import Limit
 from femstruct.view.tables.terminal import show_study
 from femstruct.workflow.compare.verdicts import verdicts
 from femstruct.workflow.run.run import run_study

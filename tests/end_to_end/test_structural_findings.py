@@ -12,7 +12,7 @@ import pytest
 from femstruct.errors import Finding, InputErrors
 from femstruct.language import read_model_file, read_study
 from femstruct.model.mesher import mesh_structure
-from femstruct.study.study import Extent
+from femstruct.study.asked import Extent
 from femstruct.workflow.check.asked_modes import modes_of
 from femstruct.workflow.check.inspect import inspect_file
 from femstruct.workflow.judgement.structure_findings import structure_findings_after, structure_findings_before

@@ -12,8 +12,9 @@ from femstruct.impact.scene.bodies import HalfSine, Table
 from femstruct.language import read_model_file, read_study, with_position
 from femstruct.model.structure import Structure
 from femstruct.parts.mass import Mass
+from femstruct.study.asked import Spot
 from femstruct.study.structures import BeamModel, ModesModel, NoStructure, OscillatorModel, RodModel
-from femstruct.study.study import Plan, Spot
+from femstruct.study.study import Plan
 
 MODEL = """\
 title: plate

@@ -18,8 +18,8 @@ from acoustics.levels.sound_levels import response_levels
 from acoustics.receivers import Receiver
 from acoustics.rooms.pressure_maps import PressureMap
 from femstruct.modal.analytic import given_modes
+from femstruct.study.asked import RoomPlan
 from femstruct.study.result import Channel
-from femstruct.study.study import RoomPlan
 from femstruct.view.figures.drawing import case_colours, case_lines, new_figure, save, thinned
 from femstruct.view.figures.histories import contact_forces, energy, history, travels
 from femstruct.view.figures.maps import draw_map, heard_peaks, pressure_maps

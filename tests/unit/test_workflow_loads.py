@@ -12,7 +12,7 @@ import pytest
 from femstruct.errors import InputErrors
 from femstruct.impact.scene.bodies import HalfSine, Table
 from femstruct.language import read_study
-from femstruct.study.study import PlannedLoad, Repeat
+from femstruct.study.acting import PlannedLoad, Repeat
 from femstruct.view.tables.scales import scaled
 from femstruct.workflow.judgement.impact_findings import hammer_findings, load_findings
 

@@ -35,7 +35,7 @@ from femstruct.language.yaml import (
     word_or,
     words_of,
 )
-from femstruct.study.study import RoomPlan
+from femstruct.study.asked import RoomPlan
 
 _Animated = Frequency | Literal["pulse"]
 _animated = several(word_or({"pulse": None}, FREQUENCY))

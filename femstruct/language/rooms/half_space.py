@@ -11,7 +11,7 @@ from acoustics.fields.half_space import HalfSpace
 from acoustics.fields.shaped import ShapedRoom
 from femstruct.language.rooms.room import Asked, RoomSpec
 from femstruct.language.yaml import FREQUENCY, Frequency, Here, SurfaceName, read_by, refuse, several
-from femstruct.study.study import RoomPlan
+from femstruct.study.asked import RoomPlan
 
 _CLOSED: Final = (
     "size", "mesh", "ceiling", "walls", "modes", "at", "losses", "form", "coupling", "leak", "levels", "animate",

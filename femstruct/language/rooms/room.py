@@ -15,7 +15,7 @@ from femstruct.language.model.point import places
 from femstruct.language.study.body import BodySpec
 from femstruct.language.study.window import TimeSpec
 from femstruct.language.yaml import Here, Position3, Quantity, Spec, members, read_by, refuse
-from femstruct.study.study import RoomPlan
+from femstruct.study.asked import RoomPlan
 
 DENSEST_GAS, SLOWEST_LIQUID = 1000.0, 500.0  # kg/m^3: carbon dioxide at 700 bar; m/s: fluorinated liquids have 550
 _IN_AIR: Final = "air has 343 m/s and 1.21 kg/m^3"

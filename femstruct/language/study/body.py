@@ -27,7 +27,7 @@ from femstruct.language.yaml import (
     Text,
     word_of,
 )
-from femstruct.study.study import BodySide, PlacedBody, Repeat
+from femstruct.study.acting import BodySide, PlacedBody, Repeat
 
 SIDES: tuple[BodySide, ...] = get_args(BodySide)
 FAST = "a plain number is in metres a second: did you mean {number:g} mm/s?"

@@ -9,7 +9,7 @@ from femstruct.language.laws.known_laws import AnyLaw
 from femstruct.language.study.body import BodySpec, ends_of, law_of
 from femstruct.language.study.body_arrays import joined
 from femstruct.language.yaml import Ends, Gap, Here, Quantity, Spec
-from femstruct.study.study import PlannedContact
+from femstruct.study.acting import PlannedContact
 
 
 class BetweenSpec(Spec):

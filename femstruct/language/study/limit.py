@@ -9,7 +9,7 @@ from acoustics.levels.methods import FIELD, RATING
 from femstruct.language.rooms.room import RoomSpec
 from femstruct.language.study.record import QUANTITIES
 from femstruct.language.yaml import Here, Measured, Quantity, nearest
-from femstruct.study.study import SETTLED
+from femstruct.study.asked import SETTLED
 from femstruct.units import DIMENSIONS
 
 RATED: Final = "rating"  # ROOM rating

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 from femstruct.language.model.directions import Dashpot, Stiffness
 from femstruct.language.study.contact import BetweenSpec
 from femstruct.language.yaml import Here, Instant, Quantity, Spec, read_by
-from femstruct.study.study import PlannedLink
+from femstruct.study.acting import PlannedLink
 
 
 class OneWaySpec(Spec):

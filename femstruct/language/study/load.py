@@ -31,7 +31,7 @@ from femstruct.language.yaml import (
     refuse,
     several,
 )
-from femstruct.study.study import PlannedLoad, PlannedWalk, Repeat
+from femstruct.study.acting import PlannedLoad, PlannedWalk, Repeat
 
 
 class HalfSineSpec(Spec):

@@ -14,9 +14,11 @@ from femstruct.language.study.spread import spread
 from femstruct.language.study.study import StudySpec
 from femstruct.language.yaml import Here, check_references, members
 from femstruct.modal.damping import Damping
+from femstruct.study.acting import PlannedLoad, PlannedWalk
+from femstruct.study.asked import Extent, Limit, Record
 from femstruct.study.extents import as_many
 from femstruct.study.structures import StructureModel
-from femstruct.study.study import Extent, Limit, PlannedLoad, PlannedWalk, Record, Study
+from femstruct.study.study import Study
 
 
 def check_study(study: StudySpec, here: Here, model: ModelSpec) -> None:

@@ -6,7 +6,7 @@ from collections.abc import Collection, Mapping
 from typing import Annotated, get_args
 
 from femstruct.language.yaml import Here, nearest, words_of
-from femstruct.study.study import RecordedQuantity
+from femstruct.study.asked import RecordedQuantity
 
 QUANTITIES: tuple[str, ...] = get_args(RecordedQuantity)
 Recorded = Annotated[tuple[RecordedQuantity, ...], words_of(QUANTITIES)]

@@ -7,7 +7,7 @@ from typing import Any
 
 from femstruct.language.rooms.room import RoomSpec
 from femstruct.language.yaml import Band, Frequency, Here, Spec, Text, nearest
-from femstruct.study.study import FrfKind, FrfRequest, Spot
+from femstruct.study.asked import FrfKind, FrfRequest, Spot
 
 
 def spot_of(text: str) -> Spot:

@@ -6,7 +6,7 @@ from typing import Annotated, Any
 
 from femstruct.language.study.request import spot_of
 from femstruct.language.yaml import Here, Measured, Quantity, Refers, Spec, Speed, Text
-from femstruct.study.study import InitialMotion, RigidMotion
+from femstruct.study.acting import InitialMotion, RigidMotion
 
 Spin = Annotated[float, Quantity(("angular speed",))]
 

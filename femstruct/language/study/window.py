@@ -17,7 +17,7 @@ from femstruct.language.yaml import (
     read_by,
     word_or,
 )
-from femstruct.study.study import AccuracyRule, Extent, PeakRule, TimePlan
+from femstruct.study.asked import AccuracyRule, Extent, PeakRule, TimePlan
 
 MOST_SAMPLES: Final = 20_000_000
 FEWEST_SAMPLES: Final = 5

@@ -11,8 +11,8 @@ from matplotlib.figure import Figure
 from femstruct.arrays import Integers
 from femstruct.model.model import Model
 from femstruct.model.refine import refined
+from femstruct.study.asked import RoomPlan
 from femstruct.study.room_surfaces import placed_room
-from femstruct.study.study import RoomPlan
 from femstruct.view.figures.drawing import BASELINE, COLOURS, new_figure, panels
 from femstruct.view.scenes.labels import ROOM, VIEW, Label, apart
 

@@ -13,8 +13,8 @@ from femstruct.arrays import Floats
 from femstruct.conventions import N_COMPONENTS
 from femstruct.model.model import Model
 from femstruct.sound.placed import Placed
+from femstruct.study.asked import RoomPlan
 from femstruct.study.room_surfaces import placed_room
-from femstruct.study.study import RoomPlan
 
 POINT, SUPPORT, SPRING, MASS, SURFACE, ROOM = "#d62728", "#2ca02c", "#ff7f0e", "#000000", "#1f77b4", "#9467bd"
 SIZE: Final = 13  # of marks, in pixels

@@ -17,9 +17,9 @@ from acoustics.rooms.receiver_grids import RoomGrid
 from femstruct.arrays import Floats
 from femstruct.files.atomic import file_name, replacing
 from femstruct.sound.surface import Motion, surface_velocity
+from femstruct.study.asked import RoomPlan
 from femstruct.study.result import StudyResult
 from femstruct.study.room_surfaces import placed_room
-from femstruct.study.study import RoomPlan
 from femstruct.view.figures.maps import heard_peaks
 from femstruct.view.scenes.opengl import NoOpenGL, require_opengl
 from femstruct.view.scenes.scene import add_scales

@@ -14,8 +14,8 @@ from femstruct.files.atomic import file_name, refuse_unwritable_file, replacing
 from femstruct.modal.basis import ModalBasis
 from femstruct.model.model import Model
 from femstruct.model.refine import Refined, refined
+from femstruct.study.asked import RoomPlan
 from femstruct.study.result import StudyResult
-from femstruct.study.study import RoomPlan
 from femstruct.view.scenes.labels import add_labels
 from femstruct.view.scenes.opengl import NoOpenGL, require_opengl
 

@@ -12,7 +12,7 @@ from femstruct.language import read_model_file
 from femstruct.modal.basis import ModalBasis
 from femstruct.modal.damping import Damping, with_damping
 from femstruct.sparse.solvers import FASTEST
-from femstruct.study.study import Extent
+from femstruct.study.asked import Extent
 from femstruct.units import quantity
 from femstruct.workflow.judgement.structure_findings import structure_findings
 from femstruct.workflow.stages.modal_bases import Solved, solve

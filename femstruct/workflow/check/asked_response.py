@@ -15,8 +15,9 @@ from femstruct.language import read_model_file
 from femstruct.modal.damping import Damping, with_damping
 from femstruct.modal.frf import KINDS, direct_frf
 from femstruct.model.probe import Probe
+from femstruct.study.asked import Extent, FrfRequest, Spot
 from femstruct.study.result import Frf
-from femstruct.study.study import Extent, FrfRequest, Spot, Study
+from femstruct.study.study import Study
 from femstruct.workflow.check.asked_modes import frequency_option
 from femstruct.workflow.judgement.all_findings import all_findings
 from femstruct.workflow.stages.modal_bases import Solved, solve

@@ -17,10 +17,11 @@ from femstruct.modal.basis import ModalBasis
 from femstruct.modal.damping import Damping, FromMaterials, LossFactor, Ratio, Rayleigh
 from femstruct.model.facts import ModelFacts, model_facts
 from femstruct.model.model import Model
+from femstruct.study.asked import Extent, RoomPlan
 from femstruct.study.machine import BlockMode, Sag
 from femstruct.study.room_surfaces import placed_room
 from femstruct.study.structures import ModesModel
-from femstruct.study.study import Case, Extent, Plan, RoomPlan, Study
+from femstruct.study.study import Case, Plan, Study
 from femstruct.workflow.check.asked_modes import DEFAULT_MODES, damped_as_far_as_solved
 from femstruct.workflow.check.weight import block_modes, sags, weight_findings
 from femstruct.workflow.judgement.all_findings import all_findings, early_findings, of_cases

@@ -11,9 +11,10 @@ import numpy as np
 from acoustics.levels.rated import RatedRoom
 from femstruct.impact.result.blow_by_blow import AT_REST, structure_energy
 from femstruct.impact.result.response import Response
+from femstruct.study.asked import SETTLED, Limit
 from femstruct.study.machine import Verdict
 from femstruct.study.result import CaseResult, Channel, Drop
-from femstruct.study.study import SETTLED, Limit, Study
+from femstruct.study.study import Study
 from femstruct.workflow.stages.channels import closings, record
 from femstruct.workflow.stages.places import Places
 

@@ -8,7 +8,8 @@ from dataclasses import replace
 from femstruct.errors import Finding, some_of
 from femstruct.findings.catalogue import ranked
 from femstruct.modal.basis import ModalBasis
-from femstruct.study.study import Case, FrfRequest, Study
+from femstruct.study.asked import FrfRequest
+from femstruct.study.study import Case, Study
 from femstruct.workflow.judgement.structure_findings import (
     structure_findings,
     structure_findings_before,

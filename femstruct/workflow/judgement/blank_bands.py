@@ -11,7 +11,8 @@ from acoustics.levels.bands import octave_bands, third_octave_bands
 from acoustics.levels.ending import shown
 from acoustics.levels.methods import Method
 from femstruct.errors import Finding
-from femstruct.study.study import Case, RoomPlan, Study
+from femstruct.study.asked import RoomPlan
+from femstruct.study.study import Case, Study
 from femstruct.workflow.stages.rated_rooms import method_for
 
 _SOLVED: Final[Mapping[str, float]] = MappingProxyType({})

@@ -14,7 +14,8 @@ from femstruct.impact.scene.bodies import HalfSine, Table
 from femstruct.impact.scene.impact_sources import TAPPING_MACHINE
 from femstruct.modal.basis import ModalBasis
 from femstruct.model.probe import Probe
-from femstruct.study.study import PlannedLoad, Study
+from femstruct.study.acting import PlannedLoad
+from femstruct.study.study import Study
 from femstruct.workflow.stages.places import Places
 
 ALIASED = 0.05  # share of an acceleration's rms that modes above half the sampling may have

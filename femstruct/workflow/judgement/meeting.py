@@ -19,8 +19,9 @@ from femstruct.model.structure import Structure
 from femstruct.parts.foundation import Foundation
 from femstruct.parts.plate import Plate
 from femstruct.sound.placed import Placed
+from femstruct.study.asked import RoomPlan
 from femstruct.study.structures import StructureModel
-from femstruct.study.study import RoomPlan, Study
+from femstruct.study.study import Study
 from femstruct.workflow.stages.rated_rooms import method_for
 
 MOST_PAIRS_NAMED: Final = 5  # pairs that are named

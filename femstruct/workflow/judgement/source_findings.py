@@ -9,7 +9,8 @@ from femstruct.errors import Finding
 from femstruct.impact.result.response import Response
 from femstruct.impact.scene.impact_sources import CONTACT_S, DROPPED, EXPOSURE_ALLOWED_DB, RESTITUTION, TAPPING_MACHINE
 from femstruct.modal.basis import ModalBasis
-from femstruct.study.study import PlacedBody, Study
+from femstruct.study.acting import PlacedBody
+from femstruct.study.study import Study
 
 
 def source_findings(study: Study, response: Response) -> tuple[Finding, ...]:

@@ -11,7 +11,9 @@ from femstruct.errors import Finding
 from femstruct.impact.result.blow_by_blow import left_out_finding
 from femstruct.impact.scene.bodies import Blows, HalfSine
 from femstruct.impact.scene.impact_sources import DROPPED
-from femstruct.study.study import Case, PlacedBody, PlannedLoad, Study, TimePlan
+from femstruct.study.acting import PlacedBody, PlannedLoad
+from femstruct.study.asked import TimePlan
+from femstruct.study.study import Case, Study
 from femstruct.workflow.judgement.impact_findings import hammer_findings, load_findings, room_findings
 from femstruct.workflow.judgement.source_findings import source_unresolved
 from femstruct.workflow.stages.places import Places

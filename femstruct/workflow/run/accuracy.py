@@ -19,9 +19,10 @@ from femstruct.impact.scene.bodies import Clock
 from femstruct.impact.simulate import simulate
 from femstruct.model.model import Model
 from femstruct.parts.findings.waves import CELLS_PER_WAVE, carried_hz
+from femstruct.study.asked import AccuracyRule, Extent
 from femstruct.study.result import AccuracyCheck, Deviation
 from femstruct.study.structures import BeamModel, RodModel
-from femstruct.study.study import AccuracyRule, Case, Extent
+from femstruct.study.study import Case
 from femstruct.workflow.stages.channels import UNITS, closings, first_window, in_band, record
 from femstruct.workflow.stages.coupled_air import coupled
 from femstruct.workflow.stages.modal_bases import Solved, damped, key_of, solve

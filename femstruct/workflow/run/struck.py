@@ -22,10 +22,11 @@ from femstruct.impact.simulate import simulate
 from femstruct.impact.unresolved import unresolved_findings
 from femstruct.modal.basis import ModalBasis
 from femstruct.sound.surface import surface_velocities
+from femstruct.study.asked import TimePlan
 from femstruct.study.machine import Verdict
 from femstruct.study.result import Drop, OwnSound
 from femstruct.study.room_surfaces import placed_room
-from femstruct.study.study import Study, TimePlan
+from femstruct.study.study import Study
 from femstruct.workflow.judgement.impact_findings import impact_findings, room_findings, sampled_findings
 from femstruct.workflow.judgement.source_findings import source_findings, walking_findings
 from femstruct.workflow.run.needed_kernels import units_of

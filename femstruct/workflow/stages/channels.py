@@ -14,9 +14,10 @@ from femstruct.errors import InputError
 from femstruct.impact.result.force_on_ground import on_the_ground, passed_on
 from femstruct.impact.result.response import Event, Response
 from femstruct.modal.basis import ForceRow, ModalBasis
+from femstruct.study.asked import PeakRule, Record, RoomPlan
 from femstruct.study.result import NET_FORCE, Channel
 from femstruct.study.structures import ModesModel
-from femstruct.study.study import PeakRule, Record, RoomPlan, Study
+from femstruct.study.study import Study
 from femstruct.workflow.stages.places import Places
 from femstruct.workflow.stages.rest import axis_of, planned_contacts
 from femstruct.workflow.stages.staging import ordered

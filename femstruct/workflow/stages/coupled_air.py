@@ -14,8 +14,8 @@ from femstruct.impact.result.response import Response
 from femstruct.modal.basis import ModalBasis
 from femstruct.model.probe import Probe
 from femstruct.sound.two_way import with_cavity
+from femstruct.study.asked import RoomPlan
 from femstruct.study.room_surfaces import placed_room
-from femstruct.study.study import RoomPlan
 from femstruct.workflow.stages.places import Places
 
 CARRIED: Final = 0.05  # share of a weight at rest that sealed air may carry

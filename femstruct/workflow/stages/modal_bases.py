@@ -15,8 +15,9 @@ from femstruct.model.mesher import mesh_structure
 from femstruct.model.model import Model
 from femstruct.model.probe import Point, Probe
 from femstruct.model.structure import Structure
+from femstruct.study.asked import Extent
 from femstruct.study.structures import BeamModel, ModesModel, NoStructure, OscillatorModel, RodModel, StructureModel
-from femstruct.study.study import Case, Extent, Study
+from femstruct.study.study import Case, Study
 from femstruct.workflow.stages.fingerprint import fingerprint
 from femstruct.workflow.stages.places import Places
 from femstruct.workflow.stages.rest import axis_of

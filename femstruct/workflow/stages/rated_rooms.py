@@ -19,7 +19,8 @@ from acoustics.rooms.room_advice import t60_missed
 from femstruct.errors import Finding, some_of
 from femstruct.impact.scene.impact_sources import BETWEEN_BLOWS, HAMMERS, TAPPING_MACHINE
 from femstruct.modal.basis import ModalBasis
-from femstruct.study.study import RoomPlan, Study
+from femstruct.study.asked import RoomPlan
+from femstruct.study.study import Study
 
 TURN_S: Final = HAMMERS * BETWEEN_BLOWS  # all hammers of a tapping machine once
 FALLEN_DB: Final = 40.0  # between blows that are to be heard alone

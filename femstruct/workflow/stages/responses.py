@@ -14,9 +14,9 @@ from femstruct.modal.frf import frf, frf_unit, moves
 from femstruct.model.probe import Probe
 from femstruct.sound.power import power_per_force
 from femstruct.sound.surface import pressure_per_force
+from femstruct.study.asked import FrfRequest, RoomPlan, Spot
 from femstruct.study.result import Frf
 from femstruct.study.room_surfaces import placed_room
-from femstruct.study.study import FrfRequest, RoomPlan, Spot
 from femstruct.workflow.stages.places import Places
 
 

@@ -10,7 +10,9 @@ import numpy as np
 
 from femstruct.conventions import GRAVITY
 from femstruct.errors import InputError
-from femstruct.study.study import PlacedBody, PlannedContact, PlannedLink, Spot, Study
+from femstruct.study.acting import PlacedBody, PlannedContact, PlannedLink
+from femstruct.study.asked import Spot
+from femstruct.study.study import Study
 
 
 def planned_contacts(study: Study) -> tuple[PlannedContact, ...]:

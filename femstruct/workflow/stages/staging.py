@@ -13,8 +13,9 @@ from femstruct.errors import InputError
 from femstruct.impact.scene.bodies import GROUND, Blows, Body, Contact, End, Link, Load, Scene
 from femstruct.modal.basis import ModalBasis
 from femstruct.model.probe import Probe
+from femstruct.study.acting import InitialMotion, PlacedBody, PlannedContact, PlannedLink
 from femstruct.study.structures import ModesModel
-from femstruct.study.study import InitialMotion, PlacedBody, PlannedContact, PlannedLink, Study
+from femstruct.study.study import Study
 from femstruct.workflow.stages.places import Places
 from femstruct.workflow.stages.rest import (
     at_rest,

@@ -15,9 +15,11 @@ from femstruct.arrays import Floats
 from femstruct.errors import Finding, InputError, some_of
 from femstruct.impact.result.response import Response
 from femstruct.sound.impactor import moved_advice, sphere_of
+from femstruct.study.acting import PlacedBody
+from femstruct.study.asked import RoomPlan
 from femstruct.study.result import OwnSound
 from femstruct.study.room_surfaces import placed_room
-from femstruct.study.study import PlacedBody, RoomPlan, Study
+from femstruct.study.study import Study
 from femstruct.workflow.stages.places import Places
 
 

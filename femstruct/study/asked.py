@@ -1,0 +1,198 @@
+"""What is asked of a study: modes, frequency responses, records, time, limits, rooms and who listens in them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Final, Literal
+
+from femstruct.errors import FemstructError
+from femstruct.model.region import Pair
+
+if TYPE_CHECKING:  # a model's modes need none of these
+    from acoustics.fields.sound_field import SoundField
+    from acoustics.receivers import Receiver
+    from acoustics.rooms.box_two_way import Leak
+
+SETTLED: Final = "settled"  # the limit of the time to rest
+FrfKind = Literal["receptance", "mobility", "accelerance", "transmissibility", "pressure", "power"]
+RecordedQuantity = Literal["displacement", "velocity", "acceleration", "force", "travel"]
+
+
+@dataclass(frozen=True)
+class Spot:
+    """A quantity with an address: a point's direction ("O_f", "z") or a force of the structure ("ground", "force").
+
+    what : x y z rx ry rz n for a point; "force" (along z), "force_x", "force_y" or "force_z" for a spring,
+    foundation, support, joint or "ground"; "pressure" for a receiver, named ROOM.RECEIVER; "power" for an open room.
+
+    >>> str(Spot("middle", "z")), str(Spot("ground", "force")), str(Spot("room.bed", "pressure"))
+    ('middle.z', 'ground.force', 'room.bed.pressure')
+    """
+
+    name: str
+    what: str
+
+    def __str__(self) -> str:
+        return f"{self.name}.{self.what}"
+
+
+@dataclass(frozen=True)
+class Extent:
+    """How many modes: all up to a frequency [Hz], or the lowest `count`, all there are where those are fewer.
+
+    >>> Extent(up_to_hz=3000.0), Extent(count=20)
+    (Extent(up_to_hz=3000.0, count=None), Extent(up_to_hz=None, count=20))
+    """
+
+    up_to_hz: float | None = None
+    count: int | None = None
+
+
+@dataclass(frozen=True)
+class FrfRequest:
+    """A frequency response asked for: drive, response, kind, band [Hz] and step [Hz].
+
+    The mobility at the middle of a floor from 1 to 500 Hz:
+
+    >>> middle = Spot("middle", "z")
+    >>> FrfRequest("at the middle", middle, middle, "mobility", band=(1.0, 500.0), step=0.25).kind
+    'mobility'
+    """
+
+    name: str
+    drive: Spot
+    response: Spot
+    kind: FrfKind
+    band: Pair
+    step: float
+
+
+@dataclass(frozen=True)
+class Record:
+    """A channel to keep. target : a point's direction, a force's name, a body, a contact or a link.
+
+    >>> str(Record("middle.z", "velocity")), str(Record("ball on middle", "force"))
+    ('middle.z velocity', 'ball on middle force')
+    """
+
+    target: str
+    what: RecordedQuantity
+
+    def __str__(self) -> str:
+        return f"{self.target} {self.what}"
+
+
+@dataclass(frozen=True)
+class TimePlan:
+    """Window [s], sampling [Hz], gravity, and the quiet time [s] that ends a collision.
+
+    >>> TimePlan(duration=2.0, sampling=48e3, gravity=True).quiet
+    0.0
+    """
+
+    duration: float
+    sampling: float
+    gravity: bool = False
+    quiet: float = 0.0
+
+
+@dataclass(frozen=True)
+class PeakRule:
+    """Which peaks to report: those of the first impact (its window [s], or None for until the next contact closes),
+    beside those of the whole window; lowpass [Hz] is applied before, None for none.
+
+    The peaks of the first 20 ms, under 5 kHz:
+
+    >>> PeakRule(first_impact=20e-3, lowpass_hz=5e3).lowpass_hz
+    5000.0
+    """
+
+    first_impact: float | None = 20e-3
+    lowpass_hz: float | None = None
+
+
+@dataclass(frozen=True)
+class AccuracyRule:
+    """How far more modes may still change what is recorded: a share [1], in a band [Hz], over the first impact.
+
+    up_to_hz : modes are added up to this frequency at most, None for what the mesh can carry.
+
+    Velocities below 500 Hz to 1 %:
+
+    >>> AccuracyRule(within=0.01, band=(0.0, 500.0)).up_to_hz is None
+    True
+    """
+
+    within: float
+    band: Pair
+    up_to_hz: float | None = None
+
+
+@dataclass(frozen=True)
+class Limit:
+    """What should not be exceeded: by the largest |value| of a recorded channel ("die.z displacement"), in its unit,
+    by the time to rest ("settled") [s], or by the rating of a room ("bedroom rating") [dB].
+
+    room : whose rating it is; "" for the others.
+
+    At most 600 kN on the ground, at rest within a second, and 58 dB in a bedroom:
+
+    >>> limits = Limit("ground force", 600e3), Limit("settled", 1.0), Limit("bedroom rating", 58.0, room="bedroom")
+    >>> [limit.room for limit in limits]
+    ['', '', 'bedroom']
+    """
+
+    name: str
+    value: float
+    room: str = ""
+
+
+@dataclass(frozen=True)
+class RoomPlan:
+    """A room under a radiating surface, or the half space beside it, and its receivers.
+
+    under : the surface that places it. walls : further surfaces, by the wall of the room that they move.
+    offset : of the surface's centre from the ceiling's centre [m], room axes.
+    coupling : one-way, the air does not react on the structure, or two-way. leak : of a two-way room.
+    t60_asked : reverberation times that its losses were made from {frequency [Hz]: [s]}, empty for other losses.
+    levels : standards by which it is rated, of `acoustics.levels.methods.STANDARDS`.
+    animate : frequencies [Hz] of which a moving picture is made, None for the pulse.
+    directivity : frequencies [Hz] at which the directivity of a half space is shown, the loudest if empty.
+
+    A bedroom below a floor, with a bed in it:
+
+    >>> from acoustics.fields.rectangular import Room
+    >>> from acoustics.receivers import Receiver
+    >>> bed = Receiver("bed", [1.0, 1.0, 0.5])
+    >>> RoomPlan("bedroom", Room([4.0, 3.5, 2.4]), under="ceiling", receivers=(bed,)).complete_below_hz
+    inf
+    """
+
+    name: str
+    room: SoundField
+    under: str
+    receivers: tuple[Receiver, ...]
+    offset: Pair = (0.0, 0.0)
+    coupling: Literal["one-way", "two-way"] = "one-way"
+    leak: Leak | None = None
+    t60_asked: Mapping[float, float] = field(default_factory=dict)
+    levels: tuple[str, ...] = ()
+    animate: tuple[float | None, ...] = ()
+    directivity: tuple[float, ...] = ()
+    walls: Mapping[str, str] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        if self.coupling == "two-way" and not self.room.pushes_back:
+            raise FemstructError(
+                f"rooms.{self.name}.coupling", got=f"two-way with {self.room.word}", expected="one-way"
+            )
+
+    def heard_to_hz(self, complete_below_hz: float) -> float:
+        """Where the sound of a structure ends [Hz] whose modes are complete below a frequency."""
+        return min(complete_below_hz, self.complete_below_hz)
+
+    @property
+    def complete_below_hz(self) -> float:
+        """Where what the room knows of itself ends [Hz], infinite without an end."""
+        return self.room.complete_up_to_hz
