@@ -157,15 +157,20 @@ def _exponentials(mu: Complexes, lengths: list[float], tolerance: float) -> list
     """
     counts, step = _multiples([x for x in lengths if x > tolerance], tolerance)
     known: dict[int, Complexes] = {1: np.exp(mu * step)} if counts else {}
-
-    def power(n: int) -> Complexes:
-        if n not in known:
-            known[n] = power(n // 2) * power(n - n // 2)
-        return known[n]
-
     if counts:
-        return [power(round(x / step)) if x > tolerance else 1.0 for x in lengths]
+        return [_power(known, round(x / step)) if x > tolerance else 1.0 for x in lengths]
     return [np.exp(mu * x) if x > tolerance else 1.0 for x in lengths]
+
+
+def _power(known: dict[int, Complexes], n: int) -> Complexes:
+    """The n-th power of known[1], kept with those on its way.
+
+    Not a function inside another one: such a function that calls itself is a cycle, which keeps its arrays until cycles
+    are collected.
+    """
+    if n not in known:
+        known[n] = _power(known, n // 2) * _power(known, n - n // 2)
+    return known[n]
 
 
 def _multiples(lengths: list[float], tolerance: float) -> tuple[list[int], float]:

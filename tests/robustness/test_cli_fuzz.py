@@ -19,7 +19,7 @@ SLOW = ("bedroom", "dwelling_floor", "tapping", "floor_frame_slab", "bang_machin
     "floor_tennis_ball", "floor_two_way", "l_room", "lined_room", "forging_hammer", "press_hard", "slab_outdoors",
     "press", "long_floor", "portal")  # fmt: skip
 WORKER = """
-import faulthandler, json, pathlib, resource, runpy, sys
+import faulthandler, json, pathlib, runpy, sys
 mutations = runpy.run_path(sys.argv[1])
 folder = pathlib.Path(sys.argv[2])
 for number in map(int, sys.argv[4:]):
@@ -29,7 +29,8 @@ for number in map(int, sys.argv[4:]):
     faulthandler.dump_traceback_later(60, exit=True)
     code, out, err = mutations["run_command"](words)
     faulthandler.cancel_dump_traceback_later()
-    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+    status = pathlib.Path("/proc/self/status")  # not ru_maxrss, which begins with that of the process before exec
+    peak = int(status.read_text().split("VmHWM:")[1].split()[0]) / 1024 if status.exists() else 0.0
     print(json.dumps([code, err[-3000:], "Traceback" in out + err, peak]), flush=True)
 """
 
