@@ -164,7 +164,9 @@ def test_only_nouns_are_read(result, path, tmp_path):
         changed = tmp_path / "changed.h5"
         changed.write_bytes(path.read_bytes())
         with h5py.File(changed, "r+") as file:
-            text = file["nouns"].asstr()[()].replace("femstruct.study.study:Spot", name)
+            text = file["nouns"].asstr()[()]
+            assert "femstruct.study.asked:Spot" in text
+            text = text.replace("femstruct.study.asked:Spot", name)
             del file["nouns"]
             file["nouns"] = text
         sealed_anew(changed)
