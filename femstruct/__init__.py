@@ -6,10 +6,16 @@
 Each arrow is a pure function, each noun a frozen value; nothing points back::
 
     read_model, read_study      a YAML file           -> Model, Plan
+    read_mesh_file              a mesh file           -> ImportedMesh, for parts whose shape is a mesh
     mesh_structure              Structure             -> Model, for structures written in Python
     assemble                    Model                 -> Assembly
     given_matrices              someone's M, C, K     -> Assembly
+    read_matrices               exported M, C, K      -> Assembly
+    read_uff, write_uff         a universal file      -> Measurement, and back
     modal_basis, with_damping   Assembly              -> ModalBasis
+    craig_bampton               someone's M, C, K     -> Reduced: a substructure on its interface
+    complex_modes               Assembly, Damping     -> ComplexModes, where damping is not proportional
+    statics                     Model, Assembly       -> AtRest, under weight and constant forces
     frf, simulate               ModalBasis, Scene     -> frequency response, Response
     placed                      a room, Surface       -> Placed, in the room's coordinates
     surface_velocity            Response, Placed      -> acoustics.SurfaceVelocity of each surface
@@ -31,6 +37,10 @@ if TYPE_CHECKING:
     from femstruct.errors import FemstructError as FemstructError
     from femstruct.errors import Finding as Finding
     from femstruct.errors import InputError as InputError
+    from femstruct.files.exchange.uff_reading import read_uff as read_uff
+    from femstruct.files.exchange.uff_writing import write_uff as write_uff
+    from femstruct.files.inputs.matrices_input import read_matrices as read_matrices
+    from femstruct.files.inputs.mesh_files.mesh_file import read_mesh_file as read_mesh_file
     from femstruct.files.results_file.results import write_results as write_results
     from femstruct.files.results_file.stored import read_results as read_results
     from femstruct.impact.batch.batch import simulate_batch as simulate_batch
@@ -62,6 +72,8 @@ if TYPE_CHECKING:
     from femstruct.modal.analytic import oscillator as oscillator
     from femstruct.modal.analytic import rod as rod
     from femstruct.modal.basis import ModalBasis as ModalBasis
+    from femstruct.modal.complex_modes import ComplexModes as ComplexModes
+    from femstruct.modal.complex_modes import complex_modes as complex_modes
     from femstruct.modal.damping import Damping as Damping
     from femstruct.modal.damping import FromMaterials as FromMaterials
     from femstruct.modal.damping import LossFactor as LossFactor
@@ -70,8 +82,31 @@ if TYPE_CHECKING:
     from femstruct.modal.damping import Rayleigh as Rayleigh
     from femstruct.modal.damping import with_damping as with_damping
     from femstruct.modal.frf import frf as frf
+    from femstruct.modal.measured.frf_table import FrfTable as FrfTable
+    from femstruct.modal.measured.frf_table import frf_table as frf_table
+    from femstruct.modal.measured.measurement import MeasuredFrf as MeasuredFrf
+    from femstruct.modal.measured.measurement import MeasuredHistory as MeasuredHistory
+    from femstruct.modal.measured.measurement import MeasuredModes as MeasuredModes
+    from femstruct.modal.measured.measurement import MeasuredPlace as MeasuredPlace
+    from femstruct.modal.measured.measurement import Measurement as Measurement
     from femstruct.modal.reduction import modal_basis as modal_basis
+    from femstruct.modal.statics import AtRest as AtRest
+    from femstruct.modal.statics import statics as statics
+    from femstruct.modal.substructures.craig_bampton import Reduced as Reduced
+    from femstruct.modal.substructures.craig_bampton import craig_bampton as craig_bampton
+    from femstruct.model.equations.average import Average as Average
+    from femstruct.model.equations.equation import Equation as Equation
+    from femstruct.model.equations.rigid_link import RigidLink as RigidLink
+    from femstruct.model.equations.seam import Seam as Seam
+    from femstruct.model.imported.component import Component as Component
+    from femstruct.model.imported.imported_mesh import ImportedMesh as ImportedMesh
     from femstruct.model.material import Material as Material
+    from femstruct.model.materials.lay_up import Laminate as Laminate
+    from femstruct.model.materials.lay_up import Layer as Layer
+    from femstruct.model.materials.lay_up import Smeared as Smeared
+    from femstruct.model.materials.loss_by_frequency import LossByFrequency as LossByFrequency
+    from femstruct.model.materials.orthotropic import Orthotropic as Orthotropic
+    from femstruct.model.materials.plate_section import PlateSection as PlateSection
     from femstruct.model.mesher import mesh_structure as mesh_structure
     from femstruct.model.model import Model as Model
     from femstruct.model.region import Region as Region
@@ -87,7 +122,11 @@ if TYPE_CHECKING:
     from femstruct.parts.inertia import Inertia as Inertia
     from femstruct.parts.mass import Mass as Mass
     from femstruct.parts.plate import Plate as Plate
+    from femstruct.parts.shell import Shell as Shell
+    from femstruct.parts.slab import Slab as Slab
+    from femstruct.parts.solid import Solid as Solid
     from femstruct.parts.spring import Spring as Spring
+    from femstruct.parts.substructure import Substructure as Substructure
     from femstruct.sound.placed import Placed as Placed
     from femstruct.sound.placed import placed as placed
     from femstruct.sound.surface import surface_velocity as surface_velocity
@@ -106,6 +145,7 @@ if TYPE_CHECKING:
     from femstruct.study.asked import PeakRule as PeakRule
     from femstruct.study.asked import Record as Record
     from femstruct.study.asked import RoomPlan as RoomPlan
+    from femstruct.study.asked import ShockRequest as ShockRequest
     from femstruct.study.asked import Spot as Spot
     from femstruct.study.asked import TimePlan as TimePlan
     from femstruct.study.result import StudyResult as StudyResult
@@ -126,6 +166,10 @@ _NAMES = {
     "assembly.given_matrices": ("given_matrices",),
     "assembly.matrices": ("Assembly", "DofMap"),
     "errors": ("FemstructError", "Finding", "InputError"),
+    "files.exchange.uff_reading": ("read_uff",),
+    "files.exchange.uff_writing": ("write_uff",),
+    "files.inputs.matrices_input": ("read_matrices",),
+    "files.inputs.mesh_files.mesh_file": ("read_mesh_file",),
     "files.results_file.results": ("write_results",),
     "files.results_file.stored": ("read_results",),
     "impact.batch.batch": ("simulate_batch",),
@@ -145,10 +189,25 @@ _NAMES = {
     "language": ("read_model", "read_study"),
     "modal.analytic": ("beam", "given_modes", "oscillator", "rod"),
     "modal.basis": ("ModalBasis",),
+    "modal.complex_modes": ("ComplexModes", "complex_modes"),
+    "modal.substructures.craig_bampton": ("Reduced", "craig_bampton"),
     "modal.damping": ("Damping", "FromMaterials", "LossFactor", "ModeDamping", "Ratio", "Rayleigh", "with_damping"),
     "modal.frf": ("frf",),
+    "modal.measured.frf_table": ("FrfTable", "frf_table"),
+    "modal.measured.measurement": ("MeasuredFrf", "MeasuredHistory", "MeasuredModes", "MeasuredPlace", "Measurement"),
     "modal.reduction": ("modal_basis",),
+    "modal.statics": ("AtRest", "statics"),
+    "model.equations.average": ("Average",),
+    "model.equations.equation": ("Equation",),
+    "model.equations.rigid_link": ("RigidLink",),
+    "model.equations.seam": ("Seam",),
+    "model.imported.component": ("Component",),
+    "model.imported.imported_mesh": ("ImportedMesh",),
     "model.material": ("Material",),
+    "model.materials.lay_up": ("Laminate", "Layer", "Smeared"),
+    "model.materials.loss_by_frequency": ("LossByFrequency",),
+    "model.materials.orthotropic": ("Orthotropic",),
+    "model.materials.plate_section": ("PlateSection",),
     "model.mesher": ("mesh_structure",),
     "model.model": ("Model",),
     "model.region": ("Region",),
@@ -160,7 +219,11 @@ _NAMES = {
     "parts.inertia": ("Inertia",),
     "parts.mass": ("Mass",),
     "parts.plate": ("Plate",),
+    "parts.shell": ("Shell",),
+    "parts.slab": ("Slab",),
+    "parts.solid": ("Solid",),
     "parts.spring": ("Spring",),
+    "parts.substructure": ("Substructure",),
     "sound.placed": ("Placed", "placed"),
     "sound.surface": ("surface_velocity",),
     "study.result": ("StudyResult",),
@@ -183,6 +246,7 @@ _NAMES = {
         "PeakRule",
         "Record",
         "RoomPlan",
+        "ShockRequest",
         "Spot",
         "TimePlan",
     ),

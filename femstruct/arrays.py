@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from femstruct.errors import FemstructError
+from femstruct.errors import InputError
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -16,22 +16,23 @@ Integers = NDArray[np.int64]
 def frozen(name: str, values: ArrayLike, shape: tuple[int | None, ...]) -> Floats:
     """Read-only float64 copy of `values`; None in `shape` accepts any length.
 
-    Raises FemstructError when the shape is another or a value is not finite.
+    Raises InputError for what are no numbers in rows of equal length, for another shape, and for values that are not
+    finite.
 
     >>> frozen("size", [1, 2], (2,)).flags.writeable
     False
     """
-    array = np.array(values, dtype=np.float64)
+    array = _copied(name, values, np.float64)
     _check_shape(name, array.shape, shape)
     if not np.isfinite(array).all():
-        raise FemstructError(name, got="nan or infinity", expected="finite numbers")
+        raise InputError(name, got="nan or infinity", expected="finite numbers")
     array.flags.writeable = False
     return array
 
 
 def frozen_integers(name: str, values: ArrayLike, shape: tuple[int | None, ...]) -> Integers:
     """Read-only int64 copy of `values`; None in `shape` accepts any length."""
-    array = np.array(values, dtype=np.int64)
+    array = _copied(name, values, np.int64)
     _check_shape(name, array.shape, shape)
     array.flags.writeable = False
     return array
@@ -43,6 +44,14 @@ def freeze(instance: object, **arrays: Any) -> None:
         object.__setattr__(instance, name, value)
 
 
+def _copied(name: str, values: ArrayLike, dtype: type[np.generic]) -> NDArray[Any]:
+    try:
+        return np.array(values, dtype=dtype)
+    except (ValueError, TypeError, OverflowError):
+        got = " ".join(repr(values).split())
+        raise InputError(name, got=got, expected="numbers, in rows of equal length") from None
+
+
 def _check_shape(name: str, got: tuple[int, ...], expected: tuple[int | None, ...]) -> None:
     if len(got) != len(expected) or any(e is not None and g != e for g, e in zip(got, expected, strict=True)):
-        raise FemstructError(name, got=f"shape {got}", expected=f"shape {expected}".replace("None", "any"))
+        raise InputError(name, got=f"shape {got}", expected=f"shape {expected}".replace("None", "any"))

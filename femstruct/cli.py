@@ -13,7 +13,7 @@ from typing import Annotated, Any, Literal
 import typer
 
 from femstruct.exits import GOOD, INTERRUPTED, NOT_TRUSTED, end, heed_signals, leave_with, refuse_unreadable_words
-from femstruct.study_commands import print_json, progress, shown, solved, stages, watched
+from femstruct.study_commands import print_json, progress, responses, shown, solved, stages, watched
 
 app = typer.Typer(
     help="Impact vibration of structures and the sound it makes in a room.",
@@ -128,7 +128,7 @@ def report(
 ) -> int:
     """Write page, tables, pictures and sounds of a results file again. Nothing is computed anew."""
     from femstruct.files.atomic import refuse_unwritable
-    from femstruct.results_commands import results_file
+    from femstruct.files.results_file.stored import results_file
     from femstruct.workflow.run.output import redraw
 
     source = results_file(results)
@@ -143,14 +143,19 @@ def report(
 @_command
 def plot(
     results: ResultsFile,
-    what: Annotated[str, typer.Argument(metavar="[WHAT]", help="a picture; without it all are listed")] = "",
+    what: Annotated[
+        str, typer.Argument(metavar="[WHAT]", help="a picture; without it, those that can be drawn are listed")
+    ] = "",
     output: Annotated[Path, typer.Option("-o", "--output", metavar="DIR", help="default: here")] = Path(),
     as_json: AsJson = False,
+    verbose: Annotated[
+        bool, typer.Option("-v", "--verbose", help="also list pictures without content, with the reason")
+    ] = False,
 ) -> int:
     """Draw one picture of a results file. Nothing is computed anew."""
     from femstruct.files.atomic import refuse_unwritable
-    from femstruct.files.results_file.stored import read_results
-    from femstruct.results_commands import pictures_of, plotted, results_file
+    from femstruct.files.results_file.stored import read_results, results_file
+    from femstruct.results_commands import pictures_of, plotted
 
     refuse_unwritable(output)
     result = read_results(results_file(results))
@@ -158,38 +163,114 @@ def plot(
         with progress() as tell:
             tell(f"picture {what}")
             lines = [str(path) for path in plotted(result, what, output)]
+        table: dict[str, Any] = {"written": lines}
     else:
-        lines = pictures_of(result)
+        known = pictures_of(result)
+        lines = [name for name, why_not in known.items() if not why_not]
+        without = {name: why_not for name, why_not in known.items() if why_not}
+        table = {"pictures": lines, "without content": without}
+        lines += [f"{name}: without content; {why_not}" for name, why_not in without.items()] if verbose else []
     if as_json:
-        print_json({"written" if what else "pictures": lines})
+        print_json(table)
     else:
         print(*lines, sep="\n")
     return GOOD
 
 
 @_command
-def export(
-    results: ResultsFile,
-    to: Annotated[Literal["csv", "xlsx"], typer.Option("--to", metavar="csv|xlsx", help="kind of file")] = "csv",
-    output: Annotated[Path, typer.Option("-o", "--output", metavar="DIR", help="default: here")] = Path(),
+def reduce(
+    model: ModelFile,
+    part: Annotated[str, typer.Option("--part", metavar="NAME", help="the part to reduce")],
+    output: Annotated[Path, typer.Option("-o", "--output", metavar="FILE", help="NAME.npz")],
+    up_to: Annotated[
+        str, typer.Option("--up-to", metavar="F", help="modes with the interface held; twice the band, as a rule")
+    ] = "",
+    count: Annotated[int | None, typer.Option("--count", min=1, help="how many of these modes")] = None,
+    set_: Sets = [],  # noqa: B006
     as_json: AsJson = False,
 ) -> int:
-    """Write tables of a results file for a spreadsheet. Third octaves and ratings of all cases come first."""
+    """Reduce a part of a model for other models. To what others touch of it and to its points; they take the file as a
+    part {type: reduced}."""
+    from femstruct.workflow.check.asked_modes import extent_of
+    from femstruct.workflow.exchange.reduced_model import reduce_model
+
+    command = " ".join(["femstruct", *sys.argv[1:]])
+    with progress() as tell:
+        found = reduce_model(model, part, extent_of(count, up_to), output, tuple(set_), command, tell)
+    if as_json:
+        print_json(found)
+    else:
+        print(*(f"{word}: {value}" for word, value in found.items()), sep="\n")
+    return GOOD
+
+
+@_command
+def export(
+    file: Annotated[
+        Path,
+        typer.Argument(
+            metavar="FILE", help="csv, xlsx: results.h5 of a run, or its folder; npz, mtx: a model; others: either"
+        ),
+    ],
+    to: Annotated[
+        Literal["csv", "xlsx", "npz", "mtx", "uff", "vtu"],
+        typer.Option("--to", metavar="KIND", help="csv, xlsx: tables of results; npz, mtx: matrices; uff, vtu: modes"),
+    ] = "csv",
+    output: Annotated[Path, typer.Option("-o", "--output", metavar="DIR", help="default: here")] = Path(),
+    count: Annotated[int | None, typer.Option("--count", min=1, help="number of modes")] = None,
+    up_to: Annotated[
+        str, typer.Option("--up-to", metavar="F", help="all modes up to a frequency (default: the first 30)")
+    ] = "",
+    set_: Sets = [],  # noqa: B006
+    as_json: AsJson = False,
+) -> int:
+    """Write files for other programs. Tables of results for a spreadsheet; matrices or modes of a model."""
     from femstruct.files.atomic import refuse_unwritable
-    from femstruct.files.results_file.stored import read_results
-    from femstruct.files.tables.sheets import sheets, write_csv, write_workbook
-    from femstruct.results_commands import results_file
+    from femstruct.workflow.check.asked_modes import extent_of
+    from femstruct.workflow.exchange.exported import exported
 
     refuse_unwritable(output)
-    source = results_file(results)
-    tables = sheets(read_results(source))
-    output.mkdir(parents=True, exist_ok=True)
-    name = source.absolute().parent.name if source.stem == "results" else source.stem
-    paths = [str(path) for path in (write_csv if to == "csv" else write_workbook)(tables, output, name)]
+    extent = extent_of(count, up_to) if count is not None or up_to else None
+    with progress() as tell:
+        written = exported(file, to, output, extent, tuple(set_), " ".join(["femstruct", *sys.argv[1:]]), tell)
+    paths = [str(path) for path in written]
     if as_json:
         print_json({"written": paths})
     else:
         print(*paths, sep="\n")
+    return GOOD
+
+
+@_command
+def mac(
+    model: ModelFile,
+    measured: Annotated[Path, typer.Argument(metavar="F.uff", help="a universal file with modes and their nodes")],
+    count: Annotated[int | None, typer.Option("--count", min=1, help="number of modes of the model")] = None,
+    up_to: Annotated[
+        str, typer.Option("--up-to", metavar="F", help="(default: 1.5 times the highest measured frequency)")
+    ] = "",
+    near: Annotated[
+        str, typer.Option("--near", metavar="PERCENT", help="width of a group of near-equal frequencies, one space")
+    ] = "1 %",
+    length: Annotated[
+        str, typer.Option("--length", metavar="UNIT", help="unit of length of a file that does not say it")
+    ] = "m",
+    set_: Sets = [],  # noqa: B006
+    as_json: AsJson = False,
+) -> int:
+    """Compare a model with measured modes. Frequencies, damping, and the modal assurance criterion (MAC)."""
+    from femstruct.workflow.check.asked_modes import extent_of
+    from femstruct.workflow.exchange.measured_beside import measured_beside
+
+    extent = extent_of(count, up_to) if count is not None or up_to else None
+    with progress() as tell:
+        table = measured_beside(model, measured, extent, near, length, tuple(set_), tell)
+    if as_json:
+        print_json(table)
+    else:
+        from femstruct.view.tables.structure_tables import show_mac
+
+        show_mac(table)
     return GOOD
 
 
@@ -265,13 +346,24 @@ def modes(
     up_to: Annotated[
         str, typer.Option("--up-to", metavar="F", help="all modes up to a frequency (default: the first 30)")
     ] = "",
+    complex_: Annotated[
+        bool, typer.Option("--complex", help="complex modes, with --up-to: where damping makes places move out of step")
+    ] = False,
     set_: Sets = [],  # noqa: B006
     as_json: AsJson = False,
     verbose: Verbose = False,
 ) -> int:
-    """Print natural frequencies and damping. No mode of the mesh is missing, which is proved."""
-    from femstruct.workflow.check.asked_modes import extent_of, modes_of
+    """Print natural frequencies and damping. No mode of the mesh is missing, which is proved of real modes."""
+    from femstruct.workflow.check.asked_modes import complex_modes_of, extent_of, modes_of
 
+    if complex_:
+        from femstruct.view.tables.structure_tables import show_complex_modes
+
+        with progress() as tell:
+            tell("complex modes")
+            found = complex_modes_of(model, extent_of(count, up_to), tuple(set_))
+        print_json(found) if as_json else show_complex_modes(found)
+        return GOOD
     with progress() as tell:
         tell("modes")
         table = modes_of(model, extent_of(count, up_to), tuple(set_))
@@ -285,26 +377,61 @@ def modes(
 
 
 @_command
+def statics(
+    model: ModelFile,
+    force: Annotated[
+        list[str], typer.Option("--force", metavar="P.z=F", help="a constant force at a point, such as 'P.z=-10 kN'")
+    ] = [],  # noqa: B006
+    weight: Annotated[bool, typer.Option("--weight", help="the structure's own weight acts, too")] = False,
+    set_: Sets = [],  # noqa: B006
+    as_json: AsJson = False,
+    verbose: Verbose = False,
+) -> int:
+    """Print a model at rest under forces and weight. Displacements, forces of the supports, largest stresses."""
+    from femstruct.workflow.check.at_rest import at_rest
+
+    with progress() as tell:
+        tell("statics")
+        table = at_rest(model, force, weight, tuple(set_))
+    if as_json:
+        print_json(table)
+    else:
+        from femstruct.view.tables.rest_table import show_rest
+
+        show_rest(table, verbose)
+    return NOT_TRUSTED if any(finding["severe"] for finding in table["findings"]) else GOOD
+
+
+@_command
 def frf(
     model: ModelFile,
-    drive: Annotated[str, typer.Option("--drive", metavar="P.z", help="where the force acts")],
+    drive: Annotated[list[str], typer.Option("--drive", metavar="P.z", help="where the force acts; again for more")],
     response: Annotated[
-        str, typer.Option("--response", metavar="Q.z", help="place and direction of the response, or NAME.force")
+        list[str],
+        typer.Option(
+            "--response", metavar="Q.z", help="place and direction of the response, or NAME.force; again for more"
+        ),
     ],
     band: Annotated[str, typer.Option("--band", metavar="A:B", help="frequencies, such as '1 Hz:500 Hz'")],
     step: Annotated[str, typer.Option("--step", metavar="F", help="frequency step (default: 500 lines)")] = "",
     kind: Annotated[str, typer.Option("--kind", help="receptance, mobility, accelerance or transmissibility")] = "",
     method: Annotated[str, typer.Option("--method", help="modal, or direct as a check")] = "modal",
+    to: Annotated[
+        Literal["csv", "npz", "uff"] | None, typer.Option("--to", metavar="csv|npz|uff", help="write a file")
+    ] = None,
+    output: Annotated[Path, typer.Option("-o", "--output", metavar="DIR", help="default: here")] = Path(),
     set_: Sets = [],  # noqa: B006
     as_json: AsJson = False,
     verbose: Verbose = False,
 ) -> int:
-    """Print one frequency response of a model."""
+    """Print frequency responses of a model, or write them to a file. Several drives and responses: each to each."""
+    if to is not None or len(drive) * len(response) > 1:
+        return responses(model, drive, response, (band, step, kind, method), to, output, tuple(set_), as_json, verbose)
     from femstruct.workflow.check.asked_response import frf_of
 
     with progress() as tell:
         tell("modes and frequency response")
-        table = frf_of(model, drive, response, band, step, kind, method, tuple(set_))
+        table = frf_of(model, drive[0], response[0], band, step, kind, method, tuple(set_))
     if as_json:
         print_json(table)
     else:

@@ -41,7 +41,7 @@ def _loaded(entry: EntryPoint, package: str, base: type) -> Added:
     source = f"package {package}, entry point {entry.name} = {entry.value}"
     try:
         kind = entry.load()
-    except Exception as error:
+    except Exception as error:  # the code of another package, which may raise anything while it is imported
         got = f"{type(error).__name__}: {error}".splitlines()[0]
     else:
         if isinstance(kind, type) and issubclass(kind, base) and not isabstract(kind):

@@ -6,7 +6,7 @@ import json
 import sys
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 from femstruct.exits import GOOD, INTERRUPTED, NOT_TRUSTED
 
@@ -99,3 +99,38 @@ def progress() -> Any:
 def print_json(table: Any) -> None:
     """A table as JSON on stdout."""
     print(json.dumps(table, indent=1, allow_nan=False))
+
+
+def responses(
+    model: Path,
+    drives: list[str],
+    heard: list[str],
+    asked: tuple[str, str, str, str],
+    to: Literal["csv", "npz", "uff"] | None,
+    folder: Path,
+    sets: tuple[str, ...],
+    as_json: bool,
+    verbose: bool,
+) -> int:
+    """Print several frequency responses of a model, or write them to a file; returns the exit code.
+
+    asked : band, step, kind and method.
+    """
+    from femstruct.files.atomic import refuse_unwritable
+    from femstruct.view.tables.structure_tables import show_frfs, show_written
+    from femstruct.workflow.exchange.asked_responses import frfs_of, refuse_unknown, write_frfs
+
+    band, step, kind, method = asked
+    refuse_unknown(to or "", method)
+    if to is not None:
+        refuse_unwritable(folder)
+    with progress() as tell:
+        tell("modes and frequency responses")
+        table, told, positions = frfs_of(model, drives, heard, band, step, kind, sets)
+    if to is not None:
+        path = write_frfs(table, positions, to, folder, model, " ".join(["femstruct", *sys.argv[1:]]))
+        written = {"written": [str(path)], "findings": told["findings"]}
+        print_json(written) if as_json else show_written(written, verbose)
+    else:
+        print_json(told) if as_json else show_frfs(told, verbose)
+    return NOT_TRUSTED if any(finding["severe"] for finding in told["findings"]) else GOOD

@@ -15,7 +15,7 @@ from fractions import Fraction
 from functools import lru_cache
 from typing import Final, NamedTuple
 
-from femstruct.errors import InputError
+from femstruct.errors import InputError, cut
 
 Exponents = tuple[Fraction, ...]  # of kg, m, s, rad, cycle and decibel
 
@@ -111,6 +111,10 @@ _NUMBER: Final = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
 _QUANTITY: Final = re.compile(rf"({_NUMBER})\s*(.*)", re.ASCII | re.DOTALL)
 _COMMA: Final = re.compile(r"[+-]?\d+,\d[\d.,]*", re.ASCII)
 _FACTOR: Final = re.compile(r"([^\W\d_]+|%|°|1)\^?(-?\d+(?:\.\d+)?|\(-?\d+/[1-9]\d*\))?")
+_ITEMS: Final = 6  # of a list or a mapping that are shown
+_NEAR: Final = 0.75  # how alike an unknown unit and a known one are: kHzz and kHz; not dm and m
+_TWINS: Final = ("u", "\N{GREEK SMALL LETTER MU}")  # written as the micro sign
+_KINDS: Final = frozenset(unit.exponents for unit in _UNITS.values())
 _LONGEST: Final = 80  # characters; no quantity needs more
 
 
@@ -175,7 +179,7 @@ def _read(value: object, dimensions: Mapping[str, _Dimension]) -> tuple[float, s
     number, unit_text = match.groups()
     if not unit_text:
         return _finite(float(number), shown, expected), None
-    unit = _known_unit(unit_text) or _unit(unit_text, shown, expected, sample)
+    unit = _known_unit(unit_text) or _unit(unit_text, shown, expected, sample, dimensions)
     try:
         scaled = _finite(float(Decimal(number) * unit.factor), shown, expected)
     except DecimalException:
@@ -205,13 +209,14 @@ def _finite(number: float, shown: str, expected: str) -> float:
 def _known_unit(text: str) -> _Unit | None:
     """The unit of a text that has been read before or can be read; None for one that cannot, so that it is told."""
     try:
-        return _unit(text, "", "", "")
+        return _unit(text, "", "", "", {})
     except QuantityError:
         return None
 
 
-def _unit(text: str, shown: str, expected: str, example: str) -> _Unit:
-    """Factor and exponents of a unit such as ``N*s/m``, ``kg/m^3``, ``m2`` or ``Ns/m``."""
+def _unit(text: str, shown: str, expected: str, example: str, dimensions: Mapping[str, _Dimension]) -> _Unit:
+    """Factor and exponents of a unit such as ``N*s/m``, ``kg/m^3``, ``m2`` or ``Ns/m``. dimensions : it should have one
+    of these, for what to do about an unknown one."""
     factor, total = Decimal(1), _powers()
     divided = False
     for sign, token in re.findall(r"([*·/ ]?)([^*·/ ]*)", re.sub(r"\s*([*·/ ])\s*", r"\1", _protect(text)))[:-1]:
@@ -230,7 +235,12 @@ def _unit(text: str, shown: str, expected: str, example: str) -> _Unit:
         power = Fraction((power_text or "1").strip("()")) * (-1 if sign == "/" else 1)
         if abs(power) > 9:
             raise QuantityError("quantity", got=shown, expected=expected, do=f"write it like {example}")
-        for unit in _symbol(symbol, shown, expected):
+        found = _symbol(symbol)
+        if not found:
+            got = f"{shown} with an unknown unit '{symbol}'"
+            do = _instead(symbol, token == text, dimensions) or f"write it like {example}"
+            raise QuantityError("quantity", got=got, expected=expected, do=do)
+        for unit in found:
             factor *= unit.factor ** (Decimal(power.numerator) / power.denominator)
             total = tuple(old + power * new for old, new in zip(total, unit.exponents, strict=True))
     return _Unit(factor, total)
@@ -241,7 +251,8 @@ def _protect(text: str) -> str:
     return re.sub(r"\((-?\d+)/(\d+)\)", r"(\1|\2)", text.replace("**", "^").replace("²", "2").replace("³", "3"))
 
 
-def _symbol(symbol: str, shown: str, expected: str) -> tuple[_Unit, ...]:
+def _symbol(symbol: str) -> tuple[_Unit, ...]:
+    """The units that a symbol stands for, none for an unknown one."""
     if symbol in _UNITS:
         return (_UNITS[symbol],)
     if symbol == "1":
@@ -249,14 +260,21 @@ def _symbol(symbol: str, shown: str, expected: str) -> tuple[_Unit, ...]:
     joined = re.fullmatch(r"([kMm]?N)(s|m|mm)", symbol)  # Ns, Nm, kNm; Nms could be two things
     if joined:
         return (_UNITS[joined[1]], _UNITS[joined[2]])
-    folded = {name.lower(): name for name in _UNITS}
-    near = difflib.get_close_matches(symbol.lower(), folded, n=1, cutoff=0.5)
-    raise QuantityError(
-        "quantity",
-        got=f"{shown} with an unknown unit '{symbol}'",
-        expected=expected,
-        do=f"did you mean '{folded[near[0]]}'?" if near else f"known units: {', '.join(_SYMBOLS)}, with prefixes",
-    )
+    return ()
+
+
+def _instead(symbol: str, alone: bool, dimensions: Mapping[str, _Dimension]) -> str:
+    """What to write for an unknown unit: the same letters as capitals or small, a near one of the same dimension, or
+    the known ones of that dimension. alone : whether it is the whole unit."""
+    wanted = [one.exponents for one in dimensions.values()]
+    fitting = [name for name, unit in _UNITS.items() if unit.exponents in wanted]
+    folded = {name.lower(): name for name in (_UNITS if not alone else fitting)}
+    near = difflib.get_close_matches(symbol.lower(), folded, n=1, cutoff=_NEAR if alone else 1.0)
+    if near:
+        return f"did you mean '{folded[near[0]]}'?"
+    words = " or ".join(one.words for one in dimensions.values() if one.exponents in {*_KINDS} & {*wanted})
+    listed = ", ".join(name for name in fitting if not name.startswith(_TWINS))
+    return f"known units of {words}: {listed}" if alone and fitting else ""
 
 
 def _accepted(name: str, exponents: Exponents) -> tuple[Exponents, ...]:
@@ -292,9 +310,29 @@ def shown_as(value: object) -> str:
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, dict | list | tuple):
-        return f"a {'mapping' if isinstance(value, dict) else 'list'}"
+        kind = "a mapping" if isinstance(value, dict) else "a list"
+        inside = _inside(value)
+        return f"{kind} {inside}" if inside else kind
     if isinstance(value, int) and abs(value) > 10**18:
         return "a very large number"
     words = " ".join(str(value)[:200].split())
     words = words if len(words) <= 60 else f"{words[:57]}..."
     return f"'{words}'" if isinstance(value, str) else words
+
+
+def _inside(value: object, deepest: int = 2) -> str:
+    """A list or mapping as a file has it, its middle left out where it is long; "" of an empty one.
+
+    >>> _inside([1, "2 mm"]), _inside({"x": [1, 2]})
+    ('[1, 2 mm]', '{x: [1, 2]}')
+    """
+    if isinstance(value, dict | list | tuple):
+        if not value or not deepest:
+            return "" if deepest == 2 else "{..}" if isinstance(value, dict) else "[..]"
+        if isinstance(value, dict):
+            parts = [f"{key}: {_inside(one, deepest - 1)}" for key, one in list(value.items())[:_ITEMS]]
+        else:
+            parts = [_inside(one, deepest - 1) for one in value[:_ITEMS]]
+        parts += ["..."] if len(value) > _ITEMS else []
+        return cut(f"{{{', '.join(parts)}}}" if isinstance(value, dict) else f"[{', '.join(parts)}]", 60)
+    return shown_as(value).strip("'")

@@ -7,6 +7,7 @@ point but for the soft link, so that every output loses at that frequency what t
 """
 
 from dataclasses import replace
+from functools import partial
 from itertools import product
 from typing import Literal
 
@@ -64,9 +65,13 @@ INSIDE = (0.58, 0.47)  # of the box below
 
 
 def structure(element: Literal["bfs16", "hermite12"]) -> Structure:
-    """The floor on its frame, which stands on the slab, which lies on foam along the walls of the box."""
-    floor = Plate("floor", ACRYLIC, 5e-3, (-X, -Y, TOP), size=(0.4, 0.32), mesh=(16, 16), element=element)
-    slab = Plate("slab", CONCRETE, 30e-3, (-0.33, -0.285, 0.0), size=(0.66, 0.57), mesh=30e-3, element=element)
+    """The floor on its frame, which stands on the slab, which lies on foam along the walls of the box.
+
+    The plates are rigid in their planes, as those of the source, with which the frame was fitted.
+    """
+    plate = partial(Plate, element=element, in_plane="rigid")
+    floor = plate("floor", ACRYLIC, 5e-3, (-X, -Y, TOP), size=(0.4, 0.32), mesh=(16, 16))
+    slab = plate("slab", CONCRETE, 30e-3, (-0.33, -0.285, 0.0), size=(0.66, 0.57), mesh=30e-3)
     rim = tuple((x, y, TOP) for x, y in (*AROUND, AROUND[0]))
     edge = Frame("edge", STEEL, BAR, (rim,), mesh=20e-3, element="timoshenko")
     stands = tuple(((x, y, 0.0), (x, y, TOP)) for x, y in POSTS)

@@ -1,7 +1,7 @@
 """A small foam hull under a wave (section 5.3.2, Figs 5.22 and 5.23): our own, since the dissertation's is not printed.
 
 A flat bottom with walls gets its thickness and its E from the two printed frequencies. Walls of 40, 50 and 60 mm fit
-them alike, with 165, 107 and 76 MPa: two numbers do not describe a hull. The acceleration ratio hardly differs (0.658
+them alike, with 199, 126 and 87 MPa: two numbers do not describe a hull. The acceleration ratio hardly differs (0.657
 to 0.661 at a mass ratio of 0.3), and is nearly that of two rigid masses while the wave is slow; what decides, and is
 not printed, is the wave's period.
 """

@@ -1,4 +1,5 @@
-"""20 modes of a square plate and the proof that none is missing, against scipy's eigsh(K, 20, M, sigma=0) as it comes.
+"""20 modes of a square plate and the proof that none is missing, against scipy's eigsh(K, 20, M, sigma=0) as it comes:
+of bfs16 elements and of quadrilaterals of shells; and the matrices of shell elements a second.
 
 CPU seconds, one BLAS thread (set OMP_NUM_THREADS=1 before the start), best of `rounds` taken in turns in one process,
 and the largest memory of each solver's modes in a process of its own. `modes` is everything: analysis, choice of the
@@ -20,7 +21,7 @@ from scipy.sparse import coo_array, csc_array
 from scipy.sparse.linalg import eigsh
 
 from femstruct.arrays import Floats
-from femstruct.elements import plate
+from femstruct.elements import plate, quad_shell, triangle_shell
 from femstruct.modal.solve import modes
 from femstruct.sparse.solvers import SOLVERS
 
@@ -50,14 +51,58 @@ def square_plate(n: int) -> tuple[csc_array, csc_array]:
     return K, M
 
 
-def largest_memory(n: int, solver: str) -> float:
-    """Peak memory [MB] of a process that solves for the modes of the plate of n x n; nan where Linux is not there."""
+def square_shell(n: int) -> tuple[csc_array, csc_array]:
+    """The same plate, a hundredth thick, of n x n quadrilaterals of shells; the edges are held in their plane too."""
+    x, y = (places.ravel() for places in np.meshgrid(np.linspace(0, 1, n + 1), np.linspace(0, 1, n + 1), indexing="ij"))
+    nodes = np.stack([x, y, 0 * x], axis=1)
+    first = (np.arange(n)[:, None] * (n + 1) + np.arange(n)).ravel()
+    cells = np.stack([first, first + n + 1, first + n + 2, first + 1], axis=1)
+    dofs = (cells[:, :, None] * 6 + np.arange(6)).reshape(len(cells), -1).astype(np.int32)
+    place = np.repeat(dofs, 24, axis=1).ravel(), np.tile(dofs, (1, 24)).ravel()
+    on_x, on_y = (x == 0) | (x == 1), (y == 0) | (y == 1)
+    edge = on_x | on_y
+    held = np.stack([edge, edge, edge, on_x, on_y, edge], axis=1)
+    free = np.flatnonzero(~held.ravel()).astype(np.int32)
+    t, D = 0.01, np.array([[1.0, 0.3, 0.0], [0.3, 1.0, 0.0], [0.0, 0.0, 0.35]])
+    shear = 5 / 6 * 12 / t**2 * 0.35 * np.eye(2)
+    stiff = quad_shell.stiffness(nodes[cells], 12 / t**2 * D, 0 * D, D, shear)
+    K, M = (
+        csc_array(coo_array((matrix.ravel(), place), shape=(held.size, held.size)))[free][:, free]
+        for matrix in (stiff, quad_shell.mass(nodes[cells], 1.0, 0.0, t**2 / 12))
+    )
+    return K, M
+
+
+def elements_per_second(count: int = 20_000, rounds: int = 3) -> dict[str, float]:
+    """K and M of shell elements in global axes, per second of CPU: distorted, all equal, and triangles."""
+    square = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0.0]])
+    distorted = square + np.random.default_rng(1).uniform(-0.2, 0.2, (count, 4, 3)) * [1, 1, 0.3]
+    D = np.array([[1.0, 0.3, 0.0], [0.3, 1.0, 0.0], [0.0, 0.0, 0.35]])
+    cases = {
+        "distorted_quads": (quad_shell, distorted),
+        "equal_quads": (quad_shell, square + np.arange(count)[:, None, None] * [1.0, 0.0, 0.0]),
+        "distorted_triangles": (triangle_shell, distorted[:, :3]),
+    }
+    rates = {}
+    for name, (element, corners) in cases.items():
+        best = np.inf
+        for _ in range(rounds):
+            start = time.process_time()
+            element.stiffness(corners, D, 0 * D, D, np.eye(2))
+            element.mass(corners, 1.0, 0.0, 0.1)
+            best = min(best, time.process_time() - start)
+        rates[f"{name}_per_s"] = count / best
+    return rates
+
+
+def largest_memory(structure: str, n: int, solver: str) -> float:
+    """Peak memory [MB] of a process that solves for the modes of a structure of n x n; nan where Linux is not there."""
     status = Path("/proc/self/status")
     if not status.exists():
         return float("nan")
     code = (
         "import sys; from bench_modes import *; "
-        "modes(*square_plate(int(sys.argv[1])), count=COUNT, solver=sys.argv[2])\n"
+        f"modes(*{structure}(int(sys.argv[1])), count=COUNT, solver=sys.argv[2])\n"
         f"print(next(line for line in open('{status}') if line.startswith('VmHWM')).split()[1])"
     )
     command = [sys.executable, "-c", code, str(n), solver]
@@ -66,9 +111,10 @@ def largest_memory(n: int, solver: str) -> float:
 
 def main(divisions: tuple[int, ...] = (50, 100), rounds: int = 2) -> dict[str, float]:
     """CPU seconds of each way, their ratios and peak memory, by number of divisions."""
-    results: dict[str, float] = {}
-    for n in divisions:
-        K, M = square_plate(n)
+    results: dict[str, float] = elements_per_second()
+    for n, build in ((n, build) for n in divisions for build in (square_plate, square_shell)):
+        K, M = build(n)
+        label = f"{build.__name__}_{n}"
         ways: dict[str, Callable[[], Floats]] = {
             f"modes_{solver}": lambda K=K, M=M, solver=solver: modes(K, M, count=COUNT, solver=solver).eigenvalues
             for solver in SOLVERS
@@ -80,15 +126,15 @@ def main(divisions: tuple[int, ...] = (50, 100), rounds: int = 2) -> dict[str, f
                 start = time.process_time()
                 values = np.sort(way())
                 best[name] = min(best[name], time.process_time() - start)
-                results[f"{name}_{n}_first_mode_error"] = abs(float(np.sqrt(values[0])) / (2.0 * np.pi**2) - 1.0)
-        results |= {f"{name}_{n}_s": seconds for name, seconds in best.items()}
+                results[f"{name}_{label}_first_mode_error"] = abs(float(np.sqrt(values[0])) / (2.0 * np.pi**2) - 1.0)
+        results |= {f"{name}_{label}_s": seconds for name, seconds in best.items()}
         for solver in SOLVERS:
-            results[f"eigsh_over_modes_{solver}_{n}"] = best["eigsh"] / best[f"modes_{solver}"]
-            results[f"peak_mb_{solver}_{n}"] = largest_memory(n, solver)
+            results[f"eigsh_over_modes_{solver}_{label}"] = best["eigsh"] / best[f"modes_{solver}"]
+            results[f"peak_mb_{solver}_{label}"] = largest_memory(build.__name__, n, solver)
     return results
 
 
 if __name__ == "__main__":
     chosen = tuple(int(argument) for argument in sys.argv[1:]) or (50, 100)
     for key, value in main(chosen).items():
-        print(f"{key:36s} {value:.3g}")
+        print(f"{key:52s} {value:.3g}")

@@ -71,7 +71,10 @@ class Room(Box, SoundField):
                 "give the room `walls` or a mesh: any wall may move then",
             )
             raise AcousticsError("surface.wall", got=got, expected="surfaces on its ceiling", do=do)
-        super().on_wall(wall)
+        if wall != CEILING:
+            got, expected = f"a surface on '{wall}' of {self.word}", f"one on {CEILING}"
+            do = f"there is no wall '{wall}': the walls are {', '.join((CEILING, *OTHERS))}"
+            raise AcousticsError("surface.wall", got=got, expected=expected, do=do)
 
     def accept(self, wall: str, points: Floats, normals: Floats) -> None:
         """Refuse any surface that is not within the ceiling."""

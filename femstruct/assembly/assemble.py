@@ -14,6 +14,7 @@ from femstruct.assembly.matrices import Assembly, DofMap
 from femstruct.assembly.ties import Elimination, eliminate
 from femstruct.errors import FemstructError, InputError, SingularSystem, some_of
 from femstruct.model.facts import part_masses
+from femstruct.model.materials.loss_by_frequency import Loss
 from femstruct.model.model import Model
 
 _CANCELLED = 16 * float(np.finfo(float).eps)  # of the terms of a sum: sums of many terms keep two or three eps of them
@@ -42,7 +43,7 @@ def assemble(model: Model) -> Assembly:
     """
     dofs = number_dofs(model)
     stiffness: dict[str, csr_array] = {}
-    loss_factors: dict[str, float] = {}
+    loss_factors: dict[str, Loss] = {}
     masses: list[csr_array] = []
     dashpots: list[csr_array] = []
     for name, part in model.parts.items():
@@ -51,12 +52,16 @@ def assemble(model: Model) -> Assembly:
         if own_stiffness is not None:
             stiffness[name] = dofs.placed(name, own_stiffness)
             loss_factors[name] = part.loss_factor
+        if (own_dashpots := part.dashpots()) is not None:
+            dashpots.append(dofs.placed(name, own_dashpots))
     for elastic in model.elastics:
         rows = csr_array(elastic.rows @ dofs.output)
         added = _congruent(rows, elastic.stiffness)
         if elastic.name in stiffness:  # of a part that has both cells and springs
             if elastic.loss_factor != loss_factors[elastic.name]:
-                got = f"loss factors of {loss_factors[elastic.name]:g} and {elastic.loss_factor:g}"
+                both = (loss_factors[elastic.name], elastic.loss_factor)
+                told = " and ".join(f"{one:g}" if isinstance(one, float) else f"{one}" for one in both)
+                got = f"loss factors of {told}"
                 raise FemstructError(f"parts.{elastic.name}", got=got, expected="one for all that has its name")
             added = csr_array(stiffness[elastic.name] + added)
         stiffness[elastic.name] = added

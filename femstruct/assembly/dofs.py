@@ -80,10 +80,10 @@ class DofLabels(Sequence[str]):
     def _label(self, raw: int) -> str:
         for name, (first, own) in self._dofs.parts.items():
             if first <= raw < first + own.count:
-                node, component = divmod(raw - first, len(own.labels))
                 at_nodes = own.count - len(own.extra)
                 if raw - first >= at_nodes:
                     return f"{name} {own.extra[raw - first - at_nodes]}"
+                node, component = divmod(raw - first, len(own.labels))
                 part = self._model.parts[name]
                 place = ", ".join(f"{value:.6g}" for value in part.places[node])
                 return f"{name} node {part.first + node} ({place}) {own.labels[component]}"

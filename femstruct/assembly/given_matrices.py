@@ -62,22 +62,58 @@ def given_matrices(
         twice = np.flatnonzero(np.bincount(columns) > 1)[0]
         got = f"two degrees of freedom at node {twice // N_COMPONENTS} {COMPONENTS[twice % N_COMPONENTS]}"
         raise FemstructError(where, got=got, expected="one each")
-    mass, stiffness = (_symmetric(f"{where} {name}", matrix, n) for name, matrix in (("M", M), ("K", K)))
-    dashpots = _symmetric(f"{where} C", C, n) if C is not None else csc_array((n, n))
-    translations = (components[:, None] == np.arange(3)).astype(np.float64)
-    momentum = np.asarray((mass @ translations).T)
     labels = tuple(f"node {node} {COMPONENTS[component]}" for node, component in zip(nodes, components, strict=True))
+    T = csr_array((np.ones(n), (columns, np.arange(n))), shape=(len(points) * N_COMPONENTS, n))
+    translations = (components[:, None] == np.arange(3)).astype(np.float64)
+    momentum = np.asarray((_symmetric(f"{where} M", M, n) @ translations).T)
+    total_mass = float((momentum * translations.T).sum(axis=1).max())
+    return mapped_matrices(M, K, DofMap(T, labels), points, momentum, total_mass, C, loss_factor)
+
+
+def mapped_matrices(
+    M: Any,
+    K: Any,
+    dofs: DofMap,
+    points: ArrayLike,
+    momentum: ArrayLike,
+    total_mass: float,
+    C: Any = None,
+    loss_factor: float = 0.0,
+) -> Assembly:
+    """The assembly of matrices whose degrees of freedom move the nodes by a map, as after ties and reductions.
+
+    As `given_matrices`, but dofs : how the nodes follow. momentum [3, n] : of the structure when each degree of freedom
+    moves at unit rate, along x, y, z [kg]. total_mass [kg].
+
+    Raises FemstructError for a matrix of another size or that is not symmetric, and for a map to other nodes.
+
+    A rigid bar of 3 kg that shifts along z: one degree of freedom for both of its ends.
+
+    >>> ends = DofMap(csr_array(([1.0, 1.0], ([2, 9], [0, 0])), shape=(14, 1)), ("bar UZ",))
+    >>> bar = mapped_matrices([[3.0]], [[12.0]], ends, np.eye(2, 3), [[0.0], [0.0], [3.0]], 3.0)
+    >>> from femstruct import modal_basis
+    >>> basis = modal_basis(bar, count=1)
+    >>> basis.omega.round(9).tolist(), basis.shapes[:, 2, 0].round(6).tolist()
+    ([2.0], [0.57735, 0.57735])
+    """
+    where = "given matrices"
+    points = frozen(f"{where} points", np.asarray(points, dtype=np.float64), (None, 3))
+    rows, n = dofs.T.shape
+    if rows != len(points) * N_COMPONENTS:
+        expected = f"{len(points)} nodes x {N_COMPONENTS}"
+        raise FemstructError(f"{where} map", got=f"{rows} rows", expected=expected)
+    stiffness = _symmetric(f"{where} K", K, n)
     return Assembly(
-        M=mass,
+        M=_symmetric(f"{where} M", M, n),
         K=stiffness,
-        C=dashpots,
-        dofs=DofMap(csr_array((np.ones(n), (columns, np.arange(n))), shape=(len(points) * N_COMPONENTS, n)), labels),
+        C=_symmetric(f"{where} C", C, n) if C is not None else csc_array((n, n)),
+        dofs=dofs,
         points=points,
         part_stiffness={"given": stiffness},
         loss_factors={"given": loss_factor},
         forces={},
-        momentum=momentum,
-        total_mass=float((momentum * translations.T).sum(axis=1).max()),
+        momentum=frozen(f"{where} momentum", momentum, (3, n)),
+        total_mass=total_mass,
     )
 
 

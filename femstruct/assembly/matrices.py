@@ -9,6 +9,7 @@ from scipy.sparse import csc_array, csr_array
 
 from femstruct.arrays import Floats, freeze, frozen
 from femstruct.errors import FemstructError
+from femstruct.model.materials.loss_by_frequency import Loss
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,7 +83,7 @@ class Assembly:
     dofs: DofMap
     points: Floats
     part_stiffness: Mapping[str, csc_array]
-    loss_factors: Mapping[str, float]
+    loss_factors: Mapping[str, Loss]
     forces: Mapping[str, ForceRows]
     momentum: Floats
     total_mass: float

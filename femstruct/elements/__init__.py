@@ -1,1 +1,1 @@
-"""Element matrices, batched arrays in and out: polynomials quadrature, plate, frame and its placement."""
+"""Element matrices, batched arrays in and out: polynomials quadrature, plate laminate, membrane shell, frame, solid."""

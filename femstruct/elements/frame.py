@@ -183,6 +183,62 @@ def interpolate(
     return rows
 
 
+def resultants(
+    kind: str,
+    length: ArrayLike,
+    xi: ArrayLike,
+    E: ArrayLike,
+    G: ArrayLike,
+    A: ArrayLike,
+    Iy: ArrayLike,
+    Iz: ArrayLike,
+    J: ArrayLike,
+    ky: ArrayLike,
+    kz: ArrayLike,
+) -> Floats:
+    """Rows that give the section forces N Vy Vz [N] and moments T My Mz [N m] along elements from their local DOFs.
+
+    xi [m] : place from 0 at end i to 1 at end j; the others as `stiffness`, [m] or one value.
+
+    Returns [m, 6, 12] or [m, 6, 18]: what acts on the part of the bar before the place, along the local axes: tension
+    is positive, My = E Iy dRY/dx stretches the side of positive z, Mz = E Iz dRZ/dx that of negative y.
+
+    Notes
+    -----
+    From the strains, with the moduli of the stiffness. Loads at the ends give the exact forces all along; with inertia
+    along the bar moments converge with h^2, forces of two-node bars are constant in an element.
+
+    >>> rows = resultants("euler", 2.0, [0.0], 3.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0)
+    >>> tip = np.zeros(12); tip[7] = 1.0  # a cantilever's end moved by 1 and held from turning: 12 EI / L^3
+    >>> (rows[0] @ tip)[[1, 5]]
+    array([4.5, 4.5])
+    """
+    place, length, E, G, A, Iy, Iz, J = np.broadcast_arrays(
+        np.atleast_1d(np.asarray(xi, dtype=np.float64)),
+        *property_arrays(length=length, E=E, G=G, A=A, Iy=Iy, Iz=Iz, J=J),
+    )
+    if nodes_per_bar(kind) == 3:
+        ky, kz = (np.broadcast_to(np.asarray(k, dtype=np.float64), place.shape) for k in (ky, kz))
+        return linked.resultants(length, place, E, G, A, Iy, Iz, J, ky, kz)
+    phi_y, phi_z = shear_parameters(kind, length, E, G, A, Iy, Iz, ky, kz)
+    rows = np.zeros((len(place), 6, N_DOFS))
+    rod = np.array([-1.0, 1.0])
+    rows[:, 0, _AXIAL] = (E * A / length)[:, None] * rod
+    rows[:, 3, _TORSION] = (G * J / length)[:, None] * rod
+    s = powers(place)
+    _, _, slope, section = _families()
+    for dofs, sign, force, moment, inertia, phi in (
+        (_BENDING_Y, 1.0, 1, 5, Iz, phi_y),
+        (_BENDING_Z, -1.0, 2, 4, Iy, phi_z),
+    ):
+        scale = _dof_scale(length, sign) * (E * inertia / length**2 / (1.0 + phi))[:, None]
+        bent = s @ derivative(slope).T + phi[:, None] * (s @ derivative(section).T)
+        steeper = s @ derivative(derivative(slope)).T + phi[:, None] * (s @ derivative(derivative(section)).T)
+        rows[:, moment, dofs] = sign * bent * scale
+        rows[:, force, dofs] = -steeper * scale / length[:, None]
+    return rows
+
+
 def shear_parameters(
     kind: str,
     length: ArrayLike,

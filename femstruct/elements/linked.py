@@ -83,6 +83,36 @@ def interpolate(length: Floats, place: Floats) -> Floats:
     return rows
 
 
+def resultants(
+    length: Floats,
+    place: Floats,
+    E: Floats,
+    G: Floats,
+    A: Floats,
+    Iy: Floats,
+    Iz: Floats,
+    J: Floats,
+    ky: Floats,
+    kz: Floats,
+) -> Floats:
+    """Rows [m, 6, 18] of N Vy Vz T My Mz, as `femstruct.elements.frame.resultants`; shear from the shear strain."""
+    rows = np.zeros((len(place), 6, N_DOFS))
+    s = powers(place)
+    rod = s @ derivative(QUADRATIC).T
+    rows[:, 0, _AXIAL] = (E * A / length)[:, None] * rod
+    rows[:, 3, _TORSION] = (G * J / length)[:, None] * rod
+    deflection, turned = _families()
+    strain, curvature = (s @ family.T for family in (derivative(deflection) - turned, derivative(turned)))
+    for dofs, sign, force, moment, inertia, k in (
+        (_BENDING_Y, 1.0, 1, 5, Iz, ky),
+        (_BENDING_Z, -1.0, 2, 4, Iy, kz),
+    ):
+        scale = _dof_scale(length, sign)
+        rows[:, moment, dofs] = sign * curvature * scale * (E * inertia / length**2)[:, None]
+        rows[:, force, dofs] = strain * scale * (k * G * A / length)[:, None]
+    return rows
+
+
 def _dof_scale(length: Floats, sign: float) -> Floats:
     """[n, 6]: the unit interval's DOFs are w and L theta / 3, which leaves whole coefficients; theta = -RY in x-z."""
     one, turn = np.ones_like(length), sign * length / 3.0

@@ -11,6 +11,7 @@ from femstruct.errors import InputError
 from femstruct.findings.entry import FORBIDS, LIMITS, Entry, Rank
 from femstruct.findings.impact_entries import IMPACT
 from femstruct.findings.level_entries import LEVELS
+from femstruct.findings.mesh_entries import MESHES
 from femstruct.findings.mode_entries import MODES
 from femstruct.findings.open_air_entries import OPEN_AIR
 from femstruct.findings.room_entries import ROOMS
@@ -20,6 +21,7 @@ from femstruct.findings.study_entries import STUDY
 SUBJECTS: Final[Mapping[str, tuple[Entry, ...]]] = MappingProxyType(
     {
         "structure": STRUCTURE,
+        "meshes from files": MESHES,
         "modes and mesh": MODES,
         "impact": IMPACT,
         "rooms": ROOMS,
@@ -57,8 +59,9 @@ def entry_of(code: str) -> Entry:
     """
     if code in CATALOGUE:
         return CATALOGUE[code]
-    near = get_close_matches(code, CATALOGUE, n=1, cutoff=0.0)
-    raise InputError("explain", got=f"'{code}'", expected="the code of a finding", do=f"the nearest is '{near[0]}'")
+    near = get_close_matches(code, CATALOGUE, n=1)
+    do = f"the nearest is '{near[0]}'" if near else "'femstruct explain' lists all"
+    raise InputError("explain", got=f"'{code}'", expected="the code of a finding", do=do)
 
 
 def rank_of(code: str, severe: bool) -> Rank:

@@ -33,6 +33,23 @@ IMPACT: Final = (
         forbids="the residual is more than 1e-6 of the energy put in",
     ),
     Entry(
+        "stress-uneven",
+        "The largest stress of a part depends on the mesh.",
+        LIMITS,
+        "at the most stressed place, the cells that meet there, or the next places, differ by more than the threshold",
+        "Use a finer mesh. If the stress then grows, it is infinite in the model: put a force or support on a set of "
+        "nodes or on a patch, and at a re-entrant corner or a clamped edge quote the stress one thickness away.",
+        (
+            Limit(
+                0.2,
+                "of the largest stress",
+                "a smooth stress changes by less from cell to cell",
+                CHOSEN,
+                "stresses.UNEVEN",
+            ),
+        ),
+    ),
+    Entry(
         "contact-closed-at-end",
         "A contact is still closed when the window ends.",
         LIMITS,
@@ -118,7 +135,7 @@ IMPACT: Final = (
         "The contact is so short that samples of its force miss the peak.",
         LIMITS,
         "the shortest contact has fewer samples than needed",
-        "Sample faster. The table of contacts has the true peak.",
+        "Sample faster. The table of contacts has the true peak, and so have peaks and limits.",
         (
             Limit(
                 10.0,
@@ -127,9 +144,51 @@ IMPACT: Final = (
                 "half sine between two samples",
                 "contact_findings.SAMPLES_PER_CONTACT",
             ),
-            Limit(0.05, "% of the peak", "more is visible", CHOSEN, "impact_findings.PEAK_MISSED", forbids=True),
+            Limit(0.05, "% of the peak", "more is visible", CHOSEN, "impact_findings.PEAK_MISSED"),
         ),
-        forbids="the study records the force and its largest sample is 5 % below the peak",
+    ),
+    Entry(
+        "motion-coarsely-sampled",
+        "The motion is sampled too coarsely for what vibrates in it.",
+        LIMITS,
+        "the last mode has fewer samples in a period than needed, a history misses its peak, or modes above half the "
+        "sampling have a share of an acceleration",
+        "Sample faster. Peaks and limits are found on a finer grid and hold; histories, spectra and sound have the "
+        "samples of the study.",
+        (
+            Limit(
+                2.0,
+                "samples in a period of the last mode",
+                "a vibration with fewer shows at a lower frequency",
+                "doi:10.1109/JRPROC.1949.232969",
+                "closer.FOLDED",
+            ),
+            Limit(
+                16.0,
+                "samples in a period of what vibrates fastest",
+                "with fewer, peaks are found on a finer grid; with more they are at most 1.9 % low",
+                "(pi / 16)^2 / 2",
+                "closer.ENOUGH",
+            ),
+            Limit(
+                8.0,
+                "samples in a period of a pulse on the finer grid",
+                "with fewer, peaks may be more than 8 % low",
+                "(pi / 8)^2 / 2",
+                "coarse_sampling.FEW",
+                forbids=True,
+            ),
+            Limit(0.05, "% of a peak that a history misses", "more is visible", CHOSEN, "coarse_sampling.PEAK_MISSED"),
+            Limit(
+                0.05,
+                "% of the rms of an acceleration",
+                "less changes the rms by 0.1 %",
+                "0.05^2 / 2",
+                "impact_findings.ALIASED",
+            ),
+        ),
+        forbids="sound is computed from fewer than 2 samples in a period of the last mode, or the finer grid for peaks "
+        "does not fit into memory: peaks are then blank or lower bounds",
     ),
     Entry(
         "contact-beyond-modes",

@@ -24,6 +24,27 @@ MODES: Final = (
                 "waves.CELLS_PER_WAVE",
             ),
             Limit(
+                10.0,
+                "cells a bending wavelength of shells",
+                "frequencies of linear cells are 2 to 5 % too high",
+                "tests/analytic/test_shell_meshes.py",
+                "shell_waves.CELLS",
+            ),
+            Limit(
+                16.0,
+                "linear cells a wavelength of solids",
+                "bending frequencies of hex8 are 2 % too high",
+                "tests/analytic/test_solid_meshes.py",
+                "solid_waves.LINEAR",
+            ),
+            Limit(
+                8.0,
+                "quadratic cells a wavelength of solids",
+                "bending frequencies of hex20 are 1.5 % too high",
+                "tests/analytic/test_solid_meshes.py",
+                "solid_waves.QUADRATIC",
+            ),
+            Limit(
                 2.0,
                 "cells a bending wavelength",
                 "below, the mesh cannot represent the wave",
@@ -53,7 +74,7 @@ MODES: Final = (
         "The plate is so thick that its first frequency is too high without shear.",
         LIMITS,
         "the estimated error of the first frequency, for shear and rotary inertia, is more than the threshold",
-        "Correct the first frequency by the stated error; higher modes are further off.",
+        "Use 'type: slab', which shears. Or correct the first frequency by the error; higher ones are further off.",
         (
             Limit(
                 0.005, "% of the first frequency", "less is below the error of a mesh", _MINDLIN, "theory.NOTABLE_SHEAR"
@@ -65,11 +86,57 @@ MODES: Final = (
         forbids="the first frequency is more than 50 % too high",
     ),
     Entry(
+        "layers-shear",
+        "The plate is made of layers with much shear at the highest frequency, and plates have no shear.",
+        LIMITS,
+        "shear would be more than the threshold share of the deflection over half a bending wave",
+        "Use 'type: slab' or 'shell', whose elements shear, or ask for modes up to the stated frequency only.",
+        (
+            Limit(
+                0.1,
+                "% of the deflection",
+                "without shear a frequency is 5 % too high",
+                "waves in layers, tests/analytic/test_laminates.py",
+                "waves.SHEARED",
+            ),
+            Limit(
+                1.0 / 6.0,
+                "% of the deflection",
+                "a frequency is 10 % too high",
+                "waves in layers, tests/analytic/test_laminates.py",
+                "waves.GROSSLY_SHEARED",
+                forbids=True,
+            ),
+        ),
+        forbids="frequencies are more than 10 % too high",
+    ),
+    Entry(
+        "layers-lose-in-shear",
+        "The layers have another loss factor in transverse shear than in bending, which their modes have.",
+        LIMITS,
+        "with 'damping: {from: materials}' the two loss factors differ by more than both thresholds",
+        "Give the part a loss factor of its own by 'smeared', or take solids for the layers.",
+        (
+            Limit(
+                0.01, "difference of the loss factors", "damping is rarely known better", CHOSEN, "layer_losses.APART"
+            ),
+            Limit(1.5, "ratio of the loss factors", "2 dB at a resonance", CHOSEN, "layer_losses.TIMES"),
+        ),
+    ),
+    Entry(
+        "unsymmetric-layers",
+        "The plate has layers that are not symmetric, so stretching it would also bend it.",
+        LIMITS,
+        "the lay-up differs from below and above, so its neutral surface is not the mid-surface",
+        "Nothing where the plate is free to stretch: its bending is right. Where ribs, folds or supports hold it in "
+        "its plane, use 'type: slab', whose elements couple stretching and bending.",
+    ),
+    Entry(
         "thick-for-short-waves",
         "The plate is thick for the short waves at the highest frequency.",
         LIMITS,
         "the bending wavelength is shorter than a number of thicknesses",
-        "Read the highest bands as a lower bound; the message states the missing level in dB.",
+        "Read the highest bands as a lower bound (the message states the missing level), or use 'type: slab'.",
         (
             Limit(
                 10.0,
@@ -101,6 +168,19 @@ MODES: Final = (
         "the effective modal mass in a direction is less than the threshold share of the whole",
         "Ask for more modes, if the motion in that direction is of interest.",
         (Limit(0.9, "% of the mass", "usual in response analysis by modes", CHOSEN, "reduction._CAPTURED"),),
+    ),
+    Entry(
+        "loss-beyond-table",
+        "The loss factor is given by frequency, and modes lie outside of that.",
+        LIMITS,
+        "a mode that strains the part is further from the table than the threshold",
+        "Give loss factors for all bands of the study, or accept the value of the nearest frequency.",
+        (
+            Limit(2.0**0.5, "times a frequency", "half an octave, half a band", CHOSEN, "loss_tables.BEYOND"),
+            Limit(
+                0.01, "% of a mode's elastic energy", "a part with less hardly damps it", CHOSEN, "loss_tables.STRAINED"
+            ),
+        ),
     ),
     Entry(
         "mode-damping-lost",
@@ -146,13 +226,5 @@ MODES: Final = (
         "the change with and without residual vectors differs by more than the threshold",
         "Do not quote the change. Use 'peaks: {lowpass: F}' with F below the last mode.",
         (Limit(5.0, "percentage points", "more changes a figure that is quoted", CHOSEN, "peaks.CHANGED"),),
-    ),
-    Entry(
-        "acceleration-aliased",
-        "The recorded acceleration contains motion above half the sampling frequency.",
-        LIMITS,
-        "modes above half the sampling frequency have more than the threshold share of the rms",
-        "Sample faster, or use a low-pass on a velocity.",
-        (Limit(0.05, "% of the rms", "less changes the rms by 0.1 %", "0.05^2 / 2", "impact_findings.ALIASED"),),
     ),
 )

@@ -12,6 +12,61 @@ _UNITS: Final = "Check the unit; the message names the value that was probably m
 
 STRUCTURE: Final = (
     Entry(
+        "constraint-repeated",
+        "A constraint has equations that follow from those of others.",
+        LIMITS,
+        "equations of a constraint add nothing to those of joints, supports and the constraints before it",
+        "Remove what is said twice. Motions and frequencies are right; the force of the constraint is one of many.",
+        (Limit(1e-9, "of an equation", "positions of joined nodes agree to 1e-12", CHOSEN, "ties.RANK"),),
+    ),
+    Entry(
+        "constraint-holds",
+        "Constraints hold a point at zero though no support does.",
+        LIMITS,
+        "the equations of constraints have only the solution zero for a direction of one of their points, and no "
+        "support takes part",
+        "Check the factors of the equations that are named; write a support if the point is to be held.",
+    ),
+    Entry(
+        "reduced-beyond",
+        "A reduced part is asked for frequencies that it was not reduced for.",
+        LIMITS,
+        "the highest frequency looked at is more than the threshold share of that of the modes that were kept",
+        "Reduce the part anew with modes up to twice the highest frequency: femstruct reduce --up-to.",
+        (
+            Limit(
+                0.75,
+                "of the highest frequency of the modes kept",
+                "a floor of two parts erred by 2e-6 at 0.67 of it, by 3e-4 at 0.86",
+                "tests/analytic/test_craig_bampton.py",
+                "reduced_band.BEYOND",
+            ),
+        ),
+    ),
+    Entry(
+        "matrices-held",
+        "A part given by matrices is held inside of them.",
+        REMARK,
+        "no motion of the degrees of freedom shifts all nodes of the part alike",
+        "Forces of supports inside of the matrices are not recorded. Export or reduce the part without its supports, "
+        "and write them in the model that it becomes a part of.",
+    ),
+    Entry(
+        "constraint-to-ground",
+        "An equation holds the structure as a support does.",
+        REMARK,
+        "a rigid motion of the whole structure violates a constraint",
+        "Intended for a lever whose pivot is not in the model. Otherwise make the factors add up to zero in each "
+        "direction, and couple points that lie on the line of the direction.",
+    ),
+    Entry(
+        "stiff-cells",
+        "A solid has tetrahedra of 4 nodes, which are far too stiff in bending.",
+        LIMITS,
+        "a part of type solid has linear tetrahedra",
+        "Mesh with tetrahedra of 10 nodes (second order), or with hexahedra.",
+    ),
+    Entry(
         "implausible-material",
         "No solid has this combination of modulus and density.",
         FORBIDS,
@@ -30,6 +85,13 @@ STRUCTURE: Final = (
             Limit(1.0, "kg/m^3, lightest solid", "aerogels have 3 kg/m^3", CHOSEN, "plausibility.LIGHTEST"),
             Limit(23e3, "kg/m^3, densest solid", "osmium has 22 590 kg/m^3", CHOSEN, "material.DENSEST"),
         ),
+    ),
+    Entry(
+        "material-completed",
+        "The orthotropic material has constants that were not given and are completed.",
+        REMARK,
+        "E has two values, G two, or nu one",
+        "Give all nine constants where solids need them; plates and shells use Ex, Ey, nuxy and the shear moduli.",
     ),
     Entry(
         "implausible-thickness",
@@ -116,7 +178,8 @@ STRUCTURE: Final = (
         "overlapping-parts",
         "Two parts fill the same space, so mass and stiffness count twice.",
         LIMITS,
-        "two parallel plates, or two blocks, overlap by more than the threshold share of the thinner one",
+        "two parallel plates, or two blocks, overlap by more than the threshold share of the thinner one, or "
+        "cells of two meshes have one middle",
         "Move one part. The origin of a plate is on its mid-surface.",
         (
             Limit(0.01, "% of the thinner part", "less is a rounded dimension", CHOSEN, "twice.REACHES"),
@@ -149,10 +212,10 @@ STRUCTURE: Final = (
     ),
     Entry(
         "eccentric-bars",
-        "Ribs beside the mid-surface are too stiff, because plates cannot stretch in their own plane here.",
+        "Ribs beside the mid-surface are too stiff, because the plate is rigid in its own plane.",
         LIMITS,
         "a frequency of the rib with its strip of plate is too high by more than the threshold",
-        "Model bars without 'offsets' as a lower bound of the stiffness, and report both.",
+        "Use 'in_plane: elastic' and the element bfs16.",
         (
             Limit(1e-3, "of a frequency", "less is below other errors", _SOLIDS, "eccentric.NOTABLE"),
             Limit(1e-2, "of a frequency", "the usual error of a mesh", _SOLIDS, "eccentric.SEVERE", forbids=True),
@@ -160,11 +223,20 @@ STRUCTURE: Final = (
         forbids="the frequency is more than 1 % too high",
     ),
     Entry(
+        "arched-plate",
+        "Supports hold a ribbed plate lengthways at both ends, so that it acts as an arch.",
+        LIMITS,
+        "the frequency of a rib with its strip of plate is higher than with sliding ends by more than the threshold",
+        "Use 'simple' or 'roller' edges, or let a clamped end slide along the ribs, as 'fix: [y, z, rx, ry, rz]' for "
+        "ribs along x; nothing where the supports are as stiff as rock along the ribs.",
+        (Limit(1e-2, "of a frequency", "the usual error of a mesh", CHOSEN, "arched.NOTABLE"),),
+    ),
+    Entry(
         "stiff-layer",
         "The layer is so stiff in shear that two plates are too stiff in bending together.",
         LIMITS,
-        "a frequency is too high by more than the threshold, because plates cannot stretch in their own plane here",
-        "Replace both plates and the layer by one plate of the same bending stiffness.",
+        "a frequency is too high by more than the threshold, because the plates are rigid in their own planes",
+        "Use 'in_plane: elastic' and the element bfs16.",
         (
             Limit(1e-3, "of a frequency", "less is below other errors", _SOLIDS, "eccentric.NOTABLE"),
             Limit(1e-2, "of a frequency", "the usual error of a mesh", _SOLIDS, "eccentric.SEVERE", forbids=True),
@@ -173,10 +245,10 @@ STRUCTURE: Final = (
     ),
     Entry(
         "folded-plates",
-        "Plates joined at an angle move in their own planes, which the model cannot follow.",
+        "Plates joined at an angle move in their own planes, in which they are said to be rigid.",
         LIMITS,
         "modes are asked for up to the threshold share of the first in-plane frequency of the folded plates",
-        "Ask for modes below the stated frequency only.",
+        "Use 'in_plane: elastic' and the element bfs16, or ask for modes below the stated frequency only.",
         (
             Limit(
                 0.5,

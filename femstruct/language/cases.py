@@ -153,7 +153,7 @@ def _case(
 ) -> Case | None:
     if one.study_spec is None or one.model_spec is None or one.model is None:
         return None
-    structure, damping = built_model(one.model_spec, one.model, mistakes)
+    structure, damping = built_model(one.model_spec, one.model, mistakes, sources)
     if structure is None or damping is None:
         return None
     names, tree = one.model_spec.names(), one.study

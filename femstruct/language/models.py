@@ -55,10 +55,11 @@ def read_model_file(path: str | Path, overrides: Sequence[str] = ()) -> ModelFil
     if spec is not None:
         spec.check(Here(tree, mistakes, spec.names()))
     mistakes.stop_if_any()
-    structure, damping = built_model(spec, tree, mistakes) if spec is not None else (None, None)
+    sources = {tree.file: tree.text}
+    structure, damping = built_model(spec, tree, mistakes, sources) if spec is not None else (None, None)
     mistakes.stop_if_any()
     assert structure is not None and damping is not None
-    return ModelFile(title_of(tree), structure, damping, {tree.file: tree.text}, positions_of(tree))
+    return ModelFile(title_of(tree), structure, damping, sources, positions_of(tree))
 
 
 def read_model(path: str | Path, overrides: Sequence[str] = ()) -> Model:
@@ -96,10 +97,13 @@ def with_position(source: ModelFile | Plan, error: FemstructError) -> str:
     return str(error)
 
 
-def built_model(spec: ModelSpec, tree: Tree, mistakes: Mistakes) -> tuple[StructureModel | None, Damping | None]:
-    """Structure and damping of a checked model; None where a mistake was noted."""
+def built_model(
+    spec: ModelSpec, tree: Tree, mistakes: Mistakes, sources: dict[str, str]
+) -> tuple[StructureModel | None, Damping | None]:
+    """Structure and damping of a checked model; None where a mistake was noted. sources : is given the digests of the
+    files that it names."""
     here = Here(tree, mistakes)
-    return spec.build(title_of(tree), here), here.at("damping").make(spec.damping.noun)
+    return spec.build(title_of(tree), here, sources), here.at("damping").make(spec.damping.noun)
 
 
 def override(patch: Patch, overrides: Sequence[str]) -> None:

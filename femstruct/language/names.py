@@ -12,6 +12,7 @@ LONGEST: Final = 80  # characters
 NAMESPACE: Final = (
     "parts",
     "joints",
+    "constraints",
     "points",
     "surfaces",
     "supports",

@@ -11,6 +11,7 @@ import numpy as np
 from femstruct.arrays import Floats, freeze, frozen
 from femstruct.conventions import N_COMPONENTS
 from femstruct.errors import FemstructError, Finding
+from femstruct.model.materials.loss_by_frequency import Loss
 from femstruct.model.probe import Probe
 
 Kind = Literal["rigid", "elastic", "residual"]
@@ -113,7 +114,7 @@ class ModalBasis:
     hysteretic: Floats
     outputs: Mapping[str, ForceRow]
     part_stiffness: Mapping[str, Floats]
-    loss_factors: Mapping[str, float]
+    loss_factors: Mapping[str, Loss]
     residual_norm: Floats
     complete_below_hz: float
     momentum: Floats

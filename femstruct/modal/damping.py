@@ -9,16 +9,20 @@ import numpy as np
 import scipy
 
 from femstruct.arrays import Floats, Integers
+from femstruct.declared import checked
 from femstruct.errors import Finding, InputError
 from femstruct.modal.basis import ForceRow, ModalBasis
-from femstruct.modal.likeness import mac
+from femstruct.modal.likeness import TIE, pairing
+from femstruct.modal.loss_tables import beyond_tables, material_losses
 from femstruct.modal.outputs import AXES
+from femstruct.model.materials.loss_by_frequency import loss_at
 
 _NEAR = 0.05  # how far mode N may be from where its damping was measured
 _MIN_MAC = 0.5  # the least MAC at which two shapes count as the same mode
 
 
 @dataclass(frozen=True)
+@checked("damping")
 class Ratio:
     """The same damping ratio zeta of every elastic mode [1]: viscous 2 zeta omega.
 
@@ -30,6 +34,7 @@ class Ratio:
 
 
 @dataclass(frozen=True)
+@checked("damping")
 class LossFactor:
     """One loss factor eta of the whole structure [1]: K (1 + j eta).
 
@@ -41,6 +46,7 @@ class LossFactor:
 
 
 @dataclass(frozen=True)
+@checked("damping")
 class Rayleigh:
     """C = alpha M + beta K: alpha [1/s], beta [s]. alpha also brakes rigid motion.
 
@@ -60,12 +66,15 @@ class Rayleigh:
 class FromMaterials:
     """The loss factor of every part's own material or foundation: sum of eta_part K_part, a full matrix.
 
+    One that depends on frequency is taken for each mode at its own: sqrt(eta(f_r) eta(f_s)) K_part of modes r, s.
+
     >>> Damping(FromMaterials()).modes
     ()
     """
 
 
 @dataclass(frozen=True)
+@checked("damping")
 class ModeDamping:
     """The damping of one mode instead of the general law.
 
@@ -92,6 +101,7 @@ class ModeDamping:
 
 
 @dataclass(frozen=True)
+@checked("damping", base="Ratio, LossFactor, Rayleigh or FromMaterials; Ratio({value})?")
 class Damping:
     """How the structure itself dissipates: a general law and the exceptions from it, each mode once.
 
@@ -107,9 +117,6 @@ class Damping:
     modes: tuple[ModeDamping, ...] = ()
 
     def __post_init__(self) -> None:
-        if not isinstance(self.base, Ratio | LossFactor | Rayleigh | FromMaterials):
-            expected = "Ratio, LossFactor, Rayleigh or FromMaterials"
-            raise InputError("damping", got=f"{self.base!r}", expected=expected, do=f"Ratio({self.base!r})?")
         values = [getattr(self.base, name) for name in ("value", "alpha", "beta") if hasattr(self.base, name)]
         for value in values:
             _check("damping", value)
@@ -141,6 +148,7 @@ def with_damping(basis: ModalBasis, damping: Damping) -> ModalBasis:
     array([0.02])
     """
     exceptions, findings = _exceptions(basis, damping.modes)
+    beyond = beyond_tables(basis) if isinstance(damping.base, FromMaterials) else ()
     viscous, hysteretic = _base(basis, damping.base)
     for index, mode in exceptions.items():
         viscous[index, :] = viscous[:, index] = hysteretic[index, :] = hysteretic[:, index] = 0.0
@@ -159,20 +167,24 @@ def with_damping(basis: ModalBasis, damping: Damping) -> ModalBasis:
         viscous=basis.viscous + viscous,
         hysteretic=basis.hysteretic + hysteretic,
         outputs=outputs,
-        findings=basis.findings + findings,
+        findings=basis.findings + findings + beyond,
     )
 
 
 def carry_damping(damping: Damping, baseline: ModalBasis, changed: ModalBasis) -> ModalBasis:
     """`changed` with the damping of `baseline`: exceptions follow their mode by shape, whatever its new number.
 
-    Modes are paired one to one with the largest total MAC. A mode without a partner of MAC 0.5 or more gets the general
-    law, and a finding says so. Neither basis has the damping yet.
+    Modes are paired one to one with the largest total MAC, which among near-equal frequencies is that with their space
+    (`pairing`). A mode without a partner of 0.5 or more gets the general law, and a finding says so. Neither basis has
+    the damping yet.
     """
     exceptions, _ = _exceptions(baseline, damping.modes)
-    likeness = mac(baseline, changed)
+    pairs = pairing(baseline, changed)
+    likeness = pairs.likeness
     elastic = np.array([kind == "elastic" for kind in changed.kind[changed.modes]], dtype=bool)
-    rows, columns = scipy.optimize.linear_sum_assignment(np.where(elastic, likeness, 0.0), maximize=True)
+    rows, columns = scipy.optimize.linear_sum_assignment(
+        np.where(elastic, likeness + TIE * pairs.mac, 0.0), maximize=True
+    )
     partner = dict(zip(rows.tolist(), columns.tolist(), strict=True))
     carried: list[ModeDamping] = []
     findings: list[Finding] = []
@@ -202,11 +214,7 @@ def _base(basis: ModalBasis, base: Ratio | LossFactor | Rayleigh | FromMaterials
         return none, np.diag(base.value * omega**2)
     if isinstance(base, Rayleigh):
         return np.diag(base.alpha + base.beta * omega**2), none
-    losses = none.copy()
-    for part, stiffness in basis.part_stiffness.items():
-        losses += basis.loss_factors.get(part, 0.0) * stiffness
-    rigid = omega == 0.0
-    losses[rigid, :] = losses[:, rigid] = 0.0  # rounding: a rigid mode strains no part
+    losses = material_losses(basis)
     return none, losses
 
 
@@ -229,7 +237,8 @@ def _with_losses(
         dashpots = np.where(general, base.alpha * row.inertia + base.beta * row.stiffness, dashpots)
     part = name.rpartition(".")[0]
     if isinstance(base, FromMaterials) and part in basis.loss_factors:
-        structural = np.where(general, row.stiffness * basis.loss_factors[part], structural)
+        own = loss_at(basis.loss_factors[part], basis.frequency_hz)
+        structural = np.where(general, row.stiffness * own, structural)
     structural = np.where(basis.omega > 0, structural, 0.0)
     return replace(
         row,

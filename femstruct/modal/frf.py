@@ -15,6 +15,7 @@ from femstruct.errors import InputError, NotConverged
 from femstruct.modal.basis import ForceRow, ModalBasis
 from femstruct.modal.damping import Damping, FromMaterials, LossFactor, Rayleigh
 from femstruct.modal.outputs import AXES
+from femstruct.model.materials.loss_by_frequency import LossByFrequency, loss_at
 from femstruct.model.probe import Probe
 from femstruct.sparse.patterns import aligned
 from femstruct.sparse.solvers import FASTEST, SOLVERS, Factored, ZeroPivot
@@ -158,7 +159,10 @@ def direct_frf(
     load = _dense_row(assembly, drive)
     through = _passed_on(assembly, response, drive) if isinstance(response, str) else 0.0
     _check_kind(response, kind)
-    pattern, (springs, losses, inertia) = aligned([stiffness, dashpots, assembly.M])
+    tables = _tables(assembly, law)
+    pattern, (springs, losses, inertia, *tabled) = aligned(
+        [stiffness, dashpots, assembly.M, *(assembly.part_stiffness[part] for part in tables)]
+    )
     analysis = SOLVERS[FASTEST](pattern)
     answers = np.empty(len(omega), dtype=np.complex128)
     for line, w in enumerate(omega):
@@ -168,6 +172,8 @@ def direct_frf(
             else _dense_row(assembly, response).astype(np.complex128)
         )
         values = springs + 1j * w * losses - w**2 * inertia
+        for loss, part_springs in zip(tables.values(), tabled, strict=True):
+            values = values + 1j * loss.at(w / (2.0 * np.pi)) * part_springs
         try:
             factor = analysis.factor(values)
         except ZeroPivot as error:
@@ -216,6 +222,12 @@ def _solve_line(A: csc_array, factor: Factored, load: Floats, omega: float) -> C
     return shape
 
 
+def lossy_matrices(assembly: Assembly, damping: Damping) -> tuple[csc_array, csc_array]:
+    """K with its losses and C of an assembly with a law of damping; InputError for ratios and single modes."""
+    stiffness, dashpots, _, _ = _complex_stiffness(assembly, damping)
+    return stiffness, dashpots
+
+
 def _complex_stiffness(
     assembly: Assembly, damping: Damping
 ) -> tuple[csc_array, csc_array, float, Rayleigh | FromMaterials | None]:
@@ -231,11 +243,19 @@ def _complex_stiffness(
     if isinstance(law, FromMaterials):
         lossy = csc_array(assembly.K.astype(np.complex128))
         for part, stiffness in assembly.part_stiffness.items():
-            lossy = csc_array(lossy + 1j * assembly.loss_factors.get(part, 0.0) * stiffness)
+            loss = assembly.loss_factors.get(part, 0.0)
+            if not isinstance(loss, LossByFrequency):
+                lossy = csc_array(lossy + 1j * loss * stiffness)
         return lossy, assembly.C, 0.0, law
     if law.value:
         raise InputError("direct_frf damping", got="a ratio of every mode", expected="a law of the matrices")
     return csc_array(assembly.K.astype(np.complex128)), assembly.C, 0.0, None
+
+
+def _tables(assembly: Assembly, law: object) -> dict[str, LossByFrequency]:
+    """Parts whose loss factors depend on frequency, where the law asks for those of materials."""
+    found = assembly.loss_factors.items() if isinstance(law, FromMaterials) else ()
+    return {part: loss for part, loss in found if isinstance(loss, LossByFrequency)}
 
 
 def _force_row(
@@ -248,7 +268,7 @@ def _force_row(
     if isinstance(law, FromMaterials):
         if part not in assembly.loss_factors:
             raise InputError("direct_frf response", got=f"'{name}'", expected="a force of a part with a loss factor")
-        eta = assembly.loss_factors[part]
+        eta = float(loss_at(assembly.loss_factors[part], omega / (2.0 * np.pi)))
     if isinstance(law, Rayleigh):
         damping = damping + law.alpha * inertia + law.beta * stiffness
     return _complex((1.0 + 1j * eta) * stiffness + 1j * omega * damping - omega**2 * inertia)

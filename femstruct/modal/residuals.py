@@ -38,8 +38,8 @@ def residual_vectors(K: csc_array, M: csc_array, found: Modes, loads: Floats) ->
     answered = np.linalg.norm(scale[:, None] * left, axis=0) <= _SAME * np.linalg.norm(scale[:, None] * loads, axis=0)
     if answered.all():  # no probe, held probes, or a basis that holds every mode
         return np.zeros(0), np.zeros((len(loads), 0))
-    static = _complement_solve(M, found, left[:, ~answered])
-    dynamic = _complement_solve(M, found, M @ static)
+    static = complement_solve(M, found, left[:, ~answered])
+    dynamic = complement_solve(M, found, M @ static)
     first = _independent(static, static, 1.0 / scale, _SAME)
     second = _without(M, orthonormalise(M, first), _without(M, found.shapes, dynamic))
     vectors = np.concatenate([first, _independent(second, dynamic, 1.0 / scale, _NEARLY)], axis=1)
@@ -50,7 +50,7 @@ def residual_vectors(K: csc_array, M: csc_array, found: Modes, loads: Floats) ->
     return values, signed(vectors @ turn, np.sqrt(np.abs(M.diagonal())))
 
 
-def _complement_solve(M: csc_array, found: Modes, loads: Floats) -> Floats:
+def complement_solve(M: csc_array, found: Modes, loads: Floats) -> Floats:
     """K^+ loads: the deflection under the loads less what the modes found take of it, M-orthogonal to them."""
     shapes, factor = found.shapes, found.factor
     loads = loads - (M @ shapes) @ (shapes.T @ loads)

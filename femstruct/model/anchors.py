@@ -20,11 +20,27 @@ def places_of(where: str, name: str, model: Model) -> tuple[Point, ...]:
     return model.places(name)
 
 
+def place_of(where: str, name: str, model: Model) -> Point:
+    """The place of a named point; InputError when there is none of that name, and when it has several places."""
+    first, *more = places_of(where, name, model)
+    if more:
+        got = f"'{name}', which has {len(more) + 1} places"
+        raise InputError(where, got=got, expected="one place", do=f"write one of them, as {first.name}")
+    return first
+
+
 def listed(where: str, directions: object) -> list[int]:
     """Numbers of the components out of x y z rx ry rz; InputError for any other."""
     if not isinstance(directions, tuple) or not set(directions) <= set(DIRECTIONS):
         raise InputError(where, got=f"{directions}", expected=f"directions out of {', '.join(DIRECTIONS)}")
     return [DIRECTIONS.index(direction) for direction in directions]
+
+
+def some_listed(where: str, directions: object) -> list[int]:
+    """As `listed`; InputError for none, too."""
+    if not directions:
+        raise InputError(where, got="none", expected=f"one or more of {', '.join(DIRECTIONS)}")
+    return listed(where, directions)
 
 
 def point_rows(point: Point, arm: Floats, model: Model) -> csr_array:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-import scipy
 from scipy.sparse import csr_array, vstack
 
 from femstruct.arrays import Floats, Integers
@@ -11,13 +10,17 @@ from femstruct.conventions import DIRECTIONS, N_COMPONENTS
 from femstruct.errors import InputError, some_of
 from femstruct.model.anchors import listed, places_of, point_rows
 from femstruct.model.fastened import Elastic, Tie
-from femstruct.model.grid.touching import stretch_inside
+from femstruct.model.grid.bars_on_plates import contact, turning_rows
+from femstruct.model.grid.joined_nodes import box_pairs, coincident_pairs
+from femstruct.model.grid.sliding import sliding
 from femstruct.model.model import Model
+from femstruct.model.part import Meshed
 from femstruct.model.rows import node_rows
 from femstruct.model.structure import Joint, Support
 
-_TRANSLATIONS = 3
 _SIX = 6
+CARRIED = 3  # nodes of a solid that hold the rotation of the one they follow
+_SHIFTS, _ROTATIONS = [0, 1, 2], [3, 4, 5]
 _AXES = np.concatenate([np.eye(3), np.zeros((3, 3))])
 
 
@@ -33,15 +36,18 @@ def support(item: Support, model: Model, tolerance: float) -> Tie:
     if name not in model.parts:
         raise InputError(f"{where}.on", got=f"'{name}'", expected=f"a part with nodes: {some_of(model.parts)}")
     part = model.parts[name]
+    _refuse_turns(item, part)
+    if item.region is not None:
+        held = listed(where, _named(item))
+        nodes = part.within(f"{where}.{item.region.kind}", item.region, tolerance)
+        return _held(item.name, nodes, np.eye(N_COMPONENTS)[held], n_nodes)
     if item.edge is None and item.line is None:
         components = part.clamped if item.fix == "clamped" else np.eye(N_COMPONENTS)[listed(where, _named(item))]
         return _held(item.name, part.nodes, components, n_nodes)
     pieces = []
-    for nodes, clamped, simple in part.edges(item, tolerance):
+    for nodes, components in part.edges(item, tolerance):
         if isinstance(item.fix, tuple):
             components = np.eye(N_COMPONENTS)[listed(where, item.fix)]
-        else:
-            components = simple if item.fix == "simple" else clamped
         pieces.append(_held(item.name, nodes, components, n_nodes))
     return Tie(
         item.name,
@@ -51,8 +57,23 @@ def support(item: Support, model: Model, tolerance: float) -> Tie:
     )
 
 
+def _refuse_turns(item: Support, part: Meshed) -> None:
+    """Raise InputError for rotations that are held of nodes that have none: nothing would be held."""
+    turns = [one for one in item.fix if one in DIRECTIONS[3:]] if isinstance(item.fix, tuple) else []
+    if turns and not part.has_rotations:
+        raise InputError(
+            f"supports.{item.name}.fix",
+            got=f"{', '.join(turns)} of {part.name}, whose nodes have no rotations",
+            expected="directions out of x, y, z, which are all that nodes of solids have",
+            do="write [x, y, z]: held at nodes apart, it cannot turn",
+        )
+
+
 def _named(item: Support) -> object:
     """Directions held at a point or of a whole part."""
+    if item.fix == "roller":
+        where = f"supports.{item.name}.fix"
+        raise InputError(where, got="a roller that is no edge or line", expected="directions", do="write [z]")
     return {"simple": DIRECTIONS[:3], "clamped": DIRECTIONS}.get(str(item.fix), item.fix)
 
 
@@ -61,44 +82,96 @@ def joint(item: Joint, model: Model, tolerance: float) -> tuple[Tie | None, Elas
 
     A block takes along the nodes of the other part that lie in it. A rigid joint of two parts along a line also
     equates what both have there beside their motion (`Meshed.along`); what lies on a block is flat (`Meshed.flat`).
+
+    Bars on a plate that stretches are tied to it as `femstruct.model.grid.bars_on_plates` says.
     """
     where = f"joints.{item.name}"
     for end in (item.a, item.b):
         if end not in model.parts:
             raise InputError(where, got=f"'{end}'", expected=f"a part with nodes: {some_of(model.parts)}")
     one, other = model.parts[item.a], model.parts[item.b]
-    for part in (one, other):
-        if item.kind == "rigid" and not part.has_rotations:
-            raise InputError(where, got=f"rigid, and nodes of {part.name} that have no rotations", expected="pinned")
+    hinged = [part for part in (one, other) if not part.has_rotations]
+    if item.kind != "pinned" and (len(hinged) > 1 or not all(part.has_surface for part in hinged)):
+        names = " and ".join(part.name for part in hinged)
+        raise InputError(where, got=f"{item.kind}, and nodes of {names} that have no rotations", expected="pinned")
     boxes = [part for part in (one, other) if part.box is not None]
-    pairs = _box_pairs(item, model, tolerance) if boxes else _pairs(item, model, tolerance)
+    pairs = box_pairs(item, model, tolerance) if boxes else coincident_pairs(item, model, tolerance)
+    one, other = (part.around(nodes) for part, nodes in zip((one, other), pairs.T, strict=True))
     springy = listed(where, tuple(item.stiffness))
     values = np.array([item.stiffness[DIRECTIONS[number]] for number in springy])
     if not (values >= 0).all():
         raise InputError(f"{where}.stiffness", got=f"{values.min():g}", expected="values >= 0")
-    stiff = [number for number in range(_SIX if item.kind == "rigid" else _TRANSLATIONS) if number not in springy]
+    bars, plate = _bars_on(one, other)
+    solid = hinged[0] if hinged else None
+    if solid is not None:
+        at = model.mesh.points[pairs[:, 0 if solid is one else 1]]  # its nodes cannot turn, so they carry no arm
+    elif bars is not None and plate is not None:
+        at = contact(pairs if bars is one else pairs[:, ::-1], bars, plate, model.mesh.points)
+    else:
+        # Where the second node is; a block's is far from what touches it, so then where the other part's is.
+        at = model.mesh.points[pairs[:, 0 if other.box is not None and one.box is None else 1]]
     # Equations along the axes of a plate couple fewer unknowns than along global axes.
     axes = next((part.own_axes for part in (one, other) if part.own_axes is not None), np.eye(3))
-    components = np.eye(N_COMPONENTS)[stiff]
+    tied = [np.zeros((0, N_COMPONENTS)), *([_tied(_SHIFTS, springy, axes)] if item.kind != "sliding" else [])]
+    rows: list[csr_array] = []
+    if item.kind != "pinned" and solid is not None:
+        rows = [_turned_rows(pairs if solid is other else pairs[:, ::-1], solid, springy, model.mesh.n_nodes)]
+    elif item.kind != "pinned" and bars is not None and plate is not None:
+        rows = turning_rows(pairs if bars is one else pairs[:, ::-1], bars, plate, springy, model.mesh.n_nodes)
+    elif item.kind != "pinned":
+        tied.append(_tied(_ROTATIONS, springy, axes))
+        rows = [] if springy else [(_flat_rows if boxes else _common_rows)(item, model, pairs)]
+    ties = [_relative(item.name, pairs, at, np.concatenate(tied), model)]
+    ties += [Tie(item.name, turns, np.zeros((turns.shape[0], 3)), grounded=False) for turns in rows]
+    if item.kind == "sliding":
+        across, along = sliding(item, (one, other), pairs, at, model)
+        return _together(item.name, [across, *ties]), along
+    tie = _together(item.name, ties)
+    held = tie if len(tie.directions) else None
     if not springy:
-        components = np.zeros((_SIX, N_COMPONENTS))
-        components[:3, :3] = components[3:, 3:6] = axes
-        components = components[: len(stiff)]
-    # Where the second node is; a block's is far from what touches it, so then where the other part's is.
-    at = model.mesh.points[pairs[:, 0 if other.box is not None and one.box is None else 1]]
-    tie = _relative(item.name, pairs, at, components, model) if stiff else None
-    if tie is not None and item.kind == "rigid" and not springy:
-        beside = _flat_rows(item, model, pairs) if boxes else _common_rows(item, model, pairs)
-        rows = csr_array(vstack([tie.rows, beside]))
-        tie = Tie(item.name, rows, np.concatenate([tie.directions, np.zeros((beside.shape[0], 3))]), grounded=False)
-    if not springy:
-        return tie, None
+        return held, None
     relative = _relative(item.name, pairs, at, np.eye(N_COMPONENTS)[springy], model)
     stiffness = np.tile(values, len(pairs))
     elastic = Elastic(
         item.name, relative.rows, stiffness, np.zeros(stiffness.size), relative.directions, grounded=False
     )
-    return tie, elastic
+    return held, elastic
+
+
+def _together(name: str, ties: list[Tie]) -> Tie:
+    directions = np.concatenate([tie.directions for tie in ties])
+    return Tie(name, csr_array(vstack([tie.rows for tie in ties])), directions, grounded=False)
+
+
+def _turned_rows(pairs: Integers, solid: Meshed, springy: list[int], n_nodes: int) -> csr_array:
+    """Rotations of nodes less those of the surface of a solid around the nodes they are joined to [m, n_nodes * 7].
+
+    A node that carries three nodes of the solid or more turns with them already.
+    """
+    joined, times = np.unique(pairs[:, 0], return_counts=True)
+    pairs = pairs[np.isin(pairs[:, 0], joined[times < CARRIED])]
+    if not len(pairs):
+        return csr_array((0, n_nodes * N_COMPONENTS))
+    held = [number for number in _ROTATIONS if number not in springy]
+    each = 3 * np.arange(len(pairs))[:, None] + np.array(held, dtype=np.int64) - 3
+    own = node_rows(np.repeat(pairs[:, 0], len(held)), np.tile(np.eye(N_COMPONENTS)[held], (len(pairs), 1)), n_nodes)
+    return csr_array(own - solid.turned(pairs[:, 1], n_nodes)[each.ravel()])
+
+
+def _tied(kind: list[int], springy: list[int], axes: Floats) -> Floats:
+    """Components [m, 7] of shifts or rotations that a joint holds at zero: along the axes, or, where there are springs
+    in some of them, along the global axes of the others."""
+    rows = np.zeros((3, N_COMPONENTS))
+    rows[:, kind] = np.eye(3) if set(springy) & set(kind) else axes
+    return rows[[number not in springy for number in kind]]
+
+
+def _bars_on(one: Meshed, other: Meshed) -> tuple[Meshed, Meshed] | tuple[None, None]:
+    """Of two parts the one with bars and the plate that stretches; None, None for any others."""
+    for bars, plate in ((one, other), (other, one)):
+        if len(bars.lines) and plate.drilling is not None:
+            return bars, plate
+    return None, None
 
 
 def _held(name: str, nodes: Integers, components: Floats, n_nodes: int) -> Tie:
@@ -136,56 +209,3 @@ def _common_rows(item: Joint, model: Model, pairs: Integers) -> csr_array:
         return csr_array((0, n_nodes * N_COMPONENTS))
     one, other = (_held(item.name, nodes, side, n_nodes).rows for nodes, side in zip(pairs.T, sides, strict=True))
     return csr_array(one - other)
-
-
-def _pairs(item: Joint, model: Model, tolerance: float) -> Integers:
-    """Coincident nodes of the two parts [m, 2]."""
-    first, second = (model.mesh.nodes[name] for name in (item.a, item.b))
-    reach = 4.0 * tolerance
-    distances, nearest = scipy.spatial.KDTree(model.mesh.points[second]).query(
-        model.mesh.points[first], distance_upper_bound=reach
-    )
-    met = np.isfinite(distances)
-    if not met.any():
-        raise InputError(f"joints.{item.name}", got=f"{item.a} and {item.b} without a common node", expected="a touch")
-    return np.stack([first[met], second[np.asarray(nearest)[met]]], axis=1)
-
-
-def _box_pairs(item: Joint, model: Model, tolerance: float) -> Integers:
-    """Nodes of the two parts of a joint that move together [m, 2]; at least one of the parts is a block.
-
-    Of a plate all nodes whose thickness reaches the block, of a frame all nodes in it, of another block its only one.
-
-    Raises InputError when nothing touches.
-    """
-    turned = model.parts[item.a].box is None
-    part, other = (model.parts[name] for name in ((item.b, item.a) if turned else (item.a, item.b)))
-    assert part.box is not None
-    low, high = part.box
-    if other.box is not None:
-        if item.kind != "rigid" or item.stiffness:
-            raise InputError(
-                f"joints.{item.name}",
-                got="a joint of two blocks that is not rigid",
-                expected="kind: rigid",
-                do="put a foundation or springs between them",
-            )
-        apart = float(np.linalg.norm(np.maximum(np.maximum(other.box[0] - high, low - other.box[1]), 0.0)))
-        if apart > tolerance:
-            raise _no_touch(item, f"{apart:.4g} m apart")
-        return np.array([[part.first, other.first]])
-    first, last = stretch_inside(other.places, other.across, low - tolerance, high + tolerance)
-    met = other.nodes[first <= last]
-    if not len(met):
-        raise _no_touch(item, "without a common place")
-    pairs = np.stack([np.full(len(met), part.first), met], axis=1)
-    return pairs[:, ::-1] if turned else pairs
-
-
-def _no_touch(item: Joint, how: str) -> InputError:
-    return InputError(
-        f"joints.{item.name}",
-        got=f"{item.a} and {item.b} {how}",
-        expected="a part that touches the block",
-        do="move one of them, or put a foundation or springs between",
-    )

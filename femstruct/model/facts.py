@@ -23,7 +23,7 @@ class ModelFacts:
     """What `check` reports of a model.
 
     masses : by part [kg]; total_mass [kg]; low, high [3] : corners of the box around nodes and blocks [m].
-    counts : nodes, plate cells, bars, blocks where there are any.
+    counts : nodes, faces of cells (of plates, shells and solids), bars, blocks where there are any.
     """
 
     masses: dict[str, float]
@@ -41,7 +41,7 @@ def model_facts(model: Model) -> ModelFacts:
     masses = part_masses(model)
     mesh = model.mesh
     corners = np.concatenate([mesh.points, *(part.bounds for part in model.parts.values())])
-    counts = {"nodes": mesh.n_nodes, "plate cells": len(mesh.quads), "bars": len(mesh.bars)}
+    counts = {"nodes": mesh.n_nodes, "faces of cells": len(mesh.quads), "bars": len(mesh.bars)}
     rigid = sum(part.rigid for part in model.parts.values())
     counts |= {"blocks": rigid} if rigid else {}
     return ModelFacts(masses, sum(masses.values()), corners.min(axis=0), corners.max(axis=0), counts)

@@ -8,6 +8,7 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from femstruct.arrays import Floats, freeze, frozen
+from femstruct.model.materials.loss_by_frequency import Loss
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,7 +26,7 @@ class Elastic:
     damping: Floats
     directions: Floats
     grounded: bool
-    loss_factor: float = 0.0
+    loss_factor: Loss = 0.0
     places: Floats = field(default_factory=lambda: np.zeros((0, 3)))
 
     def __post_init__(self) -> None:

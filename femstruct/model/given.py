@@ -8,7 +8,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from femstruct.model.material import Material
+from femstruct.model.materials.loss_by_frequency import Loss, LossByFrequency
+from femstruct.model.materials.orthotropic import AnyMaterial, Orthotropic
 from femstruct.model.section import Section
 
 
@@ -25,6 +26,7 @@ def given(noun: Any, units: Mapping[str, str]) -> tuple[Given, ...]:
 
     units : of the fields that have one.
 
+    >>> from femstruct.model.material import Material
     >>> given(Material("steel", E=210e9, nu=0.3, rho=7850.0), {"E": "Pa", "rho": "kg/m^3"})[0]
     Given(what='E', value=210000000000.0, unit='Pa')
     """
@@ -50,18 +52,32 @@ def _as_by_default(field: Field[Any], value: object) -> bool:
     return type(value) is type(default) and bool(value == default)
 
 
-def of_material(material: Material) -> tuple[Given, ...]:
-    """All of a material; a loss factor of zero, too.
+def of_material(material: AnyMaterial) -> tuple[Given, ...]:
+    """All of a material; a loss factor of zero, too, and what was completed of an orthotropic one.
 
+    >>> from femstruct.model.material import Material
     >>> of_material(Material("steel", E=210e9, nu=0.3, rho=7850.0))[-1]
     Given(what='loss factor', value=0.0, unit='')
     """
-    return (
+    first = (
         Given("E", material.E, "Pa"),
         Given("rho", material.rho, "kg/m^3"),
         Given("nu", material.nu),
-        Given("loss factor", material.loss_factor),
+        of_loss(material.loss_factor),
     )
+    if not isinstance(material, Orthotropic):
+        return first
+    completed = (Given("completed", material.completed),) if material.completed else ()
+    return (*first, Given("G", material.G, "Pa"), *completed)
+
+
+def of_loss(loss: Loss) -> Given:
+    """A loss factor, by frequency in words.
+
+    >>> of_loss(LossByFrequency(((63.0, 0.06), (125.0, 0.05)))).value
+    ('6 % at 63 Hz', '5 % at 125 Hz')
+    """
+    return Given("loss factor", tuple(str(loss).split(", ")) if isinstance(loss, LossByFrequency) else loss)
 
 
 def of_section(section: Section) -> tuple[Given, ...]:

@@ -4,21 +4,24 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from femstruct.errors import FemstructError
+from femstruct.declared import checked
+from femstruct.errors import InputError
+from femstruct.model.materials.loss_by_frequency import Loss, check_loss
 
 DENSEST = 23_000.0
 """Density [kg/m^3] that no solid exceeds: osmium has 22 600."""
 IMPOSSIBLE = 1e5  # kg/m^3: beyond it a density is none, not even that of a sheet that stands for what it carries
-MOST_LOSSES = 1.5  # of rubbers at their glass transition; a few reach 2 in a narrow band, which one number is not
 
 
 @dataclass(frozen=True)
+@checked("materials")
 class Material:
     """Linear elastic isotropic material.
 
-    E : Young's modulus [Pa]. nu : Poisson's ratio [1]. rho : density [kg/m^3]. loss_factor : eta in K (1 + j eta) [1].
+    E : Young's modulus [Pa]. nu : Poisson's ratio [1]. rho : density [kg/m^3]. loss_factor : eta in K (1 + j eta) [1],
+    one number or a table by frequency.
 
-    Raises FemstructError for values that cannot be: E not above zero, nu not between -1 and 0.5, a density below zero
+    Raises InputError for values that cannot be: E not above zero, nu not between -1 and 0.5, a density below zero
     or beyond 1e5 kg/m^3, a loss factor below zero or beyond 1.5.
 
     >>> round(Material("steel", E=210e9, nu=0.3, rho=7850.0).G / 1e9, 2)
@@ -29,30 +32,24 @@ class Material:
     E: float
     nu: float
     rho: float
-    loss_factor: float = 0.0
+    loss_factor: Loss = 0.0
 
     def __post_init__(self) -> None:
         where = f"materials.{self.name}"
         if not self.E > 0:
-            raise FemstructError(f"{where}.E", got=f"{self.E:g} Pa", expected="a positive modulus")
+            raise InputError(f"{where}.E", got=f"{self.E:g} Pa", expected="a positive modulus")
         if not -1 < self.nu < 0.5:
-            raise FemstructError(f"{where}.nu", got=f"{self.nu:g}", expected="a Poisson's ratio between -1 and 0.5")
+            raise InputError(f"{where}.nu", got=f"{self.nu:g}", expected="a Poisson's ratio between -1 and 0.5")
         if not self.rho >= 0:
-            raise FemstructError(f"{where}.rho", got=f"{self.rho:g} kg/m^3", expected="a density >= 0")
+            raise InputError(f"{where}.rho", got=f"{self.rho:g} kg/m^3", expected="a density >= 0")
         if not self.rho <= IMPOSSIBLE:
-            raise FemstructError(
+            raise InputError(
                 f"{where}.rho",
                 got=f"{self.rho:g} kg/m^3",
                 expected=f"a density; the densest solid has {DENSEST:.0f} kg/m^3",
                 do="plain numbers are kg/m^3" + (f": {self.rho / 1e3:g}?" if self.rho <= 1e3 * DENSEST else ""),
             )
-        if not 0 <= self.loss_factor <= MOST_LOSSES:
-            raise FemstructError(
-                f"{where}.loss_factor",
-                got=f"{self.loss_factor:g}",
-                expected=f"a loss factor from 0 to {MOST_LOSSES:g}",
-                do=f"2 % is 0.02: did you mean {self.loss_factor:g} %?" if self.loss_factor > 0 else "remove the sign",
-            )
+        check_loss(f"{where}.loss_factor", self.loss_factor)
 
     @property
     def G(self) -> float:

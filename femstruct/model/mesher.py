@@ -8,7 +8,9 @@ import numpy as np
 
 from femstruct.errors import FemstructError, InputError, some_of
 from femstruct.model.constraints import joint, support
+from femstruct.model.equations.constraint import Constraint
 from femstruct.model.fastened import Elastic, Inert, Tie
+from femstruct.model.grid.in_plane import steadied
 from femstruct.model.grid.planning import planned
 from femstruct.model.mesh import Mesh
 from femstruct.model.model import Model
@@ -70,8 +72,8 @@ def _points(places: tuple[PlaceOn, ...], parts: Mapping[str, Meshed], tolerance:
     """Every named point by name; several places of one name are NAME.1, NAME.2."""
     points = {}
     for place in places:
-        for number, at in enumerate(place.at):
-            name = place.name if len(place.at) == 1 else f"{place.name}.{number + 1}"
+        for number, at in enumerate(place.at or ((),)):
+            name = place.name if len(place.at) < 2 else f"{place.name}.{number + 1}"
             part = _part_of(f"points.{name}.on", place.on, parts)
             points[name] = part.point(name, place, np.asarray(at, dtype=np.float64), tolerance)
     return points
@@ -87,9 +89,10 @@ def _fastened(
     structure: Structure, bare: Model, tolerance: float
 ) -> tuple[tuple[Elastic, ...], tuple[Inert, ...], tuple[Tie, ...]]:
     found = [one for part in structure.parts for one in part.fastened(bare, tolerance)]
-    found += [support(item, bare, tolerance) for item in structure.supports]
+    found += steadied({item.name: support(item, bare, tolerance) for item in structure.supports}, bare, tolerance)
     for item in structure.joints:
         found += [one for one in joint(item, bare, tolerance) if one is not None]
+    found += [item.tie(bare, tolerance) for item in structure.constraints]
     elastics = tuple(one for one in found if isinstance(one, Elastic))
     inerts = tuple(one for one in found if isinstance(one, Inert))
     ties = tuple(one for one in found if isinstance(one, Tie))
@@ -99,12 +102,13 @@ def _fastened(
 
 
 def _check_names(structure: Structure) -> None:
-    groups: dict[str, Sequence[Part | Joint | PlaceOn | SurfaceOn | Support]] = {
+    groups: dict[str, Sequence[Part | Joint | PlaceOn | SurfaceOn | Support | Constraint]] = {
         "parts": structure.parts,
         "joints": structure.joints,
         "points": structure.points,
         "surfaces": structure.surfaces,
         "supports": structure.supports,
+        "constraints": structure.constraints,
     }
     seen: dict[str, str] = {"ground": "the ground"}
     for group, items in groups.items():

@@ -23,15 +23,17 @@ from scipy.sparse import csr_array
 
 from femstruct.arrays import Floats, Integers
 from femstruct.conventions import COMPONENTS, DIRECTIONS, N_COMPONENTS
-from femstruct.errors import Finding, InputError
+from femstruct.errors import FemstructError, Finding, InputError
 from femstruct.model.fastened import Elastic, Inert, Tie
 from femstruct.model.given import Given, given
-from femstruct.model.material import Material
-from femstruct.model.probe import Point, Surface
+from femstruct.model.materials.loss_by_frequency import Loss
+from femstruct.model.materials.orthotropic import AnyMaterial
+from femstruct.model.probe import Point, StressPlaces, Surface
 from femstruct.model.region import Region
 
 if TYPE_CHECKING:
     from femstruct.model.grid.layout import Grids, Layout
+    from femstruct.model.imported.imported_mesh import ImportedMesh
     from femstruct.model.model import Model
     from femstruct.model.structure import PlaceOn, Support, SurfaceOn
 
@@ -66,6 +68,14 @@ class Part:
         """The box it fills, where layers can lie against it."""
         return None
 
+    def middles(self) -> Floats:
+        """Middles of its cells [n, 3] [m], of parts that are meshes, to see what is in one place twice."""
+        return np.zeros((0, 3))
+
+    def taken(self) -> tuple[tuple[ImportedMesh, Mapping[str, Integers]], ...]:
+        """Meshes of files that it is made of, with the rows of their cells that it takes, by kind."""
+        return ()
+
     def lay_out(self, layout: Layout) -> None:
         """Give the layout its grid lines, and the geometry that joints meet."""
 
@@ -81,7 +91,7 @@ class Part:
         twice. None for what is judged by the space it fills. places : what to put for the name of a point."""
         return None
 
-    def materials(self) -> tuple[Material, ...]:
+    def materials(self) -> tuple[AnyMaterial, ...]:
         """What it is made of."""
         return ()
 
@@ -155,8 +165,7 @@ class Meshed(ABC):
 
     first: int
     rigid: ClassVar[bool] = False  # one node with six degrees of freedom, as a block has: it can lean, and be counted
-    has_rotations: ClassVar[bool] = True  # its nodes turn: they can be joined rigidly
-    rigid_in_plane: ClassVar[bool] = False  # bends, but neither stretches nor shears in its plane
+    has_surface: ClassVar[bool] = False  # where its nodes do not turn, its surface does (`turned`)
 
     @property
     @abstractmethod
@@ -174,6 +183,16 @@ class Meshed(ABC):
         return np.arange(self.first, self.first + len(self.places))
 
     @property
+    def joinable(self) -> Integers:
+        """Numbers of the nodes that joints may tie: all, unless the motion of some only follows from others."""
+        return self.nodes
+
+    @property
+    def has_rotations(self) -> bool:
+        """Whether its nodes turn: they can be joined rigidly."""
+        return True
+
+    @property
     def quads(self) -> Integers:
         """Corner nodes of its cells [q, 4], for files and pictures."""
         return np.empty((0, 4), np.int64)
@@ -189,7 +208,12 @@ class Meshed(ABC):
         """Its mass [kg]."""
 
     @property
-    def loss_factor(self) -> float:
+    def rigid_in_plane(self) -> bool:
+        """Whether it bends, but neither stretches nor shears in its plane."""
+        return False
+
+    @property
+    def loss_factor(self) -> Loss:
         """Of its material [1]."""
         return 0.0
 
@@ -218,6 +242,34 @@ class Meshed(ABC):
         """From its nodes to its face [3] [m]: a box that the face reaches into takes the node along."""
         return np.zeros(3)
 
+    @property
+    def girth(self) -> float:
+        """Radius of gyration of the section of its bars about their axis [m]: how far around it they take hold."""
+        return 0.0
+
+    def beside(self, nodes: Integers) -> Floats:
+        """From nodes of it to the axis of its bars there [m, 3] [m]."""
+        return np.zeros((len(nodes), 3))
+
+    def around(self, nodes: Integers) -> Meshed:
+        """It as it is around some of its nodes, for what is joined to them: a folded shell may be flat there."""
+        return self
+
+    @property
+    def drilling(self) -> Floats | None:
+        """Direction [3] about which nodes of it resist a torque the less the finer it is meshed: the normal of a plate
+        that stretches; None where there is none."""
+        return None
+
+    def turning(self, nodes: Integers, reach: float, n_nodes: int) -> csr_array:
+        """Rows [m, n_nodes * 7] of the rotation about `drilling` of patches that reach so far [m] around nodes
+        of it [m]: what a torque of a bar that stands on it is spread over."""
+        raise FemstructError(f"parts.{self.name}", got="no patch that can turn", expected="a part with a drilling")
+
+    def turned(self, nodes: Integers, n_nodes: int) -> csr_array:
+        """Rows [3 m, n_nodes * 7] of the rotation of its surface at nodes [m], of a part whose nodes do not turn."""
+        raise FemstructError(f"parts.{self.name}", got="no rotation at its nodes", expected="a part with a surface")
+
     # What its nodes have beside the six components of their motion is a matter of its kind:
 
     @property
@@ -234,9 +286,14 @@ class Meshed(ABC):
         """What two parts have in common, beside the six, at nodes joined along a line [3], as components [m, 7]."""
         return np.zeros((0, N_COMPONENTS))
 
-    def edges(self, item: Support, tolerance: float) -> list[tuple[Integers, Floats, Floats]]:
-        """Nodes of each edge or line a support names, and the components [m, 7] it holds there, clamped and simple."""
+    def edges(self, item: Support, tolerance: float) -> list[tuple[Integers, Floats]]:
+        """Nodes of each edge or line a support names, in their order, and the components [m, 7] that simple, roller or
+        clamped holds of each; what else it holds in the plane of a part that stretches is in `grid.in_plane`."""
         raise InputError(f"supports.{item.name}.on", got=f"'{self.name}'", expected="a plate")
+
+    def within(self, where: str, region: Region, tolerance: float) -> Integers:
+        """Its nodes in a region; sets and boxes are for parts that are meshes."""
+        raise InputError(where, got=f"a {region.kind} of {self.name}", expected="a part that is a mesh of a file")
 
     @property
     def bounds(self) -> Floats:
@@ -250,6 +307,10 @@ class Meshed(ABC):
     @abstractmethod
     def stiffness_and_mass(self) -> tuple[csr_array | None, csr_array]:
         """Matrices [n, n] on its degrees of freedom; no stiffness where nothing of it deforms."""
+
+    def dashpots(self) -> csr_array | None:
+        """Dashpots [n, n] on its degrees of freedom; None where it has none."""
+        return None
 
     @abstractmethod
     def point(self, name: str, place: PlaceOn, at: Floats, tolerance: float) -> Point:
@@ -269,6 +330,10 @@ class Meshed(ABC):
     def spread(self, where: str, region: Region, tolerance: float, order: int) -> Spread | None:
         """Gauss points over a region of it, to spread something evenly; None where nothing can be spread over it."""
         return None
+
+    def stresses(self, n_nodes: int) -> StressPlaces:
+        """Where its stresses are largest, and what they are of its nodes. Raises InputError for a part without."""
+        raise InputError(f"parts.{self.name}", got="a part without stresses", expected="a plate or a frame")
 
     def lines_across(self, along: Floats, origin: Floats) -> Floats:
         """Places of the lines between its cells along a direction [3] in its face, from an origin [3] on [m]."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -163,3 +163,47 @@ class Surface:
         row = (-self.weights) @ self.rows
         (columns,) = np.nonzero(row)
         return Probe(columns // N_COMPONENTS, columns % N_COMPONENTS, row[columns])
+
+
+@dataclass(frozen=True, eq=False)
+class StressPlaces:
+    """Places of a part, and the stresses there from the components of its nodes.
+
+    places [p, 3] : global coordinates [m]. components : those of `femstruct.elements.stresses` that
+    are not zero there, along local axes.
+    rows [p * c, n_nodes * 7] : stresses [Pa], the components of a place one after the other. sides : what tells places
+    of one position, such as the two faces of a plate, by turns: place i is on `sides[i % len(sides)]`.
+    cells [m * c, n_nodes * 7], meets [m] : the same of every cell that meets at a place, and which place, where `rows`
+    are their mean; none where they are not.
+
+    >>> field = StressPlaces(np.zeros((1, 3)), ("xx", "xy"), csr_array(np.eye(2, 7)), ("above",))
+    >>> field.of(np.array([3e6, 2e6, 0, 0, 0, 0, 0]).reshape(1, 7, 1))[:, :, 0]
+    array([[3000000., 2000000.]])
+    """
+
+    places: Floats
+    components: tuple[str, ...]
+    rows: csr_array
+    sides: tuple[str, ...]
+    cells: csr_array | None = None
+    meets: Integers = field(default_factory=lambda: np.zeros(0, np.int64))
+
+    def __post_init__(self) -> None:
+        freeze(self, places=frozen("stresses places", self.places, (None, 3)))
+        expected = len(self.places) * len(self.components)
+        if self.rows.shape[0] != expected or self.rows.shape[1] % N_COMPONENTS:
+            raise FemstructError("stresses", got=f"rows {self.rows.shape}", expected=f"[{expected}, n_nodes * 7]")
+
+    def of(self, shapes: Floats) -> Floats:
+        """Stresses [p, c, k] in each of the shapes [node, 7, k] [Pa per unit of the shape]."""
+        values: Floats = self.rows @ shapes.reshape(-1, shapes.shape[2])
+        return values.reshape(len(self.places), len(self.components), -1)
+
+    def around(self, place: int) -> StressPlaces | None:
+        """The same place in each of the cells that meet there, one after the other; None where there is one value."""
+        if self.cells is None:
+            return None
+        meeting = np.flatnonzero(self.meets == place)
+        c = len(self.components)
+        rows = csr_array(self.cells[(meeting[:, None] * c + np.arange(c)).ravel()])
+        return StressPlaces(np.tile(self.places[place], (len(meeting), 1)), self.components, rows, self.sides)

@@ -5,17 +5,22 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
+from femstruct.declared import checked
+
 Vector = tuple[float, float, float]
 Pair = tuple[float, float]
 Side = Literal["above", "below"]
 
 
 @dataclass(frozen=True)
+@checked("region")
 class Region:
-    """A region of a plate: all of it, a rectangle, the rim of a rectangle, or a line.
+    """A region of a part: all of it; of a plate a rectangle, the rim of a rectangle or a line; of a part that is a mesh
+    a named set of it, or what lies in a box.
 
     size : sides of the rectangle or rim [m]. at : its centre from the part's origin corner along the part's own axes
-    [m], None for the centre of the part. line : the two ends of a line, part coordinates [m].
+    [m], None for the centre of the part. line : the two ends of a line, part coordinates [m]. named : a set.
+    box : lower and upper corner of a box, global axes [m].
 
     A rectangle of 0.3 m x 0.2 m about a place, the rim of one in the middle, and a line:
 
@@ -25,10 +30,12 @@ class Region:
     line from (0, 0.5) to (2, 0.5) m
     """
 
-    kind: Literal["whole", "rectangle", "rim", "line"]
+    kind: Literal["whole", "rectangle", "rim", "line", "set", "box"]
     size: Pair | None = None
     at: Pair | None = None
     line: tuple[Pair, Pair] | None = None
+    named: str | None = None
+    box: tuple[Vector, Vector] | None = None
 
     def __str__(self) -> str:
         """The region in words.
@@ -39,4 +46,10 @@ class Region:
         size = "" if self.size is None else f" of {self.size[0]:g} x {self.size[1]:g} m"
         at = "" if self.at is None else f" at ({self.at[0]:g}, {self.at[1]:g}) m"
         ends = "" if self.line is None else " from ({:g}, {:g}) to ({:g}, {:g}) m".format(*self.line[0], *self.line[1])
-        return f"{self.kind}{size}{at}{ends}"
+        named = "" if self.named is None else f" '{self.named}'"
+        box = (
+            ""
+            if self.box is None
+            else " from ({:g}, {:g}, {:g}) to ({:g}, {:g}, {:g}) m".format(*self.box[0], *self.box[1])
+        )
+        return f"{self.kind}{size}{at}{ends}{named}{box}"

@@ -8,26 +8,35 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Literal, get_args
+from typing import Final, Literal
 
 import numpy as np
 
 from femstruct.conventions import DIRECTIONS
+from femstruct.declared import checked
 from femstruct.errors import InputError
+from femstruct.model.equations.constraint import Constraint
 from femstruct.model.part import Body, Part
 from femstruct.model.region import Pair, Region, Side
 
-Fix = Literal["simple", "clamped"]
+Fix = Literal["simple", "clamped", "roller"]
 Edge = Literal["x0", "x1", "y0", "y1", "all"]
+FIXED: Final = f"simple, roller, clamped, or a tuple of {', '.join(DIRECTIONS)}"
 WHOLE = Region("whole")
 
 
 @dataclass(frozen=True)
+@checked("joints")
 class Joint:
-    """Where two parts touch they move together: rigid (all six), pinned (translations).
+    """Where two parts touch they move together: rigid (all six), pinned (translations), sliding (all but along the line
+    on which they touch).
 
+    sets : of parts that are meshes, by name of the part: the set of it that is joined. reach : nodes of the first part
+    follow the nearest of the second within this distance [m], on rigid arms, as from the edge of a web on the face of a
+    flange to its middle; None joins nodes at one place only.
     stiffness : directions (x y z rx ry rz, global) that are springs instead of rigid or free [N/m, N m/rad], one at
-    every pair of joined nodes.
+    every pair of joined nodes. slip : of a sliding joint, the stiffness per length that resists along the line [N/m^2]:
+    the slip modulus of screws or nails over their spacing, or of glue times its width; 0 slides freely.
 
     A tube that stands on a plate: rigid, or free to turn with a spring of 5 kN m/rad about x:
 
@@ -40,14 +49,29 @@ class Joint:
     name: str
     a: str
     b: str
-    kind: Literal["rigid", "pinned"] = "rigid"
+    kind: Literal["rigid", "pinned", "sliding"] = "rigid"
     stiffness: Mapping[str, float] = field(default_factory=dict)
+    sets: Mapping[str, str] = field(default_factory=dict)
+    reach: float | None = None
+    slip: float = 0.0
+
+    def __post_init__(self) -> None:
+        where = f"joints.{self.name}"
+        if not (np.isfinite(self.slip) and self.slip >= 0.0):
+            raise InputError(f"{where}.slip", got=f"{self.slip:g} N/m^2", expected="a finite value >= 0")
+        if self.slip and self.kind != "sliding":
+            raise InputError(f"{where}.slip", got=f"a slip of a {self.kind} joint", expected="kind: sliding")
+        if self.stiffness and self.kind == "sliding":
+            do = "write the stiffness along the line as 'slip', per length"
+            raise InputError(f"{where}.stiffness", got="springs of a sliding joint", expected="none", do=do)
 
 
 @dataclass(frozen=True)
+@checked("points", at="a tuple of places: ((x, y),) for one on a plate")
 class PlaceOn:
     """A named point of a part; several positions are NAME.1, NAME.2 (and NAME means all of them).
 
+    named : of a part that is a mesh, a set of it in place of positions; the point is the mean of its nodes.
     at : positions from the part's origin corner along its own axes [m] for a plate, from the lower corner of a block;
     global ones for a frame.
     patch : on a plate, a point that is the mean of a disc of this radius or a rectangle of these sides [m] around it;
@@ -61,20 +85,22 @@ class PlaceOn:
 
     name: str
     on: str
-    at: tuple[tuple[float, ...], ...]
+    at: tuple[tuple[float, ...], ...] = ()
     side: Side = "above"
     patch: float | Pair | None = None
+    named: str | None = None
 
     def __post_init__(self) -> None:
-        _refuse_unless_one_of(f"points.{self.name}.side", self.side, get_args(Side))
-        if not len(self.at) or any(np.ndim(place) != 1 for place in self.at):
-            expected = "a tuple of places: ((x, y),) for one on a plate"
-            raise InputError(f"points.{self.name}.at", got=f"{self.at}", expected=expected)
+        if self.named is not None and self.at:
+            raise InputError(f"points.{self.name}.at", got=f"{self.at} beside a set", expected="one of them")
+        if self.named is None and not self.at:
+            raise InputError(f"points.{self.name}.at", got="()", expected="one place or more")
 
 
 @dataclass(frozen=True)
+@checked("surfaces")
 class SurfaceOn:
-    """A named side of a region of a plate, where it radiates or is pressed.
+    """A named side of a region of a plate or shell, where it radiates or is pressed.
 
     The underside of a floor, which radiates into the room below; its area is the sum of its weights:
 
@@ -92,17 +118,18 @@ class SurfaceOn:
     side: Side = "above"
     region: Region = WHOLE
 
-    def __post_init__(self) -> None:
-        _refuse_unless_one_of(f"surfaces.{self.name}.side", self.side, get_args(Side))
-
 
 @dataclass(frozen=True)
+@checked("supports", fix=FIXED)
 class Support:
-    """Held directions: of an edge or line of a plate, of a point, or of a whole part.
+    """Held directions: of an edge or line of a plate, of a set or a box of a part that is a mesh, of a point, or of a
+    whole part.
 
-    fix : "simple", "clamped" or directions out of x y z rx ry rz. On a plate's edge or line, `simple` holds the
-    deflection and the slope along the edge and the plate in its own plane, `clamped` also the slope across and the
-    twist; at a point `simple` holds x y z and `clamped` all six.
+    fix : "simple", "roller", "clamped" or directions out of x y z rx ry rz. On a plate's edge or line, `roller` holds
+    the deflection and the slope along the edge, `clamped` everything. `simple` holds what `roller` does and the plate
+    in its own plane, but does not keep it from stretching: all simple supports of a plate that stretches hold only the
+    mean shifts and rotation of their edges there and, where it stands, its weight (`femstruct.model.grid.in_plane`).
+    At a point, a set and in a box `simple` holds x y z and `clamped` all six.
 
     >>> Support("walls", "simple", on="floor", edge="all").fix, Support("foot", ("z",), at="corner").fix
     ('simple', ('z',))
@@ -114,25 +141,21 @@ class Support:
     edge: Edge | None = None
     line: tuple[Pair, Pair] | None = None
     at: str | None = None
+    region: Region | None = None
 
     def __post_init__(self) -> None:
-        where = f"supports.{self.name}"
-        if self.edge is not None:
-            _refuse_unless_one_of(f"{where}.edge", self.edge, get_args(Edge))
-        if self.fix in get_args(Fix):
-            return
-        if not isinstance(self.fix, tuple) or not self.fix or not set(self.fix) <= set(DIRECTIONS):
-            expected = f"simple, clamped, or a tuple of {', '.join(DIRECTIONS)}"
-            raise InputError(f"{where}.fix", got=f"{self.fix!r}", expected=expected)
+        if isinstance(self.fix, tuple) and not (self.fix and set(self.fix) <= set(DIRECTIONS)):
+            raise InputError(f"supports.{self.name}.fix", got=f"{self.fix!r}", expected=FIXED)
 
 
 @dataclass(frozen=True)
+@checked("structure")
 class Structure:
     """Everything a model file says about the structure, in SI units.
 
-    parts : of the kinds in `femstruct.parts`. joints : where they move together. points,
-    surfaces : named places. supports : what is held. Names are unique over all of it; the mesher checks that they
-    exist.
+    parts : of the kinds in `femstruct.parts`. joints : where they move together. points, surfaces : named places.
+    supports : what is held. constraints : equations between places, of the kinds in `femstruct.model.equations`. Names
+    are unique over all of it; the mesher checks that they exist.
 
     >>> from femstruct.model.material import Material
     >>> from femstruct.parts.plate import Plate
@@ -149,6 +172,7 @@ class Structure:
     points: tuple[PlaceOn, ...] = ()
     surfaces: tuple[SurfaceOn, ...] = ()
     supports: tuple[Support, ...] = ()
+    constraints: tuple[Constraint, ...] = ()
 
 
 def extent(structure: Structure) -> float:
@@ -165,8 +189,3 @@ def extent(structure: Structure) -> float:
 def bodies_of(structure: Structure) -> dict[str, Body]:
     """The boxes that parts fill, by name, of those that layers can lie against."""
     return {part.name: body for part in structure.parts if (body := part.body()) is not None}
-
-
-def _refuse_unless_one_of(where: str, word: str, known: tuple[str, ...]) -> None:
-    if word not in known:
-        raise InputError(where, got=f"{word!r}", expected=" or ".join(known))

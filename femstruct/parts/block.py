@@ -10,6 +10,7 @@ from scipy.sparse import csr_array
 
 from femstruct.arrays import Floats, Integers
 from femstruct.conventions import N_COMPONENTS
+from femstruct.declared import checked
 from femstruct.errors import Finding, InputError
 from femstruct.model.given import Given, given
 from femstruct.model.grid.layout import Grids, Layout
@@ -22,6 +23,7 @@ from femstruct.parts.plausibility import density_findings
 
 
 @dataclass(frozen=True)
+@checked("parts")
 class Block(Part):
     """A rigid body: a box along the global axes; `origin` is its lower corner (least x, y and z).
 

@@ -10,6 +10,7 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from femstruct.arrays import Floats
+from femstruct.declared import checked
 from femstruct.errors import InputError
 from femstruct.model.fastened import Elastic
 from femstruct.model.given import Given, given
@@ -17,16 +18,20 @@ from femstruct.model.grid.geometry import to_rectangle
 from femstruct.model.grid.layers import Layer, layer_of
 from femstruct.model.grid.layout import Layout
 from femstruct.model.grid.regions import grid_points
+from femstruct.model.materials.loss_by_frequency import Loss
 from femstruct.model.model import Model
 from femstruct.model.part import Meshed, Part
 from femstruct.model.region import Region
 from femstruct.model.rows import sparse_rows
 from femstruct.model.structure import bodies_of
+from femstruct.parts.plate import Plate
 
+NOTABLE = 1e-3  # of a frequency: plates that a layer would raise by less stay rigid in their planes
 ORDER = 4  # Gauss points a direction: exact for products of two cubic deflections
 
 
 @dataclass(frozen=True)
+@checked("parts")
 class Foundation(Part):
     """A Winkler foundation under a region of a plate or a block, to the ground or to another plate or block.
 
@@ -51,7 +56,7 @@ class Foundation(Part):
     region: Region
     normal: float
     shear: float = 0.0
-    loss_factor: float = 0.0
+    loss_factor: Loss = 0.0
     to: str | None = None
 
     @property
@@ -76,6 +81,9 @@ class Foundation(Part):
                 rectangle = layout.rectangles[name]
                 for corner in to_rectangle(rectangle, layout.axes_of[name], layer.corners):
                     layout.on_rectangle(name, np.clip(corner[:2], 0.0, rectangle.size))
+        plates = [plate for name in self.ends if isinstance(plate := layout.rectangles.get(name), Plate)]
+        if len(plates) == 2 and glue_ratio(layer, self.shear, *plates) > (1.0 + NOTABLE) ** 2:
+            layout.pulled |= {plate.name for plate in plates}
 
     def fastened(self, model: Model, tolerance: float) -> tuple[Elastic]:
         """A Winkler foundation at Gauss points: along its normal, and along both directions in its plane in shear.
@@ -105,6 +113,27 @@ class Foundation(Part):
             places=layer.places(local) if all(side.rigid for side in sides) else np.zeros((0, 3)),
         )
         return (elastic,)
+
+
+def glue_ratio(layer: Layer, shear: float, first: Plate, second: Plate) -> float:
+    """Bending stiffness of two plates and a layer of a shear per area [N/m^3] if they cannot stretch in their planes,
+    over that if they can.
+
+    Notes
+    -----
+    The layer makes them one section, as far as it does not shear. Per width and for one half wave over the longer side
+    its shear k_s makes S = k_s (L / pi)^2, in series with E h of both plates: D1 + D2 + e^2 S where they are rigid, and
+    D1 + D2 + e^2 / (1 / S + 1 / E1 h1 + 1 / E2 h2).
+    """
+    if shear <= 0.0:
+        return 1.0
+    apart = float(abs((np.asarray(second.origin) - np.asarray(first.origin)) @ layer.axes[2]))
+    length = max(layer.box[1] - layer.box[0], layer.box[3] - layer.box[2])
+    along_y = layer.box[3] - layer.box[2] > layer.box[1] - layer.box[0]
+    alone = sum(float(one.section.bending[int(along_y), int(along_y)]) for one in (first, second))
+    slide = 1.0 / (shear * (length / np.pi) ** 2)
+    stretch = sum(1.0 / one.section.stretching(np.pi / 2.0 if along_y else 0.0) for one in (first, second))
+    return float((alone + apart**2 / slide) / (alone + apart**2 / (slide + stretch)))
 
 
 def _layer_points(layer: Layer, region: Region, sides: Sequence[Meshed], tolerance: float) -> tuple[Floats, Floats]:

@@ -12,6 +12,7 @@ from scipy.sparse.csgraph import connected_components
 
 from femstruct.arrays import Floats, Integers, freeze, frozen, frozen_integers
 from femstruct.conventions import N_COMPONENTS
+from femstruct.declared import checked
 from femstruct.elements import frame, placement
 from femstruct.elements.frame import nodes_per_bar
 from femstruct.elements.placement import directions
@@ -21,10 +22,12 @@ from femstruct.model.given import Given, given
 from femstruct.model.grid.geometry import distance_to_segments
 from femstruct.model.grid.layout import Grids, Layout
 from femstruct.model.grid.scatter import scattered
-from femstruct.model.material import Material
+from femstruct.model.materials.bar import of_bar
+from femstruct.model.materials.loss_by_frequency import Loss
+from femstruct.model.materials.orthotropic import AnyMaterial
 from femstruct.model.model import Model
 from femstruct.model.part import Drawn, Meshed, OwnDofs, Part, Spread, nodal_dofs, refuse_patch
-from femstruct.model.probe import Point
+from femstruct.model.probe import Point, StressPlaces
 from femstruct.model.region import Region, Vector
 from femstruct.model.rows import flat_rows, sparse_rows
 from femstruct.model.section import Section
@@ -36,23 +39,26 @@ MOST_BARS = 100_000  # more is a slip of a unit, and does not fit into memory
 
 
 @dataclass(frozen=True)
+@checked("parts")
 class Frame(Part):
     """Bars along polylines of global points; coincident ends of its own lines are joined.
 
-    mesh : largest element length [m], None for one element a segment; a line that lies in a plate it is joined to takes
-    the plate's nodes instead. orientation : a vector the section's local z
+    material : of an orthotropic one x is along the bars, y and z along those of the section. mesh : largest element
+    length [m], None for one element a segment; a line that lies in a plate it is joined to takes the plate's nodes
+    instead. orientation : a vector the section's local z
     (its height) points along as nearly as it can.
     element : timoshenko18, a bar of three nodes whose frequencies converge with the fourth power of its length;
     timoshenko, of two, with the second where shear matters; euler, without shear and rotary inertia.
     start_offset, end_offset : rigid arms from the first and last point of every line to the ends of the flexible bar,
     global axes [m]. Where both are the same the whole line is eccentric: its nodes stay on the line, joined there to
-    what it touches, and every bar hangs beside it on arms at both ends, as a rib under a plate does. Two different
-    ones go over into each other along the line; one at an end alone leaves the other points of the line where they
+    what it touches, and every bar hangs beside it on arms at both ends, as a rib under a plate does. A rib has no
+    width there: plates swing about its middle, where broad joists let them swing about their flanks. Two different
+    arms go over into each other along the line; one at an end alone leaves the other points of the line where they
     are. What differs along the line itself only shortens or lengthens the bar.
 
     A post of steel, 40 mm square and 0.7 m high, clamped at its foot; 68.20 Hz without shear and rotary inertia:
 
-    >>> from femstruct import PlaceOn, Structure, Support, assemble, mesh_structure, modal_basis
+    >>> from femstruct import Material, PlaceOn, Structure, Support, assemble, mesh_structure, modal_basis
     >>> from femstruct.model.section import rectangle
     >>> steel = Material("steel", E=210e9, nu=0.3, rho=7850.0)
     >>> lines = (((0.0, 0.0, 0.0), (0.0, 0.0, 0.7)),)
@@ -65,7 +71,7 @@ class Frame(Part):
     """
 
     name: str
-    material: Material
+    material: AnyMaterial
     section: Section
     lines: tuple[tuple[Vector, ...], ...]
     mesh: float | None = None
@@ -80,8 +86,13 @@ class Frame(Part):
     def corners(self) -> Floats:
         return np.array([point for line in self.lines for point in line], dtype=np.float64).reshape(-1, 3)
 
-    def materials(self) -> tuple[Material, ...]:
+    def materials(self) -> tuple[AnyMaterial, ...]:
         return (self.material,)
+
+    @property
+    def along(self) -> tuple[float, float, Section]:
+        """E and G along its bars [Pa], and the section with the shear coefficients that go with them."""
+        return of_bar(self.material, self.section)
 
     def implausible(self, lies: bool) -> tuple[Finding, ...]:
         return section_findings(self.name, self.section, self.lines)
@@ -196,20 +207,29 @@ class FrameMesh(Meshed):
         return self.part.material.rho * self.part.section.A * float(self.lengths.sum())
 
     @property
-    def loss_factor(self) -> float:
+    def loss_factor(self) -> Loss:
         return self.part.material.loss_factor
+
+    @property
+    def girth(self) -> float:
+        section = self.part.section
+        return float(np.sqrt((section.Iy + section.Iz) / section.A))
+
+    def beside(self, nodes: Integers) -> Floats:
+        found = np.zeros((len(self.stands), 3))
+        found[(self.bars - self.first).ravel()] = self.arms.reshape(-1, 3)
+        return found[nodes - self.first]
 
     def dofs(self) -> OwnDofs:
         return nodal_dofs(len(self.places), 6)
 
     def stiffness_and_mass(self) -> tuple[csr_array, csr_array]:
         numbers = np.arange(6 * len(self.places)).reshape(-1, 6)
-        part, material, section = self.part, self.part.material, self.part.section
-        E, G, lengths = material.E, material.G, self.lengths
+        part, (E, G, section), lengths = self.part, self.part.along, self.lengths
         A, Iy, Iz, ky, kz = section.A, section.Iy, section.Iz, section.ky, section.kz
         local = (
             frame.stiffness(part.element, lengths, E, G, A, Iy, Iz, section.J, ky, kz),
-            frame.mass(part.element, lengths, material.rho, A, Iy, Iz, ky, kz, E, G),
+            frame.mass(part.element, lengths, part.material.rho, A, Iy, Iz, ky, kz, E, G),
         )
         of_bars = numbers[self.bars - self.first].reshape(len(self.bars), -1)
         at_nodes = [
@@ -225,26 +245,67 @@ class FrameMesh(Meshed):
 
         Returns nodes [p, k] and rows [p, 6, k, 7], k nodes a bar: three displacements and three rotations, global axes.
         """
-        part, material, section = self.part, self.part.material, self.part.section
+        part, (E, G, section) = self.part, self.part.along
         local = frame.interpolate(
             part.element,
             self.lengths[bars],
             shares,
-            material.E,
-            material.G,
+            E,
+            G,
             section.A,
             section.Iy,
             section.Iz,
             section.ky,
             section.kz,
         )
+        turn = placement.rotation(self.axes[bars], 1)
+        return self.bars[bars], self._on_nodes(np.swapaxes(turn, -1, -2) @ local, bars)
+
+    def _on_nodes(self, local: Floats, bars: Integers) -> Floats:
+        """Rows [p, r, k, 7] on the components of the nodes of bars, from rows [p, r, 6 k] on their local DOFs."""
         k = self.bars.shape[1]
-        turn = placement.rotation(self.axes[bars], k)
         arms = placement.rigid_arms(*np.moveaxis(self.arms[bars], 1, 0))
-        rows = np.swapaxes(turn[:, :6, :6], -1, -2) @ local @ turn @ arms
-        padded = np.zeros((len(bars), 6, k, N_COMPONENTS))
-        padded[..., :6] = rows.reshape(len(bars), 6, k, 6)
-        return self.bars[bars], padded
+        rows = local @ placement.rotation(self.axes[bars], k) @ arms
+        padded = np.zeros((*rows.shape[:2], k, N_COMPONENTS))
+        padded[..., :6] = rows.reshape(*rows.shape[:2], k, 6)
+        return padded
+
+    def section_forces(self, bars: Integers, shares: Floats) -> Floats:
+        """Rows [p, 6, k, 7] of N Vy Vz [N] and T My Mz [N m] at places along bars, as
+        `femstruct.elements.frame.resultants`, from the components of their nodes."""
+        part, (E, G, section) = self.part, self.part.along
+        A, Iy, Iz, J, ky, kz = section.A, section.Iy, section.Iz, section.J, section.ky, section.kz
+        local = frame.resultants(part.element, self.lengths[bars], shares, E, G, A, Iy, Iz, J, ky, kz)
+        return self._on_nodes(local, bars)
+
+    def stresses(self, n_nodes: int) -> StressPlaces:
+        """Stretch, bending and torsion at both ends of every bar, at the outermost points of its section; what shear
+        forces add is left out. The largest shear stress of torsion is taken for every point, on the safe side."""
+        section = self.part.section
+        if not section.outline:
+            raise InputError(
+                f"parts.{self.name}.section",
+                got=f"'{section.name}' by its constants, without an outline",
+                expected="an outline for stresses",
+                do="give the section by its shape, such as {shape: box, ..}",
+            )
+        bars, shares = np.repeat(np.arange(len(self.bars)), 2), np.tile([0.0, 1.0], len(self.bars))
+        forces = self.section_forces(bars, shares)
+        y, z = np.array(section.outline).T[:, :, None, None]
+        N, T, My, Mz = (forces[:, None, i] for i in (0, 3, 4, 5))
+        normal = N / section.A + My * z / section.Iy - Mz * y / section.Iz
+        shear = np.broadcast_to(T * section.twist_arm / section.J, normal.shape)
+        rows = np.stack([normal, shear], axis=2)
+        count, points = len(bars), len(section.outline)
+        ends = np.stack([self.start, self.end], axis=1).reshape(-1, 3)
+        across = np.einsum("pc,bcj->bpj", np.array(section.outline), self.axes[bars][:, 1:])
+        nodes = np.repeat(self.bars[bars], points, axis=0)
+        return StressPlaces(
+            (ends[:, None] + across).reshape(-1, 3),
+            ("xx", "xy"),
+            sparse_rows(nodes, rows.reshape(count * points, 2, -1, N_COMPONENTS), n_nodes),
+            tuple(f"at y = {1e3 * a:.4g} mm, z = {1e3 * b:.4g} mm of the section" for a, b in section.outline),
+        )
 
     def point(self, name: str, place: PlaceOn, at: Floats, tolerance: float) -> Point:
         where, up = f"points.{name}", np.array([0.0, 0.0, 1.0])

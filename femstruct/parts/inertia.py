@@ -9,6 +9,7 @@ import numpy as np
 from scipy.sparse import csr_array, vstack
 
 from femstruct.arrays import Floats
+from femstruct.declared import checked
 from femstruct.errors import InputError
 from femstruct.model.anchors import places_of, point_rows
 from femstruct.model.fastened import Inert
@@ -21,12 +22,13 @@ MOMENT_ROUNDING = 1e-6  # of the largest moment: moments are written with a few 
 
 
 @dataclass(frozen=True)
+@checked("parts")
 class Inertia(Part):
     """A rigid body without stiffness, small beside what it is fixed to; at every place of a point.
 
-    mass [kg]. offset : its centre of mass from the point, global axes [m]. moments : Ixx, Iyy, Izz about its centre of
-    mass along the global axes, such as Ixx = integral of (y^2 + z^2) dm [kg m^2]; products : Ixy, Iyz, Izx, such as
-    Ixy = integral of x y dm, which stand with a minus in the tensor of inertia.
+    mass : of each place [kg]. offset : its centre of mass from the point, global axes [m]. moments : Ixx, Iyy, Izz
+    about its centre of mass along the global axes, such as Ixx = integral of (y^2 + z^2) dm [kg m^2]; products : Ixy,
+    Iyz, Izx, such as Ixy = integral of x y dm, which stand with a minus in the tensor of inertia.
 
     Raises InputError for a mass that is not positive, and for a tensor that no body has: principal moments are not
     negative, and none is larger than the sum of the two others.

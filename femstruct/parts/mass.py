@@ -9,6 +9,7 @@ from typing import Literal
 import numpy as np
 from scipy.sparse import csr_array, vstack
 
+from femstruct.declared import checked
 from femstruct.errors import InputError, some_of
 from femstruct.model.anchors import places_of, point_rows
 from femstruct.model.fastened import Inert
@@ -24,6 +25,7 @@ ORDER = 4  # Gauss points a direction: exact for products of two cubic deflectio
 
 
 @dataclass(frozen=True)
+@checked("parts")
 class Mass(Part):
     """A mass without elasticity: at the places of a point (kg each), over a region of a plate, or along a frame.
 

@@ -11,8 +11,11 @@ from collections.abc import Callable, Iterable, Sequence
 import numpy as np
 
 from femstruct.conventions import GRAVITY
-from femstruct.errors import Finding
+from femstruct.errors import Finding, InputError
 from femstruct.model.material import DENSEST, Material
+from femstruct.model.materials.lay_up import Laminate, LayUp
+from femstruct.model.materials.orthotropic import AnyMaterial, Orthotropic
+from femstruct.model.materials.plate_section import PlateSection
 from femstruct.model.part import Part
 from femstruct.model.region import Vector
 from femstruct.model.section import Section
@@ -28,6 +31,8 @@ LIGHTEST_BLOCK = 5.0  # kg/m^3: a rigid body of less is a balloon
 THINNEST = 1e-4  # of the shorter side: sheet metal of 0.5 mm that spans 5 m; foils are held by their tension
 SAGGING = 0.05  # of its shorter side that a plate sags under its own weight; floors sag by 1/1000, sheets by 1/50
 STOUT = 200.0  # shorter side over thickness: beyond it sheets do sag by more
+STOUTEST, SLENDEREST = 5.0, 300.0  # shorter side over thickness of what a plate is likely meant to be
+LONGEST_SPAN = 50.0  # m: a plate of more was likely written in millimetres
 LONGEST_BAR = 3e4  # length over radius of gyration: a wire of 4 mm over 30 m
 # Side of a section over the length of its line: stubs between two parts reach 5; of walls and piers, which are larger
 # than LARGE [m], 1.
@@ -44,9 +49,35 @@ def plausibility_findings(parts: Sequence[Part]) -> tuple[Finding, ...]:
     return (*found, *(finding for part in parts for finding in part.implausible(lies=part.name in lying)))
 
 
-def material_findings(material: Material) -> tuple[Finding, ...]:
-    """A density or a modulus that no solid has, with the one that was probably meant; none without mass."""
-    E, rho, nu, name = material.E, material.rho, material.nu, material.name
+def material_findings(material: AnyMaterial) -> tuple[Finding, ...]:
+    """A density or a modulus that no solid has, with the one that was probably meant; none without mass.
+
+    Of an orthotropic material the stiffest direction is judged, then the softest as what only rubbers are.
+    """
+    if isinstance(material, Material):
+        return _solid_findings(material.name, material.E, material.nu, material.rho)
+    stiff = _solid_findings(material.name, max(material.E), 0.0, material.rho)
+    judged = stiff or _solid_findings(material.name, min(material.E), RUBBER, material.rho)
+    return (*judged, *_completed(material))
+
+
+def _completed(material: Orthotropic) -> tuple[Finding, ...]:
+    """The constants of an orthotropic material that were not given, with what they are."""
+    if not material.completed:
+        return ()
+    (Ex, Ey, Ez), (xy, yz, zx), nu = material.E, material.G, material.ratios
+    told = f"{material.name}: {', '.join(material.completed)} complete what was given"
+    return (
+        Finding(
+            "material-completed",
+            f"{told}. E {', '.join(map(_pressure, (Ex, Ey, Ez)))}; G {', '.join(map(_pressure, (xy, yz, zx)))}; "
+            f"nu {', '.join(f'{one:.3g}' for one in nu)}",
+            {"Ez_pa": Ez, "Gzx_pa": zx, "nu_yz": nu[1], "nu_zx": nu[2]},
+        ),
+    )
+
+
+def _solid_findings(name: str, E: float, nu: float, rho: float) -> tuple[Finding, ...]:
     if rho == 0.0:
         return ()
     speed = float(np.sqrt(E / rho))
@@ -99,12 +130,33 @@ def _length(value: float) -> str:
     return f"{value:.4g} m" if value >= 1.0 else f"{1e3 * value:.4g} mm"
 
 
-def thickness_findings(name: str, material: Material, h: float, side: float, hangs: bool) -> tuple[Finding, ...]:
-    """A foil in place of a plate, or a plate that would sag far; h, side : thickness and shorter side [m]; hangs :
-    whether it is flat and not supported over its area."""
+def refuse_thicker(name: str, kind: str, material: AnyMaterial | LayUp, thickness: float, side: float) -> None:
+    """Raise InputError for what is thicker than its shorter side is long [m], at its layers where it has some."""
+    if not thickness > side > 0:
+        return
+    key, got, largest = "thickness", f"{thickness:g} m", thickness
+    if isinstance(material, Laminate):
+        key, got, largest = "layers", f"{thickness:g} m in all", max(layer.thickness for layer in material.layers)
+    meant = f"plain numbers are metres: {largest:g} mm?"
+    raise InputError(
+        f"parts.{name}.{key}",
+        got=got,
+        expected=f"at most the {kind}'s shorter side, {side:g} m",
+        do=meant if largest > 1.0 else "what is thicker than wide is a frame or a block",
+    )
+
+
+def thickness_findings(
+    name: str, section: PlateSection, materials: Sequence[AnyMaterial], side: float, hangs: bool
+) -> tuple[Finding, ...]:
+    """A foil in place of a plate, or a plate that would sag far; side : the shorter one [m]; hangs : whether it is flat
+    and not supported over its area."""
+    h = section.thickness
     if h < THINNEST * side:
-        meant = _meant(h, lambda other: side / 300.0 <= other <= side / 5.0)
+        meant = _meant(h, lambda other: side / SLENDEREST <= other <= side / STOUTEST)
         asked = "" if meant is None else f". Did you mean {_length(meant)}?"
+        if side >= LONGEST_SPAN and STOUTEST * h <= 1e-3 * side <= SLENDEREST * h:
+            asked = f". Plain numbers are metres: did you mean a side of {_length(1e-3 * side)}?"
         return (
             Finding(
                 "implausible-thickness",
@@ -114,27 +166,35 @@ def thickness_findings(name: str, material: Material, h: float, side: float, han
                 severe=True,
             ),
         )
-    sag = sag_of(material, h, side)
-    if not hangs or material.nu >= RUBBER or side / h > STOUT or sag <= SAGGING * side:
+    sag = sag_of(section, side)
+    rubber = any(isinstance(one, Material) and one.nu >= RUBBER for one in materials)
+    if not hangs or rubber or side / h > STOUT or sag <= SAGGING * side:
         return ()
+    told = ", ".join(_moduli(one) for one in materials) or "the rigidities, the mass"
     return (
         Finding(
             "implausible-stiffness",
             f"{name}: {_length(h)} thick and simply supported over its shorter side of {_length(side)}, it would "
-            f"sag by {_length(sag)} under its own weight, {100 * sag / side:.0f} %; floors sag by 0.1 %. Check E "
-            f"{_pressure(material.E)}, rho {material.rho:.4g} kg/m^3, the thickness and the size",
+            f"sag by {_length(sag)} under its own weight, {100 * sag / side:.0f} %; floors sag by 0.1 %. Check {told}, "
+            "the thickness and the size",
             {"sag_m": sag, "side_m": side},
             severe=True,
         ),
     )
 
 
-def sag_of(material: Material, thickness: float, a: float) -> float:
+def _moduli(material: AnyMaterial) -> str:
+    if isinstance(material, Material):
+        return f"E {_pressure(material.E)}, rho {material.rho:.4g} kg/m^3"
+    return f"E {', '.join(map(_pressure, material.E[:2]))}, rho {material.rho:.4g} kg/m^3"
+
+
+def sag_of(section: PlateSection, a: float) -> float:
     """Sag of a plate under its own weight over a length a, simply supported at both ends [m].
 
-    5 q a^4 / (384 D) with q = rho g h and D = E h^3 / 12 (1 - nu^2).
+    5 q a^4 / (384 D) with q = g m0 and D its bending rigidity, the larger of those along x and y.
     """
-    return 60.0 * (1.0 - material.nu**2) * material.rho * GRAVITY * a**4 / (384.0 * material.E * thickness**2)
+    return 5.0 * section.m0 * GRAVITY * a**4 / (384.0 * float(section.bending.diagonal()[:2].max()))
 
 
 def section_findings(name: str, section: Section, lines: Iterable[Sequence[Vector]]) -> tuple[Finding, ...]:

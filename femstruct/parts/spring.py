@@ -9,6 +9,7 @@ import numpy as np
 from scipy.sparse import csr_array, vstack
 
 from femstruct.conventions import DIRECTIONS
+from femstruct.declared import checked
 from femstruct.errors import InputError
 from femstruct.model.anchors import places_of, point_rows
 from femstruct.model.fastened import Elastic
@@ -21,6 +22,7 @@ NO_STIFFNESS: Six = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True)
+@checked("parts")
 class Spring(Part):
     """A spring and dashpot between two places, or a place and the ground; several places of a point: one each.
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
+from femstruct.declared import Count, NotNegative, Positive, checked
 from femstruct.model.region import Vector
 from femstruct.study.asked import Spot
 
@@ -17,6 +18,7 @@ BodySide = Literal["above", "below", "before", "after"]
 
 
 @dataclass(frozen=True)
+@checked("repeat")
 class Repeat:
     """When something comes: `count` times, at first, first + every, first + 2 every, ... [s].
 
@@ -28,13 +30,14 @@ class Repeat:
     0.1
     """
 
-    count: int = 1
-    every: float = 0.0
-    first: float = 0.0
+    count: Count = 1
+    every: NotNegative = 0.0
+    first: NotNegative = 0.0
     alone: bool = False
 
 
 @dataclass(frozen=True)
+@checked("bodies")
 class PlacedBody:
     """A body where the study puts it: mass [kg], on which side of what, moving towards it with `speed` [m/s].
 
@@ -62,10 +65,11 @@ class PlacedBody:
     law: Law | None = None
     blows: Repeat | None = None
     source: str | None = None
-    radius: float | None = None
+    radius: Positive | None = None
 
 
 @dataclass(frozen=True)
+@checked("contacts")
 class PlannedContact:
     """A contact between two named ends (points, bodies or ground), gap [m] and preload [N] of the rest state.
 
@@ -84,6 +88,7 @@ class PlannedContact:
 
 
 @dataclass(frozen=True)
+@checked("links")
 class PlannedLink:
     """A spring and dashpot between two named ends; see `femstruct.impact.scene.bodies.Link`.
 
@@ -103,6 +108,7 @@ class PlannedLink:
 
 
 @dataclass(frozen=True)
+@checked("loads")
 class PlannedLoad:
     """A force history [N] on a point's direction or a body, or a pressure history [Pa] on a surface.
 
@@ -121,6 +127,7 @@ class PlannedLoad:
 
 
 @dataclass(frozen=True)
+@checked("loads")
 class PlannedWalk:
     """A person who walks along places, one after the other, or stays at one; a point may have several places.
 
@@ -139,6 +146,7 @@ class PlannedWalk:
 
 
 @dataclass(frozen=True)
+@checked("initial.rigid")
 class RigidMotion:
     """A structure that starts moving as a whole: velocity [m/s] and spin [rad/s] about a named point.
 
@@ -154,6 +162,7 @@ class RigidMotion:
 
 
 @dataclass(frozen=True)
+@checked("initial")
 class InitialMotion:
     """Start velocities of points' directions [m/s] (spread over the modes that can follow), or of the whole.
 

@@ -6,7 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Final, Literal
 
-from femstruct.errors import FemstructError
+from femstruct.declared import NotNegative, Positive, checked
+from femstruct.errors import InputError
 from femstruct.model.region import Pair
 
 if TYPE_CHECKING:  # a model's modes need none of these
@@ -16,10 +17,11 @@ if TYPE_CHECKING:  # a model's modes need none of these
 
 SETTLED: Final = "settled"  # the limit of the time to rest
 FrfKind = Literal["receptance", "mobility", "accelerance", "transmissibility", "pressure", "power"]
-RecordedQuantity = Literal["displacement", "velocity", "acceleration", "force", "travel"]
+RecordedQuantity = Literal["displacement", "velocity", "acceleration", "force", "travel", "stress"]
 
 
 @dataclass(frozen=True)
+@checked("spot")
 class Spot:
     """A quantity with an address: a point's direction ("O_f", "z") or a force of the structure ("ground", "force").
 
@@ -38,6 +40,7 @@ class Spot:
 
 
 @dataclass(frozen=True)
+@checked("modes")
 class Extent:
     """How many modes: all up to a frequency [Hz], or the lowest `count`, all there are where those are fewer.
 
@@ -50,6 +53,7 @@ class Extent:
 
 
 @dataclass(frozen=True)
+@checked("frf")
 class FrfRequest:
     """A frequency response asked for: drive, response, kind, band [Hz] and step [Hz].
 
@@ -65,12 +69,36 @@ class FrfRequest:
     response: Spot
     kind: FrfKind
     band: Pair
-    step: float
+    step: Positive
+
+    def __post_init__(self) -> None:
+        _refuse_unless_rising(f"frf.{self.name}.band", self.band)
 
 
 @dataclass(frozen=True)
+@checked("shock_spectra")
+class ShockRequest:
+    """A shock response spectrum of a recorded acceleration: of : "POINT.z"; damping ratio of the oscillators [1], band
+    of their natural frequencies [Hz], how many an octave.
+
+    At the foot of a machine, with 5 % of damping (Q = 10), from 5 Hz to 2 kHz:
+
+    >>> ShockRequest("foot", "foot.z", damping=0.05, band=(5.0, 2000.0)).per_octave
+    12
+    """
+
+    name: str
+    of: str
+    damping: float
+    band: Pair
+    per_octave: int = 12
+
+
+@dataclass(frozen=True)
+@checked("record")
 class Record:
-    """A channel to keep. target : a point's direction, a force's name, a body, a contact or a link.
+    """A channel to keep. target : a point's direction, a force's name, a body, a contact or a link; of a stress, the
+    largest anywhere in a part, the part.
 
     >>> str(Record("middle.z", "velocity")), str(Record("ball on middle", "force"))
     ('middle.z velocity', 'ball on middle force')
@@ -84,6 +112,7 @@ class Record:
 
 
 @dataclass(frozen=True)
+@checked("time")
 class TimePlan:
     """Window [s], sampling [Hz], gravity, and the quiet time [s] that ends a collision.
 
@@ -91,16 +120,17 @@ class TimePlan:
     0.0
     """
 
-    duration: float
-    sampling: float
+    duration: Positive
+    sampling: Positive
     gravity: bool = False
-    quiet: float = 0.0
+    quiet: NotNegative = 0.0
 
 
 @dataclass(frozen=True)
+@checked("peaks")
 class PeakRule:
     """Which peaks to report: those of the first impact (its window [s], or None for until the next contact closes),
-    beside those of the whole window; lowpass [Hz] is applied before, None for none.
+    beside those of the whole window; lowpass [Hz] is applied before, None for none, but never to forces of contacts.
 
     The peaks of the first 20 ms, under 5 kHz:
 
@@ -108,11 +138,12 @@ class PeakRule:
     5000.0
     """
 
-    first_impact: float | None = 20e-3
-    lowpass_hz: float | None = None
+    first_impact: Positive | None = 20e-3
+    lowpass_hz: Positive | None = None
 
 
 @dataclass(frozen=True)
+@checked("accuracy")
 class AccuracyRule:
     """How far more modes may still change what is recorded: a share [1], in a band [Hz], over the first impact.
 
@@ -124,12 +155,16 @@ class AccuracyRule:
     True
     """
 
-    within: float
+    within: Positive
     band: Pair
-    up_to_hz: float | None = None
+    up_to_hz: Positive | None = None
+
+    def __post_init__(self) -> None:
+        _refuse_unless_rising("accuracy.band", self.band)
 
 
 @dataclass(frozen=True)
+@checked("limits")
 class Limit:
     """What should not be exceeded: by the largest |value| of a recorded channel ("die.z displacement"), in its unit,
     by the time to rest ("settled") [s], or by the rating of a room ("bedroom rating") [dB].
@@ -149,6 +184,7 @@ class Limit:
 
 
 @dataclass(frozen=True)
+@checked("rooms")
 class RoomPlan:
     """A room under a radiating surface, or the half space beside it, and its receivers.
 
@@ -184,9 +220,7 @@ class RoomPlan:
 
     def __post_init__(self) -> None:
         if self.coupling == "two-way" and not self.room.pushes_back:
-            raise FemstructError(
-                f"rooms.{self.name}.coupling", got=f"two-way with {self.room.word}", expected="one-way"
-            )
+            raise InputError(f"rooms.{self.name}.coupling", got=f"two-way with {self.room.word}", expected="one-way")
 
     def heard_to_hz(self, complete_below_hz: float) -> float:
         """Where the sound of a structure ends [Hz] whose modes are complete below a frequency."""
@@ -196,3 +230,8 @@ class RoomPlan:
     def complete_below_hz(self) -> float:
         """Where what the room knows of itself ends [Hz], infinite without an end."""
         return self.room.complete_up_to_hz
+
+
+def _refuse_unless_rising(where: str, band: Pair) -> None:
+    if not 0.0 <= band[0] < band[1]:
+        raise InputError(where, got=f"{band[0]:g} to {band[1]:g} Hz", expected="a rising band (low, high)")

@@ -9,7 +9,8 @@ from typing import Any, Final, NamedTuple
 
 from femstruct.conventions import GRAVITY
 from femstruct.model.given import Given, given, of_material, of_section, plain
-from femstruct.model.material import Material
+from femstruct.model.materials.lay_up import LayUp
+from femstruct.model.materials.orthotropic import AnyMaterial
 from femstruct.model.section import Section
 from femstruct.model.structure import Joint, Structure
 from femstruct.study.acting import PlacedBody, PlannedContact, PlannedLink, PlannedLoad
@@ -22,7 +23,7 @@ UNITS: Final = {  # of the fields of a study's nouns
     "preload": "N", "duration": "s", "sampling": "Hz", "quiet": "s", "first_impact": "s", "lowpass_hz": "Hz",
     "band": "Hz", "step": "Hz", "up_to_hz": "Hz", "every": "s", "first": "s", "pace": "Hz", "velocity": "m/s",
     "spin": "rad/s", "alpha": "1/s", "beta": "s", "near_hz": "Hz", "relaxation_time": "s", "decay_rate": "1/s",
-    "frequency": "Hz", "at": "m", "radius": "m", "times": "s",
+    "frequency": "Hz", "at": "m", "radius": "m", "times": "s", "slip": "N/m^2",
 }  # fmt: skip
 
 LEAK: Final = {"inertance": "kg/m^4", "resistance": "Pa s/m^3"}
@@ -71,6 +72,7 @@ def inputs(study: Study) -> Inputs:
         _name_nouns(groups)
         groups["supports"] = [_item(one, "support") for one in structure.supports]
         groups["joints"] = [_joint(one) for one in structure.joints]
+        groups["constraints"] = [_item(one, _word(one)) for one in structure.constraints]
         groups["points"] = [_item(one, "point") for one in structure.points]
         groups["surfaces"] = [_item(one, "surface") for one in structure.surfaces]
     else:
@@ -137,14 +139,18 @@ def _flat(found: Any) -> tuple[Given, ...]:
 def _name_nouns(groups: dict[str, list[Item]]) -> None:
     """Give materials and sections of parts their own groups, and the parts their names."""
     for number, part in enumerate(groups["parts"]):
-        named = []
+        named: list[Given] = []
         for one in part.given:
             noun = one.value
-            if isinstance(noun, Material):
-                groups["materials"].append(Item(noun.name, "", of_material(noun)))
+            if isinstance(noun, AnyMaterial | LayUp):
+                made_of = noun.materials if isinstance(noun, LayUp) else (noun,)
+                groups["materials"] += [Item(material.name, "", of_material(material)) for material in made_of]
             elif isinstance(noun, Section):
                 groups["sections"].append(Item(noun.name, "section", of_section(noun)))
-            named.append(one._replace(value=noun.name) if isinstance(noun, Material | Section) else one)
+            if isinstance(noun, LayUp):
+                named += noun.described()
+            else:
+                named.append(one._replace(value=noun.name) if isinstance(noun, AnyMaterial | Section) else one)
         groups["parts"][number] = part._replace(given=tuple(named))
     for group in ("materials", "sections"):
         groups[group] = list(dict.fromkeys(groups[group]))

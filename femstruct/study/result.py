@@ -17,6 +17,7 @@ from femstruct.errors import Finding
 from femstruct.impact.estimate import ErrorEstimate
 from femstruct.impact.result.response import Response
 from femstruct.impact.result.shares import ModeEnergies
+from femstruct.impact.result.shock import ShockSpectrum
 from femstruct.modal.basis import ModalBasis
 from femstruct.model.model import Model
 from femstruct.reported import Reported
@@ -29,11 +30,42 @@ NET_FORCE: Final = "net force on "  # begins the names of channels that no study
 
 
 @dataclass(frozen=True, eq=False)
+class LargestStress:
+    """The largest equivalent stress of von Mises that every place of a part ever has, filtered as peaks are.
+
+    places [p, 3] [m], sides : as `femstruct.model.probe.StressPlaces`. largest [p] [Pa], time [p] [s] : when it has it.
+    jump, falls : of the largest stress of all, the share by which the cells differ that meet at its place, and the
+    share by which it is smaller at the places next to it.
+    """
+
+    places: Annotated[Floats, Reported("m", "Where, global axes", along=("place", "direction"))]
+    sides: tuple[str, ...]
+    largest: Annotated[Floats, Reported("Pa", "Largest equivalent stress of von Mises", along=("place",))]
+    time: Annotated[Floats, Reported("s", "When", along=("place",))]
+    jump: Annotated[float, Reported("1", "Difference between the cells at the most stressed place, as a share")]
+    falls: Annotated[float, Reported("1", "How much smaller it is next to the most stressed place, as a share")]
+
+    @property
+    def worst(self) -> int:
+        """Number of the most stressed place."""
+        return int(self.largest.argmax())
+
+    @property
+    def where(self) -> Annotated[str, Reported("1", "The most stressed place")]:
+        """The most stressed place in words."""
+        x, y, z = self.places[self.worst].round(6) + 0.0  # no -0, no traces of rounding
+        side = self.sides[self.worst % len(self.sides)]
+        return f"({x:.4g}, {y:.4g}, {z:.4g}) m{f', {side}' if side else ''}"
+
+
+@dataclass(frozen=True, eq=False)
 class Channel:
-    """A recorded history: values [nt] at the times of its response, its unit, and the rule-bound peaks of |values|.
+    """A recorded history: values [nt] at the times of its case, ``case.response.t`` [nt] [s], its unit, and the peaks
+    of |values| [unit] in the first impact (as `PeakRule` has it) and in the whole window.
 
     by_modes : the same peaks of the motion of a point in its true modes, without residual vectors; None for what is no
-    such motion, or where there are none.
+    such motion, or where there are none; of a stress likewise. stressed : of a stress, which is the largest anywhere in
+    its part at each time, where it is largest ever.
     """
 
     name: str
@@ -42,6 +74,7 @@ class Channel:
     first_impact: float
     whole: float
     by_modes: tuple[float, float] | None = None
+    stressed: LargestStress | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -142,6 +175,7 @@ class CaseResult:
     None when nothing was simulated.
     drops : by place ("drops.2"), where a source strikes several: response, channels, rooms, levels, shares and errors
     are those of the first, rated is of all. Empty for one place.
+    shock : shock response spectra, by name.
     """
 
     case: Case
@@ -160,6 +194,7 @@ class CaseResult:
     errors: ErrorEstimate | None = None
     radiated: Mapping[str, Radiated] = field(default_factory=dict)
     heard: OwnSound = NO_OWN_SOUND
+    shock: Mapping[str, ShockSpectrum] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -205,6 +240,22 @@ class StudyResult:
     models holds None for closed-form structures. findings : of the run as a whole. timings : CPU seconds by stage.
     provenance : versions, platform, date, command line. verdicts : by case, on the limits of the study. machine : by
     case, where the study is about one (see `femstruct.workflow.compare.machines`), else empty.
+
+    A ball falls on the ground. ``cases`` has what was found, by the names of the cases; a history is beside its times:
+
+    >>> import femstruct as fs
+    >>> ball = fs.PlacedBody("ball", 0.1, "above", "ground", speed=2.0, law=fs.Linear(1e5))
+    >>> window, force = fs.TimePlan(duration=5e-3, sampling=50e3), fs.Record("ball on ground", "force")
+    >>> study = fs.Study(
+    ...     "a fall", fs.NoStructure(), fs.Damping(), fs.Extent(), bodies=(ball,), records=(force,), time=window
+    ... )
+    >>> found = fs.run_study(fs.Plan("a fall", (fs.Case("as given", study),), baseline="as given"))
+    >>> case = found.cases["as given"]
+    >>> channel, t = case.channels["ball on ground force"], case.response.t
+    >>> round(channel.whole), channel.unit, round(1e3 * float(t[channel.values.argmax()]), 2)  # v sqrt(k m), at [ms]
+    (200, 'N', 1.58)
+    >>> [finding.code for finding in (*found.findings, *case.findings)]
+    []
     """
 
     plan: Plan

@@ -6,12 +6,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
+from femstruct.declared import checked
 from femstruct.model.structure import Structure
 
 BeamEnd = Literal["pinned", "free", "clamped"]
 
 
 @dataclass(frozen=True)
+@checked("structure")
 class OscillatorModel:
     """`structure: {type: oscillator}`: a mass on a spring, moving along z; frequency or stiffness is given.
 
@@ -26,6 +28,7 @@ class OscillatorModel:
 
 
 @dataclass(frozen=True)
+@checked("structure")
 class RodModel:
     """`structure: {type: rod}`: a free elastic rod along x; points by their position [m] along it.
 
@@ -44,6 +47,7 @@ class RodModel:
 
 
 @dataclass(frozen=True)
+@checked("structure")
 class BeamModel:
     """`structure: {type: beam}`: a beam along x deflecting along z; points by their position [m] along it.
 
@@ -62,6 +66,7 @@ class BeamModel:
 
 
 @dataclass(frozen=True)
+@checked("structure")
 class ModesModel:
     """`structure: {type: modes}`: given modes [Hz], damping ratios [1] and mass-normalised shapes at points, along the
     axis their study moves along; at : positions along it [m], of the points that have one.

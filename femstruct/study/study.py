@@ -7,20 +7,31 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import get_args
 
+from femstruct.declared import checked
 from femstruct.errors import InputError
 from femstruct.modal.damping import Damping
 from femstruct.study.acting import InitialMotion, PlacedBody, PlannedContact, PlannedLink, PlannedLoad, PlannedWalk
-from femstruct.study.asked import AccuracyRule, Extent, FrfRequest, Limit, PeakRule, Record, RoomPlan, TimePlan
+from femstruct.study.asked import (
+    AccuracyRule,
+    Extent,
+    FrfRequest,
+    Limit,
+    PeakRule,
+    Record,
+    RoomPlan,
+    ShockRequest,
+    TimePlan,
+)
 from femstruct.study.structures import StructureModel
 
 
 @dataclass(frozen=True)
+@checked("study")
 class Study:
     """All inputs of one simulation, in SI units.
 
-    structure, damping : the model. extent : how many modes its basis has. frf : frequency responses asked for.
+    structure, damping : the model. extent : how many modes its basis has. frf, shock_spectra : what is asked for.
     bodies, contacts, links, loads, walks, initial : what takes part, its initial state. records : histories to keep.
     time : the window, None when nothing is simulated. peaks : which peaks are reported. rooms : with their receivers.
     limits : what the verdicts of a case are about. save_modal : whether the modal coordinates go into the results
@@ -72,15 +83,17 @@ class Study:
     limits: tuple[Limit, ...] = ()
     save_modal: bool = False
     accuracy: AccuracyRule | None = None
+    shock_spectra: tuple[ShockRequest, ...] = ()
 
     def __post_init__(self) -> None:
-        for key, kind in (("structure", StructureModel), ("damping", Damping), ("extent", Extent)):
-            if not isinstance(value := getattr(self, key), kind):
-                names = " or ".join(one.__name__ for one in get_args(kind) or (kind,))
-                raise InputError(f"study.{key}", got=f"{value!r}", expected=names)
+        lowpass = self.peaks.lowpass_hz
+        if self.time is not None and lowpass is not None and not lowpass < 0.5 * self.time.sampling:
+            expected = f"less than half the sampling, {0.5 * self.time.sampling:g} Hz"
+            raise InputError("study.peaks.lowpass_hz", got=f"{lowpass:g} Hz", expected=expected)
 
 
 @dataclass(frozen=True)
+@checked("cases")
 class Case:
     """One column of the comparison: a study, and what makes it differ from the file (path -> text of the value).
 
@@ -106,6 +119,7 @@ class Case:
 
 
 @dataclass(frozen=True)
+@checked("plan")
 class Plan:
     """A study file, read: its cases in order, which one is the baseline, and its files verbatim by
     name: YAML, and CSV of loads; none of a plan made in Python.

@@ -71,7 +71,7 @@ def identified(height: float = 0.05) -> Hull:
         bending, torsion = frequencies(basis, model)
         return torsion / bending - TORSION / BENDING
 
-    thickness = float(brentq(miss, 0.02, 0.07, xtol=1e-6))
+    thickness = float(brentq(miss, 0.02, 0.055, xtol=1e-6))
     model, basis = solved(height, thickness, START)
     E = START * (BENDING / frequencies(basis, model)[0]) ** 2
     return Hull(height, thickness, E, *solved(height, thickness, E, count=20))

@@ -29,8 +29,10 @@ def floor_frame_slab(kind: Literal["hermite12", "bfs16"], bars: Literal["euler",
     bar, post = rectangle("bar", 7.216e-3, 6.405e-3), rectangle("post", 15.73e-3, 15.73e-3)
     around = [(-0.2, -0.16), (0, -0.16), (0.2, -0.16), (0.2, 0), (0.2, 0.16), (0, 0.16), (-0.2, 0.16), (-0.2, 0)]
     parts = (
-        Plate("floor", acrylic, 0.005, (-0.2, -0.16, 0.08), (0.4, 0.32), (16, 16), kind),
-        Plate("slab", concrete, 0.03, (-0.33, -0.285, 0.0), (0.66, 0.57), 0.03, kind),
+        Plate(
+            "floor", acrylic, 0.005, (-0.2, -0.16, 0.08), (0.4, 0.32), (16, 16), kind, in_plane="rigid"
+        ),  # as that run has them
+        Plate("slab", concrete, 0.03, (-0.33, -0.285, 0.0), (0.66, 0.57), 0.03, kind, in_plane="rigid"),
         Frame("edge", steel, bar, (tuple((x, y, 0.08) for x, y in [*around, around[0]]),), 0.02, element=bars),
         Frame("posts", steel, post, tuple(((x, y, 0.0), (x, y, 0.08)) for x, y in around), 0.04, element=bars),
         Foundation("foam", "slab", Region("rim", (0.58, 0.47)), 2.21e5, 7.3e4),

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from femstruct.files.results_file.results import write_results
+from femstruct.workflow.exchange.exported import exported
 
 DATA = Path(__file__).parents[1] / "data" / "study_by_hand.py"
 BY_HAND = runpy.run_path(str(DATA))
@@ -69,3 +70,35 @@ def test_shapes_are_smooth_between_the_nodes(seen):
         tolerance = 1.3 * (half_waves * np.pi / 8) ** 4 / 384 * 2 + 1e-6  # two directions, single precision
         np.testing.assert_allclose(arrays[name][: len(plate)], exact[:, :, place], atol=tolerance)
     assert np.ptp(points[:, 2]) == pytest.approx(0.2)
+
+
+PYVISTA = """
+import sys, json
+import numpy as np, pyvista
+options = {"force_ext": ".vtkhdf"} if sys.argv[1].endswith(".h5") else {}
+grid = pyvista.read(sys.argv[1], **options)
+arrays = {name: grid.point_data[name] for name in grid.point_data if name.startswith("mode")}
+np.savez(sys.argv[2], points=grid.points, **arrays)
+print(json.dumps({"class": type(grid).__name__, "cells": grid.n_cells, "names": list(arrays)}))
+"""
+
+
+@pytest.mark.parametrize("to", ["h5", "vtu"])
+def test_pyvista_opens_results_and_what_is_exported_of_them_without_a_word(seen, tmp_path, to):
+    told_by_vtk, arrays = seen
+    path = tmp_path / "results.h5"
+    write_results(path, BY_HAND["study_by_hand"]())
+    if to == "vtu":
+        (path,) = exported(path, "vtu", tmp_path, None, (), "femstruct export", lambda stage: None)
+    words = [sys.executable, "-W", "error", "-c", PYVISTA, str(path), str(tmp_path / "seen.npz")]
+    done = subprocess.run(words, capture_output=True, text=True, check=True)
+    assert done.stderr == ""
+    told = json.loads(done.stdout)
+    assert told["class"] == "UnstructuredGrid"
+    assert told["cells"] == sum(told_by_vtk["cells"].values())
+    assert told["names"] == told_by_vtk["names"]
+    with np.load(tmp_path / "seen.npz") as file:
+        for name in told["names"]:
+            np.testing.assert_array_equal(file[name], arrays[name])
+        # single precision of one of the readers
+        np.testing.assert_allclose(file["points"], arrays["points"], atol=1e-6)

@@ -127,9 +127,12 @@ def test_impact_against_dop853(study: StudyResult, oracles: dict[str, Oracle], n
         found = case.channels[channel]
         # the engine's own tolerance is 1e-8; that of the reference, seen by tightening it further, is 1e-9
         assert np.abs(found.values - dense[::DENSE]).max() < 1e-8 * np.abs(dense).max(), channel
-        assert found.whole == pytest.approx(np.abs(dense[::DENSE]).max(), rel=1e-8), channel
-        early = dense[::DENSE][: int(0.02 * SAMPLING) + 1]
-        assert found.first_impact == pytest.approx(np.abs(early).max(), rel=1e-8), channel
+        # peaks of contacts are those between the samples: the top of an arc of some 0.4 ms lies up to
+        # (pi 2 us / 0.4 ms / 2)^2 / 2 above the samples of the reference
+        step, rel = (1, 3e-5) if channel.removesuffix(" force") in case.response.contacts else (DENSE, 1e-8)
+        assert found.whole == pytest.approx(np.abs(dense[::step]).max(), rel=rel), channel  # see above
+        early = dense[::step][: int(0.02 * SAMPLING) * (DENSE // step) + 1]
+        assert found.first_impact == pytest.approx(np.abs(early).max(), rel=rel), channel  # see above
     for contact, dense in (("ball on floor", oracle.ball), ("floor on damper", oracle.damper)):
         if contact in case.response.contacts:
             # the top of an arc of some 0.4 ms lies up to (pi 2 us / 0.4 ms / 2)^2 / 2 above its samples
@@ -269,7 +272,11 @@ def test_columns_of_the_results_file(stored: h5py.File) -> None:
         channels = stored["cases"][name]["channels"]
         time = channels["time"][()]
         for channel, columns in cases[name]["peaks"].items():
-            size = np.abs(channels[channel][()])
+            size, contact = np.abs(channels[channel][()]), channel.removesuffix(" force")
+            if contact in cases[name]["contacts"]:  # between the samples, on arcs of 20 samples or more
+                assert columns["whole"] == cases[name]["contacts"][contact]["peak_force_n"]
+                assert size.max() <= columns["whole"] <= (1 + 1e-2) * size.max(), channel
+                continue
             assert columns["whole"] == size.max(), channel
             assert columns["first_impact"] == size[time <= 0.02].max(), channel
         pressure = channels["box.mic pressure"][()]
@@ -280,7 +287,12 @@ def test_columns_of_the_results_file(stored: h5py.File) -> None:
             continue
         columns, before = compared[name], stored["cases"]["without damper"]["channels"]
         for channel, change in columns["peaks"].items():
-            old, new = np.abs(before[channel][()]), np.abs(channels[channel][()])
+            old, new = (
+                np.array([cases[one]["peaks"][channel]["whole"]])
+                if channel.endswith(" force")
+                else np.abs(of[channel][()])
+                for one, of in (("without damper", before), (name, channels))
+            )
             assert change["whole_percent"] == pytest.approx(100 * (new.max() - old.max()) / old.max(), abs=ROUNDING)
         for channel, modes in (("O_s.z velocity", (4, 7)), ("box.mic pressure", (4, 7))):
             for mode in modes:

@@ -292,6 +292,23 @@ def test_mass_beyond_a_rigid_arm_has_its_moment_of_inertia():
     assert about_x @ M @ about_x == pytest.approx(exact, rel=ROUNDING)
 
 
+@pytest.mark.parametrize("kind", frame.KINDS)
+def test_section_forces_of_a_cantilever_are_those_of_statics(kind):
+    """Six loads on the tip at once: N, V, T are theirs all along, moments grow with the lever arm."""
+    load = np.array([3.0, -2.0, 5.0, 0.7, 1.1, -0.4])
+    K = element_stiffness(kind, 0.7, SECTION)[0]
+    u = np.zeros(len(K))
+    u[6:] = np.linalg.solve(K[6:, 6:], np.pad(load, (0, len(K) - 12)))
+    x = np.array([0.0, 0.2, 0.7])
+    constants = (SECTION[key] for key in ("E", "G", "A", "Iy", "Iz", "J", "ky", "kz"))
+    got = frame.resultants(kind, 0.7, x / 0.7, *constants) @ u
+    arm = 0.7 - x
+    exact = np.tile(load, (3, 1))
+    exact[:, 4] -= arm * load[2]
+    exact[:, 5] += arm * load[1]
+    np.testing.assert_allclose(got, exact, rtol=0, atol=1e-11)  # rounding of N of EA / L = 9e7 N/m: 2e-13 here
+
+
 def test_directions():
     start = np.zeros((4, 3))
     end = np.array([[2.0, 0, 0], [0, 0, 3.0], [1.0, 1.0, 0], [1.0, 2.0, 2.0]])

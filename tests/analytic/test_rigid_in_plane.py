@@ -1,4 +1,4 @@
-"""Plates that cannot stretch: how wrong the findings say ribs and folded plates are, against three-dimensional solids.
+"""Plates said to be rigid in their planes: how wrong the findings say ribs and folds are, against solids.
 
 The solids are p-version bricks (degrees up to 5, extrapolated; two programs agree to 0.2 %), free where nothing is
 said: a steel plate 1 x 0.8 x 0.008 m with a rib of 10 x 60 mm below its middle line; T strips of chipboard (0.6 m x
@@ -9,6 +9,7 @@ an angle of 4 m with legs of 200 x 8 mm; a box of 1 x 0.8 x 0.5 m and 6 mm, open
 
 from __future__ import annotations
 
+from functools import partial
 from itertools import pairwise
 
 import numpy as np
@@ -26,8 +27,10 @@ from femstruct.parts.findings.eccentric import RibError, eccentric_findings, rib
 from femstruct.parts.findings.folded import folded_findings, in_plane_limit
 from femstruct.parts.foundation import Foundation
 from femstruct.parts.frame import Frame
-from femstruct.parts.plate import Plate, PlateMesh
+from femstruct.parts.of_plates.plate_mesh import PlateMesh
+from femstruct.parts.plate import Plate
 
+rigid = partial(Plate, in_plane="rigid")
 ROUNDING = 1e-12  # rounding: 4e-15 here at most
 
 STEEL = Material("steel", E=210e9, nu=0.3, rho=7850.0)
@@ -57,13 +60,13 @@ def ribbed(
 
 
 def rib_plate(mesh: float, **frame) -> Structure:
-    return ribbed(Plate("plate", STEEL, 0.008, (0, 0, 0), (1.0, 0.8), mesh), STEEL, 0.01, 0.06, **frame)
+    return ribbed(rigid("plate", STEEL, 0.008, (0, 0, 0), (1.0, 0.8), mesh), STEEL, 0.01, 0.06, **frame)
 
 
 def strip(board: Material, joist: Material, sizes: tuple[float, float, float, float], length: float) -> Structure:
     """A T strip, its board held up at both ends."""
     wide, thick, width, height = sizes
-    plate = Plate("board", board, thick, (0.0, -wide / 2.0, 0.0), (length, wide), 0.1)
+    plate = rigid("board", board, thick, (0.0, -wide / 2.0, 0.0), (length, wide), 0.1)
     ends = tuple(Support(edge, ("z",), on="board", edge=edge) for edge in ("x0", "x1"))
     one = ribbed(plate, joist, width, height)
     return Structure("strip", one.parts, one.joints, supports=ends)
@@ -121,7 +124,7 @@ def test_the_rib_of_a_plate_that_twists_is_no_more_wrong_than_the_finding_says(m
 @pytest.mark.parametrize("spacing", [0.1, 0.05, 0.025])
 def test_the_false_torsional_stiffness(element: str, spacing: float) -> None:
     length, width, thick, (b, h) = 2.0, 0.1, 0.008, (0.01, 0.06)
-    plate = Plate("plate", STEEL, thick, (0.0, -width / 2, 0.0), (length, width), (round(length / spacing), 2))
+    plate = rigid("plate", STEEL, thick, (0.0, -width / 2, 0.0), (length, width), (round(length / spacing), 2))
     model = mesh_structure(ribbed(plate, STEEL, b, h, element=element))
     error, section = the(rib_errors(model)), rectangle("r", b, h)
     assert error.spacing == pytest.approx(spacing, rel=ROUNDING)
@@ -138,7 +141,7 @@ def test_the_false_torsional_stiffness(element: str, spacing: float) -> None:
 def test_what_has_neither_error() -> None:
     beside = mesh_structure(rib_plate(0.1))
     assert eccentric_findings(beside)[0].severe
-    flat = Plate("plate", STEEL, 0.008, (0, 0, 0), (1.0, 0.8), 0.1)
+    flat = rigid("plate", STEEL, 0.008, (0, 0, 0), (1.0, 0.8), 0.1)
     in_plate = Frame("ribs", STEEL, rectangle("r", 0.01, 0.06), (((0, 0.4, 0), (1.0, 0.4, 0)),))
     post = Frame(
         "post", STEEL, rectangle("r", 0.01, 0.06), (((0.5, 0.4, 0), (0.5, 0.4, -0.3)),), start_offset=(0, 0, -0.004)
@@ -153,7 +156,7 @@ def test_what_has_neither_error() -> None:
 
 def test_the_strip_of_a_rib_ends_half_way_to_the_next() -> None:
     """Ribs at 0.1, 0.3 and 0.8 m of 1 m, turned and with their ends exchanged: 0.2, 0.35 and 0.45 m are theirs."""
-    plate = Plate("plate", STEEL, 0.01, (0, 0, 0), (2.0, 1.0), 0.25)
+    plate = rigid("plate", STEEL, 0.01, (0, 0, 0), (2.0, 1.0), 0.25)
     lines = tuple(((x0, y, 0.0), (2.0 - x0, y, 0.0)) for x0, y in ((0.0, 0.1), (2.0, 0.3), (0.0, 0.8)))
     model = mesh_structure(ribbed(plate, STEEL, 0.02, 0.1, lines))
     errors = rib_errors(model)
@@ -186,8 +189,8 @@ def test_pinned_ribs_do_not_resist_twist_and_soft_joints_slide() -> None:
 
 
 def test_a_layer_as_stiff_as_glue_between_plates_is_told() -> None:
-    slab = Plate("slab", CONCRETE, 0.18, (0, 0, 0), (5.0, 4.0), 0.5)
-    screed = Plate("screed", CONCRETE, 0.06, (0, 0, 0.15), (5.0, 4.0), 0.5)
+    slab = rigid("slab", CONCRETE, 0.18, (0, 0, 0), (5.0, 4.0), 0.5)
+    screed = rigid("screed", CONCRETE, 0.06, (0, 0, 0.15), (5.0, 4.0), 0.5)
 
     def told(shear: float):
         layer = Foundation("layer", "screed", Region("whole"), 1e7, shear, to="slab")
@@ -202,8 +205,8 @@ def test_a_layer_as_stiff_as_glue_between_plates_is_told() -> None:
 
 def angle(divisions: tuple[int, int]) -> Structure:
     legs = (
-        Plate("one", STEEL, 0.008, (0, 0, 0), (4.0, 0.2), divisions),
-        Plate(
+        rigid("one", STEEL, 0.008, (0, 0, 0), (4.0, 0.2), divisions),
+        rigid(
             "two", STEEL, 0.008, (0, 0, 0), (4.0, 0.2), divisions, normal=(0.0, -1.0, 0.0), x_direction=(1.0, 0.0, 0.0)
         ),
     )
@@ -211,14 +214,14 @@ def angle(divisions: tuple[int, int]) -> Structure:
 
 
 def wall(name: str, origin, size, normal, along, thickness=0.006, mesh=0.1) -> Plate:
-    return Plate(name, STEEL, thickness, origin, size, mesh, normal=normal, x_direction=along)
+    return rigid(name, STEEL, thickness, origin, size, mesh, normal=normal, x_direction=along)
 
 
 def box() -> Structure:
     x, y = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)
     walls = [wall(f"y{n}", (0, 0.8 * n, 0), (1.0, 0.5), (0.0, -1.0, 0.0), x) for n in (0, 1)]
     walls += [wall(f"x{n}", (1.0 * n, 0, 0), (0.8, 0.5), (1.0, 0.0, 0.0), y) for n in (0, 1)]
-    bottom = Plate("bottom", STEEL, 0.006, (0, 0, 0), (1.0, 0.8), 0.1)
+    bottom = rigid("bottom", STEEL, 0.006, (0, 0, 0), (1.0, 0.8), 0.1)
     joints = [Joint(f"foot {one.name}", "bottom", one.name) for one in walls]
     joints += [Joint(f"edge {a}{b}", a, b) for a in ("y0", "y1") for b in ("x0", "x1")]
     return Structure("box", (bottom, *walls), tuple(joints))
@@ -227,7 +230,7 @@ def box() -> Structure:
 def i_beam() -> Structure:
     web = wall("web", (0, 0, -0.145), (3.0, 0.29), (0.0, -1.0, 0.0), (1.0, 0.0, 0.0), 0.008)
     flanges = [
-        Plate(name, STEEL, 0.01, (0, -0.075, z), (3.0, 0.15), 0.1) for name, z in (("top", 0.145), ("low", -0.145))
+        rigid(name, STEEL, 0.01, (0, -0.075, z), (3.0, 0.15), 0.1) for name, z in (("top", 0.145), ("low", -0.145))
     ]
     parts = (web, *flanges)
     held = tuple(Support(f"end {part.name}", "clamped", on=part.name, edge="x0") for part in parts)
@@ -271,8 +274,8 @@ def test_the_open_box_needs_no_finding() -> None:
 
 def test_supports_decide_what_bends() -> None:
     """A downstand of 0.3 m below a slab: between pinned ends, clamped ones, on its whole length, or free."""
-    slab = Plate("slab", CONCRETE, 0.18, (0, -1.0, 0), (5.0, 2.0), 0.25)
-    beam = Plate(
+    slab = rigid("slab", CONCRETE, 0.18, (0, -1.0, 0), (5.0, 2.0), 0.25)
+    beam = rigid(
         "beam", CONCRETE, 0.2, (0, 0, -0.3), (5.0, 0.3), 0.25, normal=(0.0, -1.0, 0.0), x_direction=(1.0, 0, 0)
     )
 
@@ -295,8 +298,8 @@ def test_supports_decide_what_bends() -> None:
 
 
 def test_flat_plates_are_not_folded() -> None:
-    beside = Plate("beside", STEEL, 0.008, (1.0, 0, 0), (1.0, 0.8), 0.2)
-    one = Plate("one", STEEL, 0.008, (0, 0, 0), (1.0, 0.8), 0.2)
+    beside = rigid("beside", STEEL, 0.008, (1.0, 0, 0), (1.0, 0.8), 0.2)
+    one = rigid("one", STEEL, 0.008, (0, 0, 0), (1.0, 0.8), 0.2)
     model = mesh_structure(Structure("flat", (one, beside), (Joint("seam", "one", "beside"),)))
     assert in_plane_limit(model) is None
     assert folded_findings(model, 1e5) == ()
@@ -305,7 +308,7 @@ def test_flat_plates_are_not_folded() -> None:
 def test_plates_that_stretch_have_none_of_these_findings(monkeypatch: pytest.MonkeyPatch) -> None:
     """Whether a plate is rigid in its plane is its own to say."""
     folded = mesh_structure(angle((20, 1)))
-    plate = Plate("plate", STEEL, 5e-3, (0.0, 0.0, 0.0), (1.0, 0.6), 0.1)
+    plate = rigid("plate", STEEL, 5e-3, (0.0, 0.0, 0.0), (1.0, 0.6), 0.1)
     arm = (0.0, 0.0, -0.0325)
     line = ((0.0, 0.3, 0.0), (1.0, 0.3, 0.0))
     rib = Frame("rib", STEEL, rectangle("bar", 0.02, 0.06), (line,), 0.1, start_offset=arm, end_offset=arm)

@@ -239,6 +239,10 @@ def test_a_study_has_further_surfaces(tmp_path: Path) -> None:
     ("new", "message"),
     [
         ("x0: right", r":12:20: rooms\.parts\.surfaces\.x0: got a surface on 'x0' of a rectangular room, expected"),
+        (
+            "x5: right",
+            r"got a surface on 'x5' of .*; there is no wall 'x5': the walls are ceiling, floor, x0, x1, y0, y1$",
+        ),
         ("roof: right", r":12:22: rooms\.parts\.surfaces\.roof: got a surface on 'roof' of .* one on ceiling"),
         ("ceiling: rihgt", r":12:25: rooms\.parts\.surfaces\.ceiling: got 'rihgt'.*'right'"),
         ("ceiling: far", r"rooms\.parts: got a surface on 'ceiling' that faces out, expected one that faces in$"),

@@ -10,6 +10,7 @@ from scipy.optimize import brentq
 
 from femstruct.language import read_model_file
 from femstruct.model.material import Material
+from femstruct.model.materials.lay_up import section_of
 from femstruct.model.mesher import mesh_structure
 from femstruct.model.structure import Structure
 from femstruct.parts.findings.waves import bending_wavelength, mesh_findings, with_shear
@@ -39,7 +40,7 @@ def test_shear_shortens_waves_and_crowds_modes(h: float, frequency_hz: float) ->
     """N(f) = S k^2 / 4 pi: modes are as dense as k^2 grows, here by a central difference."""
     omega, step = 2 * np.pi * frequency_hz, 1e-4
     thin = np.sqrt(12 * (1 - CONCRETE.nu**2) * CONCRETE.rho / CONCRETE.E) / h  # k^2 = omega sqrt(rho h / D)
-    shorter, denser = with_shear(CONCRETE, h, frequency_hz)
+    shorter, denser = with_shear(section_of(CONCRETE, h), frequency_hz)
     assert shorter == pytest.approx(mindlin(omega, h) / np.sqrt(omega * thin), rel=1e-12)  # rounding: 2e-15 here
     up, down = (mindlin(omega * (1 + sign * step), h) ** 2 for sign in (1, -1))
     # central difference of 1e-4: 2e-10 here
@@ -55,7 +56,7 @@ def test_a_thick_slab_is_told_with_its_numbers(tmp_path: Path) -> None:
     wave = bending_wavelength(model.parts["slab"], 3150.0)
     assert told.values["wavelength_m"] == wave == pytest.approx(3.85 * 0.14, rel=1e-3)  # three digits of 3.85
     assert told.values["thickness_m"] == 0.14
-    assert told.values["density_ratio"] == with_shear(CONCRETE, 0.14, 3150.0)[1]
+    assert told.values["density_ratio"] == with_shear(section_of(CONCRETE, 0.14), 3150.0)[1]
     assert "3.9 times the thickness" in told.message
     assert "modal density is too low by a factor of 1.96, and levels of a blow by up to 2.9 dB" in told.message
     # ten thicknesses to a wave: 100 / 0.14 ... lambda goes as 1 / sqrt(f)

@@ -338,3 +338,9 @@ def test_bodies_without_a_structure_are_written_and_read(tmp_path):
     stored = read_results(tmp_path / "results.h5")
     assert_same(result, stored)
     assert [basis.kind for basis in stored.bases.values()] == [()]
+
+
+def test_the_folder_of_a_run_is_read(result, path, tmp_path):
+    assert read_results(path.parent).plan.title == result.plan.title
+    with pytest.raises(InputError, match=r"results\.h5: got no such file, expected .* the folder of a run"):
+        read_results(tmp_path)

@@ -8,21 +8,53 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.sparse import csr_array
 
 import femstruct as fs
 from femstruct.conventions import N_COMPONENTS
 from femstruct.elements import frame, plate
 from femstruct.language.parts.known_parts import KINDS
+from femstruct.model.imported.component import Component
+from femstruct.model.imported.imported_mesh import ImportedMesh
 from femstruct.model.model import Model
 from femstruct.model.part import Meshed, Part
 from femstruct.model.section import rectangle
 
 STEEL = fs.Material("steel", E=210e9, nu=0.3, rho=7850.0)
 TILTED = (0.0, -0.6, 0.8)  # normal of a plate
+TRAY = ImportedMesh(  # a bottom of 2 m^2 and a side of 1.25 m^2, folded; one cell of the side runs the other way
+    "tray.msh",
+    [[0, 0, 0], [1, 0, 0], [2, 0, 0], [0, 1, 0], [1, 1, 0], [2, 1, 0], [0, -0.3, 0.4], [1, -0.3, 0.4], [2, -0.6, 0.8]],
+    np.arange(1, 10),
+    {"quad4": [[0, 1, 4, 3], [0, 1, 7, 6], [2, 8, 7, 1]], "tri3": [[1, 2, 5], [4, 1, 5]]},
+    {"quad4": np.arange(1, 4), "tri3": [4, 5]},
+    cell_sets={"bottom": {"quad4": [0], "tri3": [0, 1]}, "side": {"quad4": [1, 2]}},
+)
+BRICKS = ImportedMesh(  # two bricks, 2 m x 1 m x 0.4 m
+    "bricks.msh",
+    [[x, y, z] for z in (0.0, 0.4) for y in (0.0, 1.0) for x in (0.0, 1.0, 2.0)],
+    np.arange(1, 13),
+    {"hex8": [[0, 1, 4, 3, 6, 7, 10, 9], [1, 2, 5, 4, 7, 8, 11, 10]]},
+    {"hex8": [1, 2]},
+)
+PAIR = Component(  # two masses of 3 and 2 kg on springs between them, and a modal coordinate of the second
+    "pair.npz",
+    csr_array(np.diag([3.0, 3.0, 3.0, 2.0, 2.0, 2.0, 1.0])),
+    csr_array((7, 7)),
+    csr_array(np.kron(np.array([[1e3, -1e3, 0.0], [-1e3, 1e3, 0.0], [0.0, 0.0, 0.0]]), np.eye(3))[:7, :7])
+    + csr_array(np.diag([0.0] * 6 + [5e3])),
+    csr_array(np.block([[np.eye(3, 7)], [np.zeros((4, 7))], [np.eye(3, 7, 3)], [np.zeros((4, 7))]])),
+    [[0.0, 0.0, 0.0], [0.5, 0.0, 0.0]],
+    5.0,
+    (*(f"node {node} {axis}" for node in (0, 1) for axis in ("UX", "UY", "UZ")), "mode 1"),
+    [0],
+)
 sys.path.insert(0, str(Path(__file__).parents[1] / "data"))
 Strut = importlib.import_module("femstruct_guest.strut").Strut  # a kind of another package keeps to the same
 del sys.path[0]
 
+SPRUCE = fs.Orthotropic("spruce", E=(11e9, 370e6), G=(690e6, 50e6, 600e6), nu=0.35, rho=420.0)
+LAYERS = fs.Laminate((fs.Layer(SPRUCE, 0.01, 0.3), fs.Layer(STEEL, 0.005), fs.Layer(SPRUCE, 0.015, -1.0)))
 PARTS: dict[str, Part] = {
     **{
         f"plate {kind}": fs.Plate(
@@ -30,6 +62,25 @@ PARTS: dict[str, Part] = {
         )
         for kind in plate.KINDS
     },
+    **{
+        f"plate {kind} elastic": fs.Plate(
+            "part", STEEL, 0.01, (0.3, -0.2, 0.5), (1.2, 0.7), (3, 2), kind, TILTED, (1.0, 0.0, 0.0), "elastic"
+        )
+        for kind in plate.KINDS
+        if kind != "hermite12"
+    },
+    "plate of layers": fs.Plate(
+        "part", LAYERS, 0.03, (0.3, -0.2, 0.5), (1.2, 0.7), (3, 2), "bfs16", TILTED, (1.0, 0.0, 0.0), "elastic"
+    ),
+    "frame of timber": fs.Frame(
+        "part",
+        SPRUCE,
+        rectangle("bar", 0.04, 0.03),
+        (((0.0, 0.0, 0.0), (0.3, 0.4, 0.7), (1.0, 0.4, 0.7)),),
+        mesh=0.3,
+        start_offset=(0.0, 0.0, 0.05),
+        end_offset=(0.0, 0.0, 0.05),
+    ),
     **{
         f"frame {kind}": fs.Frame(
             "part",
@@ -44,6 +95,19 @@ PARTS: dict[str, Part] = {
         for kind in frame.KINDS
     },
     "block": fs.Block("part", 120.0, (0.1, 0.2, 0.3), (1.0, 0.8, 0.5), center=(0.4, 0.4, 0.2)),
+    "shell": fs.Shell("part", TRAY, STEEL, {"bottom": 2e-3, "side": 3e-3}, offset=5e-3),
+    "solid": fs.Solid("part", BRICKS, STEEL),
+    "slab": fs.Slab(
+        "part",
+        STEEL,
+        0.02,
+        ((0.0, 0.0), (2.0, 0.0), (2.0, 1.0), (1.0, 1.0), (1.0, 2.0), (0.0, 2.0)),
+        0.5,
+        (((0.5, 0.25), (0.5, 1.5)),),
+        normal=TILTED,
+        offset=0.01,
+    ),
+    "substructure": fs.Substructure("part", PAIR, origin=(0.1, 0.2, 0.3)),
     "strut": Strut("part", STEEL, 1e-4, (0.1, 0.2, 0.3), (0.5, 0.9, 1.3)),
 }
 every_part = pytest.mark.parametrize("name", PARTS)
@@ -125,5 +189,6 @@ def test_what_is_spread_over_it_shifts_with_it(name: str) -> None:
     nodal = shifts(part).reshape(-1, N_COMPONENTS, 3)[spread.nodes - part.first]
     moved = np.einsum("pikc,pkcd->pid", spread.rows[:, :3], nodal)
     assert moved == pytest.approx(np.broadcast_to(np.eye(3), moved.shape), abs=1e-12)  # rounding
-    size = {"plate": 1.2 * 0.7, "frame": np.hypot(0.5, 0.7) + 0.7}[name.split()[0]]
+    sizes = {"plate": 1.2 * 0.7, "frame": np.hypot(0.5, 0.7) + 0.7, "shell": 3.25, "slab": 2.875, "solid": 6.4}
+    size = sizes[name.split()[0]]
     assert spread.weights.sum() == pytest.approx(size, rel=1e-12)  # rounding

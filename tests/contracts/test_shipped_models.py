@@ -18,7 +18,7 @@ from femstruct.modal.reduction import modal_basis
 from femstruct.model.facts import part_masses
 from femstruct.model.mesher import mesh_structure
 from femstruct.model.structure import Structure
-from femstruct.view.figures.plots import figures
+from femstruct.view.figures.plots import drawings, figures
 from femstruct.workflow.run import run, struck
 from femstruct.workflow.run.run import run_study
 
@@ -46,11 +46,20 @@ SHORT = {
     "floor_acrylic_ball": "60 ms",
     "steel_ball": "100 ms",
     "walking": "3 s",
+    "ribbed_slab": "50 ms",
+    "bracket": "10 ms",
+    "joist_floor": "100 ms",
+    "clt_slab": "200 ms",
 }
-SEVERE = {"foam_hull_wave": {"eccentric-bars"}}  # its walls stand beside the mid-surface of the bottom, as it says
 FEWER = {"tapping": ("modes.up_to=400 Hz", "time.duration=0.5 s")}  # its other cases are those of a minute
 COLUMNS = 4 * 0.2 * np.pi / 4 * 0.0123**2 * 7850
 TUBE = np.pi / 4 * (0.060**2 - 0.054**2)
+UP_TO = {
+    "clt_slab": 200.0,
+    "joist_floor": 100.0,
+    "ribbed_slab": 80.0,
+    "welded_press": 300.0,
+}  # Hz: they have in-plane modes too, 700 up to 2 kHz
 MASS = {  # from the dimensions in the files [kg]
     "floor_frame_slab": {
         "floor": 0.75,
@@ -58,7 +67,7 @@ MASS = {  # from the dimensions in the files [kg]
         "edge": 2 * (0.4 + 0.32) * 7.216e-3 * 6.405e-3 * 7850,
         "posts": 8 * 0.08 * 15.73e-3**2 * 7850,
     },
-    "foam_hull": {"bottom": 0.45 * 0.1 * 0.0401 * 100, "sides": 2 * 0.45 * 1e-3 * 100, "ends": 2 * 0.1 * 1e-3 * 100},
+    "foam_hull": {"bottom": 0.45 * 0.1 * 0.04226 * 100, "sides": 2 * 0.45 * 1e-3 * 100, "ends": 2 * 0.1 * 1e-3 * 100},
     "lined_room": {"deck": 3.6 * 2.7 * 0.16 * 450},
     "bedroom": {"slab": 5 * 4 * 0.18 * 2400},
     "tapping": {"slab": 4.2 * 3.1 * 0.14 * 2400},
@@ -72,6 +81,17 @@ MASS = {  # from the dimensions in the files [kg]
         "columns": COLUMNS,
     },
     "press_clamped": {"bed": 0.3273 * 0.2946 * 0.0132 * 7850, "columns": COLUMNS},
+    "ribbed_slab": {"slab": (6 * 5 - 1.2 * 2) * 0.08 * 2500, "ribs": 3 * 6 * 0.15 * 0.25 * 2500},
+    "bracket": {
+        "bracket": 7850e-9 * 8 * (60 * 70 + 60 * 72 + 52 * 48 / 2 - np.pi / 2 * 9**2),  # sides in mm
+        "pump": 6.0,
+    },
+    "welded_press": {
+        "frame": 7850 * (2.38 * 0.025 + 0.25 * (0.06 + 0.06 + 0.03) + 2.25 * 0.02),
+        "ram": 7850 * 0.26 * 0.26 * 0.22,
+    },
+    "clt_slab": {"slab": 5.0 * 4.0 * 0.16 * 470},
+    "joist_floor": {"board": 4.8 * 3.6 * 0.022 * 650, "joists": 7 * 4.8 * 0.045 * 0.22 * 420},
     "dwelling_floor": {"floor": 5.0 * 4.0 * 0.18 * 2400},
     "long_floor": {"floor": 9.0 * 6.0 * 0.22 * 2400},
 }
@@ -105,7 +125,7 @@ def test_every_model_is_covered() -> None:
 
 @pytest.mark.parametrize("name", STRUCTURES)
 def test_no_mode_is_missing_and_two_solves_are_bit_equal(name: str) -> None:
-    _modes_are_all_there(STRUCTURES[name], 2000.0)
+    _modes_are_all_there(STRUCTURES[name], UP_TO.get(name, 2000.0))
 
 
 def test_degenerate_pairs(square: Structure) -> None:
@@ -125,8 +145,9 @@ def test_degenerate_pairs(square: Structure) -> None:
 def test_total_mass_is_that_of_the_parts(name: str) -> None:
     model = mesh_structure(STRUCTURES[name])
     assembly = assemble(model)
-    assert part_masses(model) == pytest.approx(MASS[name], rel=1e-13)  # rounding: 2e-16 here
-    assert assembly.total_mass == pytest.approx(sum(MASS[name].values()), rel=1e-13)  # rounding: 2e-16 here
+    within = 1e-5 if name == "bracket" else 1e-13  # its holes are made of parabolas; rounding: 2e-16 here
+    assert part_masses(model) == pytest.approx(MASS[name], rel=within)
+    assert assembly.total_mass == pytest.approx(sum(MASS[name].values()), rel=within)
     if name == "floor_frame_slab":  # free to move as a whole: M itself gives the mass, along every axis
         uniform = splu(assembly.M).solve(assembly.momentum.T)
         # 1e-8: the conditioning of M, with its rotations
@@ -140,15 +161,17 @@ def test_studies_run_with_closed_ledgers(path: Path) -> None:
     plan = read_study(path, changes)
     result = run_study(read_study(path, changes, only=plan.baseline) if name in FEWER else plan)
     assert not result.findings
-    severe = SEVERE.get(name, set())
     for name, case in result.cases.items():
         assert case.response is not None, name
         assert case.response.ledger.residual <= 1e-8, name  # what the steps leave open: 4e-10 here
-        assert {finding.code for finding in case.findings if finding.severe} == severe, name
+        assert {finding.code for finding in case.findings if finding.severe} == set(), name
         for channel in case.channels.values():
             assert np.isfinite(channel.values).all(), (name, channel.name)
             assert channel.whole > 0, (name, channel.name)
-    for picture, figure in figures(result).items():
+    drawn = figures(result)
+    for picture, one in drawings(result).items():
+        assert (picture in drawn) == (not one.why_not()), picture
+    for picture, figure in drawn.items():
         for axes in filter(Axes.get_visible, figure.axes):
             assert axes.get_lines() or axes.patches or axes.images or axes.collections, picture
 

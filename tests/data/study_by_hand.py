@@ -35,7 +35,8 @@ from femstruct.model.rows import sparse_rows
 from femstruct.model.section import circle
 from femstruct.model.structure import Structure
 from femstruct.parts.frame import Frame, FrameMesh
-from femstruct.parts.plate import Plate, PlateMesh
+from femstruct.parts.of_plates.plate_mesh import PlateMesh
+from femstruct.parts.plate import Plate
 from femstruct.study.asked import Extent, FrfRequest, RoomPlan, Spot, TimePlan
 from femstruct.study.result import (
     CaseComparison,

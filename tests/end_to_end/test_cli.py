@@ -67,6 +67,7 @@ def test_impact_and_sound_as_json() -> None:
     [
         (("run", "missing.study.yaml"), "missing.study.yaml"),
         (("modes", "."), "folder"),
+        (("modes", PLATE, "--complex"), "--complex: got no --up-to"),
         (("modes", PLATE, "--count", "3", "--up-to", "100 Hz"), "one of them"),
         (("modes", PLATE, "--up-to", "100 rad/s"), "15.9"),
         (("run", BODIES, "--set", "bodies.ball.mas=1 kg"), "mass"),

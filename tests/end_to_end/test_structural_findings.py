@@ -28,7 +28,7 @@ materials:
 sections:
   bar: {shape: rectangle, width: 100 mm, height: 200 mm}
 parts:
-  slab: {type: plate, material: concrete, thickness: 180 mm, origin: [0, 0, 0], size: [5, 4], mesh: 0.5 m}
+  slab: {type: plate, material: concrete, thickness: 180 mm, origin: [0,0,0], size: [5,4], in_plane: rigid, mesh: 0.5 m}
   # more
 supports:
   walls: {on: slab, edge: all, fix: simple}
@@ -56,7 +56,7 @@ joints:
 WALL = """
   wall:
     {type: plate, material: concrete, thickness: 200 mm, origin: [0, 1, -2], size: [5, 2], mesh: 0.5 m,
-     normal: [0, -1, 0], x_direction: [1, 0, 0]}
+     normal: [0, -1, 0], x_direction: [1, 0, 0], in_plane: rigid}
 joints:
   cast: {connect: [wall, slab]}
 """
@@ -153,6 +153,13 @@ def test_commands_leave_with_3_and_with_0(tmp_path: Path) -> None:
     files(tmp_path)
     done = femstruct("check", "slab.study.yaml", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
+    files(tmp_path, MORE, RIB)
+    slab = (tmp_path / "slab.yaml").read_text(encoding="utf-8")
+    (tmp_path / "slab.yaml").write_text(slab.replace(" in_plane: rigid,", ""), encoding="utf-8")
+    done = femstruct("modes", "slab.yaml", "--count", "5", cwd=tmp_path)
+    assert done.returncode == 0, done.stdout
+    assert "in their own planes" not in done.stdout
+    files(tmp_path)
     done = femstruct("modes", "slab.yaml", "--count", "5", cwd=tmp_path)
     assert done.returncode == 0
     assert "no mode of this model is missing below" in done.stdout
@@ -254,7 +261,7 @@ def test_meshes_of_all_modes_are_judged_by_the_highest(tmp_path: Path) -> None:
     assert any(f"the bending wavelength at {top:.4g} Hz" in finding.message for finding in told(found, "coarse-mesh"))
 
 
-# every shipped model and study: nothing severe, but for the ribs of the hull, whose file says so
+# every shipped model and study: nothing severe
 SHIPPED = sorted(path for path in MODELS.glob("*.yaml"))
 
 
@@ -265,16 +272,16 @@ def test_shipped_files_have_nothing_severe_before_their_modes(path: Path) -> Non
         cases = [(first.study.structure, first.studies, first.study.extent.up_to_hz)]
     else:
         cases = [(read_model_file(path).structure, (), None)]
-    expected = {"eccentric-bars"} if path.name.startswith("foam_hull") else set()
     for structure, studies, up_to_hz in cases:
         model = mesh_structure(structure) if hasattr(structure, "parts") else None
         found = structure_findings_before(structure, model, studies, up_to_hz)
-        assert {finding.code for finding in found if finding.severe} == expected
+        assert {finding.code for finding in found if finding.severe} == set()
 
 
 def test_the_table_of_modes_says_which_plates_have_none_in_their_planes() -> None:
     assert modes_of(MODELS / "portal.yaml", Extent(count=3))["rigid_in_plane"] == []
-    assert modes_of(MODELS / "press.yaml", Extent(count=3))["rigid_in_plane"] == ["bed", "base"]
+    assert modes_of(MODELS / "press.yaml", Extent(count=3))["rigid_in_plane"] == []
+    assert modes_of(MODELS / "floor_frame_slab.yaml", Extent(count=3))["rigid_in_plane"] == ["floor", "slab"]
 
 
 def test_refused_with_all_lines_at_once(tmp_path: Path) -> None:

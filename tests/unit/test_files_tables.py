@@ -32,6 +32,8 @@ def test_layout_is_the_documented_one(result):
         "bodies",
         "blows",
         "drops",
+        "shock_spectra",
+        "stresses",
         "arrays",
         "energy",
         "error_estimate",

@@ -145,6 +145,8 @@ def test_sentences_are_plain(entry: Entry) -> None:
 def test_an_unknown_code_is_refused_with_the_nearest() -> None:
     with pytest.raises(InputError, match="the nearest is 'thick-plate'"):
         entry_of("thikc-plate")
+    with pytest.raises(InputError, match=r"got 'xx', expected the code of a finding; 'femstruct explain' lists all$"):
+        entry_of("xx")
 
 
 def test_the_list_has_every_code_under_its_rank() -> None:

@@ -13,6 +13,9 @@ from femstruct.cli import app
 from femstruct.errors import InputErrors
 from femstruct.language import read_model_file
 from femstruct.language.models import read_model
+from femstruct.language.parts.block import BlockSpec
+from femstruct.language.parts.plate import PlateSpec
+from femstruct.language.parts.spring import SpringSpec
 from femstruct.model.region import Region
 from femstruct.model.structure import PlaceOn, Structure
 from femstruct.parts.block import Block
@@ -101,3 +104,13 @@ def test_the_forging_hammer_is_what_its_file_says() -> None:
     assert len(frequency) == 12
     assert table["complete_below_hz"] is None
     assert not table["findings"]
+
+
+def test_every_kind_says_which_of_its_places_have_words() -> None:
+    shared = {"material": "steel", "thickness": 0.1, "origin": [0, 0, 0], "mesh": [2, 2]}
+    plate = PlateSpec.model_validate({"type": "plate", "size": [2, 4], **shared})
+    block = BlockSpec.model_validate({"type": "block", "mass": 1, "origin": [1, 1, 1], "size": [2, 4, 6]})
+    spring = SpringSpec.model_validate({"type": "spring", "between": ["a", "b"]})
+    assert plate.named_places == {"center": (1.0, 2.0)}
+    assert block.named_places == {"bottom": (1.0, 2.0, 0.0), "center": (1.0, 2.0, 3.0), "top": (1.0, 2.0, 6.0)}
+    assert spring.named_places == {}

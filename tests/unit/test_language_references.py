@@ -40,7 +40,7 @@ def test_the_table_knows_who_refers_to_whom() -> None:
     table = {one.path: one.refers for schema in (ModelSpec, StudySpec) for one in references(schema)}
     assert table["parts", "*", ("type", "plate"), "material"].kind == "material"
     assert table["parts", "*", ("type", "foundation"), "between", 1].kind == "plate or block"
-    assert table["surfaces", "*", "on"].kind == "plate"
+    assert table["surfaces", "*", "on"].kind == "plate or shell"
     assert table["rooms", "*", "under"].kind == "surface"
     assert table["loads", "*", "along", "*"].kind == "point"
     going = {path[0] for path, refers in table.items() if refers.goes_with == "bodies"}

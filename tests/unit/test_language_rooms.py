@@ -13,6 +13,7 @@ from acoustics.fields.shaped import ShapedRoom
 from femstruct.errors import InputErrors
 from femstruct.language import json_schema, read_study
 from femstruct.language.rooms.known_rooms import KINDS
+from femstruct.language.rooms.room import RoomSpec
 from femstruct.language.yaml.reader import read_yaml
 
 MODEL = """
@@ -90,3 +91,11 @@ def test_every_kind_is_in_the_schema_with_its_own_keys() -> None:
     assert {kind.__name__ for kind in KINDS} == {"BoxRoomSpec", "HalfSpaceSpec", "MeshedRoomSpec"}
     assert "directivity" in kinds["HalfSpaceSpec"]["properties"]
     assert not {"directivity", "mesh"} & kinds["BoxRoomSpec"]["properties"].keys()
+
+
+def test_a_kind_of_room_must_say_what_it_makes() -> None:
+    class NoRoomSpec(RoomSpec):
+        signs = ("cave",)
+
+    with pytest.raises(TypeError, match=r"abstract method '?build"):
+        NoRoomSpec()

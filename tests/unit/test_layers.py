@@ -21,6 +21,7 @@ LAYERS = [
         "femstruct.findings",
         "femstruct.arrays",
         "femstruct.units",
+        "femstruct.declared",
         "femstruct.reported",
         "femstruct.plugins",
     ],
@@ -228,6 +229,7 @@ def test_every_noun_of_a_model_and_of_a_study_is_exported() -> None:
     files += [
         ROOT / "femstruct" / "model" / name for name in ("structure.py", "material.py", "section.py", "region.py")
     ]
+    files += [*(ROOT / "femstruct" / "model" / "materials").glob("*.py")]
     nouns = {
         node.name
         for path in (*files, *(ROOT / "femstruct" / "parts").glob("*.py"))

@@ -9,6 +9,7 @@ import pytest
 
 from femstruct.errors import FemstructError, Finding, InputError
 from femstruct.model.material import Material
+from femstruct.model.materials.lay_up import Laminate, Layer
 from femstruct.model.mesher import mesh_structure
 from femstruct.model.part import Part
 from femstruct.model.region import Region
@@ -21,6 +22,7 @@ from femstruct.parts.foundation import Foundation
 from femstruct.parts.frame import Frame
 from femstruct.parts.plate import Plate
 from femstruct.parts.plausibility import material_findings, plausibility_findings, sag_of
+from femstruct.parts.slab import Slab
 
 CONCRETE = Material("concrete", E=30e9, nu=0.2, rho=2400.0)
 STEEL = Material("steel", E=210e9, nu=0.3, rho=7850.0)
@@ -132,12 +134,36 @@ def test_a_plate_thicker_than_wide_is_refused(thickness: float, meant: str) -> N
     assert meant in refused.value.do
 
 
+def test_layers_in_metres_are_refused_in_plates_and_slabs() -> None:
+    layers = Laminate((Layer(CONCRETE, 0.06), Layer(CONCRETE, 40.0)))
+    corners = ((0.0, 0.0), (5.0, 0.0), (5.0, 1.0), (0.0, 1.0))
+    with pytest.raises(
+        InputError, match=r"got 40\.06 m in all, expected at most the plate's shorter side, 4 m"
+    ) as refused:
+        replace(SLAB, material=layers, thickness=layers.thickness)
+    assert refused.value.where == "parts.slab.layers" and refused.value.do.endswith(": 40 mm?")
+    with pytest.raises(
+        InputError, match=r"got 40\.06 m in all, expected at most the slab's shorter side, 1 m"
+    ) as refused:
+        Slab("deck", layers, layers.thickness, corners, 0.1)
+    assert refused.value.where == "parts.deck.layers" and refused.value.do.endswith(": 40 mm?")
+    with pytest.raises(InputError, match=r"got 180 m, expected at most the slab's shorter side, 1 m; .*: 180 mm"):
+        Slab("deck", CONCRETE, 180.0, corners, 0.1)
+    Slab("deck", CONCRETE, 0.9, corners, 0.1)  # thick, and possible
+
+
 def test_a_slab_of_a_fifth_of_a_millimetre_is_told() -> None:
     found = told(replace(SLAB, thickness=0.18e-3))
     assert found.code == "implausible-thickness"
     assert "0.18 mm thick, 1/22222 of its shorter side of 4 m" in found.message
     assert found.message.endswith("180 mm?")
     assert plausibility_findings([Plate("sheet", STEEL, 0.5e-3, (0, 0, 0), (4.9, 4.9), 0.1)]) == ()
+
+
+def test_a_plate_written_in_millimetres_is_told_its_side() -> None:
+    found = told(Plate("sheet", STEEL, 8e-3, (0, 0, 0), (1200.0, 800.0), 50.0))
+    assert found.code == "implausible-thickness"
+    assert found.message.endswith("Plain numbers are metres: did you mean a side of 800 mm?")
 
 
 @pytest.mark.parametrize("thickness", [0.3, 0.5, 1.0])
@@ -166,7 +192,7 @@ def test_a_floor_that_would_hang_through_is_told(name: str) -> None:
 def test_the_sag_of_a_strip_and_what_may_sag() -> None:
     q, D = 2400 * 9.80665 * 0.18, 30e9 * 0.18**3 / 12 / (1 - 0.2**2)
     # rounding: none here
-    assert sag_of(CONCRETE, SLAB.thickness, 4.0) == pytest.approx(5 * q * 4.0**4 / (384 * D), rel=1e-13)
+    assert sag_of(SLAB.section, 4.0) == pytest.approx(5 * q * 4.0**4 / (384 * D), rel=1e-13)
     soft = SOFT["E of a thousandth, timber"]
     mat = Foundation("bed", "deck", Region("whole"), 1e7)
     assert plausibility_findings([soft, mat]) == ()  # it lies on something

@@ -2,6 +2,7 @@
 
 import io
 import re
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -33,6 +34,26 @@ def test_a_model_and_a_study_are_shown() -> None:
 def test_every_command_has_its_line() -> None:
     commands = set(typer.main.get_command(app).commands)  # type: ignore[attr-defined]
     assert commands == set(re.findall(r"`femstruct ([a-z-]+)", README))
+
+
+def test_the_dampers_are_named_by_their_mass_over_that_of_the_floor() -> None:
+    model = read((ROOT / "models" / "floor_frame_slab.yaml").read_text(encoding="utf-8"))
+    study = read((ROOT / "models" / "floor_tennis_ball.study.yaml").read_text(encoding="utf-8"))
+    floor = model["parts"]["floor"]
+    density = float(model["materials"][floor["material"]]["rho"].split()[0])
+    mass = density * 1e-3 * float(floor["thickness"].split()[0]) * floor["size"][0] * floor["size"][1]
+    assert f"({mass:.2f} kg)" in README
+    for ratio, damper in (("0.6", "0.45"), ("1.2", "0.90")):
+        assert study["cases"][f"damper {ratio}"] == {"bodies.damper.mass": f"{damper} kg"}
+        assert float(damper) == pytest.approx(float(ratio) * mass, rel=1e-9)  # rounding
+    assert re.search(r"0\.6 and 1\.2 times the mass of the floor .* 0\.45 and 0\.90 kg", README)
+
+
+def test_extras_are_those_of_the_clone() -> None:
+    """No package of this name is meant but the one in the folder."""
+    extras = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["optional-dependencies"]
+    named = re.findall(r"pip install (?:-q )?(?:-e )?'?([\w.]*)\[(\w+)\]", README)
+    assert named and all(package == "." and extra in extras for package, extra in named)
 
 
 def test_pages_that_are_named_exist() -> None:

@@ -23,7 +23,7 @@ from femstruct.study.result import Channel
 from femstruct.view.figures.drawing import case_colours, case_lines, new_figure, save, thinned
 from femstruct.view.figures.histories import contact_forces, energy, history, travels
 from femstruct.view.figures.maps import draw_map, heard_peaks, pressure_maps
-from femstruct.view.figures.plots import figures, plot_all
+from femstruct.view.figures.plots import drawings, figures, plot_all
 from femstruct.view.figures.spectra import frequency_response, sound
 from femstruct.view.figures.vibration import spectrum
 from femstruct.view.tables.scales import scaled
@@ -323,6 +323,13 @@ def test_a_label_is_not_said_twice_side_by_side(result):
     assert left.get_ylabel() and right.get_ylabel() != left.get_ylabel()
 
 
+def test_rows_say_what_is_drawn_of_whom(result):
+    assert travels(result).axes[0].get_ylabel().startswith("displacement of ball in ")
+    case = result.cases["without damper"]
+    unrecorded = replace(result, cases={"without damper": replace(case, channels={})})
+    assert contact_forces(unrecorded).axes[0].get_ylabel().startswith("force of ball on floor in ")
+
+
 def test_what_strikes_late_is_drawn_from_its_own_beginning(result):
     """The first panel of a contact that closes after the first impact shows it; that of an early one starts at 0."""
     case = result.cases["without damper"]
@@ -342,6 +349,24 @@ def test_what_strikes_late_is_drawn_from_its_own_beginning(result):
 def test_a_study_of_modes_only_has_no_histories(result):
     bare = {name: replace(case, response=None, channels={}, rooms={}, levels={}) for name, case in result.cases.items()}
     assert set(figures(replace(result, cases=bare))) == {"frf_centre.png"}
+
+
+@pytest.mark.parametrize("study", ["whole", "modes only", "silent"])
+def test_what_has_nothing_to_show_says_why(result, study):
+    cases = result.cases
+    if study == "modes only":
+        cases = {n: replace(one, response=None, channels={}, rooms={}, levels={}) for n, one in cases.items()}
+    if study == "silent":
+        silent = {n: {k: replace(c, whole=0.0) for k, c in one.channels.items()} for n, one in cases.items()}
+        cases = {n: replace(one, channels=silent[n]) for n, one in cases.items()}
+    found = drawings(replace(result, cases=cases))
+    assert {name for name, one in found.items() if one.why_not()} == {
+        name for name, one in found.items() if one.draw() is None
+    }
+    told = {name: one.why_not() for name, one in found.items() if one.why_not()}
+    assert told["contact_forces.png"] == "there are no contacts" if study == "modes only" else told
+    if study == "silent":
+        assert told["spectrum_O_f.z_velocity.png"] == "it is zero"
 
 
 def test_silence_can_be_drawn(result):

@@ -6,6 +6,7 @@ import sys
 from pathlib import Path
 
 import matplotlib
+import matplotlib.colors
 import matplotlib.image
 import numpy as np
 import pytest
@@ -14,7 +15,7 @@ from femstruct.errors import InputError
 from femstruct.view.scenes import opengl
 from femstruct.view.scenes.labels import MASS, POINT, SUPPORT, Label, merged
 from femstruct.view.scenes.opengl import LEFT_OUT, NoOpenGL
-from femstruct.view.scenes.scene import picture_model, shapes_all
+from femstruct.view.scenes.scene import PART_COLOURS, picture_model, shapes_all
 
 DATA = Path(__file__).parents[1] / "data" / "study_by_hand.py"
 BY_HAND = runpy.run_path(str(DATA))
@@ -94,6 +95,12 @@ def test_shapes_and_model_are_drawn(tmp_path):
     assert red(second) > 1000 and blue(second) > 300  # mode (2,1) both ways, the lower side partly hidden
     model = matplotlib.image.imread(tmp_path / "model.png")
     assert model.shape[0] <= 950 + 24 and model.shape[1] <= 1300 + 24 and np.ptp(model[..., :3]) > 0.5
+    colour = matplotlib.colors.to_rgb(PART_COLOURS[0])  # the legend has it pure, with black words beside it
+    pure = np.argwhere((np.abs(model[:60, :60, :3] - colour) < 2e-3).all(axis=2))  # rounding to a byte: 1/510
+    assert len(pure) > 100 and np.ptp(pure, axis=0).max() < 20
+    assert model[:60, 30:200, :3].max(axis=2).min() < 0.1
+    bar = sheet[25, 28:149]  # from blue to red
+    assert bar[0, 2] > bar[0, 0] + 0.4 and bar[-1, 0] > bar[-1, 2] + 0.4
     shown = model[..., :3].min(axis=2) < 1.0  # cut to what is drawn, with twelve white pixels around
     for filled in (shown.any(axis=0), shown.any(axis=1)):
         assert not filled[:12].any() and not filled[-12:].any() and filled[12] and filled[-13]

@@ -73,3 +73,9 @@ def test_the_table_is_read() -> None:
     assert avoided()["told"] == "reported; the message states"
     assert words_in("Some 15 seconds; the finding is told.") == ["told", "some 10"]
     assert not words_in("The finding is reported after about 15 seconds.")
+
+
+def test_every_comparison_of_the_documents_is_a_test():
+    page = (ROOT / "docs" / "validation.md").read_text(encoding="utf-8")
+    named = set(re.findall(r"`(tests/[^`]+)`", page))
+    assert len(named) > 10 and all((ROOT / name).exists() for name in named)

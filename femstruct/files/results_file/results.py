@@ -5,8 +5,9 @@
     /provenance         versions, platform, date, command line (attributes)
     /summary            the numbers of all cases and their comparison (JSON)
     /bases/KEY          modes, damping, shapes, force rows
-    /cases/NAME         @basis; damping, channels, contacts, bodies, links, events, energy, error_estimate, accuracy,
-                        limits, frf, rooms, levels, own_levels, total_levels, sound_energy, rated, drops, modal
+    /cases/NAME         @basis; damping, channels, contacts, bodies, links, events, stresses, energy, error_estimate,
+                        accuracy, limits, frf, shock_spectra, rooms, levels, own_levels, total_levels, sound_energy,
+                        rated, drops, modal
     /comparison/CASE    modes by MAC, beside the baseline's
     /VTKHDF             mode shapes of the baseline, opened by ParaView as they are
     /nouns              all of the above and its problem as one value (JSON), whose arrays are above or in /arrays
@@ -172,6 +173,10 @@ def _write_case(cases: h5py.Group, name: str, case: CaseResult, verdicts: Sequen
             put(place, "response", frf.values, frf.unit, f"{request.kind}, exp(+j omega t)", (frequency,))
     if case.response is not None:
         _write_response(target, case, case.response)
+    if case.shock:
+        spectra = group(target, "shock_spectra", "Shock response spectra of recorded accelerations")
+        for name, spectrum in case.shock.items():
+            write_described(group(spectra, name, "Largest accelerations of oscillators"), spectrum)
     if case.rooms:
         rooms = group(target, "rooms", "Sound in the rooms")
         for label, room in case.rooms.items():
@@ -229,6 +234,14 @@ def _write_response(target: h5py.Group, case: CaseResult, response: Response) ->
         write_rows(events, response.events, number)
     if response.blows:
         write_blows(group(target, "blows", "Blows of bodies that strike several times"), response.blows)
+    stressed = {name: one.stressed for name, one in case.channels.items() if one.stressed is not None}
+    if stressed:
+        parts = group(target, "stresses", "Largest stresses of parts, by channel")
+        for name, found in stressed.items():
+            places = group(parts, name, "Largest equivalent stress of von Mises, place by place")
+            axis(places, "place", np.arange(1, len(found.largest) + 1), "1", "Number; positions may have several sides")
+            axis(places, "direction", ["x", "y", "z"], "1", "Global direction")
+            write_described(places, found)
     _write_energy(target, response, case.shares)
     if case.case.study.save_modal:
         modal = group(target, "modal", "Motion of the modes (save: modal)")

@@ -28,18 +28,60 @@ _UNREADABLE: Final = (
 )
 
 
+RESULTS: Final = "results.h5"  # of a run, in its folder
+
+
+def results_file(given: str | Path) -> Path:
+    """The results file that is meant by its name or by that of its folder.
+
+    >>> results_file("results/no_such_study/results.h5").name
+    'results.h5'
+    """
+    path = Path(given)
+    return path / RESULTS if path.is_dir() else path
+
+
 def read_results(path: str | Path) -> StudyResult:
-    """What a study found, as `run_study` returned it; the example of `write_results` reads one.
+    """What a study found, as `run_study` returned it.
+
+    path : a results.h5, or the folder of a run that it is in.
 
     All nouns are there: responses, levels, findings, modes, the meshed model and the plan with its files verbatim. Of a
     contact law in Python only the name is kept.
 
     Raises InputError for a file that is not there, not of this format, incomplete, or damaged: the whole file is
     compared with the checksum at its end before anything else reads it.
+
+    A ball strikes a mass on a spring. After ``femstruct run`` the folder would be ``results/hit``:
+
+    >>> import tempfile
+    >>> from femstruct import read_study, run_study, write_results
+    >>> folder = tempfile.TemporaryDirectory()
+    >>> model = "structure: {type: oscillator, mass: 1 kg, stiffness: 100 N/m}\\npoints: {m: {}}"
+    >>> _ = Path(folder.name, "model.yaml").write_text(model, encoding="utf-8")
+    >>> study = '''
+    ... model: model.yaml
+    ... bodies: {ball: {mass: 1 kg, above: m, speed: 1 m/s, contact: {type: linear, stiffness: 1 MN/m}}}
+    ... record: {m.z: velocity}
+    ... time: {duration: 10 ms, sampling: 10 kHz}
+    ... '''
+    >>> _ = Path(folder.name, "hit.study.yaml").write_text(study, encoding="utf-8")
+    >>> write_results(Path(folder.name, "results.h5"), run_study(read_study(Path(folder.name, "hit.study.yaml"))))
+
+    Its histories are channels of its cases, at the times of the response:
+
+    >>> case = read_results(folder.name).cases["as given"]
+    >>> list(case.channels)
+    ['m.z velocity', 'net force on m']
+    >>> velocity, times = case.channels["m.z velocity"], case.response.t
+    >>> round(float(times[-1]), 6), round(float(velocity.values[-1]), 3), velocity.unit
+    (0.0099, -0.996, 'm/s')
+    >>> folder.cleanup()
     """
-    path = Path(path)
+    path = results_file(path)
     if not path.is_file():
-        raise InputError(str(path), got="no such file", expected="a results file", do="run the study first")
+        expected = f"a results file, or the folder of a run with its {RESULTS}"
+        raise InputError(str(path), got="no such file", expected=expected, do="run the study first")
     try:
         refuse_broken_seal(path)
         import h5py

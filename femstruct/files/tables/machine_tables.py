@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from femstruct.files.results_file.datasets import axis
 from femstruct.files.tables.described import described, write_rows
+from femstruct.files.tables.json_numbers import number
 from femstruct.study.machine import EnergyShare, Machine, Verdict
 
 if TYPE_CHECKING:  # slow to import, and most runs write no such file
@@ -35,12 +36,12 @@ def machine_table(machine: Machine) -> Table:
         "ground_force": None
         if ground is None
         else {
-            "dynamic_n": ground.dynamic,
-            "with_weight_n": ground.with_weight,
+            "dynamic_n": number(ground.dynamic),
+            "with_weight_n": number(ground.with_weight),
             "percent": ground.percent,
             "attenuation_db": ground.attenuation_db,
         },
-        "travel_m": dict(machine.travels),
+        "travel_m": {name: number(travel) for name, travel in machine.travels.items()},
         "sags": {sag.part: {"sag_m": sag.sag, "tilt_rad": sag.tilt} for sag in machine.sags},
         "block_modes": [
             {
@@ -53,7 +54,7 @@ def machine_table(machine: Machine) -> Table:
         ],
         "rest": None if rest is None else {"after_s": rest.after, "interval_s": rest.interval},
         "companions": {
-            name: {"travel_m": one.travel, "closings": one.closings, "seated": one.seated}
+            name: {"travel_m": number(one.travel), "closings": one.closings, "seated": one.seated}
             for name, one in machine.companions.items()
         },
         "energy": {

@@ -109,7 +109,7 @@ def write_workbook(tables: Sequence[Sheet], folder: Path, name: str) -> list[Pat
             "--to xlsx",
             got="no package xlsxwriter",
             expected="it installed",
-            do="pip install 'femstruct[office]', or use --to csv",
+            do="pip install xlsxwriter, or use --to csv",
         ) from None
     path = folder / f"{short(name)}.xlsx"
     with replacing(path) as temporary:

@@ -66,6 +66,8 @@ def _case(case: CaseResult) -> Table:
         "blows": {} if response is None else _blows(response),
         "arrays": {} if response is None else array_tables(response),
         "energy": None if response is None else _energy(response, case.shares),
+        "stresses": {name: described(one.stressed) for name, one in case.channels.items() if one.stressed is not None},
+        "shock_spectra": {name: described(one) for name, one in case.shock.items()},
         "levels": {name: described(levels) for name, levels in case.levels.items()},
         "sound_energy": {name: radiated_table(radiated) for name, radiated in case.radiated.items()},
         "own_levels": {name: described(levels) for name, levels in case.heard.own_levels.items()},

@@ -5,18 +5,20 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
+from femstruct.declared import checked
 from femstruct.impact.laws.hunt_crossley import PowerLaw, refuse_exponent
 from femstruct.impact.laws.law import refuse_unless_positive
 from femstruct.impact.scene.restitution import refuse_restitution, restitution_of
 
 
 @dataclass(frozen=True)
+@checked("law")
 class ByRestitution(PowerLaw):
     """f = k d^n (1 + chi d'), chi as an author gives it by restitution e and meeting speed v [m/s].
 
     stiffness k [N/m^n]; exponent n >= 1; tensile : let the dashpot pull.
 
-    Raises FemstructError for a stiffness or speed that is not positive, or a restitution beyond 0 to 1.
+    Raises InputError for a stiffness or speed that is not positive, or a restitution beyond 0 to 1.
     """
 
     varies: ClassVar = {"stiffness": "stiffness", "exponent": "shape"}

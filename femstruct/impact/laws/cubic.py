@@ -7,7 +7,8 @@ from typing import ClassVar, Final
 
 import scipy
 
-from femstruct.errors import FemstructError
+from femstruct.declared import checked
+from femstruct.errors import InputError
 from femstruct.impact.compiled.kernels import kernel
 from femstruct.impact.engine.records import System
 from femstruct.impact.laws.law import Code, Law, Stored, refuse_negative
@@ -34,12 +35,13 @@ CODE: Final = Code(_spring, beside=_beside)
 
 
 @dataclass(frozen=True)
+@checked("law")
 class Cubic(Law):
     """f = (k d + k3 d^3) (1 + chi d'): a spring that stiffens, such as a rubber pad or a strip of felt.
 
     stiffness k [N/m]; cubic k3 [N/m^3]; dissipation chi [s/m]; tensile : let the dashpot pull.
 
-    Raises FemstructError for a negative value, or when both k and k3 are zero.
+    Raises InputError for a negative value, or when both k and k3 are zero.
 
     >>> Cubic(1e4, 1e10).indentation(20.0)
     0.001
@@ -60,7 +62,7 @@ class Cubic(Law):
         refuse_negative("cubic law cubic", self.cubic)
         refuse_negative("cubic law dissipation", self.dissipation)
         if not (self.stiffness or self.cubic):
-            raise FemstructError("cubic law", got="no stiffness", expected="a stiffness, a cubic stiffness, or both")
+            raise InputError("cubic law", got="no stiffness", expected="a stiffness, a cubic stiffness, or both")
 
     @property
     def stored(self) -> Stored:

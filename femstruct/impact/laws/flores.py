@@ -18,7 +18,7 @@ class Flores(ByRestitution):
 
     stiffness k [N/m^n]; exponent n >= 1; tensile : let the dashpot pull.
 
-    Raises FemstructError for a stiffness or speed that is not positive, or a restitution beyond 0 to 1.
+    Raises InputError for a stiffness or speed that is not positive, or a restitution beyond 0 to 1.
 
     References: Flores, Machado, Silva and Martins, On the continuous contact force models for soft materials in
     multibody dynamics, Multibody System Dynamics 25 (2011) 357, doi:10.1007/s11044-010-9237-4.

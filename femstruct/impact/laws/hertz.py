@@ -9,7 +9,8 @@ from typing import ClassVar, Final
 import numpy as np
 
 from femstruct.arrays import Floats
-from femstruct.errors import FemstructError
+from femstruct.declared import checked
+from femstruct.errors import InputError
 from femstruct.impact.compiled.kernels import kernel
 from femstruct.impact.engine.records import Records, System
 from femstruct.impact.laws.law import Code, Law, Stored, refuse_negative, refuse_unless_positive
@@ -45,6 +46,7 @@ CODE: Final = Code(_spring, _force, _beside)
 
 
 @dataclass(frozen=True)
+@checked("law")
 class Hertz(Law):
     """f = k delta^1.5 + c delta^0.5 delta': two rounded bodies.
 
@@ -82,10 +84,10 @@ class Hertz(Law):
             for value in pair:
                 refuse_unless_positive(f"hertz law {word}", value)
         if not all(-1.0 < one <= 0.5 for one in nu):
-            raise FemstructError("hertz law nu", got=f"{nu[0]:g} and {nu[1]:g}", expected="values from -1 to 0.5")
+            raise InputError("hertz law nu", got=f"{nu[0]:g} and {nu[1]:g}", expected="values from -1 to 0.5")
         curvature = sum(1.0 / one for one in radius)
         if not curvature > 0.0:
-            raise FemstructError("hertz law radius", got="two flat faces", expected="one of them round")
+            raise InputError("hertz law radius", got="two flat faces", expected="one of them round")
         plane = 1.0 / sum((1.0 - n * n) / e for n, e in zip(nu, E, strict=True))
         return cls(4.0 / 3.0 * plane / sqrt(curvature))
 

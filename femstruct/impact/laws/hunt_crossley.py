@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from typing import ClassVar, Final
 
 from femstruct.arrays import Floats
-from femstruct.errors import FemstructError
+from femstruct.declared import checked
+from femstruct.errors import InputError
 from femstruct.impact.compiled.kernels import kernel
 from femstruct.impact.engine.records import Records, System
 from femstruct.impact.laws.law import Code, Law, Stored, refuse_negative, refuse_unless_positive
@@ -54,6 +55,7 @@ class PowerLaw(Law):
 
 
 @dataclass(frozen=True)
+@checked("law")
 class HuntCrossley(PowerLaw):
     """f = k d^n (1 + chi d'): two bodies of smooth or flat shape that lose energy.
 
@@ -61,7 +63,7 @@ class HuntCrossley(PowerLaw):
     it opens faster than 1 / chi (False clamps f >= 0; a collision that nothing else pulls apart never gets there).
     In other notation the dashpot is lambda d^n d' with lambda = k chi.
 
-    Raises FemstructError for a stiffness that is not positive, an exponent below 1, or a negative dissipation.
+    Raises InputError for a stiffness that is not positive, an exponent below 1, or a negative dissipation.
 
     References: Hunt and Crossley, J. Appl. Mech. 42 (1975) 440.
 
@@ -94,6 +96,6 @@ class HuntCrossley(PowerLaw):
 
 
 def refuse_exponent(kind: str, exponent: float) -> None:
-    """Raise FemstructError for an exponent beyond 1 to 9."""
+    """Raise InputError for an exponent beyond 1 to 9."""
     if not 1.0 <= exponent <= 9.0:
-        raise FemstructError(f"{kind} law exponent", got=f"{exponent:g}", expected="an exponent from 1 to 9")
+        raise InputError(f"{kind} law exponent", got=f"{exponent:g}", expected="an exponent from 1 to 9")

@@ -13,7 +13,7 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 
 from femstruct.arrays import Floats
-from femstruct.errors import FemstructError, Finding
+from femstruct.errors import Finding, InputError
 from femstruct.impact.engine.records import NUMBERS, Records
 from femstruct.model.given import Given, given
 
@@ -106,15 +106,15 @@ class Law(ABC):
 
 
 def refuse_unless_positive(where: str, value: float) -> None:
-    """Raise FemstructError unless a value is positive."""
+    """Raise InputError unless a value is positive."""
     if not value > 0:
-        raise FemstructError(where, got=f"{value:g}", expected=f"a positive {where.split()[-1]}")
+        raise InputError(where, got=f"{value:g}", expected=f"a positive {where.split()[-1]}")
 
 
 def refuse_negative(where: str, value: float) -> None:
-    """Raise FemstructError for a negative value."""
+    """Raise InputError for a negative value."""
     if not value >= 0:
-        raise FemstructError(where, got=f"{value:g}", expected=f"a {where.split()[-1]} >= 0")
+        raise InputError(where, got=f"{value:g}", expected=f"a {where.split()[-1]} >= 0")
 
 
 def misses(asked: float, returned: float) -> bool:

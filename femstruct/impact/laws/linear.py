@@ -9,7 +9,8 @@ from typing import ClassVar, Final, Self
 import numpy as np
 
 from femstruct.arrays import Floats
-from femstruct.errors import FemstructError
+from femstruct.declared import checked
+from femstruct.errors import InputError
 from femstruct.impact.compiled.kernels import kernel
 from femstruct.impact.engine.records import Records, System
 from femstruct.impact.laws.law import Code, Law, Stored, refuse_negative, refuse_unless_positive
@@ -37,6 +38,7 @@ CODE: Final = Code(_spring, _force, _beside)
 
 
 @dataclass(frozen=True)
+@checked("law")
 class Linear(Law):
     """f = k delta + c delta': a unilateral spring and dashpot side by side (Kelvin and Voigt).
 
@@ -79,7 +81,7 @@ class Linear(Law):
         Notes: c = 2 z sqrt(k m) with z from `femstruct.impact.scene.restitution.damping_ratio_for`; the contact lasts
         T = 2 swing(z) sqrt(m / k) without tension, and sqrt(pi^2 + ln^2 e) sqrt(m / k) with it.
 
-        Raises FemstructError unless 0 < restitution <= 1, mass and duration or stiffness are positive, and one of these
+        Raises InputError unless 0 < restitution <= 1, mass and duration or stiffness are positive, and one of these
         two is given.
 
         >>> law = Linear.returning(0.5, mass=2.0, duration=0.01)
@@ -89,7 +91,7 @@ class Linear(Law):
         refuse_unless_positive("linear law mass", mass)
         ratio = damping_ratio_for(restitution, tensile)
         if (duration is None) == (stiffness is None):
-            raise FemstructError("linear law", got="both or neither", expected="either a duration or a stiffness")
+            raise InputError("linear law", got="both or neither", expected="either a duration or a stiffness")
         if duration is not None:
             refuse_unless_positive("linear law duration", duration)
             angle = sqrt(pi**2 + log(restitution) ** 2) if tensile else 2.0 * swing(ratio)

@@ -11,7 +11,8 @@ import scipy
 from numpy.typing import ArrayLike
 
 from femstruct.arrays import Floats, freeze, frozen
-from femstruct.errors import FemstructError, Finding
+from femstruct.declared import checked
+from femstruct.errors import Finding, InputError
 from femstruct.impact.compiled.kernels import call_at, kernel
 from femstruct.impact.engine.records import NUMBERS, System
 from femstruct.impact.laws.law import Code, Law, Stored, refuse_unless_positive
@@ -53,6 +54,7 @@ CODE: Final = Code(_spring, _force)
 
 
 @dataclass(frozen=True, eq=False)
+@checked("law")
 class OwnLaw(Law):
     """f = force(d, rate, parameters): a law of your own, in Python that numba can compile.
 
@@ -65,7 +67,7 @@ class OwnLaw(Law):
     Both functions are compiled when the value is made, about 2 s for the first one, and again in every process: their
     machine code is not kept on disk. A study file cannot name them.
 
-    Raises FemstructError, with the numbers, where the force is not finite, jumps at the first touch, does not rise with
+    Raises InputError, with the numbers, where the force is not finite, jumps at the first touch, does not rise with
     the indentation at rest, is not the slope of the energy, or a dashpot gives energy; and for what numba refuses.
 
     Notes: derivatives are central differences, good to 1e-10 of smooth functions: they decide how fast the forces are
@@ -107,7 +109,7 @@ class OwnLaw(Law):
         return Stored(rows=rows, force_at=force.address, energy_at=energy.address)
 
     def indentation(self, force: float) -> float:
-        """Indentation under a force at rest [m]. Raises FemstructError beyond the force at the deepest."""
+        """Indentation under a force at rest [m]. Raises InputError beyond the force at the deepest."""
         stored = self.stored
 
         def miss(d: float) -> float:
@@ -115,7 +117,7 @@ class OwnLaw(Law):
 
         if miss(self.deepest) < 0.0:
             most = miss(self.deepest) + force
-            raise FemstructError(
+            raise InputError(
                 "own law preload",
                 got=f"{force:g} N",
                 expected=f"at most {most:g} N, its force at the deepest, {self.deepest:g} m",
@@ -151,7 +153,7 @@ def _check(law: OwnLaw) -> None:
         return call_at(stored.energy_at, d, 0.0, stored.rows)
 
     def refuse(what: str, got: str, expected: str) -> None:
-        raise FemstructError(f"own law {what}", got=got, expected=expected)
+        raise InputError(f"own law {what}", got=got, expected=expected)
 
     depths, touch = DEPTHS * law.deepest, 1e-9 * law.deepest
     most = max(abs(push(depth, 0.0)) for depth in depths)

@@ -10,7 +10,8 @@ import numpy as np
 import scipy
 
 from femstruct.arrays import Floats, freeze, frozen
-from femstruct.errors import FemstructError, Finding
+from femstruct.declared import checked
+from femstruct.errors import Finding, InputError
 from femstruct.impact.compiled.kernels import kernel
 from femstruct.impact.engine.records import NUMBERS, System
 from femstruct.impact.laws.law import Code, Law, Stored, refuse_negative
@@ -42,6 +43,7 @@ BEYOND: Final = "beyond-table"
 
 
 @dataclass(frozen=True, eq=False)
+@checked("law")
 class Tabulated(Law):
     """f = s(d) (1 + chi d') with s through measured points: indentation [n] [m], force [n] [N].
 
@@ -51,7 +53,7 @@ class Tabulated(Law):
 
     dissipation chi [s/m]; tensile : let the dashpot pull.
 
-    Raises FemstructError for columns of unequal length, fewer than two points, or ones that do not rise from 0.
+    Raises InputError for columns of unequal length, fewer than two points, or ones that do not rise from 0.
 
     References: Fritsch and Carlson, SIAM J. Numer. Anal. 17 (1980) 238; slopes as in scipy's PchipInterpolator.
 
@@ -76,10 +78,10 @@ class Tabulated(Law):
         freeze(self, indentations=depth, forces=frozen("table law forces", self.forces, depth.shape))
         refuse_negative("table law dissipation", self.dissipation)
         if len(depth) < 2:
-            raise FemstructError("table law", got=f"{len(depth)} points", expected="two or more, the first at 0")
+            raise InputError("table law", got=f"{len(depth)} points", expected="two or more, the first at 0")
         for word, column, unit in (("indentation", depth, "m"), ("force", self.forces, "N")):
             if column[0] != 0.0:
-                raise FemstructError(
+                raise InputError(
                     "table law",
                     got=f"a first {word} of {column[0]:g} {unit}",
                     expected="0: no force at zero indentation",
@@ -87,7 +89,7 @@ class Tabulated(Law):
             falls = np.flatnonzero(np.diff(column) <= 0)
             if len(falls):
                 a, b = column[falls[0]], column[falls[0] + 1]
-                raise FemstructError("table law", got=f"{word} {b:g} {unit} after {a:g} {unit}", expected="a rise")
+                raise InputError("table law", got=f"{word} {b:g} {unit} after {a:g} {unit}", expected="a rise")
 
     @property
     def pieces(self) -> Floats:
@@ -106,10 +108,10 @@ class Tabulated(Law):
     def indentation(self, force: float) -> float:
         """Indentation under a force at rest [m].
 
-        Raises FemstructError for a force beyond the last point.
+        Raises InputError for a force beyond the last point.
         """
         if force > self.forces[-1]:
-            raise FemstructError(
+            raise InputError(
                 "table law preload",
                 got=f"{force:g} N",
                 expected=f"at most the last force of the table, {self.forces[-1]:g} N",

@@ -7,7 +7,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from femstruct.arrays import Floats, freeze, frozen
-from femstruct.errors import FemstructError
+from femstruct.declared import Positive, checked
+from femstruct.errors import InputError
 from femstruct.impact.laws.law import Law
 from femstruct.impact.laws.registry import LAWS
 from femstruct.model.probe import Probe
@@ -24,6 +25,7 @@ End = Probe | str | Ground  # a place of the structure, a body by its name, or t
 
 
 @dataclass(frozen=True)
+@checked("bodies")
 class Body:
     """A point mass that moves along one axis (z up, for most); its displacement is zero at t = 0.
 
@@ -44,10 +46,15 @@ class Body:
 
     def __post_init__(self) -> None:
         if not self.mass > 0:
-            raise FemstructError(f"bodies.{self.name}.mass", got=f"{self.mass:g} kg", expected="a positive mass")
+            raise InputError(f"bodies.{self.name}.mass", got=f"{self.mass:g} kg", expected="a positive mass")
 
 
 @dataclass(frozen=True, eq=False)
+@checked(
+    "contacts",
+    law=f"{' or '.join(one.__name__ for one in LAWS)}; "
+    "for another law use OwnLaw(force, energy, ..) or Tabulated(indentations, forces)",
+)
 class Contact:
     """A unilateral law between an upper and a lower end: indentation = lower - upper - gap.
 
@@ -70,19 +77,12 @@ class Contact:
     preload: float = 0.0
 
     def __post_init__(self) -> None:
-        if not isinstance(self.law, Law):
-            raise FemstructError(
-                f"contacts.{self.name}.law",
-                got=f"a {type(self.law).__name__}",
-                expected=" or ".join(one.__name__ for one in LAWS),
-                do="for another law use OwnLaw(force, energy, ..) or Tabulated(indentations, forces)",
-            )
         if not self.gap >= 0:
-            raise FemstructError(f"contacts.{self.name}.gap", got=f"{self.gap:g} m", expected="a gap >= 0")
+            raise InputError(f"contacts.{self.name}.gap", got=f"{self.gap:g} m", expected="a gap >= 0")
         if not self.preload >= 0:
-            raise FemstructError(f"contacts.{self.name}.preload", got=f"{self.preload:g} N", expected="a preload >= 0")
+            raise InputError(f"contacts.{self.name}.preload", got=f"{self.preload:g} N", expected="a preload >= 0")
         if self.preload and self.gap:
-            raise FemstructError(
+            raise InputError(
                 f"contacts.{self.name}",
                 got=f"a preload of {self.preload:g} N and a gap of {self.gap:g} m",
                 expected="one of them",
@@ -91,6 +91,7 @@ class Contact:
 
 
 @dataclass(frozen=True, eq=False)
+@checked("links")
 class Link:
     """A bilateral spring and dashpot between an upper and a lower end, elongation = upper - lower.
 
@@ -121,12 +122,11 @@ class Link:
     def __post_init__(self) -> None:
         for word in ("stiffness", "closing", "opening", "release_at"):
             if not getattr(self, word) >= 0:
-                raise FemstructError(
-                    f"links.{self.name}.{word}", got=f"{getattr(self, word):g}", expected="a value >= 0"
-                )
+                raise InputError(f"links.{self.name}.{word}", got=f"{getattr(self, word):g}", expected="a value >= 0")
 
 
 @dataclass(frozen=True, eq=False)
+@checked("half sine")
 class HalfSine:
     """amplitude sin(2 pi frequency t) over its first half period, then nothing: [N] or [Pa] on a surface, [Hz].
 
@@ -135,10 +135,11 @@ class HalfSine:
     """
 
     amplitude: float
-    frequency: float
+    frequency: Positive
 
 
 @dataclass(frozen=True, eq=False)
+@checked("table")
 class Table:
     """A force history by straight lines between samples, zero outside them: times [s], values [N] or [Pa].
 
@@ -153,12 +154,11 @@ class Table:
         times = frozen("load times", self.times, (None,))
         freeze(self, times=times, values=frozen("load values", self.values, times.shape))
         if len(times) < 2 or not (np.diff(times) > 0).all():
-            raise FemstructError(
-                "load times", got="times that do not increase", expected="two or more increasing times"
-            )
+            raise InputError("load times", got="times that do not increase", expected="two or more increasing times")
 
 
 @dataclass(frozen=True, eq=False)
+@checked("loads")
 class Load:
     """A force history on a probe (a point's direction, a surface's pressure) or on a body.
 
@@ -187,6 +187,7 @@ class Load:
 
 
 @dataclass(frozen=True, eq=False)
+@checked("blows")
 class Blows:
     """A body that strikes `count` times: at first, first + every, first + 2 every, ... [s].
 
@@ -207,6 +208,7 @@ class Blows:
 
 
 @dataclass(frozen=True, eq=False)
+@checked("scene")
 class Scene:
     """Everything that takes part in an impact, and its initial state.
 
@@ -228,16 +230,9 @@ class Scene:
     gravity: float = 0.0
     blows: tuple[Blows, ...] = ()
 
-    def __post_init__(self) -> None:
-        for word, kind in (("bodies", Body), ("contacts", Contact), ("links", Link), ("loads", Load), ("blows", Blows)):
-            given = getattr(self, word)
-            if not isinstance(given, tuple | list) or not all(isinstance(one, kind) for one in given):
-                expected = f"a tuple of {kind.__name__}, ({kind.__name__}(...),) for one"
-                raise FemstructError(f"scene.{word}", got=f"{given!r:.60}", expected=expected)
-            object.__setattr__(self, word, tuple(given))
-
 
 @dataclass(frozen=True)
+@checked("time")
 class Clock:
     """How long to simulate and how densely to sample: duration [s], sampling [Hz], quiet [s], relative tolerance.
 
@@ -256,11 +251,11 @@ class Clock:
     def __post_init__(self) -> None:
         for word in ("duration", "sampling", "tolerance"):
             if not getattr(self, word) > 0:
-                raise FemstructError(f"time.{word}", got=f"{getattr(self, word):g}", expected="a positive value")
+                raise InputError(f"time.{word}", got=f"{getattr(self, word):g}", expected="a positive value")
 
 
 def _refuse_timing(where: str, first: float, every: float, count: int) -> None:
     if not first >= 0:
-        raise FemstructError(f"{where}.first", got=f"{first:g} s", expected="a time >= 0")
+        raise InputError(f"{where}.first", got=f"{first:g} s", expected="a time >= 0")
     if count < 1 or (count > 1 and not every > 0):
-        raise FemstructError(where, got=f"{count} times, every {every:g} s", expected="a count and a time between")
+        raise InputError(where, got=f"{count} times, every {every:g} s", expected="a count and a time between")

@@ -10,7 +10,7 @@ from math import acos, acosh, exp, expm1, log, log1p, pi, sqrt
 
 import scipy
 
-from femstruct.errors import FemstructError
+from femstruct.errors import InputError
 
 NEARLY_ONE = 0.999  # restitution above which the relation is solved as a series: its logarithms cancel
 
@@ -21,7 +21,7 @@ def dissipation_for(restitution: float, speed: float) -> float:
     The exact relation a (1 + e) = ln((1 + a) / (1 - a e)), a = chi speed, solved for a: it follows from
     m v dv = -s(d) (1 + chi v) dd on the way in and out, and holds for every spring s(d) and every pair of masses.
 
-    Raises FemstructError unless 0 < restitution <= 1 and speed > 0.
+    Raises InputError unless 0 < restitution <= 1 and speed > 0.
 
     References: Gonthier et al., Multibody System Dynamics 11 (2004) 209, in other letters (d = a e); Zhang and Sharf,
     J. Appl. Mech. 76 (2009) 051002. Hunt and Crossley's a = 3/2 (1 - e) and Lankarani and Nikravesh's
@@ -32,7 +32,7 @@ def dissipation_for(restitution: float, speed: float) -> float:
     """
     refuse_restitution(restitution)
     if not speed > 0:
-        raise FemstructError("meeting speed", got=f"{speed:g} m/s", expected="a positive speed")
+        raise InputError("meeting speed", got=f"{speed:g} m/s", expected="a positive speed")
     e = restitution
     if e == 1.0:
         return 0.0
@@ -103,6 +103,6 @@ def swing(ratio: float) -> float:
 
 
 def refuse_restitution(restitution: float) -> None:
-    """Raise FemstructError unless 0 < restitution <= 1."""
+    """Raise InputError unless 0 < restitution <= 1."""
     if not 0.0 < restitution <= 1.0:
-        raise FemstructError("restitution", got=f"{restitution:g}", expected="a value above 0 and at most 1")
+        raise InputError("restitution", got=f"{restitution:g}", expected="a value above 0 and at most 1")

@@ -9,7 +9,8 @@ import numpy as np
 
 from femstruct.arrays import Floats
 from femstruct.conventions import GRAVITY
-from femstruct.errors import FemstructError
+from femstruct.declared import checked
+from femstruct.errors import InputError
 from femstruct.impact.scene.bodies import Table
 
 PACES_HZ: Final = (1.0, 2.8)  # of the coefficients below
@@ -24,17 +25,18 @@ _FINE: Final = 32  # points to a period of the highest harmonic: straight lines 
 def design_harmonics(pace_hz: float) -> tuple[float, ...]:
     """Amplitudes of the first four harmonics of a walker's force over the weight [1], design values of CCIP-016.
 
-    Raises FemstructError: a pace outside 1 to 2.8 Hz.
+    Raises InputError: a pace outside 1 to 2.8 Hz.
 
     >>> [round(a, 3) for a in design_harmonics(2.0)]
     [0.43, 0.091, 0.071, 0.065]
     """
     if not PACES_HZ[0] <= pace_hz <= PACES_HZ[1]:
-        raise FemstructError("pace", got=f"{pace_hz:g} Hz", expected=f"{PACES_HZ[0]:g} to {PACES_HZ[1]:g} Hz")
+        raise InputError("pace", got=f"{pace_hz:g} Hz", expected=f"{PACES_HZ[0]:g} to {PACES_HZ[1]:g} Hz")
     return tuple(min(start + slope * h * pace_hz, most) for h, (start, slope, most) in enumerate(_DESIGN, 1))
 
 
 @dataclass(frozen=True)
+@checked("walk")
 class Walk:
     """A walker of `mass` [kg] with `pace` steps a second [Hz], `steps` of them, and the amplitudes of the harmonics of
     the force over the weight [1], the first at the pace.
@@ -57,15 +59,15 @@ class Walk:
     def __post_init__(self) -> None:
         for word in ("mass", "pace"):
             if not getattr(self, word) > 0:
-                raise FemstructError(word, got=f"{getattr(self, word):g}", expected="a positive value")
+                raise InputError(word, got=f"{getattr(self, word):g}", expected="a positive value")
         if self.steps < 2:
-            raise FemstructError(
+            raise InputError(
                 "steps",
                 got=f"{self.steps}",
                 expected="2 or more: the force increases over the first and decreases over the last",
             )
         if not self.harmonics:
-            raise FemstructError("harmonics", got="none", expected="one or more")
+            raise InputError("harmonics", got="none", expected="one or more")
 
     @property
     def duration(self) -> float:

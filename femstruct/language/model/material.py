@@ -2,19 +2,121 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from femstruct.language.yaml import AnyRatio, MaterialLossFactor, Quantity, Spec
+from pydantic import Discriminator, Tag
+
+from femstruct.language.yaml import AnyRatio, MaterialLossFactor, Quantity, Spec, by_band, read_by, refuse, word_of
 from femstruct.model.material import Material
+from femstruct.model.materials.loss_by_frequency import MOST_LOSSES, LossByFrequency
+from femstruct.model.materials.orthotropic import AnyMaterial, Orthotropic
+from femstruct.model.materials.timber import CLASSES, timber
 
-Modulus = Annotated[float, Quantity(("pressure",), above=0.0)]
+_MODULUS, _RATIO = Quantity(("pressure",), above=0.0), Quantity(("ratio",))
+Modulus = Annotated[float, _MODULUS]
+Density = Annotated[float, Quantity(("density",), least=0.0)]
+_LOSS = by_band(
+    Quantity(("ratio",), least=0.0, most=MOST_LOSSES, too_large="2 % is 0.02: did you mean {number:g} %?"),
+    "one loss factor, or one for each frequency",
+    "write it like {63 Hz: 6 %, 125 Hz: 5 %}",
+)
+_ROLLING = "Gyz is the rolling shear of timber, Ey / 2(1 + nuyz) of fibre composites"
+
+
+def _moduli(value: object) -> object:
+    """One modulus, or those along the axes."""
+    if not isinstance(value, list):
+        return _MODULUS.read(value)
+    if len(value) not in (2, 3):
+        raise refuse(
+            f"{len(value)} moduli", "one, two or three", "write one for all directions, [Ex, Ey] or [Ex, Ey, Ez]"
+        )
+    return tuple(_MODULUS.read(one) for one in value)
+
+
+def _shear_moduli(value: object) -> object:
+    if not isinstance(value, list) or len(value) not in (2, 3):
+        got = f"{len(value)} moduli" if isinstance(value, list) else "one modulus"
+        raise refuse(got, "[Gxy, Gyz] or [Gxy, Gyz, Gzx]", _ROLLING)
+    return tuple(_MODULUS.read(one) for one in value)
+
+
+def _ratios(value: object) -> object:
+    """nuxy, or nuxy, nuyz and nuzx."""
+    if not isinstance(value, list):
+        return _RATIO.read(value)
+    if len(value) != 3:
+        raise refuse(
+            f"{len(value)} ratios",
+            "nuxy, or [nuxy, nuyz, nuzx]",
+            "nuij is the contraction along j under stress along i",
+        )
+    return tuple(_RATIO.read(one) for one in value)
+
+
+def _losses(value: object) -> object:
+    """A loss factor, or one for each frequency."""
+    read = _LOSS(value)
+    return LossByFrequency(tuple(sorted(read.items()))) if isinstance(read, dict) else read
+
+
+Losses = Annotated[float | LossByFrequency, read_by(_losses, MaterialLossFactor | dict[str, MaterialLossFactor])]
 
 
 class MaterialSpec(Spec):
-    """A linear elastic isotropic material."""
+    """A linear elastic material: isotropic by E and nu; orthotropic by E: [Ex, Ey, Ez], G: [Gxy, Gyz, Gzx] and nu:
+    [nuxy, nuyz, nuzx] along its own axes, of which Ez, Gzx, and all ratios but nuxy can be left out."""
 
     makes = Material
-    E: Modulus
-    nu: AnyRatio
-    rho: Annotated[float, Quantity(("density",), least=0.0)]
-    loss_factor: MaterialLossFactor = 0.0
+    E: Annotated[float | tuple[float, ...], read_by(_moduli, Modulus | list[Modulus])]
+    nu: Annotated[float | tuple[float, ...], read_by(_ratios, AnyRatio | list[AnyRatio])]
+    rho: Density
+    G: Annotated[tuple[float, ...] | None, read_by(_shear_moduli, list[Modulus])] = None
+    loss_factor: Losses = 0.0
+
+    @classmethod
+    def refuse_keys(cls, given: Mapping[str, Any]) -> None:
+        listed = isinstance(given.get("E"), list)
+        if listed and given.get("G") is None:
+            raise refuse("a list E without G", "'G: [Gxy, Gyz, Gzx]' beside it", _ROLLING)
+        for key in ("G", "nu") if "E" in given and not listed else ():
+            if given.get(key) is not None and (key == "G" or isinstance(given[key], list)):
+                raise refuse(
+                    f"{key} of an orthotropic material beside one E",
+                    "E: [Ex, Ey, Ez] with G: [Gxy, Gyz, Gzx], or E and nu alone",
+                    "G of an isotropic material is E / 2(1 + nu)" if key == "G" else "write one nu",
+                )
+
+    def noun(self, **others: Any) -> AnyMaterial:
+        """The isotropic or the orthotropic material."""
+        values = {**self.given(), **others}
+        if self.G is not None:
+            return Orthotropic(**values)
+        del values["G"]
+        return Material(**values)
+
+
+class TimberSpec(Spec):
+    """Structural timber of a strength class of EN 338, x along the grain; other shear moduli, density and loss factor
+    where they are known better."""
+
+    makes = timber
+    called = (("like", "strength_class"),)
+    like: Annotated[Literal["C18", "C24", "C30"], word_of(CLASSES)]
+    G: Annotated[tuple[float, ...] | None, read_by(_shear_moduli, list[Modulus])] = None
+    rho: Density | None = None
+    loss_factor: Losses = 0.0
+
+
+def _kind(value: Any) -> str:
+    return TimberSpec.__name__ if isinstance(value, dict) and "like" in value else MaterialSpec.__name__
+
+
+if TYPE_CHECKING:
+    AnyMaterialSpec = MaterialSpec | TimberSpec
+else:
+    AnyMaterialSpec = Annotated[
+        Annotated[MaterialSpec, Tag(MaterialSpec.__name__)] | Annotated[TimberSpec, Tag(TimberSpec.__name__)],
+        Discriminator(_kind),
+    ]

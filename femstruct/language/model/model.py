@@ -7,33 +7,35 @@ from typing import Any
 from pydantic import Field
 
 from femstruct.language.model.closed_form import GivenModesSpec, StructureSpec
+from femstruct.language.model.constraint import ConstraintSpec
 from femstruct.language.model.damping import DampingSpec
 from femstruct.language.model.joint import JointSpec
-from femstruct.language.model.material import MaterialSpec
+from femstruct.language.model.material import AnyMaterialSpec
 from femstruct.language.model.point import PointSpec
 from femstruct.language.model.section import AnySection
 from femstruct.language.model.support import SupportSpec
 from femstruct.language.model.surface import SurfaceSpec
-from femstruct.language.parts.known_parts import AnyPart
+from femstruct.language.parts.known_parts import KINDS, AnyPart
 from femstruct.language.parts.part import Library
 from femstruct.language.yaml import Here, Names, Spec, Text, check_references, members
 from femstruct.model.structure import Structure
 from femstruct.study.structures import StructureModel
 
-_OF_PARTS = ("parts", "joints", "supports", "surfaces", "materials", "sections")
+_OF_PARTS = ("parts", "joints", "supports", "constraints", "surfaces", "materials", "sections")
 
 
 class ModelSpec(Spec):
     """A model file: parts and what joins, holds and damps them, or one closed-form structure."""
 
     title: Text | None = None
-    materials: dict[str, MaterialSpec] = Field(default_factory=dict)
+    materials: dict[str, AnyMaterialSpec] = Field(default_factory=dict)
     sections: dict[str, AnySection] = Field(default_factory=dict)
     parts: dict[str, AnyPart] = Field(default_factory=dict)
     joints: dict[str, JointSpec] = Field(default_factory=dict)
     points: dict[str, PointSpec] = Field(default_factory=dict)
     surfaces: dict[str, SurfaceSpec] = Field(default_factory=dict)
     supports: dict[str, SupportSpec] = Field(default_factory=dict)
+    constraints: dict[str, ConstraintSpec] = Field(default_factory=dict)
     damping: DampingSpec = DampingSpec()
     structure: StructureSpec | None = None
 
@@ -43,13 +45,14 @@ class ModelSpec(Spec):
         if isinstance(self.structure, GivenModesSpec):
             counts |= dict.fromkeys(self.structure.points, 1)
         places = [one for name, count in counts.items() for one in members(name, count)]
-        known: dict[str, list[str]] = {"part": [], "plate": [], "plate or block": [], "plate or frame": []}
+        known: dict[str, list[str]] = {words: [] for kind in KINDS for words in kind.known_as}
         for name, part in self.parts.items():
             for words in part.known_as:
                 known[words].append(name)
         known |= {"material": [*self.materials], "section": [*self.sections], "surface": [*self.surfaces]}
         known["point"] = list(dict.fromkeys([*counts, *places]))
-        return Names(counts, frozenset(places), frozenset({*self.parts, *self.joints, *self.supports, "ground"}), known)
+        forces = frozenset({*self.parts, *self.joints, *self.supports, *self.constraints, "ground"})
+        return Names(counts, frozenset(places), forces, known)
 
     def check(self, here: Here) -> None:
         """Every name it uses is there, of the right kind, and its keys agree with each other."""
@@ -84,8 +87,8 @@ class ModelSpec(Spec):
             )
             self.structure.check_point(there, point)
 
-    def build(self, title: str, here: Here) -> StructureModel | None:
-        """The structure it describes; None with mistakes noted."""
+    def build(self, title: str, here: Here, sources: dict[str, str]) -> StructureModel | None:
+        """The structure it describes; None with mistakes noted. sources : is given the digests of files it names."""
         closed = self.structure
         if closed is not None:
             return here.at("structure").make(lambda: closed.structure(self.points))
@@ -93,9 +96,11 @@ class ModelSpec(Spec):
         sections = here.each("sections", self.sections, lambda _, name, one: one.noun(name=name))
         if here.mistakes.lines:
             return None
-        of = Library(materials, sections)
+        of = Library(materials, sections, here.tree.file, sources)
         parts = here.each("parts", self.parts, lambda _, name, one: one.build(name, of))
         points = tuple(one.place_on(name, self.parts) for name, one in self.points.items())
+        constraints = here.each("constraints", self.constraints, lambda _, name, one: one.noun(name=name))
         groups = {group: getattr(self, group).items() for group in ("joints", "surfaces", "supports")}
         nouns: Any = {group: tuple(one.noun(name=name) for name, one in items) for group, items in groups.items()}
+        nouns["constraints"] = tuple(constraints.values())
         return Structure(title, tuple(parts.values()), points=points, **nouns)

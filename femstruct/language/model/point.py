@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Annotated, Literal, get_args
 
-from femstruct.language.parts.part import PartSpec
+from femstruct.language.parts.part import MESHED, PartSpec
 from femstruct.language.yaml import (
     LENGTH,
     Coordinate,
@@ -36,8 +36,9 @@ def coordinates(value: object) -> tuple[float, ...]:
 
 def places(value: object) -> tuple[tuple[float, ...], ...]:
     """The coordinates of one place or of several."""
-    several = isinstance(value, list) and value and all(isinstance(one, list) for one in value)
-    return tuple(coordinates(one) for one in (value if several else [value]))  # type: ignore[attr-defined]
+    if isinstance(value, list) and value and all(isinstance(one, list) for one in value):
+        return tuple(coordinates(one) for one in value)
+    return (coordinates(value),)
 
 
 def _at(value: object) -> object:
@@ -62,12 +63,16 @@ def _patch(value: object) -> object:
 
 
 class PointSpec(Spec):
-    """A named place; of a rod or beam a position along it, of an oscillator nothing. On a plate it may be a patch."""
+    """A named place; of a rod or beam a position along it, of an oscillator nothing. On a plate it may be a patch. Of a
+    part that is a mesh it may be the mean of a set."""
+
+    at_most_one_of = (("at", "set"),)
 
     on: Annotated[Text, Refers()] | None = None
     at: Annotated[AtWord | tuple[tuple[float, ...], ...], read_by(_at, _WRITTEN)] | None = None
     side: Side = "above"
     patch: Annotated[float | tuple[float, float] | None, read_by(_patch, Length | list[Length])] = None
+    set: Text | None = None
 
     @property
     def count(self) -> int:
@@ -76,9 +81,9 @@ class PointSpec(Spec):
 
     def check_on(self, here: Here, parts: Mapping[str, PartSpec]) -> None:
         """Note what is wrong with it as a point on a part."""
-        for key in ("on", "at"):
+        for key in ("on", "at") if self.set is None else ("on",):
             here.need(getattr(self, key) is not None, "nothing", f"'{key}'", f"add '{key}: ...'", of_key=True)
-        if self.on is None or not here.at("on").known(self.on, "part"):
+        if self.on is None or not here.at("on").known(self.on, "part" if self.set is None else MESHED):
             return
         part = parts[self.on]
         if self.at is not None:
@@ -93,5 +98,7 @@ class PointSpec(Spec):
     def place_on(self, name: str, parts: Mapping[str, PartSpec]) -> PlaceOn:
         """The place it describes."""
         on = self.on or ""
-        at = self.at if isinstance(self.at, tuple) else (parts[on].place(self.at or ""),)
+        if self.set is not None:
+            return PlaceOn(name, on, (), self.side, self.patch, self.set)
+        at = self.at if isinstance(self.at, tuple) else (parts[on].named_places[self.at or ""],)
         return PlaceOn(name, on, at, self.side, self.patch)

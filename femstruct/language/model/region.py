@@ -4,19 +4,22 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from femstruct.language.yaml import Length, Position2, Spec, exactly_one, read_by, refuse
+from femstruct.language.yaml import Length, Position2, Position3, Spec, Text, exactly_one, read_by, refuse
 from femstruct.model import region
 from femstruct.units import shown_as
 
 
 class RegionSpec(Spec):
-    """A region of a plate: nothing for all of it, the rim of a rectangle, a rectangle, or a line."""
+    """A region of a part: nothing for all of it; the rim of a rectangle, a rectangle or a line of a plate; a named set
+    or a box (lower and upper corner, global axes) of a part that is a mesh."""
 
     makes = region.Region
     rim: tuple[Length, Length] | None = None
     rectangle: tuple[Length, Length] | None = None
     line: tuple[Position2, Position2] | None = None
     at: Position2 | None = None
+    set: Text | None = None
+    box: tuple[Position3, Position3] | None = None
 
     @property
     def is_line(self) -> bool:
@@ -24,18 +27,21 @@ class RegionSpec(Spec):
         return self.rim is not None or self.line is not None
 
     def given(self) -> dict[str, Any]:
-        kind = next((key for key in ("line", "rim", "rectangle") if getattr(self, key) is not None), "whole")
+        kind = next(
+            (key for key in ("line", "rim", "rectangle", "set", "box") if getattr(self, key) is not None), "whole"
+        )
         size = self.rim or self.rectangle
-        return {"kind": kind, "size": size, "at": self.at if size else None, "line": self.line}
+        at = self.at if size else None
+        return {"kind": kind, "size": size, "at": at, "line": self.line, "named": self.set, "box": self.box}
 
 
 def _region(value: object) -> object:
     if value == "whole":
         return {}
     if not isinstance(value, dict):
-        raise refuse(shown_as(value), "whole, {rim: [..]}, {rectangle: [..]} or {line: [[..], [..]]}")
-    if value.keys() <= {"rim", "rectangle", "line", "at"}:
-        exactly_one(value, ("rim", "rectangle", "line"))
+        raise refuse(shown_as(value), "whole, {rim: [..]}, {rectangle: [..]}, {line: [[..], [..]]} or {set: NAME}")
+    if value.keys() <= {"rim", "rectangle", "line", "at", "set", "box"}:
+        exactly_one(value, ("rim", "rectangle", "line", "set", "box"))
     return value
 
 

@@ -50,7 +50,10 @@ def _outlined(word: str, function: Callable[..., section.Section]) -> Any:
 
 
 def _shape(value: Any) -> Any:
-    return value.get("shape", "given") if isinstance(value, dict) else "given"
+    """Its shape; `given` for one with a constant and without a shape, None for one with neither."""
+    if not isinstance(value, dict):
+        return "given"
+    return value.get("shape", "given" if value.keys() & ConstantsSpec.keys() else None)
 
 
 if TYPE_CHECKING:

@@ -11,10 +11,10 @@ from femstruct.model.structure import SurfaceOn
 
 
 class SurfaceSpec(Spec):
-    """A named side of a region of a plate."""
+    """A named side of a region of a plate, or of a set or all of a shell."""
 
     makes = SurfaceOn
-    on: Annotated[Text, Refers("plate")]
+    on: Annotated[Text, Refers("plate or shell")]
     side: Side = "above"
     region: Region = RegionSpec()
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Annotated, Literal
 
 from femstruct.language.parts.part import PartSpec, Places, check_coordinates
@@ -27,6 +28,7 @@ class BlockSpec(PartSpec):
         if isinstance(places, tuple):
             check_coordinates(here, places, "block", self.size, "from its lower corner")
 
-    def place(self, word: str) -> tuple[float, ...]:
+    @property
+    def named_places(self) -> Mapping[str, tuple[float, ...]]:
         a, b, c = self.size
-        return a / 2, b / 2, {"bottom": 0.0, "top": c}.get(word, c / 2)
+        return {word: (a / 2, b / 2, z) for word, z in (("bottom", 0.0), ("center", c / 2), ("top", c))}

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
+from femstruct.language.model.material import Losses
 from femstruct.language.model.region import Region, RegionSpec
 from femstruct.language.parts.part import PartSpec
-from femstruct.language.yaml import Here, MaterialLossFactor, Measured, Quantity, Refers, Spec, Text
+from femstruct.language.yaml import Here, Measured, Quantity, Refers, Spec, Text
 from femstruct.parts.foundation import Foundation
 
 Spread = Annotated[Measured, Quantity(("stiffness/area", "stiffness/length"), least=0.0, which=True)]
@@ -31,7 +32,7 @@ class FoundationSpec(PartSpec):
     between: tuple[Solid, Solid] | None = None
     region: Region = RegionSpec()
     stiffness: SpreadSpec
-    loss_factor: MaterialLossFactor = 0.0
+    loss_factor: Losses = 0.0
 
     def check(self, here: Here) -> None:
         on, to = self.between or (self.on, None)

@@ -29,8 +29,8 @@ _WRITTEN = Annotated[list[Annotated[float, INERTIA]], Field(min_length=3, max_le
 
 
 class InertiaSpec(PartSpec):
-    """A small rigid body at the places of a point: mass, moments and products of inertia about its centre of mass, and
-    how far that is from the point (offset, global axes)."""
+    """A small rigid body at the places of a point (kg each: four places have four of them): mass, moments and products
+    of inertia about its centre of mass, and how far that is from the point (offset, global axes)."""
 
     makes = Inertia
     type: Literal["inertia"]

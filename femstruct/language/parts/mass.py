@@ -16,7 +16,8 @@ UNITS: Final = {"mass": "kg", "mass/length": "kg/m", "mass/area": "kg/m^2"}
 
 
 class MassSpec(PartSpec):
-    """A mass at the places of a point (kg each), over a region of a plate (kg, kg/m, kg/m^2), or along a frame."""
+    """A mass at the places of a point (kg each), over a region of a plate or shell (kg, kg/m, kg/m^2), or along a
+    frame."""
 
     makes = Mass
     type: Literal["mass"]
@@ -34,7 +35,7 @@ class MassSpec(PartSpec):
         ):
             return
         known = here.names.known
-        frame = self.on in known["plate or frame"] and self.on not in known["plate"]
+        frame = self.on in known["plate or frame"] and self.on not in known["plate or shell"]
         where, allowed = "over an area", ["mass", "mass/area"]
         if self.at is not None:
             where, allowed = "at a point", ["mass"]

@@ -3,36 +3,42 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Annotated, Any, ClassVar
+from dataclasses import dataclass, field
+from typing import Annotated, Any, ClassVar, Final
 
 from femstruct.errors import FemstructError
 from femstruct.language.yaml import Here, Refers, Spec, Text
-from femstruct.model.material import Material
+from femstruct.model.materials.orthotropic import AnyMaterial
 from femstruct.model.part import Part
 from femstruct.model.section import Section
 
 COORDINATE_ROUNDING = 1e-9  # of a side: what a coordinate written in decimals may be off the edge
 Places = str | tuple[tuple[float, ...], ...]
 """Where a point is, as it is written: center, top, bottom, or coordinates [m]."""
+STRESSED: Final = "part with stresses"
 MaterialName = Annotated[Text, Refers("material")]
+MESHED: Final = "part that is a mesh"  # of a file: it has sets
 SectionName = Annotated[Text, Refers("section")]
 
 
 @dataclass(frozen=True)
 class Library:
-    """What parts are made of, by name."""
+    """What parts are made of, by name, and the model file, from whose folder they name others. sources : is given the
+    digests of those."""
 
-    materials: Mapping[str, Material]
+    materials: Mapping[str, AnyMaterial]
     sections: Mapping[str, Section]
+    file: str = ""
+    sources: dict[str, str] = field(default_factory=dict)
 
 
 class PartSpec(Spec):
     """A part: a kind says what its keys are and which noun it `makes` of them.
 
     known_as : as what other names in the file find it: a part has nodes to join, hold and point at; on the edges and
-    areas of a plate supports and surfaces can be; layers lie against a plate or block; masses are spread along or over
-    a plate or frame.
+    areas of a plate supports can be; surfaces are on a plate or shell; layers lie against a plate or block; masses are
+    spread along or over a plate or frame; a part that is a mesh has named sets; stresses can be recorded of a part with
+    stresses.
     """
 
     known_as: ClassVar[tuple[str, ...]] = ()
@@ -40,8 +46,16 @@ class PartSpec(Spec):
 
     def build(self, name: str, of: Library) -> Part:
         """The noun it describes."""
+        return self.made_of(name, of)
+
+    def made_of(self, name: str, of: Library, **more: Any) -> Part:
+        """The noun, of what its keys name in the library. more : what the keys do not say themselves.
+
+        Raises FemstructError where it `makes` no part.
+        """
         found: dict[str, Any] = {"material": of.materials, "section": of.sections}
-        part = self.noun(name=name, **{key: found[key][getattr(self, key)] for key in found if hasattr(self, key)})
+        named = {key: found[key][getattr(self, key)] for key in found if getattr(self, key, None) is not None}
+        part = self.noun(name=name, **named, **more)
         if not isinstance(part, Part):
             kind = f"{type(self).__module__}.{type(self).__name__}"
             raise FemstructError(f"parts.{name}", got=f"a {type(part).__name__}", expected=f"a Part that {kind} makes")
@@ -54,9 +68,10 @@ class PartSpec(Spec):
         elif any(len(place) != 3 for place in places):
             here.wrong(f"{len(places[0])} coordinates", f"3 on a {self.type}", "global axes")
 
-    def place(self, word: str) -> tuple[float, ...]:
-        """Coordinates of center, top or bottom."""
-        raise NotImplementedError
+    @property
+    def named_places(self) -> Mapping[str, tuple[float, ...]]:
+        """Coordinates of those of center, top and bottom that it has."""
+        return {}
 
 
 def check_coordinates(

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from collections.abc import Mapping
+from typing import Annotated, Any, Literal
 
 from femstruct.elements.plate import PlateElement
-from femstruct.language.parts.part import MaterialName, PartSpec, Places, check_coordinates
-from femstruct.language.yaml import LENGTH, Count, Direction3, Here, Length, Position3, read_by, refuse
-from femstruct.parts.plate import Plate
+from femstruct.language.model.lay_up import Layers, SmearedSpec, lay_up
+from femstruct.language.parts.part import STRESSED, Library, MaterialName, PartSpec, Places, check_coordinates
+from femstruct.language.yaml import LENGTH, Count, Direction3, Here, Length, Position3, SideLength, read_by, refuse
+from femstruct.model.part import Part
+from femstruct.parts.plate import InPlane, Plate
 from femstruct.units import shown_as
 
 
@@ -21,19 +24,39 @@ def _mesh(value: object) -> object:
 
 
 class PlateSpec(PartSpec):
-    """A flat rectangular plate; origin is a corner of its mid-surface."""
+    """A flat rectangular plate of one material, of layers from below, or of smeared ribs; origin is a corner of its
+    mid-surface."""
 
     makes = Plate
-    known_as = ("part", "plate", "plate or block", "plate or frame")
+    one_of = (("material", "layers", "smeared"),)
+    at_most_one_of = (("layers", "thickness"),)
+    known_as = ("part", "plate", "plate or block", "plate or frame", "plate or shell", STRESSED)
     type: Literal["plate"]
-    material: MaterialName
-    thickness: Length
+    material: MaterialName | None = None
+    layers: Layers | None = None
+    smeared: SmearedSpec | None = None
+    thickness: Length | None = None
     element: PlateElement = "bfs16"
     origin: Position3
-    size: tuple[Length, Length]
+    size: tuple[SideLength, SideLength]
     mesh: Annotated[float | tuple[int, int], read_by(_mesh, Length | tuple[Count, Count])]
     normal: Direction3 = (0.0, 0.0, 1.0)
     x_direction: Direction3 | None = None
+    in_plane: InPlane | None = None
+
+    def check(self, here: Here) -> None:
+        there = here.at("thickness")
+        there.need(self.layers or self.thickness, "nothing", "'thickness'", "add 'thickness: ...'", of_key=True)
+
+    def given(self) -> dict[str, Any]:
+        written = ("type", "material", "layers", "smeared", "thickness")
+        return {key: getattr(self, key) for key in type(self).model_fields if key not in written}
+
+    def build(self, name: str, of: Library) -> Part:
+        if self.material is not None:
+            return self.made_of(name, of, thickness=self.thickness)
+        deck = lay_up(self.layers, self.smeared, self.thickness, of.materials)
+        return self.made_of(name, of, material=deck, thickness=deck.thickness)
 
     def check_place(self, here: Here, places: Places) -> None:
         if isinstance(places, tuple):
@@ -41,5 +64,6 @@ class PlateSpec(PartSpec):
         else:
             here.need(places == "center", f"{places} of a plate", "center or [x, y]", "write center")
 
-    def place(self, word: str) -> tuple[float, ...]:
-        return self.size[0] / 2, self.size[1] / 2
+    @property
+    def named_places(self) -> Mapping[str, tuple[float, ...]]:
+        return {"center": (self.size[0] / 2, self.size[1] / 2)}

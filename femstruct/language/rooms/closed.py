@@ -71,6 +71,7 @@ class ClosedSpec(RoomSpec):
 
     one_of = (("under", "above", "below"), ("size", "mesh"))
     needs = (("mesh", ("ceiling",)), ("ceiling", ("mesh",)))
+    refused = ("directivity",)
 
     under: SurfaceName
     surfaces: dict[str, SurfaceName] = Field(default_factory=dict)

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Any
+
+import numpy as np
 
 from acoustics.fields.rectangular import Room
 from femstruct.language.rooms.closed import ClosedSpec
 from femstruct.language.rooms.room import Asked
-from femstruct.language.yaml import Here, Quantity
+from femstruct.language.yaml import Here, SideLength
 
-MILLIMETRES = "a plain number is in metres: did you mean {number:g} mm?"
-Side = Annotated[float, Quantity(("length",), above=0.0, most=1000.0, too_large=MILLIMETRES)]
-Size = tuple[Side, Side, Side]
+Size = tuple[SideLength, SideLength, SideLength]
 
 
 class BoxRoomSpec(ClosedSpec):
@@ -34,7 +34,7 @@ class BoxRoomSpec(ClosedSpec):
         check_inside(self.size, here, place)
 
     def room(self, here: Here, receivers: Any, sources: Any, shaped: Any) -> Room:
-        return Room(self.size, self.air.noun(), self.losses_of())  # type: ignore[arg-type]
+        return Room(np.array(self.size), self.air.noun(), self.losses_of())
 
 
 def check_inside(size: Size, here: Here, place: tuple[float, ...]) -> None:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar, Final
 
+import numpy as np
 from pydantic import ConfigDict, Field
 
 from acoustics.air import Air
@@ -96,7 +98,9 @@ class RoomSpec(Spec):
         """The receivers it has."""
         heard: list[Receiver] = []
         for name, found in self.receivers.items():
-            heard += [Receiver(one, place) for one, place in zip(members(name, len(found)), found, strict=True)]  # type: ignore[arg-type]
+            heard += [
+                Receiver(one, np.array(place)) for one, place in zip(members(name, len(found)), found, strict=True)
+            ]
         return heard
 
     def check_in(self, here: Here, name: str, asked: Asked) -> None:
@@ -109,10 +113,10 @@ class RoomSpec(Spec):
     def check_receiver(self, here: Here, place: tuple[float, float, float]) -> None:
         """Note a receiver at an impossible place."""
 
+    @abstractmethod
     def build(self, here: Here, name: str, sources: dict[str, str], shaped: dict[str, ShapedRoom]) -> RoomPlan | None:
         """The room with its receivers; None with mistakes noted.
 
         sources : is given a digest of its mesh's file. shaped : rooms from meshes that other cases have, by all that
         is said of them; is given this one.
         """
-        raise NotImplementedError

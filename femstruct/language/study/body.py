@@ -6,14 +6,14 @@ from collections.abc import Collection, Mapping
 from math import inf, sqrt
 from typing import Annotated, Any, Literal, get_args
 
-from pydantic import ConfigDict, model_validator
+from pydantic import ConfigDict
 
 from femstruct.conventions import GRAVITY
 from femstruct.impact.laws.law import Law
 from femstruct.impact.scene.impact_sources import HAMMERS, TAPPING_MACHINE
 from femstruct.language.laws.known_laws import AnyLaw
 from femstruct.language.laws.law import Ends, LawSpec, Site
-from femstruct.language.study.standard_source import SOURCES, UNCORRELATED, from_source
+from femstruct.language.study.standard_source import SOURCES, UNCORRELATED, from_source, refuse_beside_source
 from femstruct.language.yaml import (
     Count,
     Duration,
@@ -93,10 +93,14 @@ class BodySpec(Spec):
     radius: Length | None = None
     blows: BlowsSpec | None = None
 
-    @model_validator(mode="before")
     @classmethod
-    def _from_source(cls, value: Any) -> Any:
-        return from_source(value) if isinstance(value, dict) and value.get("source") in SOURCES else value
+    def refuse_keys(cls, given: Mapping[str, Any]) -> None:
+        if given.get("source") in SOURCES:
+            refuse_beside_source(given, BlowsSpec.keys())
+
+    @classmethod
+    def completed(cls, given: dict[str, Any]) -> dict[str, Any]:
+        return from_source(given) if given.get("source") in SOURCES else given
 
     @property
     def side(self) -> BodySide:

@@ -15,9 +15,10 @@ from femstruct.units import DIMENSIONS
 RATED: Final = "rating"  # ROOM rating
 _LINEAR: Final = {
     "displacement": "length", "travel": "length", "velocity": "speed", "acceleration": "acceleration", "force": "force",
+    "stress": "pressure",
 }  # fmt: skip
 _TURNING: Final = {"displacement": "angle", "velocity": "angular speed"}
-LIMITED: Final = ("length", "speed", "acceleration", "force", "time", "angle", "angular speed", "level")
+LIMITED: Final = ("length", "speed", "acceleration", "force", "time", "angle", "angular speed", "level", "pressure")
 LimitValue = Annotated[Measured, Quantity(LIMITED, above=0.0, which=True)]
 
 

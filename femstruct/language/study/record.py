@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping
 from typing import Annotated, get_args
 
+from femstruct.language.parts.part import STRESSED
 from femstruct.language.yaml import Here, nearest, words_of
 from femstruct.study.asked import RecordedQuantity
 
@@ -18,7 +19,11 @@ def check_records(
     """Note what cannot be recorded. bodies : their names. forced : names of all that has a force."""
     for target, what in ((target, what) for target, wanted in records.items() for what in wanted):
         there, got = here.at("record", target), f"'{target}'"
-        if target in bodies:
+        if what == "stress":
+            stressed = here.names.known.get(STRESSED, ())
+            expected = f"the name of a {STRESSED}"
+            there.need(target in stressed, f"'stress' of {got}", expected, nearest(target, stressed), of_key=True)
+        elif target in bodies:
             there.need(
                 what in ("displacement", "velocity", "travel"),
                 f"'{what}' of a body",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from typing import Any, Final
 
 from femstruct.impact.scene.impact_sources import (
@@ -21,12 +21,9 @@ SOURCES: Final = (*DROPPED, TAPPING_MACHINE)
 UNCORRELATED: Final = "uncorrelated"
 
 
-def from_source(body: Mapping[str, Any]) -> dict[str, Any]:
-    """The keys of a body whose `source` is given, with those that the source brings.
-
-    Raises what `refuse` makes for keys that the source brings itself, and for a tapping machine without a law or
-    whose hammers strike at given times.
-    """
+def refuse_beside_source(body: Mapping[str, Any], of_blows: Collection[str]) -> None:
+    """Refuse keys that a `source` brings itself, and a tapping machine without a law or whose hammers strike at given
+    times. of_blows : the keys that blows can have."""
     name = str(body["source"])
     tapping = name == TAPPING_MACHINE
     brought = ["mass", "drop_height", "speed", "below", "before", "after"] + ([] if tapping else ["contact"])
@@ -34,21 +31,18 @@ def from_source(body: Mapping[str, Any]) -> dict[str, Any]:
     if given:
         told = "is above a place" if given[0] in ("below", "before", "after") else f"has its own {_WORDS[given[0]]}"
         raise refuse(f"'{given[0]}' with a {name}", f"only a source: it {told}", f"remove '{given[0]}', or 'source'")
-    if not tapping:
-        return {**body, **_dropped(name)}
-    if "contact" not in body:
+    if tapping and "contact" not in body:
         raise refuse(
             "a tapping machine without a contact",
             "the law between its hammers and this floor",
             "add 'contact: {type: hertz, radius: 0.5 m, E: [210 GPa, ...], nu: [0.3, ...]}'",
         )
-    return {**body, "mass": HAMMER_MASS, "drop_height": HAMMER_DROP, "blows": _turns(body.get("blows", {}))}
+    blows = body.get("blows")
+    if tapping and isinstance(blows, Mapping) and set(blows) <= set(of_blows):
+        _refuse_blows(blows)
 
 
-def _turns(blows: Any) -> Any:
-    """The blows of a hammer, with what the machine brings; as they are where they are no mapping."""
-    if not isinstance(blows, Mapping):
-        return blows
+def _refuse_blows(blows: Mapping[str, Any]) -> None:
     given = [key for key in ("every", "first") if key in blows]
     if given:
         raise refuse(
@@ -56,14 +50,27 @@ def _turns(blows: Any) -> Any:
             f"only a count: every hammer strikes every {HAMMERS * BETWEEN_BLOWS:g} s, in turn",
             f"remove '{given[0]}'",
         )
-    timing = blows.get("timing", UNCORRELATED)
-    if timing == UNCORRELATED and blows.get("count", 1) != 1:
+    if blows.get("timing", UNCORRELATED) == UNCORRELATED and blows.get("count", 1) != 1:
         raise refuse(
             f"'blows.count' {blows['count']} of a tapping machine whose blows are uncorrelated",
             "no count: one blow of each hammer represents all",
             "remove 'count'; or add 'timing: regular' for turns of blows exactly 0.1 s apart",
         )
-    return {"count": 1, **blows, "timing": timing, "every": HAMMERS * BETWEEN_BLOWS}
+
+
+def from_source(body: Mapping[str, Any]) -> dict[str, Any]:
+    """The keys of a body whose `source` is given, with those that the source brings."""
+    name = str(body["source"])
+    if name != TAPPING_MACHINE:
+        return {**body, **_dropped(name)}
+    return {**body, "mass": HAMMER_MASS, "drop_height": HAMMER_DROP, "blows": _turns(body.get("blows", {}))}
+
+
+def _turns(blows: Any) -> Any:
+    """The blows of a hammer, with what the machine brings; as they are where they are no mapping."""
+    if not isinstance(blows, Mapping):
+        return blows
+    return {"count": 1, "timing": UNCORRELATED, **blows, "every": HAMMERS * BETWEEN_BLOWS}
 
 
 def turn(number: int, apart: float = BETWEEN_BLOWS) -> float:

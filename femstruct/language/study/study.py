@@ -14,6 +14,7 @@ from femstruct.language.study.link import LinkSpec
 from femstruct.language.study.load import LoadSpec
 from femstruct.language.study.record import Recorded
 from femstruct.language.study.request import FrfSpec
+from femstruct.language.study.shock import ShockSpec
 from femstruct.language.study.start import InitialSpec
 from femstruct.language.study.window import AccuracySpec, ModesSpec, PeaksSpec, TimeSpec
 from femstruct.language.yaml import Instant, Refers, Spec, Text, read_by, refuse
@@ -58,3 +59,4 @@ class StudySpec(Spec):
     cases: dict[str, Changes] = Field(default_factory=dict)
     compare: CompareSpec | None = None
     save: Literal["modal"] | None = None
+    shock_spectra: dict[str, ShockSpec] = Field(default_factory=dict)

@@ -61,7 +61,7 @@ _IMPACT: Final = word_or({UNTIL_NEXT: None}, Quantity(("time",), above=0.0))
 
 
 class PeaksSpec(Spec):
-    """Which peaks are reported, and what they are filtered with."""
+    """Which peaks are reported, and the low-pass filter before them (not of contact forces, whose peaks are exact)."""
 
     makes = PeakRule
     called = (("lowpass", "lowpass_hz"),)

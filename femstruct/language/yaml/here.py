@@ -14,6 +14,14 @@ from femstruct.language.yaml.tree import Mistakes, Position, Steps, Tree, dotted
 
 T = TypeVar("T")
 POINT_DIRECTIONS = (*DIRECTIONS, "n")
+GROUPS = {
+    "material": "materials",
+    "section": "sections",
+    "surface": "surfaces",
+    "point": "points",
+    "case": "cases",
+    "body": "bodies",
+}  # of a file; what else has a name is a part
 FORCES = ("force", "force_x", "force_y", "force_z")
 
 
@@ -100,7 +108,7 @@ class Here:
             self.wrong(
                 f"'{name}'",
                 f"the name of a {kind}",
-                nearest(name, names) if names else f"there are none: add '{kind.split()[-1]}s:'",
+                nearest(name, names) if names else f"there are none: add one to '{GROUPS.get(kind, 'parts')}:'",
             )
         return name in names
 

@@ -102,11 +102,13 @@ def _compose(text: str, file: str) -> Node:
         if node is not None:
             return node
     except MarkedYAMLError as error:
-        mark = error.problem_mark or error.context_mark
+        quoted = error.context is not None and "quoted scalar" in error.context
+        mark = (error.context_mark if quoted else None) or error.problem_mark or error.context_mark
         at = Position(file, mark.line + 1, mark.column + 1) if mark else at
         words = " ".join(str(part) for part in (error.context, error.problem) if part)
         tabs = "indent with spaces: YAML has no tabs" if "found character '\\t'" in words else ""
-        told = (f"broken YAML ({words})", "YAML", tabs or "check brackets, quotes and indents")
+        do = "close the quote that begins here" if quoted else "check brackets, quotes and indents"
+        told = (f"broken YAML ({words})", "YAML", tabs or do)
     except YAMLError:
         told = ("characters that are not text", "a text file", "")
     except RecursionError:

@@ -18,12 +18,11 @@ from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
 from femstruct.language.yaml.here import Here
 from femstruct.language.yaml.tree import nearest
-from femstruct.model.material import MOST_LOSSES
+from femstruct.model.materials.loss_by_frequency import MOST_LOSSES
 from femstruct.units import DIMENSIONS, QuantityError, quantity_of, shown_as
 
 SMALLEST, LARGEST = 1e-30, 1e20  # beyond them nothing is meant, and squares and cubes of it leave what numbers can hold
 FARTHEST = 1e6  # metres
-LATER: Final = "not yet in this version"
 _QUANTITY_PATTERN: Final = (
     r"^\s*[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?\s*[A-Za-z%°µμ1].*$|^\s*[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?\s*$"
 )
@@ -34,7 +33,8 @@ class Spec(BaseModel):
 
     one_of : groups of keys of which a file gives exactly one. at_most_one_of : groups of which it may give one.
     needs : keys that mean nothing without others. makes : the noun with the same fields, and a name where it has one.
-    called : what the noun calls keys for which it has another word.
+    called : what the noun calls keys for which it has another word. refused : keys of other kinds that `refuse_keys`
+    refuses.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=False, arbitrary_types_allowed=True)
@@ -43,6 +43,7 @@ class Spec(BaseModel):
     needs: ClassVar[tuple[tuple[str, tuple[str, ...]], ...]] = ()
     makes: ClassVar[Callable[..., Any]] = dict
     called: ClassVar[tuple[tuple[str, str], ...]] = ()
+    refused: ClassVar[tuple[str, ...]] = ()
 
     def given(self) -> dict[str, Any]:
         """The values of all keys, in the noun's words, mappings as nouns; not the word that tells the kind."""
@@ -55,8 +56,18 @@ class Spec(BaseModel):
         return type(self).makes(**{**self.given(), **others})
 
     @classmethod
+    def keys(cls) -> set[str]:
+        """The keys it has or refuses by name, as a file writes them."""
+        return {*(info.alias or name for name, info in cls.model_fields.items()), *cls.refused}
+
+    @classmethod
     def refuse_keys(cls, given: Mapping[str, Any]) -> None:
         """Raise what `refuse` makes of keys that cannot be together, before any of them is read."""
+
+    @classmethod
+    def completed(cls, given: dict[str, Any]) -> dict[str, Any]:
+        """The mapping with what a key of it brings along."""
+        return given
 
     def check(self, here: Here) -> None:
         """Note what is wrong with its keys together, and with the names in it."""
@@ -64,22 +75,28 @@ class Spec(BaseModel):
     @model_validator(mode="before")
     @classmethod
     def _exclusive(cls, value: Any) -> Any:
-        if isinstance(value, dict):
-            cls.refuse_keys(value)
-            for names in cls.one_of:
-                exactly_one(value, names)
-            for names in cls.at_most_one_of:
-                exactly_one(value, names, or_none=True)
-            for key, others in cls.needs:
-                given = value.get(key) is not None
-                missing = [other for other in others if given and value.get(other) is None]
-                if missing:
-                    raise refuse(
-                        f"{key} without {missing[0]}",
-                        f"'{missing[0]}' beside '{key}'",
-                        f"add '{missing[0]}: ...', or remove '{key}'",
-                    )
-        return value
+        if not isinstance(value, dict):
+            return value
+        if value.keys() <= cls.keys():  # else a key that is missing may be there, misspelt
+            cls._refuse_together(value)
+        return cls.completed(value)
+
+    @classmethod
+    def _refuse_together(cls, value: Mapping[str, Any]) -> None:
+        cls.refuse_keys(value)
+        for names in cls.one_of:
+            exactly_one(value, names)
+        for names in cls.at_most_one_of:
+            exactly_one(value, names, or_none=True)
+        for key, others in cls.needs:
+            given = value.get(key) is not None
+            missing = [other for other in others if given and value.get(other) is None]
+            if missing:
+                raise refuse(
+                    f"{key} without {missing[0]}",
+                    f"'{missing[0]}' beside '{key}'",
+                    f"add '{missing[0]}: ...', or remove '{key}'",
+                )
 
 
 @dataclass(frozen=True)
@@ -205,6 +222,8 @@ LossFactor = Annotated[float, Quantity(("ratio",), least=0.0, most=1.0, too_larg
 MaterialLossFactor = Annotated[float, Quantity(("ratio",), least=0.0, most=MOST_LOSSES, too_large=_PERCENT)]
 Coordinate = Annotated[float, Quantity(("length",))]
 Component = Annotated[float, Quantity(("ratio",))]
+_MILLIMETRES: Final = "a plain number is in metres: did you mean {number:g} mm?"
+SideLength = Annotated[float, Quantity(("length",), above=0.0, most=1000.0, too_large=_MILLIMETRES)]
 LENGTH: Final = Quantity(("length",), above=0.0)
 Length = Annotated[float, LENGTH]
 Gap = Annotated[float, Quantity(("length",), least=0.0)]

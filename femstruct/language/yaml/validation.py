@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import re
 import types
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import Annotated, Any, Final, TypeVar, Union, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 
-from femstruct.language.yaml.spec import LATER
 from femstruct.language.yaml.tree import Mistakes, Steps, Tree, dotted, near_name, nearest
 from femstruct.units import shown_as
 
@@ -23,21 +22,57 @@ def validate(schema: type[S], value: Any, tree: Tree, mistakes: Mistakes) -> S |
         return schema.model_validate(value)
     except ValidationError as error:
         found = error.errors(include_url=False)
-        meant = {
-            (*one["loc"][:-1], near_name(str(one["loc"][-1]), _allowed(schema, one["loc"][:-1])))
-            for one in found
-            if one["type"] == "extra_forbidden"
+        unknown = [one for one in found if one["type"] == "extra_forbidden"] + _unknown_without_kind(found, schema)
+        meant = {  # a misspelt key is one mistake, not two
+            (*one["loc"][:-1], near_name(str(one["loc"][-1]), _allowed(schema, one["loc"][:-1]))) for one in unknown
         }
+        cut = {_cut_at_comma(one, value) for one in unknown}
+        for one in unknown:
+            _note(one, schema, tree, mistakes)
         for one in found:
-            if not (one["type"] == "missing" and one["loc"] in meant):  # a misspelt key is one mistake, not two
+            told = one["type"] == "extra_forbidden" or one["loc"] in cut or _missing(one, schema) in meant
+            if not told:
                 _note(one, schema, tree, mistakes)
         return None
+
+
+def _cut_at_comma(unknown: Any, value: Any) -> Steps | None:
+    """The place of the value before an unknown key that is the rest of a number: 0,008 has become 0 and a key 008."""
+    key = unknown["loc"][-1]
+    for step in _steps(unknown["loc"][:-1], value, absent=False):
+        value = value[step]
+    keys = list(value)
+    number = keys.index(key) if key in keys else 0
+    return (*unknown["loc"][:-1], keys[number - 1]) if number and NUMBER_LIKE.fullmatch(str(key)) else None
+
+
+def _unknown_without_kind(found: Iterable[Any], schema: type[BaseModel]) -> list[Any]:
+    """The keys that no kind of a noun has, of mappings that do not say which kind they are."""
+    return [
+        {"type": "extra_forbidden", "loc": (*one["loc"], key), "input": value}
+        for one in found
+        if one["type"] == "union_tag_not_found" and isinstance(one["input"], dict)
+        for key, value in one["input"].items()
+        if key not in _allowed(schema, one["loc"])
+    ]
+
+
+def _missing(error: Any, schema: type[BaseModel]) -> Steps | None:
+    """The place of a key that is missing, of its kind too; None for another mistake."""
+    if error["type"] == "union_tag_not_found":
+        return (*error["loc"], _tells(schema, error["loc"]))
+    return error["loc"] if error["type"] == "missing" else None
+
+
+def _tells(schema: type[BaseModel], loc: Steps) -> str:
+    """The key that tells the kinds apart that may stand at a pydantic location."""
+    return "shape" if "shape" in _allowed(schema, loc) else "type"
 
 
 def _note(error: Any, schema: type[BaseModel], tree: Tree, mistakes: Mistakes) -> None:
     loc, kind = error["loc"], error["type"]
     if kind == "union_tag_invalid":
-        loc = (*loc, "shape" if "rectangle" in error["ctx"]["expected_tags"] else "type")
+        loc = (*loc, _tells(schema, loc))
     steps = _steps(loc, tree.value, absent=kind != "refused")
     if kind == "missing" and isinstance(loc[-1], int):
         steps = steps[:-1]
@@ -54,7 +89,7 @@ def _told(
         case "refused":
             return context["got"], context["expected"], context["do"]
         case "extra_forbidden":
-            return _told_of_key(str(loc[-1]), loc, _allowed(schema, loc[:-1]))
+            return _told_of_key(str(loc[-1]), _allowed(schema, loc[:-1]))
         case "missing" if isinstance(loc[-1], int):
             return "a list that is too short", f"at least {loc[-1] + 1} values", ""
         case "missing":
@@ -70,24 +105,18 @@ def _told(
         case "union_tag_not_found" if not isinstance(given, dict):
             return "", "a mapping", "write it like {type: ..., ...}"
         case "union_tag_not_found":
-            known = " | ".join(tag for one in _at(schema, loc) for tag in _tags(one))
-            return "no 'type'", "a key 'type'", f"add type: {known}" if known else "add 'type: ...'"
+            key, known = _tells(schema, loc), " | ".join(tag for one in _at(schema, loc) for tag in _tags(one))
+            return f"no '{key}'", f"a key '{key}'", f"add {key}: {known}" if known else f"add '{key}: ...'"
         case "union_tag_invalid":
             words, word = [tag.strip(" '") for tag in context["expected_tags"].split(",")], context["tag"]
-            later = f", which is {LATER}" if word in ("shell", "solid") else ""
-            return f"'{word}'{later}", f"one of {', '.join(words)}", "" if later else nearest(word, words)
+            return f"'{word}'", f"one of {', '.join(words)}", nearest(word, words)
         case "literal_error":
             words = re.findall("'([^']*)'", context["expected"])
             return "", f"one of {', '.join(words)}", nearest(str(given), words) if given else ""
     return None
 
 
-_LATER_KEYS: Final = ("layers", "file", "set", "scale")  # of parts
-
-
-def _told_of_key(key: str, loc: Steps, known: list[str]) -> tuple[str, str, str]:
-    if loc[0] == "parts" and key in _LATER_KEYS and len(loc) <= 4:
-        return f"'{key}', which is {LATER}", "a model or study without it", "remove it"
+def _told_of_key(key: str, known: list[str]) -> tuple[str, str, str]:
     comma = "write decimals with a point: a comma begins the next item"
     do = comma if NUMBER_LIKE.fullmatch(key) else nearest(key, known)
     return f"the unknown key '{key}'", "a key of the language", do

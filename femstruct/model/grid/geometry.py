@@ -88,8 +88,13 @@ def distance_to_segments(point: Floats, start: Floats, end: Floats) -> tuple[Flo
 
 
 def clip(start: Floats, end: Floats, size: tuple[float, float], tolerance: float) -> tuple[float, float] | None:
-    """The stretch of a segment, 0 to 1 from start to end, that lies over the rectangle [0, size]; None if none does."""
+    """The stretch of a segment, 0 to 1 from start to end, that lies over the rectangle [0, size]; None if none does.
+
+    What lies off it by the tolerance lies on it, but along the segment it ends at the edge: a line over two rectangles
+    in a row has one place where they meet.
+    """
     low, high = 0.0, 1.0
+    steps = np.abs(end - start)[:2]
     for axis in (0, 1):
         p, step = start[axis], end[axis] - start[axis]
         if abs(step) <= tolerance:
@@ -98,7 +103,13 @@ def clip(start: Floats, end: Floats, size: tuple[float, float], tolerance: float
             continue
         bounds = sorted(((-tolerance - p) / step, (size[axis] + tolerance - p) / step))
         low, high = max(low, bounds[0]), min(high, bounds[1])
-    return (float(low), float(high)) if low <= high else None
+    if low > high:
+        return None
+    along = int(np.argmax(steps))
+    if steps[along] > tolerance:
+        edges = np.sort((np.array([0.0, size[along]]) - start[along]) / (end[along] - start[along]))
+        low, high = min(max(low, edges[0]), edges[1]), max(min(high, edges[1]), edges[0])
+    return float(low), float(high)
 
 
 def meeting_line(first: Rectangle, second: Rectangle, tolerance: float) -> tuple[Floats, Floats]:
@@ -134,11 +145,16 @@ def meeting_line(first: Rectangle, second: Rectangle, tolerance: float) -> tuple
             low, high = 1.0, 0.0
             break
         low, high = max(low, stretch[0]), min(high, stretch[1])
-    if low > high:
+    if (low - high) * 2.0 * reach > 2.0 * tolerance:
         raise InputError(
-            where, got=_apart(first, second, a, b), expected="plates with a common line", do="move one of them"
+            where,
+            got=_apart(first, second, a, b),
+            expected="plates with a common line",
+            do="move one of them, or write 'reach' in the joint where an edge lies on a face",
         )
-    return _trimmed(start + low * (end - start), start + high * (end - start), direction, tolerance)
+    if (high - low) * 2.0 * reach <= tolerance:
+        low = high = (low + high) / 2.0
+    return start + low * (end - start), start + high * (end - start)
 
 
 def _edge_in_plane(
@@ -149,7 +165,10 @@ def _edge_in_plane(
     local = to_rectangle(first, a, from_rectangle(second, b, corners))
     if np.abs(local[:, 2]).max() > tolerance:
         raise InputError(
-            where, got=_apart(first, second, a, b), expected="plates with a common line", do="move one of them"
+            where,
+            got=_apart(first, second, a, b),
+            expected="plates with a common line",
+            do="move one of them, or write 'reach' in the joint where an edge lies on a face",
         )
     if min(abs(a[0] @ b[0]), abs(a[0] @ b[1])) > PARALLEL:
         raise InputError(where, got="sides that are not parallel", expected="parallel sides", do="turn x_direction")
@@ -158,7 +177,10 @@ def _edge_in_plane(
     width = high - low
     if (width < -tolerance).any():
         raise InputError(
-            where, got=_apart(first, second, a, b), expected="plates with a common line", do="move one of them"
+            where,
+            got=_apart(first, second, a, b),
+            expected="plates with a common line",
+            do="move one of them, or write 'reach' in the joint where an edge lies on a face",
         )
     if (width > tolerance).all():
         raise InputError(
@@ -168,13 +190,6 @@ def _edge_in_plane(
         )
     high = np.where(width > tolerance, high, low)
     return from_rectangle(first, a, low), from_rectangle(first, a, high)
-
-
-def _trimmed(start: Floats, end: Floats, direction: Floats, tolerance: float) -> tuple[Floats, Floats]:
-    """Take back the tolerance that clipping gave on both ends."""
-    if np.linalg.norm(end - start) <= 2.5 * tolerance:
-        return (start + end) / 2.0, (start + end) / 2.0
-    return start + tolerance * direction, end - tolerance * direction
 
 
 def _apart(first: Rectangle, second: Rectangle, a: Floats, b: Floats) -> str:

@@ -54,7 +54,8 @@ class Layout:
     """The grids of a structure while they are being decided; `settled` gives the result.
 
     tolerance : places closer than this are one [m]. rectangles, segments, boxes : what joints can meet, by part;
-    vertices [n, 3] : points of the lines of bars. bodies : what layers can lie against.
+    vertices [n, 3] : points of the lines of bars. bodies : what layers can lie against. given : names of parts whose
+    nodes are their own, as of a mesh from a file: what asks for a node there finds those that it has.
     """
 
     def __init__(self, tolerance: float) -> None:
@@ -65,6 +66,9 @@ class Layout:
         self.vertices: dict[str, Floats] = {}
         self.boxes: dict[str, Box] = {}
         self.bodies: dict[str, Body] = {}
+        self.pulled: set[str] = set()
+        self.stretched: frozenset[str] = frozenset()
+        self.given: set[str] = set()
         self.grids: dict[Key, Axis] = {}
         self.shared: list[SharedLine] = []
 
@@ -103,6 +107,8 @@ class Layout:
 
     def on_region(self, where: str, name: str, region: Region) -> None:
         """Grid lines along the sides of a region; InputError where there is no rectangle of that name."""
+        if name in self.given:
+            return
         if name not in self.rectangles:
             known = some_of(self.rectangles) or "there is none"
             raise InputError(where, got=f"'{name}'", expected=f"a plate: {known}")

@@ -11,6 +11,7 @@ from femstruct.arrays import Floats
 from femstruct.errors import InputError
 from femstruct.model.grid.geometry import clip, distance_to_rectangle, distance_to_segments, meeting_line, to_rectangle
 from femstruct.model.grid.gridlines import SharedLine, Track
+from femstruct.model.grid.in_plane import stretched
 from femstruct.model.grid.layout import Layout, Segment
 from femstruct.model.grid.touching import lines_under, stretch_inside
 from femstruct.model.part import Part
@@ -36,9 +37,12 @@ def planned(structure: Structure) -> Layout:
     for support in structure.supports:
         if support.line is not None:
             layout.on_region(f"supports.{support.name}.line", support.on or "", Region("line", line=support.line))
+    for constraint in structure.constraints:
+        constraint.needs(layout, {point.name: point for point in structure.points})
     _carrying_points(structure, layout)
     for joint in structure.joints:
         _joint(layout, joint, {part.name: part for part in structure.parts})
+    layout.stretched = stretched(structure, layout)
     return layout
 
 
@@ -46,6 +50,7 @@ def _carrying_points(structure: Structure, layout: Layout) -> None:
     """Springs, masses and supports hold a node; a point that is only struck or recorded does not."""
     used = {name for part in structure.parts for name in part.carriers()}
     used |= {support.at for support in structure.supports}
+    used |= {name for constraint in structure.constraints for name in constraint.holds()}
     for point in structure.points:
         numbered = {f"{point.name}.{number + 1}" for number in range(len(point.at))}
         for number, place in enumerate(point.at):
@@ -69,7 +74,7 @@ def _joint(layout: Layout, joint: Joint, parts: Mapping[str, Part]) -> None:
     elif joint.a in layout.boxes or joint.b in layout.boxes:
         _on_box(layout, *((joint.b, joint.a) if joint.a in layout.boxes else (joint.a, joint.b)))
     elif joint.a in layout.rectangles and joint.b in layout.rectangles:
-        _rectangle_on_rectangle(layout, joint.a, joint.b)
+        _rectangle_on_rectangle(layout, joint)
     elif joint.a in layout.segments and joint.b in layout.segments:
         _bars_on_bars(layout, joint)
     elif joint.a in layout.segments:
@@ -82,21 +87,36 @@ def _at_corners(layout: Layout, parts: Sequence[Part]) -> None:
     """Nodes of plates and frames at the corners of the parts they are joined to, of kinds whose nodes are their own."""
     for part in parts:
         for other in parts:
-            for corner in other.corners() if other is not part else ():
-                if part.name in layout.rectangles:
-                    rectangle = layout.rectangles[part.name]
-                    local = to_rectangle(rectangle, layout.axes_of[part.name], corner)
-                    if distance_to_rectangle(local, rectangle.size) <= layout.tolerance:
-                        layout.on_rectangle(part.name, np.clip(local[:2], 0.0, rectangle.size))
-                elif part.name in layout.segments:
+            corners = other.corners() if other is not part else np.zeros((0, 3))
+            if part.name in layout.rectangles:
+                rectangle = layout.rectangles[part.name]
+                local = to_rectangle(rectangle, layout.axes_of[part.name], corners)
+                met = distance_to_rectangle(local, rectangle.size) <= layout.tolerance
+                for place in np.unique(np.clip(local[met, :2], 0.0, rectangle.size), axis=0):
+                    layout.on_rectangle(part.name, place)
+            for segment in layout.segments.get(part.name, ()):
+                near = np.minimum(
+                    *(_from_line(corners, *ends) for ends in (segment.feet, [segment.start, segment.end]))
+                )
+                for corner in corners[near <= layout.tolerance]:
                     layout.on_bars(part.name, corner)
 
 
-def _rectangle_on_rectangle(layout: Layout, first: str, second: str) -> None:
-    start, end = meeting_line(layout.rectangles[first], layout.rectangles[second], layout.tolerance)
+def _from_line(places: Floats, start: Floats, end: Floats) -> Floats:
+    """Distances of places [n, 3] from a segment [m]."""
+    along = end - start
+    share = np.clip((places - start) @ along / (along @ along), 0.0, 1.0)
+    distances: Floats = np.linalg.norm(start + share[:, None] * along - places, axis=1)
+    return distances
+
+
+def _rectangle_on_rectangle(layout: Layout, joint: Joint) -> None:
+    reach = max(layout.tolerance, joint.reach or 0.0)  # to the face of a plate, from the edge of another
+    start, end = meeting_line(layout.rectangles[joint.a], layout.rectangles[joint.b], reach)
     tracks = []
-    for name in (first, second):
+    for name in (joint.a, joint.b):
         ends = to_rectangle(layout.rectangles[name], layout.axes_of[name], np.stack([start, end]))
+        ends[:, :2] = np.clip(ends[:, :2], 0.0, layout.rectangles[name].size)
         layout.on_rectangle(name, ends[0])
         layout.on_rectangle(name, ends[1])
         direction = int(np.argmax(np.abs(ends[1] - ends[0])))

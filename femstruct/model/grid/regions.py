@@ -20,6 +20,8 @@ def region_box(where: str, name: str, size: Pair, region: Region, tolerance: flo
     Raises InputError for a region that reaches beyond the part, saying by how much, and for a line that does not run
     along the part's own axes.
     """
+    if region.kind in ("set", "box"):
+        raise InputError(where, got=f"a {region.kind} of {name}", expected="a rectangle, a rim or a line of a plate")
     if region.kind == "whole":
         bounds = np.array([[0.0, size[0]], [0.0, size[1]]])
     elif region.kind == "line":

@@ -16,7 +16,7 @@ from femstruct.conventions import N_COMPONENTS
 from femstruct.model.grid.geometry import distance_to_rectangle, to_rectangle
 from femstruct.model.model import Model
 from femstruct.parts.foundation import Foundation
-from femstruct.parts.plate import plates_of
+from femstruct.parts.of_plates.plate_mesh import plates_of
 
 FREE = 1e-6  # of what the supports resist most: a rigid motion they resist by less is free
 TOUCHING = 1e-6  # of the structure's size
@@ -128,6 +128,17 @@ def held_directions(model: Model) -> Floats:
         directions = directions[kept]
         np.add.at(found, first[kept], directions[:, :, None] * directions[:, None, :])
     return found
+
+
+def held_with_joined(model: Model) -> Floats:
+    """Directions in which supports hold each node [n_nodes, 3, 3]; nodes in one place, as joined ones, share them."""
+    held = held_directions(model)
+    size = float(np.ptp(model.mesh.points, axis=0).max())
+    pairs = scipy.spatial.KDTree(model.mesh.points).query_pairs(TOUCHING * size, output_type="ndarray")
+    shared = held.copy()
+    for first, second in (pairs.T, pairs.T[::-1]):
+        np.add.at(shared, first, held[second])
+    return shared
 
 
 def _labels(model: Model, joined: Iterable[tuple[str, str]]) -> Integers:

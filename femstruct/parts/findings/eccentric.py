@@ -1,4 +1,4 @@
-"""Ribs beside the plate that they stiffen: how much too stiff they are, since plates are rigid in their own plane.
+"""Ribs beside a plate that is said to be rigid in its own plane: how much too stiff they are.
 
 Two errors, both of the model and not of its mesh alone:
 
@@ -26,18 +26,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from femstruct.arrays import Floats
 from femstruct.errors import Finding
-from femstruct.model.grid.geometry import distance_to_rectangle, to_rectangle
 from femstruct.model.grid.layers import layer_of
 from femstruct.model.model import Model
-from femstruct.model.structure import Joint
-from femstruct.parts.foundation import Foundation
-from femstruct.parts.frame import FrameMesh, frames_of
-from femstruct.parts.plate import Plate, PlateMesh, rigid_plates
+from femstruct.parts.findings.ribs import RibLine, percent, rib_lines, strip_width
+from femstruct.parts.foundation import NOTABLE, Foundation, glue_ratio
+from femstruct.parts.of_plates.plate_mesh import PlateMesh, rigid_plates
+from femstruct.parts.plate import Plate
 
-NOTABLE, SEVERE = 1e-3, 1e-2  # of a frequency
-_TOUCHING = 1e-6  # of the plate's longer side
+SEVERE = 1e-2  # of a frequency
 
 
 @dataclass(frozen=True)
@@ -61,25 +58,11 @@ class RibError:
         return float(np.sqrt(max(self.bending, self.torsion)) - 1.0)
 
 
-@dataclass(frozen=True, eq=False)
-class _Line:
-    """Bars of a frame that lie on one straight line in a plate: where across it [m], along what."""
-
-    frame: FrameMesh
-    joint: Joint
-    along: Floats
-    across: float
-    arm: float
-    spacing: float
-    length: float
-    axes: Floats
-
-
 def rib_errors(model: Model) -> tuple[RibError, ...]:
     """The errors of every line of bars that are joined to a plate through arms out of its plane."""
     found = []
     for plate in rigid_plates(model).values():
-        lines = [line for joint in model.structure.joints for line in _lines_on(plate, joint, model)]
+        lines = [line for joint in model.structure.joints for line in rib_lines(plate, joint, model)]
         found += [_error(plate, line, lines) for line in lines if abs(line.arm) > 0.0]
     return tuple(found)
 
@@ -100,16 +83,14 @@ def eccentric_findings(model: Model) -> tuple[Finding, ...]:
 
 
 def _told(error: RibError) -> Finding:
-    bends, twists = (_percent(np.sqrt(ratio) - 1.0) for ratio in (error.bending, error.torsion))
+    bends, twists = (percent(np.sqrt(ratio) - 1.0) for ratio in (error.bending, error.torsion))
     return Finding(
         "eccentric-bars",
         f"{error.frame} on {error.plate}: the bars are {1e3 * error.arm:.3g} mm from the mid-surface of the plate, "
-        "which "
-        f"cannot stretch here. A rib with its strip of plate is {error.bending:.3g} times too stiff in bending "
-        f"(frequencies up to {bends} too high). It is {error.torsion:.3g} times too stiff in torsion (up to "
-        f"{twists} too "
-        f"high) with nodes {1e3 * error.spacing:.3g} mm apart, and more with a finer mesh. Bars without 'offsets' have "
-        "neither error, but they lack the stiffness of the offset",
+        f"which is rigid in its plane. A rib with its strip of plate is {error.bending:.3g} times too stiff in bending "
+        f"(frequencies up to {bends} too high). It is {error.torsion:.3g} times too stiff in torsion (up to {twists} "
+        f"too high) with nodes {1e3 * error.spacing:.3g} mm apart, and more with a finer mesh. A plate with 'in_plane: "
+        "elastic' has neither error",
         {
             "bending_ratio": error.bending,
             "torsion_ratio": error.torsion,
@@ -121,66 +102,35 @@ def _told(error: RibError) -> Finding:
     )
 
 
-def _percent(share: float) -> str:
-    return f"{100.0 * share:.2g} %" if share < 0.995 else f"{100.0 * share:.0f} %"
-
-
-def _lines_on(plate: PlateMesh, joint: Joint, model: Model) -> list[_Line]:
-    names = {joint.a, joint.b}
-    others = [frame for frame in frames_of(model) if frame.name in names]
-    if plate.part.name not in names or not others:
-        return []
-    frame, size = others[0], plate.part.size
-    ends = to_rectangle(plate.part, plate.axes, model.mesh.points[frame.bars[:, :2]])
-    inside = (distance_to_rectangle(ends, size) <= _TOUCHING * max(size)).all(axis=1)
-    steps = ends[:, 1, :2] - ends[:, 0, :2]
-    spacing = np.linalg.norm(steps, axis=1)
-    arms = (frame.arms[:, :2] @ plate.axes[2]).mean(axis=1)
-    groups: dict[tuple[int, ...], list[int]] = {}
-    for bar in np.flatnonzero(inside & (spacing > _TOUCHING * max(size))):
-        along = steps[bar] / spacing[bar]
-        along = along if (along > -1e-9).all() or along[0] > 1e-9 else -along
-        across = float(along[0] * ends[bar, 0, 1] - along[1] * ends[bar, 0, 0])
-        key = (*np.round(1e4 * along).astype(int), round(1e4 * across / max(size)))
-        groups.setdefault(tuple(int(one) for one in key), []).append(int(bar))
-    lines = []
-    for bars in groups.values():
-        first = bars[0]
-        along = steps[first] / spacing[first]
-        along = along if (along > -1e-9).all() or along[0] > 1e-9 else -along
-        across = float(along[0] * ends[first, 0, 1] - along[1] * ends[first, 0, 0])
-        arm = float(arms[bars][np.argmax(np.abs(arms[bars]))])
-        step = spacing[bars]
-        lines.append(_Line(frame, joint, along, across, arm, float(step.min()), float(step.sum()), frame.axes[first]))
-    return lines
-
-
-def _error(plate: PlateMesh, line: _Line, others: list[_Line]) -> RibError:
-    part, section, metal = plate.part, line.frame.part.section, line.frame.part.material
-    base, h = part.material, part.thickness
-    b, e = _strip(plate, line, others), abs(line.arm)
+def _error(plate: PlateMesh, line: RibLine, others: list[RibLine]) -> RibError:
+    part, (E, G, section) = plate.part, line.frame.part.along
+    angle = float(np.arctan2(line.along[1], line.along[0]))
+    base = part.section.turned(-angle)  # along the rib
+    b, e = strip_width(plate, line, others), abs(line.arm)
     normal = plate.axes[2]
     sideways = np.cross(normal, line.along @ plate.axes[:2])
     upright = section.Iy * (line.axes[2] @ normal) ** 2 + section.Iz * (line.axes[1] @ normal) ** 2
     lateral = section.Iy * (line.axes[2] @ sideways) ** 2 + section.Iz * (line.axes[1] @ sideways) ** 2
     shear = section.A * (section.kz * (line.axes[2] @ sideways) ** 2 + section.ky * (line.axes[1] @ sideways) ** 2)
-    alone = base.E * h**3 * b / (12.0 * (1.0 - base.nu**2)) + metal.E * upright
+    alone = float(base.bending[0, 0]) * b + E * upright
     slip = _slip(plate, line)
-    rigid = alone + e**2 / (1.0 / (metal.E * section.A) + slip)
-    true = alone + e**2 / (1.0 / (metal.E * section.A) + 1.0 / (base.E * h * b) + slip)
-    twist = base.G * h**3 * b / 3.0 + metal.G * section.J
+    rigid = alone + e**2 / (1.0 / (E * section.A) + slip)
+    true = alone + e**2 / (1.0 / (E * section.A) + 1.0 / (base.stretching() * b) + slip)
+    twist = 4.0 * float(base.bending[2, 2]) * b + G * section.J
     false = 0.0
-    if line.joint.kind == "rigid" and not set(line.joint.stiffness) & {"rx", "ry", "rz"}:
-        clamped = 12.0 * metal.E * lateral / line.spacing**2
-        phi = 0.0 if line.frame.part.element == "euler" else clamped / (metal.G * shear)
+    if line.joint.kind != "pinned" and not set(line.joint.stiffness) & {"rx", "ry", "rz"}:
+        clamped = 12.0 * E * lateral / line.spacing**2
+        phi = 0.0 if line.frame.part.element == "euler" else clamped / (G * shear)
         false = clamped * e**2 / (1.0 + phi)
     names = line.frame.part.name, part.name
     return RibError(*names, e, line.spacing, float(rigid / true), float(1.0 + false / twist))
 
 
-def _slip(plate: PlateMesh, line: _Line) -> float:
+def _slip(plate: PlateMesh, line: RibLine) -> float:
     """1 / (E A) of springs between rib and plate along it, for one half wave over its length; 0 for a rigid joint."""
     along = line.along @ plate.axes[:2]
+    if line.joint.kind == "sliding":
+        return float(np.pi**2 / (line.joint.slip * line.length**2)) if line.joint.slip > 0.0 else np.inf
     for axis, direction in enumerate(("x", "y", "z")):
         if direction in line.joint.stiffness and abs(along[axis]) > 0.7:
             stiffness = line.joint.stiffness[direction]
@@ -188,42 +138,20 @@ def _slip(plate: PlateMesh, line: _Line) -> float:
     return 0.0
 
 
-def _strip(plate: PlateMesh, line: _Line, others: list[_Line]) -> float:
-    """Width of the plate that belongs to a rib: half way to the next ones beside it, or to the edges [m]."""
-    corners = np.array([[0, 0], [1, 0], [0, 1], [1, 1]]) * np.asarray(plate.part.size)
-    edges = line.along[0] * corners[:, 1] - line.along[1] * corners[:, 0]
-    beside = [other.across for other in others if abs(other.along @ line.along) > 1.0 - 1e-6]
-    tiny = 1e-6 * float(np.ptp(edges))
-    below = [(line.across + one) / 2.0 for one in beside if one < line.across - tiny]
-    above = [(line.across + one) / 2.0 for one in beside if one > line.across + tiny]
-    return float(min(above, default=edges.max()) - max(below, default=edges.min()))
-
-
 def _layer(part: Foundation, first: Plate, second: Plate) -> list[Finding]:
-    """A layer so stiff in shear that two plates would stretch before it yields: they act as one section.
-
-    Per width and for one half wave over the longer side, S = k_s (L / pi)^2 is in series with E h of both plates.
-    """
-    if part.shear <= 0.0:
-        return []
-    layer = layer_of(part, {one.name: one.body() for one in (first, second)}, 1e-9 * max(*first.size, *second.size))
-    apart = float(abs((np.asarray(second.origin) - np.asarray(first.origin)) @ layer.axes[2]))
-    length = max(layer.box[1] - layer.box[0], layer.box[3] - layer.box[2])
-    alone = sum(one.material.E * one.thickness**3 / (12.0 * (1.0 - one.material.nu**2)) for one in (first, second))
-    slide = 1.0 / (part.shear * (length / np.pi) ** 2)
-    stretch = sum(1.0 / (one.material.E * one.thickness) for one in (first, second))
-    ratio = (alone + apart**2 / slide) / (alone + apart**2 / (slide + stretch))
+    """A layer so stiff in shear that two plates would stretch before it yields: they act as one section."""
+    bodies = {one.name: one.body() for one in (first, second)}
+    ratio = glue_ratio(layer_of(part, bodies, 1e-9 * max(*first.size, *second.size)), part.shear, first, second)
     excess = float(np.sqrt(ratio) - 1.0)
     if excess <= NOTABLE:
         return []
     return [
         Finding(
             "stiff-layer",
-            f"{part.name} is so stiff in shear that {first.name} and {second.name} would stretch in their planes, "
-            "which "
-            f"plates cannot here. Together they are {ratio:.3g} times too stiff in bending: frequencies up to "
-            f"{_percent(excess)} too high",
-            {"bending_ratio": float(ratio), "frequency_excess": excess},
+            f"{part.name} is so stiff in shear that {first.name} and {second.name} would stretch in their planes, but "
+            f"they are rigid there. Together they are {ratio:.3g} times too stiff in bending: frequencies up to "
+            f"{percent(excess)} too high",
+            {"bending_ratio": ratio, "frequency_excess": excess},
             severe=excess > SEVERE,
         )
     ]

@@ -1,8 +1,8 @@
 """Plates joined at an angle: from which frequency on they would bend, shear or stretch in their own planes.
 
-Plates are rigid in their own plane here. Folded ones have modes in which that matters: an angle or a channel bends as a
-beam, which its plates can only follow by bending in their planes. The model has none of these modes, and those that it
-has near them are wrong.
+These plates are said to be rigid in their own planes. Folded ones have modes in which that matters: an angle or a
+channel bends as a beam, which its plates can only follow by bending in their planes. The model has none of these modes,
+and those that it has near them are wrong.
 
 Plates joined along parallel lines are taken as a beam of the section they make together: its least second moment about
 its centroid, the shear stiffness of the plates that stand along the deflection, the mass of all of them, and the
@@ -18,14 +18,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import scipy
 
 from femstruct.arrays import Floats
 from femstruct.errors import Finding, InputError, some_of
 from femstruct.model.grid.geometry import meeting_line
 from femstruct.model.model import Model
-from femstruct.parts.findings.connections import held_directions
-from femstruct.parts.plate import PlateMesh, rigid_plates
+from femstruct.parts.findings.connections import held_with_joined
+from femstruct.parts.of_plates.plate_mesh import PlateMesh, rigid_plates
 
 NEAR = 0.5  # of the first frequency left out: from here on modes are raised by some percent
 _PARALLEL = 1e-3  # sine of an angle
@@ -52,7 +51,7 @@ def in_plane_limit(model: Model) -> InPlaneLimit | None:
     held: Floats | None = None
     rigid = rigid_plates(model)
     for along, names in _prisms(model):
-        held = _held_together(model) if held is None else held
+        held = held_with_joined(model) if held is None else held
         plates = [plate for name, plate in rigid.items() if name in names]
         found += [_stretching(plate) for plate in plates]
         found += _bending(model, plates, along, held)
@@ -70,8 +69,8 @@ def folded_findings(model: Model, up_to_hz: float) -> tuple[Finding, ...]:
     return (
         Finding(
             "folded-plates",
-            f"{names}: plates joined at an angle {limit.how} from about {limit.frequency_hz:.3g} Hz on, which plates "
-            f"cannot here. {'The model lacks such modes. Modes' if there else 'Modes'} above "
+            f"{names}: plates joined at an angle {limit.how} from about {limit.frequency_hz:.3g} Hz on, but "
+            f"these are rigid there. {'The model lacks such modes. Modes' if there else 'Modes'} above "
             f"{NEAR * limit.frequency_hz:.3g} Hz are too high by some percent or more; {asked} are requested",
             {"in_plane_hz": limit.frequency_hz, "up_to_hz": up_to_hz},
             severe=there,
@@ -127,8 +126,9 @@ def _groups(folds: Sequence[tuple[str, str]], flat: Sequence[tuple[str, str]]) -
 
 def _stretching(plate: PlateMesh) -> InPlaneLimit:
     """Half a wave over the longer side, as of a rod with free ends."""
-    material = plate.part.material
-    speed = np.sqrt(material.E / material.rho) if material.rho > 0.0 else np.inf
+    section, (width, height) = plate.part.section, plate.part.size
+    stretch = section.stretching(0.0 if width >= height else np.pi / 2.0)
+    speed = np.sqrt(stretch / section.m0) if section.m0 > 0.0 else np.inf
     return InPlaneLimit(float(speed / (2.0 * max(plate.part.size))), (plate.part.name,), "stretch in their planes")
 
 
@@ -139,10 +139,13 @@ def _bending(model: Model, plates: Sequence[PlateMesh], along: Floats, held: Flo
     low, length = float(places.min()), float(np.ptp(places))
     widths, centres = zip(*(_across(plate, along) for plate in plates), strict=True)
     shares = np.array([_extent(plate, along) / length for plate in plates])  # of shorter plates: spread over all of it
-    area = np.array([plate.part.thickness * np.linalg.norm(width) for plate, width in zip(plates, widths, strict=True)])
-    stretch = shares * area * [plate.part.material.E for plate in plates]
-    shear = 5.0 / 6.0 * shares * area * [plate.part.material.G for plate in plates]
-    mass = float((shares * area * [plate.part.material.rho for plate in plates]).sum())
+    across = shares * [np.linalg.norm(width) for width in widths]
+    angles = [np.arctan2(plate.axes[1] @ along, plate.axes[0] @ along) for plate in plates]
+    sections = [plate.part.section for plate in plates]
+    stretch = across * [section.stretching(angle) for section, angle in zip(sections, angles, strict=True)]
+    sheared = [section.turned(-angle).A[2, 2] for section, angle in zip(sections, angles, strict=True)]
+    shear = 5.0 / 6.0 * across * sheared
+    mass = float((across * [section.m0 for section in sections]).sum())
     middle = (stretch[:, None] * centres).sum(axis=0) / stretch.sum()
     moments = np.zeros((3, 3))
     for weight, width, centre in zip(stretch, widths, centres, strict=True):
@@ -206,14 +209,3 @@ def _ends(
         else:
             kinds.append("P")
     return "".join(sorted(kinds))
-
-
-def _held_together(model: Model) -> Floats:
-    """Directions in which supports hold each node [n_nodes, 3, 3]; nodes in one place, as joined ones, share them."""
-    held = held_directions(model)
-    size = float(np.ptp(model.mesh.points, axis=0).max())
-    pairs = scipy.spatial.KDTree(model.mesh.points).query_pairs(_SHARED * size, output_type="ndarray")
-    shared = held.copy()
-    for first, second in (pairs.T, pairs.T[::-1]):
-        np.add.at(shared, first, held[second])
-    return shared

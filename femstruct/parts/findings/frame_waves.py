@@ -44,19 +44,19 @@ def frame_waves(mesh: FrameMesh) -> tuple[FrameWave, ...]:
     (k_s h)^2 / 24 with the wavenumber of shear waves, k_s^2 = omega^2 rho / k G (measured: `test_frame_waves`). The
     torsional wave of a thin open section is slow: c^2 = G J / rho (I_y + I_z).
     """
-    material, section = mesh.part.material, mesh.part.section
-    if material.rho == 0.0:
+    (E, G, section), rho = mesh.part.along, mesh.part.material.rho
+    if rho == 0.0:
         return ()
-    modulus = material.E * min(section.Iy, section.Iz)
-    bending = float(np.sqrt(2.0 * np.pi) * (modulus / (material.rho * section.A)) ** 0.25)
-    torsion = float(np.sqrt(material.G * section.J / (material.rho * (section.Iy + section.Iz))))
+    modulus = E * min(section.Iy, section.Iz)
+    bending = float(np.sqrt(2.0 * np.pi) * (modulus / (rho * section.A)) ** 0.25)
+    torsion = float(np.sqrt(G * section.J / (rho * (section.Iy + section.Iz))))
     straight = CUBIC if nodes_per_bar(mesh.part.element) == 3 else LINEAR
     waves = [
         FrameWave("bending", bending, 0.5, CUBIC),
         FrameWave("torsional", torsion, 1.0, straight),
-        FrameWave("longitudinal", float(np.sqrt(material.E / material.rho)), 1.0, straight),
+        FrameWave("longitudinal", float(np.sqrt(E / rho)), 1.0, straight),
     ]
     if mesh.part.element == "timoshenko":
-        shear = float(np.sqrt(min(section.ky, section.kz) * material.G / material.rho))
+        shear = float(np.sqrt(min(section.ky, section.kz) * G / rho))
         waves.append(FrameWave("shear", shear, 1.0, LINEAR))
     return tuple(waves)

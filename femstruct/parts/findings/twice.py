@@ -5,6 +5,7 @@ from __future__ import annotations
 from itertools import combinations
 
 import numpy as np
+import scipy
 
 from femstruct.arrays import Floats
 from femstruct.errors import Finding
@@ -25,6 +26,7 @@ def twice_findings(structure: Structure) -> tuple[Finding, ...]:
     found: list[Finding] = []
     for one, other in combinations(bodies_of(structure).items(), 2):
         found += _in_one_place(one, other, SAME * size, frozenset((one[0], other[0])) in joined)
+    found += _cells(structure, SAME * size, joined)
     found += _lines(structure, SAME * size, joined)
     found += _given_again(structure)
     return tuple(found)
@@ -54,6 +56,29 @@ def _in_one_place(one: tuple[str, Body], other: tuple[str, Body], tolerance: flo
             severe=share > INSIDE,
         )
     ]
+
+
+def _cells(structure: Structure, tolerance: float, joined: set[frozenset[str]]) -> list[Finding]:
+    """Parts of meshes that have cells in one place, as of a set and of one that contains it."""
+    found = []
+    middles = [(part.name, places) for part in structure.parts if len(places := part.middles())]
+    for (one, first), (other, second) in combinations(middles, 2):
+        distances = np.asarray(scipy.spatial.KDTree(first).query(second)[0])
+        same = np.flatnonzero(distances <= tolerance)
+        if not len(same) or frozenset((one, other)) in joined:  # joined shells may be the layers of one wall
+            continue
+        share = len(same) / min(len(first), len(second))
+        place = ", ".join(f"{value:.4g}" for value in second[same[0]])
+        found.append(
+            Finding(
+                "overlapping-parts",
+                f"{one} and {other} have {len(same)} cells in one place, {100 * share:.0f} % of the smaller one, the "
+                f"first at ({place}) m: mass and stiffness count twice there. Give each part a set of its own",
+                {"cells": len(same), "share": share},
+                severe=share > INSIDE,
+            )
+        )
+    return found
 
 
 def _lines(structure: Structure, tolerance: float, joined: set[frozenset[str]]) -> list[Finding]:

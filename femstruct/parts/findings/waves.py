@@ -4,22 +4,29 @@ from __future__ import annotations
 
 import numpy as np
 
-from femstruct.elements.plate import rigidity
+from femstruct.arrays import Floats
+from femstruct.elements import laminate
 from femstruct.errors import Finding
 from femstruct.model.material import Material
+from femstruct.model.materials.plate_section import PlateSection
 from femstruct.model.model import Model
 from femstruct.parts.findings.frame_waves import frame_waves
+from femstruct.parts.findings.shell_waves import carried_by_cells_hz, shell_mesh_findings, shells_of
+from femstruct.parts.findings.solid_waves import carried_by_solid_hz, solid_mesh_findings, solids_of
 from femstruct.parts.frame import FrameMesh, frames_of
-from femstruct.parts.plate import PlateMesh, plates_of
+from femstruct.parts.of_plates.plate_mesh import PlateMesh, plates_of
 
 CELLS_PER_WAVE = 6.0  # bending wavelengths of bfs16 and acm12 are right to about 1 % with six cells
 NO_WAVE = 2.0  # cells a wave below which it is none any more: modes there are those of the mesh
 SLENDER = 10.0  # bending wavelength over thickness below which shear takes more than about 3 % off a frequency
+SHEARED, GROSSLY_SHEARED = 0.1, 1.0 / 6.0
+"""Share of shear in the deflection over half a bending wave of layers: without it frequencies are 5, 10 % too high."""
+DIRECTIONS = np.radians(np.arange(0.0, 180.0, 15.0))
 
 
 def mesh_findings(model: Model, up_to_hz: float) -> tuple[Finding, ...]:
-    """Plates and frames whose cells and bars are too long, and plates that are too thick, for the waves of the highest
-    frequency."""
+    """Plates, shells, solids and frames whose cells and bars are too long, and plates that are too thick, for the waves
+    of the highest frequency."""
     found = []
     for frame in frames_of(model) if 0.0 < up_to_hz < np.inf else ():
         found += _long_bars(frame, up_to_hz)
@@ -38,8 +45,10 @@ def mesh_findings(model: Model, up_to_hz: float) -> tuple[Finding, ...]:
                     severe=wave / cell < NO_WAVE,
                 )
             )
-        if wave / plate.part.thickness < SLENDER:
-            denser = with_shear(plate.part.material, plate.part.thickness, up_to_hz)[1]
+        if not isinstance(plate.part.material, Material):
+            found += _sheared_layers(plate, up_to_hz)
+        elif wave / plate.part.thickness < SLENDER:
+            denser = with_shear(plate.part.section, up_to_hz)[1]
             found.append(
                 Finding(
                     "thick-for-short-waves",
@@ -50,7 +59,7 @@ def mesh_findings(model: Model, up_to_hz: float) -> tuple[Finding, ...]:
                     {"wavelength_m": wave, "thickness_m": plate.part.thickness, "density_ratio": denser},
                 )
             )
-    return tuple(found)
+    return (*found, *shell_mesh_findings(model, up_to_hz), *solid_mesh_findings(model, up_to_hz))
 
 
 def _long_bars(frame: FrameMesh, up_to_hz: float) -> list[Finding]:
@@ -72,18 +81,51 @@ def _long_bars(frame: FrameMesh, up_to_hz: float) -> list[Finding]:
     ]
 
 
-def with_shear(material: Material, thickness: float, frequency_hz: float) -> tuple[float, float]:
-    """Wavenumber and density of modes of a Mindlin plate (shear factor 5/6) over those of a thin one at a frequency.
+def _sheared_layers(plate: PlateMesh, up_to_hz: float) -> list[Finding]:
+    """Layers that would shear at the highest frequency, in the direction where they do so most."""
+    section = plate.part.section
+    if not (section.m0 > 0.0 and 0.0 < up_to_hz < np.inf):
+        return []
+    bends, shears = _by_direction(section)
+    worst = int(np.argmax(np.sqrt(bends) / shears))
+    per_hz = 2.0 * np.pi * float(np.sqrt(section.m0 * bends[worst]) / shears[worst])  # k^2 D / S of a thin wave at 1 Hz
+    ratio = per_hz * up_to_hz
+    share = ratio / (1.0 + ratio)
+    if share <= SHEARED:
+        return []
+    wave = 2.0 * np.pi * float((bends[worst] / section.m0) ** 0.25 / np.sqrt(2.0 * np.pi * up_to_hz))
+    carried = SHEARED / (1.0 - SHEARED) / per_hz
+    return [
+        Finding(
+            "layers-shear",
+            f"{plate.name}: at {up_to_hz:.4g} Hz shear would be {100 * share:.0f} % of the deflection over half a "
+            f"bending wave of {1e3 * wave:.0f} mm at {np.degrees(DIRECTIONS[worst]):.0f} degrees to its x; "
+            f"{100 * SHEARED:.0f} % is the limit, reached at {carried:.3g} Hz. Plates leave out shear: frequencies "
+            f"are about {100 * (np.sqrt(1.0 + ratio) - 1.0):.0f} % too high there",
+            {"shear_share": share, "wavelength_m": wave, "carried_hz": carried},
+            severe=share > GROSSLY_SHEARED,
+        )
+    ]
+
+
+def _by_direction(section: PlateSection) -> tuple[Floats, Floats]:
+    """Bending rigidity [N m] and shear stiffness [N/m] for waves in directions all around."""
+    bends: Floats = laminate.turned(section.bending, -DIRECTIONS)[:, 0, 0]
+    shears: Floats = laminate.turned_shear(section.As, -DIRECTIONS)[:, 0, 0]
+    return bends, shears
+
+
+def with_shear(section: PlateSection, frequency_hz: float) -> tuple[float, float]:
+    """Wavenumber along x and density of modes of a plate with shear and rotary inertia over those of a thin one at a
+    frequency.
 
     Notes
     -----
-    k^2 = omega^2 (a + b) / 2 + sqrt(omega^4 (a - b)^2 / 4 + omega^2 rho h / D) with a = rho / (5/6 G) and
-    b = rho (1 - nu^2) / E; modes are as dense as k^2 grows with omega.
+    k^2 = omega^2 (a + b) / 2 + sqrt(omega^4 (a - b)^2 / 4 + omega^2 m0 / D) with a = m0 / As and b = m2 / D; modes are
+    as dense as k^2 grows with omega.
     """
-    omega = 2.0 * np.pi * frequency_hz
-    a = material.rho / (5.0 / 6.0 * material.G)
-    b = material.rho * (1.0 - material.nu**2) / material.E
-    thin = material.rho * thickness / rigidity(material.E, material.nu, thickness)[0, 0]
+    omega, D = 2.0 * np.pi * frequency_hz, float(section.bending[0, 0])
+    a, b, thin = section.m0 / float(section.As[0, 0]), section.m2 / D, section.m0 / D
     root = np.sqrt(omega**4 * (a - b) ** 2 / 4.0 + omega**2 * thin)
     squared = omega**2 * (a + b) / 2.0 + root
     growth = omega * (a + b) + (omega**3 * (a - b) ** 2 / 2.0 + omega * thin) / root
@@ -91,21 +133,24 @@ def with_shear(material: Material, thickness: float, frequency_hz: float) -> tup
 
 
 def carried_hz(model: Model) -> float:
-    """The highest frequency that all plates and frames have cells and bars enough for [Hz]; infinite without any."""
+    """The highest frequency that all parts have cells and bars enough for [Hz]; infinite without plates, shells,
+    solids and frames."""
     carried = [np.inf]
     for frame in frames_of(model):
         carried += [wave.carried_hz(float(frame.lengths.max())) for wave in frame_waves(frame)]
     for plate in plates_of(model):
         cell = float(max(np.diff(plate.x).max(), np.diff(plate.y).max()))
         carried.append((bending_wavelength(plate, 1.0) / (CELLS_PER_WAVE * cell)) ** 2)
-    return min(carried)
+    carried += [carried_by_cells_hz(shell) for shell in shells_of(model)]
+    return min([*carried, *(carried_by_solid_hz(solid) for solid in solids_of(model))])
 
 
 def bending_wavelength(plate: PlateMesh, frequency_hz: float) -> float:
-    """Length of a free bending wave of a thin plate [m]: 2 pi (D / rho h omega^2)^(1/4); infinite without mass."""
-    part = plate.part
-    if part.material.rho == 0.0:
+    """Length of a free bending wave of a thin plate [m]: 2 pi (D / m0 omega^2)^(1/4), the shortest of all directions;
+    infinite without mass."""
+    section = plate.part.section
+    if section.m0 == 0.0:
         return np.inf
-    stiffness = rigidity(part.material.E, part.material.nu, part.thickness)[0, 0]
+    softest = section.D[0, 0] if isinstance(plate.part.material, Material) else _by_direction(section)[0].min()
     omega = 2.0 * np.pi * frequency_hz
-    return float(2.0 * np.pi * (stiffness / (part.material.rho * part.thickness * omega**2)) ** 0.25)
+    return float(2.0 * np.pi * (softest / (section.m0 * omega**2)) ** 0.25)

@@ -14,6 +14,7 @@ from femstruct.impact.result.response import BodyHistory, EnergyLedger, Response
 from femstruct.impact.result.shares import held_over_time
 from femstruct.study.result import CaseResult, StudyResult
 from femstruct.view.figures.drawing import case_lines, finish, legend_above, new_figure, panels, thinned
+from femstruct.view.figures.undrawn import no_energy
 from femstruct.view.tables.accuracy_table import anything_meets
 from femstruct.view.tables.scales import digits, scaled
 
@@ -64,7 +65,7 @@ def contact_forces(result: StudyResult) -> Figure | None:
         "N",
         {
             case: {
-                name: (contact.force, f"peak {_amount('N', contact.peak_force)}")
+                f"force of {name}": (contact.force, f"peak {_amount('N', contact.peak_force)}")
                 for name, contact in r.contacts.items()
                 if f"{name} force" not in recorded
             }
@@ -80,7 +81,7 @@ def travels(result: StudyResult) -> Figure | None:
         "Displacement of the bodies",
         "m",
         {
-            case: {name: (body.displacement, _ending(body)) for name, body in r.bodies.items()}
+            case: {f"displacement of {name}": (body.displacement, _ending(body)) for name, body in r.bodies.items()}
             for case, r in _responses(result).items()
         },
     )
@@ -92,9 +93,9 @@ def energy(result: StudyResult) -> Figure | None:
 
     With two-way coupling, rooms and compliant walls stand beside the structure.
     """
-    responses = _responses(result)
-    if not responses:
+    if no_energy(result):
         return None
+    responses = _responses(result)
     holders = dict.fromkeys(name for response in responses.values() for name in response.basis.holders)
     beside = [name for name in holders if name != "structure"]
     takers = _takers([response.ledger for response in responses.values()])

@@ -23,6 +23,7 @@ from femstruct.view.figures.drawing import (
     panels,
     thinned,
 )
+from femstruct.view.figures.undrawn import no_levels, no_rating
 from femstruct.view.tables.rated_table import struck_first, told
 
 SHOWN_DB: Final = 50.0  # below the loudest that is drawn
@@ -36,7 +37,7 @@ def levels_over_time(result: StudyResult, room: str) -> Figure | None:
     Where a source strikes several places it is the first of them.
     """
     cases = {name: case for name, case in result.cases.items() if room in case.rooms and case.rooms[room].receivers}
-    if not cases:
+    if no_levels(result, room):
         return None
     looks = case_lines(result.cases, result.plan.baseline)
     names = list(dict.fromkeys(one.name for case in cases.values() for one in case.rooms[room].receivers))
@@ -82,7 +83,7 @@ def rated_bands(result: StudyResult, room: str) -> Figure | None:
     with other bands are not drawn, nor are bands beyond the modes.
     """
     rated = {name: case.rated[room] for name, case in result.cases.items() if room in case.rated}
-    if not rated:
+    if no_rating(result, room):
         return None
     colours = case_colours(result.cases, result.plan.baseline)
     first = rated.get(result.plan.baseline) or next(iter(rated.values()))

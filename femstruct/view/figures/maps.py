@@ -17,6 +17,7 @@ from femstruct.sound.surface import surface_velocity
 from femstruct.study.result import StudyResult
 from femstruct.study.room_surfaces import placed_room
 from femstruct.view.figures.drawing import new_figure, panels
+from femstruct.view.figures.undrawn import no_closed_room
 
 MOST: Final = 4
 PROMINENT: Final = 6.0  # dB a peak stands above the valleys beside it
@@ -29,24 +30,25 @@ RIM: Final = (withStroke(linewidth=2.5, foreground="white"),)  # to be read on a
 def pressure_maps(result: StudyResult, room: str) -> Figure | None:
     """Pressure on the horizontal plane of a room's first receiver, at the most prominent peaks of the baseline.
 
-    None where the baseline has no such room, no response or no peak.
+    None where `no_pressure_map` says why.
     """
-    case = result.cases[result.plan.baseline]
-    plan = next((item for item in case.case.study.rooms if item.name == room), None)
-    model = result.models.get(case.basis_key)
-    if plan is None or room not in case.rooms or case.response is None or model is None:
+    if no_pressure_map(result, room):
         return None
-    if not plan.room.bounded:
-        return None
-    frequencies = heard_peaks(result, room)
-    if not frequencies:
-        return None
+    case, frequencies = result.cases[result.plan.baseline], heard_peaks(result, room)
+    plan = next(item for item in case.case.study.rooms if item.name == room)
+    model = result.models[case.basis_key]
+    assert model is not None and case.response is not None
     moving = surface_velocity(case.response, placed_room(plan, model.surfaces))
     height = float(plan.receivers[0].position[2])
     drawn = plan.room.pressure_map(moving, list(frequencies.values()), at=height)
     return draw_map(
         drawn, list(frequencies), plan.receivers, f"{result.plan.baseline}: pressure in {room} at z = {height:g} m"
     )
+
+
+def no_pressure_map(result: StudyResult, room: str) -> str:
+    """Why there is no map of a room, "" where there is one."""
+    return no_closed_room(result, room) or ("" if heard_peaks(result, room) else "no peak stands out of the spectrum")
 
 
 def heard_peaks(result: StudyResult, room: str) -> dict[str, float]:

@@ -5,33 +5,57 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from functools import partial
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from matplotlib.figure import Figure
 
 from femstruct.files.atomic import file_name
 from femstruct.study.result import NET_FORCE, StudyResult
+from femstruct.view.figures import undrawn
 from femstruct.view.figures.drawing import save
 from femstruct.view.figures.histories import contact_forces, energy, history, travels
 from femstruct.view.figures.loudness import levels_over_time, rated_bands
-from femstruct.view.figures.maps import pressure_maps
-from femstruct.view.figures.power_figures import power_directivity, room_directivity, sound_energy, sound_power
+from femstruct.view.figures.maps import no_pressure_map, pressure_maps
+from femstruct.view.figures.power_figures import (
+    no_power_directivity,
+    no_room_directivity,
+    power_directivity,
+    room_directivity,
+    sound_energy,
+    sound_power,
+)
+from femstruct.view.figures.shock_figures import shock_spectra
 from femstruct.view.figures.spectra import frequency_response, sound
 from femstruct.view.figures.struck_sound import own_sounds
 from femstruct.view.figures.vibration import spectrum
 
-Drawing = Callable[[], Figure | None]
+Draw = Callable[..., Figure | None]
+Missing = Callable[..., str]
+
+
+class Drawing(NamedTuple):
+    """A figure of a study. why_not : a sentence where it has nothing to show, else ""."""
+
+    draw: Callable[[], Figure | None]
+    why_not: Callable[[], str]
 
 
 def drawings(result: StudyResult) -> dict[str, Drawing]:
-    """What draws each figure of a study, by file name; None comes of one that has nothing to show.
+    """The figures that a study may have, by file name.
 
     Frequency responses, channels and their spectra, contacts, bodies, energy, sound, sound energy and where it goes,
     levels over time, the sound of striking bodies themselves, ratings, maps.
     """
 
-    def each(word: str, draw: Callable[[StudyResult, str], Figure | None], names: Iterable[str]) -> dict[str, Drawing]:
-        return {file_name(word, name): partial(draw, result, name) for name in names}
+    def each(word: str, draw: Draw, names: Iterable[str], why_not: Missing = lambda *_: "") -> dict[str, Drawing]:
+        return {
+            file_name(word, name): Drawing(partial(draw, result, name), partial(why_not, result, name))
+            for name in names
+        }
+
+    def one(word: str, draw: Draw, why_not: Missing) -> dict[str, Drawing]:
+        return {file_name(word): Drawing(partial(draw, result), partial(why_not, result))}
 
     cases = result.cases.values()
     responses = dict.fromkeys(name for case in cases for name in case.frf)
@@ -48,25 +72,26 @@ def drawings(result: StudyResult) -> dict[str, Drawing]:
     return {
         **each("frf", frequency_response, [name for name in responses if name not in powers]),
         **each("frf", sound_power, powers),
-        **each("directivity", power_directivity, powers),
+        **each("directivity", power_directivity, powers, no_power_directivity),
         **each("history", history, [name for name in channels if not _drawn_already(result, name)]),
-        **each("spectrum", spectrum, channels),
-        file_name("contact_forces"): partial(contact_forces, result),
-        file_name("bodies"): partial(travels, result),
-        file_name("energy"): partial(energy, result),
+        **each("spectrum", spectrum, channels, undrawn.no_spectrum),
+        **each("shock_spectrum", shock_spectra, dict.fromkeys(name for case in cases for name in case.shock)),
+        **one("contact_forces", contact_forces, undrawn.no_contact_forces),
+        **one("bodies", travels, undrawn.no_bodies),
+        **one("energy", energy, undrawn.no_energy),
         **each("sound", sound, receivers),
-        **each("sound_energy", sound_energy, open_rooms),
-        **each("directivity", room_directivity, open_rooms),
-        **each("level", levels_over_time, rooms),
-        **each("own_sound", own_sounds, rooms),
-        **each("rated", rated_bands, rooms),
-        **each("pressure_map", pressure_maps, rooms),
+        **each("sound_energy", sound_energy, open_rooms, undrawn.no_sound_energy),
+        **each("directivity", room_directivity, open_rooms, no_room_directivity),
+        **each("level", levels_over_time, rooms, undrawn.no_levels),
+        **each("own_sound", own_sounds, rooms, undrawn.no_own_sound),
+        **each("rated", rated_bands, rooms, undrawn.no_rating),
+        **each("pressure_map", pressure_maps, rooms, no_pressure_map),
     }
 
 
 def figures(result: StudyResult) -> dict[str, Figure]:
     """All figures of a study that have something to show, by file name."""
-    made = {name: draw() for name, draw in drawings(result).items()}
+    made = {name: one.draw() for name, one in drawings(result).items()}
     return {name: figure for name, figure in made.items() if figure is not None}
 
 

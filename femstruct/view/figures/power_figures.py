@@ -15,10 +15,12 @@ from acoustics.open_air.directivity import Directivity
 from femstruct.study.result import StudyResult
 from femstruct.view.figures.drawing import COLOURS, case_colours, finish, legend_above, mode_lines, new_figure, panels
 from femstruct.view.figures.spectra import DYNAMIC_RANGE_DB, distinct, numbered, plain_ticks
+from femstruct.view.figures.undrawn import no_sound_energy
 from femstruct.view.tables.rated_table import struck_first
 
 FLOOR_DB: Final = -40.0  # of a directivity
 REFERENCE_W: Final = 1e-12
+NOT_RADIATED: Final = "the baseline radiates nothing there"
 LEAST_EFFICIENCY_SHOWN: Final = 1e-4  # radiation efficiency below which no more is drawn
 
 
@@ -28,7 +30,7 @@ def sound_energy(result: StudyResult, room: str) -> Figure | None:
     Bands end where the modal basis does.
     """
     cases = {name: case.radiated[room].energy for name, case in result.cases.items() if room in case.radiated}
-    if not any(energy.energy_j > 0 for energy in cases.values()):
+    if no_sound_energy(result, room):
         return None
     colours = case_colours(result.cases, result.plan.baseline)
     bands = [
@@ -123,23 +125,40 @@ def _level(power: Any) -> Any:
 
 def room_directivity(result: StudyResult, room: str) -> Figure | None:
     """Where the baseline's sound energy in a room goes at the frequencies asked for, or at the loudest ones."""
+    if no_room_directivity(result, room):
+        return None
+    pattern = result.cases[result.plan.baseline].radiated[room].pattern
+    return _polar(pattern, f"Directivity of the sound into {room}", result)
+
+
+def no_room_directivity(result: StudyResult, room: str) -> str:
+    """Why there is no directivity of a room, "" where there is one."""
     radiated = result.cases[result.plan.baseline].radiated.get(room)
-    return None if radiated is None else _polar(radiated.pattern, f"Directivity of the sound into {room}", result)
+    return NOT_RADIATED if radiated is None or not _lines(radiated.pattern) else ""
 
 
 def power_directivity(result: StudyResult, name: str) -> Figure | None:
     """Where the sound of a harmonic force goes, in the baseline."""
     frf = result.cases[result.plan.baseline].frf.get(name)
-    if frf is None or frf.sound is None:
+    if frf is None or frf.sound is None or no_power_directivity(result, name):
         return None
     title = f"{name}: directivity, {frf.request.drive} to {frf.request.response.name}"
     return _polar(frf.sound.pattern, title, result)
 
 
-def _polar(pattern: Directivity, title: str, result: StudyResult) -> Figure | None:
-    lines = [line for line in range(len(pattern.frequency_hz)) if pattern.pressure[line].max() > 0]
-    if not lines:
-        return None
+def no_power_directivity(result: StudyResult, name: str) -> str:
+    """Why there is no directivity of a harmonic force, "" where there is one."""
+    frf = result.cases[result.plan.baseline].frf.get(name)
+    return NOT_RADIATED if frf is None or frf.sound is None or not _lines(frf.sound.pattern) else ""
+
+
+def _lines(pattern: Directivity) -> list[int]:
+    """The frequencies at which something radiates, by their numbers."""
+    return [line for line in range(len(pattern.frequency_hz)) if pattern.pressure[line].max() > 0]
+
+
+def _polar(pattern: Directivity, title: str, result: StudyResult) -> Figure:
+    lines = _lines(pattern)
     case = f" in '{result.plan.baseline}'" if len(result.cases) > 1 else ""
     legend = 0.17 * len(lines)
     figure = new_figure(10.0, 3.3 + legend, f"{title}{case}")

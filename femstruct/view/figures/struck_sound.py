@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 
 from femstruct.study.result import StudyResult
 from femstruct.view.figures.drawing import COLOURS, finish, legend_above, new_figure, panels, thinned
+from femstruct.view.figures.undrawn import no_own_sound
 from femstruct.view.tables.rated_table import struck_first
 from femstruct.view.tables.scales import scaled
 
@@ -20,11 +21,11 @@ MOST: Final = 4  # receivers shown
 def own_sounds(result: StudyResult, room: str) -> Figure | None:
     """First sound at the receivers of a room, of the baseline: of the bodies, of the structure, and in total; None
     where no body has own sound."""
+    if no_own_sound(result, room):
+        return None
     name = result.plan.baseline
     if room not in result.cases[name].heard.own:
-        name = next((name for name, case in result.cases.items() if room in case.heard.own), "")
-    if not name:
-        return None
+        name = next(name for name, case in result.cases.items() if room in case.heard.own)
     case = result.cases[name]
     own, borne, total = case.heard.own[room], case.rooms[room], case.heard.total[room]
     rows = min(MOST, len(own.receivers))

@@ -11,8 +11,7 @@ from acoustics.levels.sound_levels import REFERENCE_PA, level_spectrum
 from femstruct.study.result import StudyResult
 from femstruct.view.figures.drawing import case_lines, finish, legend_above, mode_lines, new_figure, panels, thinned
 from femstruct.view.figures.spectra import DYNAMIC_RANGE_DB, LOWEST_HZ, numbered, plain_ticks, shown_to
-
-FEWEST_LINES: Final = 8  # of a spectrum that is drawn
+from femstruct.view.figures.undrawn import no_spectrum
 
 REFERENCES: Final = {  # what a channel's name ends or begins with: reference of its decibels (SI) and how it is written
     "velocity": (1e-9, "1 nm/s"),
@@ -22,31 +21,23 @@ REFERENCES: Final = {  # what a channel's name ends or begins with: reference of
 
 
 def spectrum(result: StudyResult, channel: str) -> Figure | None:
-    """Lines of a velocity, an acceleration or a net force in all cases, as recorded; None of anything else.
-
-    None either of a body by itself, where bodies strike several times, as the spectrum is then a comb of the blows'
-    interval, and where a short record has hardly a line below the end of the basis.
+    """Lines of a velocity, an acceleration or a net force in all cases, as recorded; None where `no_spectrum`
+    says why.
 
     The rms of each line, so that cases compare line by line. Frequencies end where the modal basis does: above, the
     answer is not complete.
     """
-    reference = next(
-        (told for word, told in REFERENCES.items() if channel.endswith(word) or channel.startswith(word)), None
-    )
+    if no_spectrum(result, channel):
+        return None
+    reference = next(one for word, one in REFERENCES.items() if channel.endswith(word) or channel.startswith(word))
     cases = {
         name: case for name, case in result.cases.items() if channel in case.channels and case.response is not None
     }
-    repeated = any(case.response.blows for case in cases.values() if case.response is not None)
-    of_body = any(channel.rpartition(" ")[0] in case.response.bodies for case in cases.values() if case.response)
-    if reference is None or repeated or of_body or not any(case.channels[channel].whole for case in cases.values()):
-        return None
     drawn = case_lines(result.cases, result.plan.baseline)
     basis = result.cases[result.plan.baseline].basis
     modes = numbered(basis)
     clocks = [case.response.clock for case in cases.values() if case.response is not None]
     top = min(shown_to(basis, clock.sampling) for clock in clocks)
-    if top * min(clock.duration for clock in clocks) < FEWEST_LINES:
-        return None
     figure = new_figure(11.0, 3.9 + 0.155 * len(cases), f"Spectrum of {channel}   (whole record, no filter)")
     ((axes,),) = panels(figure, 1, 1, between=0.5, top=0.55 + 0.155 * len(cases))
     peak, lowest, low, spacing = -np.inf, np.inf, LOWEST_HZ, 0.0

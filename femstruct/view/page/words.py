@@ -14,6 +14,7 @@ _PREFIXES: Final = {  # unit: (size, shown unit), the largest first
     "kg": ((1.0, "kg"), (1e-3, "g")),
     "N": ((1e6, "MN"), (1e3, "kN"), (1.0, "N")),
     "Pa": ((1e9, "GPa"), (1e6, "MPa"), (1e3, "kPa"), (1.0, "Pa")),
+    "N m": ((1e6, "MN m"), (1e3, "kN m"), (1.0, "N m")),
     "N/m": ((1e9, "GN/m"), (1e6, "MN/m"), (1e3, "kN/m"), (1.0, "N/m")),
     "N/m^2": ((1e9, "GN/m^2"), (1e6, "MN/m^2"), (1e3, "kN/m^2"), (1.0, "N/m^2")),
     "N/m^3": ((1e9, "GN/m^3"), (1e6, "MN/m^3"), (1e3, "kN/m^3"), (1.0, "N/m^3")),
@@ -28,6 +29,7 @@ _PERCENT: Final = (
     "loss factor",
     "mode ",
 )  # begin the names of shares that are told in percent
+_EACH: Final = ("E", "G", "D", "S", "A")  # moduli and rigidities along axes, whose sizes differ: each in its own unit
 LARGE: Final = 1e7  # from there on whole numbers have an exponent
 ROUNDING: Final = 1e-9  # of a drop height that was made a speed
 _LONG: Final = 6  # more values, or places, are counted
@@ -55,6 +57,8 @@ def amount(one: Given) -> str:
     '(1, 0.5) m, (2, 0.5) m'
     >>> amount(Given("reverberation time", {"63 Hz": 0.55, "125 Hz": 0.5}, "s"))
     '63 Hz 550 ms, 125 Hz 500 ms'
+    >>> amount(Given("E", (11e9, 370e6), "Pa"))
+    '11 GPa, 370 MPa'
     """
     value, unit = one.value, one.unit
     if isinstance(value, bool) or value is None:
@@ -72,6 +76,8 @@ def _several(what: str, values: tuple[Any, ...], unit: str) -> str:
     if all(isinstance(value, float | int) for value in values):
         if len(values) > _LONG:
             return f"{len(values)} values, {_number([min(values), max(values)], unit, ' to ')}"
+        if what in _EACH:
+            return ", ".join(_number([value], unit) for value in values)
         if what in ("size", "mesh", "patch"):
             return _number(values, unit, " x ")
         return _number(values, unit, " to ") if what == "band" else _number(values, unit, ", ", "({})")

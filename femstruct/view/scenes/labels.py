@@ -17,6 +17,14 @@ from femstruct.study.asked import RoomPlan
 from femstruct.study.room_surfaces import placed_room
 
 POINT, SUPPORT, SPRING, MASS, SURFACE, ROOM = "#d62728", "#2ca02c", "#ff7f0e", "#000000", "#1f77b4", "#9467bd"
+MEANING: Final = {
+    POINT: "points",
+    SUPPORT: "supports",
+    SPRING: "springs, foundations",
+    MASS: "masses",
+    SURFACE: "surfaces",
+    ROOM: "rooms, receivers",
+}
 SIZE: Final = 13  # of marks, in pixels
 VIEW: Final = np.array([[-1.0, 1.0, 0.0], [-1.0, -1.0, 2.0]]) / np.sqrt([[2.0], [6.0]])
 """Isometric view: rows to the right and up, of unit length, as pyvista looks by `view_isometric`."""
@@ -33,17 +41,17 @@ class Label:
     colour: str
 
 
-def add_labels(plotter: Any, model: Model, rooms: Sequence[RoomPlan]) -> None:
-    """Add marks and names of everything but the parts' own faces to a plotter."""
+def add_labels(plotter: Any, model: Model, rooms: Sequence[RoomPlan]) -> list[tuple[str, str]]:
+    """Add marks and names of everything but the parts' own faces to a plotter; returns what marks of a colour are."""
     grounded = [(tie.name, tie.rows) for tie in model.ties if tie.grounded]
     springs = [(item.name, item.places if len(item.places) else _where(model, item.rows)) for item in model.elastics]
     masses = [(item.name, item.rows) for item in model.inerts]
     points = [(name, point.position[None]) for name, point in model.points.items()]
     labels = [
-        *_marks(plotter, points, POINT, "points"),
-        *_marks(plotter, [(name, _where(model, rows)) for name, rows in grounded], SUPPORT, "supports"),
-        *_marks(plotter, springs, SPRING, "springs, foundations"),
-        *_marks(plotter, [(name, _where(model, rows)) for name, rows in masses], MASS, "masses"),
+        *_marks(plotter, points, POINT),
+        *_marks(plotter, [(name, _where(model, rows)) for name, rows in grounded], SUPPORT),
+        *_marks(plotter, springs, SPRING),
+        *_marks(plotter, [(name, _where(model, rows)) for name, rows in masses], MASS),
     ]
     for surface in model.surfaces.values():
         corners = surface.outline
@@ -58,6 +66,8 @@ def add_labels(plotter: Any, model: Model, rooms: Sequence[RoomPlan]) -> None:
             label.place[None], [label.name], text_color=label.colour, font_size=20, shape="rounded_rect",
             shape_color="white", shape_opacity=0.75, margin=2, show_points=False, always_visible=True, bold=False,
         )  # fmt: skip
+    marked = {label.colour for label in labels}
+    return [(words, colour) for colour, words in MEANING.items() if colour in marked]
 
 
 def merged(labels: Sequence[Label], near: float) -> list[Label]:
@@ -108,13 +118,13 @@ def _where(model: Model, rows: csr_array) -> Floats:
     return places
 
 
-def _marks(plotter: Any, places: Sequence[tuple[str, Floats]], colour: str, label: str) -> list[Label]:
+def _marks(plotter: Any, places: Sequence[tuple[str, Floats]], colour: str) -> list[Label]:
     """Dots at all places of each name; returns the name once, at the place farthest out in view."""
     places = [(name, where) for name, where in places if len(where)]
     if not places:
         return []
     dots = np.concatenate([where for _, where in places])
-    plotter.add_points(dots, color=colour, point_size=SIZE, render_points_as_spheres=True, label=label)
+    plotter.add_points(dots, color=colour, point_size=SIZE, render_points_as_spheres=True)
     return [Label(name, where[(where @ np.array([1.0, 1.0, 1.0])).argmax()], colour) for name, where in places]
 
 
@@ -127,4 +137,4 @@ def _room(plotter: Any, plan: RoomPlan, room: Placed, before: str) -> list[Label
         low = ends[ends[:, 2] <= ends[:, 2].min() + LEVEL * np.ptp(ends, axis=0).max()]
         named = [Label(plan.name, low[low.sum(axis=1).argmax()], ROOM)]
     receivers = [(before + item.name, room.from_room(item.position)[None]) for item in plan.receivers]
-    return [*named, *_marks(plotter, receivers, ROOM, "receivers")]
+    return [*named, *_marks(plotter, receivers, ROOM)]

@@ -21,6 +21,7 @@ from femstruct.study.asked import RoomPlan
 from femstruct.study.result import StudyResult
 from femstruct.study.room_surfaces import placed_room
 from femstruct.view.figures.maps import heard_peaks
+from femstruct.view.figures.undrawn import no_closed_room
 from femstruct.view.scenes.opengl import NoOpenGL, require_opengl
 from femstruct.view.scenes.scene import add_scales
 
@@ -61,6 +62,18 @@ def room_pictures(result: StudyResult, folder: str | Path) -> tuple[list[Path], 
         except NoOpenGL as error:
             return paths, str(error)
     return paths, ""
+
+
+def no_room_pictures(result: StudyResult) -> str:
+    """Why there are no pictures of rooms, "" where there are some."""
+    plans = result.cases[result.plan.baseline].case.study.rooms
+    missing = {plan.name: no_closed_room(result, plan.name) for plan in plans}
+    closed = [plan for plan in plans if not missing[plan.name]]
+    if any(plan.animate or heard_peaks(result, plan.name) for plan in closed):
+        return ""
+    return next(
+        (told for told in missing.values() if told), "no peak stands out of the spectrum" if plans else "no room"
+    )
 
 
 def picture_surfaces(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, Final
 
@@ -17,6 +17,7 @@ from femstruct.model.refine import Refined, refined
 from femstruct.study.asked import RoomPlan
 from femstruct.study.result import StudyResult
 from femstruct.view.scenes.labels import add_labels
+from femstruct.view.scenes.legends import draw_colours, draw_legend
 from femstruct.view.scenes.opengl import NoOpenGL, require_opengl
 
 MOST_MODES: Final = 12
@@ -103,14 +104,15 @@ def picture_modes(model: Model, basis: ModalBasis, path: str | Path, title: str 
         off_screen=True, shape=(rows + 1, columns), row_weights=[TITLE, *[PANE[1]] * rows], groups=top,
         window_size=[PANE[0] * columns, TITLE + PANE[1] * rows], border=False,
     )  # fmt: skip
-    plotter.subplot(0, 0)
-    meaning = "colour: displacement along the axis named, red 1, blue -1 of the mode's largest; no unit"
-    plotter.add_text(f"{title}    {meaning}".strip(), position=(10, 8), font_size=8, color="black")
+    meaning = (
+        "displacement along the axis named, over the largest of the mode, "
+        f"which is drawn as {100 * DEFORMATION:.0f} % of the structure's diagonal"
+    )
     rest = _mesh(fine, fine.points)
-    edges = rest  # of bars alone; of faces their boundary
+    edges = rest  # of bars alone; of faces their boundary and folds
     if len(fine.quads):
         edges = rest.extract_feature_edges(
-            boundary_edges=True, feature_edges=False, non_manifold_edges=False, manifold_edges=False
+            boundary_edges=True, feature_edges=True, non_manifold_edges=True, manifold_edges=False
         )
     for place, mode in enumerate(modes):
         plotter.subplot(place // columns + 1, place % columns)
@@ -119,7 +121,7 @@ def picture_modes(model: Model, basis: ModalBasis, path: str | Path, title: str 
         words = f"{mode + 1}:  {basis.frequency_hz[mode]:.2f} Hz,  damping {ratio:.2g} %,  {direction}"
         plotter.add_text(words, position=(10, 8), font_size=10, color="black")
     plotter.set_background("white")
-    _save(plotter, path)
+    save_scene(plotter, path, drawn=lambda image: draw_colours(image, title, meaning))
 
 
 def picture_model(model: Model | None, rooms: Sequence[RoomPlan], path: str | Path) -> None:
@@ -137,38 +139,46 @@ def picture_model(model: Model | None, rooms: Sequence[RoomPlan], path: str | Pa
     import pyvista
 
     plotter: Any = pyvista.Plotter(off_screen=True, window_size=[1300, 950])
-    fine = refined(model, 1)
+    fine, legend = refined(model, 1), list[tuple[str, str]]()
     for number, name in enumerate(fine.parts):
         own = fine.part_of_point == number
         mesh = _mesh(fine, fine.points, own)
         colour = PART_COLOURS[number % len(PART_COLOURS)]
         solid = bool(own[fine.quads[:, 0]].any())
-        look = {"opacity": 0.75, "show_edges": True, "edge_color": "#8a8a8a"} if solid else {"line_width": 5}
-        plotter.add_mesh(mesh, color=colour, label=name, **look)
-    add_labels(plotter, model, rooms)
-    plotter.add_legend(bcolor=None, border=False, size=(0.24, 0.042 * max(len(fine.parts), 3)), loc="upper left")
+        look = {"opacity": 0.85, "show_edges": True, "edge_color": "#8a8a8a"} if solid else {"line_width": 5}
+        plotter.add_mesh(mesh, color=colour, lighting=False, **look)  # in the colour of its legend
+        legend.append((name, colour))
+    legend += add_labels(plotter, model, rooms)
     plotter.add_axes()
     plotter.view_isometric()
     add_scales(plotter)
     plotter.set_background("white")
     plotter.enable_parallel_projection()
     plotter.camera.zoom(0.85)  # what is tall keeps its scales and names inside
-    _save(plotter, path, cut=True)
+    save_scene(plotter, path, cut=True, drawn=lambda image: draw_legend(image, legend))
 
 
 def add_scales(plotter: Any) -> None:
-    """Scales in metres along the box of all that is drawn, with ticks where there is room for them."""
+    """Scales in metres along the box of all that is drawn, with ticks where there is room for them; where a scale
+    begins and ends its title says, since the ends of two scales meet in a corner."""
+    from pyvista import convert_string_array
+
     low, high = np.reshape(plotter.bounds, (3, 2)).T
     largest = float((high - low).max()) or 1.0
     share = (high - low) / largest
     decimals = max(0, 3 - int(np.floor(np.log10(3.0 * largest))))
     scales: dict[str, Any] = {}
+    inner: dict[str, list[str]] = {}
     for axis, start, end, part in zip("xyz", low, high, share, strict=True):
         thin = part < THIN
-        scales[f"{axis}title"] = f"{axis} {start:.{decimals}f} to {end:.{decimals}f} m" if thin else f"{axis} in m"
+        scales[f"{axis}title"] = f"{axis} {start:.{decimals}f} to {end:.{decimals}f} m"
         scales[f"show_{axis}labels"] = not thin
-        scales[f"n_{axis}labels"] = int(min(1 + np.ceil(4.0 * part), MOST_TICKS))
-    plotter.show_bounds(grid=False, location="outer", font_size=TICKS, color="#444444", fmt=f"%.{decimals}f", **scales)
+        scales[f"n_{axis}labels"] = count = int(min(1 + np.ceil(4.0 * part), MOST_TICKS))
+        ticks = [f"{at:.{decimals}f}" for at in np.linspace(start, end, count)[1:-1]]
+        inner[axis] = ["", *ticks, ""] if ticks and not thin else [""]
+    actor = plotter.show_bounds(grid=False, location="outer", font_size=TICKS, color="#444444", **scales)
+    for number, words in enumerate(inner.values()):
+        actor.SetAxisLabels(number, convert_string_array(np.array(words)))
 
 
 def _draw_mode(plotter: Any, fine: Refined, edges: Any, moved: Floats) -> str:
@@ -178,7 +188,8 @@ def _draw_mode(plotter: Any, fine: Refined, edges: Any, moved: Floats) -> str:
     axis = int((moved**2).sum(axis=0).argmax())
     mesh = _mesh(fine, fine.points + moved * (DEFORMATION * diagonal / largest if largest else 0.0))
     mesh["displacement"] = moved[:, axis] / largest if largest else moved[:, axis]
-    plotter.add_mesh(edges, color="#b0b0b0", line_width=1)
+    if edges.n_points:  # a ball has none
+        plotter.add_mesh(edges, color="#b0b0b0", line_width=1)
     plotter.add_mesh(
         mesh, scalars="displacement", cmap="coolwarm", clim=(-1.0, 1.0), show_scalar_bar=False, line_width=3,
         smooth_shading=False,
@@ -205,12 +216,15 @@ def _mesh(fine: Refined, points: Floats, own: Any = None) -> Any:
     return mesh
 
 
-def _save(plotter: Any, path: str | Path, cut: bool = False) -> None:
-    """Write what a plotter shows; cut : without the white around it."""
+def save_scene(
+    plotter: Any, path: str | Path, cut: bool = False, drawn: Callable[[Any], None] = lambda image: None
+) -> None:
+    """Write what a plotter shows; cut : without the white around it; drawn : draws on the image."""
     from PIL import Image, ImageOps
 
     image = Image.fromarray(plotter.screenshot(None, return_img=True))
     plotter.close()
+    drawn(image)
     if cut:
         image = ImageOps.expand(image.crop(ImageOps.invert(image).getbbox()), MARGIN, "white")
     with replacing(path) as temporary:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import partial
+from math import isnan, nan
 
 from femstruct.study.machine import Companion, EnergyShare, GroundForce, Machine, Verdict
 from femstruct.study.result import StudyResult
@@ -59,6 +60,8 @@ def _amount(value: float, unit: str) -> str:
     """
     if unit == "N" and abs(value) >= 1e3:
         return f"{1e-3 * value:.4g} kN"
+    if unit == "Pa" and abs(value) >= 1e4:
+        return f"{1e-6 * value:.4g} MPa"
     return f"{1e3 * value:.4g} m{unit}" if unit in ("m", "m/s") else f"{value:.4g} {unit}"
 
 
@@ -69,7 +72,7 @@ def machine(result: StudyResult) -> Grid:
     newton, force = scaled("N", 0.0 if first is None else first.dynamic)
     joule, energy = scaled("J", max((m.at_end.put_in for m in cases.values()), default=0.0))
     columns: list[tuple[str, Callable[[Machine], str]]] = [
-        (f"ground [{force}]", lambda m: _of(m.ground, lambda g: f"{newton * g.dynamic:.4g}")),
+        (f"ground [{force}]", lambda m: _of(m.ground, lambda g: _weighed(g.dynamic, newton))),
         (f"with weight [{force}]", lambda m: _of(m.ground, lambda g: _weighed(g.with_weight, newton))),
         ("beside baseline", lambda m: _of(m.ground, _beside)),
     ]
@@ -109,7 +112,7 @@ def _of(ground: GroundForce | None, tell: Callable[[GroundForce], str]) -> str:
 
 
 def _weighed(value: float | None, factor: float) -> str:
-    return "-" if value is None else f"{factor * value:.4g}"
+    return "-" if value is None or isnan(value) else f"{factor * value:.4g}"
 
 
 def _judged(verdicts: Sequence[Verdict]) -> str:
@@ -122,7 +125,8 @@ def _judged(verdicts: Sequence[Verdict]) -> str:
 
 
 def _travel(channel: str, machine: Machine) -> str:
-    return f"{1e3 * machine.travels[channel]:.3g}" if channel in machine.travels else "-"
+    travel = machine.travels.get(channel, nan)
+    return "-" if isnan(travel) else f"{1e3 * travel:.3g}"
 
 
 def _beside(ground: GroundForce) -> str:
@@ -161,7 +165,8 @@ def _companions(machine: Machine) -> str:
 
 def _companion(name: str, one: Companion) -> str:
     seated = "" if one.seated is None else ", seated" if one.seated else ", not seated"
-    return f"{name} {1e3 * one.travel:.3g} mm, {one.closings}{seated}"
+    travel = "-" if isnan(one.travel) else f"{1e3 * one.travel:.3g} mm"
+    return f"{name} {travel}, {one.closings}{seated}"
 
 
 def _instants(machine: Machine) -> list[EnergyShare]:

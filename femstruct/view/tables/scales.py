@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import isnan
 from typing import Final
 
 _SCALES: Final = {  # unit: (how much of the unit, shown unit), the largest first
@@ -10,17 +11,19 @@ _SCALES: Final = {  # unit: (how much of the unit, shown unit), the largest firs
     "m/s^2": ((1.0, "m/s²"), (1e-3, "mm/s²")),
     "rad": ((1.0, "rad"), (1e-3, "mrad")),
     "N": ((1e6, "MN"), (1e3, "kN"), (1.0, "N"), (1e-3, "mN")),
-    "Pa": ((1e3, "kPa"), (1.0, "Pa"), (1e-3, "mPa"), (1e-6, "µPa")),
+    "Pa": ((1e6, "MPa"), (1e3, "kPa"), (1.0, "Pa"), (1e-3, "mPa"), (1e-6, "µPa")),
     "J": ((1e6, "MJ"), (1e3, "kJ"), (1.0, "J"), (1e-3, "mJ"), (1e-6, "µJ")),
 }
 
 
 def digits(value: float) -> str:
-    """Four significant digits, without an exponent up to a million.
+    """Four significant digits, without an exponent up to a million; "-" for what is not known.
 
-    >>> digits(17553.2), digits(0.0123456), digits(2.5e7)
-    ('17550', '0.01235', '2.5e+07')
+    >>> digits(17553.2), digits(0.0123456), digits(2.5e7), digits(float("nan"))
+    ('17550', '0.01235', '2.5e+07', '-')
     """
+    if isnan(value):
+        return "-"
     return f"{float(f'{value:.4g}'):.0f}" if 1e4 <= abs(value) < 1e6 else f"{value:.4g}"
 
 

@@ -1,4 +1,4 @@
-"""What a person reads of a structure: its modes, a frequency response, what `check` found."""
+"""What a person reads of a structure: its modes, also beside measured ones, frequency responses, what `check` found."""
 
 from __future__ import annotations
 
@@ -14,6 +14,8 @@ from femstruct.view.tables.finding_lines import finding_lines, show_findings
 from femstruct.view.tables.grid import Grid
 
 Row = Mapping[str, Any]
+LIKE = 0.5  # the least likeness at which two shapes count as the same mode, as for damping that follows its mode
+NO_DAMPING = 1e-10  # of a ratio: what rounding leaves of none
 LEAST_TILT_SHOWN = 1e-6  # rad: a micrometre a metre is rounding, or nobody's concern
 
 
@@ -42,6 +44,37 @@ def show_modes(table: Row, verbose: bool = False) -> None:
     show_findings(screen, _read(table["findings"]), verbose)
 
 
+def show_complex_modes(table: Row) -> None:
+    """Complex modes: frequencies, damping ratios, phase collinearity, and how many real modes there are beside them."""
+    grid = Grid(
+        table["title"], ("mode", "frequency [Hz]", "damped [Hz]", "damping ratio", "kind", "phase collinearity")
+    )
+    columns = (table[key] for key in ("frequency_hz", "damped_hz", "damping_ratio", "kind", "collinearity"))
+    for i, (frequency, damped, ratio, kind, collinear) in enumerate(zip(*columns, strict=True)):
+        grid.add(
+            str(i + 1),
+            f"{frequency:.2f}",
+            f"{damped:.2f}",
+            _damped(ratio),
+            kind,
+            "" if collinear is None else f"{collinear:.4f}",
+        )
+    screen = console()
+    grid.show(screen)
+    screen.print("phase collinearity: 1 where all places move in step, 0 for a travelling wave")
+    elastic = table["real_modes"] - table["rigid_body_modes"]
+    screen.print(
+        f"{_counted(elastic, 'real elastic mode')} up to {table['up_to_hz']:.5g} Hz, proven complete; of complex modes "
+        "this is not proved, and overdamped motions are left out"
+    )
+
+
+def _damped(ratio: float | None) -> str:
+    if ratio is None:
+        return ""
+    return f"{100 * ratio:.3g} %" if abs(ratio) > NO_DAMPING else "0 %"
+
+
 def show_frf(table: Row, verbose: bool = False) -> None:
     """A frequency response as columns, findings before them as comments: what plots columns leaves comments out."""
     for _, told in finding_lines(_read(table["findings"]), verbose):
@@ -50,6 +83,58 @@ def show_frf(table: Row, verbose: bool = False) -> None:
     print("# frequency_hz real imag")
     for line in zip(table["frequency_hz"], table["real"], table["imag"], strict=True):
         print("{:.6g} {:.8e} {:.8e}".format(*line))
+
+
+def show_frfs(table: Row, verbose: bool = False) -> None:
+    """Frequency responses side by side as columns, what they are before them as comments."""
+    for _, told in finding_lines(_read(table["findings"]), verbose):
+        print(f"# {told}")
+    head = ["frequency_hz"]
+    for number, one in enumerate(table["responses"], 1):
+        print(f"# {number}: {one['kind']} {one['response']} / {one['drive']}, {one['unit']}")
+        head += [f"real_{number}", f"imag_{number}"]
+    print("#", *head)
+    columns = [part for one in table["responses"] for part in (one["real"], one["imag"])]
+    for frequency, *values in zip(table["frequency_hz"], *columns, strict=True):
+        print(f"{frequency:.6g}", *(f"{value:.8e}" for value in values))
+
+
+def show_written(table: Row, verbose: bool = False) -> None:
+    """Files that were written, and findings."""
+    print(*table["written"], sep="\n")
+    show_findings(console(), _read(table["findings"]), verbose)
+
+
+def show_mac(table: Mapping[str, Any]) -> None:
+    """Pairs of modes with their frequencies, damping and MAC, then the MAC of all with all."""
+    screen = console()
+    columns = ("measured", "[Hz]", "damping", "model", "[Hz]", "damping", "difference", "MAC", "MAC of the group")
+    grid = Grid(f"{table['measured']} beside {table['title']}", columns)
+    for row in table["modes"]:
+        grouped = len(row["group"]) > 1 or row["group_mac"] != row["mac"]
+        grid.add(
+            str(row["mode"]),
+            f"{row['frequency_hz']:.2f}",
+            _ratio(row["damping_ratio"]),
+            str(row["model_mode"]) if row["group_mac"] >= LIKE else f"({row['model_mode']})",
+            f"{row['model_frequency_hz']:.2f}",
+            _ratio(row["model_damping_ratio"]),
+            "" if row["difference"] is None else f"{100 * row['difference']:+.1f} %",
+            f"{row['mac']:.2f}",
+            f"{row['group_mac']:.2f} with {_range(row['group'])}" if grouped else "",
+        )
+    grid.show(screen)
+    count = len(table["model_frequency_hz"])
+    alike = Grid("MAC, measured modes down, modes of the model across", ("", *(str(j + 1) for j in range(count))))
+    for i, values in enumerate(table["mac"]):
+        alike.add(str(i + 1), *(f"{value:.2f}" for value in values))
+    alike.show(screen)
+    screen.print(
+        f"{table['places']} places, {table['directions']} displacements, at most {table['farthest_m']:.3g} m from the "
+        f"model; partners in brackets are not alike (below {LIKE:g})"
+    )
+    for note in table["notes"]:
+        screen.print(f"note: {note}")
 
 
 def show_inspection(table: Row, picture: str = "", verbose: bool = False) -> None:
@@ -165,3 +250,16 @@ def _percentage(part: float, whole: float) -> str:
 def _read(findings: Sequence[Row]) -> list[tuple[Finding, str]]:
     """Findings of a table of one structure, where there are no cases to name."""
     return [(finding_from(one), "") for one in findings]
+
+
+def _ratio(ratio: float | None) -> str:
+    return f"{100 * ratio:.2f} %" if ratio else ""
+
+
+def _range(modes: Sequence[int]) -> str:
+    """Numbers of modes that follow each other.
+
+    >>> _range([4]), _range([2, 3, 4])
+    ('4', '2 to 4')
+    """
+    return str(modes[0]) if len(modes) == 1 else f"{modes[0]} to {modes[-1]}"

@@ -23,7 +23,8 @@ from femstruct.view.tables.grid import Grid
 from femstruct.view.tables.machine_table import limits, machine
 from femstruct.view.tables.radiated_table import radiated
 from femstruct.view.tables.rated_table import add_totals, bands, first_drop, ratings
-from femstruct.view.tables.scales import digits
+from femstruct.view.tables.scales import digits, scaled
+from femstruct.view.tables.stress_table import stresses
 
 SPOKEN_RECEIVERS = 2  # of a room
 SPOKEN_MODES = 12  # of a channel
@@ -70,6 +71,7 @@ def other_tables(result: StudyResult) -> tuple[Grid, ...]:
     """Where those numbers come from: contacts, blows, energy, sound energy, bands, attenuation by modes."""
     return (
         _contacts(result),
+        stresses(result),
         blows(result),
         energies(result),
         energy_destinations(result),
@@ -87,18 +89,21 @@ def _peaks(result: StudyResult) -> Grid:
     grid = Grid(f"peaks: {told} ({result.comparison.filter}{mark})", ("", *result.cases))
     names = list(dict.fromkeys(name for case in result.cases.values() for name in case.channels))
     for name in names:
-        unit = next(case.channels[name].unit for case in result.cases.values() if name in case.channels)
-        grid.add(f"{name} [{unit}]", *(_peak(result, case, name) for case in result.cases))
+        found = [case.channels[name] for case in result.cases.values() if name in case.channels]
+        unit, factor = found[0].unit, 1.0
+        if any(channel.stressed is not None for channel in found):
+            factor, unit = scaled(unit, max(channel.whole for channel in found))
+        grid.add(f"{name} [{unit}]", *(_peak(result, case, name, factor) for case in result.cases))
     return grid
 
 
-def _peak(result: StudyResult, case: str, name: str) -> str:
+def _peak(result: StudyResult, case: str, name: str, factor: float) -> str:
     channel = result.cases[case].channels.get(name)
     if channel is None:
         return "-"
     beside = result.comparison.cases.get(case)
     change = beside.peaks.get(name) if beside else None
-    texts = [[digits(channel.first_impact), digits(channel.whole)]]
+    texts = [[digits(factor * channel.first_impact), digits(factor * channel.whole)]]
     if change is not None:
         mark = "" if change.converged else " ?"
         texts.append([f"{_percent(one)}{mark}" for one in (change.first_impact_percent, change.whole_percent)])

@@ -5,12 +5,16 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+from femstruct.assembly.assemble import assemble
 from femstruct.errors import InputError
 from femstruct.files.tables.finding_tables import finding_table
 from femstruct.files.tables.json_numbers import number
 from femstruct.language import read_model_file
 from femstruct.modal.basis import ModalBasis
+from femstruct.modal.complex_modes import complex_modes, elastic_ones
 from femstruct.modal.damping import Damping, with_damping
+from femstruct.model.mesher import mesh_structure
+from femstruct.model.structure import Structure
 from femstruct.sparse.solvers import FASTEST
 from femstruct.study.asked import Extent
 from femstruct.units import quantity
@@ -64,6 +68,37 @@ def modes_of(path: Path, extent: Extent, overrides: tuple[str, ...] = ()) -> Tab
         "rigid_in_plane": _rigid_in_plane(solved),
         "mass_kg": basis.total_mass,
         "findings": [finding_table(finding) for finding in structure_findings(solved, basis)],
+    }
+
+
+def complex_modes_of(path: Path, extent: Extent, overrides: tuple[str, ...] = ()) -> Table:
+    """Table of complex modes of a model file: frequencies, damping ratios, how far places move in step.
+
+    Raises InputError for a structure in closed form, and for damping that belongs to real modes.
+    """
+    if extent.up_to_hz is None:
+        raise InputError("--complex", got="no --up-to", expected="--up-to F", do="say up to which frequency")
+    source = read_model_file(path, overrides)
+    with positioned(source):
+        if not isinstance(source.structure, Structure):
+            raise InputError("--complex", got="a structure in closed form", expected="a model with parts")
+        real = solve(source.structure, extent).basis
+        found = complex_modes(assemble(mesh_structure(source.structure)), source.damping, extent.up_to_hz)
+    rigid = [i for i, kind in enumerate(real.kind) if kind == "rigid"]
+    found = elastic_ones(found, real.shapes[:, :, rigid])
+    still: list[float] = [0.0] * len(rigid)
+    unknown: list[float | None] = [None] * len(rigid)
+    return {
+        "title": source.title,
+        "frequency_hz": still + found.frequency_hz.tolist(),
+        "damped_hz": still + found.damped_hz.tolist(),
+        "damping_ratio": unknown + found.damping_ratio.tolist(),
+        "collinearity": unknown + found.collinearity.tolist(),
+        "residual": unknown + found.residual.tolist(),
+        "kind": ["rigid"] * len(rigid) + ["elastic"] * len(found.eigenvalues),
+        "real_modes": real.modes.stop,
+        "rigid_body_modes": real.n_rigid,
+        "up_to_hz": extent.up_to_hz,
     }
 
 

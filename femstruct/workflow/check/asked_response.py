@@ -47,7 +47,7 @@ def frf_of(
     -----
     The basis holds all modes up to 2.5 times the upper end of the band, where residual vectors leave 1e-3.
     """
-    request = _request(drive, response, band, step, kind)
+    request = asked_for(drive, response, band, step, kind)
     if method not in ("modal", "direct"):
         raise InputError("--method", got=f"'{method}'", expected="modal or direct")
     source = read_model_file(path, overrides)
@@ -85,7 +85,7 @@ def _direct(request: FrfRequest, solved: Solved, damping: Damping, answer: Frf) 
     return direct_frf(assemble(solved.model), drive, response, answer.frequency_hz, damping, request.kind)
 
 
-def _request(drive: str, response: str, band: str, step: str, kind: str) -> FrfRequest:
+def asked_for(drive: str, response: str, band: str, step: str, kind: str) -> FrfRequest:
     """What the command line asks for, checked.
 
     Raises InputError that begins with the option's own name.

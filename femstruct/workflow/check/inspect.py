@@ -12,6 +12,7 @@ from femstruct.errors import Finding
 from femstruct.files.tables.finding_tables import finding_table
 from femstruct.files.tables.json_numbers import number
 from femstruct.findings.catalogue import ranked
+from femstruct.impact.closer import last_mode_hz
 from femstruct.language import ModelFile, read_any
 from femstruct.modal.basis import ModalBasis
 from femstruct.modal.damping import Damping, FromMaterials, LossFactor, Ratio, Rayleigh
@@ -26,6 +27,7 @@ from femstruct.workflow.check.asked_modes import DEFAULT_MODES, damped_as_far_as
 from femstruct.workflow.check.weight import block_modes, sags, weight_findings
 from femstruct.workflow.judgement.all_findings import all_findings, early_findings, of_cases
 from femstruct.workflow.judgement.blank_bands import blanks_before
+from femstruct.workflow.judgement.coarse_sampling import coarse_sampling
 from femstruct.workflow.judgement.impact_findings import room_findings
 from femstruct.workflow.judgement.study_findings import study_findings
 from femstruct.workflow.run.provenance import Progress
@@ -199,14 +201,16 @@ def _early(source: ModelFile | Plan, baseline: Case | None, solved: Solved, basi
             for study in case.studies:
                 _try(study, solved, basis)
             found = all_findings(solved, basis, case.studies, case.study.frf)
-            told[case.name] = (*found, *study_findings(case, solved.places))
+            coarse = coarse_sampling(case.study, last_mode_hz(basis), len(basis.omega))
+            told[case.name] = (*found, *study_findings(case, solved.places), *coarse)
             continue
         if key not in others:
             others[key] = meshed(case.study.structure, case.studies)
         own = others[key]
         for study in case.studies:
             _try_places(study, own.places)
-        told[case.name] = early_findings(case, own)
+        coarse = coarse_sampling(case.study, case.study.extent.up_to_hz or 0.0, case.study.extent.count or 0)
+        told[case.name] = (*early_findings(case, own), *coarse)
     return of_cases(told)
 
 

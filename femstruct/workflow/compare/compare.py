@@ -9,7 +9,7 @@ import numpy as np
 
 from femstruct.arrays import Floats
 from femstruct.modal.basis import ModalBasis
-from femstruct.modal.likeness import mac
+from femstruct.modal.likeness import pairing
 from femstruct.study.result import NET_FORCE, CaseComparison, CaseResult, Channel, Comparison, PeakChange
 from femstruct.workflow.stages.channels import filter_sentence
 from femstruct.workflow.stages.peaks import agree, two_changes
@@ -126,15 +126,15 @@ def _mode_attenuation(
 def mode_table(reference: ModalBasis, basis: ModalBasis) -> dict[int, tuple[int, float, float]]:
     """The mode most alike to each of the baseline's, its frequency [Hz] and the MAC; empty for the same basis.
 
-    Empty, too, for a basis without a mode.
+    Empty, too, for a basis without a mode. Where frequencies are near-equal the MAC is that with their space, and every
+    mode of it has its own partner.
     """
     if not basis.modes.stop:
         return {}
     if reference.omega.shape == basis.omega.shape and np.array_equal(reference.shapes, basis.shapes):
         return {}
-    alike = mac(reference, basis)
-    best = alike.argmax(axis=1)
+    pairs = pairing(reference, basis)
     return {
-        mode + 1: (int(partner) + 1, float(basis.frequency_hz[partner]), float(alike[mode, partner]))
-        for mode, partner in enumerate(best)
+        mode + 1: (int(partner) + 1, float(basis.frequency_hz[partner]), pairs.alike(mode))
+        for mode, partner in enumerate(pairs.partner)
     }

@@ -6,18 +6,20 @@ It is made for studies with blows, and of those that record the force on the gro
 from __future__ import annotations
 
 from collections.abc import Mapping
+from math import nan
 
 import numpy as np
 
 from femstruct.conventions import GRAVITY
 from femstruct.files.tables.study_tables import growth
+from femstruct.impact.closer import closer
 from femstruct.impact.result.response import EnergyBalance, Response
 from femstruct.study.machine import Companion, EnergyShare, GroundForce, Machine, Rest
 from femstruct.study.result import CaseResult
 from femstruct.study.study import Study
 from femstruct.workflow.check.weight import block_modes, sags
 from femstruct.workflow.compare.verdicts import settling
-from femstruct.workflow.stages.channels import motion_of
+from femstruct.workflow.stages.channels import histories, motion_of
 from femstruct.workflow.stages.modal_bases import Solved
 from femstruct.workflow.stages.places import Places
 from femstruct.workflow.stages.rest import carried_bodies, lying_bodies, planned_contacts, weighs
@@ -51,8 +53,10 @@ def _machine(case: CaseResult, response: Response, own: Solved, reference: float
     waits = settling(response) if response.blows else ()
     afters = [after for after, _ in waits if after is not None]
     separation = response.ledger.at_separation
+    pressed = GROUND_FORCE in case.channels and weighs(study)
+    near = closer(response) if pressed or set(response.bodies) - striking else response
     return Machine(
-        ground=_ground(case, reference),
+        ground=_ground(case, reference, own.places, near),
         travels={
             name: channel.whole
             for name, channel in case.channels.items()
@@ -62,7 +66,9 @@ def _machine(case: CaseResult, response: Response, own: Solved, reference: float
         modes=() if model is None else block_modes(model, case.basis),
         rest=Rest(max(afters) if len(afters) == len(waits) else None, min(i for _, i in waits)) if waits else None,
         companions={
-            name: _companion(name, study, own.places, response) for name in response.bodies if name not in striking
+            name: _companion(name, study, own.places, response, near)
+            for name in response.bodies
+            if name not in striking
         },
         at_separation=None if separation is None else energy_share(separation, response, striking, apart=True),
         at_end=energy_share(response.ledger.end, response, striking),
@@ -79,14 +85,16 @@ def strikers(study: Study) -> set[str]:
     return repeated or {body.name for body in study.bodies if body.speed}
 
 
-def _ground(case: CaseResult, reference: float | None) -> GroundForce | None:
+def _ground(case: CaseResult, reference: float | None, places: Places, near: Response | None) -> GroundForce | None:
+    """near : the run with samples that show its peaks, None where there is none."""
     channel, study = case.channels.get(GROUND_FORCE), case.case.study
     if channel is None:
         return None
     pressed = None
-    if weighs(study):
+    if weighs(study) and near is not None:
         weight = case.basis.total_mass * GRAVITY + weight_of_bodies(study)
-        pressed = float(np.abs(channel.values - weight).max())  # z is up: the weight is a negative force on the ground
+        values = channel.values if near is case.response else histories(study, places, near)[GROUND_FORCE][0]
+        pressed = float(np.abs(values - weight).max())  # z is up: the weight is a negative force on the ground
     beside = reference is not None and reference > 0.0 and channel.whole > 0.0
     ratio = channel.whole / reference if beside and reference else None
     return GroundForce(
@@ -103,9 +111,9 @@ def weight_of_bodies(study: Study) -> float:
     return sum(body.mass for body in study.bodies if body.name in carried or body.name in lying) * GRAVITY
 
 
-def _companion(name: str, study: Study, places: Places, response: Response) -> Companion:
+def _companion(name: str, study: Study, places: Places, response: Response, near: Response | None) -> Companion:
     body = next(body for body in study.bodies if body.name == name)
-    beside = response.bodies[name].displacement - motion_of(body.target, study, places, response)
+    beside = nan if near is None else near.bodies[name].displacement - motion_of(body.target, study, places, near)
     mine = [
         response.contacts[planned.name]
         for planned in planned_contacts(study)

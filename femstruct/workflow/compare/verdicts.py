@@ -5,10 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from math import isfinite
+from typing import TypeVar
 
 import numpy as np
 
 from acoustics.levels.rated import RatedRoom
+from femstruct.errors import InputError, some_of
+from femstruct.impact.closer import ENOUGH, samples_of_a_pulse
 from femstruct.impact.result.blow_by_blow import AT_REST, structure_energy
 from femstruct.impact.result.response import Response
 from femstruct.study.asked import SETTLED, Limit
@@ -18,6 +21,7 @@ from femstruct.study.study import Study
 from femstruct.workflow.stages.channels import closings, record
 from femstruct.workflow.stages.places import Places
 
+T = TypeVar("T")
 SAME = 1e-9  # relative rounding of an interval that is a difference of two times
 
 
@@ -31,7 +35,9 @@ def verdicts(case: CaseResult) -> tuple[Verdict, ...]:
     limits = case.case.study.limits
     own = _of_one_run(limits, case.channels, case.response) if not case.drops else _worst(case.drops)
     found = iter(own)
-    return tuple(_rating(limit, case.rated[limit.room]) if limit.room else next(found) for limit in limits)
+    return tuple(
+        _rating(limit, _known(limit, limit.room, case.rated)) if limit.room else next(found) for limit in limits
+    )
 
 
 def judged(study: Study, places: Places, response: Response) -> tuple[Verdict, ...]:
@@ -43,11 +49,23 @@ def judged(study: Study, places: Places, response: Response) -> tuple[Verdict, .
 
 def _of_one_run(limits: Sequence[Limit], channels: Mapping[str, Channel], response: Response) -> tuple[Verdict, ...]:
     """Without those of ratings, which are of all drops."""
+    exact = {f"{name} force" for name in response.contacts}
+    least = set(channels) - exact if samples_of_a_pulse(response) < ENOUGH else set()
     return tuple(
-        _settled(limit, response) if limit.name == SETTLED else _peak(limit, channels[limit.name])
+        _settled(limit, response)
+        if limit.name == SETTLED
+        else _peak(limit, _known(limit, limit.name, channels), limit.name in least)
         for limit in limits
         if not limit.room
     )
+
+
+def _known(limit: Limit, name: str, found: Mapping[str, T]) -> T:
+    """What a limit is of. Raises InputError for what is not recorded, or not rated: a study in Python may have it."""
+    if name not in found:
+        what = "a rated room" if limit.room else f"a recorded channel or {SETTLED}"
+        raise InputError(f"limits.{limit.name}", got=f"'{name}'", expected=f"{what}: {some_of(found)}".rstrip(": "))
+    return found[name]
 
 
 def _worst(drops: Mapping[str, Drop]) -> tuple[Verdict, ...]:
@@ -88,8 +106,12 @@ def _rating(limit: Limit, room: RatedRoom) -> Verdict:
     return Verdict(limit.name, least, limit.value, "dB", False if value > limit.value else None, least=True)
 
 
-def _peak(limit: Limit, channel: Channel) -> Verdict:
-    return Verdict(limit.name, channel.whole, limit.value, channel.unit, channel.whole <= limit.value)
+def _peak(limit: Limit, channel: Channel, least: bool) -> Verdict:
+    """least : whether the peak is a lower bound."""
+    if not isfinite(channel.whole):  # its samples are too coarse to tell
+        return Verdict(limit.name, None, limit.value, channel.unit, None, least=True)
+    met = channel.whole <= limit.value
+    return Verdict(limit.name, channel.whole, limit.value, channel.unit, None if met and least else met, least=least)
 
 
 def _settled(limit: Limit, response: Response) -> Verdict:

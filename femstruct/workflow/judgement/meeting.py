@@ -194,7 +194,7 @@ def floating(structure: StructureModel, bands_hz: tuple[float, ...]) -> list[Fin
             isinstance(part, Foundation) and part.on in plates and part.to in plates and part.region.kind == "whole"
         ):
             continue
-        upper, lower = (plates[str(name)].material.rho * plates[str(name)].thickness for name in (part.on, part.to))
+        upper, lower = (plates[str(name)].section.m0 for name in (part.on, part.to))
         resonance = sqrt(part.normal * (1 / upper + 1 / lower)) / (2 * pi)
         lowers = resonance * sqrt(2 - upper / (upper + lower))
         if resonance <= bands_hz[-1]:

@@ -6,18 +6,23 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from femstruct.assembly.constraint_findings import constraint_findings
 from femstruct.conventions import GRAVITY
 from femstruct.errors import Finding
 from femstruct.findings.catalogue import ranked
 from femstruct.modal.basis import ModalBasis
+from femstruct.model.imported.unused import unused_findings
 from femstruct.model.material import Material
 from femstruct.model.model import Model
 from femstruct.model.structure import Structure
+from femstruct.parts.findings.arched import arched_findings
 from femstruct.parts.findings.arrangement import arrangement_findings
 from femstruct.parts.findings.connections import pieces
 from femstruct.parts.findings.eccentric import eccentric_findings
 from femstruct.parts.findings.folded import folded_findings
+from femstruct.parts.findings.layer_losses import layer_loss_findings
 from femstruct.parts.findings.overhang import overhang_findings
+from femstruct.parts.findings.reduced_band import reduced_findings
 from femstruct.parts.findings.theory import model_findings
 from femstruct.parts.findings.twice import twice_findings
 from femstruct.parts.findings.waves import mesh_findings
@@ -63,7 +68,7 @@ def structure_findings_before(
     Notes
     -----
     Materials, sections and thicknesses, theories that do not fit (thick plates, ribs beside plates, folded plates),
-    parts that nothing joins or holds up, that cannot move or are there twice, and drops no laboratory has; see
+    arches, parts that nothing joins or holds up, that cannot move or are there twice, and drops no laboratory has; see
     `femstruct.parts.findings`.
     """
     found: list[Finding] = []
@@ -71,11 +76,15 @@ def structure_findings_before(
         found += material_findings(Material("the rod", structure.E, 0.3, structure.rho))
     if isinstance(structure, Structure) and model is not None:
         found += plausibility_findings(structure.parts)
+        found += unused_findings(structure)
         found += model_findings(model)
+        found += layer_loss_findings(model)
         found += overhang_findings(model)
         found += twice_findings(structure)
         found += arrangement_findings(model, _joined(model, studies), any(weighs(study) for study in studies))
         found += eccentric_findings(model)
+        found += arched_findings(model)
+        found += constraint_findings(model)
         if up_to_hz is not None:
             found += _of_frequencies(model, up_to_hz)
     for study in studies:
@@ -107,7 +116,11 @@ def structure_findings_after(
 
 
 def _of_frequencies(model: Model, up_to_hz: float) -> tuple[Finding, ...]:
-    return (*mesh_findings(model, up_to_hz), *folded_findings(model, up_to_hz))
+    return (
+        *mesh_findings(model, up_to_hz),
+        *folded_findings(model, up_to_hz),
+        *reduced_findings(model, up_to_hz),
+    )
 
 
 def _joined(model: Model, studies: Sequence[Study]) -> set[tuple[str, str]]:

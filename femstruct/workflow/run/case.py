@@ -8,6 +8,7 @@ from functools import partial
 from acoustics.errors import Advice
 from femstruct.errors import Finding
 from femstruct.findings.catalogue import ranked
+from femstruct.impact.closer import last_mode_hz
 from femstruct.impact.result.response import Response
 from femstruct.impact.result.shares import mode_energies
 from femstruct.modal.basis import ModalBasis
@@ -19,6 +20,7 @@ from femstruct.study.study import Case, Study
 from femstruct.workflow.compare.verdicts import judged
 from femstruct.workflow.judgement.all_findings import all_findings
 from femstruct.workflow.judgement.blank_bands import blank_findings
+from femstruct.workflow.judgement.coarse_sampling import coarse_sampling, missed_peaks, missed_pulses
 from femstruct.workflow.judgement.impact_findings import aliased_findings, room_findings
 from femstruct.workflow.judgement.meeting import meeting_findings
 from femstruct.workflow.judgement.study_findings import study_findings
@@ -28,12 +30,13 @@ from femstruct.workflow.run.struck import Struck, strike, told_once
 from femstruct.workflow.stages.channels import motion_rows, record, refuse_absent_forces
 from femstruct.workflow.stages.coupled_air import coupled, coupled_key, weight_on_air
 from femstruct.workflow.stages.modal_bases import Solved, damped
-from femstruct.workflow.stages.peaks import peak_findings
+from femstruct.workflow.stages.peaks import peak_findings, shock_spectra
 from femstruct.workflow.stages.places import Places
 from femstruct.workflow.stages.rated_rooms import overlap_findings, rate_rooms
 from femstruct.workflow.stages.responses import frequency_response
 from femstruct.workflow.stages.room_transfers import RoomTransfers
 from femstruct.workflow.stages.sound_energies import sound_energies
+from femstruct.workflow.stages.stresses import stress_findings
 
 
 def run_case(
@@ -51,7 +54,11 @@ def run_case(
     with clock("damping", case.name):
         basis = damped(case, solved, baseline)
     with clock("judgement", case.name):
-        judged_before = (*all_findings(own, basis, case.studies, study.frf), *study_findings(case, own.places))
+        judged_before = (
+            *all_findings(own, basis, case.studies, study.frf),
+            *study_findings(case, own.places),
+            *coarse_sampling(study, last_mode_hz(basis), len(basis.omega)),
+        )
     findings = [*judged_before, *(accuracy_findings(accuracy) if accuracy is not None else ())]
     told: list[tuple[str, Advice | Finding]] = []
     vacuo = basis
@@ -112,6 +119,7 @@ def run_case(
         errors=None if whole is None else whole.errors,
         radiated=radiated,
         heard=NO_OWN_SOUND if whole is None else whole.heard,
+        shock=shock_spectra(study, channels),
     )
 
 
@@ -133,7 +141,13 @@ def _of_records(
     """What is to be known of recorded histories: what lies above their sampling, peaks that depend on the modes."""
     rows = motion_rows(study, places, basis).items()
     accelerations = {name: row for name, (what, row) in rows if what == "acceleration"}
-    return [*aliased_findings(response, accelerations), *peak_findings(channels)]
+    return [
+        *aliased_findings(response, accelerations),
+        *missed_peaks(study, response, channels),
+        *missed_pulses(study, response),
+        *peak_findings(channels),
+        *stress_findings({name: channel.stressed for name, channel in channels.items()}),
+    ]
 
 
 def _of_rooms(study: Study, places: Places, basis: ModalBasis, vacuo: ModalBasis) -> list[tuple[str, Advice | Finding]]:

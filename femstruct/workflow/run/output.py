@@ -18,14 +18,13 @@ from femstruct.files.atomic import file_name, replacing, short
 from femstruct.files.audio import listening_scale, write_sequence, write_wav
 from femstruct.files.belongings import NAME, together
 from femstruct.files.results_file.results import write_results
-from femstruct.files.results_file.stored import read_results
+from femstruct.files.results_file.stored import RESULTS, read_results
 from femstruct.files.room_modes import write_room_modes
 from femstruct.files.tables.study_tables import summary
 from femstruct.study.result import StudyResult
 from femstruct.view.report import write_report
 from femstruct.workflow.run.provenance import Progress, Stopwatch
 
-RESULTS: Final = "results.h5"
 NO_PICTURES: Final = "Pictures left out, because of --no-pictures."
 NAMED: Final = 4  # files of those that are removed
 
@@ -139,18 +138,20 @@ def _drawn(result: StudyResult, folder: Path, clock: Stopwatch) -> tuple[list[st
     from femstruct.view.scenes.opengl import NoOpenGL
     from femstruct.view.scenes.room_scene import room_pictures
     from femstruct.view.scenes.scene import model_picture, shapes_all
+    from femstruct.view.scenes.stress_scene import stress_pictures
 
     with clock("pictures"):
-        solid = drawn_beside(lambda: [draw(result, folder) for draw in (shapes_all, room_pictures, model_picture)])
+        scenes = (shapes_all, room_pictures, model_picture, stress_pictures)
+        solid = drawn_beside(lambda: [draw(result, folder) for draw in scenes])
         flat = plot_all(result, folder)
     with clock("pictures in three dimensions"):
         try:
-            (shapes, left_out), (moving, _), (model, _) = solid()
+            (shapes, left_out), (moving, _), (model, _), (stressed, _) = solid()
         except NoOpenGL as error:
-            shapes, moving, model, left_out = [], [], [], str(error)
+            shapes, moving, model, stressed, left_out = [], [], [], [], str(error)
     model = model or _outline(result, folder)
     first = sorted(flat, key=lambda path: not path.name.startswith(("rated", "level", "own_sound")))
-    return [path.name for path in (*model, *first, *moving, *shapes)], left_out
+    return [path.name for path in (*model, *first, *stressed, *moving, *shapes)], left_out
 
 
 def _outline(result: StudyResult, folder: Path) -> list[Path]:

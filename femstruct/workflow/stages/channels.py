@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from math import nan
 
 import numpy as np
 import scipy
 
 from acoustics.room_response import RoomResponse
+from acoustics.rooms.continuation import extended, fast_length
 from femstruct.arrays import Floats
 from femstruct.errors import InputError
+from femstruct.impact.closer import CLOSER, ENOUGH, FOLDED, closer, last_mode_hz
 from femstruct.impact.result.force_on_ground import on_the_ground, passed_on
-from femstruct.impact.result.response import Event, Response
+from femstruct.impact.result.response import ContactHistory, Event, Response
 from femstruct.modal.basis import ForceRow, ModalBasis
 from femstruct.study.asked import PeakRule, Record, RoomPlan
 from femstruct.study.result import NET_FORCE, Channel
@@ -21,8 +24,19 @@ from femstruct.study.study import Study
 from femstruct.workflow.stages.places import Places
 from femstruct.workflow.stages.rest import axis_of, planned_contacts
 from femstruct.workflow.stages.staging import ordered
+from femstruct.workflow.stages.stresses import largest_stress, walked
 
-UNITS = {"displacement": "m", "velocity": "m/s", "acceleration": "m/s^2", "force": "N", "travel": "m", "pressure": "Pa"}
+STRESS = "stress"
+UNITS = {
+    "displacement": "m",
+    "velocity": "m/s",
+    "acceleration": "m/s^2",
+    "force": "N",
+    "travel": "m",
+    "pressure": "Pa",
+    STRESS: "Pa",
+}
+
 MOTIONS = ("displacement", "velocity", "acceleration")
 AXES = "xyz"
 FILTER_ORDER = 4
@@ -35,24 +49,73 @@ SIDEWAYS = 1e-6  # of the largest: the eigen solver leaves shapes a residual of 
 def record(study: Study, places: Places, response: Response, rooms: Mapping[str, RoomResponse]) -> dict[str, Channel]:
     """All channels of a case: what the study records, the net force where contacts meet the structure, and pressures.
 
+    Their peaks are those between the samples too (`femstruct.impact.closer`), nan where they cannot be found.
+
     Raises InputError when a record names something that has no such quantity.
     """
-    histories: dict[str, tuple[Floats, str]] = {}
-    for wanted in study.records:
-        histories |= _recorded(wanted, study, places, response)
-    histories |= {f"{NET_FORCE}{name}": (force, "N") for name, force in _net_forces(study, places, response).items()}
+    seen, kept = closer(response), histories(study, places, response)
+    pressures: dict[str, tuple[Floats, str]] = {}
     for plan in study.rooms:
         if plan.name in rooms:
-            histories |= _pressures(plan, rooms[plan.name])
-    window = first_window(study.peaks, response)
-    channels = {
-        name: _channel(name, values, unit, study.peaks, response, window) for name, (values, unit) in histories.items()
-    }
+            pressures |= _pressures(plan, rooms[plan.name])
+    stresses = {str(wanted): wanted.target for wanted in study.records if wanted.what == STRESS}
+    if seen is None:
+        for name, part in stresses.items():
+            rows = places.stresses(part, f"record.{part}")
+            kept[name] = walked(rows, response.basis.shapes, response.q).history, UNITS[STRESS]
+        told = _known_without_samples(study, response)
+        blank = (nan, nan)
+        return {
+            name: Channel(name, values, unit, *told.get(name, blank))
+            for name, (values, unit) in (kept | pressures).items()
+        }
+    fine = kept if seen is response else kept | histories(study, places, seen)
+    peaks = _Peaks(study.peaks, seen.clock.sampling, first_window(study.peaks, seen))
+    found = {name: peaks.of(fine[name][0]) for name in kept}
+    found |= {name: peaks.of_contact(fine[name][0], seen.contacts[one]) for name, one in _contacts(study, seen).items()}
+    for name, (pressure, _) in pressures.items():
+        values, factor = between(pressure, response)
+        found[name] = replace(peaks, sampling=factor * response.clock.sampling).of(values)
+    channels = {name: Channel(name, values, unit, *found[name]) for name, (values, unit) in (kept | pressures).items()}
     true = np.array([kind != "residual" for kind in response.basis.kind])
     for name, (what, row) in motion_rows(study, places, response.basis).items() if not true.all() else ():
-        alone = _channel(name, _moved(response, what, row * true), "", study.peaks, response, window)
-        channels[name] = replace(channels[name], by_modes=(alone.first_impact, alone.whole))
-    return channels
+        channels[name] = replace(channels[name], by_modes=peaks.of(_moved(seen, what, row * true)))
+    return channels | _stresses(stresses, study.peaks, places, response, seen) if stresses else channels
+
+
+def _stresses(
+    wanted: Mapping[str, str], rule: PeakRule, places: Places, response: Response, seen: Response
+) -> dict[str, Channel]:
+    """Histories of the largest equivalent stress of parts, by channel, their peaks as `seen`. What is filtered is the
+    motion: the stress of von Mises of a filtered motion is one, a filtered stress of von Mises is not."""
+    shapes, q = seen.basis.shapes, seen.q
+    if rule.lowpass_hz is not None:
+        q = in_band(q, seen.clock.sampling, (0.0, rule.lowpass_hz))
+    kept = q if seen is response and rule.lowpass_hz is None else response.q
+    true = np.array([kind != "residual" for kind in seen.basis.kind])
+    early = seen.t <= first_window(rule, seen)
+
+    def largest(history: Floats) -> tuple[float, float]:
+        return float(history[early].max(initial=0.0)), float(history.max())
+
+    found: dict[str, Channel] = {}
+    for name, part in wanted.items():
+        rows = places.stresses(part, f"record.{part}")
+        peaks, stressed = largest_stress(rows, seen, q)
+        values = peaks if kept is q else walked(rows, shapes, kept).history
+        by_modes = None if true.all() else largest(walked(rows, shapes * true, q).history)
+        found[name] = Channel(name, values, UNITS[STRESS], *largest(peaks), by_modes, stressed)
+    return found
+
+
+def histories(study: Study, places: Places, response: Response) -> dict[str, tuple[Floats, str]]:
+    """What a study records of the motion and of forces, and the net forces, by channel: values [nt] and their unit.
+    Stresses are no sums of modes and are not among them."""
+    found: dict[str, tuple[Floats, str]] = {}
+    for wanted in study.records:
+        if wanted.what != STRESS:
+            found |= _recorded(wanted, study, places, response)
+    return found | {f"{NET_FORCE}{name}": (force, "N") for name, force in _net_forces(study, places, response).items()}
 
 
 def refuse_absent_forces(study: Study, basis: ModalBasis) -> None:
@@ -80,7 +143,8 @@ def filter_sentence(rule: PeakRule) -> str:
     """What every peak went through."""
     if rule.lowpass_hz is None:
         return "no filter"
-    return f"low-pass {rule.lowpass_hz:g} Hz (Butterworth, order {FILTER_ORDER}, forwards and backwards)"
+    filtered = f"low-pass {rule.lowpass_hz:g} Hz (Butterworth, order {FILTER_ORDER}, forwards and backwards)"
+    return f"{filtered}; contact forces: no filter"
 
 
 def first_window(rule: PeakRule, response: Response) -> float:
@@ -107,7 +171,7 @@ def closings(response: Response) -> list[Event]:
 
 
 def in_band(values: Floats, sampling: float, band: tuple[float, float]) -> Floats:
-    """A history [nt] between two frequencies: Butterworth, order 4, forwards and backwards; low-pass where one is 0.
+    """Histories [.., nt] between two frequencies: Butterworth, order 4, forwards and backwards; low-pass if one is 0.
 
     It goes on as it was before the start and after the end: a structure at rest has been at rest.
     """
@@ -116,19 +180,62 @@ def in_band(values: Floats, sampling: float, band: tuple[float, float]) -> Float
         sos = scipy.signal.butter(FILTER_ORDER, (low, high), "bandpass", fs=sampling, output="sos")
     else:
         sos = scipy.signal.butter(FILTER_ORDER, high, "lowpass", fs=sampling, output="sos")
-    padding = min(int(SETTLED * sampling / (low or high)), len(values) - 1)
+    padding = min(int(SETTLED * sampling / (low or high)), values.shape[-1] - 1)
     filtered: Floats = scipy.signal.sosfiltfilt(sos, values, padtype="constant", padlen=padding)
     return filtered
 
 
-def _channel(name: str, values: Floats, unit: str, rule: PeakRule, response: Response, window: float) -> Channel:
-    filtered = values
-    if rule.lowpass_hz is not None:
-        filtered = in_band(values, response.clock.sampling, (0.0, rule.lowpass_hz))
-    size = np.abs(filtered)
-    largest = float(size.max())
-    first = float(size[response.t <= window].max(initial=0.0))
-    return Channel(name, values, unit, first if first > PEAK_NOISE_FLOOR * largest else 0.0, largest)
+@dataclass(frozen=True)
+class _Peaks:
+    """How peaks are found: window : end of the first impact [s]."""
+
+    rule: PeakRule
+    sampling: float
+    window: float
+
+    def of(self, values: Floats) -> tuple[float, float]:
+        """Peaks of |values| in the first impact and in the whole record."""
+        if self.rule.lowpass_hz is not None:
+            values = in_band(values, self.sampling, (0.0, self.rule.lowpass_hz))
+        size = np.abs(values)
+        largest = float(size.max())
+        first = float(size[np.arange(len(size)) / self.sampling <= self.window].max(initial=0.0))
+        return first if first > PEAK_NOISE_FLOOR * largest else 0.0, largest
+
+    def of_contact(self, values: Floats, contact: ContactHistory) -> tuple[float, float]:
+        """The peaks of a contact's force, never filtered: its law is followed between the samples, and a low-pass
+        filter would hide what the contact has to carry."""
+        first, largest = replace(self, rule=replace(self.rule, lowpass_hz=None)).of(values)
+        whole = max(contact.peak_force, largest)
+        return whole if contact.peak_time <= self.window else first, whole
+
+
+def _contacts(study: Study, response: Response) -> dict[str, str]:
+    """The contacts whose forces are recorded, by channel."""
+    recorded = {str(one): one.target for one in study.records if one.what == "force"}
+    return {name: target for name, target in recorded.items() if target in response.contacts}
+
+
+def _known_without_samples(study: Study, response: Response) -> dict[str, tuple[float, float]]:
+    """Peaks of contact forces, that of the first impact nan where it is not the largest of all."""
+    end = first_window(study.peaks, response)
+    contacts = {name: response.contacts[one] for name, one in _contacts(study, response).items()}
+    return {name: (c.peak_force if c.peak_time <= end else nan, c.peak_force) for name, c in contacts.items()}
+
+
+def between(pressure: Floats, response: Response) -> tuple[Floats, int]:
+    """A pressure [nt] on a finer grid where its samples are coarse, and by what factor: it has nothing above the last
+    mode, so its samples say what lies between them; nan where they do not."""
+    last, sampling = last_mode_hz(response.basis), response.clock.sampling
+    if sampling >= ENOUGH * last:
+        return pressure, 1
+    if sampling < FOLDED * last:
+        return np.full_like(pressure, nan), 1
+    factor = int(np.ceil(CLOSER * last / sampling))
+    count = len(pressure)
+    length = fast_length(2 * count)
+    fine = scipy.fft.irfft(scipy.fft.rfft(extended(pressure[None], length)[0]), factor * length)[: factor * count]
+    return np.asarray(factor * fine, dtype=np.float64), factor
 
 
 def _recorded(wanted: Record, study: Study, places: Places, response: Response) -> dict[str, tuple[Floats, str]]:

@@ -8,6 +8,7 @@ from dataclasses import fields, is_dataclass
 from typing import Any
 
 import numpy as np
+from scipy.sparse import csr_array
 
 
 def fingerprint(value: Any) -> str:
@@ -17,6 +18,8 @@ def fingerprint(value: Any) -> str:
 
     >>> fingerprint([1.0, {"a": np.arange(3)}]) == fingerprint([1.0, {"a": np.arange(3)}])
     True
+    >>> fingerprint(csr_array([[1.0, 0.0]])) == fingerprint(csr_array([[0.0, 1.0]]))
+    False
     >>> fingerprint(np.zeros(5000)) == fingerprint(np.append(np.zeros(4999), 1e-9))
     False
     """
@@ -33,6 +36,9 @@ def _add(digest: Any, value: Any) -> None:
             _add(digest, getattr(value, one.name))
     elif isinstance(value, np.ndarray):
         digest.update(f" {value.dtype} {value.shape}".encode() + np.ascontiguousarray(value).tobytes())
+    elif isinstance(value, csr_array):
+        for array in (np.array(value.shape), value.indptr, value.indices, value.data):
+            _add(digest, array)
     elif isinstance(value, Mapping):
         for key, one in value.items():
             digest.update(f" {key!r}:".encode())

@@ -51,7 +51,7 @@ def meshed(structure: StructureModel, studies: Sequence[Study] = ()) -> Meshed:
     """Mesh a structure, or find the points of a closed form."""
     if isinstance(structure, Structure):
         model = mesh_structure(structure)
-        return Meshed(structure, model, Places(model.points, model.surfaces))
+        return Meshed(structure, model, Places(model.points, model.surfaces, model.parts))
     return Meshed(structure, None, Places(_closed_form(structure, _axis(studies))[1], {}))
 
 
@@ -82,7 +82,7 @@ def solve(structure: StructureModel, extent: Extent, studies: Sequence[Study] = 
     """Mesh, assemble and solve one structure, with residual vectors for what the studies push."""
     if isinstance(structure, Structure):
         model = mesh_structure(structure)
-        places = Places(model.points, model.surfaces)
+        places = Places(model.points, model.surfaces, model.parts)
         probes: dict[str, Probe] = {}
         for study in studies:
             probes |= _force_probes(study, places)

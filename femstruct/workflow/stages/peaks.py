@@ -9,11 +9,28 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
+import numpy as np
+
 from femstruct.errors import Finding
+from femstruct.impact.result.shock import ShockSpectrum, shock_spectrum
 from femstruct.study.result import Channel
+from femstruct.study.study import Study
 
 CONVERGED = 0.05  # of a peak: what residual vectors may make of it
 CHANGED = 5.0  # per cent: by how much a change against the baseline may depend on them
+
+
+def shock_spectra(study: Study, channels: Mapping[str, Channel]) -> dict[str, ShockSpectrum]:
+    """The shock response spectra that a study asks for, by name; frequencies evenly over the logarithm."""
+    found: dict[str, ShockSpectrum] = {}
+    if study.time is None:
+        return found
+    for request in study.shock_spectra:
+        low, high = request.band
+        count = max(2, round(request.per_octave * np.log2(high / low)) + 1)
+        channel, lines = channels[f"{request.of} acceleration"], np.geomspace(low, high, count)
+        found[request.name] = shock_spectrum(channel.values, study.time.sampling, lines, request.damping, channel.name)
+    return found
 
 
 def peak_findings(channels: Mapping[str, Channel]) -> Iterator[Finding]:

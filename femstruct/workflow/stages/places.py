@@ -3,18 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from femstruct.errors import InputError, some_of
-from femstruct.model.probe import Point, Surface
+from femstruct.model.part import Meshed
+from femstruct.model.probe import Point, StressPlaces, Surface
 
 
 @dataclass(frozen=True, eq=False)
 class Places:
-    """Where a structure can be driven and observed: its named points and surfaces."""
+    """Where a structure can be driven and observed: its named points and surfaces, and its parts, none of a closed
+    form."""
 
     points: Mapping[str, Point]
     surfaces: Mapping[str, Surface]
+    parts: Mapping[str, Meshed] = field(default_factory=dict)
+
+    def stresses(self, name: str, asked_by: str) -> StressPlaces:
+        """Where a part is stressed. Raises InputError for a name that is no part, or a part without stresses."""
+        if name not in self.parts:
+            raise InputError(asked_by, got=f"'{name}'", expected=f"a part: {some_of(self.parts) or 'there is none'}")
+        return self.parts[name].stresses(1 + max(int(part.nodes.max()) for part in self.parts.values()))
 
     def point(self, name: str, asked_by: str) -> Point:
         """The single place of that name.

@@ -9,7 +9,7 @@ import numpy as np
 
 from femstruct.arrays import Floats
 from femstruct.conventions import GRAVITY
-from femstruct.errors import InputError
+from femstruct.errors import InputError, some_of
 from femstruct.impact.scene.bodies import GROUND, Blows, Body, Contact, End, Link, Load, Scene
 from femstruct.modal.basis import ModalBasis
 from femstruct.model.probe import Probe
@@ -206,6 +206,9 @@ class _Stage:
             if load.kind == "point" and not isinstance(load.on, str):
                 on: Probe | str = self.places.point(load.on.name, where).probe(load.on.what)
             elif load.kind == "surface":
+                if load.on not in self.places.surfaces:
+                    expected = f"a surface: {some_of(self.places.surfaces)}"
+                    raise InputError(f"{where}.on", got=f"'{load.on}'", expected=expected)
                 on = self.places.surfaces[str(load.on)].pressure()
             else:
                 on = str(load.on)

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
-import numpy as np
+from collections.abc import Callable
 
-from femstruct.arrays import Floats
+import numpy as np
+from scipy.sparse import csr_array
+
+from femstruct.arrays import Floats, Integers
 from femstruct.elements.quadrature import gauss_interval
 from femstruct.errors import InputError
 from femstruct.model.region import Pair
+from femstruct.model.rows import sparse_rows
 
 ORDER = 3  # Gauss points across each piece of a cell: its deflection is cubic
 ORDER_ROUND = 12  # along the arc, where the length of a chord is a cosine
@@ -42,6 +46,37 @@ def patch_points(
             do="make it smaller, or move the point",
         )
     return _disc(*grid, center, patch) if isinstance(patch, float) else _rectangle(*grid, center, reach)
+
+
+def patch_turning(
+    centers: Floats,
+    reach: float,
+    size: Pair,
+    axes: Floats,
+    motion: Callable[[Floats], tuple[Integers, Floats]],
+    n_nodes: int,
+) -> csr_array:
+    """Rows [m, n_nodes * 7] of the rotation about the normal of crosses that reach so far [m] around places of a plate.
+
+    centers [m, 2] : in its coordinates [m]. size, axes : of the plate. motion : nodes [p, k] and rows [p, 6, k, 7] of
+    places of it. The ends of a cross, as far as they lie on the plate, and its middle move as the plate does; the
+    rotation is that of the rigid motion that fits them best. By virtual work a torque on it is forces at the ends.
+    """
+    arms = reach * np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])
+    places = (centers[:, None] + arms).reshape(-1, 2)
+    inside = ((places >= 0.0) & (places <= size)).all(axis=1)
+    owner = np.repeat(np.arange(len(centers)), len(arms))[inside]
+    places = places[inside]
+    count = np.bincount(owner, minlength=len(centers))[:, None]
+    middle = np.zeros((len(centers), 2))
+    np.add.at(middle, owner, places)
+    off = places - (middle / count)[owner]
+    square = np.bincount(owner, weights=(off**2).sum(axis=1), minlength=len(centers))
+    pulls = (off[:, :1] * axes[1] - off[:, 1:] * axes[0]) / square[owner, None]
+    nodes, rows = motion(places)
+    each = sparse_rows(nodes, np.einsum("pi,pikc->pkc", pulls, rows[:, :3])[:, None], n_nodes)
+    gathered = csr_array((np.ones(len(owner)), (owner, np.arange(len(owner)))), shape=(len(centers), len(owner)))
+    return csr_array(gathered @ each)
 
 
 def _rectangle(x: Floats, y: Floats, center: Floats, reach: Floats) -> tuple[Floats, Floats]:

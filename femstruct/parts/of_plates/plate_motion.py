@@ -1,4 +1,8 @@
-"""How a plate moves that bends and is rigid in its plane: its degrees of freedom, and the motion between its nodes."""
+"""How a plate moves: its degrees of freedom, and the motion between its nodes.
+
+It bends. In its plane it either is rigid, with three degrees of freedom for all its nodes together, or stretches, with
+three at every node: the shifts along its axes and the rotation about its normal, the drilling rotation.
+"""
 
 from __future__ import annotations
 
@@ -6,13 +10,15 @@ import numpy as np
 
 from femstruct.arrays import Floats, Integers
 from femstruct.conventions import N_COMPONENTS, TWIST
-from femstruct.elements import plate
+from femstruct.elements import membrane, plate
 from femstruct.model.grid.lines import interval_of
 from femstruct.model.part import OwnDofs
 from femstruct.model.region import Pair
 
 OUT_OF_PLANE = ("deflection", "rotation about x", "rotation about y", "twist")
-IN_PLANE = tuple(f"{what}, in its plane" for what in ("shift along x", "shift along y", "rotation about the normal"))
+MEMBRANE = ("shift along x", "shift along y", "rotation about the normal")
+IN_PLANE = tuple(f"{what}, in its plane" for what in MEMBRANE)
+_U, _V, _TURN = 0, 1, 5
 
 
 def plate_dofs(kind: plate.PlateElement, axes: Floats, local: Floats, size: Pair) -> OwnDofs:
@@ -54,24 +60,61 @@ def plate_dofs(kind: plate.PlateElement, axes: Floats, local: Floats, size: Pair
     return OwnDofs(labels, IN_PLANE, *at, np.concatenate(values), translations)
 
 
+def stretching_dofs(kind: plate.PlateElement, axes: Floats, count: int) -> OwnDofs:
+    """Those of bending and, after them, three of every node in the plane; count : of nodes, axes as `plate_dofs`."""
+    labels = (*OUT_OF_PLANE[: plate.dofs_per_node(kind)], *MEMBRANE)
+    bending, per_node = len(labels) - len(MEMBRANE), len(labels)
+    motion = np.zeros((N_COMPONENTS, per_node))
+    motion[:3, 0] = motion[3:6, per_node - 1] = axes[2]
+    motion[:3, bending : bending + 2] = motion[3:6, 1:3] = axes[:2].T
+    if bending > 3:
+        motion[TWIST, 3] = 1.0
+    component, dof = np.nonzero(motion)
+    node = np.arange(count)[:, None]
+    rows, columns = node * N_COMPONENTS + component, node * per_node + dof
+    values = np.tile(motion[component, dof], count)
+    return OwnDofs(labels, (), rows.ravel(), columns.ravel(), values, np.tile(motion[:3].T, (count, 1)))
+
+
+def membrane_numbers(kind: plate.PlateElement, cells: Integers) -> tuple[Integers, Integers, int]:
+    """Degrees of freedom of cells [n, 4] of nodes counted from 0: of bending [n, nd], of the membrane [n, 12], and how
+    many a node has."""
+    bending = plate.dofs_per_node(kind)
+    per_node = bending + len(MEMBRANE)
+    first = cells[:, :, None] * per_node
+    bends = (first + np.arange(bending)).reshape(len(cells), -1)
+    stretches = (first + bending + np.arange(len(MEMBRANE))).reshape(len(cells), -1)
+    return bends, stretches, per_node
+
+
 def plate_rows(
-    kind: plate.PlateElement, axes: Floats, lines: tuple[Floats, Floats], grid: Integers, local: Floats
+    kind: plate.PlateElement,
+    axes: Floats,
+    lines: tuple[Floats, Floats],
+    grid: Integers,
+    local: Floats,
+    stretches: bool,
 ) -> tuple[Integers, Floats]:
     """Motion of places of a plate from the components of the corner nodes of their cells.
 
     axes [3, 3] : rows are its x, y and normal. lines : of its grid, along x and y [m]; grid [nx + 1, ny + 1] : numbers
-    of its nodes. local [p, 2] : in the plate's coordinates [m], inside it.
+    of its nodes. local [p, 2] : in the plate's coordinates [m], inside it. stretches : whether it does in its plane.
 
     Returns nodes [p, 4] and rows [p, 6, 4, 7]: three displacements and three rotations, global axes. The deflection
-    follows the element's shape functions; motion in the plane, where the plate is rigid, is bilinear, exactly.
+    follows the element's shape functions, motion in the plane those of the membrane; bilinear, which is exact, where
+    the plate is rigid there.
     """
     column, xi, a = interval_of(lines[0], local[:, 0])
     row, eta, b = interval_of(lines[1], local[:, 1])
     shapes = plate.interpolate(kind, a, b, xi, eta).reshape(len(local), 4, 4, plate.dofs_per_node(kind))
-    linear = np.stack([(1 - xi) * (1 - eta), (1 - xi) * eta, xi * eta, xi * (1 - eta)], axis=1)
     own = np.zeros((len(local), 6, 4, N_COMPONENTS))
-    for component in (0, 1, 5):
-        own[:, component, :, component] = linear
+    if stretches:
+        flat = membrane.interpolate(membrane.rectangle(a, b), xi, eta).reshape(len(local), 3, 4, 3)
+        own[np.ix_(range(len(local)), (_U, _V, _TURN), range(4), (_U, _V, _TURN))] = flat
+    else:
+        linear = np.stack([(1 - xi) * (1 - eta), (1 - xi) * eta, xi * eta, xi * (1 - eta)], axis=1)
+        for component in (_U, _V, _TURN):
+            own[:, component, :, component] = linear
     own[:, 2:5, :, 2:5] = shapes[:, :3, :, :3]
     if plate.dofs_per_node(kind) > 3:
         own[:, 2:5, :, TWIST] = shapes[:, :3, :, 3]

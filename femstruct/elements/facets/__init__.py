@@ -1,0 +1,1 @@
+"""What flat elements of shells are made of: axes, strains, motion inside, rigidities."""

@@ -1,0 +1,1 @@
+"""Mesh files: one format a file, from bytes to what `femstruct.model.imported` makes a mesh of."""

@@ -1,0 +1,115 @@
+"""Cards of the bulk data of Nastran: free, small and large fields, with their continuations, as words.
+
+Fields are those of the Quick Reference Guide, "Format of Bulk Data Entries". meshio 5.3 reads nodes and elements but
+neither sets nor properties, and takes coordinates of any coordinate system as they are.
+"""
+
+from __future__ import annotations
+
+import re
+from math import isfinite, nan
+from pathlib import Path
+from typing import NamedTuple
+
+from femstruct.errors import InputErrors
+from femstruct.files.inputs.mesh_files.text_lines import wrong_line
+from femstruct.units import shown_as
+
+_SMALL, _LARGE = 8, 16
+_BARE_EXPONENT = re.compile(r"^([+-]?(?:\d+\.?\d*|\.\d+))([+-]\d+)$")
+
+
+class Card(NamedTuple):
+    """A card. number : of its first line, from 1. fields : after its name, all continuations in one row."""
+
+    path: Path
+    number: int
+    name: str
+    fields: list[str]
+
+    def refuse(self, got: str, expected: str, do: str = "") -> InputErrors:
+        """A mistake in it."""
+        return wrong_line(self.path, self.number, f"{self.name} with {got}", expected, do)
+
+    def field(self, index: int) -> str:
+        """A field, counted from 0 after the name; "" beyond its end."""
+        return self.fields[index] if index < len(self.fields) else ""
+
+    def whole(self, index: int, default: int | None = None) -> int:
+        """A whole number; `default` where the field is empty, refused without one."""
+        word = self.field(index)
+        if not word and default is not None:
+            return default
+        try:
+            return int(word)
+        except ValueError:
+            raise self.refuse(f"{shown_as(word)} in field {index + 2}", "a whole number") from None
+
+    def real(self, index: int, default: float | None = None) -> float:
+        """A number, also as 1.5-3; `default` where the field is empty, refused without one."""
+        word = self.field(index)
+        if not word and default is not None:
+            return default
+        found = _BARE_EXPONENT.match(word)
+        plain = f"{found[1]}e{found[2]}" if found else word.replace("D", "E").replace("d", "e")
+        try:
+            number = float(plain)
+        except ValueError:
+            number = nan
+        if not isfinite(number):
+            raise self.refuse(f"{shown_as(word)} in field {index + 2}", "a number")
+        return number
+
+    def several(self, first: int) -> list[int]:
+        """Whole numbers from a field on, FIRST THRU LAST written out."""
+        words = [word for word in self.fields[first:] if word]
+        numbers: list[int] = []
+        at = 0
+        while at < len(words):
+            if at + 2 < len(words) and words[at + 1].upper() == "THRU":
+                if not (words[at].isdigit() and words[at + 2].isdigit()):
+                    raise self.refuse(f"'{' '.join(words[at : at + 3])}'", "FIRST THRU LAST")
+                numbers += range(int(words[at]), int(words[at + 2]) + 1)
+                at += 3
+            elif words[at].isdigit():
+                numbers.append(int(words[at]))
+                at += 1
+            else:
+                raise self.refuse(shown_as(words[at]), "whole numbers, or FIRST THRU LAST")
+        return numbers
+
+
+def cards_of(path: Path, lines: list[str]) -> tuple[list[tuple[int, str]], list[Card]]:
+    """Lines of the case control, with their numbers, and cards of the bulk data, up to ENDDATA."""
+    begin = next((n for n, line in enumerate(lines) if re.match(r"\s*BEGIN\s+BULK", line, re.IGNORECASE)), -1)
+    control = [(number, line) for number, line in enumerate(lines[: begin + 1], 1)]
+    found: list[Card] = []
+    for number, line in enumerate(lines[begin + 1 :], begin + 2):
+        text = line.split("$", 1)[0].rstrip()
+        if not text.strip():
+            continue
+        if text.strip().upper().startswith("ENDDATA"):
+            break
+        name, fields = _split(text)
+        if name == "" or name[0] in "+*":
+            if not found:
+                raise wrong_line(path, number, "a continuation of nothing", "a card before it")
+            found[-1].fields.extend(fields)
+        else:
+            found.append(Card(path, number, name.rstrip("*").upper(), fields))
+    return control, found
+
+
+def _split(text: str) -> tuple[str, list[str]]:
+    """Name of a line, or its mark of continuation, and its fields: eight, or four of a large one."""
+    if "," in text:
+        name, *fields = (word.strip() for word in text.split(","))
+        if fields and re.fullmatch(r"[+*](?!\d|\.).*", fields[-1]):
+            fields.pop()  # the mark of the line that goes on
+        count = 4 if name.endswith("*") or name.startswith("*") else 8
+        return name, [*fields[:count], *[""] * (count - len(fields))]
+    text = text.expandtabs(_SMALL)
+    name = text[:_SMALL].strip()
+    width = _LARGE if name.endswith("*") or name.startswith("*") else _SMALL
+    row = text[_SMALL:72].ljust(64)
+    return name, [row[at : at + width].strip() for at in range(0, 64, width)]

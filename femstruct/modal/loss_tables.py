@@ -1,0 +1,61 @@
+"""Losses of materials in modes, also of loss factors that depend on frequency: each mode at its own."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from femstruct.arrays import Floats
+from femstruct.errors import Finding
+from femstruct.modal.basis import ModalBasis
+from femstruct.model.materials.loss_by_frequency import LossByFrequency
+
+BEYOND = 2.0**0.5  # ratio of frequencies from which on a mode is outside a table: half an octave, half a band
+STRAINED = 0.01  # of a mode's elastic energy: parts with less hardly damp it
+
+
+def material_losses(basis: ModalBasis) -> Floats:
+    """Structural damping [k, k] of the parts' loss factors [rad^2/s^2]: the sum of eta K of all parts.
+
+    Notes
+    -----
+    Of a table sqrt(eta(f_r) eta(f_s)) K_rs: the diagonal is the strain energy with the loss factor at the mode's own
+    frequency, and the whole is never active. A rigid mode strains no part.
+    """
+    losses = np.zeros_like(basis.hysteretic)
+    for part, stiffness in basis.part_stiffness.items():
+        loss = basis.loss_factors.get(part, 0.0)
+        if isinstance(loss, LossByFrequency):
+            roots = np.sqrt(loss.at(basis.frequency_hz))
+            losses += roots[:, None] * stiffness * roots
+        else:
+            losses += loss * stiffness
+    rigid = basis.omega == 0.0
+    losses[rigid, :] = losses[:, rigid] = 0.0  # rounding
+    return losses
+
+
+def beyond_tables(basis: ModalBasis) -> tuple[Finding, ...]:
+    """Parts whose loss factor is given by frequency, and modes strained in them that are outside of what is given."""
+    found = []
+    elastic = np.array([kind == "elastic" for kind in basis.kind])
+    frequency, squared = basis.frequency_hz[elastic], basis.omega[elastic] ** 2
+    for part, stiffness in basis.part_stiffness.items():
+        loss = basis.loss_factors.get(part, 0.0)
+        if not isinstance(loss, LossByFrequency):
+            continue
+        low, high = loss.band
+        strained = np.diag(stiffness)[elastic] > STRAINED * squared
+        outside = strained & ((frequency < low / BEYOND) | (frequency > high * BEYOND))
+        if not outside.any():
+            continue
+        first, last = frequency[outside].min(), frequency[outside].max()
+        found.append(
+            Finding(
+                "loss-beyond-table",
+                f"{part}: its loss factor is given from {low:g} to {high:g} Hz. {int(outside.sum())} of the "
+                f"{int(strained.sum())} modes that strain it are outside, from {first:.4g} to {last:.4g} Hz, and have "
+                "the value of the nearest frequency",
+                {"modes": float(outside.sum()), "lowest_hz": float(first), "highest_hz": float(last)},
+            )
+        )
+    return tuple(found)

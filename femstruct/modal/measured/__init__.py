@@ -1,0 +1,1 @@
+"""What was measured on a structure, and how it fits a model."""

@@ -1,0 +1,121 @@
+"""A structure at rest under its weight and constant forces: displacements and what holds it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from scipy.sparse import csr_array
+
+from femstruct.arrays import Floats, freeze, frozen
+from femstruct.assembly.matrices import Assembly
+from femstruct.conventions import GRAVITY, N_COMPONENTS
+from femstruct.errors import InputError
+from femstruct.modal.solve import modes
+from femstruct.model.model import Model
+from femstruct.model.probe import Probe
+from femstruct.sparse.patterns import aligned
+from femstruct.sparse.solvers import FASTEST, SOLVERS
+
+UP: Final = 2  # the global axis that weight acts against
+
+
+@dataclass(frozen=True, eq=False)
+class AtRest:
+    """A structure at rest. displacement [n_nodes, 7] : components of its nodes [m, rad]. forces : of every spring,
+    foundation, support, joint and on the ground, by name [3] [N], signs as of `ForceRows`. load [3] : the sum of all
+    that acts [N].
+
+    Two nodes, the second 2 mm lower:
+
+    >>> low = np.zeros((2, 7)); low[1, 2] = -2e-3
+    >>> AtRest(low, {}, np.array([0.0, 0.0, -50.0])).of(Probe([1], [2], [1.0]))
+    -0.002
+    """
+
+    displacement: Floats
+    forces: Mapping[str, Floats]
+    load: Floats
+
+    def __post_init__(self) -> None:
+        freeze(
+            self,
+            displacement=frozen("AtRest displacement", self.displacement, (None, N_COMPONENTS)),
+            load=frozen("AtRest load", self.load, (3,)),
+        )
+
+    def of(self, probe: Probe) -> float:
+        """Displacement or rotation at a probe [m, rad]."""
+        return float(probe.of(self.displacement[:, :, None])[0])
+
+
+def statics(model: Model, assembly: Assembly, forces: Sequence[tuple[Probe, float]], weight: bool = False) -> AtRest:
+    """A meshed structure under constant forces [N] at probes and, if asked for, its own weight.
+
+    Raises InputError for a structure that can move as a whole.
+
+    Notes
+    -----
+    Linear: displacements are small, and weight and forces do not change the stiffness. The weight of parts acts at
+    their nodes, which errs with h^2.
+
+    The tip of a cantilever under its own weight, q L^4 / 8 E I:
+
+    >>> from femstruct import Frame, Material, PlaceOn, Structure, Support, assemble, mesh_structure
+    >>> from femstruct.model.section import rectangle
+    >>> steel = Material("steel", E=210e9, nu=0.3, rho=7850.0)
+    >>> bar = Frame("bar", steel, rectangle("s", 0.01, 0.02), (((0.0, 0.0, 0.0), (1.0, 0.0, 0.0)),), mesh=0.05)
+    >>> points = tuple(PlaceOn(name, "bar", at=((x, 0.0, 0.0),)) for name, x in (("foot", 0.0), ("tip", 1.0)))
+    >>> wall = Support("wall", "clamped", at="foot")
+    >>> model = mesh_structure(Structure("a bar", (bar,), points=points, supports=(wall,)))
+    >>> rest = statics(model, assemble(model), [], weight=True)
+    >>> round(1e3 * rest.of(model.points["tip"].probe("z")), 2), round(float(rest.forces["wall"][2]), 2)
+    (-1.38, -15.4)
+    """
+    _refuse_free(assembly)
+    n = len(assembly.points) * N_COMPONENTS
+    nodal = np.zeros(n)
+    for probe, force in forces:
+        nodal += force * probe.row(len(assembly.points)).toarray()[0]
+    if weight:
+        nodal += _weight(model, n)
+    loads = csr_array(nodal[None])
+    pattern, (values,) = aligned([assembly.K])
+    factor = SOLVERS[FASTEST](pattern).factor(values)
+    pushed = (loads @ assembly.dofs.T).toarray()[0]
+    moved = np.asarray(factor.solve(pushed), dtype=np.float64)
+    moved += np.asarray(factor.solve(pushed - assembly.K @ moved), dtype=np.float64)
+    return AtRest(
+        displacement=(assembly.dofs.T @ moved).reshape(-1, N_COMPONENTS),
+        forces={
+            name: np.asarray(rows.stiffness @ moved + (rows.direct @ nodal)) for name, rows in assembly.forces.items()
+        },
+        load=nodal.reshape(-1, N_COMPONENTS)[:, :3].sum(axis=0),
+    )
+
+
+def _refuse_free(assembly: Assembly) -> None:
+    """Raise InputError for a structure with rigid modes."""
+    free = modes(assembly.K, assembly.M, count=1, labels=assembly.dofs.labels).n_rigid
+    if free:
+        raise InputError(
+            "supports",
+            got="a structure that can move as a whole",
+            expected="supports or springs that hold it every way",
+            do="'femstruct modes MODEL' counts its rigid-body modes",
+        )
+
+
+def _weight(model: Model, count: int) -> Floats:
+    """Weight of parts and masses on nodal components [count] [N]."""
+    nodal = np.zeros((model.mesh.n_nodes, N_COMPONENTS))
+    up = np.zeros((model.mesh.n_nodes, N_COMPONENTS))
+    up[:, UP] = 1.0
+    for part in model.parts.values():
+        np.add.at(nodal[:, UP], part.nodes, -GRAVITY * part.lumps)
+    total: Floats = nodal.ravel()
+    for inert in model.inerts:
+        total = total - GRAVITY * (inert.rows.T @ (inert.mass * (inert.rows @ up.ravel())))
+    return total[:count]

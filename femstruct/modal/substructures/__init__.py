@@ -1,0 +1,1 @@
+"""Parts reduced to their interfaces."""

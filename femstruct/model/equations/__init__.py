@@ -1,0 +1,1 @@
+"""Constraints: one kind a file, each a noun that becomes equations between places."""

@@ -1,0 +1,142 @@
+"""Averages: a point that moves as the rigid motion that fits the motion of others best."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from scipy.sparse import csr_array, vstack
+
+from femstruct.arrays import Floats
+from femstruct.conventions import DIRECTIONS, N_COMPONENTS
+from femstruct.declared import checked
+from femstruct.errors import InputError, some_of
+from femstruct.model.anchors import listed, place_of, places_of, point_rows, some_listed
+from femstruct.model.equations.constraint import Constraint
+from femstruct.model.fastened import Tie
+from femstruct.model.model import Model
+from femstruct.model.region import Region
+from femstruct.model.rows import sparse_rows
+
+ORDER: Final = 2  # Gauss points a direction of each cell of a region
+_UNDETERMINED: Final = 1e-9  # of the largest: a rotation that the places resist by less is about a line they lie on
+_FORCES = np.concatenate([np.eye(3), np.zeros((3, 3))])
+
+
+@dataclass(frozen=True)
+@checked("constraints")
+class Average(Constraint):
+    """A point that moves as the rigid motion that fits the shifts of others best; it does not stiffen them.
+
+    of : names of points, all of the same weight. on, over : a part and a region of it, weighted by its area or length.
+    directions : out of x y z rx ry rz, global, in which the point follows. A force on the point is shared among the
+    others as a group of bolts shares it: equal parts, and what balances the moment, proportional to the distance from
+    their middle. The force recorded is the one on the others.
+
+    A machine of 300 kg that rests on four feet, whose plate stays as flexible as it is:
+
+    >>> Average("rests", "underside", of=("feet",), directions=("x", "y", "z")).of
+    ('feet',)
+
+    Notes
+    -----
+    With the rigid motions B [3 p, 6] of the places about the point and their weights W, the motion of the point is
+    (B^T W B)^-1 B^T W u: least squares. Known from other programs as RBE3 or distributing coupling.
+    """
+
+    name: str
+    point: str
+    of: tuple[str, ...] = ()
+    on: str | None = None
+    over: Region | None = None
+    directions: tuple[str, ...] = DIRECTIONS
+
+    def __post_init__(self) -> None:
+        where = f"constraints.{self.name}"
+        some_listed(f"{where}.directions", self.directions)
+        if not self.of and self.on is None:
+            raise InputError(f"{where}.of", got="nothing", expected="points, or a region of a part")
+        if self.of and self.on is not None:
+            raise InputError(f"{where}.of", got=f"points and a region of {self.on}", expected="one of them")
+        if self.point in self.of:
+            raise InputError(f"{where}.of", got=f"'{self.point}' itself", expected="other points")
+
+    def holds(self) -> Mapping[str, tuple[str, ...]]:
+        return dict.fromkeys((self.point, *self.of), DIRECTIONS)
+
+    def region(self) -> tuple[str, Region] | None:
+        return None if self.on is None else (self.on, self.over or Region("whole"))
+
+    def tie(self, model: Model, tolerance: float) -> Tie:
+        where = f"constraints.{self.name}"
+        point = place_of(f"{where}.average", self.point, model)
+        shifts, weights = self._shifts(model, tolerance)
+        held = listed(f"{where}.directions", self.directions)
+        fitted = _fitted(_places(shifts, point.position, model.mesh.points), weights)
+        if fitted is None or np.abs(fitted.lost[held]).max(initial=0.0) > _UNDETERMINED:
+            raise InputError(
+                f"{where}.of",
+                got="places on one line, or one place alone, which do not determine the motion of the point",
+                expected="three places that are not on one line",
+                do="name more places, or those directions only that they determine, as in directions: [x, y, z]",
+            )
+        rows = point_rows(point, np.zeros(3), model) - csr_array(fitted.motion) @ shifts
+        return Tie(self.name, csr_array(csr_array(rows)[held]), _FORCES[held], grounded=False)
+
+    def _shifts(self, model: Model, tolerance: float) -> tuple[csr_array, Floats]:
+        """Shifts of the places [3 p, n_nodes * 7] and their weights [p]."""
+        where = f"constraints.{self.name}.of"
+        if self.on is None:
+            points = [one for name in self.of for one in places_of(where, name, model)]
+            rows = [point_rows(one, np.zeros(3), model)[:3] for one in points]
+            return csr_array(vstack(rows)), np.full(len(points), 1.0 / len(points))
+        part = model.parts.get(self.on)
+        spread = None if part is None else part.spread(where, self.over or Region("whole"), tolerance, ORDER)
+        if spread is None:
+            known = some_of([name for name, one in model.parts.items() if not one.rigid])
+            raise InputError(f"{where}.on", got=f"'{self.on}'", expected=f"a part that can be averaged: {known}")
+        rows_of_all = sparse_rows(spread.nodes, spread.rows[:, :3], model.mesh.n_nodes)
+        return rows_of_all, spread.weights / spread.weights.sum()
+
+
+@dataclass(frozen=True, eq=False)
+class _Fit:
+    """motion [6, 3 p] : that of the point from the shifts of the places. lost [6, l] : what they do not determine of
+    it, rotations times the spread of the places."""
+
+    motion: Floats
+    lost: Floats
+
+
+def _fitted(places: Floats, weights: Floats) -> _Fit | None:
+    """The rigid motion at the origin that fits shifts of places [p, 3] best; None where all of them are at one.
+
+    Fitted about their middle, where shifts and rotations do not mix, and carried from there on a rigid arm.
+    """
+    middle = weights @ places
+    off = places - middle
+    size = float(np.sqrt(weights @ (off**2).sum(axis=1)))
+    if not size > _UNDETERMINED * float(np.linalg.norm(places, axis=1).max()):
+        return None
+    turns = np.cross(np.eye(3)[:, None], off[None] / size)  # [axis, place, 3]
+    B = np.concatenate([np.tile(np.eye(3), (len(places), 1)), turns.reshape(3, -1).T], axis=1)
+    weighed = np.repeat(weights, 3)[:, None] * B
+    values, vectors = np.linalg.eigh(B.T @ weighed)
+    kept = values > _UNDETERMINED
+    arm = np.concatenate([np.eye(3), np.cross(np.eye(3), -middle / size).T], axis=1)
+    carried = np.concatenate([arm, np.eye(3, 6, 3)])
+    best = carried @ (vectors[:, kept] / values[kept]) @ (weighed @ vectors[:, kept]).T
+    best[3:] /= size
+    return _Fit(best, carried @ vectors[:, ~kept])
+
+
+def _places(shifts: csr_array, at: Floats, nodes: Floats) -> Floats:
+    """Where places are from one [3], by what rotations of all nodes about it do to them [p, 3]."""
+    turned = np.zeros((len(nodes), N_COMPONENTS, 3))
+    turned[:, 3:6] = np.eye(3)
+    for axis in range(3):
+        turned[:, :3, axis] = np.cross(np.eye(3)[axis], nodes - at)
+    felt = (shifts @ turned.reshape(-1, 3)).reshape(-1, 3, 3)
+    return np.stack([felt[:, 1, 2], felt[:, 2, 0], felt[:, 0, 1]], axis=1)

@@ -1,0 +1,98 @@
+"""A component: matrices from a file, and how nodes move with their degrees of freedom."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from scipy.sparse import csr_array
+from scipy.sparse.linalg import lsqr
+
+from femstruct.arrays import Floats, Integers, freeze, frozen, frozen_integers
+from femstruct.conventions import N_COMPONENTS
+from femstruct.errors import FemstructError
+
+_EXACT = 1e-14  # residual of the least-squares solver: rounding
+
+
+@dataclass(frozen=True, eq=False)
+class Component:
+    """Matrices of a structure on its own degrees of freedom, as another program or a reduction gives them.
+
+    source : the file. M, C, K [r, r] : mass, dashpots, stiffness. motion [n_nodes * 7, r] : nodal components from the
+    degrees of freedom. points [n_nodes, 3] : where the nodes are [m]. mass : in all [kg]. labels [r] : of the degrees
+    of freedom. interface : nodes that can be joined to others; the motion of the rest follows. quads [q, 4],
+    lines [l, 2] : nodes of faces and bars, for pictures. axes [3, 3] : of a plate whose nodes have a twist; none for
+    others. loss_factor : of the stiffness [1]. reduced_to_hz : highest frequency of the modes that were kept, of a
+    reduction; None for a whole structure.
+
+    translations [r, 3] : what shifts all of it along x, y, z. free : whether there are such, nothing inside being held.
+
+    One mass of 2 kg on a spring along z:
+
+    >>> one = csr_array([[2.0]])
+    >>> motion = csr_array(([1.0], ([2], [0])), shape=(7, 1))
+    >>> Component("a.npz", one, csr_array((1, 1)), one, motion, [[0.0, 0.0, 0.0]], 2.0, ("z",), [0]).free
+    False
+    """
+
+    source: str
+    M: csr_array
+    C: csr_array
+    K: csr_array
+    motion: csr_array
+    points: Floats
+    mass: float
+    labels: tuple[str, ...]
+    interface: Integers
+    quads: Integers = field(default_factory=lambda: np.zeros((0, 4), np.int64))
+    lines: Integers = field(default_factory=lambda: np.zeros((0, 2), np.int64))
+    axes: Floats = field(default_factory=lambda: np.zeros((0, 3)))
+    loss_factor: float = 0.0
+    reduced_to_hz: float | None = None
+    translations: Floats = field(init=False)
+    free: bool = field(init=False)
+
+    def __post_init__(self) -> None:
+        points = frozen("component points", self.points, (None, 3))
+        r = len(self.labels)
+        for name in ("M", "C", "K"):
+            if getattr(self, name).shape != (r, r):
+                raise FemstructError(f"component {name}", got=f"{getattr(self, name).shape}", expected=f"{(r, r)}")
+        if self.motion.shape != (len(points) * N_COMPONENTS, r):
+            expected = f"({len(points)} nodes x {N_COMPONENTS}, {r})"
+            raise FemstructError("component motion", got=f"{self.motion.shape}", expected=expected)
+        translations, free = _translations(self.motion, len(points))
+        freeze(
+            self,
+            points=points,
+            interface=frozen_integers("component interface", self.interface, (None,)),
+            quads=frozen_integers("component quads", self.quads, (None, 4)),
+            lines=frozen_integers("component lines", self.lines, (None, 2)),
+            axes=frozen("component axes", self.axes, (None, 3)),
+            translations=frozen("component translations", translations, (r, 3)),
+            free=free,
+        )
+
+    @property
+    def reduced(self) -> bool:
+        """Whether it is a reduction."""
+        return self.reduced_to_hz is not None
+
+
+def _translations(motion: csr_array, n_nodes: int) -> tuple[Floats, bool]:
+    """Degrees of freedom of unit shifts of all nodes [r, 3], and whether there are such: nothing inside is held.
+
+    By least squares; columns are scaled, since modal coordinates have other units than displacements.
+    """
+    size = np.sqrt(np.asarray(motion.multiply(motion).sum(axis=0)).ravel())
+    scale = np.divide(1.0, size, out=np.zeros_like(size), where=size > 0.0)
+    scaled = csr_array(motion.multiply(scale[None, :]))
+    shifts = np.zeros((n_nodes, N_COMPONENTS, 3))
+    shifts[:, :3] = np.eye(3)
+    found, free = [], True
+    for wanted in shifts.reshape(-1, 3).T:
+        answer, _, _, rest, *_ = lsqr(scaled, wanted, atol=_EXACT, btol=_EXACT, iter_lim=10 * motion.shape[1] + 100)
+        free &= bool(rest < 1e-9 * np.sqrt(n_nodes))
+        found.append(scale * answer)
+    return np.stack(found, axis=1), free

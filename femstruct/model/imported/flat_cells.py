@@ -1,0 +1,249 @@
+"""The triangles and quadrilaterals that a part takes from an imported mesh: flat, linear, and turned one way."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+import scipy
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from femstruct.arrays import Floats, Integers, freeze, frozen, frozen_integers
+from femstruct.model.imported.cell_kinds import KINDS
+from femstruct.model.imported.imported_mesh import ImportedMesh
+from femstruct.model.region import Region
+
+# Pieces of a quadratic cell, by its nodes; -1 is the middle of a quad8, which has no node there.
+_PIECES: Final = {
+    "tri3": ((0, 1, 2),),
+    "tri6": ((0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5)),
+    "quad4": ((0, 1, 2, 3),),
+    "quad8": ((0, 4, -1, 7), (4, 1, 5, -1), (-1, 5, 2, 6), (7, -1, 6, 3)),
+    "quad9": ((0, 4, 8, 7), (4, 1, 5, 8), (8, 5, 2, 6), (7, 8, 6, 3)),
+}
+OPPOSITE: Final = float(np.cos(np.radians(160.0)))  # of directions from an edge: cells that go on in one plane
+_CENTRE: Final = np.array([-0.25] * 4 + [0.5] * 4)  # shape functions of a quad8 in its middle
+
+
+@dataclass(frozen=True, eq=False)
+class FlatCells:
+    """Triangles and quadrilaterals of an imported mesh, with the nodes that they have.
+
+    points [n, 3] : nodes [m]. rows [n] : of the points of the mesh, -1 for middles of quad8 cells. quads [q, 4],
+    triangles [t, 3] : corner nodes. kinds [q + t], cells [q + t] : the kind of cell, as a place in the list of kinds of
+    the mesh, and the row of the cell, that each is (a piece of), quadrilaterals first. turned [q + t] : whether its
+    corners run the other way than in the file. patches [q + t] : which cells hang together by edges. two_sided : False
+    where a patch has no two sides, as a Moebius strip.
+    """
+
+    points: Floats
+    rows: Integers
+    quads: Integers
+    triangles: Integers
+    kinds: Integers
+    cells: Integers
+    turned: Integers
+    patches: Integers
+    two_sided: bool
+
+    def __post_init__(self) -> None:
+        count = len(self.quads) + len(self.triangles)
+        freeze(
+            self,
+            points=frozen("cells points", self.points, (None, 3)),
+            rows=frozen_integers("cells rows", self.rows, (len(self.points),)),
+            quads=frozen_integers("cells quads", self.quads, (None, 4)),
+            triangles=frozen_integers("cells triangles", self.triangles, (None, 3)),
+            kinds=frozen_integers("cells kinds", self.kinds, (count,)),
+            cells=frozen_integers("cells cells", self.cells, (count,)),
+            turned=frozen_integers("cells turned", self.turned, (count,)),
+            patches=frozen_integers("cells patches", self.patches, (count,)),
+        )
+
+    @property
+    def corners(self) -> Integers:
+        """Corner nodes of all cells [q + t, 4], quadrilaterals first; triangles have their last one twice."""
+        return np.concatenate([self.quads, self.triangles[:, [0, 1, 2, 2]]])
+
+    @property
+    def areas(self) -> Floats:
+        """Of the cells [q + t] [m^2]; of warped ones, of the flat cell between."""
+        return np.asarray(np.linalg.norm(area_vectors(self.points, self.corners), axis=1))
+
+    @property
+    def normals(self) -> Floats:
+        """Unit normals of the cells [q + t, 3]."""
+        vectors = area_vectors(self.points, self.corners)
+        return np.asarray(vectors / np.linalg.norm(vectors, axis=1)[:, None])
+
+    @property
+    def longest_sides(self) -> Floats:
+        """Of the cells [q + t] [m]."""
+        p = self.points[self.corners]
+        return np.asarray(np.linalg.norm(np.roll(p, -1, axis=1) - p, axis=2).max(axis=1))
+
+    def in_set(self, mesh: ImportedMesh, name: str) -> np.ndarray:
+        """Which cells [q + t] are of a set of cells. Raises InputError for a set without any."""
+        wanted = mesh.cells_of(name, 2)
+        found = np.zeros(len(self.cells), dtype=bool)
+        for number, kind in enumerate(mesh.cells):
+            if kind in wanted:
+                own = self.kinds == number
+                found[own] = np.isin(self.cells[own], wanted[kind])
+        return found
+
+    def nodes_within(self, mesh: ImportedMesh, region: Region, tolerance: float) -> Integers:
+        """Nodes of a set or in a box; those of a set that are not of these cells are left out."""
+        if region.kind == "whole":
+            return np.arange(len(self.points))
+        if region.box is not None:
+            low, high = np.sort(np.array(region.box, dtype=np.float64), axis=0)
+            inside = (self.points >= low - tolerance) & (self.points <= high + tolerance)
+            return np.flatnonzero(inside.all(axis=1))
+        name = region.named or ""
+        wanted = mesh.nodes_of(name)
+        found = np.isin(self.rows, wanted)
+        if name in mesh.cell_sets:  # middles of quad8 cells have no row of their own
+            faces = [kind for kind in mesh.cell_sets[name] if KINDS[kind].dimension == 2]
+            if faces:
+                found[np.unique(self.corners[self.in_set(mesh, name)])] = True
+        return np.flatnonzero(found)
+
+
+def flat_cells(mesh: ImportedMesh, named: str | None) -> FlatCells:
+    """The triangles and quadrilaterals of a set of a mesh, or of all of it.
+
+    Quadratic cells are cut into four linear ones, so that their middle nodes keep their places. Normals are made
+    consistent: in each patch of cells that hang together by edges of two cells, and over edges
+    where others stand on them, cells are turned to agree with the
+    greater area of them, and so that a closed patch has its normals outwards.
+
+    Raises InputError for a set that is not there, and for one without such cells.
+
+    >>> square = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [2, 0, 0]])
+    >>> mesh = ImportedMesh("a", square, range(5), {"quad4": [[0, 1, 2, 3]], "tri3": [[1, 2, 4]]},
+    ...     {"quad4": [1], "tri3": [2]})
+    >>> cells = flat_cells(mesh, None)
+    >>> cells.triangles.tolist(), cells.turned.tolist()
+    ([[1, 4, 2]], [0, 1])
+    """
+    chosen = mesh.cells_of(named, 2)
+    places, kinds, cells = [np.asarray(mesh.points)], [], []
+    pieces: dict[int, list[Integers]] = {4: [], 3: []}
+    owners: dict[int, list[tuple[Integers, Integers]]] = {4: [], 3: []}
+    count = len(mesh.points)
+    for number, kind in enumerate(mesh.cells):
+        if kind not in chosen:
+            continue
+        nodes = mesh.cells[kind][chosen[kind]]
+        if kind == "quad8":
+            places.append(np.einsum("k,mkd->md", _CENTRE, mesh.points[nodes]))
+            nodes = np.column_stack([nodes, count + np.arange(len(nodes))])
+            count += len(nodes)
+        cut = np.array(_PIECES[kind])
+        pieces[cut.shape[1]].append(nodes[:, cut].reshape(-1, cut.shape[1]))
+        rows = np.repeat(chosen[kind], len(cut))
+        owners[cut.shape[1]].append((np.full(len(rows), number), rows))
+    quads, triangles = (np.concatenate([np.zeros((0, k), np.int64), *pieces[k]]) for k in (4, 3))
+    for some in (*owners[4], *owners[3]):
+        kinds.append(some[0])
+        cells.append(some[1])
+    used, inverse = np.unique(np.concatenate([quads.ravel(), triangles.ravel()]), return_inverse=True)
+    points = np.concatenate(places)[used]
+    quads = inverse[: quads.size].reshape(quads.shape)
+    triangles = inverse[quads.size :].reshape(triangles.shape)
+    turned, patches, two_sided = _orientation(points, quads, triangles)
+    flip_quads, flip_triangles = turned[: len(quads)], turned[len(quads) :]
+    return FlatCells(
+        points,
+        np.where(used < len(mesh.points), used, -1),
+        np.where(flip_quads[:, None], quads[:, [0, 3, 2, 1]], quads),
+        np.where(flip_triangles[:, None], triangles[:, [0, 2, 1]], triangles),
+        np.concatenate(kinds),
+        np.concatenate(cells),
+        turned,
+        patches,
+        two_sided,
+    )
+
+
+def area_vectors(points: Floats, corners: Integers) -> Floats:
+    """Areas of cells [m, 4] along their normals [m, 3] [m^2]; of warped ones, of the flat one between."""
+    p = points[corners]
+    vectors: Floats = np.cross(p[:, 2] - p[:, 0], p[:, 3] - p[:, 1]) / 2.0
+    return vectors
+
+
+def _edges(quads: Integers, triangles: Integers) -> tuple[Integers, Integers, np.ndarray]:
+    """Edges as ascending nodes [e, 2], the cell of each, and whether it runs upwards there."""
+    of_quads = np.stack([quads, np.roll(quads, -1, axis=1)], axis=-1).reshape(-1, 2)
+    of_triangles = np.stack([triangles, np.roll(triangles, -1, axis=1)], axis=-1).reshape(-1, 2)
+    edges = np.concatenate([of_quads, of_triangles])
+    owner = np.concatenate([np.repeat(np.arange(len(quads)), 4), len(quads) + np.repeat(np.arange(len(triangles)), 3)])
+    return np.sort(edges, axis=1), owner, edges[:, 0] < edges[:, 1]
+
+
+def _orientation(points: Floats, quads: Integers, triangles: Integers) -> tuple[np.ndarray, Integers, bool]:
+    """Which cells to turn [m], the patch of each [m], and whether all patches have two sides.
+
+    Neighbours across an edge of exactly two cells are of one patch. Where more cells meet, two that go on in one plane
+    are turned alike, too, as of a floor over a wall, if no patch loses its sides by that.
+    """
+    edges, owner, upwards = _edges(quads, triangles)
+    _, place, times = np.unique(edges, axis=0, return_inverse=True, return_counts=True)
+    place = place.ravel()
+    inner = np.flatnonzero(times[place] == 2)
+    pairs = inner[np.argsort(place[inner], kind="stable")].reshape(-1, 2)
+    corners = np.concatenate([quads, triangles[:, [0, 1, 2, 2]]])
+    count, vectors, middles = len(corners), area_vectors(points, corners), points[corners].mean(axis=1)
+    first, second = _two_sides(pairs, owner, upwards, count)
+    patch = np.unique(np.minimum(first, second), return_inverse=True)[1].ravel()
+    two_sided = not (first == second).any()
+    away = middles[owner] - points[edges].mean(axis=1)
+    further = _in_one_plane(np.flatnonzero(times[place] > 2), place, away)
+    if len(further):
+        wide = _two_sides(np.concatenate([pairs, further]), owner, upwards, count)
+        first, second = wide if not (wide[0] == wide[1]).any() else (first, second)
+    group = np.unique(np.minimum(first, second), return_inverse=True)[1].ravel()
+    as_they_are = first <= second  # of the side of each group whose label is the lower
+    sign = np.where(as_they_are, 1.0, -1.0)
+    votes = np.bincount(group, sign * np.linalg.norm(vectors, axis=1))
+    open_edges = np.bincount(group, np.bincount(owner, times[place] != 2, minlength=count))
+    volume = np.bincount(group, sign * np.einsum("mi,mi->m", middles - points.mean(axis=0), vectors))
+    votes = np.where(open_edges == 0, volume, votes)
+    keep = np.where(votes[group] < 0, ~as_they_are, as_they_are)
+    return (~keep).astype(np.int64), patch, two_sided
+
+
+def _two_sides(pairs: Integers, owner: Integers, upwards: np.ndarray, count: int) -> tuple[Integers, Integers]:
+    """Labels [m] of each cell as it is, and turned: every cell stands twice in a graph, and neighbours across pairs of
+    edges [p, 2] are linked where they agree, so that what has two sides is two pieces of the graph."""
+    one, other = owner[pairs[:, 0]], owner[pairs[:, 1]]
+    # cells that agree run through their edge in opposite ways
+    against = (upwards[pairs[:, 0]] == upwards[pairs[:, 1]]).astype(np.int64)
+    first = np.concatenate([one, one + count])
+    second = np.concatenate([other + count * against, other + count * (1 - against)])
+    graph = coo_array((np.ones(len(first)), (first, second)), shape=(2 * count, 2 * count))
+    label = connected_components(graph, directed=False)[1].astype(np.int64)
+    return label[:count], label[count:]
+
+
+def _in_one_plane(crowded: Integers, place: Integers, away: Floats) -> Integers:
+    """Pairs [p, 2] of edges at one place, of those where more than two cells meet, whose cells lie opposite."""
+    order = crowded[np.argsort(place[crowded], kind="stable")]
+    directions = away[order] / np.linalg.norm(away[order], axis=1)[:, None]
+    found = [np.zeros((0, 2), np.int64)]
+    for step in range(1, len(order)):
+        same = np.flatnonzero(place[order[:-step]] == place[order[step:]])
+        if not len(same):
+            break
+        opposite = np.einsum("pi,pi->p", directions[same], directions[same + step]) < OPPOSITE
+        found.append(np.stack([order[same], order[same + step]], axis=1)[opposite])
+    return np.concatenate(found)
+
+
+def nodes_at_one_place(points: Floats, tolerance: float) -> Integers:
+    """Pairs of nodes [m, 2] nearer to each other than a tolerance [m]: a mesh does not hang together there."""
+    return np.asarray(scipy.spatial.KDTree(points).query_pairs(tolerance, output_type="ndarray"), np.int64)

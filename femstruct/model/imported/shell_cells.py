@@ -1,0 +1,219 @@
+"""What the cells of a shell do: their matrices, motion at places in them, places on them."""
+
+from __future__ import annotations
+
+from typing import Final, NamedTuple
+
+import numpy as np
+from scipy.sparse import csr_array
+
+from femstruct.arrays import Floats, Integers
+from femstruct.conventions import N_COMPONENTS
+from femstruct.elements import quad_shell, triangle_shell
+from femstruct.elements.facets.axes import angles, frames, turned
+from femstruct.elements.placement import with_offsets
+from femstruct.elements.quadrature import gauss_interval
+from femstruct.model.grid.scatter import scattered
+from femstruct.model.imported.flat_cells import FlatCells
+from femstruct.model.materials.plate_section import PlateSection
+
+OFF: Final = 1e-6  # of the reach of a patch: what is farther from the cells is not on them
+SAME_SHAPE: Final = 11  # digits to which cells agree that are one shape: the rounding of coordinates of a grid
+_NEWTON: Final = 20  # steps to the place in a quadrilateral; four are enough in one that is not nearly a triangle
+
+
+class Places(NamedTuple):
+    """Places in cells: cells [p], xi, eta [p] there, places [p, 3] [m], weights [p] [m^2]."""
+
+    cells: Integers
+    xi: Floats
+    eta: Floats
+    places: Floats
+    weights: Floats
+
+
+class Sections(NamedTuple):
+    """Rigidities A, B, D [m, 3, 3], As [m, 2, 2] and masses m0, m1, m2 [m] of cells, in their own axes."""
+
+    A: Floats
+    B: Floats
+    D: Floats
+    As: Floats
+    m0: Floats
+    m1: Floats
+    m2: Floats
+
+
+class Nearest(NamedTuple):
+    """The place of cells that is nearest to another: its cell, xi and eta there [1], where it is [3] [m]."""
+
+    cell: int
+    xi: Floats
+    eta: Floats
+    position: Floats
+
+
+def cell_sections(
+    cells: FlatCells, sections: list[PlateSection], which: Integers, x_direction: Floats | None
+) -> Sections:
+    """Rigidities and masses of each cell in its own axes. which [q + t] : number of the section of each. x_direction
+    [3] : of the x of the sections, laid into each cell; None where they have none."""
+    stiff = [np.stack([getattr(one, name) for one in sections])[which] for name in ("A", "B", "D", "As")]
+    stiff[1] *= np.array([one.coupled for one in sections])[which, None, None]  # else it is rounding
+    if x_direction is not None:
+        angle = np.concatenate([angles(frames(cells.points[own]), x_direction) for own in _kinds(cells) if len(own)])
+        stiff = [turned(matrix, angle) for matrix in stiff]
+    masses = (np.array([getattr(one, name) for one in sections])[which] for name in ("m0", "m1", "m2"))
+    return Sections(*stiff, *masses)
+
+
+def _kinds(cells: FlatCells) -> tuple[Integers, Integers]:
+    return cells.quads, cells.triangles
+
+
+def cell_matrices(cells: FlatCells, of: Sections, offset: float) -> tuple[csr_array, csr_array]:
+    """Stiffness and mass [6 n, 6 n] of all cells. of : the sections of all. offset : from the mesh to the middle of the
+    thickness, along the normals [m]; nodes carry it on rigid arms."""
+    n_quads, count = len(cells.quads), 6 * len(cells.points)
+    K, M = csr_array((count, count)), csr_array((count, count))
+    for kind, nodes, own in (
+        (quad_shell, cells.quads, slice(0, n_quads)),
+        (triangle_shell, cells.triangles, slice(n_quads, None)),
+    ):
+        if not len(nodes):
+            continue
+        one, copies = _alike(cells.points[nodes], Sections(*(part[own] for part in of)))
+        corners, section = cells.points[nodes[one]], Sections(*(part[own][one] for part in of))
+        matrices = (
+            kind.stiffness(corners, section.A, section.B, section.D, section.As),
+            kind.mass(corners, section.m0, section.m1, section.m2),
+        )
+        if offset:
+            arms = [offset * cells.normals[own][one]] * nodes.shape[1]
+            matrices = (with_offsets(matrices[0], *arms), with_offsets(matrices[1], *arms))
+        numbers = (6 * nodes[:, :, None] + np.arange(6)).reshape(len(nodes), -1)
+        added = scattered(matrices[0][copies], matrices[1][copies], numbers, count)
+        K, M = csr_array(K + added[0]), csr_array(M + added[1])
+    return K, M
+
+
+def _alike(corners: Floats, of: Sections) -> tuple[Integers, Integers]:
+    """One cell of each shape, place and section aside, and which of them each cell is: matrices are computed once."""
+    away = corners[:, 1:] - corners[:, :1]
+    size = np.abs(away).max(axis=(1, 2))
+    shapes = np.round(np.column_stack([away.reshape(len(corners), -1) / size[:, None], np.log(size)]), SAME_SHAPE)
+    keys = np.column_stack([shapes, *(part.reshape(len(corners), -1) for part in of)]) + 0.0  # no -0
+    rows = np.ascontiguousarray(keys).view(np.dtype((np.void, keys.itemsize * keys.shape[1]))).ravel()
+    _, one, which = np.unique(rows, return_index=True, return_inverse=True)
+    return one, which
+
+
+def rows_at(cells: FlatCells, which: Integers, xi: Floats, eta: Floats) -> tuple[Integers, Floats]:
+    """Motion at places in cells [p]: nodes [p, 4], counted in the part, and rows [p, 6, 4, 7], global axes."""
+    rows = np.zeros((len(which), 6, 4, N_COMPONENTS))
+    four = which < len(cells.quads)
+    for of, own, count in ((quad_shell, four, 4), (triangle_shell, ~four, 3)):
+        if own.any():
+            corners = cells.points[cells.corners[which[own], :count]]
+            motion = of.interpolate(corners, xi[own], eta[own])
+            rows[own, :, :count, :6] = motion.reshape(-1, 6, count, 6)
+    return cells.corners[which], rows
+
+
+def cell_points(cells: FlatCells, which: Integers, order: int) -> Places:
+    """Gauss points of cells; over a quadrilateral order x order, over a triangle those of one folded together."""
+    points, shares = gauss_interval(order)
+    xi, eta = np.repeat(points, order), np.tile(points, order)
+    weights = np.outer(shares, shares).ravel()
+    four = which < len(cells.quads)
+    # A square folded onto a triangle: (xi, eta (1 - xi)), with the area 1 - xi.
+    at = [(which[four], xi, eta, weights), (which[~four], xi, eta * (1.0 - xi), weights * (1.0 - xi))]
+    found = []
+    for own, x, y, w in at:
+        many = np.repeat(own, len(x))
+        xs, ys = np.tile(x, len(own)), np.tile(y, len(own))
+        places, areas = _mapped(cells, many, xs, ys)
+        found.append(Places(many, xs, ys, places, np.tile(w, len(own)) * areas))
+    return Places(*(np.concatenate(pair) for pair in zip(*found, strict=True)))
+
+
+def _mapped(cells: FlatCells, which: Integers, xi: Floats, eta: Floats) -> tuple[Floats, Floats]:
+    """Where places in cells are [p, 3] [m], and the area of a unit of xi and eta there, in the mean plane [p] [m^2]."""
+    p0, p1, p2, p3 = np.moveaxis(cells.points[cells.corners[which]], 1, 0)
+    x, y = xi[:, None], eta[:, None]
+    four = (which < len(cells.quads))[:, None]
+    twist = p0 - p1 + p2 - p3
+    places = np.where(four, p0 + x * (p3 - p0) + y * (p1 - p0) + x * y * twist, p0 + x * (p1 - p0) + y * (p2 - p0))
+    along = np.where(four, p3 - p0 + y * twist, p1 - p0)
+    across = np.where(four, p1 - p0 + x * twist, p2 - p0)
+    areas = np.einsum("pi,pi->p", np.cross(along, across), cells.normals[which])
+    return places, np.abs(areas)
+
+
+def nearest_place(cells: FlatCells, at: Floats) -> Nearest:
+    """The place of the cells nearest to one in space [3]; of warped quadrilaterals on their two triangles."""
+    quads, triangles = cells.quads, cells.triangles
+    owner = np.concatenate([np.arange(len(quads)), np.arange(len(quads)), len(quads) + np.arange(len(triangles))])
+    corners = cells.points[np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]], triangles])]
+    places = _on_triangles(corners, at)
+    best = int(np.argmin(((places - at) ** 2).sum(axis=1)))
+    cell, position = int(owner[best]), places[best]
+    xi, eta = _inside(cells, cell, position)
+    return Nearest(cell, xi, eta, _mapped(cells, np.array([cell]), xi, eta)[0][0])
+
+
+def cross_turning(cells: FlatCells, centers: Floats, reach: float, axes: Floats) -> tuple[Integers, Floats]:
+    """Rotation about the normal of patches that reach so far [m] around places [m, 3] of flat cells.
+
+    axes [3, 3] : two directions in the cells, and the normal. The ends of a cross, as far as they lie on the cells, and
+    its middle move as the cells do; the rotation is that of the rigid motion that fits them best.
+
+    Returns nodes [m, 20] and rows [m, 1, 20, 7].
+    """
+    arms = reach * np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])
+    nodes, rows = np.zeros((len(centers), 20), np.int64), np.zeros((len(centers), 1, 20, N_COMPONENTS))
+    for number, center in enumerate(centers):
+        ends = [nearest_place(cells, center + arm @ axes[:2]) for arm in arms]
+        places = np.array([end.position for end in ends])
+        on_it = np.linalg.norm(places - center - arms @ axes[:2], axis=1) <= OFF * reach
+        off = (places - places[on_it].mean(axis=0)) @ axes[:2].T * on_it[:, None]
+        xi, eta = (np.concatenate([end[at] for end in ends]) for at in (1, 2))
+        there, motion = rows_at(cells, np.array([end.cell for end in ends]), xi, eta)
+        pulls = (off[:, :1] * axes[1] - off[:, 1:] * axes[0]) / (off**2).sum()
+        nodes[number] = there.ravel()
+        rows[number, 0] = np.einsum("pi,pikc->pkc", pulls, motion[:, :3]).reshape(20, N_COMPONENTS)
+    return nodes, rows
+
+
+def _on_triangles(corners: Floats, at: Floats) -> Floats:
+    """The place of each triangle [n, 3, 3] nearest to a place [3]: in it, or on one of its sides."""
+    a, b, c = np.moveaxis(corners, 1, 0)
+    normal = np.cross(b - a, c - a)
+    square = np.maximum((normal**2).sum(axis=1), np.finfo(float).tiny)
+    foot = at - ((at - a) * normal).sum(axis=1)[:, None] / square[:, None] * normal
+    inside = np.ones(len(a), dtype=bool)
+    candidates = []
+    for start, end in ((a, b), (b, c), (c, a)):
+        side = end - start
+        inside &= (np.cross(side, foot - start) * normal).sum(axis=1) >= 0.0
+        share = np.clip(((at - start) * side).sum(axis=1) / (side**2).sum(axis=1), 0.0, 1.0)
+        candidates.append(start + share[:, None] * side)
+    sides = np.stack(candidates, axis=1)
+    nearest = np.argmin(((sides - at) ** 2).sum(axis=2), axis=1)
+    found: Floats = np.where(inside[:, None], foot, sides[np.arange(len(a)), nearest])
+    return found
+
+
+def _inside(cells: FlatCells, cell: int, position: Floats) -> tuple[Floats, Floats]:
+    """xi and eta of a place in a cell, each [1], from 0 to 1."""
+    p = cells.points[cells.corners[cell]]
+    if cell >= len(cells.quads):
+        share = np.linalg.lstsq(np.stack([p[1] - p[0], p[2] - p[0]], axis=1), position - p[0], rcond=None)[0]
+        return np.clip(share[:1], 0.0, 1.0), np.clip(share[1:], 0.0, 1.0)
+    twist, place = p[0] - p[1] + p[2] - p[3], np.array([0.5, 0.5])
+    for _ in range(_NEWTON):
+        x, y = place
+        off = position - (p[0] + x * (p[3] - p[0]) + y * (p[1] - p[0]) + x * y * twist)
+        slopes = np.stack([p[3] - p[0] + y * twist, p[1] - p[0] + x * twist], axis=1)
+        place = np.clip(place + np.linalg.lstsq(slopes, off, rcond=None)[0], 0.0, 1.0)
+    return place[:1], place[1:]

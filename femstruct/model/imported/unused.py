@@ -1,0 +1,81 @@
+"""What mesh files state and no part of a structure uses: cells of other kinds or sets, masses, links, held nodes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Final
+
+import numpy as np
+
+from femstruct.arrays import Integers
+from femstruct.errors import Finding, some_of
+from femstruct.model.imported.imported_mesh import ImportedMesh
+from femstruct.model.structure import Structure
+
+WORDS: Final = {"line": "bars", "tri": "triangles", "quad": "quadrilaterals", "tet": "tetrahedra", "hex": "hexahedra"}
+SHOWN: Final = 4  # kinds of what is not used
+
+
+def unused_findings(structure: Structure) -> tuple[Finding, ...]:
+    """What is not used of each mesh file, whichever of its parts would use it."""
+    by_file: dict[tuple[object, ...], list[tuple[str, ImportedMesh, Mapping[str, Integers]]]] = {}
+    for part in structure.parts:
+        for mesh, cells in part.taken():
+            counts = tuple((kind, len(some)) for kind, some in mesh.cells.items())
+            by_file.setdefault((mesh.source, len(mesh.points), counts), []).append((part.name, mesh, cells))
+    return tuple(finding for users in by_file.values() for finding in _of_one(structure, users))
+
+
+def _of_one(structure: Structure, users: list[tuple[str, ImportedMesh, Mapping[str, Integers]]]) -> Iterator[Finding]:
+    mesh, names = users[0][1], [name for name, _, _ in users]
+    used = {kind: np.zeros(len(cells), dtype=bool) for kind, cells in mesh.cells.items()}
+    for _, _, cells in users:
+        for kind, rows in cells.items():
+            used[kind][rows] = True
+    told = [*_cells(mesh, used), *_beside(structure, mesh, names)]
+    if told:
+        yield Finding(
+            "mesh-states-more",
+            f"{', '.join(names)}: {mesh.source} states what no part uses: {some_of(told, SHOWN)}. Their stiffness, "
+            "mass and supports are missing unless the model has them otherwise: write parts, masses, joints, supports",
+            {"kinds": len(told)},
+        )
+
+
+def _cells(mesh: ImportedMesh, used: Mapping[str, np.ndarray]) -> Iterator[str]:
+    """Cells that no part takes: elements by their type in the file, or those with nodes that no part has."""
+    ours = np.zeros(len(mesh.points), dtype=bool)
+    for kind, mask in used.items():
+        ours[mesh.cells[kind][mask].ravel()] = True
+    for kind, mask in used.items():
+        numbers = mesh.cell_numbers[kind]
+        left = ~mask
+        for word, elements in mesh.stated.elements.items():
+            of_type = left & np.isin(numbers, elements)
+            if of_type.any():
+                yield f"{of_type.sum()} {word} elements{_sets_of(mesh, kind, of_type)}"
+            left &= ~of_type
+        apart = left & ~ours[mesh.cells[kind]].all(axis=1)
+        if apart.any():
+            yield f"{apart.sum()} {WORDS[kind.rstrip('0123456789')]}{_sets_of(mesh, kind, apart)}"
+
+
+def _sets_of(mesh: ImportedMesh, kind: str, which: np.ndarray) -> str:
+    names = [name for name, of in mesh.cell_sets.items() if kind in of and which[of[kind]].any()]
+    return f" (set {some_of(names, 3)})" if names else ""
+
+
+def _beside(structure: Structure, mesh: ImportedMesh, names: list[str]) -> Iterator[str]:
+    """Masses, links, held nodes that no support of a set holds, and what is not read."""
+    stated = mesh.stated
+    yield from stated.left_out
+    held = [
+        mesh.nodes_of(one.region.named)
+        for one in structure.supports
+        if one.on in names and one.region is not None and one.region.named in mesh.set_names
+    ]
+    ours = np.concatenate([np.zeros(0, np.int64), *held])
+    whole = any(one.on in names and one.region is None for one in structure.supports)
+    open_ones = [one for one in stated.holds if not (whole or np.isin(one.nodes, ours).all())]
+    counted = ((len(stated.masses), "masses"), (len(stated.links), "rigid links"), (len(open_ones), "held sets"))
+    yield from (f"{count} {what}" for count, what in counted if count)

@@ -1,0 +1,263 @@
+"""What a plate can be made of beside one material: layers, or a deck known by its rigidities."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from femstruct.arrays import Floats
+from femstruct.declared import checked
+from femstruct.elements import laminate
+from femstruct.elements.plate import rigidity
+from femstruct.errors import InputError
+from femstruct.model.given import Given, of_loss
+from femstruct.model.material import Material
+from femstruct.model.materials.loss_by_frequency import Loss, check_loss, weighted
+from femstruct.model.materials.orthotropic import AnyMaterial, Orthotropic
+from femstruct.model.materials.plate_section import PlateSection
+
+SHEAR_FACTOR = 5.0 / 6.0  # of a homogeneous plate: a parabola of shear stress
+
+
+@dataclass(frozen=True)
+@checked("layers")
+class Layer:
+    """A layer of a plate: material, thickness [m], and the angle from the plate's x to the material's x about z [rad].
+
+    >>> Layer(Material("gypsum", E=2.5e9, nu=0.3, rho=800.0), 12.5e-3).angle
+    0.0
+    """
+
+    material: AnyMaterial
+    thickness: float
+    angle: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not 0.0 < self.thickness < np.inf:
+            raise InputError("layers.thickness", got=f"{self.thickness:g} m", expected="a positive length")
+
+
+@dataclass(frozen=True)
+@checked("laminate")
+class Laminate:
+    """Layers from the lower face up, bonded without slip; stands where a plate takes a material.
+
+    A sandwich is skins and a soft core: the core shears. Nailed or dry boards slip: they are not bonded.
+
+    >>> spruce = Orthotropic("spruce", E=(11e9, 370e6), G=(690e6, 50e6), nu=0.35, rho=420.0)
+    >>> clt = Laminate(tuple(Layer(spruce, 0.04, angle) for angle in (0.0, np.pi / 2, 0.0, np.pi / 2, 0.0)))
+    >>> section = clt.section
+    >>> (section.D[0, 0] / 1e6).round(3), (section.As[0, 0] / 1e6).round(2), round(section.m0)
+    (np.float64(5.884), np.float64(15.92), 84)
+    """
+
+    layers: tuple[Layer, ...]
+
+    def __post_init__(self) -> None:
+        if not self.layers:
+            raise InputError("laminate.layers", got="no layer", expected="one or more")
+
+    @property
+    def thickness(self) -> float:
+        """Of all layers [m]."""
+        return float(sum(layer.thickness for layer in self.layers))
+
+    def described(self) -> tuple[Given, ...]:
+        """Its layers in words, for tables of inputs."""
+        told = (
+            f"{one.material.name} {1e3 * one.thickness:.6g} mm"
+            + (f" at {np.degrees(one.angle):.6g}°" if one.angle else "")
+            for one in self.layers
+        )
+        return (Given("layers", tuple(told)),)
+
+    @property
+    def materials(self) -> tuple[AnyMaterial, ...]:
+        """Of its layers, each once."""
+        return tuple(dict.fromkeys(layer.material for layer in self.layers))
+
+    @property
+    def section(self) -> PlateSection:
+        """Rigidities and masses about the middle of the thickness."""
+        stiff, soft, z = self._stiffnesses()
+        axis = next((layer.angle for layer in self.layers if isinstance(layer.material, Orthotropic)), 0.0)
+        losses = [layer.material.loss_factor for layer in self.layers]
+        return PlateSection(
+            *laminate.stiffness(stiff, z),
+            laminate.shear_stiffness(stiff, soft, z, axis),
+            *laminate.inertia([layer.material.rho for layer in self.layers], z),
+            low=float(z[0]),
+            high=float(z[-1]),
+            loss_factor=weighted(losses, laminate.bending_shares(stiff, z)),
+            shear_loss_factor=weighted(losses, laminate.shear_shares(stiff, soft, z, axis)),
+        )
+
+    def stresses(self, N: ArrayLike, M: ArrayLike) -> Floats:
+        """Stresses (sigma_x, sigma_y, tau_xy) [m, n, 2, 3] in Pa along the plate's axes at the lower and upper face of
+        its n layers, from membrane forces N [m, 3] [N/m] and moments M [m, 3] [N] per length."""
+        stiff, _, z = self._stiffnesses()
+        return laminate.layer_stresses(stiff, z, N, M)
+
+    def shear_stresses(self, V: ArrayLike, share: ArrayLike = (0.0, 0.5, 1.0)) -> Floats:
+        """Transverse shear stresses (tau_xz, tau_yz) [m, n, k, 2] in Pa in its n layers at shares [k] of their height,
+        from shear forces V [m, 2] per length [N/m]."""
+        stiff, _, z = self._stiffnesses()
+        return laminate.shear_stresses(stiff, z, V, share)
+
+    def _stiffnesses(self) -> tuple[Floats, Floats, Floats]:
+        """In plane [n, 3, 3] and across [n, 2, 2] along the plate's axes [Pa], and the heights of the faces [m]."""
+        angles = np.array([layer.angle for layer in self.layers])
+        constants = np.array([_constants(layer.material) for layer in self.layers])
+        stiff = laminate.plane_stress(*constants[:, :4].T)
+        soft = constants[:, 4:, None] * np.eye(2)
+        z = laminate.bounds([layer.thickness for layer in self.layers])
+        return laminate.turned(stiff, angles), laminate.turned_shear(soft, angles), z
+
+
+@dataclass(frozen=True)
+@checked("smeared")
+class Smeared:
+    """A deck known by its rigidities: ribs, corrugations or hollows smeared over its area, along the plate's x and y.
+
+    D : bending rigidities (Dx, Dy, D12, D66) [N m]; the torsional stiffness usually called 2 H is 2 D12 + 4 D66.
+    S : transverse shear stiffnesses (Sx, Sy) [N/m]. mass : per area [kg/m^2]. thickness : from face to face [m].
+    A : membrane rigidities (Ax, Ay, A12, A66) [N/m]; without them 12 D / thickness^2, those of a homogeneous plate.
+    Its rotary inertia is that of a homogeneous plate, mass thickness^2 / 12. loss_factor [1].
+
+    Raises InputError for values that are not positive, and where D12^2 >= Dx Dy.
+
+    >>> Smeared(D=(5.9e6, 1.7e6, 0.09e6, 0.46e6), S=(16e6, 10e6), mass=84.0, thickness=0.2).section.D[1, 1]
+    np.float64(1700000.0)
+    """
+
+    D: tuple[float, float, float, float]
+    S: tuple[float, float]
+    mass: float
+    thickness: float
+    A: tuple[float, float, float, float] | None = None
+    loss_factor: Loss = 0.0
+
+    def __post_init__(self) -> None:
+        checked: list[tuple[str, tuple[float, ...], int]] = [("D", self.D, 4), ("S", self.S, 2)]
+        for key, values, count in checked if self.A is None else [*checked, ("A", self.A, 4)]:
+            if len(values) != count or not all(value > 0 for value in (values[0], values[1], values[-1])):
+                got = ", ".join(f"{value:g}" for value in values)
+                raise InputError(f"smeared.{key}", got=got, expected=f"{count} rigidities above 0")
+            if count == 4 and not values[2] ** 2 < values[0] * values[1]:
+                least = np.sqrt(values[0] * values[1])
+                raise InputError(
+                    f"smeared.{key}",
+                    got=f"{key}12 = {values[2]:g}",
+                    expected=f"less than sqrt({key}x {key}y) = {least:.4g}",
+                    do=f"the order is {key}x, {key}y, {key}12, {key}66",
+                )
+        for key, value in (("mass", self.mass), ("thickness", self.thickness)):
+            if not value > 0:
+                raise InputError(f"smeared.{key}", got=f"{value:g}", expected="a positive value")
+        check_loss("smeared.loss_factor", self.loss_factor)
+
+    def described(self) -> tuple[Given, ...]:
+        """Its rigidities, for tables of inputs; the thickness is the plate's."""
+        membrane = () if self.A is None else (Given("A", self.A, "N/m"),)
+        values = (
+            Given("D", self.D, "N m"),
+            Given("S", self.S, "N/m"),
+            *membrane,
+            Given("mass per area", self.mass, "kg/m^2"),
+        )
+        return (*values, of_loss(self.loss_factor))
+
+    @property
+    def materials(self) -> tuple[AnyMaterial, ...]:
+        """None that is known."""
+        return ()
+
+    @property
+    def section(self) -> PlateSection:
+        """Rigidities and masses about the middle of the thickness."""
+        D, h = _orthotropic(self.D), self.thickness
+        return PlateSection(
+            A=12.0 / h**2 * D if self.A is None else _orthotropic(self.A),
+            B=np.zeros((3, 3)),
+            D=D,
+            As=np.diag(self.S),
+            m0=self.mass,
+            m1=0.0,
+            m2=self.mass * h**2 / 12.0,
+            low=-h / 2.0,
+            high=h / 2.0,
+            loss_factor=self.loss_factor,
+            shear_loss_factor=self.loss_factor,
+        )
+
+
+LayUp = Laminate | Smeared
+
+
+def section_of(made_of: AnyMaterial | LayUp, thickness: float) -> PlateSection:
+    """Rigidities and masses of a plate of one material, of layers, or smeared, about the middle of its thickness.
+
+    thickness [m] : of one material; that of a lay-up is its own.
+
+    >>> steel = Material("steel", E=210e9, nu=0.3, rho=7850.0)
+    >>> one = Laminate((Layer(steel, 5e-3),)).section
+    >>> bool(np.allclose(section_of(steel, 5e-3).As, one.As, rtol=1e-12))
+    True
+    """
+    if isinstance(made_of, LayUp):
+        return made_of.section
+    if isinstance(made_of, Orthotropic):
+        return Laminate((Layer(made_of, thickness),)).section
+    mass, bends = made_of.rho * thickness, rigidity(made_of.E, made_of.nu, thickness)
+    return PlateSection(
+        A=12.0 / thickness**2 * bends,
+        B=np.zeros((3, 3)),
+        D=bends,
+        As=SHEAR_FACTOR * made_of.G * thickness * np.eye(2),
+        m0=mass,
+        m1=0.0,
+        m2=mass * thickness**2 / 12.0,
+        low=-thickness / 2.0,
+        high=thickness / 2.0,
+        loss_factor=made_of.loss_factor,
+        shear_loss_factor=made_of.loss_factor,
+    )
+
+
+def stresses_of_resultants(made_of: AnyMaterial | LayUp, thickness: float) -> tuple[Floats, Floats]:
+    """Heights [s] of faces [m] and the stresses (xx, yy, xy) there of membrane forces [1/m] and moments per length
+    [1/m^2], [s, 3, 6]: of one material the face of the normal and the other, of layers the lower and the upper face of
+    each, from below.
+
+    Raises InputError for smeared ribs, whose stresses are not known.
+
+    >>> heights, stresses = stresses_of_resultants(Material("steel", E=210e9, nu=0.3, rho=7850.0), 2.0)
+    >>> heights.tolist(), stresses[:, 0, 0].tolist(), stresses[:, 0, 3].tolist()  # N / t, 6 M / t^2
+    ([1.0, -1.0], [0.5, 0.5], [1.5, -1.5])
+    """
+    if isinstance(made_of, Smeared):
+        raise InputError("stresses", got="smeared ribs", expected="a material or layers", do="model the ribs as parts")
+    if isinstance(made_of, Laminate):
+        moved = made_of.stresses(np.eye(6, 3), np.eye(6, 3, -3))
+        z = laminate.bounds([layer.thickness for layer in made_of.layers])
+        heights = np.stack([z[:-1], z[1:]], axis=1).ravel()
+        return heights, np.asarray(np.moveaxis(moved, 0, -1).reshape(len(heights), 3, 6))
+    signs = np.array([1.0, -1.0])
+    of_moments = signs[:, None, None] * (6.0 / thickness**2 * np.eye(3))
+    of_forces = np.broadcast_to(np.eye(3) / thickness, of_moments.shape)
+    return signs * thickness / 2.0, np.concatenate([of_forces, of_moments], axis=2)
+
+
+def _constants(material: AnyMaterial) -> tuple[float, float, float, float, float, float]:
+    """E1, E2, nu12, G12, G13, G23."""
+    if isinstance(material, Material):
+        return material.E, material.E, material.nu, material.G, material.G, material.G
+    (Ex, Ey, _), (Gxy, Gyz, Gzx) = material.E, material.G
+    return Ex, Ey, material.ratios[0], Gxy, Gzx, Gyz
+
+
+def _orthotropic(values: tuple[float, float, float, float]) -> Floats:
+    x, y, both, twist = values
+    return np.array([[x, both, 0.0], [both, y, 0.0], [0.0, 0.0, twist]])

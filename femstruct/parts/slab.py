@@ -1,0 +1,136 @@
+"""Slabs: flat, with an outline of right angles and rectangular openings, as a shell on a grid of its own."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from femstruct.arrays import Floats
+from femstruct.declared import checked
+from femstruct.errors import Finding, InputError
+from femstruct.model.given import Given, given
+from femstruct.model.grid.geometry import from_rectangle, rectangle_axes
+from femstruct.model.grid.layout import Grids, Layout
+from femstruct.model.grid.outlines import Gridded, Hole, gridded
+from femstruct.model.imported.flat_cells import flat_cells
+from femstruct.model.imported.imported_mesh import ImportedMesh
+from femstruct.model.material import Material
+from femstruct.model.materials.lay_up import LayUp, section_of
+from femstruct.model.materials.orthotropic import AnyMaterial
+from femstruct.model.part import Part
+from femstruct.model.probe import Point
+from femstruct.model.region import Pair, Vector
+from femstruct.model.structure import PlaceOn
+from femstruct.parts.plausibility import refuse_thicker, thickness_findings
+from femstruct.parts.shell import FlatMesh, Shell
+
+
+@dataclass(frozen=True)
+@checked("parts")
+class Slab(Part):
+    """A flat slab of any outline with right angles; thick or thin, its elements shear.
+
+    material : one material, or a lay-up, whose x is along the slab's. outline : corners in turn in the slab's own
+    coordinates [m]. mesh : largest element side [m]. holes : rectangular openings, each its sides and its middle [m].
+    through : places that get a node, where columns or walls stand [m]. origin : place of the coordinates (0, 0) of the
+    mid-surface [m]; normal, x_direction : as of a plate. offset : from there to the middle of the thickness [m].
+
+    It has the sets "rim", "side 1" (from the first corner to the second), .., "hole 1", ...
+
+    An L-shaped slab with an opening, and its area:
+
+    >>> concrete = Material("concrete", E=30e9, nu=0.2, rho=2400.0)
+    >>> corners = ((0.0, 0.0), (8.0, 0.0), (8.0, 4.0), (4.0, 4.0), (4.0, 8.0), (0.0, 8.0))
+    >>> floor = Slab("floor", concrete, 0.2, corners, mesh=0.5, holes=(((2.0, 1.0), (2.0, 6.0)),))
+    >>> from femstruct import Structure, mesh_structure
+    >>> round(mesh_structure(Structure("a floor", (floor,))).parts["floor"].mass / 2400.0 / 0.2, 9)
+    46.0
+    """
+
+    name: str
+    material: AnyMaterial | LayUp
+    thickness: float
+    outline: tuple[Pair, ...]
+    mesh: float
+    holes: tuple[Hole, ...] = ()
+    through: tuple[Pair, ...] = ()
+    origin: Vector = (0.0, 0.0, 0.0)
+    normal: Vector = (0.0, 0.0, 1.0)
+    x_direction: Vector | None = None
+    offset: float = 0.0
+
+    def __post_init__(self) -> None:
+        """Raises InputError for an outline, holes, places or a thickness that cannot be."""
+        self.grid()
+        if not self.thickness > 0:
+            raise InputError(f"parts.{self.name}.thickness", got=f"{self.thickness:g} m", expected="a positive length")
+        side = float(np.ptp(self.outline, axis=0).min())
+        refuse_thicker(self.name, "slab", self.material, self.thickness, side)
+
+    def described(self) -> tuple[Given, ...]:
+        keys = ("thickness", "outline", "mesh", "holes", "through", "origin", "offset")
+        return given(self, dict.fromkeys(keys, "m"))
+
+    def grid(self) -> Gridded:
+        """Its nodes and cells in its own coordinates."""
+        return gridded(f"parts.{self.name}", self.outline, self.holes, self.through, self.mesh)
+
+    @property
+    def size(self) -> Pair:
+        """Sides of the rectangle round its outline [m]."""
+        along, across = np.ptp(np.array(self.outline), axis=0).tolist()
+        return along, across
+
+    def shell(self) -> Shell:
+        """The shell that it is."""
+        axes, grid = rectangle_axes(self), self.grid()
+        numbers = np.arange(1, len(grid.cells) + 1)
+        mesh = ImportedMesh(
+            self.name,
+            from_rectangle(self, axes, grid.places),
+            np.arange(1, len(grid.places) + 1),
+            {"quad4": grid.cells},
+            {"quad4": numbers},
+            grid.lines,
+        )
+        x = None if isinstance(self.material, Material) else tuple(axes[0].tolist())
+        return Shell(self.name, mesh, self.material, self.thickness, offset=self.offset, orientation=x)
+
+    def corners(self) -> Floats:
+        return from_rectangle(self, rectangle_axes(self), self.grid().places)
+
+    def materials(self) -> tuple[AnyMaterial, ...]:
+        return self.material.materials if isinstance(self.material, LayUp) else (self.material,)
+
+    def implausible(self, lies: bool) -> tuple[Finding, ...]:
+        section = section_of(self.material, self.thickness)
+        return thickness_findings(self.name, section, self.materials(), min(self.size), False)
+
+    def middles(self) -> Floats:
+        return self.shell().middles()
+
+    def lay_out(self, layout: Layout) -> None:
+        layout.given.add(self.name)
+
+    def meshed(self, layout: Layout, grids: Grids, first: int) -> SlabMesh:
+        shell = self.shell()
+        cells = flat_cells(shell.mesh, None)
+        return SlabMesh(shell, first, cells, np.full(len(cells.cells), self.thickness), rectangle_axes(self), self)
+
+
+@dataclass(frozen=True, eq=False)
+class SlabMesh(FlatMesh):
+    """A slab on its cells."""
+
+    slab: Slab
+
+    def _along(self, normal: Floats) -> Floats:
+        return self.axes[:2]
+
+    def point(self, name: str, place: PlaceOn, at: Floats, tolerance: float) -> Point:
+        """As of a shell, by two coordinates of its own."""
+        if place.named is None and len(at) != 2:
+            got, expected = f"{len(at)} numbers", "[x, y] in the coordinates of its outline"
+            raise InputError(f"points.{name}.at", got=got, expected=expected)
+        return super().point(name, place, from_rectangle(self.slab, self.axes, at), tolerance)

@@ -1,0 +1,200 @@
+"""Substructures: parts that are matrices from a file, of another program or of a reduction."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import csr_array
+
+from femstruct.arrays import Floats, Integers
+from femstruct.conventions import N_COMPONENTS, TWIST
+from femstruct.declared import checked
+from femstruct.errors import Finding, InputError
+from femstruct.model.given import Given, given
+from femstruct.model.grid.layout import Grids, Layout
+from femstruct.model.imported.component import Component
+from femstruct.model.part import Drawn, Meshed, OwnDofs, Part, refuse_patch
+from femstruct.model.probe import Point
+from femstruct.model.region import Region, Vector
+from femstruct.model.rows import sparse_rows
+from femstruct.model.structure import PlaceOn
+
+_SIX = 6
+
+
+@dataclass(frozen=True)
+@checked("parts")
+class Substructure(Part):
+    """A part that is given by matrices; joined, held and pointed at where it has nodes.
+
+    component : the matrices and how nodes move with them. loss_factor : of its stiffness [1], None for that of the
+    file. origin : how far it is shifted from where its file has it [m].
+
+    Joints tie the nodes of its interface; the others only follow, so points may be there and supports may not. Points
+    are at nodes; what is struck at one that is not of the interface lacks its local compliance. Rotations of nodes
+    without any read zero.
+
+    A mass of 2 kg on a spring of 200 N/m along z:
+
+    >>> motion = csr_array(([1.0], ([2], [0])), shape=(7, 1))
+    >>> nothing, M, K = csr_array((1, 1)), csr_array([[2.0]]), csr_array([[200.0]])
+    >>> fan = Component("fan.npz", M, nothing, K, motion, [[0.0, 0.0, 0.0]], 2.0, ("z",), [0])
+    >>> from femstruct import Structure, assemble, mesh_structure, modal_basis
+    >>> model = mesh_structure(Structure("a fan", (Substructure("fan", fan),)))
+    >>> modal_basis(assemble(model), count=1).omega.round(9).tolist()
+    [10.0]
+    """
+
+    name: str
+    component: Component
+    loss_factor: float | None = None
+    origin: Vector = (0.0, 0.0, 0.0)
+
+    def described(self) -> tuple[Given, ...]:
+        one = self.component
+        size = f"{len(one.labels)} degrees of freedom, {len(one.points)} nodes, {len(one.interface)} of them to join"
+        rest = (given_ for given_ in given(self, {"origin": "m"}) if given_.what != "component")
+        return (Given("matrices", f"{one.source} ({size})"), *rest)
+
+    def corners(self) -> Floats:
+        """Its interface: plates and frames that are joined to it get nodes there."""
+        one = self.component
+        return np.asarray(one.points[one.interface] + np.asarray(self.origin))
+
+    def implausible(self, lies: bool) -> tuple[Finding, ...]:
+        """Supports inside of the matrices, whose forces cannot be had."""
+        if self.component.free:
+            return ()
+        return (
+            Finding(
+                "matrices-held",
+                f"{self.name}: the matrices of {self.component.source} cannot shift as a whole, so something in them "
+                "is held: that force on the ground is not recorded, and effective masses leave out what cannot move.",
+                {"degrees_of_freedom": len(self.component.labels)},
+            ),
+        )
+
+    def lay_out(self, layout: Layout) -> None:
+        layout.given.add(self.name)
+
+    def meshed(self, layout: Layout, grids: Grids, first: int) -> SubstructureMesh:
+        return SubstructureMesh(self, first)
+
+
+@dataclass(frozen=True, eq=False)
+class SubstructureMesh(Meshed):
+    """The nodes of a component. first : number of its first node."""
+
+    part: Substructure
+    first: int
+
+    @property
+    def name(self) -> str:
+        return self.part.name
+
+    @property
+    def places(self) -> Floats:
+        return np.asarray(self.part.component.points + np.asarray(self.part.origin))
+
+    @property
+    def joinable(self) -> Integers:
+        return self.first + self.part.component.interface
+
+    @property
+    def has_rotations(self) -> bool:
+        used = np.flatnonzero(np.diff(self.part.component.motion.indptr))
+        turning = (used % N_COMPONENTS >= 3) & (used % N_COMPONENTS < _SIX)
+        return bool(np.isin(used[turning] // N_COMPONENTS, self.part.component.interface).any())
+
+    @property
+    def quads(self) -> Integers:
+        return self.first + self.part.component.quads
+
+    @property
+    def lines(self) -> Integers:
+        return self.first + self.part.component.lines
+
+    @property
+    def mass(self) -> float:
+        return self.part.component.mass
+
+    @property
+    def lumps(self) -> Floats:
+        """Its mass over its nodes, all alike: matrices do not say where it is."""
+        return np.full(len(self.places), self.mass / len(self.places))
+
+    @property
+    def loss_factor(self) -> float:
+        given_one = self.part.loss_factor
+        return self.part.component.loss_factor if given_one is None else given_one
+
+    @property
+    def own_axes(self) -> Floats | None:
+        axes = self.part.component.axes
+        return axes if len(axes) else None
+
+    @property
+    def clamped(self) -> Floats:
+        return np.concatenate([np.eye(_SIX, N_COMPONENTS), self.flat])
+
+    @property
+    def flat(self) -> Floats:
+        """No twist of a plate on a rigid face, as of the plate that it was."""
+        return np.eye(N_COMPONENTS)[TWIST:] if len(self.part.component.axes) else super().flat
+
+    def along(self, line: Floats) -> Floats:
+        """The twist, with its sign along a line, as of the plate that it was."""
+        axes = self.part.component.axes
+        return self.flat if not len(axes) or abs(axes[0] @ line) > abs(axes[1] @ line) else -self.flat
+
+    def dofs(self) -> OwnDofs:
+        motion = self.part.component.motion.tocoo()
+        rows, columns = motion.row.astype(np.int64), motion.col.astype(np.int64)
+        return OwnDofs((), self.part.component.labels, rows, columns, motion.data, self.part.component.translations)
+
+    def stiffness_and_mass(self) -> tuple[csr_array, csr_array]:
+        return self.part.component.K, self.part.component.M
+
+    def dashpots(self) -> csr_array | None:
+        return self.part.component.C if self.part.component.C.nnz else None
+
+    def within(self, where: str, region: Region, tolerance: float) -> Integers:
+        """Nodes of its interface in a box, or all of them."""
+        if region.kind not in ("whole", "box"):
+            raise InputError(where, got=f"a {region.kind} of {self.name}", expected="a box", do="matrices have no sets")
+        nodes = self.part.component.interface
+        if region.box is not None:
+            low, high = np.asarray(region.box, dtype=np.float64)
+            inside = (self.places[nodes] >= low - tolerance) & (self.places[nodes] <= high + tolerance)
+            nodes = nodes[inside.all(axis=1)]
+        if not len(nodes):
+            raise InputError(
+                where, got=f"a box without a node of the interface of {self.name}", expected="one with some"
+            )
+        return np.asarray(self.first + nodes)
+
+    def point(self, name: str, place: PlaceOn, at: Floats, tolerance: float) -> Point:
+        where = f"points.{name}"
+        refuse_patch(name, place)
+        if place.named is not None:
+            raise InputError(f"{where}.set", got=f"a set of {self.name}", expected="at: [x, y, z]")
+        if len(at) != 3:
+            raise InputError(f"{where}.at", got=f"{len(at)} numbers", expected="[x, y, z], global")
+        off = np.linalg.norm(self.places - at, axis=1)
+        node = int(off.argmin())
+        if off[node] > tolerance:
+            x, y, z = self.places[node]
+            raise InputError(
+                f"{where}.at",
+                got=f"({at[0]:g}, {at[1]:g}, {at[2]:g}) m, {off[node]:.4g} m from the nearest node of {self.name}",
+                expected=f"a node of it; the nearest is at ({x:.6g}, {y:.6g}, {z:.6g}) m",
+            )
+        up = np.array([0.0, 0.0, 1.0 if place.side == "above" else -1.0])
+        return Point(name, at, np.full(_SIX, self.first + node), np.arange(_SIX), np.eye(_SIX), normal=up)
+
+    def drawn(self, divisions: int, along: int, n_nodes: int) -> Drawn:
+        one = self.part.component
+        rows = np.zeros((len(one.points), 3, 1, N_COMPONENTS))
+        rows[:, :, 0, :3] = np.eye(3)
+        return Drawn(self.places, sparse_rows(self.nodes[:, None], rows, n_nodes), one.quads, one.lines)

@@ -1,0 +1,47 @@
+"""What a person reads of a model at rest under forces and weight."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from femstruct.files.tables.finding_tables import finding_from
+from femstruct.view.tables.console import console
+from femstruct.view.tables.finding_lines import show_findings
+from femstruct.view.tables.grid import Grid
+
+ROUNDING = 1e-9  # of the largest force: what is left of a solved system
+NOISE = 1e-6  # of the largest displacement or rotation: less has no meaning beside it
+
+
+def show_rest(table: Mapping[str, Any], verbose: bool = False) -> None:
+    """Displacements of points and parts, forces, largest stresses; verbose : remarks, too."""
+    screen = console()
+    screen.print(table["title"], style="bold")
+    x, y, z = (f"{value:.4g}" for value in table["load_n"])
+    screen.print(f"all that acts: ({x}, {y}, {z}) N")
+    if table["points"]:
+        points = Grid("points", ("", "x [mm]", "y [mm]", "z [mm]", "rx [mrad]", "ry [mrad]", "rz [mrad]"))
+        rows = table["points"].values()
+        noise = [NOISE * max(abs(one) for row in rows for one in row[half]) for half in (slice(3), slice(3, 6))]
+        for name, values in table["points"].items():
+            least = [noise[0]] * 3 + [noise[1]] * 3
+            shown = [1e3 * one if abs(one) > least[i] else 0.0 for i, one in enumerate(values)]
+            points.add(name, *(_number(one) for one in shown))
+        points.show(screen)
+    parts = Grid("parts", ("", "largest displacement [mm]", "largest stress of von Mises [MPa]", "where"))
+    for name, moved in table["parts_m"].items():
+        stress = table["stresses"].get(name)
+        told = ("-", "") if stress is None else (f"{1e-6 * stress['largest_pa']:.4g}", stress["where"])
+        parts.add(name, _number(1e3 * moved), *told)
+    parts.show(screen)
+    forces = Grid("forces on the ground, of a joint or spring on its second end", ("", "x [N]", "y [N]", "z [N]"))
+    largest = max((abs(one) for force in table["forces_n"].values() for one in force), default=0.0)
+    for name, force in table["forces_n"].items():
+        forces.add(name, *(_number(one if abs(one) > ROUNDING * largest else 0.0) for one in force))
+    forces.show(screen)
+    show_findings(screen, [(finding_from(one), "") for one in table["findings"]], verbose)
+
+
+def _number(value: float) -> str:
+    return f"{value:.4g}" if value else "0"

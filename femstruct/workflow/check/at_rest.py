@@ -1,0 +1,89 @@
+"""A model at rest under its weight and constant forces, as the command line asks for it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from femstruct.assembly.assemble import assemble
+from femstruct.conventions import DIRECTIONS
+from femstruct.errors import InputError
+from femstruct.files.tables.finding_tables import finding_table
+from femstruct.language import read_model_file
+from femstruct.modal.statics import AtRest, statics
+from femstruct.model.mesher import mesh_structure
+from femstruct.model.model import Model
+from femstruct.model.probe import Probe
+from femstruct.model.structure import Structure
+from femstruct.study.result import LargestStress
+from femstruct.units import quantity
+from femstruct.workflow.stages.places import Places
+from femstruct.workflow.stages.positions import positioned
+from femstruct.workflow.stages.stresses import stress_at_rest, stress_findings
+
+Table = dict[str, Any]
+
+
+def at_rest(path: Path, forces: list[str], weight: bool, overrides: tuple[str, ...] = ()) -> Table:
+    """Table of a model at rest: displacements of its points and parts, forces that hold it, largest stresses.
+
+    forces : each "POINT.direction=FORCE".
+
+    Raises InputError where nothing acts, for a force it cannot read, and for a structure in closed form or one that can
+    move as a whole.
+    """
+    if not forces and not weight:
+        got, do = "nothing that acts", "such as --force 'P.z=-10 kN'"
+        raise InputError("--force and --weight", got=got, expected="one of them", do=do)
+    source = read_model_file(path, overrides)
+    with positioned(source):
+        if not isinstance(source.structure, Structure):
+            raise InputError(str(path), got="a structure in closed form", expected="a model with parts")
+        model = mesh_structure(source.structure)
+        places = Places(model.points, model.surfaces, model.parts)
+        rest = statics(model, assemble(model), [_force(text, places) for text in forces], weight)
+    stresses = _stresses(model, places, rest)
+    return {
+        "title": source.title,
+        "load_n": rest.load.tolist(),
+        "points": {
+            name: [rest.of(point.probe(direction)) for direction in DIRECTIONS] for name, point in model.points.items()
+        },
+        "parts_m": {
+            name: float((rest.displacement[part.nodes, :3] ** 2).sum(axis=1).max() ** 0.5)
+            for name, part in model.parts.items()
+        },
+        "forces_n": {name: force.tolist() for name, force in rest.forces.items()},
+        "stresses": {
+            name: {"largest_pa": float(one.largest.max()), "where": one.where} for name, one in stresses.items()
+        },
+        "findings": [finding_table(finding) for finding in stress_findings(stresses)],
+    }
+
+
+def _force(text: str, places: Places) -> tuple[Probe, float]:
+    """A force as it is written on the command line, at its probe."""
+    spot, equals, amount = text.partition("=")
+    name, _, direction = spot.strip().rpartition(".")
+    if not equals or not name:
+        raise InputError("--force", got=f"'{text}'", expected="POINT.direction=FORCE, such as 'P.z=-10 kN'")
+    point = places.point(name, "--force")
+    try:
+        value = quantity(amount.strip(), "force")
+    except InputError as error:
+        raise InputError("--force", got=error.got, expected=error.expected, do=error.do) from error
+    if direction not in (*DIRECTIONS[:3], "n"):
+        raise InputError("--force", got=f"direction '{direction}'", expected="x, y, z or n")
+    return point.probe(direction), value
+
+
+def _stresses(model: Model, places: Places, rest: AtRest) -> dict[str, LargestStress]:
+    """Of the parts that have stresses."""
+    found: dict[str, LargestStress] = {}
+    for name in model.parts:
+        try:
+            rows = places.stresses(name, name)
+        except InputError:  # a part without stresses, such as a block, or a bar without an outline
+            continue
+        found[name] = stress_at_rest(rows, rest.displacement)
+    return found

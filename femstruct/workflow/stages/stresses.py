@@ -1,0 +1,112 @@
+"""The equivalent stress of a part over time: largest anywhere at every sample, and largest ever at every place."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Final, NamedTuple
+
+import numpy as np
+
+from femstruct.arrays import Floats, Integers
+from femstruct.elements.stresses import von_mises
+from femstruct.errors import Finding
+from femstruct.impact.result.response import Response
+from femstruct.model.probe import StressPlaces
+from femstruct.study.result import LargestStress
+
+AT_ONCE: Final = 4_000_000
+"""Stresses that are evaluated at once, 32 MB: of all places at as many samples as that makes."""
+UNEVEN: Final = 0.2
+"""Share of the largest stress by which the cells at its place may differ, and by which it may fall to the next ones."""
+AROUND: Final = 4  # places next to one in a grid of cells
+SAME: Final = 1e-9  # of the extent of a part: ends of bars that meet are one place
+
+
+class Walked(NamedTuple):
+    """history [nt] : the largest equivalent stress anywhere. largest [p], sample [p] : the largest ever, and when."""
+
+    history: Floats
+    largest: Floats
+    sample: Integers
+
+
+def walked(places: StressPlaces, shapes: Floats, q: Floats) -> Walked:
+    """The equivalent stress of von Mises over time.
+
+    shapes [node, 7, k] : mass-normalised; q [k, nt] : modal coordinates.
+
+    Notes
+    -----
+    Every place at every sample is looked at and none is kept: memory does not grow with their product.
+    """
+    rows = places.of(shapes).reshape(-1, shapes.shape[2])
+    count, components, samples = len(places.places), len(places.components), q.shape[1]
+    history, largest, sample = np.empty(samples), np.full(count, -1.0), np.zeros(count, np.int64)
+    step = max(1, AT_ONCE // max(len(rows), 1))
+    for first in range(0, samples, step):
+        found = (rows @ q[:, first : first + step]).reshape(count, components, -1)
+        equivalent = von_mises(found, places.components)
+        history[first : first + step] = equivalent.max(axis=0)
+        then = equivalent.argmax(axis=1)
+        peak = equivalent[np.arange(count), then]
+        higher = peak > largest
+        largest[higher], sample[higher] = peak[higher], first + then[higher]
+    return Walked(history, largest, sample)
+
+
+def largest_stress(places: StressPlaces, response: Response, q: Floats) -> tuple[Floats, LargestStress]:
+    """The largest equivalent stress anywhere [nt] [Pa], and at every place the largest ever.
+
+    q [k, nt] : the modal coordinates of the response, filtered or not.
+    """
+    found = walked(places, response.basis.shapes, q)
+    return found.history, _largest(places, response.basis.shapes, q, found, response.t[found.sample])
+
+
+def stress_at_rest(places: StressPlaces, displacement: Floats) -> LargestStress:
+    """The equivalent stress at every place of a structure at rest. displacement [n_nodes, 7] : of its nodes."""
+    shapes, q = displacement[:, :, None], np.ones((1, 1))
+    found = walked(places, shapes, q)
+    return _largest(places, shapes, q, found, np.zeros(len(found.largest)))
+
+
+def _largest(places: StressPlaces, shapes: Floats, q: Floats, found: Walked, times: Floats) -> LargestStress:
+    """Where it is largest, and how well the mesh resolves it there."""
+    worst = int(found.largest.argmax())
+    then = q[:, found.sample[worst]]
+    next_to = _neighbours(places, worst)
+    beside = von_mises(places.of(shapes)[next_to] @ then, places.components)
+    peak = float(found.largest[worst]) or 1.0
+    around = places.around(worst)
+    jump = 0.0 if around is None else float(np.ptp(von_mises(around.of(shapes) @ then, places.components))) / peak
+    falls = 1.0 - float(beside.mean()) / peak if len(next_to) else 0.0
+    return LargestStress(places.places, places.sides, found.largest, times, jump, falls)
+
+
+def _neighbours(places: StressPlaces, place: int) -> Integers:
+    """Numbers of the nearest other places on the same side, as many as a grid has around one."""
+    alike = np.arange(place % len(places.sides), len(places.places), len(places.sides))
+    apart = np.linalg.norm(places.places[alike] - places.places[place], axis=1)
+    other = apart > SAME * float(np.ptp(places.places, axis=0).max())
+    found: Integers = alike[other][np.argsort(apart[other], kind="stable")[:AROUND]]
+    return found
+
+
+def stress_findings(stresses: Mapping[str, LargestStress | None]) -> Iterator[Finding]:
+    """Largest stresses that the mesh does not resolve, by what they are called."""
+    for name, found in stresses.items():
+        if found is None or max(found.jump, found.falls) <= UNEVEN:
+            continue
+        how = (
+            f"Between the cells that meet there it jumps by {100 * found.jump:.0f} %"
+            if found.jump > found.falls
+            else f"One cell further it is {100 * found.falls:.0f} % smaller"
+        )
+        yield Finding(
+            "stress-uneven",
+            f"{name}: do not quote its peak of {1e-6 * found.largest.max():.4g} MPa at {found.where}. {how}, more than "
+            f"the {100 * UNEVEN:.0f} % allowed: the mesh does not resolve it. Use a finer mesh. If the stress then "
+            "grows, it is infinite in the model, at a force or support on a point (use the nodes of a set or a patch) "
+            "or at a re-entrant corner or clamped edge (quote the stress one thickness away)",
+            {"jump": found.jump, "falls": found.falls, "allowed": UNEVEN, "peak_pa": float(found.largest.max())},
+        )

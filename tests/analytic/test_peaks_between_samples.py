@@ -1,0 +1,221 @@
+"""Peaks do not depend on how densely a run is sampled: closed forms whose peaks lie between the samples."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from femstruct.cli import app
+from femstruct.impact.closer import closer
+from femstruct.impact.scene.bodies import Clock, Scene
+from femstruct.impact.simulate import simulate
+from femstruct.language import read_study
+from femstruct.modal.analytic import given_modes, oscillator
+from femstruct.study.result import CaseResult
+from femstruct.workflow.run.run import run_study
+from femstruct.workflow.stages.channels import between
+
+LOW = 0.995  # two of 32 samples a period beside the top of a sine: 1 - (pi / 32)^2 / 2
+SWEEP = [500.0, 900.0, 1e3, 1.7e3, 2e3, 3.3e3, 5e3, 12e3, 31e3, 48e3]
+ONE_MODE = "structure: {type: oscillator, mass: 2 kg, stiffness: 20 MN/m}\npoints: {m: {}}\n"
+TWO_MODES = "structure: {type: modes, frequency: [150 Hz, 2 kHz], ratio: [1 %, 1 %], points: {hit: [0.9, -1.1]}}\n"
+STUDY = """model: model.yaml
+bodies: {ball: {mass: 50 g, above: PLACE, speed: 1 m/s, contact: {type: linear, stiffness: 2 MN/m}}}
+record: {PLACE.z: RECORDED, ball on PLACE: force}
+time: {duration: 20 ms, sampling: SAMPLING}
+"""
+
+
+def written(
+    folder: Path, sampling: float, model: str, recorded: str = "[velocity, displacement]", more: str = ""
+) -> Path:
+    (folder / "model.yaml").write_text(model, encoding="utf-8")
+    path, place = folder / "hit.study.yaml", "m" if model == ONE_MODE else "hit"
+    text = STUDY.replace("PLACE", place).replace("RECORDED", recorded).replace("SAMPLING", f"{sampling!r} Hz")
+    path.write_text(text + more, encoding="utf-8")
+    return path
+
+
+def run(path: Path) -> CaseResult:
+    return run_study(read_study(path)).cases["as given"]
+
+
+@pytest.mark.parametrize("sampling", SWEEP)
+@pytest.mark.parametrize("what", ["displacement", "velocity", "acceleration"])
+def test_the_peak_of_two_modes_is_that_of_their_sum(sampling: float, what: str) -> None:
+    """Modes that begin with 1 m/s: x = sin(w t) / w; weighted so that both count and nothing is large at the start."""
+    omega = 2.0 * np.pi * np.array([130.0, 2000.0])
+    window = round(0.004 * sampling) / sampling - 1.0 / 64e3  # a record ends a sample before its window
+    phase = np.outer(omega, np.linspace(0.0, window, 200_001))
+    row = {"displacement": omega, "velocity": np.ones(2), "acceleration": 1.0 / omega}[what] * [1.0, -1.0]
+    form = np.cos(phase) if what == "velocity" else np.sin(phase)
+    true = float(np.abs(form[0] - form[1]).max())
+    basis, _ = given_modes([130.0, 2000.0], [0.0, 0.0], {"p": [1.0, 1.0]})
+    asked = simulate(basis, Scene((), velocity=np.ones(2)), Clock(0.004, sampling))
+    near = closer(asked)
+    assert near is not None and (near is asked) == (sampling >= 32e3)
+    found = float(np.abs(getattr(near, what)(row)).max())
+    missed = 1.0 - LOW if near is not asked else (np.pi / 16.0) ** 2 / 2.0  # of the second mode, of two as large
+    assert (1.0 - missed) * true <= found <= 1.02 * true  # what the last sample of 64 kHz may add
+
+
+@pytest.mark.parametrize("sampling", [300.0, 700.0, 1e3, 2.3e3, 5e3, 21e3, 200e3])
+def test_a_struck_oscillator_has_the_amplitude_of_its_energy(tmp_path: Path, sampling: float) -> None:
+    """Two masses on two springs while the ball is on: after it the velocity's peak is sqrt(v^2 + w^2 x^2)."""
+    stiff, soft, mass, ball = 2e6, 20e6, 2.0, 0.05
+    squares, shapes = np.linalg.eigh([[(stiff + soft) / mass, -stiff / np.sqrt(mass * ball)],
+                                      [-stiff / np.sqrt(mass * ball), stiff / ball]])  # fmt: skip
+    omega, scale = np.sqrt(squares), 1.0 / np.sqrt([mass, ball])
+    start = shapes.T @ np.array([0.0, -np.sqrt(ball)])  # modal velocities of the ball's -1 m/s
+    t = np.linspace(1e-7, 1e-3, 1_000_001)
+    x, v = (scale[:, None] * (shapes @ (start[:, None] * one)) for one in (
+        np.sin(np.outer(omega, t)) / omega[:, None], np.cos(np.outer(omega, t))))  # fmt: skip
+    over = int(np.argmax(x[1] - x[0] > 0.0))  # the ball leaves
+    amplitude = float(np.hypot(v[0, over], np.sqrt(soft / mass) * x[0, over]))
+    case = run(written(tmp_path, sampling, ONE_MODE))
+    found = {name: channel.whole for name, channel in case.channels.items()}
+    closed = 1.0 - 2e-6  # what a step of the closed form, 1 ns, makes of it
+    assert LOW * amplitude <= found["m.z velocity"] <= amplitude / closed
+    assert LOW * amplitude <= found["m.z displacement"] * np.sqrt(soft / mass) <= amplitude / closed
+    force = stiff * float((x[0, :over] - x[1, :over]).max())
+    assert LOW * force <= found["ball on m force"] <= force / closed
+
+
+def test_a_limit_has_one_verdict_whatever_the_sampling(tmp_path: Path) -> None:
+    """It was met at 1 kHz and exceeded at 48 kHz."""
+    peaks, limits = [], "limits: {hit.z velocity: LIMIT}\npeaks: {first_impact: 5 ms}\n"
+    for sampling in SWEEP:
+        result = run_study(read_study(written(tmp_path, sampling, TWO_MODES, more=limits.replace("LIMIT", "0.05 m/s"))))
+        channel = result.cases["as given"].channels["hit.z velocity"]
+        peaks.append((channel.first_impact, channel.whole))
+        sampled = float(np.abs(channel.values).max())
+        found = [one for one in result.cases["as given"].findings if "sampled_peak" in one.values]
+        assert [one.code for one in found] == ["motion-coarsely-sampled"] * len(found)
+        if sampled < 0.9 * channel.whole:  # both numbers, of the channel that misses most
+            assert found[0].values["peak"] > found[0].values["sampled_peak"]
+        assert result.verdicts["as given"][0].value == channel.whole
+    spread = np.ptp(peaks, axis=0) / np.max(peaks, axis=0)
+    assert (spread < (np.pi / 16.0) ** 2 / 2.0).all()  # 31 and 48 kHz are not seen closer: 16 samples a period
+
+
+def test_a_contact_has_its_largest_force_whatever_the_filter_and_the_sampling(tmp_path: Path) -> None:
+    """A limit of 5 kN was met by a force of 5.8 kN, filtered to 4.2 kN."""
+    name, verdicts = "ball on m force", []
+    for sampling in (4e3, 48e3):
+        for low in ("none", "400 Hz"):
+            path = written(tmp_path, sampling, ONE_MODE, more=f"peaks: {{lowpass: {low}}}\n")
+            case = run(path)
+            largest = case.response.contacts["ball on m"].peak_force
+            assert case.channels[name].whole == pytest.approx(largest, rel=1e-9)  # the engine's own rounding
+            limits = f"peaks: {{lowpass: {low}}}\nlimits: {{{name}: {0.99 * largest:.9g} N}}\n"
+            result = run_study(read_study(written(tmp_path, sampling, ONE_MODE, more=limits)))
+            verdicts.append(result.verdicts["as given"][0].met)
+    assert verdicts == [False] * 4
+
+
+@pytest.mark.parametrize(("sampling", "told"), [(1e3, True), (3.9e3, True), (4.1e3, False), (48e3, False)])
+def test_check_says_what_the_run_says(tmp_path: Path, sampling: float, told: bool) -> None:
+    path = written(tmp_path, sampling, TWO_MODES)
+    before = json.loads(CliRunner().invoke(app, ["check", str(path), "--json"]).stdout)["findings"]
+    codes = [one["message"] for one in before if one["code"] == "motion-coarsely-sampled"]
+    assert len(codes) == told
+    after = [one for one in run(path).findings if "last_mode_hz" in one.values]
+    assert [one.message for one in after] == codes and not any(one.severe for one in after)
+    if told:
+        assert after[0].values["last_mode_hz"] == pytest.approx(2e3, rel=1e-12)  # given
+        assert after[0].values["samples"] == pytest.approx(sampling / 2e3, rel=1e-12)  # a quotient
+
+
+def test_sound_from_too_few_samples_is_forbidden_before_it_is_computed() -> None:
+    path = Path(__file__).parents[2] / "models" / "slab_outdoors.study.yaml"  # modes up to 272 Hz
+    codes = []
+    for sampling in ("400 Hz", "12 kHz"):
+        ended = CliRunner().invoke(app, ["check", str(path), "--set", f"time.sampling={sampling}", "--json"])
+        found = [one for one in json.loads(ended.stdout)["findings"] if one["code"] == "motion-coarsely-sampled"]
+        codes.append((ended.exit_code, [one["severe"] for one in found]))
+    assert codes == [(3, [True, False]), (0, [])]
+
+
+def test_peaks_that_do_not_fit_into_memory_are_blank_and_their_limits_not_known(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("femstruct.impact.closer.MOST_STATES", 200.0)
+    path = written(tmp_path, 1e3, TWO_MODES, more="limits: {hit.z velocity: 1 m/s}\n")
+    for command in ("check", "run"):
+        more = ["-o", str(tmp_path / "out"), "--no-pictures"] if command == "run" else []
+        ended = CliRunner().invoke(app, [command, str(path), "--json", *more])
+        assert ended.exit_code == 3, ended.output
+    table = json.loads((tmp_path / "out" / "summary.json").read_text(encoding="utf-8"))["cases"]["as given"]
+    first = table["findings"][0]
+    assert first["code"] == "motion-coarsely-sampled" and first["severe"]
+    assert table["peaks"]["hit.z velocity"]["whole"] is None
+    assert table["limits"]["hit.z velocity"]["verdict"] == "not known"
+
+
+def test_samples_are_not_taken_for_missing_modes(tmp_path: Path) -> None:
+    """Peaks with and without residual vectors are compared on the finer grid: the same at any sampling."""
+    model = Path(__file__).parents[2] / "models" / "small_plate.yaml"
+    (tmp_path / "model.yaml").write_text(model.read_text(encoding="utf-8"), encoding="utf-8")
+    text = STUDY.replace("PLACE", "off").replace("RECORDED", "[velocity, displacement]")
+    peaks, codes = [], []
+    for sampling in ("700 Hz", "100 kHz"):
+        (tmp_path / "hit.study.yaml").write_text(text.replace("SAMPLING", sampling) + "modes: {up_to: 1 kHz}\n")
+        case = run(tmp_path / "hit.study.yaml")
+        codes.append([one.message for one in case.findings if one.code == "peak-not-converged"])
+        channel = case.channels["off.z velocity"]
+        assert channel.by_modes is not None
+        peaks.append((channel.whole, *channel.by_modes))
+    assert len(codes[0]) == len(codes[1])
+    np.testing.assert_allclose(peaks[0], peaks[1], rtol=1.0 - LOW)
+
+
+@pytest.mark.parametrize("frequency", [700.0, 1900.0])
+def test_a_pressure_between_its_samples(frequency: float) -> None:
+    """A tone in a record that begins and ends in silence, of 3.6 and 10 samples a period, peaks between two of them."""
+    basis, _ = oscillator(1.0, frequency_hz=1900.0, axis="z")
+    response = simulate(basis, Scene((), velocity=np.ones(1)), Clock(0.2, 6.9e3))
+    t = response.t
+
+    def tone(at: np.ndarray) -> np.ndarray:
+        wave = np.sin(2.0 * np.pi * frequency * (at - 0.1003)) * np.exp(-(((at - 0.1) / 0.01) ** 2))
+        return np.asarray(wave)
+
+    fine, factor = between(tone(t), response)
+    assert factor * 6.9e3 >= 32 * 1900.0
+    apart = np.abs(fine - tone(np.arange(len(fine)) / (factor * 6.9e3))).max()
+    assert apart < 1e-9  # rounding: the tone has nothing above half the sampling (1e-300) and at the ends (1e-43)
+    assert np.abs(tone(t)).max() < 0.999 * np.abs(fine).max()
+
+
+@pytest.mark.parametrize("sampling", [300.0, 2e3, 17e3, 250e3])
+def test_a_short_force_from_a_file_is_not_missed(tmp_path: Path, sampling: float) -> None:
+    """A triangle of 0.1 ms and 100 N on 2 kg at 503 Hz: at its top a = F / m less w^2 x, x = F t^2 / 6 m."""
+    lines = STUDY.replace("PLACE", "m").replace("RECORDED", "acceleration").replace("SAMPLING", f"{sampling!r} Hz")
+    kept = [line.replace(", ball on m: force", "") for line in lines.splitlines() if not line.startswith("bodies")]
+    kept.append("loads: {push: {at: m.z, file: push.csv}}")
+    (tmp_path / "model.yaml").write_text(ONE_MODE, encoding="utf-8")
+    (tmp_path / "push.csv").write_text("0.00123,0\n0.00128,100\n0.00133,0\n", encoding="utf-8")
+    (tmp_path / "hit.study.yaml").write_text("\n".join(kept) + "\n", encoding="utf-8")
+    true = 50.0 * (1.0 - 20e6 / 2.0 * 50e-6**2 / 6.0)
+    found = run(tmp_path / "hit.study.yaml").channels["m.z acceleration"].whole
+    # two of 16 samples over its width beside the top; the spring holds x back by (w t)^2 / 20 of the 0.4 %
+    assert (1.0 - 1.0 / 32.0) * true <= found <= true * (1.0 + 1e-5)
+
+
+@pytest.mark.parametrize("sampling", [300.0, 2e3, 30e3])
+def test_a_force_from_a_file_pushes_at_once(tmp_path: Path, sampling: float) -> None:
+    """100 N for 2 ms on 2 kg at 503 Hz: a = F / m at the start, x = 2 F / k half a period later."""
+    (tmp_path / "push.csv").write_text("0,0\n1e-6,100\n0.002,100\n0.002001,0\n", encoding="utf-8")
+    load = "loads: {push: {at: m.z, file: push.csv}}\n"
+    text = written(tmp_path, sampling, ONE_MODE, "[displacement, acceleration]").read_text(encoding="utf-8")
+    lines = [line for line in text.splitlines() if not line.startswith("bodies")]
+    lines = [line.replace(", ball on m: force", "") for line in lines]
+    (tmp_path / "hit.study.yaml").write_text("\n".join(lines) + "\n" + load, encoding="utf-8")
+    case = run(tmp_path / "hit.study.yaml")
+    assert case.channels["m.z displacement"].whole == pytest.approx(2.0 * 100.0 / 20e6, rel=1.0 - LOW)
+    # after half a period the acceleration is -F / m; two of 16 samples beside it
+    assert case.channels["m.z acceleration"].whole == pytest.approx(50.0, rel=(np.pi / 16.0) ** 2 / 2.0)

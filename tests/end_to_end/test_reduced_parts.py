@@ -1,0 +1,99 @@
+"""`femstruct reduce`, and a study of a structure with a reduced part and a constraint, from the command line on."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from femstruct import read_results
+from femstruct.cli import app
+
+FLOOR = """
+materials: {concrete: {E: 30 GPa, nu: 0.2, rho: 2400, loss_factor: 1 %}}
+parts:
+  left: LEFT
+  right: {type: plate, material: concrete, thickness: 100 mm, origin: [3, 0, 0], size: [2, 3], mesh: [4, 6]}
+  machine: {type: block, mass: 50 kg, origin: [3.5, 1, 0.2], size: [0.5, 0.5, 0.3]}
+joints: {line: {connect: [left, right]}}
+points:
+  p: {on: left, at: MIDDLE}
+  feet: {on: right, at: [[0.5, 1], [1, 1], [1, 1.5], [0.5, 1.5]]}
+  under: {on: machine, at: [0.25, 0.25, 0]}
+supports: {west: WEST, east: {on: right, edge: x1, fix: [x, y, z]}}
+constraints: {seat: {average: under, of: feet}}
+damping: {from: materials}
+"""
+PLATE = "{type: plate, material: concrete, thickness: 100 mm, origin: [0, 0, 0], size: [3, 3], mesh: [6, 6]}"
+BOX = "{on: left, box: [[-0.01, -1, -1], [0.01, 4, 1]], fix: [x, y, z]}"
+STUDY = """
+model: MODEL
+modes: {up_to: 100 Hz}
+bodies:
+  ball: {mass: 2 kg, above: p, drop_height: 10 cm, contact: {type: hertz, stiffness: 1e7}}
+record: {p.z: velocity, seat: force}
+time: {duration: 40 ms, sampling: 20 kHz}
+"""
+
+
+def written(folder: Path, name: str, left: str, west: str, middle: str) -> Path:
+    text = FLOOR.replace("LEFT", left).replace("WEST", west).replace("MIDDLE", middle)
+    (folder / f"{name}.yaml").write_text(text)
+    (folder / f"{name}.study.yaml").write_text(STUDY.replace("MODEL", f"{name}.yaml"))
+    return folder / f"{name}.yaml"
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("reduced")
+    written(path, "whole", PLATE, "{on: left, edge: x0, fix: [x, y, z]}", "[1.5, 1.5]")
+    written(path, "built", "{type: reduced, file: left.npz}", BOX, "[1.5, 1.5, 0]")
+    return path
+
+
+def femstruct(*words: object) -> tuple[int, str]:
+    done = CliRunner().invoke(app, [str(word) for word in words])
+    return done.exit_code, done.output
+
+
+def test_a_blow_on_a_reduced_part_is_a_blow_on_the_part(folder: Path) -> None:
+    code, told = femstruct(
+        "reduce", folder / "whole.yaml", "--part", "left", "--up-to", "200 Hz", "-o", folder / "left.npz", "--json"
+    )
+    assert code == 0, told
+    assert json.loads(told)["interface nodes"] == 15  # 7 of each of two edges, and the point
+    found = {}
+    for name in ("whole", "built"):
+        code, told = femstruct("run", folder / f"{name}.study.yaml", "-o", folder / name, "--no-pictures")
+        assert code == 0, told
+        (case,) = read_results(folder / name / "results.h5").cases.values()
+        found[name] = {channel.name: np.asarray(channel.values) for channel in case.channels.values()}
+    for channel, exact in found["whole"].items():
+        # the first period of the last mode: residual vectors stand for what either leaves out
+        assert found["built"][channel] == pytest.approx(exact, abs=1e-2 * np.abs(exact).max()), channel
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (("--part", "lft", "-o", "a.npz"), "--part: got 'lft', expected a part with nodes: left, right, machine"),
+        (("--part", "machine", "-o", "a.npz"), "parts.machine: got a rigid part, expected one that deforms"),
+        (("--part", "left", "-o", "a.txt"), "--output: got 'a.txt', expected a file NAME.npz"),
+        (
+            ("--part", "left", "-o", "a.npz", "--up-to", "5 kg"),
+            "--up-to: got '5 kg', which is a mass, expected",
+        ),
+        (("--part", "left", "-o", "a.npz", "--up-to", "9 Hz", "--count", "3"), "got both, expected one of them"),
+    ],
+)
+def test_a_mistake_is_one_clear_line(folder: Path, words: tuple[str, ...], told: str, monkeypatch) -> None:
+    monkeypatch.chdir(folder)
+    shutil.rmtree(folder / "nothing", ignore_errors=True)
+    with pytest.raises(Exception, match=r".") as caught:
+        CliRunner().invoke(app, ["reduce", "whole.yaml", *words], catch_exceptions=False)
+    assert told in str(caught.value)
+    assert not (folder / "a.npz").exists()

@@ -1,0 +1,56 @@
+"""Statics from the command line."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+
+
+def statics(*words: str) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-c", "from femstruct.cli import main; main()", "statics", *words]
+    environment = {**os.environ, "PYTHONPATH": str(ROOT), "PYTHONWARNINGS": "error"}
+    return subprocess.run(command, capture_output=True, text=True, env=environment)
+
+
+MODEL = """
+materials: {steel: {E: 210 GPa, nu: 0.3, rho: 7850 kg/m^3}}
+sections: {bar: {shape: rectangle, width: 20 mm, height: 40 mm}}
+parts: {bar: {type: frame, material: steel, section: bar, lines: [[[0, 0, 0], [1, 0, 0]]], mesh: 0.1}}
+points: {foot: {on: bar, at: [0, 0, 0]}, tip: {on: bar, at: [1, 0, 0]}}
+supports: {wall: {at: foot, fix: clamped}}
+"""
+
+
+def test_the_command_says_displacement_force_and_stress(tmp_path: Path) -> None:
+    (tmp_path / "m.yaml").write_text(MODEL, encoding="utf-8")
+    done = statics(str(tmp_path / "m.yaml"), "--force", "tip.z=-100 N", "--json")
+    assert (done.returncode, done.stderr) == (0, "")
+    table = json.loads(done.stdout)
+    bends = 0.02 * 0.04**3 / 12
+    assert table["stresses"]["bar"]["largest_pa"] == pytest.approx(100.0 * 0.02 / bends, rel=1e-6)  # solved system
+    assert table["forces_n"]["wall"][2] == pytest.approx(-100.0, rel=1e-9)  # solved system
+    assert "18.75" in statics(str(tmp_path / "m.yaml"), "--force", "tip.z=-100 N").stdout  # MPa
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        ((), "--force and --weight: got nothing that acts"),
+        (("--force", "tip.z"), "--force: got 'tip.z', expected POINT.direction=FORCE"),
+        (("--force", "tip.q=1 N"), "--force: got direction 'q', expected x, y, z or n"),
+        (("--force", "tup.z=1 N"), "--force: got 'tup', expected one of foot, tip"),
+        (("--force", "tip.z=1 m"), "--force"),
+    ],
+)
+def test_mistakes_on_the_command_line(words: tuple[str, ...], told: str, tmp_path: Path) -> None:
+    (tmp_path / "m.yaml").write_text(MODEL, encoding="utf-8")
+    done = statics(str(tmp_path / "m.yaml"), *words)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert told in done.stderr
