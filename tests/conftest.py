@@ -5,6 +5,7 @@ element, assembled without the package's own assembly."""
 from __future__ import annotations
 
 import os
+import signal
 
 for _name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ.setdefault(_name, "1")  # as the command line has it; two processes of two threads wait for each other
@@ -36,7 +37,9 @@ HELD = {  # on an edge of constant x: what is fixed; on an edge of constant y RX
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Compile the kernels once, before processes that test beside each other would each do it."""
+    """Compile the kernels once, before processes that test beside each other would each do it; and hear the keyboard,
+    which a shell switches off in what it starts in the background."""
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     if not hasattr(config, "workerinput"):
         code_of(ALL)
 

@@ -64,8 +64,8 @@ def mass(corners: ArrayLike, m0: ArrayLike, m1: ArrayLike, m2: ArrayLike) -> Flo
     corners [n, 3, 3] : places of the nodes [m]; m0, m1, m2 [n] or one value : integrals of rho, rho z and rho z^2 over
     the thickness [kg/m^2, kg/m, kg].
 
-    Returns [n, 18, 18], exactly symmetric. u and v have parabolas along the sides, w and rotations are linear; m2 acts
-    on RX, RY and RZ.
+    Returns [n, 18, 18], exactly symmetric. u, v and w bow along the sides with the rotations at their ends, which are
+    linear; m2 acts on RX, RY and RZ.
 
     >>> M = mass([[[0, 0, 0], [2, 0, 0], [0, 1, 0]]], 10.0, 0.0, 0.0)
     >>> along_x = np.tile([1.0, 0, 0, 0, 0, 0], 3)

@@ -85,6 +85,16 @@ class QuadFields:
 
         return field
 
+    def deflection(self, a, b):
+        """Bilinear, and on each side the parabola of a beam whose ends lean: w' = -lean on both."""
+        total = self.bilinear(2)(a, b)
+        for i in range(4):
+            j = (i + 1) % 4
+            along = np.array([self.x[j] - self.x[i], self.y[j] - self.y[i]])
+            leans = [along @ np.array([self.motion[k, 4], -self.motion[k, 3]]) for k in (i, j)]
+            total = total + self.side(i, a, b) * (leans[1] - leans[0]) / 8
+        return total
+
     def with_bubble(self, component):
         def field(a, b):
             total = self.in_plane(component)(a, b)
@@ -129,7 +139,7 @@ class QuadFields:
         tie = self.bilinear(5)(0, 0) - (v[0] - u[1]) / 2
         K += A[2, 2] * 4 * np.linalg.det(self.jacobian(0, 0)) * np.outer(tie, tie)
         for a, b, weight in gauss(4):
-            moving = [self.in_plane(0)(a, b), self.in_plane(1)(a, b), self.bilinear(2)(a, b)]
+            moving = [self.in_plane(0)(a, b), self.in_plane(1)(a, b), self.deflection(a, b)]
             turning = [self.bilinear(component)(a, b) for component in (3, 4, 5)]
             density = sum(M0 * np.outer(of, of) for of in moving) + sum(M2 * np.outer(of, of) for of in turning)
             first = np.outer(moving[0], turning[1]) - np.outer(moving[1], turning[0])
@@ -143,6 +153,18 @@ def test_quadrilateral():
     K, M = QuadFields(QUAD).matrices()
     np.testing.assert_allclose(quad_shell.stiffness(QUAD[None], A, B, D, AS)[0], K, atol=ROUNDING * np.abs(K).max())
     np.testing.assert_allclose(quad_shell.mass(QUAD[None], M0, M1, M2)[0], M, atol=ROUNDING * np.abs(M).max())
+
+
+def test_motion_inside_a_quadrilateral():
+    """In the mean plane: u and v bow with the drilling rotation, w with the leans."""
+    fields = QuadFields(QUAD)
+    for a, b in ((0.3, -0.6), (-1.0, 0.2)):
+        expected = [fields.in_plane(0)(a, b), fields.in_plane(1)(a, b), fields.deflection(a, b)]
+        height = sum(fields.N(k, a, b) * fields.z[k] for k in range(4))
+        expected[0] = expected[0] + height * fields.bilinear(4)(a, b)  # out on the arm to the surface through the nodes
+        expected[1] = expected[1] - height * fields.bilinear(3)(a, b)
+        rows = quad_shell.interpolate(QUAD[None], [(1 + b) / 2], [(1 + a) / 2])[0, :3]
+        np.testing.assert_allclose(fields.R @ rows, np.array(expected)[:, :24], atol=ROUNDING)
 
 
 def felippa(x, y, factor):

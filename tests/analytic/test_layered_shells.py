@@ -59,19 +59,42 @@ CLT = fs.Laminate(
 def test_cross_laminated_timber(held: dict[str, tuple[str, ...]], solid: list[float]) -> None:
     """Cells of 200 mm. A thin plate of these layers is 3 to 17 % high, one with 5/6 of the shear moduli 2 to 11 %."""
     found = frequencies(sheet(25, 20, 5.0, 4.0), CLT, held, 9)[:6]
-    # h^2: 2.1 % in the mode of three half waves over 4 m, soft; 1.5 % hard; the laminate itself is 0.1 to 0.9 % low
-    assert found == pytest.approx(solid, rel=0.022)
-    finer = frequencies(sheet(40, 32, 5.0, 4.0), CLT, held, 9)[:6]
-    assert finer == pytest.approx(solid, rel=0.01)  # 1 % low in the sixth: the laminate
+    # the laminate itself is low by 0.2 to 0.9 %, in the sixth mode on hard supports by 1.6 %; h^2 adds 0.1 to 0.5 %
+    assert found == pytest.approx(solid, rel=0.0175)
+    coarse = frequencies(sheet(20, 16, 5.0, 4.0), CLT, held, 9)[:6]
+    assert coarse == pytest.approx(solid, rel=0.02)  # cells of 250 mm: 1.8 % hard, 0.7 % soft
 
 
-def test_the_same_elements_written_by_others_have_the_same_frequencies() -> None:
-    """32 x 32 cells, five layers of 40 mm, G_R 50 MPa: frequencies of a prototype of its own, all digits it printed."""
+def navier(of: fs.Laminate, a: float, b: float) -> list[float]:
+    """Frequencies of a simply supported laminate of a symmetric lay-up with transverse shear and rotary inertia [Hz]:
+    w, beta_x and beta_y as products of half waves."""
+    section, found = of.section, []
+    D, S = section.D, section.As
+    for m, n in np.ndindex(5, 5):
+        x, y = (m + 1) * np.pi / a, (n + 1) * np.pi / b
+        Sx, Sy = S[0, 0], S[1, 1]
+        K = np.array(
+            [
+                [Sx * x**2 + Sy * y**2, Sx * x, Sy * y],
+                [Sx * x, D[0, 0] * x**2 + D[2, 2] * y**2 + Sx, (D[0, 1] + D[2, 2]) * x * y],
+                [Sy * y, (D[0, 1] + D[2, 2]) * x * y, D[2, 2] * x**2 + D[1, 1] * y**2 + Sy],
+            ]
+        )
+        M = np.array([section.m0, section.m2, section.m2])
+        found.append(np.sqrt(np.linalg.eigvals(K / M[:, None]).real.min()) / 2 / np.pi)
+    return sorted(found)
+
+
+def test_soft_layers_shear_by_their_rigidities() -> None:
+    """Five layers of 40 mm, G_R 50 MPa, against Navier's form, and a prototype with straight sides, which is higher."""
     board = fs.Orthotropic("spruce", E=(11e9, 370e6), G=(690e6, 50e6, 690e6), nu=0.35, rho=420.0)
     made_of = fs.Laminate(tuple(fs.Layer(board, 0.04, angle) for angle in (0.0, RIGHT, 0.0, RIGHT, 0.0)))
     held = {"along x": ("x", "z", "ry"), "along y": ("y", "z", "rx")}
-    found = frequencies(sheet(32, 32, 5.0, 4.0), made_of, held, 5)
-    assert found == pytest.approx([23.071, 52.837, 57.472, 77.175, 94.662], rel=3e-5)  # five digits of the first
+    exact = np.array(navier(made_of, 5.0, 4.0)[:5])
+    coarse, fine = (frequencies(sheet(n, n, 5.0, 4.0), made_of, held, 5) for n in (16, 32))
+    assert fine == pytest.approx(exact, rel=3e-3)  # h^2
+    assert (4.0 * fine - coarse) / 3.0 == pytest.approx(exact, rel=1e-4)  # h^4
+    assert (fine < [23.071, 52.837, 57.472, 77.175, 94.662]).all()
 
 
 # 40-20-40-20-40 mm again, 5 x 1 m, w held on the short end faces, all else free: three-dimensional solids (0.03 %).
@@ -81,8 +104,9 @@ STRIP = [12.935, 34.028, 48.034, 75.592, 97.603, 125.76, 132.945, 155.067, 182.0
 
 def test_a_strip_bends_twists_and_sways() -> None:
     found = frequencies(sheet(40, 8, 5.0, 1.0), CLT, {"along y": ("z",)}, 14)[:9]
-    assert found == pytest.approx(STRIP, rel=0.01)  # torsion 1 % low: a line held for a face; bending h^2, 0.2 %
-    assert found[6] == pytest.approx(STRIP[6], rel=1e-3)  # the membrane, h^2
+    assert found == pytest.approx(STRIP, rel=0.015)  # torsion 1.4 % low: the laminate at free edges
+    alone = [0, 2, 4, 6]
+    assert found[alone] == pytest.approx(np.array(STRIP)[alone], rel=1e-3)  # bending, and the membrane: h^2
 
 
 def test_layers_that_couple_stretching_and_bending() -> None:
@@ -93,11 +117,13 @@ def test_layers_that_couple_stretching_and_bending() -> None:
     assert made_of.section.coupled
     held = {"along x": ("x", "z", "ry"), "along y": ("y", "z", "rx")}
     errors = []
-    for n in (8, 16):
+    for n in (8, 16, 32):
         first = frequencies(sheet(n, n, 1.0, 1.0), made_of, held, 1)[0]
         errors.append(first * 2 * np.pi * 0.2 / 0.333131 - 1.0)
-    assert np.log2(errors[0] / errors[1]) == pytest.approx(2.0, abs=0.15)  # the order
-    assert (4.0 * errors[1] - errors[0]) / 3.0 == pytest.approx(0.0, abs=3e-4)  # extrapolated: h^4
+    coarse, medium, fine = errors
+    assert np.log2((coarse - medium) / (medium - fine)) == pytest.approx(2.0, abs=0.02)  # the order
+    # extrapolated: the inertia of the drilling rotation, which the closed form has not, makes it 1.3e-4 lower
+    assert (4.0 * fine - medium) / 3.0 == pytest.approx(-1.3e-4, abs=2e-5)
 
 
 MODEL = """

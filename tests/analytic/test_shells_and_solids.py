@@ -66,13 +66,23 @@ def test_a_rib_beside_a_plate(beside: bool) -> None:
     line = ((0.0, 0.4, 0.0), (1.0, 0.4, 0.0))
     rib = fs.Frame("rib", STEEL, rectangle("r", 0.01, 0.06), (line,), start_offset=down, end_offset=down)
     found = elastic_hz(fs.Structure("ribbed", (plate, rib), (fs.Joint("weld", "rib", "plate"),)), 12 if beside else 6)
-    assert found == pytest.approx(SOLID["rib plate"], rel=0.02)  # the width of the weld, and cells of 25 mm
+    assert found == pytest.approx(SOLID["rib plate"], rel=7e-3)  # the width of the weld: 0.6 % low in the first
+
+
+def angle(cell: float) -> np.ndarray:
+    legs: list[Sheet] = [((0, 0, 0), (4.0, 0, 0), (0, 0.2, 0)), ((0, 0, 0), (4.0, 0, 0), (0, 0, 0.2))]
+    return elastic_hz(fs.Structure("angle", (fs.Shell("angle", welded(legs, cell), STEEL, 0.008),)))
 
 
 def test_an_angle_of_one_folded_mesh() -> None:
-    legs: list[Sheet] = [((0, 0, 0), (4.0, 0, 0), (0, 0.2, 0)), ((0, 0, 0), (4.0, 0, 0), (0, 0, 0.2))]
-    found = elastic_hz(fs.Structure("angle", (fs.Shell("angle", welded(legs, 0.025), STEEL, 0.008),)))
-    assert found == pytest.approx(SOLID["angle"], rel=0.02)  # the width of the heel, and cells of 25 mm
+    assert angle(0.025) == pytest.approx(SOLID["angle"], rel=3e-3)  # cells of 25 mm
+
+
+@pytest.mark.stress
+def test_an_angle_drifts_as_its_free_edges_come_to_shear() -> None:
+    """From 50 to 12.5 mm: within a thickness (8 mm) of a free edge the twisting moment goes over into a shear force,
+    which only cells of that size see. Without shear strains the drift is 0.01 %."""
+    assert angle(0.0125) == pytest.approx(angle(0.05), rel=5e-3)  # 0.4 % lower
 
 
 def test_an_open_box_of_one_folded_mesh() -> None:
@@ -80,4 +90,4 @@ def test_an_open_box_of_one_folded_mesh() -> None:
     walls += [((x, 0, 0), (0, 0.8, 0), (0, 0, 0.5)) for x in (0.0, 1.0)]
     mesh = welded([((0, 0, 0), (1.0, 0, 0), (0, 0.8, 0)), *walls], 0.025)
     found = elastic_hz(fs.Structure("box", (fs.Shell("box", mesh, STEEL, 0.006),)))
-    assert found == pytest.approx(SOLID["box"], rel=0.02)  # the width of the folds, and cells of 25 mm
+    assert found == pytest.approx(SOLID["box"], rel=4e-3)  # the width of the folds: 0.3 % low

@@ -64,6 +64,14 @@ class Shell:
     def M(self):
         return self.assembled(self.element.mass(self.nodes[self.cells], *self.inertia))
 
+    @property
+    def tributary(self):
+        """Area at each node [n]: that of its cells, shared equally among their corners."""
+        corners = self.nodes[self.cells]
+        across = np.cross(corners[:, 2] - corners[:, 0], corners[:, -1] - corners[:, 1])
+        share = np.linalg.norm(across, axis=1) / 2 / self.cells.shape[1]
+        return np.bincount(self.cells.ravel(), np.repeat(share, self.cells.shape[1]), len(self.nodes))
+
     def near(self, **places):
         """Numbers of the nodes where the coordinates x, y, z are near the values given."""
         found = np.ones(len(self.nodes), dtype=bool)

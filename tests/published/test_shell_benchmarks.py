@@ -104,13 +104,13 @@ def scordelis_lo(kind, n, drilling=1.0):
         return np.stack([x * case["L"] / 2, case["R"] * np.sin(half * y), case["R"] * np.cos(half * y)], axis=1)
 
     nodes, cells, square = meshed(kind, n, n, places, by_turns=True)
-    shell = Shell(nodes, cells, isotropic(case["E"], case["nu"], case["t"]), (90.0, 0.0, 0.0), drilling)
+    shell = Shell(nodes, cells, isotropic(case["E"], case["nu"], case["t"]), drilling=drilling)
     diaphragm, middle = ends(square)
     crown, _ = ends(square, 1)
     held = np.concatenate([all_of(diaphragm, UY, UZ), symmetric(middle, UX), symmetric(crown, UY)])
-    weight = shell.M @ np.tile([0, 0, -1.0, 0, 0, 0], len(nodes))
+    weight = load(shell, [(slice(None), UZ, -90.0 * shell.tributary)])
     edge = np.flatnonzero((square == 1).all(axis=1))
-    return -shell.moved(held, weight.reshape(-1, 6))[edge[0], UZ] / case["reference"]
+    return -shell.moved(held, weight)[edge[0], UZ] / case["reference"]
 
 
 def pinched_cylinder(kind, n, drilling=1.0):

@@ -1,8 +1,9 @@
 """Motion inside flat elements of any number of corners, and its inertia.
 
-w and the rotations follow the shape functions of the corners. u and v have parabolas along the sides beside these: the
-middle of a side moves across it by an eighth of its length times RZ at its start less RZ at its end, as a beam does
-that is bent by its ends.
+The rotations follow the shape functions of the corners. u, v and w have parabolas along the sides beside these: a side
+bows as a beam does that is bent by its ends, by an eighth of its length times the difference of the rotations there: RZ
+for u and v, the lean of the fibres along the side for w ("linked" interpolation: the shear strain along a side is then
+constant). Rigid motions bow nothing.
 
 Shape functions come as arrays with those of the corners first and those of the sides behind, 1 in the middle of their
 side; side k runs from corner k to the next. Own DOFs are in the order of `femstruct.elements.facets.axes.own_motion`:
@@ -26,6 +27,14 @@ def side_displacements(corners: Floats) -> Floats:
     for of, normal in zip(result, (-to_next[..., 1], to_next[..., 0]), strict=True):
         of[:, start, start], of[:, start, end] = normal, -normal
     return result
+
+
+def side_bows(of_sides: Floats) -> Floats:
+    """Deflection w of the middle of each side from beta_x and beta_y at the corners: [2, n, k sides, k corners].
+
+    of_sides : `side_displacements`. The normal of a side in the plane, turned by a right angle, is its direction.
+    """
+    return np.stack([-of_sides[1], of_sides[0]])
 
 
 def side_shears(corners: Floats) -> Floats:
@@ -80,6 +89,8 @@ def rows(at: Floats, heights: Floats, of_sides: Floats) -> Floats:
     here, height = at[:, :count], (at[:, :count] * heights).sum(axis=1)[:, None]
     by_dof = np.zeros((len(at), 6, 6, count))
     by_dof[:, 2, 0], by_dof[:, 3, 2], by_dof[:, 4, 1] = here, -here, here
+    for lean, bow in zip((1, 2), side_bows(of_sides), strict=True):
+        by_dof[:, 2, lean] = (at[:, None, count:] @ bow)[:, 0]
     by_dof[:, 0, 1] = by_dof[:, 1, 2] = height * here
     result: Floats = by_dof.reshape(len(at), 6, 6 * count)
     result[:, [0, 1, 5], 3 * count :] = in_plane_rows(at, of_sides)
@@ -94,6 +105,13 @@ def inertia(products: Floats, of_sides: Floats, m0: Floats, m1: Floats, m2: Floa
     own = np.zeros((len(products), 6, count, 6, count))
     own[:, 0, :, 0] = m0[:, None, None] * between
     own[:, 1, :, 1] = own[:, 2, :, 2] = leaning
+    bows = dict(zip((1, 2), side_bows(of_sides), strict=True))
+    for lean, bow in bows.items():
+        with_lean = m0[:, None, None] * products[:, :, count:] @ bow
+        own[:, 0, :, lean] = with_lean[:, :count]
+        own[:, lean, :, 0] = with_lean[:, :count].swapaxes(1, 2)
+        for other, also in bows.items():
+            own[:, other, :, lean] += also.swapaxes(1, 2) @ with_lean[:, count:]
     first = m1[:, None, None] * products[:, :count]
     if first.any():
         for lean, shift, of in zip((1, 2), (3, 4), of_sides, strict=True):
