@@ -116,6 +116,7 @@ if TYPE_CHECKING:
     from femstruct.model.structure import Structure as Structure
     from femstruct.model.structure import Support as Support
     from femstruct.model.structure import SurfaceOn as SurfaceOn
+    from femstruct.parts.attachments import Attachments as Attachments
     from femstruct.parts.block import Block as Block
     from femstruct.parts.foundation import Foundation as Foundation
     from femstruct.parts.frame import Frame as Frame
@@ -213,6 +214,7 @@ _NAMES = {
     "model.region": ("Region",),
     "model.section": ("Section",),
     "model.structure": ("Joint", "PlaceOn", "Structure", "Support", "SurfaceOn"),
+    "parts.attachments": ("Attachments",),
     "parts.block": ("Block",),
     "parts.foundation": ("Foundation",),
     "parts.frame": ("Frame",),

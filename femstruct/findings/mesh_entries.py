@@ -21,6 +21,7 @@ MESHES: Final = (
             Limit(2e-3, "m, least size of a solid", "a chip", CHOSEN, "unit_slips.SMALLEST"),
             Limit(1e7, "kg of a solid", "a block of concrete of 16 m a side", CHOSEN, "unit_slips.HEAVIEST"),
             Limit(5e3, "kg/m^2, thickness from the file", "2 m of concrete", CHOSEN, "unit_slips.HEAVIEST_SHELL"),
+            Limit(2e4, "kg of stated masses per size^3", "metal all through has 22600", CHOSEN, "attachments.HEAVIEST"),
             Limit(200.0, "times the thickness", "sheet of 0.5 mm in 50 mm cells has 100", CHOSEN, "unit_slips.WIDEST"),
             Limit(0.05, "times, least", "a wall of 200 mm in 20 mm cells has 0.1", CHOSEN, "unit_slips.NARROWEST"),
         ),
@@ -61,7 +62,8 @@ MESHES: Final = (
         "The mesh file has cells, masses, links, supports or other data that no part uses.",
         LIMITS,
         "cells of the file are of no part, or the file states masses, links or supports that the model does not hold",
-        "Give the cells a part, and write masses, joints and supports in the model; sets name their places. "
+        "Give the cells a part. Take supports, rigid links and masses as the file has them by a part of type "
+        "'attachments', or write them in the model; sets name their places. "
         "Where the model has them already, nothing is missing.",
     ),
 )

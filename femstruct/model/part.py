@@ -33,6 +33,7 @@ from femstruct.model.region import Region
 
 if TYPE_CHECKING:
     from femstruct.model.grid.layout import Grids, Layout
+    from femstruct.model.imported.attached import Attached, Users
     from femstruct.model.imported.imported_mesh import ImportedMesh
     from femstruct.model.model import Model
     from femstruct.model.structure import PlaceOn, Support, SurfaceOn
@@ -75,6 +76,11 @@ class Part:
     def taken(self) -> tuple[tuple[ImportedMesh, Mapping[str, Integers]], ...]:
         """Meshes of files that it is made of, with the rows of their cells that it takes, by kind."""
         return ()
+
+    def attaches(self, users: Users) -> Attached | None:
+        """What it takes of what a mesh file states beside its cells. users : the cells that parts take of their
+        files."""
+        return None
 
     def lay_out(self, layout: Layout) -> None:
         """Give the layout its grid lines, and the geometry that joints meet."""
@@ -181,6 +187,12 @@ class Meshed(ABC):
     def nodes(self) -> Integers:
         """Numbers of its nodes [n]."""
         return np.arange(self.first, self.first + len(self.places))
+
+    @property
+    def of_file(self) -> tuple[ImportedMesh, Integers] | None:
+        """The mesh of a file that it is of, and the row there of each of its nodes [n], -1 for those that the file has
+        not; None where it is of none."""
+        return None
 
     @property
     def joinable(self) -> Integers:

@@ -168,6 +168,10 @@ class SolidMesh(Meshed):
         return self.cells.points
 
     @property
+    def of_file(self) -> tuple[ImportedMesh, Integers]:
+        return self.part.mesh, self.cells.rows
+
+    @property
     def quads(self) -> Integers:
         return self.first + self.cells.corners
 

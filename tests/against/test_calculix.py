@@ -91,3 +91,26 @@ def test_the_same_file_has_the_same_frequencies(kind: str, tmp_path: Path) -> No
         own = by_us(fs.Shell("body", fs.read_mesh_file(path), STEEL, THICKNESS), ("x", "y", "z", "rx", "ry", "rz"))
     theirs = by_calculix(path)
     np.testing.assert_allclose(own, theirs, rtol=5e-3, err_msg=f"{kind}: ours {own}, CalculiX {theirs}")  # asked for
+
+
+@needs_ccx
+def test_supports_a_rigid_body_and_a_mass_of_the_file_are_taken(tmp_path: Path) -> None:
+    """A spider on the top of the upright, to a node 0.1 m above it with a mass as heavy as the brick."""
+    path = tmp_path / "lumped.inp"
+    points, cells = brick_mesh()
+    written(path, points, cells, "C3D20R", "*SOLID SECTION, ELSET=BODY, MATERIAL=STEEL", "WALL, 1, 3")
+    middle, top = len(points) + 1, np.flatnonzero(points[:, 2] > 0.16 - 1e-9) + 1
+    more = ["*NODE", f"{middle}, 0.38, 0.03, 0.26", "*NSET, NSET=TOP", *map(str, top)]
+    more += [f"*RIGID BODY, NSET=TOP, REF NODE={middle}", "*ELEMENT, TYPE=MASS, ELSET=LUMP", f"100000, {middle}"]
+    more += ["*MASS, ELSET=LUMP", "7.5", "*BOUNDARY"]
+    path.write_text(path.read_text(encoding="ascii").replace("*BOUNDARY", "\n".join(more), 1), encoding="ascii")
+    mesh = fs.read_mesh_file(path)
+    parts = (fs.Solid("body", mesh, STEEL), fs.Attachments("rest", mesh, ("supports", "links", "masses")))
+    basis = fs.modal_basis(fs.assemble(fs.mesh_structure(fs.Structure("a", parts))), count=MODES)
+    own, theirs = basis.frequency_hz[basis.modes], by_calculix(path)
+    np.testing.assert_allclose(own, theirs, rtol=5e-3, err_msg=f"ours {own}, CalculiX {theirs}")  # asked for
+    bare = fs.modal_basis(
+        fs.assemble(fs.mesh_structure(fs.Structure("a", (parts[0], fs.Attachments("rest", mesh, ("supports",)))))),
+        count=2,
+    )
+    assert bare.frequency_hz[bare.modes][0] > 1.5 * own[0]

@@ -15,7 +15,7 @@ from femstruct.conventions import N_COMPONENTS
 from femstruct.elements import frame, plate
 from femstruct.language.parts.known_parts import KINDS
 from femstruct.model.imported.component import Component
-from femstruct.model.imported.imported_mesh import ImportedMesh
+from femstruct.model.imported.imported_mesh import ImportedMesh, Stated, StatedLink, StatedMass
 from femstruct.model.model import Model
 from femstruct.model.part import Meshed, Part
 from femstruct.model.section import rectangle
@@ -36,6 +36,17 @@ BRICKS = ImportedMesh(  # two bricks, 2 m x 1 m x 0.4 m
     np.arange(1, 13),
     {"hex8": [[0, 1, 4, 3, 6, 7, 10, 9], [1, 2, 5, 4, 7, 8, 11, 10]]},
     {"hex8": [1, 2]},
+)
+SPIDER = ImportedMesh(  # the tray, and two nodes off it that lead links to it
+    "spider.bdf",
+    [*TRAY.points.tolist(), [0.5, 0.5, 0.4], [1.5, 0.5, 0.4]],
+    np.arange(1, 12),
+    TRAY.cells,
+    TRAY.cell_numbers,
+    stated=Stated(
+        masses=(StatedMass(9, 3.0, (0.0, 0.1, 0.2), (1.0, 1.5, 2.0, 0.0, 0.1, 0.0)),),
+        links=(StatedLink(9, np.array([0, 1, 3, 10]), tuple(range(6))), StatedLink(10, np.array([1, 2]), (0, 1, 2))),
+    ),
 )
 PAIR = Component(  # two masses of 3 and 2 kg on springs between them, and a modal coordinate of the second
     "pair.npz",
@@ -108,13 +119,15 @@ PARTS: dict[str, Part] = {
         offset=0.01,
     ),
     "substructure": fs.Substructure("part", PAIR, origin=(0.1, 0.2, 0.3)),
+    "attachments": fs.Attachments("part", SPIDER, ("links", "masses")),
     "strut": Strut("part", STEEL, 1e-4, (0.1, 0.2, 0.3), (0.5, 0.9, 1.3)),
 }
+BESIDE = {"attachments": (fs.Shell("tray", SPIDER, STEEL, 2e-3),)}  # what a kind cannot be without
 every_part = pytest.mark.parametrize("name", PARTS)
 
 
 def meshed(name: str) -> tuple[Model, Meshed]:
-    model = fs.mesh_structure(fs.Structure("one part", (PARTS[name],)))
+    model = fs.mesh_structure(fs.Structure("one part", (PARTS[name], *BESIDE.get(name, ()))))
     return model, model.parts["part"]
 
 
@@ -174,7 +187,8 @@ def test_its_nodes_cells_and_groups_are_its_own(name: str) -> None:
 def test_what_is_drawn_shifts_with_it(name: str) -> None:
     model, part = meshed(name)
     drawn = part.drawn(3, 4, model.mesh.n_nodes)
-    moved = (drawn.rows @ shifts(part)).reshape(-1, 3, 3)
+    own = shifts(part)  # its nodes are the first
+    moved = (drawn.rows[:, : len(own)] @ own).reshape(-1, 3, 3)
     assert moved == pytest.approx(np.broadcast_to(np.eye(3), moved.shape), abs=1e-12)  # rounding
     for cells in (drawn.quads, drawn.lines):
         assert cells.size == 0 or (cells.min() >= 0 and cells.max() < len(drawn.points))

@@ -15,6 +15,7 @@ import femstruct as fs
 from acoustics.fields.rectangular import Room
 from acoustics.receivers import Receiver
 from femstruct.errors import FemstructError, InputError
+from femstruct.model.imported.imported_mesh import Stated, StatedHold
 
 STEEL = fs.Material("steel", E=210e9, nu=0.3, rho=7850.0)
 SPRUCE = fs.Orthotropic("spruce", E=(11e9, 370e6), G=(690e6, 50e6), nu=0.35, rho=420.0)
@@ -27,6 +28,7 @@ PUSH = fs.HalfSine(-300.0, 62.5)
 TRAY = fs.ImportedMesh(
     "tray", [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], range(1, 5), {"quad4": [[0, 1, 2, 3]]}, {"quad4": [1]}
 )
+HELD = replace(TRAY, stated=Stated(holds=(StatedHold("feet", np.array([0, 1]), (2,)),)))
 CUBE = fs.ImportedMesh(
     "cube",
     [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]],
@@ -58,6 +60,7 @@ NOUNS = [
     fs.Inertia("disc", "hub", 2.0, (0.01, 0.01, 0.02)),
     fs.Mass("box", 2.0, at="middle"),
     fs.Shell("tray", TRAY, STEEL, thickness=2e-3),
+    fs.Attachments("feet", HELD, ("supports",)),
     fs.Solid("cube", CUBE, STEEL),
     fs.Slab("l", STEEL, 0.2, ((0.0, 0.0), (2.0, 0.0), (2.0, 1.0), (1.0, 1.0), (1.0, 2.0), (0.0, 2.0)), mesh=0.5),
     fs.Substructure("fan", FAN, 0.01, (1.0, 0.0, 0.0)),

@@ -133,7 +133,7 @@ def test_what_a_file_states_beside_its_mesh_is_named(tmp_path: Path) -> None:
     steel, mesh = fs.Material("steel", E=210e9, nu=0.3, rho=7850.0), fs.read_mesh_file(tmp_path / "skin.inp")
     part = fs.Shell("skin", mesh, steel, 0.01)
     held = fs.Support("feet", ("x", "y", "z"), on="skin", region=fs.Region("set", named="FEET"))
-    for supports, told in (((), ", 1 held sets."), ((held,), ". Their")):
+    for supports, told in (((), ", 1 held sets. Their"), ((held,), ". Their")):
         structure = fs.Structure("a", (part,), supports=supports)
         findings = structure_findings_before(structure, fs.mesh_structure(structure))
         (one,) = [one for one in findings if one.code == "mesh-states-more"]

@@ -210,6 +210,37 @@ def test_all_that_a_bulk_data_file_says(tmp_path: Path) -> None:
     assert stated.left_out == ("1 PLOAD4",)
 
 
+def test_supports_of_other_cards_and_a_factor_of_masses(tmp_path: Path) -> None:
+    """SPC, what GRID holds itself, sets that the case control puts to use, and masses times PARAM, WTMASS."""
+    text = NASTRAN.replace("SOL 103\n", "SOL 103\nSPC = 8\n").replace("GRID,4,,0.,100.", "GRID,4,,0.,100.,,,25")
+    text = text.replace("SET1,9", "SPC,3,5,12,0.,1,3\nSPC,3,2,3,-.1\nSPCADD,8,3\nPARAM,WTMASS,.5\nSET1,9")
+    stated = mesh_of(tmp_path, "a.bdf", text).stated
+    held = {(one.name, one.held): one.nodes.tolist() for one in stated.holds}
+    assert held[("GRID PS", (1, 4))] == [3] and held[("SPC 3", (0, 1))] == [4] and held[("SPC 3", (2,))] == [0]
+    assert stated.active == ("SPC 3", "GRID PS")
+    assert stated.masses[0].mass == 0.0025 and stated.masses[0].inertia[0] == pytest.approx(1e-6, rel=1e-15)  # rounding
+    assert stated.left_out == ("1 PLOAD4", "1 SPC that moves a node")
+
+
+def test_what_an_input_file_of_abaqus_holds_joins_and_weighs(tmp_path: Path) -> None:
+    more = "*ELEMENT, TYPE=MASS, ELSET=LUMPS\n81, 2\n82, 5\n*MASS, ELSET=lumps\n0.25\n*RIGID BODY, REF NODE=6, "
+    more += "NSET=FOOT\n*RIGID BODY, REF NODE=4, PIN NSET=MORE\n*BOUNDARY\n3, XSYMM\n2, 4, 4, 0.1\n*TIE"
+    mesh = mesh_of(tmp_path, "a.inp", ABAQUS.replace("*TIE", more))
+    stated = mesh.stated
+    assert [(mesh.numbers[one.node], one.mass) for one in stated.masses] == [(2, 0.25), (5, 0.25)]
+    links = [(int(mesh.numbers[one.node]), mesh.numbers[one.nodes].tolist(), len(one.follows)) for one in stated.links]
+    assert links == [(6, [1, 5], 6), (4, [3, 1, 5], 3)]
+    assert [(mesh.numbers[one.nodes].tolist(), one.held) for one in stated.holds][2:] == [([3], (0, 4, 5))]
+    assert stated.left_out == ("*BOUNDARY that moves nodes (line 43)", "*TIE (line 44)")
+    turned = mesh_of(
+        tmp_path, "a.inp", ABAQUS.replace("*TIE", more.replace("*TIE", "*TRANSFORM, NSET=FOOT\n1,0,0\n*TIE"))
+    )
+    assert not turned.stated.holds and not turned.stated.links
+    assert any("in directions of *TRANSFORM" in one for one in turned.stated.left_out)
+    stepped = mesh_of(tmp_path, "a.inp", ABAQUS + "*BOUNDARY\n2, 1, 3\n")
+    assert stepped.stated.left_out == ("*TIE (line 34)", "*BOUNDARY of a step (line 39)")
+
+
 def test_all_that_a_universal_file_says(tmp_path: Path) -> None:
     mesh = mesh_of(tmp_path, "a.unv", UNV)
     assert mesh.cell_sets == {"FLOOR AND SIDE": {"quad4": [0], "tri3": [0]}}

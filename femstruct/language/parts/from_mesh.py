@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Annotated, Any, ClassVar
 
 from femstruct.errors import InputError, InputErrors
@@ -12,29 +13,31 @@ from femstruct.language.yaml import Quantity, Text, read_by, refuse
 from femstruct.model.part import Part
 from femstruct.units import QuantityError, quantity, shown_as
 
-_FACTOR = Quantity(("ratio",), above=0.0)
+
+def unit_of_file(dimension: str, factor: str, expected: str, do: str) -> Callable[[object], object]:
+    """Reader of a unit of a file in SI units: the unit, or a number of the dimension `factor`."""
+    number = Quantity((factor,), above=0.0)
+
+    def read(value: object) -> object:
+        if not isinstance(value, str):
+            return number.read(value)
+        try:
+            return quantity(f"1 {value}", dimension)
+        except QuantityError:
+            raise refuse(shown_as(value), expected, do) from None
+
+    return read
 
 
-def _scale(value: object) -> object:
-    """Metres in the file's unit of length: a unit, or a number."""
-    if not isinstance(value, str):
-        return _FACTOR.read(value)
-    try:
-        return quantity(f"1 {value}", "length")
-    except QuantityError:
-        raise refuse(shown_as(value), "a unit of length, or metres in that of the file", "write mm or 0.001") from None
+_scale = unit_of_file("length", "ratio", "a unit of length, or metres in that of the file", "write mm or 0.001")
 
 
-class FromMeshSpec(PartSpec):
-    """A part whose shape is the mesh of a file, or a set of it. scale: the unit of length in the file, or metres in it;
-    metres without it."""
+class OfMeshSpec(PartSpec):
+    """A part of a mesh file. scale: the unit of length in the file, or metres in it; metres without it."""
 
-    known_as: ClassVar[tuple[str, ...]] = ("part", MESHED)
-
-    called = (("set", "named"),)
+    known_as: ClassVar[tuple[str, ...]] = ("part",)
 
     mesh: Text
-    set: Text | None = None
     scale: Annotated[float, read_by(_scale, Text | float)] = 1.0
 
     def build(self, name: str, of: Library) -> Part:
@@ -50,3 +53,13 @@ class FromMeshSpec(PartSpec):
         values = super().given()
         del values["scale"]  # the mesh is in metres
         return values
+
+
+class FromMeshSpec(OfMeshSpec):
+    """A part whose shape is the mesh of a file, or a set of it."""
+
+    known_as: ClassVar[tuple[str, ...]] = ("part", MESHED)
+
+    called = (("set", "named"),)
+
+    set: Text | None = None

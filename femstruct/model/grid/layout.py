@@ -13,6 +13,7 @@ from femstruct.errors import InputError, some_of
 from femstruct.model.grid.geometry import Rectangle, distance_to_segments, rectangle_axes
 from femstruct.model.grid.gridlines import Axis, Key, SharedLine, settle
 from femstruct.model.grid.regions import region_box
+from femstruct.model.imported.attached import Users
 from femstruct.model.part import Body
 from femstruct.model.region import Region, Vector
 
@@ -55,7 +56,8 @@ class Layout:
 
     tolerance : places closer than this are one [m]. rectangles, segments, boxes : what joints can meet, by part;
     vertices [n, 3] : points of the lines of bars. bodies : what layers can lie against. given : names of parts whose
-    nodes are their own, as of a mesh from a file: what asks for a node there finds those that it has.
+    nodes are their own, as of a mesh from a file: what asks for a node there finds those that it has. taken : cells
+    that parts take of their files.
     """
 
     def __init__(self, tolerance: float) -> None:
@@ -69,6 +71,7 @@ class Layout:
         self.pulled: set[str] = set()
         self.stretched: frozenset[str] = frozenset()
         self.given: set[str] = set()
+        self.taken: Users = ()
         self.grids: dict[Key, Axis] = {}
         self.shared: list[SharedLine] = []
 

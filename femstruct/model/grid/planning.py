@@ -28,6 +28,7 @@ def planned(structure: Structure) -> Layout:
     Raises InputError for sizes that cannot be, for names that do not exist, and for joined parts that do not touch.
     """
     layout = Layout(RELATIVE_TOLERANCE * extent(structure))
+    layout.taken = tuple(some for part in structure.parts for some in part.taken())
     for part in structure.parts:
         part.lay_out(layout)
     for part in structure.parts:

@@ -56,7 +56,8 @@ class StatedLink:
 
 @dataclass(frozen=True, eq=False)
 class StatedHold:
-    """Nodes that are held. nodes [n] : rows of the points; held : directions out of 0 to 5."""
+    """Nodes that are held. name : of the set of supports that it is of. nodes [n] : rows of the points; held :
+    directions out of 0 to 5."""
 
     name: str
     nodes: Integers
@@ -67,7 +68,8 @@ class StatedHold:
 class Stated:
     """What a file states beside its mesh. left_out : what of it is not read, in words.
     elements : numbers of those that have stiffness or mass wherever they are, by their type in the file; other
-    cells may be marks of edges and faces."""
+    cells may be marks of edges and faces. active : names of the sets of supports that the file puts to use, where it
+    says so; others are for other load cases."""
 
     properties: tuple[StatedProperty, ...] = ()
     materials: tuple[StatedMaterial, ...] = ()
@@ -76,6 +78,7 @@ class Stated:
     holds: tuple[StatedHold, ...] = ()
     left_out: tuple[str, ...] = ()
     elements: Mapping[str, Integers] = field(default_factory=dict)
+    active: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)

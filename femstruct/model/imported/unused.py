@@ -9,11 +9,13 @@ import numpy as np
 
 from femstruct.arrays import Integers
 from femstruct.errors import Finding, some_of
+from femstruct.model.imported.attached import TAKEN, same_file
 from femstruct.model.imported.imported_mesh import ImportedMesh
 from femstruct.model.structure import Structure
 
 WORDS: Final = {"line": "bars", "tri": "triangles", "quad": "quadrilaterals", "tet": "tetrahedra", "hex": "hexahedra"}
 SHOWN: Final = 4  # kinds of what is not used
+_OFFER: Final = "What the file states is taken as it is by a part"
 
 
 def unused_findings(structure: Structure) -> tuple[Finding, ...]:
@@ -26,20 +28,34 @@ def unused_findings(structure: Structure) -> tuple[Finding, ...]:
     return tuple(finding for users in by_file.values() for finding in _of_one(structure, users))
 
 
-def _of_one(structure: Structure, users: list[tuple[str, ImportedMesh, Mapping[str, Integers]]]) -> Iterator[Finding]:
-    mesh, names = users[0][1], [name for name, _, _ in users]
+def _of_one(
+    structure: Structure, users_of_it: list[tuple[str, ImportedMesh, Mapping[str, Integers]]]
+) -> Iterator[Finding]:
+    mesh, names = users_of_it[0][1], [name for name, _, _ in users_of_it]
     used = {kind: np.zeros(len(cells), dtype=bool) for kind, cells in mesh.cells.items()}
-    for _, _, cells in users:
+    for _, _, cells in users_of_it:
         for kind, rows in cells.items():
             used[kind][rows] = True
-    told = [*_cells(mesh, used), *_beside(structure, mesh, names)]
+    users = tuple((other, cells) for _, other, cells in users_of_it)
+    taken = [one for part in structure.parts if (one := part.attaches(users)) and same_file(mesh, one.mesh)]
+    open_ones = dict(_beside(structure, mesh, names, {word for one in taken for word in one.take}))
+    left = [words for one in taken for words in one.left]
+    told = [*_cells(mesh, used), *mesh.stated.left_out, *open_ones.values(), *left]
     if told:
+        offer = "" if not open_ones else f". {_OFFER} {_written(mesh, list(open_ones))}"
         yield Finding(
             "mesh-states-more",
             f"{', '.join(names)}: {mesh.source} states what no part uses: {some_of(told, SHOWN)}. Their stiffness, "
-            "mass and supports are missing unless the model has them otherwise: write parts, masses, joints, supports",
+            f"mass and supports are missing unless the model has them otherwise: write parts, masses, joints, supports"
+            f"{offer}",
             {"kinds": len(told)},
         )
+
+
+def _written(mesh: ImportedMesh, words: list[str]) -> str:
+    """The part that takes something of a file, as it is written."""
+    scale = {1.0: "", 1e-3: "scale: mm, "}.get(mesh.scale, f"scale: {mesh.scale:g}, ")
+    return f"{{type: attachments, mesh: {mesh.source}, {scale}take: [{', '.join(words)}]}}"
 
 
 def _cells(mesh: ImportedMesh, used: Mapping[str, np.ndarray]) -> Iterator[str]:
@@ -65,10 +81,9 @@ def _sets_of(mesh: ImportedMesh, kind: str, which: np.ndarray) -> str:
     return f" (set {some_of(names, 3)})" if names else ""
 
 
-def _beside(structure: Structure, mesh: ImportedMesh, names: list[str]) -> Iterator[str]:
-    """Masses, links, held nodes that no support of a set holds, and what is not read."""
+def _beside(structure: Structure, mesh: ImportedMesh, names: list[str], taken: set[str]) -> Iterator[tuple[str, str]]:
+    """Masses, links, and held nodes that no support of a set holds, by the word for what takes them; none taken."""
     stated = mesh.stated
-    yield from stated.left_out
     held = [
         mesh.nodes_of(one.region.named)
         for one in structure.supports
@@ -77,5 +92,7 @@ def _beside(structure: Structure, mesh: ImportedMesh, names: list[str]) -> Itera
     ours = np.concatenate([np.zeros(0, np.int64), *held])
     whole = any(one.on in names and one.region is None for one in structure.supports)
     open_ones = [one for one in stated.holds if not (whole or np.isin(one.nodes, ours).all())]
-    counted = ((len(stated.masses), "masses"), (len(stated.links), "rigid links"), (len(open_ones), "held sets"))
-    yield from (f"{count} {what}" for count, what in counted if count)
+    counts = (len(open_ones), len(stated.links), len(stated.masses))
+    for word, count, what in zip(TAKEN, counts, ("held sets", "rigid links", "masses"), strict=True):
+        if count and word not in taken:
+            yield word, f"{count} {what}"

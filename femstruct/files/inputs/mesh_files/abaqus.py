@@ -6,20 +6,24 @@ Read here and not by meshio 5.3, which keeps the last of several *NODE blocks on
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
-from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Final, NamedTuple
+from typing import Final
 
 import numpy as np
 
-from femstruct.arrays import Floats, Integers
+from femstruct.arrays import Integers
 from femstruct.errors import InputError
+from femstruct.files.inputs.mesh_files.abaqus_deck import Deck, Keyword
+from femstruct.files.inputs.mesh_files.abaqus_stated import STATED, is_number
 from femstruct.files.inputs.mesh_files.text_lines import floats, integers, lines_of, wrong_line
 from femstruct.files.inputs.opening import beside, content
 from femstruct.model.imported.cell_kinds import KINDS
 from femstruct.model.imported.gathering import Block, Gathered
-from femstruct.model.imported.imported_mesh import Stated, StatedHold, StatedMaterial, StatedProperty
+from femstruct.model.imported.imported_mesh import (
+    Stated,
+    StatedMaterial,
+    StatedProperty,
+)
 
 LARGEST: Final = 500_000_000  # bytes
 _KINDS: Final = (  # names of element types in Abaqus and CalculiX, as patterns
@@ -39,44 +43,9 @@ _MARKS: Final = ("T3D", "CPS", "CPE", "CAX", "SFM", "R3D")  # as which mesh prog
 _ORDER: Final = {"line3": [0, 2, 1]}  # the middle node of a bar is its second one
 _MOVES: Final = ("NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY", "SYSTEM", "SUBMODEL", "SYMMETRICMODELGENERATION")
 _JOINS: Final = (
-    "MPC", "EQUATION", "TIE", "RIGIDBODY", "COUPLING", "KINEMATIC", "DISTRIBUTING", "DISTRIBUTINGCOUPLING",
-    "CONNECTORSECTION", "SPRING", "DASHPOT", "MASS", "ROTARYINERTIA", "CONTACTPAIR", "TRANSFORM", "NONSTRUCTURALMASS",
+    "MPC", "EQUATION", "TIE", "COUPLING", "KINEMATIC", "DISTRIBUTING", "DISTRIBUTINGCOUPLING",
+    "CONNECTORSECTION", "SPRING", "DASHPOT", "ROTARYINERTIA", "CONTACTPAIR", "TRANSFORM", "NONSTRUCTURALMASS",
 )  # fmt: skip
-_DIRECTIONS: Final = {"ENCASTRE": (1, 6), "PINNED": (1, 3), "XSYMM": (1, 1), "YSYMM": (2, 2), "ZSYMM": (3, 3)}
-
-
-class _Keyword(NamedTuple):
-    """A line with a star and the data that follow it. number : of the line, from 1."""
-
-    path: Path
-    number: int
-    word: str
-    options: Mapping[str, str]
-    rows: list[tuple[int, list[str]]]
-
-    def option(self, name: str) -> str:
-        """The value of an option that it must have."""
-        if not self.options.get(name):
-            raise wrong_line(self.path, self.number, f"*{self.word} without {name}", f"{name}=...")
-        return self.options[name]
-
-
-@dataclass
-class _Deck:
-    """What has been read so far."""
-
-    nodes: list[Integers] = field(default_factory=list)
-    points: list[Floats] = field(default_factory=list)
-    blocks: list[Block] = field(default_factory=list)
-    node_sets: dict[str, list[Integers]] = field(default_factory=dict)
-    cell_sets: dict[str, list[Integers]] = field(default_factory=dict)
-    properties: list[StatedProperty] = field(default_factory=list)
-    materials: dict[str, dict[str, float]] = field(default_factory=dict)
-    holds: list[StatedHold] = field(default_factory=list)
-    left_out: dict[str, int] = field(default_factory=dict)
-    elements: dict[str, list[Integers]] = field(default_factory=dict)
-    parts: list[str] = field(default_factory=list)
-    instances: list[str] = field(default_factory=list)
 
 
 def read_abaqus(path: Path, data: bytes) -> Gathered:
@@ -85,11 +54,14 @@ def read_abaqus(path: Path, data: bytes) -> Gathered:
     Steps and loads are passed over; what would join or move nodes is named as left out, and refused where it makes
     nodes or elements. Raises InputErrors with file and line.
     """
-    deck = _Deck()
-    material = ""
+    deck = Deck()
+    material, in_step = "", False
     for keyword in _keywords(path, data, depth=0):
-        if keyword.word == "STEP":
-            break
+        in_step |= keyword.word == "STEP"
+        if in_step:
+            if keyword.word == "BOUNDARY":
+                deck.left_out.setdefault("BOUNDARY of a step", keyword.number)
+            continue
         if keyword.word == "MATERIAL":
             material = keyword.option("NAME")
             deck.materials[material] = {}
@@ -99,12 +71,18 @@ def read_abaqus(path: Path, data: bytes) -> Gathered:
             _read(keyword, deck)
     if not deck.nodes:
         raise InputError("", got=f"'{path.name}' without *NODE", expected="an input file with nodes and elements")
+    if "TRANSFORM" in deck.left_out and (deck.holds or deck.links):  # their directions are not the global ones
+        deck.left_out.setdefault("BOUNDARY and *RIGID BODY in directions of *TRANSFORM", deck.left_out["TRANSFORM"])
+        deck.holds, deck.links = [], []
     stated = Stated(
         tuple(deck.properties),
         tuple(StatedMaterial(name, constants) for name, constants in deck.materials.items()),
+        masses=tuple(deck.masses),
+        links=tuple(deck.links),
         holds=tuple(deck.holds),
         left_out=tuple(f"*{word} (line {number})" for word, number in deck.left_out.items()),
         elements={name: np.concatenate(some) for name, some in deck.elements.items()},
+        active=tuple(dict.fromkeys(one.name for one in deck.holds)),
     )
     return Gathered(
         np.concatenate(deck.nodes),
@@ -116,9 +94,9 @@ def read_abaqus(path: Path, data: bytes) -> Gathered:
     )
 
 
-def _keywords(path: Path, data: bytes, depth: int) -> list[_Keyword]:
+def _keywords(path: Path, data: bytes, depth: int) -> list[Keyword]:
     """All keywords with their data lines, those of included files in their places."""
-    found: list[_Keyword] = []
+    found: list[Keyword] = []
     pending = ""
     for number, line in enumerate(lines_of(path, data), 1):
         if line.startswith("**") or not line.strip():
@@ -134,7 +112,7 @@ def _keywords(path: Path, data: bytes, depth: int) -> list[_Keyword]:
         first, *others = (one.strip() for one in text[1:].split(","))
         pairs = (one.partition("=") for one in others if one)
         options = {key.strip().upper().replace(" ", ""): value.strip().strip('"') for key, _, value in pairs}
-        keyword = _Keyword(path, number, first.upper().replace(" ", ""), options, [])
+        keyword = Keyword(path, number, first.upper().replace(" ", ""), options, [])
         if keyword.word != "INCLUDE":
             found.append(keyword)
             continue
@@ -150,7 +128,7 @@ def _keywords(path: Path, data: bytes, depth: int) -> list[_Keyword]:
     return found
 
 
-def _read(keyword: _Keyword, deck: _Deck) -> None:
+def _read(keyword: Keyword, deck: Deck) -> None:
     word, path, number = keyword.word, keyword.path, keyword.number
     if word == "NODE":
         _nodes(keyword, deck)
@@ -161,8 +139,8 @@ def _read(keyword: _Keyword, deck: _Deck) -> None:
     elif word in ("SHELLSECTION", "SOLIDSECTION"):
         given = float(floats(path, keyword.rows[:1])[0]) if word[1] == "H" and keyword.rows else None
         deck.properties.append(StatedProperty(keyword.option("ELSET"), given, keyword.options.get("MATERIAL", "")))
-    elif word == "BOUNDARY":
-        _held(keyword, deck)
+    elif word in STATED:
+        STATED[word](keyword, deck)
     elif word in ("PART", "INSTANCE"):
         seen = deck.parts if word == "PART" else deck.instances
         seen.append(keyword.options.get("NAME", ""))
@@ -175,7 +153,7 @@ def _read(keyword: _Keyword, deck: _Deck) -> None:
         deck.left_out.setdefault(word, number)
 
 
-def _nodes(keyword: _Keyword, deck: _Deck) -> None:
+def _nodes(keyword: Keyword, deck: Deck) -> None:
     path = keyword.path
     wide = [(number, words) for number, words in keyword.rows if not 3 <= len(words) <= 4]
     if wide:
@@ -188,8 +166,14 @@ def _nodes(keyword: _Keyword, deck: _Deck) -> None:
         deck.node_sets.setdefault(keyword.options["NSET"], []).append(numbers)
 
 
-def _elements(keyword: _Keyword, deck: _Deck) -> None:
+def _elements(keyword: Keyword, deck: Deck) -> None:
     name = keyword.option("TYPE").upper()
+    if name == "MASS" and "ELSET" in keyword.options:
+        wrong = next((number for number, words in keyword.rows if len(words) != 2), None)
+        if wrong is not None:
+            raise wrong_line(keyword.path, wrong, "an element of type MASS", "its number and its node")
+        deck.lumps.setdefault(keyword.options["ELSET"], []).extend(integers(keyword.path, keyword.rows)[1::2].tolist())
+        return
     if name in ("MASS", "ROTARYI", "SPRINGA", "SPRING1", "SPRING2", "DASHPOTA"):
         deck.left_out.setdefault(f"ELEMENT, TYPE={name}", keyword.number)
         return
@@ -215,7 +199,7 @@ def _elements(keyword: _Keyword, deck: _Deck) -> None:
         deck.cell_sets.setdefault(keyword.options["ELSET"], []).append(rows[:, 0])
 
 
-def _set(keyword: _Keyword, sets: dict[str, list[Integers]], name: str) -> None:
+def _set(keyword: Keyword, sets: dict[str, list[Integers]], name: str) -> None:
     """Numbers, names of other sets, or first, last and step."""
     into = sets.setdefault(name, [])
     by_case = {one.upper(): one for one in sets}
@@ -226,8 +210,8 @@ def _set(keyword: _Keyword, sets: dict[str, list[Integers]], name: str) -> None:
                 raise wrong_line(keyword.path, number, f"'{', '.join(words)}'", "first, last and step")
             into.append(np.arange(ends[0], ends[1] + 1, ends[2] if len(ends) == 3 else 1))
             continue
-        plain = [word for word in words if word and not _is_number(word)]
-        into.append(integers(keyword.path, [(number, [word for word in words if _is_number(word)])]))
+        plain = [word for word in words if word and not is_number(word)]
+        into.append(integers(keyword.path, [(number, [word for word in words if is_number(word)])]))
         for word in plain:
             other = by_case.get(word.strip('"').upper())
             if other is None:
@@ -235,36 +219,9 @@ def _set(keyword: _Keyword, sets: dict[str, list[Integers]], name: str) -> None:
             into.extend(sets[other][:])
 
 
-def _is_number(word: str) -> bool:
-    return word.lstrip("+-").isdigit()
-
-
-def _constants(keyword: _Keyword, constants: dict[str, float]) -> None:
+def _constants(keyword: Keyword, constants: dict[str, float]) -> None:
     if keyword.options.get("TYPE", "ISOTROPIC").upper() not in ("ISOTROPIC", "ISO") or not keyword.rows:
         constants["other than isotropic"] = 1.0
         return
     values = floats(keyword.path, keyword.rows[:1]).tolist()
     constants.update(zip(("E", "nu") if keyword.word == "ELASTIC" else ("rho",), values, strict=False))
-
-
-def _held(keyword: _Keyword, deck: _Deck) -> None:
-    """Nodes held at zero, by number or set."""
-    by_case = {one.upper(): one for one in deck.node_sets}
-    for number, words in keyword.rows:
-        which = words[0].strip('"')
-        if _is_number(which):
-            nodes = np.array([int(which)])
-        elif which.upper() in by_case:
-            nodes = np.concatenate([np.zeros(0, np.int64), *deck.node_sets[by_case[which.upper()]]])
-        else:
-            raise wrong_line(keyword.path, number, f"'{which}', no set of nodes above", "a node or a set of nodes")
-        if len(words) > 1 and words[1].upper() in _DIRECTIONS:
-            first, last = _DIRECTIONS[words[1].upper()]
-        else:
-            given = [word for word in words[1:3] if word]
-            ends = integers(keyword.path, [(number, given)]).tolist()
-            if not ends:
-                raise wrong_line(keyword.path, number, f"'{', '.join(words)}'", "a first and a last direction")
-            first, last = ends[0], ends[-1]
-        held = tuple(range(max(first, 1) - 1, min(last, 6)))
-        deck.holds.append(StatedHold(f"boundary {which}", nodes, held))

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Final
 
@@ -16,7 +16,8 @@ import numpy as np
 from femstruct.arrays import Integers
 from femstruct.errors import InputError, InputErrors, sentence
 from femstruct.files.inputs.mesh_files.bulk_cards import Card, cards_of
-from femstruct.files.inputs.mesh_files.text_lines import lines_of, wrong_line
+from femstruct.files.inputs.mesh_files.case_control import case_control
+from femstruct.files.inputs.mesh_files.text_lines import lines_of
 from femstruct.model.imported.gathering import Block, Gathered
 from femstruct.model.imported.imported_mesh import (
     Stated,
@@ -41,12 +42,13 @@ _CELLS: Final[Mapping[str, tuple[tuple[str, int], ...]]] = {
     "CBEAM": (("line2", 2),),
 }
 _HEX20: Final = [*range(12), 16, 17, 18, 19, 12, 13, 14, 15]  # edges between the faces come before those of the top
-_HARMLESS: Final = ("PARAM", "MDLPRM", "EIGRL", "EIGR", "EIGC", "SPCADD")  # of no effect on a mesh and its properties
+_HARMLESS: Final = ("MDLPRM", "EIGRL", "EIGR", "EIGC")  # of no effect on a mesh and its properties
 _PASSED_OVER: Final = (
     *_HARMLESS, "TABDMP1", "FREQ", "FREQ1", "FREQ2", "FREQ3", "FREQ4", "TSTEP", "FORCE", "MOMENT", "PLOAD", "PLOAD2",
     "PLOAD4", "GRAV", "LOAD", "DLOAD", "RLOAD1", "RLOAD2", "TLOAD1", "TLOAD2", "DAREA", "TABLED1", "TABLED2",
     "PBAR", "PBARL", "PBEAM", "PBEAML", "CORD1R", "CORD1C", "CORD1S", "CORD2R", "CORD2C", "CORD2S",
 )  # fmt: skip
+_OF_GRID: Final = 0  # in place of the number of a set of supports: those of GRID, which always hold
 MOST_NAMED: Final = 12  # unknown cards named at once
 
 
@@ -66,19 +68,27 @@ class _Bulk:
     holds: dict[tuple[int, str], list[int]] = field(default_factory=dict)
     sets: dict[str, list[int]] = field(default_factory=dict)
     left_out: dict[str, int] = field(default_factory=dict)
+    added: dict[int, list[int]] = field(default_factory=dict)  # sets of supports that SPCADD makes one
+    chosen: list[int] = field(default_factory=list)  # sets of supports by SPC = N of the case control
+    mass_factor: float = 1.0
+
+    def leave_out(self, what: str) -> None:
+        """Count what is not read."""
+        self.left_out[what] = self.left_out.get(what, 0) + 1
 
 
 def read_nastran(path: Path, data: bytes) -> Gathered:
-    """What a bulk data file has: nodes, elements, properties, materials, SPC1, RBE2, CONM2, and sets.
+    """What a bulk data file has: nodes, elements, properties, materials, SPC, SPC1, RBE2, CONM2, and sets.
 
     Sets are named "SET 5" (of the case control, SET1 or SET3), cells by their property "PSHELL 2" or "PSOLID 2", held
-    nodes "SPC 1". Loads and what controls a solution are passed over; every other card is refused by name.
+    nodes "SPC 1", those that GRID holds itself "GRID PS". Masses are those of the cards times PARAM, WTMASS. Loads and
+    what controls a solution are passed over; every other card is refused by name.
     Raises InputErrors with file and line, for all unknown cards at once.
     """
     control, cards = cards_of(path, lines_of(path, data))
     bulk = _Bulk()
     unknown: dict[str, Card] = {}
-    _control_sets(path, control, bulk)
+    bulk.sets, bulk.chosen = case_control(path, control)
     for card in cards:
         if card.name in _CELLS:
             _cell(card, bulk)
@@ -87,7 +97,7 @@ def read_nastran(path: Path, data: bytes) -> Gathered:
         elif card.name not in _PASSED_OVER:
             unknown.setdefault(card.name, card)
         elif card.name not in _HARMLESS:
-            bulk.left_out[card.name] = bulk.left_out.get(card.name, 0) + 1
+            bulk.leave_out(card.name)
     if unknown:
         expected = (
             "cards of a mesh: GRID, CQUAD4, CTRIA3, CTETRA, CHEXA, CBAR, PSHELL, PSOLID, MAT1, MAT8, SPC1, RBE2, ..."
@@ -115,7 +125,7 @@ def _gathered(bulk: _Bulk) -> Gathered:
     ]
     node_sets: dict[str, Integers] = {}
     for (number, _), some in bulk.holds.items():
-        name = f"SPC {number}"
+        name = _support(number)
         node_sets[name] = np.unique(np.concatenate([node_sets.get(name, np.zeros(0, np.int64)), some]))
     known = np.array(bulk.numbers)
     cells = np.concatenate([block.numbers for block in blocks] or [np.zeros(0, np.int64)])
@@ -124,40 +134,32 @@ def _gathered(bulk: _Bulk) -> Gathered:
             node_sets[name] = np.array(members, np.int64)
         if np.isin(members, cells).all():
             cell_sets[name] = np.array(members, np.int64)
+    factor = bulk.mass_factor
+    used = {one for number in bulk.chosen for one in bulk.added.get(number, [number])}
     stated = Stated(
         tuple(properties),
         tuple(bulk.materials),
-        tuple(bulk.masses),
+        tuple(
+            replace(one, mass=factor * one.mass, inertia=tuple(factor * value for value in one.inertia))
+            for one in bulk.masses
+        ),
         tuple(bulk.links),
         tuple(
-            StatedHold(f"SPC {number}", np.array(some), tuple(int(digit) - 1 for digit in held))
+            StatedHold(_support(number), np.array(some), tuple(int(digit) - 1 for digit in held))
             for (number, held), some in bulk.holds.items()
         ),
         tuple(f"{count} {name}" for name, count in bulk.left_out.items()),
+        active=tuple(_support(number) for number in (*sorted(used), _OF_GRID)) if used else (),
     )
     return Gathered(known, np.array(bulk.points), blocks, node_sets, cell_sets, stated)
 
 
+def _support(number: int) -> str:
+    return "GRID PS" if number == _OF_GRID else f"SPC {number}"
+
+
 def _property(bulk: _Bulk, number: int) -> str:
     return f"{'PSHELL ' if number in bulk.shells else 'PSOLID ' if number in bulk.solids else 'property '}{number}"
-
-
-def _control_sets(path: Path, control: list[tuple[int, str]], bulk: _Bulk) -> None:
-    """SET 5 = 1, 2, 7 THRU 9: a line that ends in a comma goes on."""
-    pending, first = "", 0
-    for number, line in control:
-        text = line.split("$", 1)[0].strip()
-        pending, first = (pending + " " + text, first) if pending else (text, number)
-        if pending.endswith(","):
-            continue
-        found = re.match(r"SET\s+(\d+)\s*=\s*(.*)", pending, re.IGNORECASE)
-        pending = ""
-        if found is None or "ALL" in found[2].upper():
-            continue
-        card = Card(path, first, "SET", [found[1], *re.split(r"[,\s]+", found[2].strip())])
-        if "EXCEPT" in (word.upper() for word in card.fields):
-            raise wrong_line(path, first, "SET with EXCEPT", "the numbers that belong to it")
-        bulk.sets[f"SET {found[1]}"] = card.several(1)
 
 
 def _cell(card: Card, bulk: _Bulk) -> None:
@@ -176,7 +178,7 @@ def _cell(card: Card, bulk: _Bulk) -> None:
         raise card.refuse(f"{given} nodes", f"{counts} nodes", "elements without some middle nodes are not read")
     shift = {"CTRIA3": 6, "CTRIAR": 6, "CQUAD4": 7, "CQUADR": 7}.get(card.name)
     if shift is not None and card.field(shift) and card.real(shift) != 0.0:
-        bulk.left_out[f"ZOFFS of {card.name}"] = bulk.left_out.get(f"ZOFFS of {card.name}", 0) + 1
+        bulk.leave_out(f"ZOFFS of {card.name}")
 
 
 def _grid(card: Card, bulk: _Bulk) -> None:
@@ -189,6 +191,8 @@ def _grid(card: Card, bulk: _Bulk) -> None:
             )
     bulk.numbers.append(card.whole(0))
     bulk.points.append((card.real(2, 0.0), card.real(3, 0.0), card.real(4, 0.0)))
+    if card.field(6).strip("0"):
+        _hold(card, bulk, _OF_GRID, 6, [card.whole(0)])
 
 
 def _pshell(card: Card, bulk: _Bulk) -> None:
@@ -242,8 +246,32 @@ def _rbe2(card: Card, bulk: _Bulk) -> None:
 
 
 def _spc1(card: Card, bulk: _Bulk) -> None:
-    held = "".join(str(one + 1) for one in _directions(card, 1))
-    bulk.holds.setdefault((card.whole(0), held), []).extend(card.several(2))
+    _hold(card, bulk, card.whole(0), 1, card.several(2))
+
+
+def _spc(card: Card, bulk: _Bulk) -> None:
+    """One or two nodes, their directions and what they are moved by."""
+    for first in (1, 4):
+        if first == 4 and not card.field(first):
+            continue
+        if card.real(first + 2, 0.0):
+            bulk.leave_out("SPC that moves a node")
+        else:
+            _hold(card, bulk, card.whole(0), first + 1, [card.whole(first)])
+
+
+def _hold(card: Card, bulk: _Bulk, number: int, directions: int, nodes: list[int]) -> None:
+    held = "".join(str(one + 1) for one in _directions(card, directions))
+    bulk.holds.setdefault((number, held), []).extend(nodes)
+
+
+def _spcadd(card: Card, bulk: _Bulk) -> None:
+    bulk.added[card.whole(0)] = card.several(1)
+
+
+def _param(card: Card, bulk: _Bulk) -> None:
+    if card.field(0).upper() == "WTMASS":
+        bulk.mass_factor = card.real(1)
 
 
 def _directions(card: Card, index: int) -> tuple[int, ...]:
@@ -271,7 +299,10 @@ _READERS: Final[Mapping[str, Callable[[Card, _Bulk], None]]] = {
     "MAT8": _mat8,
     "CONM2": _conm2,
     "RBE2": _rbe2,
+    "SPC": _spc,
     "SPC1": _spc1,
+    "SPCADD": _spcadd,
+    "PARAM": _param,
     "SET1": _set1,
     "SET3": _set3,
 }

@@ -1,0 +1,91 @@
+"""What an input file of Abaqus states beside its mesh: held nodes, masses, rigid bodies."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Final
+
+import numpy as np
+
+from femstruct.arrays import Integers
+from femstruct.files.inputs.mesh_files.abaqus_deck import Deck, Keyword
+from femstruct.files.inputs.mesh_files.text_lines import floats, integers, wrong_line
+from femstruct.model.imported.imported_mesh import StatedHold, StatedLink, StatedMass
+
+_DIRECTIONS: Final = {  # held by the types of *BOUNDARY, counted from 1
+    "ENCASTRE": (1, 2, 3, 4, 5, 6), "PINNED": (1, 2, 3), "XSYMM": (1, 5, 6), "YSYMM": (2, 4, 6), "ZSYMM": (3, 4, 5),
+    "XASYMM": (2, 3, 4), "YASYMM": (1, 3, 5), "ZASYMM": (1, 2, 6),
+}  # fmt: skip
+
+
+def is_number(word: str) -> bool:
+    """Whether a word is a whole number."""
+    return word.lstrip("+-").isdigit()
+
+
+def nodes_named(keyword: Keyword, number: int, which: str, deck: Deck) -> Integers:
+    """A node by its number, or those of a set."""
+    which = which.strip('"')
+    if is_number(which):
+        return np.array([int(which)])
+    by_case = {one.upper(): one for one in deck.node_sets}
+    if which.upper() not in by_case:
+        raise wrong_line(keyword.path, number, f"'{which}', no set of nodes above", "a node or a set of nodes")
+    return np.concatenate([np.zeros(0, np.int64), *deck.node_sets[by_case[which.upper()]]])
+
+
+def held_nodes(keyword: Keyword, deck: Deck) -> None:
+    """Nodes held at zero, by number or set."""
+    for number, words in keyword.rows:
+        which = words[0].strip('"')
+        nodes = nodes_named(keyword, number, which, deck)
+        if len(words) > 1 and words[1].upper() in _DIRECTIONS:
+            held = _DIRECTIONS[words[1].upper()]
+        else:
+            given = [word for word in words[1:3] if word]
+            ends = integers(keyword.path, [(number, given)]).tolist()
+            if not ends:
+                raise wrong_line(keyword.path, number, f"'{', '.join(words)}'", "a first and a last direction")
+            held = tuple(one for one in range(ends[0], ends[-1] + 1) if 1 <= one <= 6)
+        moved = [word for word in words[3:4] if word and floats(keyword.path, [(number, [word])])[0] != 0.0]
+        if moved:
+            deck.left_out.setdefault("BOUNDARY that moves nodes", number)
+        elif held:
+            deck.holds.append(StatedHold(f"boundary {which}", nodes, tuple(one - 1 for one in held)))
+
+
+def masses(keyword: Keyword, deck: Deck) -> None:
+    """A mass at each node of a set of elements of type MASS."""
+    name = keyword.option("ELSET")
+    nodes = {one.upper(): some for one, some in deck.lumps.items()}.get(name.upper())
+    if nodes is None:
+        deck.left_out.setdefault("MASS", keyword.number)
+        return
+    value = float(floats(keyword.path, keyword.rows[:1])[0]) if keyword.rows else 0.0
+    deck.masses += [StatedMass(node, value, (0.0, 0.0, 0.0), (0.0,) * 6) for node in nodes]
+
+
+def rigid_body(keyword: Keyword, deck: Deck) -> None:
+    """Nodes that follow a reference node: with their rotations (NSET, TIE NSET), or their shifts only (PIN NSET)."""
+    sets = {"NSET": range(6), "TIENSET": range(6), "PINNSET": range(3)}
+    leads = nodes_named(keyword, keyword.number, keyword.option("REFNODE"), deck)
+    if (
+        len(leads) != 1
+        or not sets.keys() & keyword.options.keys()
+        or {"ELSET", "ANALYTICALSURFACE"} & keyword.options.keys()
+    ):
+        deck.left_out.setdefault("RIGIDBODY", keyword.number)
+        return
+    for key, follows in sets.items():
+        if key in keyword.options:
+            nodes = nodes_named(keyword, keyword.number, keyword.options[key], deck)
+            nodes = nodes[nodes != leads[0]]
+            if len(nodes):
+                deck.links.append(StatedLink(int(leads[0]), nodes, tuple(follows)))
+
+
+STATED: Final[Mapping[str, Callable[[Keyword, Deck], None]]] = {
+    "BOUNDARY": held_nodes,
+    "MASS": masses,
+    "RIGIDBODY": rigid_body,
+}
