@@ -147,7 +147,7 @@ def test_a_component_knows_whether_it_is_held(tmp_path: Path) -> None:
         ({}, "at: [1, 0, 0]}", "at: [1, 0.2, 0]}", "points.foot.at: got (1, 0.2, 0) m, 0.2 m from the nearest node"),
         ({}, "at: [1, 0, 0]}", "set: feet}", "points.foot.set: got a set of fan, expected at: [x, y, z]"),
         ({}, "type: matrices", "type: reduced", "parts.fan.file: got 'fan.npz', which is not reduced"),
-        ({}, "fan.npz,", "fan.npz, scale: mm,", "parts.fan.scale: got the unknown key 'scale'"),
+        ({}, "fan.npz,", "fan.npz, mass: t,", "parts.fan.mass: got the unknown key 'mass'"),
         ({}, "file: fan.npz", "file: /fan.npz", "parts.fan.file: got the absolute path '/fan.npz'"),
     ],
 )

@@ -6,6 +6,7 @@ import csv
 import hashlib
 import io
 import json
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Final
 from zipfile import BadZipFile
@@ -14,10 +15,11 @@ import numpy as np
 from scipy.io import mmread
 from scipy.sparse import csc_array, csr_array
 
-from femstruct.assembly.given_matrices import given_matrices, mapped_matrices
+from femstruct.assembly.given_matrices import mapped_matrices
 from femstruct.assembly.matrices import Assembly, DofMap
 from femstruct.conventions import N_COMPONENTS
 from femstruct.errors import InputError
+from femstruct.files.inputs.foreign_matrices import foreign_assembly, is_foreign
 from femstruct.files.inputs.opening import content
 from femstruct.model.imported.component import Component
 
@@ -26,15 +28,26 @@ LARGEST: Final = 4 * 2**30  # bytes of a file
 MATRICES: Final = ("M", "C", "K", "T")
 _OF_REDUCTIONS: Final = ("interface", "quads", "lines", "axes", "loss_factor", "reduced_to_hz")
 _WHAT: Final = (
-    "matrices that femstruct export wrote, NAME.npz or NAME.json beside NAME.M.mtx, or a .npz of M, K, nodes, "
-    "components, points"
+    "matrices that femstruct export wrote, NAME.npz or NAME.json beside NAME.M.mtx, or of another program: a .npz or "
+    ".h5 of M, K, nodes, components, points, a .op4, or {M: M.mtx, K: K.mtx}"
 )
 
 
-def read_matrices(path: str | Path) -> Assembly:
+def read_matrices(
+    path: str | Path | Mapping[str, str | Path],
+    nodes: str | Path | None = None,
+    names: Mapping[str, str] | None = None,
+    scale: float = 1.0,
+) -> Assembly:
     """The assembly of matrices in a file: that `femstruct export MODEL --to npz` or `--to mtx` wrote, NAME.npz or
-    NAME.json, or of another program in a .npz of dense M, K and where there are dashpots C [n, n], nodes and components
-    [n], points [n_nodes, 3], as `given_matrices` takes them.
+    NAME.json, or of another program.
+
+    path : of another program a .npz of M, K and where there are dashpots C [n, n], nodes and components [n], points
+    [n_nodes, 3], as `given_matrices` takes them; HDF5 with the same names, where a matrix may be a group of data,
+    indices, indptr and shape; OUTPUT4 of Nastran (.op4, binary or text); or a file of Matrix Market under each of "M",
+    "K", "C". nodes : a table of commas with the columns node, x, y, z, direction and a row for each degree of freedom,
+    where the file has no map. names : of M, K, C in an OP4 file, where they are not the usual ones. scale : metres in
+    the unit of length of another program; forces are in newtons, so masses are in t where lengths are in mm.
 
     Its shapes are those of all nodes of the model, joined and held ones, too. Forces of supports and the loss factors
     of single parts are not in such a file.
@@ -51,10 +64,16 @@ def read_matrices(path: str | Path) -> Assembly:
     >>> modal_basis(again, count=1).omega.round(12).tolist(), again.dofs.labels
     ([10.0], ('node 0 UZ',))
     """
+    table, named = None if nodes is None else Path(nodes), names or {}
+    if isinstance(path, Mapping):
+        return foreign_assembly({key: Path(one) for key, one in path.items()}, table, named, scale)
     path = Path(path)
     data = content(path, LARGEST, _WHAT)
-    if data[:2] == b"PK" and (foreign := _foreign(path, data)) is not None:
-        return foreign
+    if is_foreign(path, data):
+        return foreign_assembly({"": path}, table, named, scale)
+    if table is not None or named or scale != 1.0:
+        got = f"a table of nodes, names or a scale for '{path.name}'"
+        raise InputError("", got=got, expected="none: it has its map, in metres", do="leave them out")
     try:
         read = _npz(data) if data[:2] == b"PK" else _mtx(path, data)
     except (KeyError, TypeError, ValueError, BadZipFile, EOFError, StopIteration) as error:
@@ -98,14 +117,20 @@ def _checked(about: Any) -> dict[str, Any]:
     return about
 
 
-def read_component(path: str | Path, sources: dict[str, str] | None = None) -> Component:
+def read_component(
+    path: str | Path | Mapping[str, str | Path],
+    sources: dict[str, str] | None = None,
+    nodes: str | Path | None = None,
+    names: Mapping[str, str] | None = None,
+    scale: float = 1.0,
+) -> Component:
     """The matrices of a file as a part of a model takes them: what `read_matrices` reads, or a reduction.
 
-    sources : is given a digest of the file under its name. Raises InputError, and what `read_matrices` raises.
+    sources : is given a digest of each file under its name. Raises InputError, and what `read_matrices` raises.
     """
-    path = Path(path)
-    data = content(path, LARGEST, _WHAT)
-    assembly = read_matrices(path)
+    assembly = read_matrices(path, nodes, names, scale)
+    paths = [Path(one) for one in path.values()] if isinstance(path, Mapping) else [Path(path)]
+    data = content(paths[0], LARGEST, _WHAT)
     more: dict[str, Any] = {"interface": np.arange(len(assembly.points))}
     if data[:2] == b"PK":
         with np.load(io.BytesIO(data), allow_pickle=False) as file:
@@ -114,24 +139,7 @@ def read_component(path: str | Path, sources: dict[str, str] | None = None) -> C
     M, C, K = (csr_array(one) for one in (assembly.M, assembly.C, assembly.K))
     labels = tuple(assembly.dofs.labels)
     if sources is not None:
-        digest = hashlib.sha256(data).hexdigest()
-        sources[str(path)] = f"sha256 {digest}, {len(labels)} degrees of freedom, {len(assembly.points)} nodes\n"
-    return Component(path.name, M, C, K, assembly.dofs.T, assembly.points, assembly.total_mass, labels, **more)
-
-
-def _foreign(path: Path, data: bytes) -> Assembly | None:
-    """The assembly of the dense matrices of another program; None for a file of ours, or of none."""
-    try:
-        with np.load(io.BytesIO(data), allow_pickle=False) as file:
-            if "about" in file or not {"M", "K"} <= set(file.files):
-                return None
-            missing = [name for name in ("nodes", "components", "points") if name not in file]
-            found = {name: file[name] for name in ("M", "K", "C", "nodes", "components", "points") if name in file}
-    except (ValueError, BadZipFile, EOFError, OSError) as error:
-        raise InputError(str(path), got=f"'{path.name}', which cannot be read ({error})", expected=_WHAT) from None
-    if missing:
-        got = f"'{path.name}' without {', '.join(missing)}"
-        raise InputError(
-            str(path), got=got, expected="a node and a component of each degree of freedom, and the points"
-        )
-    return given_matrices(**found)
+        for one in (*paths, *([] if nodes is None else [Path(nodes)])):
+            digest = hashlib.sha256(content(one, LARGEST, _WHAT)).hexdigest()
+            sources[str(one)] = f"sha256 {digest}, {len(labels)} degrees of freedom, {len(assembly.points)} nodes\n"
+    return Component(paths[0].name, M, C, K, assembly.dofs.T, assembly.points, assembly.total_mass, labels, **more)

@@ -32,13 +32,17 @@ def unit_of_file(dimension: str, factor: str, expected: str, do: str) -> Callabl
 _scale = unit_of_file("length", "ratio", "a unit of length, or metres in that of the file", "write mm or 0.001")
 
 
+FILE_SCALE = Annotated[float, read_by(_scale, Text | float)]
+"""Metres in the unit of length of a file."""
+
+
 class OfMeshSpec(PartSpec):
     """A part of a mesh file. scale: the unit of length in the file, or metres in it; metres without it."""
 
     known_as: ClassVar[tuple[str, ...]] = ("part",)
 
     mesh: Text
-    scale: Annotated[float, read_by(_scale, Text | float)] = 1.0
+    scale: FILE_SCALE = 1.0
 
     def build(self, name: str, of: Library) -> Part:
         try:

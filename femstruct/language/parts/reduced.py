@@ -7,6 +7,7 @@ from typing import Literal
 from femstruct.errors import InputError
 from femstruct.language.parts.matrices import FromMatricesSpec
 from femstruct.language.parts.part import Library
+from femstruct.language.yaml import Text
 from femstruct.model.part import Part
 from femstruct.parts.substructure import Substructure
 
@@ -15,6 +16,7 @@ class ReducedSpec(FromMatricesSpec):
     """A part that `femstruct reduce` has reduced to its interface and its modes with the interface held."""
 
     type: Literal["reduced"]
+    file: Text
 
     def build(self, name: str, of: Library) -> Part:
         part = super().build(name, of)
