@@ -369,3 +369,9 @@ def refuse_patch(name: str, place: PlaceOn) -> None:
     """Raise InputError for a point that stands for a patch, on a part that is no plate."""
     if place.patch is not None:
         raise InputError(f"points.{name}.patch", got=f"a patch on {place.on}", expected="one on a plate")
+
+
+def refuse_not_global(name: str, at: Floats) -> None:
+    """Raise InputError for a place of a point that is not x, y and z."""
+    if len(at) != 3:
+        raise InputError(f"points.{name}.at", got=f"{len(at)} numbers", expected="[x, y, z], global")

@@ -10,7 +10,7 @@ import numpy as np
 from scipy.sparse import csr_array, vstack
 
 from femstruct.arrays import Floats, Integers, freeze, frozen_integers
-from femstruct.conventions import DIRECTIONS, N_COMPONENTS
+from femstruct.conventions import DIRECTIONS
 from femstruct.declared import checked
 from femstruct.errors import Finding, InputError, some_of
 from femstruct.model.fastened import Inert, Tie
@@ -28,10 +28,10 @@ from femstruct.model.imported.attached import (
 from femstruct.model.imported.attached_rows import Nodes, held_rows, inert_rows, link_rows
 from femstruct.model.imported.imported_mesh import ImportedMesh, StatedHold
 from femstruct.model.model import Model
-from femstruct.model.part import Drawn, Meshed, OwnDofs, Part, nodal_dofs, refuse_patch
+from femstruct.model.part import Drawn, Meshed, OwnDofs, nodal_dofs, refuse_not_global, refuse_patch
 from femstruct.model.probe import Point
-from femstruct.model.rows import sparse_rows
 from femstruct.model.structure import PlaceOn
+from femstruct.parts.of_meshes.given_nodes import GivenNodes, drawn_nodes
 
 HEAVIEST: Final = 2e4  # kg per cube of the size of a structure: metal all through, the densest of which has 22600
 CONSISTENT: Final[Mapping[float, float]] = {1.0: 1.0, 1e-3: 1e3}  # kg in the unit of mass of files in metres and in mm
@@ -40,7 +40,7 @@ _SIX: Final = len(DIRECTIONS)
 
 @dataclass(frozen=True)
 @checked("parts")
-class Attachments(Part):
+class Attachments(GivenNodes):
     """What a mesh file states beside its cells, taken as it is: supports, rigid links, masses.
 
     take : out of "supports", "links", "masses". supports : names of the sets of supports that hold; none for those that
@@ -143,9 +143,6 @@ class Attachments(Part):
             ),
         )
 
-    def lay_out(self, layout: Layout) -> None:
-        layout.given.add(self.name)
-
     def meshed(self, layout: Layout, grids: Grids, first: int) -> AttachmentsMesh | None:
         alone = self.attaches(layout.taken).alone
         return AttachmentsMesh(self, first, alone) if len(alone) else None
@@ -221,8 +218,7 @@ class AttachmentsMesh(Meshed):
         refuse_patch(name, place)
         if place.named is not None:
             raise InputError(f"{where}.set", got=f"a set of {self.name}", expected="at: [x, y, z]")
-        if len(at) != 3:
-            raise InputError(f"{where}.at", got=f"{len(at)} numbers", expected="[x, y, z], global")
+        refuse_not_global(name, at)
         off = np.linalg.norm(self.places - at, axis=1)
         node = int(off.argmin())
         if off[node] > tolerance:
@@ -237,7 +233,4 @@ class AttachmentsMesh(Meshed):
 
     def drawn(self, divisions: int, along: int, n_nodes: int) -> Drawn:
         """Its nodes, which have no faces."""
-        rows = np.zeros((len(self.rows), 3, 1, N_COMPONENTS))
-        rows[:, :, 0, :3] = np.eye(3)
-        moved = sparse_rows(self.nodes[:, None], rows, n_nodes)
-        return Drawn(self.places, moved, np.empty((0, 4), np.int64), np.empty((0, 2), np.int64))
+        return drawn_nodes(self.places, self.nodes, np.empty((0, 4), np.int64), np.empty((0, 2), np.int64), n_nodes)

@@ -26,7 +26,7 @@ from femstruct.model.materials.bar import of_bar
 from femstruct.model.materials.loss_by_frequency import Loss
 from femstruct.model.materials.orthotropic import AnyMaterial
 from femstruct.model.model import Model
-from femstruct.model.part import Drawn, Meshed, OwnDofs, Part, Spread, nodal_dofs, refuse_patch
+from femstruct.model.part import Drawn, Meshed, OwnDofs, Part, Spread, nodal_dofs, refuse_not_global, refuse_patch
 from femstruct.model.probe import Point, StressPlaces
 from femstruct.model.region import Region, Vector
 from femstruct.model.rows import flat_rows, sparse_rows
@@ -310,8 +310,7 @@ class FrameMesh(Meshed):
     def point(self, name: str, place: PlaceOn, at: Floats, tolerance: float) -> Point:
         where, up = f"points.{name}", np.array([0.0, 0.0, 1.0])
         refuse_patch(name, place)
-        if len(at) != 3:
-            raise InputError(f"{where}.at", got=f"{len(at)} numbers", expected="[x, y, z], global")
+        refuse_not_global(name, at)
         apart = np.linalg.norm(self.places - at, axis=1)
         if apart.min() <= tolerance:
             node = int(np.argmin(apart))

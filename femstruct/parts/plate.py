@@ -17,7 +17,7 @@ from femstruct.model.grid.cell_sides import cell_sides
 from femstruct.model.grid.geometry import from_rectangle, rectangle_axes
 from femstruct.model.grid.layout import Grids, Layout
 from femstruct.model.material import Material
-from femstruct.model.materials.lay_up import LayUp, section_of
+from femstruct.model.materials.lay_up import LayUp, materials_of, section_of
 from femstruct.model.materials.orthotropic import AnyMaterial
 from femstruct.model.materials.plate_section import PlateSection
 from femstruct.model.part import Body, Part
@@ -114,7 +114,7 @@ class Plate(Part):
         return section_of(self.material, self.thickness)
 
     def materials(self) -> tuple[AnyMaterial, ...]:
-        return self.material.materials if isinstance(self.material, LayUp) else (self.material,)
+        return materials_of(self.material)
 
     def implausible(self, lies: bool) -> tuple[Finding, ...]:
         flat = abs(float(rectangle_axes(self)[2, 2])) > np.sqrt(0.5)

@@ -16,19 +16,20 @@ from femstruct.model.grid.outlines import Gridded, Hole, gridded
 from femstruct.model.imported.flat_cells import flat_cells
 from femstruct.model.imported.imported_mesh import ImportedMesh
 from femstruct.model.material import Material
-from femstruct.model.materials.lay_up import LayUp, section_of
+from femstruct.model.materials.lay_up import LayUp, materials_of, section_of
 from femstruct.model.materials.orthotropic import AnyMaterial
-from femstruct.model.part import Part
 from femstruct.model.probe import Point
 from femstruct.model.region import Pair, Vector
 from femstruct.model.structure import PlaceOn
+from femstruct.parts.of_meshes.given_nodes import GivenNodes
+from femstruct.parts.of_meshes.shell_mesh import FlatMesh
 from femstruct.parts.plausibility import refuse_thicker, thickness_findings
-from femstruct.parts.shell import FlatMesh, Shell
+from femstruct.parts.shell import Shell
 
 
 @dataclass(frozen=True)
 @checked("parts")
-class Slab(Part):
+class Slab(GivenNodes):
     """A flat slab of any outline with right angles; thick or thin, its elements shear.
 
     material : one material, or a lay-up, whose x is along the slab's. outline : corners in turn in the slab's own
@@ -101,7 +102,7 @@ class Slab(Part):
         return from_rectangle(self, rectangle_axes(self), self.grid().places)
 
     def materials(self) -> tuple[AnyMaterial, ...]:
-        return self.material.materials if isinstance(self.material, LayUp) else (self.material,)
+        return materials_of(self.material)
 
     def implausible(self, lies: bool) -> tuple[Finding, ...]:
         section = section_of(self.material, self.thickness)
@@ -109,9 +110,6 @@ class Slab(Part):
 
     def middles(self) -> Floats:
         return self.shell().middles()
-
-    def lay_out(self, layout: Layout) -> None:
-        layout.given.add(self.name)
 
     def meshed(self, layout: Layout, grids: Grids, first: int) -> SlabMesh:
         shell = self.shell()

@@ -14,18 +14,18 @@ from femstruct.errors import Finding, InputError
 from femstruct.model.given import Given, given
 from femstruct.model.grid.layout import Grids, Layout
 from femstruct.model.imported.component import Component
-from femstruct.model.part import Drawn, Meshed, OwnDofs, Part, refuse_patch
+from femstruct.model.part import Drawn, Meshed, OwnDofs, refuse_not_global, refuse_patch
 from femstruct.model.probe import Point
 from femstruct.model.region import Region, Vector
-from femstruct.model.rows import sparse_rows
 from femstruct.model.structure import PlaceOn
+from femstruct.parts.of_meshes.given_nodes import GivenNodes, drawn_nodes
 
 _SIX = 6
 
 
 @dataclass(frozen=True)
 @checked("parts")
-class Substructure(Part):
+class Substructure(GivenNodes):
     """A part that is given by matrices; joined, held and pointed at where it has nodes.
 
     component : the matrices and how nodes move with them. loss_factor : of its stiffness [1], None for that of the
@@ -74,9 +74,6 @@ class Substructure(Part):
                 {"degrees_of_freedom": len(self.component.labels)},
             ),
         )
-
-    def lay_out(self, layout: Layout) -> None:
-        layout.given.add(self.name)
 
     def meshed(self, layout: Layout, grids: Grids, first: int) -> SubstructureMesh:
         return SubstructureMesh(self, first)
@@ -179,8 +176,7 @@ class SubstructureMesh(Meshed):
         refuse_patch(name, place)
         if place.named is not None:
             raise InputError(f"{where}.set", got=f"a set of {self.name}", expected="at: [x, y, z]")
-        if len(at) != 3:
-            raise InputError(f"{where}.at", got=f"{len(at)} numbers", expected="[x, y, z], global")
+        refuse_not_global(name, at)
         off = np.linalg.norm(self.places - at, axis=1)
         node = int(off.argmin())
         if off[node] > tolerance:
@@ -195,6 +191,4 @@ class SubstructureMesh(Meshed):
 
     def drawn(self, divisions: int, along: int, n_nodes: int) -> Drawn:
         one = self.part.component
-        rows = np.zeros((len(one.points), 3, 1, N_COMPONENTS))
-        rows[:, :, 0, :3] = np.eye(3)
-        return Drawn(self.places, sparse_rows(self.nodes[:, None], rows, n_nodes), one.quads, one.lines)
+        return drawn_nodes(self.places, self.nodes, one.quads, one.lines, n_nodes)

@@ -9,7 +9,7 @@ from typing import Any, Final, NamedTuple
 
 from femstruct.conventions import GRAVITY
 from femstruct.model.given import Given, given, of_material, of_section, plain
-from femstruct.model.materials.lay_up import LayUp
+from femstruct.model.materials.lay_up import LayUp, materials_of
 from femstruct.model.materials.orthotropic import AnyMaterial
 from femstruct.model.section import Section
 from femstruct.model.structure import Joint, Structure
@@ -143,7 +143,7 @@ def _name_nouns(groups: dict[str, list[Item]]) -> None:
         for one in part.given:
             noun = one.value
             if isinstance(noun, AnyMaterial | LayUp):
-                made_of = noun.materials if isinstance(noun, LayUp) else (noun,)
+                made_of = materials_of(noun)
                 groups["materials"] += [Item(material.name, "", of_material(material)) for material in made_of]
             elif isinstance(noun, Section):
                 groups["sections"].append(Item(noun.name, "section", of_section(noun)))

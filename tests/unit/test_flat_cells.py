@@ -42,6 +42,7 @@ def test_an_open_patch_keeps_the_sides_of_the_greater_area_and_patches_are_apart
     assert area_vectors(cells.points, cells.corners)[:, 2].tolist() == [-1.0, -2.0, -1.0]
     assert cells.turned.tolist() == [1, 0, 0]
     assert cells.patches.tolist() == [0, 0, 1]
+    assert cells.held_together().tolist() == [0] * 6 + [1] * 4
 
 
 def test_a_strip_of_moebius_has_no_two_sides() -> None:

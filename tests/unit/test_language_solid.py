@@ -64,7 +64,7 @@ def test_every_key_reaches_the_noun(tmp_path: Path) -> None:
         ("set: BODY", "set: FOOT", "'FOOT', a set without tetrahedra or hexahedra"),
         ("ram.inp", "rom.inp", "rom.inp"),
         ("material: steel}", "material: oak}", "the direction of the material's x"),
-        ("material: steel}", "material: steel, orientation: [1, 0, 0]}", "one of an isotropic material"),
+        ("material: steel}", "material: steel, orientation: [1, 0, 0]}", "isotropic: it has no direction"),
         ("material: steel}", "material: oak, orientation: [0, 0, 1]}", "across its normal"),
         ("material: steel}", "material: steel, thickness: 2 mm}", "unknown key 'thickness'"),
     ],

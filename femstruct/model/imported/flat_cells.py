@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Final
 
@@ -93,6 +94,17 @@ class FlatCells:
                 own = self.kinds == number
                 found[own] = np.isin(self.cells[own], wanted[kind])
         return found
+
+    def cells_within(self, mesh: ImportedMesh, region: Region, tolerance: float) -> Integers:
+        """Cells of a set, with all corners in a box, or all. Raises InputError as `in_set`."""
+        if region.kind == "set":
+            return np.flatnonzero(self.in_set(mesh, region.named or ""))
+        nodes = self.nodes_within(mesh, region, tolerance)
+        return np.flatnonzero(np.isin(self.corners, nodes).all(axis=1))
+
+    def held_together(self) -> Integers:
+        """Which cells hang together by nodes: a label for each node [n]."""
+        return pieces([self.corners], len(self.points))
 
     def nodes_within(self, mesh: ImportedMesh, region: Region, tolerance: float) -> Integers:
         """Nodes of a set or in a box; those of a set that are not of these cells are left out."""
@@ -242,6 +254,19 @@ def _in_one_plane(crowded: Integers, place: Integers, away: Floats) -> Integers:
         opposite = np.einsum("pi,pi->p", directions[same], directions[same + step]) < OPPOSITE
         found.append(np.stack([order[same], order[same + step]], axis=1)[opposite])
     return np.concatenate(found)
+
+
+def pieces(cells: Iterable[Integers], count: int) -> Integers:
+    """Which of `count` nodes hang together by cells [m, k], of several kinds: a label for each node.
+
+    >>> pieces([np.array([[0, 1, 2, 2], [3, 4, 5, 6]]), np.array([[6, 7, 8]])], 9).tolist()
+    [0, 0, 0, 1, 1, 1, 1, 1, 1]
+    """
+    pairs = [(np.repeat(one[:, 0], one.shape[1] - 1), one[:, 1:].ravel()) for one in cells]
+    first, second = (np.concatenate(side) for side in zip(*pairs, strict=True))
+    graph = coo_array((np.ones(len(first)), (first, second)), shape=(count, count))
+    found: Integers = connected_components(graph, directed=False)[1].astype(np.int64)
+    return found
 
 
 def nodes_at_one_place(points: Floats, tolerance: float) -> Integers:

@@ -7,8 +7,7 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from scipy.sparse import coo_array, csr_array
-from scipy.sparse.csgraph import connected_components
+from scipy.sparse import csr_array
 
 from femstruct.arrays import Floats, Integers, freeze, frozen, frozen_integers
 from femstruct.conventions import N_COMPONENTS
@@ -16,7 +15,7 @@ from femstruct.elements import solid
 from femstruct.errors import InputError, some_of
 from femstruct.model.grid.scatter import scattered
 from femstruct.model.imported.cell_kinds import KINDS
-from femstruct.model.imported.flat_cells import FlatCells, flat_cells
+from femstruct.model.imported.flat_cells import FlatCells, flat_cells, pieces
 from femstruct.model.imported.imported_mesh import ImportedMesh
 from femstruct.model.region import Region
 
@@ -92,11 +91,7 @@ class SolidCells:
 
     def held_together(self) -> Integers:
         """Which cells hang together by nodes: a label for each node [n]."""
-        pairs = [(np.repeat(one[:, 0], one.shape[1] - 1), one[:, 1:].ravel()) for one in self.cells.values()]
-        first, second = (np.concatenate(side) for side in zip(*pairs, strict=True))
-        graph = coo_array((np.ones(len(first)), (first, second)), shape=(len(self.points),) * 2)
-        found: Integers = connected_components(graph, directed=False)[1].astype(np.int64)
-        return found
+        return pieces(self.cells.values(), len(self.points))
 
 
 def solid_cells(mesh: ImportedMesh, named: str | None) -> SolidCells:

@@ -196,6 +196,11 @@ class Smeared:
 LayUp = Laminate | Smeared
 
 
+def materials_of(made_of: AnyMaterial | LayUp) -> tuple[AnyMaterial, ...]:
+    """What a part is made of that takes a material or a lay-up."""
+    return made_of.materials if isinstance(made_of, LayUp) else (made_of,)
+
+
 def section_of(made_of: AnyMaterial | LayUp, thickness: float) -> PlateSection:
     """Rigidities and masses of a plate of one material, of layers, or smeared, about the middle of its thickness.
 

@@ -7,7 +7,7 @@ import numpy as np
 from femstruct.arrays import Floats
 from femstruct.errors import Finding
 from femstruct.model.model import Model
-from femstruct.parts.shell import ShellMesh
+from femstruct.parts.of_meshes.shell_mesh import ShellMesh
 
 CELLS = 8.0  # linear cells a bending wave: 2.6 % too high along the sides, (k h)^2 / 24, 1.7 % too low aslant
 NO_WAVE = 2.0  # cells a wave below which it is none any more

@@ -9,7 +9,7 @@ from femstruct.errors import Finding
 from femstruct.model.imported.cell_kinds import KINDS
 from femstruct.model.material import Material
 from femstruct.model.model import Model
-from femstruct.parts.solid import SolidMesh
+from femstruct.parts.of_meshes.solid_mesh import SolidMesh
 
 LINEAR, QUADRATIC = 16.0, 8.0
 """Cells a wave: with fewer, bending frequencies of hex8 are more than 2 % too high, those of hex20 more than 1.5 %."""

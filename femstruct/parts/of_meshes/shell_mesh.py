@@ -1,0 +1,186 @@
+"""Shells on their cells: what they have at their nodes, their matrices, and what points and surfaces read of them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar, Final
+
+import numpy as np
+from scipy.sparse import csr_array
+
+from femstruct.arrays import Floats, Integers, freeze, frozen
+from femstruct.conventions import N_COMPONENTS
+from femstruct.model.imported.facing import frame_across, outer_line, outwards, rectangle_round, upwards
+from femstruct.model.imported.flat_cells import FlatCells
+from femstruct.model.imported.imported_mesh import put_where
+from femstruct.model.imported.shell_cells import (
+    Sections,
+    cell_matrices,
+    cell_points,
+    cell_sections,
+    cross_turning,
+    rows_at,
+)
+from femstruct.model.materials.lay_up import section_of
+from femstruct.model.materials.loss_by_frequency import Loss
+from femstruct.model.part import Meshed, OwnDofs, nodal_dofs
+from femstruct.model.probe import Point, StressPlaces, Surface
+from femstruct.model.region import Region, Side
+from femstruct.model.rows import flat_rows, sparse_rows
+from femstruct.model.structure import SurfaceOn
+from femstruct.parts.of_meshes.cells_mesh import ORDER, CellsMesh, Words
+from femstruct.parts.of_meshes.shell_sides import mean_normal, signs_of_side
+from femstruct.parts.of_meshes.stresses_on_faces import stresses_on_faces
+
+if TYPE_CHECKING:
+    from femstruct.parts.shell import Shell
+
+FLAT: Final = 1e-9  # largest difference of the normals of the cells of a flat shell
+
+
+@dataclass(frozen=True, eq=False)
+class ShellMesh(CellsMesh):
+    """A shell on its cells.
+
+    first : number of its first node. cells : with nodes counted from 0 on. thickness [q + t] : of the cells [m].
+    """
+
+    part: Shell
+    first: int
+    cells: FlatCells
+    thickness: Floats
+    words: ClassVar[Words] = Words("shell", "cell", "", "it")
+
+    def __post_init__(self) -> None:
+        freeze(self, thickness=frozen(f"parts.{self.part.name} thickness", self.thickness, (len(self.cells.cells),)))
+
+    @property
+    def sections(self) -> Sections:
+        """Rigidities and masses per area of its cells, about the middle of their thickness."""
+        different, which = np.unique(self.thickness, return_inverse=True)
+        made = [section_of(self.part.material, float(t)) for t in different]
+        return cell_sections(self.cells, made, which.ravel(), self.part.x_direction)
+
+    @property
+    def per_area(self) -> Floats:
+        """Mass per area of the cells [q + t] [kg/m^2]."""
+        return self.sections.m0
+
+    @property
+    def mass(self) -> float:
+        return float(self.per_area @ self.cells.areas)
+
+    @property
+    def lumps(self) -> Floats:
+        lumps = np.zeros(len(self.places))
+        masses = self.per_area * self.cells.areas
+        quads, triangles = self.cells.quads, self.cells.triangles
+        np.add.at(lumps, quads, masses[: len(quads), None] / 4.0)
+        np.add.at(lumps, triangles, masses[len(quads) :, None] / 3.0)
+        return lumps
+
+    @property
+    def loss_factor(self) -> Loss:
+        return section_of(self.part.material, float(self.thickness[0])).loss_factor
+
+    @property
+    def own_axes(self) -> Floats | None:
+        """Two directions in it and its normal where it is flat."""
+        normals = self.cells.normals
+        return None if np.abs(normals - normals[0]).max() > FLAT else self._axes_along(normals[0])
+
+    def _axes_along(self, normal: Floats) -> Floats:
+        return np.concatenate([frame_across(normal, self.places)[0], normal[None]])
+
+    def around(self, nodes: Integers) -> Meshed:
+        """Flat, with axes, where all cells that meet at the nodes are in parallel planes."""
+        touching = np.isin(self.cells.corners, nodes - self.first).any(axis=1)
+        normals = self.cells.normals[touching]
+        if self.own_axes is not None or np.abs(normals - normals[0]).max() > FLAT:
+            return self
+        return FlatMesh(self.part, self.first, self.cells, self.thickness, self._axes_along(normals[0]))
+
+    @property
+    def across(self) -> Floats:
+        """Half its thickness along its normal, of a flat one."""
+        axes = self.own_axes
+        return np.zeros(3) if axes is None else axes[2] * float(self.thickness.max()) / 2.0
+
+    @property
+    def drilling(self) -> Floats | None:
+        axes = self.own_axes
+        return None if axes is None else axes[2]
+
+    def turning(self, nodes: Integers, reach: float, n_nodes: int) -> csr_array:
+        """As of a plate: the rigid turn of the ends of a cross around each node, as far as they lie on it."""
+        axes = self.own_axes
+        if axes is None:
+            return super().turning(nodes, reach, n_nodes)
+        corners, rows = cross_turning(self.cells, self.places[nodes - self.first], reach, axes)
+        return sparse_rows(self.first + corners, rows, n_nodes)
+
+    def dofs(self) -> OwnDofs:
+        return nodal_dofs(len(self.places), 6)
+
+    def stiffness_and_mass(self) -> tuple[csr_array, csr_array]:
+        return put_where(f"parts.{self.name}", lambda: cell_matrices(self.cells, self.sections, self.part.offset))
+
+    @property
+    def facets(self) -> FlatCells:
+        return self.cells
+
+    def facet_motion(self, which: Integers, xi: Floats, eta: Floats) -> tuple[Integers, Floats]:
+        nodes, rows = rows_at(self.cells, which, xi, eta)
+        return self.first + nodes, rows
+
+    def facet_reach(self, facet: int, tolerance: float) -> float:
+        """Half its thickness, on whose face a place is."""
+        return float(self.thickness[facet]) / 2.0 + abs(self.part.offset) + tolerance
+
+    def facet_normal(self, facet: int, side: Side) -> Floats:
+        return outwards(self.cells.normals[facet], side)
+
+    def facets_within(self, region: Region, tolerance: float) -> Integers:
+        return self.cells.cells_within(self.part.mesh, region, tolerance)
+
+    def mean_of(self, name: str, nodes: Integers, side: Side) -> Point:
+        rows = np.zeros((len(nodes), 6, 1, N_COMPONENTS))
+        rows[:, :, 0, :6] = np.eye(6)
+        own = nodes - self.first
+        spots = flat_rows(nodes[:, None], rows, np.full(len(nodes), 1.0 / len(nodes)))
+        return Point(name, self.places[own].mean(axis=0), *spots, normal=mean_normal(self.cells, own, side))
+
+    def surface(self, item: SurfaceOn, n_nodes: int, tolerance: float) -> Surface:
+        """Above and below are told as for a plate; where neither side is up, above is that of the cells' own normals.
+
+        Raises InputError for a closed surface, whose normals add to nothing.
+        """
+        where = f"surfaces.{item.name}.region"
+        chosen = self.chosen(where, item.region, tolerance)
+        points = cell_points(self.cells, chosen, ORDER)
+        signs = signs_of_side(where, self.name, self.cells, chosen, item.side)
+        normals = signs[points.cells, None] * self.cells.normals[points.cells]
+        along = self._along(points.weights @ normals / float(np.linalg.norm(points.weights @ normals)))
+        outline = outer_line(self.places, self.cells.corners[chosen])
+        if outline is None:
+            outline = rectangle_round(along, self.places[np.unique(self.cells.corners[chosen])])
+        return self.surface_of(item.name, points, normals, (along, outline), n_nodes)
+
+    def _along(self, normal: Floats) -> Floats:
+        """Directions [2, 3] along which what lies against a surface is measured."""
+        return frame_across(upwards(normal), self.places)[0]
+
+    def stresses(self, n_nodes: int) -> StressPlaces:
+        """As `stresses_on_faces`. Raises InputError for smeared ribs, whose stresses are unknown."""
+        return stresses_on_faces(self.part, self.cells, self.thickness, self.sections, (self.first, n_nodes))
+
+
+@dataclass(frozen=True, eq=False)
+class FlatMesh(ShellMesh):
+    """A shell that is flat, at least where something is joined to it. axes [3, 3] : rows are its x, y and normal."""
+
+    axes: Floats
+
+    @property
+    def own_axes(self) -> Floats:
+        return self.axes

@@ -1,0 +1,72 @@
+"""Thickness of the cells of a shell: of all, by sets, as the file states it, or that of layers."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from femstruct.arrays import Floats
+from femstruct.errors import InputError
+from femstruct.model.imported.flat_cells import FlatCells
+from femstruct.model.imported.imported_mesh import put_where
+from femstruct.model.materials.lay_up import LayUp
+from femstruct.parts.plausibility import refuse_thicker
+
+if TYPE_CHECKING:
+    from femstruct.parts.shell import Shell
+
+THICK: Final = 1.0  # m: of less than that the unit of the mesh may be mistaken as well, which a finding says
+
+
+def cell_thickness(shell: Shell, cells: FlatCells) -> Floats:
+    """Thickness of each cell of a shell [q + t] [m].
+
+    Raises InputError for cells without one or with two, and for one that is not positive, is thicker than the shell is
+    large, or is not that of its layers.
+    """
+    where = f"parts.{shell.name}.thickness"
+    side = float(np.sort(np.ptp(cells.points[np.unique(cells.corners)], axis=0))[1])  # of a flat one the shorter
+    found = np.zeros(len(cells.cells))
+    for name, value in _by_set(where, shell, cells).items():
+        if not value > 0:
+            raise InputError(where, got=f"{value:g} m", expected="a positive length")
+        if value > THICK:
+            refuse_thicker(shell.name, "shell", shell.material, value, side)
+        own = np.ones(len(found), dtype=bool) if name is None else _of_set(where, shell, name, cells)
+        if (found[own] > 0).any() and (found[own][found[own] > 0] != value).any():
+            raise InputError(where, got=f"a second thickness of cells of set '{name}'", expected="one of each cell")
+        found[own] = value
+    if not (found > 0).all():
+        got = f"{int((found == 0).sum())} of {len(found)} cells without one"
+        raise InputError(where, got=got, expected="a set with a thickness for each cell")
+    return found
+
+
+def _by_set(where: str, shell: Shell, cells: FlatCells) -> Mapping[str | None, float]:
+    """What is given of the thickness [m] by names of sets; None for all cells."""
+    if isinstance(shell.material, LayUp):
+        if shell.thickness not in (None, shell.material.thickness):
+            expected = f"{shell.material.thickness:g} m, that of its layers"
+            raise InputError(where, got=f"{shell.thickness} m", expected=expected, do="leave it out")
+        return {None: shell.material.thickness}
+    if isinstance(shell.thickness, Mapping):
+        return dict(shell.thickness.items())
+    if shell.thickness is not None:
+        return {None: shell.thickness}
+    stated = {one.cells: one.thickness for one in shell.mesh.stated.properties if one.thickness is not None}
+    found = {name: value for name, value in stated.items() if _has(shell, name, cells)}
+    if not found:
+        got = f"none, and none in {shell.mesh.source}"
+        raise InputError(where, got=got, expected="a thickness", do="write 'thickness: 2 mm', or one by set")
+    return dict(found.items())
+
+
+def _of_set(where: str, shell: Shell, name: str, cells: FlatCells) -> np.ndarray:
+    return put_where(where, lambda: cells.in_set(shell.mesh, name))
+
+
+def _has(shell: Shell, name: str, cells: FlatCells) -> bool:
+    kinds = shell.mesh.cell_sets.get(name, {})
+    return any(kind.startswith(("tri", "quad")) for kind in kinds) and bool(cells.in_set(shell.mesh, name).any())
