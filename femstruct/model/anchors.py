@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from scipy.sparse import csr_array
 
@@ -44,12 +46,19 @@ def some_listed(where: str, directions: object) -> list[int]:
 
 
 def point_rows(point: Point, arm: Floats, model: Model) -> csr_array:
-    """Six rows of the motion at the end of a rigid arm from a point: u + r x arm."""
-    six = len(DIRECTIONS)
-    motion = np.eye(six)
-    x, y, z = arm
-    motion[0, 4], motion[0, 5], motion[1, 3], motion[1, 5], motion[2, 3], motion[2, 4] = z, -y, -z, x, y, -x
+    """Six rows of the motion at the end of a rigid arm [3] from a point: u + r x arm."""
+    return arm_rows(point, arm[None], range(len(DIRECTIONS)), model)
+
+
+def arm_rows(point: Point, arms: Floats, held: Sequence[int], model: Model) -> csr_array:
+    """Rows [p * h, n_nodes * 7] of the motion at the ends of rigid arms [p, 3] from a point: of each the components
+    `held` [h] out of x y z rx ry rz."""
+    motion = np.tile(np.eye(len(DIRECTIONS)), (len(arms), 1, 1))
+    x, y, z = arms.T
+    motion[:, 0, 4], motion[:, 1, 5], motion[:, 2, 3] = z, x, y
+    motion[:, 0, 5], motion[:, 1, 3], motion[:, 2, 4] = -y, -z, -x
     columns = point.nodes * N_COMPONENTS + point.components
-    weights = motion @ point.weights
-    entries = (weights.ravel(), (np.repeat(np.arange(six), len(columns)), np.tile(columns, six)))
-    return csr_array(entries, shape=(six, model.mesh.n_nodes * N_COMPONENTS))
+    weights = (motion[:, list(held)] @ point.weights).reshape(-1, len(columns))
+    rows = np.repeat(np.arange(len(weights)), len(columns))
+    entries = (weights.ravel(), (rows, np.tile(columns, len(weights))))
+    return csr_array(entries, shape=(len(weights), model.mesh.n_nodes * N_COMPONENTS))

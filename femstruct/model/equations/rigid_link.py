@@ -11,7 +11,7 @@ from scipy.sparse import csr_array, vstack
 from femstruct.conventions import DIRECTIONS, N_COMPONENTS
 from femstruct.declared import checked
 from femstruct.errors import InputError, some_of
-from femstruct.model.anchors import listed, place_of, places_of, point_rows, some_listed
+from femstruct.model.anchors import arm_rows, listed, place_of, places_of, point_rows, some_listed
 from femstruct.model.equations.constraint import Constraint
 from femstruct.model.fastened import Tie
 from femstruct.model.model import Model
@@ -76,9 +76,9 @@ class RigidLink(Constraint):
             if not kept:
                 got = f"rotations of nodes of {self.on}, which have none"
                 raise InputError(f"{where}.directions", got=got, expected="x, y or z")
-            for node in part.within(f"{where}.to", self.of or Region("whole"), tolerance):
-                moved = point_rows(first, model.mesh.points[node] - first.position, model)[kept]
-                own = node_rows(np.full(len(kept), node), np.eye(N_COMPONENTS)[kept], model.mesh.n_nodes)
-                rows.append(csr_array(moved - own))
-                directions.append(_FORCES[kept])
+            nodes = part.within(f"{where}.to", self.of or Region("whole"), tolerance)
+            moved = arm_rows(first, model.mesh.points[nodes] - first.position, kept, model)
+            each = np.tile(np.eye(N_COMPONENTS)[kept], (len(nodes), 1))
+            rows.append(csr_array(moved - node_rows(np.repeat(nodes, len(kept)), each, model.mesh.n_nodes)))
+            directions.append(np.tile(_FORCES[kept], (len(nodes), 1)))
         return Tie(self.name, csr_array(vstack(rows)), np.concatenate(directions), grounded=False)

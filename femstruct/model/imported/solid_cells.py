@@ -17,6 +17,7 @@ from femstruct.model.grid.scatter import scattered
 from femstruct.model.imported.cell_kinds import KINDS
 from femstruct.model.imported.flat_cells import FlatCells, flat_cells, pieces
 from femstruct.model.imported.imported_mesh import ImportedMesh
+from femstruct.model.imported.surface_turns import best_turns
 from femstruct.model.region import Region
 
 # Linear pieces of a face by its nodes: corners, then middles of its sides, then its own middle.
@@ -160,25 +161,6 @@ def facet_rows(cells: SolidCells, which: Integers, xi: Floats, eta: Floats) -> t
     rows[:, :3, :, :3] = shares[:, None, :, None] * np.eye(3)[:, None]
     rows[:, 3:, :, :3] = best_turns(cells.points[nodes], counted)
     return nodes, rows
-
-
-def best_turns(places: Floats, counted: Floats) -> Floats:
-    """Rows [p, 3, k, 3] of the rotation of the rigid motion that fits k places [p, k, 3] best, from their
-    displacements; counted [p, k] : 1 for those that count, 0 for others.
-
-    >>> square = np.array([[[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]])
-    >>> turned = np.cross([0.1, 0.2, 0.3], square[0])
-    >>> np.einsum("rkc,kc->r", best_turns(square, np.ones((1, 4)))[0], turned).round(9)
-    array([0.1, 0.2, 0.3])
-    """
-    middle = np.einsum("pk,pkc->pc", counted, places) / counted.sum(axis=1)[:, None]
-    off = (places - middle[:, None]) * counted[:, :, None]
-    x, y, z = np.moveaxis(off, 2, 0)
-    zero = np.zeros_like(x)
-    cross = np.stack([np.stack([zero, -z, y], -1), np.stack([z, zero, -x], -1), np.stack([-y, x, zero], -1)], 1)
-    inertia = np.einsum("pkc,pkc->p", off, off)[:, None, None] * np.eye(3) - np.einsum("pki,pkj->pij", off, off)
-    found: Floats = np.einsum("pij,pjkc->pikc", np.linalg.pinv(inertia, hermitian=True), cross)
-    return found
 
 
 def _outside(mesh: ImportedMesh, taken: Mapping[str, Integers]) -> ImportedMesh:

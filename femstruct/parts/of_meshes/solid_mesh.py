@@ -16,7 +16,8 @@ from femstruct.errors import InputError
 from femstruct.model.imported.facing import frame_across, outwards, upwards
 from femstruct.model.imported.flat_cells import FlatCells
 from femstruct.model.imported.shell_cells import cell_points
-from femstruct.model.imported.solid_cells import SolidCells, best_turns, facet_rows, matrices
+from femstruct.model.imported.solid_cells import SolidCells, facet_rows, matrices
+from femstruct.model.imported.surface_turns import around, best_turns, turns_around
 from femstruct.model.materials.loss_by_frequency import Loss
 from femstruct.model.part import OwnDofs, nodal_dofs
 from femstruct.model.probe import Point, StressPlaces, Surface
@@ -69,17 +70,11 @@ class SolidMesh(CellsMesh):
 
     def turned(self, nodes: Integers, n_nodes: int) -> csr_array:
         """That of the rigid motion that fits best the nodes of all facets that meet at each node."""
-        corners, own = self.cells.corners, nodes - self.first
-        rows = []
-        for node in own:
-            around = np.unique(corners[(corners == node).any(axis=1)])
-            if not len(around):
-                raise InputError(f"parts.{self.name}", got="a joint with a node inside it", expected="one on its faces")
-            turns = best_turns(self.places[around][None], np.ones((1, len(around))))
-            padded = np.zeros((1, 3, len(around), N_COMPONENTS))
-            padded[..., :3] = turns
-            rows.append(sparse_rows(self.first + around[None], padded, n_nodes))
-        return csr_array(vstack(rows))
+        near = around(self.cells.corners, nodes - self.first, len(self.places))
+        if not np.diff(near.indptr).all():
+            raise InputError(f"parts.{self.name}", got="a joint with a node inside it", expected="one on its faces")
+        corners, rows = turns_around(self.places, near)
+        return sparse_rows(self.first + corners, rows, n_nodes)
 
     @property
     def facets(self) -> FlatCells:
