@@ -1,13 +1,33 @@
-"""Hooke's law of orthotropic solids, in the order xx yy zz xy yz zx of `femstruct.elements.solid`."""
+"""Hooke's law of isotropic and orthotropic solids, in the order xx yy zz xy yz zx of `femstruct.elements.solid`."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from femstruct.arrays import Floats
+from femstruct.elements.polynomials import positive
 from femstruct.errors import InputError
+
+
+def isotropic(E: float, nu: float) -> Floats:
+    """Stresses [6, 6] in Pa of unit strains of an isotropic solid; shear strains twice the tensor's.
+
+    E : Young's modulus [Pa]; nu : Poisson's ratio, between -1 and 0.5. Raises InputError for others.
+
+    >>> isotropic(2.0, 0.0).diagonal()
+    array([2., 2., 2., 1., 1., 1.])
+    """
+    positive("E", E)
+    if not -1.0 < nu < 0.5:
+        raise InputError("nu", got=str(nu), expected="a value between -1 and 0.5")
+    shear = E / (2.0 * (1.0 + nu))
+    lame = E * nu / ((1.0 + nu) * (1.0 - 2.0 * nu))
+    C = np.diag([shear] * 6)
+    C[:3, :3] = lame + 2.0 * shear * np.eye(3)
+    return C
 
 
 def compliance(E: Sequence[float], G: Sequence[float], nu: Sequence[float]) -> Floats:
@@ -58,3 +78,21 @@ def stiffness(E: Sequence[float], G: Sequence[float], nu: Sequence[float]) -> Fl
         )
     C = np.linalg.inv(S)
     return np.asarray((C + C.T) / 2.0)
+
+
+def turned(C: ArrayLike, axes: ArrayLike) -> Floats:
+    """Elasticity [6, 6] [Pa] along global axes of a material whose own x, y, z are the rows of axes [3, 3].
+
+    >>> quarter = [[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]
+    >>> turned(np.diag([3.0, 2.0, 1.0, 1.0, 1.0, 1.0]), quarter).diagonal().round(9)
+    array([2., 3., 1., 1., 1., 1.])
+    """
+    R = np.asarray(axes, dtype=np.float64)
+    i, j = [0, 1, 2, 0, 1, 2], [0, 1, 2, 1, 2, 0]
+    # Strains along the own axes from those along the global ones; shear strains are twice the tensor's.
+    halves = np.array([1.0, 1.0, 1.0, 0.5, 0.5, 0.5])
+    both = R[i][:, i] * R[j][:, j] + R[i][:, j] * R[j][:, i]
+    strains = both * halves / halves[:, None]
+    strains[:, :3] /= 2.0
+    result = strains.T @ np.asarray(C, dtype=np.float64) @ strains
+    return np.asarray((result + result.T) / 2.0)

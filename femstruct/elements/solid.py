@@ -10,8 +10,8 @@ hex20   quadratic without the inner products          the solid, O(h^4)
 hex27   triquadratic                                  the solid, O(h^4)
 ======  ============================================  ==================================================
 
-The DOFs are ux uy uz of each node in global axes. The nodes are in the order of VTK and meshio: corners, then the
-middles of edges, then for hex27 those of faces and of the cell. Shape functions and quadrature are scikit-fem's.
+The DOFs are ux uy uz of each node in global axes. Nodes, shape functions and quadrature are those of
+`femstruct.elements.solid_shapes`; elasticities stand in `femstruct.elements.elasticity`.
 
 The stiffness of hex8 has the nine incompatible modes of Wilson with Taylor's correction, which makes it pass the patch
 test in any shape: a plain trilinear cell bends as if it were many times stiffer. They are condensed; mass and motion
@@ -24,82 +24,31 @@ Methods in Engineering 10 (1976) 1211-1219, doi:10.1002/nme.1620100602.
 
 from __future__ import annotations
 
-from functools import cache
-from typing import Any, Final, Literal, get_args
+from typing import Final
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from femstruct.arrays import Floats, Integers
+from femstruct.arrays import Floats
 from femstruct.elements.members import densities
-from femstruct.elements.polynomials import positive
+from femstruct.elements.solid_shapes import at_quadrature, node_count, quadrature, shapes
 from femstruct.errors import InputError
 
-SolidElement = Literal["tet4", "tet10", "hex8", "hex20", "hex27"]
-KINDS: Final = get_args(SolidElement)
 AT_ONCE: Final = 256
 """Cells that are integrated at once: strain rows of hex27 at all points take 105 kB a cell."""
-_ORDER: Final = {"tet4": 2, "tet10": 4, "hex8": 3, "hex20": 5, "hex27": 5}
-"""Degree that the quadrature has exactly: that of the squared shape functions of a straight cell."""
-
-
-def node_count(kind: str) -> int:
-    """Nodes of a cell; InputError for an unknown kind.
-
-    >>> node_count("hex20")
-    20
-    """
-    return len(reference_nodes(kind))
 
 
 def least_sizes(kind: str, nodes: ArrayLike) -> Floats:
     """Least volume per reference volume of each cell [n] [m^3] at the points of its quadrature: zero or below where it
     is folded or turned inside out.
 
+    >>> from femstruct.elements.solid_shapes import reference_nodes
     >>> least_sizes("hex8", reference_nodes("hex8")[None][:, [4, 5, 6, 7, 0, 1, 2, 3]]) > 0.0
     array([False])
     """
     places = _places(kind, nodes)
-    result: Floats = np.linalg.det(_jacobians(places, _at_quadrature(kind)[1])).min(axis=1)
+    result: Floats = np.linalg.det(_jacobians(places, at_quadrature(kind)[1])).min(axis=1)
     return result
-
-
-def turned_elasticity(C: ArrayLike, axes: ArrayLike) -> Floats:
-    """Elasticity [6, 6] [Pa] along global axes of a material whose own x, y, z are the rows of axes [3, 3].
-
-    >>> quarter = [[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]
-    >>> turned_elasticity(np.diag([3.0, 2.0, 1.0, 1.0, 1.0, 1.0]), quarter).diagonal().round(9)
-    array([2., 3., 1., 1., 1., 1.])
-    """
-    R = np.asarray(axes, dtype=np.float64)
-    i, j = [0, 1, 2, 0, 1, 2], [0, 1, 2, 1, 2, 0]
-    # Strains along the own axes from those along the global ones; shear strains are twice the tensor's.
-    halves = np.array([1.0, 1.0, 1.0, 0.5, 0.5, 0.5])
-    both = R[i][:, i] * R[j][:, j] + R[i][:, j] * R[j][:, i]
-    strains = both * halves / halves[:, None]
-    strains[:, :3] /= 2.0
-    turned = strains.T @ np.asarray(C, dtype=np.float64) @ strains
-    result: Floats = (turned + turned.T) / 2.0
-    return result
-
-
-def elasticity(E: float, nu: float) -> Floats:
-    """Elasticity [6, 6] [Pa] of an isotropic solid: stresses xx yy zz xy yz zx from strains, shear strains twice the
-    tensor's.
-
-    E : Young's modulus [Pa]; nu : Poisson's ratio, between -1 and 0.5. Raises InputError for others.
-
-    >>> elasticity(2.0, 0.0).diagonal()
-    array([2., 2., 2., 1., 1., 1.])
-    """
-    positive("E", E)
-    if not -1.0 < nu < 0.5:
-        raise InputError("nu", got=str(nu), expected="a value between -1 and 0.5")
-    shear = E / (2.0 * (1.0 + nu))
-    lame = E * nu / ((1.0 + nu) * (1.0 - 2.0 * nu))
-    C = np.diag([shear] * 6)
-    C[:3, :3] = lame + 2.0 * shear * np.eye(3)
-    return C
 
 
 def stiffness(kind: str, nodes: ArrayLike, C: ArrayLike) -> Floats:
@@ -114,8 +63,10 @@ def stiffness(kind: str, nodes: ArrayLike, C: ArrayLike) -> Floats:
     -----
     Integrated exactly for cells with straight edges and parallel faces. tet4 is many times too stiff in bending.
 
+    >>> from femstruct.elements.elasticity import isotropic
+    >>> from femstruct.elements.solid_shapes import reference_nodes
     >>> unit = reference_nodes("hex8")[None]
-    >>> K = stiffness("hex8", unit, elasticity(1.0, 0.3))
+    >>> K = stiffness("hex8", unit, isotropic(1.0, 0.3))
     >>> stretched = np.zeros((8, 3)); stretched[:, 0] = unit[0, :, 0]
     >>> round(float(stretched.ravel() @ K[0] @ stretched.ravel()), 9)  # E (1 - nu) / (1 + nu) / (1 - 2 nu)
     1.346153846
@@ -136,13 +87,14 @@ def mass(kind: str, nodes: ArrayLike, rho: ArrayLike) -> Floats:
 
     Returns [n, 3 k, 3 k], exactly symmetric.
 
+    >>> from femstruct.elements.solid_shapes import reference_nodes
     >>> M = mass("tet10", 2.0 * reference_nodes("tet10")[None], 3.0)
     >>> round(float(M[0, ::3, ::3].sum()), 9)  # 3 times a sixth of 8
     4.0
     """
     places = _places(kind, nodes)
     density = densities(rho, places[:, 0, 0])
-    values, slopes, weights = _at_quadrature(kind)
+    values, slopes, weights = at_quadrature(kind)
     _, sizes = _global_slopes(places, slopes)
     k = places.shape[1]
     products = (values[:, :, None] * values[:, None, :]).reshape(len(weights), k * k)  # exactly symmetric
@@ -151,15 +103,6 @@ def mass(kind: str, nodes: ArrayLike, rho: ArrayLike) -> Floats:
     for axis in range(3):
         matrices[:, :, axis, :, axis] = scalar
     return matrices.reshape(len(places), 3 * k, 3 * k)
-
-
-def interpolate(kind: str, at: ArrayLike) -> Floats:
-    """Shape functions [m, k] at places [m, 3] of the reference cell (0 to 1 along its axes).
-
-    >>> interpolate("hex8", [[0.5, 0.5, 0.5]])
-    array([[0.125, 0.125, 0.125, 0.125, 0.125, 0.125, 0.125, 0.125]])
-    """
-    return _shapes(kind, np.atleast_2d(np.asarray(at, dtype=np.float64)))[0]
 
 
 def stresses(kind: str, nodes: ArrayLike, at: ArrayLike, C: ArrayLike) -> Floats:
@@ -173,8 +116,10 @@ def stresses(kind: str, nodes: ArrayLike, at: ArrayLike, C: ArrayLike) -> Floats
     With the incompatible modes of hex8. Stresses are one order less exact than displacements, and best at the points
     of the quadrature of the next lower order: in the middle of linear cells, at the 2 x 2 x 2 points of quadratic ones.
 
+    >>> from femstruct.elements.elasticity import isotropic
+    >>> from femstruct.elements.solid_shapes import reference_nodes
     >>> unit = reference_nodes("hex8")[None]
-    >>> rows = stresses("hex8", unit, [[0.5, 0.5, 0.5]], elasticity(2.0, 0.0))
+    >>> rows = stresses("hex8", unit, [[0.5, 0.5, 0.5]], isotropic(2.0, 0.0))
     >>> stretched = np.zeros((8, 3)); stretched[:, 0] = unit[0, :, 0]
     >>> (rows[0] @ stretched.ravel()).round(9)
     array([2., 0., 0., 0., 0., 0.])
@@ -182,7 +127,7 @@ def stresses(kind: str, nodes: ArrayLike, at: ArrayLike, C: ArrayLike) -> Floats
     places = _places(kind, nodes)
     moduli = _moduli(C, len(places))
     spots = np.atleast_2d(np.asarray(at, dtype=np.float64))
-    found, sizes = _global_slopes(places, _shapes(kind, spots)[1][:, None])
+    found, sizes = _global_slopes(places, shapes(kind, spots)[1][:, None])
     rows = _strain_rows(found)[:, 0]
     if kind == "hex8":
         bubbles = _strain_rows(_bubble_slopes(places, spots[:, None], sizes))[:, 0]
@@ -194,37 +139,14 @@ def stresses(kind: str, nodes: ArrayLike, at: ArrayLike, C: ArrayLike) -> Floats
 def volumes(kind: str, nodes: ArrayLike) -> Floats:
     """Volumes [n] of cells [m^3].
 
+    >>> from femstruct.elements.solid_shapes import reference_nodes
     >>> volumes("hex27", reference_nodes("hex27")[None] * [1.0, 2.0, 3.0]).round(9)
     array([6.])
     """
-    _, slopes, weights = _at_quadrature(kind)
+    _, slopes, weights = at_quadrature(kind)
     _, sizes = _global_slopes(_places(kind, nodes), slopes)
     result: Floats = sizes @ weights
     return result
-
-
-@cache
-def reference_nodes(kind: str) -> Floats:
-    """Nodes [k, 3] of the reference cell, from 0 to 1 along its axes; InputError for an unknown kind.
-
-    >>> reference_nodes("tet4").tolist()
-    [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
-    """
-    if kind not in KINDS:
-        raise InputError("element", got=repr(kind), expected=" or ".join(KINDS))
-    corners = np.array(_TETRAHEDRON if kind.startswith("tet") else _HEXAHEDRON, dtype=np.float64)
-    groups = {"tet4": (), "tet10": _TET_EDGES, "hex8": (), "hex20": _HEX_EDGES, "hex27": (*_HEX_EDGES, *_HEX_FACES)}
-    nodes = np.array([*corners, *(corners[list(group)].mean(axis=0) for group in groups[kind])])
-    nodes.flags.writeable = False
-    return nodes
-
-
-_TETRAHEDRON: Final = ((0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1))
-_HEXAHEDRON: Final = tuple((x, y, z) for z in (0, 1) for x, y in ((0, 0), (1, 0), (1, 1), (0, 1)))
-_TET_EDGES: Final = ((0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3))
-_AROUND: Final = ((0, 1), (1, 2), (2, 3), (3, 0))
-_HEX_EDGES: Final = (*_AROUND, *((i + 4, j + 4) for i, j in _AROUND), *((i, i + 4) for i in range(4)))
-_HEX_FACES: Final = ((0, 4, 7, 3), (1, 2, 6, 5), (0, 1, 5, 4), (2, 3, 7, 6), (0, 1, 2, 3), (4, 5, 6, 7), range(8))
 
 
 def _places(kind: str, nodes: ArrayLike) -> Floats:
@@ -243,49 +165,6 @@ def _moduli(C: ArrayLike, count: int) -> Floats:
         raise InputError("C", got=f"shape {moduli.shape}", expected="symmetric matrices 6 x 6")
     result: Floats = np.broadcast_to(moduli, (count, 6, 6))
     return result
-
-
-@cache
-def _element(kind: str) -> tuple[Any, Integers]:
-    """The element of scikit-fem, and where its shape functions stand in the order of our nodes."""
-    import skfem
-
-    makes = {
-        "tet4": skfem.ElementTetP1,
-        "tet10": skfem.ElementTetP2,
-        "hex8": skfem.ElementHex1,
-        "hex20": skfem.ElementHexS2,
-        "hex27": skfem.ElementHex2,
-    }
-    at = reference_nodes(kind).T
-    element = makes[kind]()
-    values = np.stack([element.lbasis(at, i)[0] for i in range(at.shape[1])])
-    return element, np.argmax(values, axis=0)
-
-
-def _shapes(kind: str, at: Floats) -> tuple[Floats, Floats]:
-    """Shape functions [m, k] and their derivatives along the reference axes [m, 3, k]."""
-    element, order = _element(kind)
-    found = [element.lbasis(at.T, int(i)) for i in order]
-    values = np.stack([np.broadcast_to(value, len(at)) for value, _ in found], axis=-1)
-    slopes = np.stack([np.broadcast_to(slope, (3, len(at))).T for _, slope in found], axis=-1)
-    return values, slopes
-
-
-@cache
-def _quadrature(kind: str) -> tuple[Floats, Floats]:
-    """Places [q, 3] and weights [q] in the reference cell."""
-    from skfem.quadrature import get_quadrature
-
-    at, weights = get_quadrature(_element(kind)[0].refdom, _ORDER[kind])
-    return at.T, weights
-
-
-@cache
-def _at_quadrature(kind: str) -> tuple[Floats, Floats, Floats]:
-    """Shape functions [q, k], their derivatives [q, 3, k] and weights [q]."""
-    at, weights = _quadrature(kind)
-    return *_shapes(kind, at), weights
 
 
 def _jacobians(places: Floats, slopes: Floats) -> Floats:
@@ -332,7 +211,7 @@ def _stiffness(kind: str, places: Floats, moduli: Floats) -> Floats:
     if kind == "hex8":
         full = _with_bubbles(places, moduli)
         return _mean_with_transpose(full[:, :24, :24] - full[:, :24, 24:] @ _bubbles_from_nodes(full))
-    _, slopes, weights = _at_quadrature(kind)
+    _, slopes, weights = at_quadrature(kind)
     found, sizes = _global_slopes(places, slopes)
     return _energy(_strain_rows(found), sizes * weights, moduli)
 
@@ -346,7 +225,7 @@ def _mean_with_transpose(matrices: Floats) -> Floats:
 def _bubble_slopes(places: Floats, at: Floats, sizes: Floats) -> Floats:
     """Derivatives [n, q, 3, 3] of the three bubbles 1 - (2 s - 1)^2 of cells hex8 at places [q, 3] or [n, q, 3], with
     the axes of the middle of the cell: their strains then have no mean (Taylor, Beresford, Wilson 1976)."""
-    middle = _jacobians(places, _shapes("hex8", np.full((1, 3), 0.5))[1])
+    middle = _jacobians(places, shapes("hex8", np.full((1, 3), 0.5))[1])
     own = -4.0 * (2.0 * np.asarray(at) - 1.0)[..., None] * np.eye(3)
     shares: Floats = np.linalg.det(middle) / sizes
     return _solved(middle, np.broadcast_to(own, (*sizes.shape, 3, 3))) * shares[:, :, None, None]
@@ -354,9 +233,9 @@ def _bubble_slopes(places: Floats, at: Floats, sizes: Floats) -> Floats:
 
 def _with_bubbles(places: Floats, moduli: Floats) -> Floats:
     """Stiffness [n, 33, 33] of cells hex8 on the nodes and the nine incompatible modes."""
-    _, slopes, weights = _at_quadrature("hex8")
+    _, slopes, weights = at_quadrature("hex8")
     found, sizes = _global_slopes(places, slopes)
-    bubbles = _bubble_slopes(places, _quadrature("hex8")[0], sizes)
+    bubbles = _bubble_slopes(places, quadrature("hex8")[0], sizes)
     rows = np.concatenate([_strain_rows(found), _strain_rows(bubbles)], axis=-1)
     return _energy(rows, sizes * weights, moduli)
 

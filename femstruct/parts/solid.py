@@ -9,7 +9,7 @@ import numpy as np
 
 from femstruct.arrays import Floats
 from femstruct.declared import checked
-from femstruct.elements import solid
+from femstruct.elements import elasticity
 from femstruct.errors import Finding, InputError
 from femstruct.model.grid.layout import Grids, Layout
 from femstruct.model.imported.doubts import solid_doubts
@@ -39,7 +39,8 @@ class Solid(MeshPart):
     A block of steel of one cell, 1 m x 1 m x 1 m:
 
     >>> steel = Material("steel", E=210e9, nu=0.3, rho=7850.0)
-    >>> corners = solid.reference_nodes("hex8")
+    >>> from femstruct.elements.solid_shapes import reference_nodes
+    >>> corners = reference_nodes("hex8")
     >>> mesh = ImportedMesh("block", corners, range(8), {"hex8": [range(8)]}, {"hex8": [1]})
     >>> from femstruct import Structure, mesh_structure
     >>> round(mesh_structure(Structure("a block", (Solid("block", mesh, steel),))).parts["block"].mass, 6)
@@ -95,10 +96,10 @@ class Solid(MeshPart):
         """Elasticity [6, 6] along global axes [Pa]."""
         material = self.material
         if isinstance(material, Material):
-            return solid.elasticity(material.E, material.nu)
+            return elasticity.isotropic(material.E, material.nu)
         x = np.asarray(self.orientation, dtype=np.float64)
         x /= np.linalg.norm(x)
         z = np.asarray(self.normal, dtype=np.float64)
         z = z - (z @ x) * x
         z /= np.linalg.norm(z)
-        return solid.turned_elasticity(material.elasticity, np.stack([x, np.cross(z, x), z]))
+        return elasticity.turned(material.elasticity, np.stack([x, np.cross(z, x), z]))

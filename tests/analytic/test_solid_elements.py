@@ -5,10 +5,10 @@ import pytest
 from scipy.sparse import coo_array, csc_array
 from scipy.sparse.linalg import eigsh, splu
 
-from femstruct.elements import solid
+from femstruct.elements import elasticity, solid, solid_shapes
 from femstruct.errors import InputError
 
-STEEL = solid.elasticity(200e9, 0.3)
+STEEL = elasticity.isotropic(200e9, 0.3)
 SIX_TETS = ((0, 1, 2, 6), (0, 2, 3, 6), (0, 3, 7, 6), (0, 7, 4, 6), (0, 4, 5, 6), (0, 5, 1, 6))
 ROUNDING = 1e-10  # of 1e5 sums of 1e-16 at most, over a condition of some hundreds
 
@@ -22,17 +22,17 @@ def box(kind, counts, size, move=0.0):
     """Nodes [n, 3] and cells [m, k] of a box cut into cells; inner nodes moved by a share of a cell, edges bent."""
     corners = (*(np.arange(n + 1) for n in counts),)
     first = np.stack(np.meshgrid(*(axis[:-1] for axis in corners), indexing="ij"), axis=-1).reshape(-1, 3)
-    places = first[:, None] + solid.reference_nodes("hex8")
+    places = first[:, None] + solid_shapes.reference_nodes("hex8")
     if kind.startswith("tet"):
         tets = places[:, np.array(SIX_TETS)].reshape(-1, 4, 3)
-        places = np.einsum("ki,nij->nkj", solid.interpolate("tet4", solid.reference_nodes(kind)), tets)
+        places = np.einsum("ki,nij->nkj", solid_shapes.interpolate("tet4", solid_shapes.reference_nodes(kind)), tets)
     else:
-        places = first[:, None] + solid.reference_nodes(kind)
+        places = first[:, None] + solid_shapes.reference_nodes(kind)
     whole, cells = np.unique(np.rint(2 * places.reshape(-1, 3)).astype(int), axis=0, return_inverse=True)
     nodes = whole / 2.0
     inner = ((nodes > 0) & (nodes < counts)).all(axis=1)
     nodes[inner] += move * scatter((inner.sum(), 3))
-    return nodes / counts * size, cells.reshape(-1, solid.node_count(kind))
+    return nodes / counts * size, cells.reshape(-1, solid_shapes.node_count(kind))
 
 
 def assembled(kind, nodes, cells, C=STEEL, rho=8000.0):
@@ -51,19 +51,21 @@ def frequencies(K, M, held, count):
     return np.sqrt(np.sort(np.maximum(squares, 0.0))) / (2 * np.pi)
 
 
-@pytest.mark.parametrize("kind", solid.KINDS)
+@pytest.mark.parametrize("kind", solid_shapes.KINDS)
 def test_shape_functions_are_one_at_their_node(kind):
-    values = solid.interpolate(kind, solid.reference_nodes(kind))
+    values = solid_shapes.interpolate(kind, solid_shapes.reference_nodes(kind))
     np.testing.assert_allclose(values, np.eye(len(values)), atol=1e-15)  # sums of halves
 
 
-@pytest.mark.parametrize("kind", solid.KINDS)
+@pytest.mark.parametrize("kind", solid_shapes.KINDS)
 def test_patch_of_distorted_cells_strains_evenly(kind):
     """Nodes on the box follow a linear field: the inner ones do, too, and the stress is that of the strain."""
     straight = "tet4" if kind.startswith("tet") else "hex8"  # with bent edges no quadratic cell passes
     nodes, cells = box(straight, (2, 2, 2), (1.0, 0.8, 1.1), move=0.2)
     if kind != straight:
-        every = np.einsum("ki,nij->nkj", solid.interpolate(straight, solid.reference_nodes(kind)), nodes[cells])
+        every = np.einsum(
+            "ki,nij->nkj", solid_shapes.interpolate(straight, solid_shapes.reference_nodes(kind)), nodes[cells]
+        )
         _, keep, number = np.unique(every.reshape(-1, 3).round(9), axis=0, return_index=True, return_inverse=True)
         nodes, cells = every.reshape(-1, 3)[keep], number.reshape(every.shape[:2])
     gradient = scatter((3, 3)) * 1e-3
@@ -84,18 +86,18 @@ def test_patch_of_distorted_cells_strains_evenly(kind):
     np.testing.assert_allclose(got, np.tile(STEEL @ strain, (len(cells), 1)), atol=ROUNDING * 1e9)  # of 1e8 Pa
 
 
-@pytest.mark.parametrize("kind", solid.KINDS)
+@pytest.mark.parametrize("kind", solid_shapes.KINDS)
 @pytest.mark.parametrize("stretch", [(1.0, 1.0, 1.0), (4.0, 1.0, 0.5)])
 @pytest.mark.parametrize("move", [0.0, 0.08])
 def test_a_lone_cell_has_six_motions_without_energy(kind, stretch, move):
-    nodes = solid.reference_nodes(kind) * stretch
+    nodes = solid_shapes.reference_nodes(kind) * stretch
     nodes = nodes + move * scatter(nodes.shape)
     values = np.linalg.eigvalsh(solid.stiffness(kind, nodes[None], STEEL)[0])
     assert (np.abs(values[:6]) < 1e-12 * values[-1]).all()  # rounding: 1e-15
     assert values[6] > 1e-6 * values[-1]  # a cell 8 times longer than thick bends a ten-thousandth as stiffly
 
 
-@pytest.mark.parametrize("kind", solid.KINDS)
+@pytest.mark.parametrize("kind", solid_shapes.KINDS)
 def test_mass_moves_as_its_volume_and_inertia(kind):
     nodes, cells = box(kind, (2, 1, 2), (1.0, 0.5, 0.4), move=0.0)
     _, M = assembled(kind, nodes, cells)
@@ -106,11 +108,11 @@ def test_mass_moves_as_its_volume_and_inertia(kind):
     np.testing.assert_allclose(solid.volumes(kind, nodes[cells]).sum(), 0.2, rtol=1e-12)  # rounding
 
 
-@pytest.mark.parametrize("kind", solid.KINDS)
+@pytest.mark.parametrize("kind", solid_shapes.KINDS)
 def test_a_turned_cell_has_turned_matrices(kind):
     turn = np.linalg.qr(scatter((3, 3)))[0]
     turn *= np.sign(np.linalg.det(turn))
-    nodes = solid.reference_nodes(kind) * [1.0, 0.7, 1.3]
+    nodes = solid_shapes.reference_nodes(kind) * [1.0, 0.7, 1.3]
     whole = np.kron(np.eye(len(nodes)), turn)
     K = solid.stiffness(kind, nodes[None], STEEL)[0]
     turned = solid.stiffness(kind, (nodes @ turn.T)[None], STEEL)[0]
@@ -123,7 +125,7 @@ def test_slender_cantilever_bends_as_timoshenko_says(kind, within):
     holds no contraction. It holds the warping of the shear, 3e-4 of the deflection; hex8 leaves (h / L)^2 / 4."""
     L, b, E = 2.0, 0.1, 200e9
     nodes, cells = box(kind, (20, 1, 1), (L, b, b))
-    K, _ = assembled(kind, nodes, cells, solid.elasticity(E, 0.0))
+    K, _ = assembled(kind, nodes, cells, elasticity.isotropic(E, 0.0))
     free = np.flatnonzero(np.repeat(nodes[:, 0] > 1e-9, 3))
     at_tip = np.flatnonzero(nodes[:, 0] > L - 1e-9)
     load = np.zeros(K.shape[0])
@@ -150,7 +152,7 @@ def test_frequencies_converge_with_the_order_said(kind, order):
     errors = []
     for n in (2, 4):
         nodes, cells = box(kind, (n, 1, 1), (L, 1.0 / n, 1.0 / n))
-        K, M = assembled(kind, nodes, cells, solid.elasticity(E, 0.0), rho)
+        K, M = assembled(kind, nodes, cells, elasticity.isotropic(E, 0.0), rho)
         only_uz = np.flatnonzero(np.arange(K.shape[0]) % 3 == 2)
         still = np.flatnonzero(nodes[:, 0] < 1e-9)
         rest = np.setdiff1d(only_uz, 3 * still + 2)
@@ -196,7 +198,7 @@ def test_a_free_block_has_the_same_frequencies_in_all_kinds(kind, counts, within
 
 
 def test_cells_that_cannot_be_are_named():
-    nodes = solid.reference_nodes("hex8")[None].copy()
+    nodes = solid_shapes.reference_nodes("hex8")[None].copy()
     with pytest.raises(InputError, match="cell 0: got a volume of -"):
         solid.stiffness("hex8", nodes[:, [4, 5, 6, 7, 0, 1, 2, 3]], STEEL)
     with pytest.raises(InputError, match=r"\[n, 8, 3\] for hex8"):

@@ -100,7 +100,8 @@ def solid_cells(mesh: ImportedMesh, named: str | None) -> SolidCells:
 
     Raises InputError for a set that is not there, and for one without such cells.
 
-    >>> corners = solid.reference_nodes("hex8")
+    >>> from femstruct.elements.solid_shapes import reference_nodes
+    >>> corners = reference_nodes("hex8")
     >>> mesh = ImportedMesh("a", corners, range(8), {"hex8": [range(8)]}, {"hex8": [1]})
     >>> cells = solid_cells(mesh, None)
     >>> len(cells.facets.quads), cells.facets.normals.sum(axis=0).tolist(), cells.volumes["hex8"].round(9).tolist()

@@ -10,7 +10,7 @@ from scipy.sparse import csr_array, vstack
 
 from femstruct.arrays import Floats, Integers
 from femstruct.conventions import N_COMPONENTS
-from femstruct.elements import solid
+from femstruct.elements import solid, solid_shapes
 from femstruct.elements.stresses import STRESSES
 from femstruct.errors import InputError
 from femstruct.model.imported.facing import frame_across, outwards, upwards
@@ -124,7 +124,7 @@ class SolidMesh(CellsMesh):
         rows, meets = [], []
         for kind, cells in self.cells.cells.items():
             k = cells.shape[1]
-            at = np.tile(solid.reference_nodes(kind), (len(cells), 1))
+            at = np.tile(solid_shapes.reference_nodes(kind), (len(cells), 1))
             every = np.repeat(cells, k, axis=0)
             found = solid.stresses(kind, self.places[every], at, self.part.elasticity)
             padded = np.zeros((len(every), 6, k, N_COMPONENTS))
