@@ -34,7 +34,8 @@ from femstruct.model.probe import Point, Probe, Surface
 from femstruct.model.rows import sparse_rows
 from femstruct.model.section import circle
 from femstruct.model.structure import Structure
-from femstruct.parts.frame import Frame, FrameMesh
+from femstruct.parts.frame import Frame
+from femstruct.parts.of_frames.frame_mesh import FrameMesh
 from femstruct.parts.of_plates.plate_mesh import PlateMesh
 from femstruct.parts.plate import Plate
 from femstruct.study.asked import Extent, FrfRequest, RoomPlan, Spot, TimePlan

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from femstruct.elements.frame import nodes_per_bar
-from femstruct.parts.frame import FrameMesh
+from femstruct.parts.of_frames.frame_mesh import FrameMesh
 
 LINEAR = 13.0  # bars to a wave where an element errs by (k h)^2 / 24: 1 % of a frequency
 CUBIC = 4.0  # where it errs by (k h)^4 / 1440: 0.4 %

@@ -10,7 +10,7 @@ from femstruct.arrays import Floats
 from femstruct.model.grid.geometry import distance_to_rectangle, to_rectangle
 from femstruct.model.model import Model
 from femstruct.model.structure import Joint
-from femstruct.parts.frame import FrameMesh, frames_of
+from femstruct.parts.of_frames.frame_mesh import FrameMesh, frames_of
 from femstruct.parts.of_plates.plate_mesh import PlateMesh
 
 _TOUCHING = 1e-6  # of the plate's longer side

@@ -13,7 +13,7 @@ from femstruct.model.model import Model
 from femstruct.parts.findings.frame_waves import frame_waves
 from femstruct.parts.findings.shell_waves import carried_by_cells_hz, shell_mesh_findings, shells_of
 from femstruct.parts.findings.solid_waves import carried_by_solid_hz, solid_mesh_findings, solids_of
-from femstruct.parts.frame import FrameMesh, frames_of
+from femstruct.parts.of_frames.frame_mesh import FrameMesh, frames_of
 from femstruct.parts.of_plates.plate_mesh import PlateMesh, plates_of
 
 CELLS_PER_WAVE = 6.0  # bending wavelengths of bfs16 and acm12 are right to about 1 % with six cells

@@ -1,0 +1,1 @@
+"""What frames are made of: their lines as straight pieces, their bars between nodes."""
