@@ -25,13 +25,13 @@ from femstruct.model.region import Region, Side
 from femstruct.model.rows import carried, flat_rows, mean_of_cells, sparse_rows
 from femstruct.model.structure import PlaceOn, Support, SurfaceOn
 from femstruct.parts.of_plates.patches import patch_points, patch_turning
+from femstruct.parts.of_plates.plate_edges import STEEP, edge_components, edge_nodes
 from femstruct.parts.of_plates.plate_motion import membrane_numbers, plate_dofs, plate_rows, stretching_dofs
 from femstruct.parts.of_plates.plate_stresses import face_rows
 
 if TYPE_CHECKING:
     from femstruct.parts.plate import Plate
 
-STEEP = float(np.cos(np.radians(45.0)))  # from there on neither side is above or below
 SURFACE_ORDER = 3
 """Gauss points a direction in each cell of a surface: exact for the volume a cell displaces, and for its second moment
 with a linear weight; the deflection of a cell is cubic."""
@@ -266,35 +266,8 @@ class PlateMesh(Meshed):
         return StressPlaces(faces.reshape(-1, 3), ("xx", "yy", "xy"), rows, sides, cells, meets)
 
     def edges(self, item: Support, tolerance: float) -> list[tuple[Integers, Floats]]:
-        """All but `clamped` hold the deflection and the slope along an edge: w_x = -RY where it is parallel to x, w_y =
-        RX where to y. `simple` carries, in addition, a plate that stands; one that is rigid in its plane it holds."""
-        clamped = np.zeros((7, N_COMPONENTS))
-        clamped[:3, :3] = clamped[3:6, 3:6] = self.axes
-        clamped[6, TWIST] = 1.0
-        in_plane = clamped[:0]
-        if item.fix == "simple":
-            in_plane = clamped[:2] if self.rigid_in_plane else self._carried()
-        grid = self.grid
-        if item.line is not None:
-            where = f"supports.{item.name}.line"
-            box = region_box(where, self.name, self.part.size, Region("line", line=item.line), tolerance)
-            in_x = np.flatnonzero((self.x >= box[0] - tolerance) & (self.x <= box[1] + tolerance))
-            in_y = np.flatnonzero((self.y >= box[2] - tolerance) & (self.y <= box[3] + tolerance))
-            found = [(grid[np.ix_(in_x, in_y)].ravel(), 0 if len(in_x) > 1 else 1)]
-        else:
-            sides = {"x0": (grid[0], 1), "x1": (grid[-1], 1), "y0": (grid[:, 0], 0), "y1": (grid[:, -1], 0)}
-            found = list(sides.values()) if item.edge == "all" else [sides[str(item.edge)]]
-        if item.fix == "clamped":
-            return [(nodes, clamped) for nodes, _ in found]
-        return [(nodes, np.concatenate([in_plane, clamped[[2, 4 if along == 0 else 3]]])) for nodes, along in found]
-
-    def _carried(self) -> Floats:
-        """The direction in its plane nearest to the vertical, of a plate that stands, as components [1, 7]; none of one
-        that lies."""
-        up = np.eye(3)[2] - self.axes[2, 2] * self.axes[2]
-        rows = np.zeros((int(abs(self.axes[2, 2]) < STEEP - 1e-12), N_COMPONENTS))
-        rows[:, :3] = up / (np.linalg.norm(up) or 1.0)
-        return rows
+        nodes = edge_nodes(item, self.name, self.part.size, (self.x, self.y), self.grid, tolerance)
+        return [(some, edge_components(item.fix, self.axes, along, self.rigid_in_plane)) for some, along in nodes]
 
     def spread(self, where: str, region: Region, tolerance: float, order: int) -> Spread:
         box = region_box(where, self.name, self.part.size, region, tolerance)
