@@ -221,6 +221,9 @@ def export(
     up_to: Annotated[
         str, typer.Option("--up-to", metavar="F", help="all modes up to a frequency (default: the first 30)")
     ] = "",
+    data_sets: Annotated[
+        str, typer.Option("--data-sets", metavar="N,N", help="uff: 15 or 2411 of nodes, 55 or 2414 of modes")
+    ] = "",
     set_: Sets = [],  # noqa: B006
     as_json: AsJson = False,
 ) -> int:
@@ -232,7 +235,8 @@ def export(
     refuse_unwritable(output)
     extent = extent_of(count, up_to) if count is not None or up_to else None
     with progress() as tell:
-        written = exported(file, to, output, extent, tuple(set_), " ".join(["femstruct", *sys.argv[1:]]), tell)
+        command = " ".join(["femstruct", *sys.argv[1:]])
+        written = exported(file, to, output, extent, tuple(set_), command, tell, data_sets)
     paths = [str(path) for path in written]
     if as_json:
         print_json({"written": paths})

@@ -45,6 +45,37 @@ def test_modes_come_back(tmp_path, is_complex):
     assert sorted(map(tuple, after.lines.tolist())) == [(0, 1), (0, 2), (0, 3), (1, 2), (2, 3)]
 
 
+@pytest.mark.parametrize("is_complex", [False, True])
+def test_nodes_of_data_set_15_and_modes_of_2414_are_what_pyuff_reads(tmp_path, is_complex):
+    import pyuff
+
+    random = np.random.default_rng(4)
+    shapes = random.standard_normal((4, 3, 3)) + (1j * random.standard_normal((4, 3, 3)) if is_complex else 0.0)
+    before = measurement(shapes)
+    path = write_uff(before, tmp_path / "some.uff", sets=(15, 2414))
+    file = pyuff.UFF(str(path))
+    assert file.get_set_types().astype(int).tolist() == [151, 164, 15, 2412, 82, 2414, 2414, 2414]
+    nodes, units = file.read_sets(2), file.read_sets(1)
+    assert [int(number) for number in nodes["node_nums"]] == [3, 7, 8, 20] and units["length"] == 1.0
+    np.testing.assert_allclose(np.stack([nodes[axis] for axis in "xyz"], axis=1), POINTS, rtol=SIX_DIGITS)
+    for k in range(3):
+        one = file.read_sets(5 + k)
+        rows = np.array(one["data_at_node"])
+        rows = rows[:, ::2] + 1j * rows[:, 1::2] if is_complex else rows
+        np.testing.assert_allclose(rows, shapes[:, :, k], atol=SIX_DIGITS * np.abs(shapes).max())
+        assert one["node_nums"].tolist() == [3, 7, 8, 20] and one["record10_field6"] == k + 1
+        root = complex(one["record13_field1"], one["record13_field2"])
+        frequency = abs(root) / (2 * np.pi) if is_complex else one["record12_field2"]
+        assert frequency == pytest.approx(before.modes.frequency_hz[k], rel=SIX_DIGITS)
+    after = read_uff(path)
+    assert not after.notes and np.iscomplexobj(after.modes.shapes) == is_complex
+    np.testing.assert_allclose(after.modes.shapes, shapes, atol=SIX_DIGITS * np.abs(shapes).max())
+    np.testing.assert_allclose(after.modes.damping_ratio, before.modes.damping_ratio, rtol=1e-3, atol=SIX_DIGITS)
+    for wrong in ((15, 2411), (58,), (55, 2414)):
+        with pytest.raises(InputError, match="expected one of nodes, 15 or 2411, and one of modes, 55 or 2414"):
+            write_uff(before, tmp_path / "some.uff", sets=wrong)
+
+
 @pytest.mark.parametrize("kind", ["receptance", "mobility", "accelerance", "transmissibility", "unknown"])
 @pytest.mark.parametrize("step", [0.5, np.pi], ids=["even", "uneven"])
 def test_responses_come_back(tmp_path, kind, step):

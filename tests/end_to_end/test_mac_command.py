@@ -115,6 +115,24 @@ def test_modes_written_are_the_same_modes_read(files, tmp_path):
     assert table["places"] == 11 * 11
 
 
+def test_older_data_sets_are_written_where_they_are_asked_for(files, tmp_path, capsys):
+    asked = ("export", files[0], "--to", "uff", "--count", "6", "-o", tmp_path, "--data-sets")
+    (path,) = json.loads(call(*asked, "15,2414", "--json"))["written"]
+    import pyuff
+
+    assert {int(one) for one in pyuff.UFF(path).get_set_types()} == {151, 164, 15, 2412, 82, 2414}
+    table = json.loads(call("mac", files[0], path, "--json"))
+    assert [row["group_mac"] for row in table["modes"]] == pytest.approx([1.0] * 6, abs=1e-9)  # six digits, squared
+    for given, told in (
+        ("15,58", "data sets: got 15, 58"),
+        ("fifteen", "--data-sets: got 'fifteen', expected numbers"),
+    ):
+        assert leave_with(lambda given=given: app([*map(str, asked), given])) == 2
+        assert told in capsys.readouterr().err
+    assert leave_with(lambda: app(["export", str(files[0]), "--to", "vtu", "--data-sets", "15"])) == 2
+    assert "--data-sets: got --to vtu, expected a universal file" in capsys.readouterr().err
+
+
 def test_millimetres_without_a_word_are_refused_and_can_be_told(files, tmp_path, measurement, capsys):
     m = measurement.modes
     in_mm = replace(measurement, points=1e3 * measurement.points, modes=replace(m, points=1e3 * m.points))

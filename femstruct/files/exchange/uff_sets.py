@@ -19,6 +19,7 @@ LARGEST: Final = 4 * 2**30  # bytes
 _WHAT: Final = "a universal file (.uff, .unv)"
 _MARK: Final = re.compile(rb"    -1(?=[\r\n]|\Z| {74})")  # behind binary data not at the beginning of a line
 HEADER: Final = 151
+LINES: Final = "lines"  # key of a data set that is written as it stands
 Set = dict[Any, Any]
 
 
@@ -95,6 +96,9 @@ def write_sets(sets: Iterable[Set], path: Path) -> None:
         piece = temporary.with_name(f"{temporary.name}.set")  # pyuff reads all it has written after every set
         try:
             for one in sets:
+                if LINES in one:
+                    file.write(("\n".join(one[LINES]) + "\n").encode("ascii"))
+                    continue
                 try:
                     package.UFF(str(piece)).write_sets([one], mode="overwrite")
                 except OSError:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any, Final
@@ -10,6 +10,7 @@ from typing import Any, Final
 import numpy as np
 
 from femstruct.arrays import Floats, Integers
+from femstruct.errors import InputError
 from femstruct.files.exchange.uff_codes import (
     DISPLACEMENT,
     FREQUENCY,
@@ -20,7 +21,8 @@ from femstruct.files.exchange.uff_codes import (
     TIME,
     direction_code,
 )
-from femstruct.files.exchange.uff_sets import Set, write_sets
+from femstruct.files.exchange.uff_results import STRUCTURAL, TRANSLATIONS, eigenvalue, result_lines
+from femstruct.files.exchange.uff_sets import LINES, Set, write_sets
 from femstruct.modal.measured.measurement import MeasuredFrf, MeasuredHistory, MeasuredModes, Measurement
 
 WIDTH: Final = 80  # characters of a line of text
@@ -28,24 +30,36 @@ NAME: Final = 10  # of a name of a place
 LABEL: Final = 20  # of a unit
 TRACE: Final = 80  # lines of one data set 82, which holds 250 numbers, three for each
 ROD, QUAD = 11, 44  # kinds of cells; of the kinds of bars pyuff writes the line on sections for this one alone
-STRUCTURAL, TRANSLATIONS = 1, 2
+OF_NODES: Final = (2411, 15)  # data sets, those without which a file is written by default first
+OF_MODES: Final = (55, 2414)
+RESULTS: Final = 2414
 
 
-def write_uff(measurement: Measurement, path: str | Path) -> Path:
-    """Write a universal file: header, units (SI), nodes (2411), cells (2412), lines (82), modes (55), functions (58).
+def write_uff(measurement: Measurement, path: str | Path, sets: Sequence[int] = (2411, 55)) -> Path:
+    """Write a universal file: header, units (SI), nodes, cells (2412), lines (82), modes, functions (58).
 
-    Shapes and frequencies of modes have six digits there, values of functions twelve; frequencies of functions are
-    written one by one where the file's six digits do not hold their step.
+    sets : numbers of the data sets of nodes, 15 or 2411, and of modes, 55 or 2414, as the program that reads the file
+    knows them. Shapes and frequencies of modes have six digits there, places in 15, too, values of functions twelve;
+    frequencies of functions are written one by one where the file's six digits do not hold their step.
 
-    Raises InputError where the package pyuff is not installed.
+    Raises InputError where the package pyuff is not installed, and for other data sets.
 
     >>> write_uff(read_uff("hammer_test.unv"), "hammer_test.uff")  # doctest: +SKIP
     """
-    write_sets(_sets(measurement), Path(path))
+    write_sets(_sets(measurement, *_chosen(sets)), Path(path))
     return Path(path)
 
 
-def _sets(measurement: Measurement) -> Iterator[Set]:
+def _chosen(sets: Sequence[int]) -> tuple[int, int]:
+    """The data sets of nodes and of modes out of some numbers."""
+    nodes, modes = ([number for number in sets if number in known] for known in (OF_NODES, OF_MODES))
+    if len(nodes) > 1 or len(modes) > 1 or len(nodes) + len(modes) < len(sets):
+        got = ", ".join(map(str, sets))
+        raise InputError("data sets", got=got, expected="one of nodes, 15 or 2411, and one of modes, 55 or 2414")
+    return (*nodes, OF_NODES[0])[0], (*modes, OF_MODES[0])[0]
+
+
+def _sets(measurement: Measurement, of_nodes: int, of_modes: int) -> Iterator[Set]:
     program = f"femstruct {version('femstruct')}"
     title = text(measurement.title)
     yield {
@@ -61,12 +75,12 @@ def _sets(measurement: Measurement) -> Iterator[Set]:
     if len(nodes):
         none = np.zeros(len(nodes), dtype=np.int64)
         places = dict(zip("xyz", measurement.points.T, strict=True))
-        yield {"type": 2411, "node_nums": nodes, "def_cs": none, "disp_cs": none, "color": none + 1, **places}
+        yield {"type": of_nodes, "node_nums": nodes, "def_cs": none, "disp_cs": none, "color": none + 1, **places}
     if len(measurement.quads) or len(measurement.lines):
         yield _cells(nodes[measurement.lines], nodes[measurement.quads])
         yield from _traces(nodes[_edges(measurement.lines, measurement.quads)])
     if measurement.modes is not None:
-        yield from _mode_sets(measurement.modes, nodes, measurement.points)
+        yield from _mode_sets(measurement.modes, nodes, measurement.points, of_modes)
     for frf in measurement.frfs:
         yield _frf_set(frf)
     for history in measurement.histories:
@@ -114,10 +128,13 @@ def _traces(edges: Integers) -> Iterator[Set]:
         }
 
 
-def _mode_sets(modes: MeasuredModes, nodes: Integers, points: Floats) -> Iterator[Set]:
+def _mode_sets(modes: MeasuredModes, nodes: Integers, points: Floats, number: int) -> Iterator[Set]:
     numbers = nodes if len(modes.points) == len(points) and np.array_equal(modes.points, points) else None
     if numbers is None:
         numbers = _numbers_at(modes.points, nodes, points)
+    if number == RESULTS:
+        yield from ({"type": RESULTS, LINES: result_lines(modes, k, numbers)} for k in range(len(modes.frequency_hz)))
+        return
     is_complex = np.iscomplexobj(modes.shapes)
     for k, (frequency, ratio) in enumerate(zip(modes.frequency_hz.tolist(), modes.damping_ratio.tolist(), strict=True)):
         one: Set = {
@@ -131,10 +148,8 @@ def _mode_sets(modes: MeasuredModes, nodes: Integers, points: Floats) -> Iterato
             "node_nums": numbers,
             **{f"r{axis + 1}": modes.shapes[:, axis, k] for axis in range(3)},
         }
-        omega = 2.0 * np.pi * frequency
         if is_complex:
-            eigenvalue = omega * complex(-ratio, np.sqrt(max(1.0 - ratio**2, 0.0)))
-            yield {**one, "analysis_type": 3, "eig": eigenvalue}
+            yield {**one, "analysis_type": 3, "eig": eigenvalue(frequency, ratio)}
         else:
             damping = {"modal_m": 1.0, "modal_damp_vis": ratio, "modal_damp_his": 0.0}
             yield {**one, "analysis_type": 2, "freq": frequency, **damping}

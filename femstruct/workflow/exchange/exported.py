@@ -29,26 +29,36 @@ Table = dict[str, Any]
 
 
 def exported(
-    file: Path, to: To, folder: Path, extent: Extent | None, overrides: tuple[str, ...], command: str, tell: Progress
+    file: Path,
+    to: To,
+    folder: Path,
+    extent: Extent | None,
+    overrides: tuple[str, ...],
+    command: str,
+    tell: Progress,
+    data_sets: str = "",
 ) -> list[Path]:
     """Write what there is in a file to a folder; returns the files.
 
     file : results of a run for `csv` and `xlsx`, a model for `npz` and `mtx`, either for modes. extent : how many
-    modes of a model, for `uff` and `vtu`.
+    modes of a model, for `uff` and `vtu`. data_sets : of a universal file, as in "15,2414"; "" for the usual ones.
 
-    Raises InputError for the other kind of file, and for a number of modes where none are written.
+    Raises InputError for the other kind of file, and for a number of modes or data sets where none are written.
     """
     _refuse_other(file, to)
+    sets = _numbers(data_sets)
+    if sets and to != "uff":
+        raise InputError("--data-sets", got=f"--to {to}", expected="a universal file: --to uff")
     if extent is not None and to not in OF_MODES:
         raise InputError("--count and --up-to", got=f"--to {to}", expected="modes: --to uff or vtu")
     if _is_results(file):
         if overrides:
             raise InputError("--set", got="results", expected="a model", do="results are not computed anew")
-        return _tables(file, to, folder) if to in OF_RESULTS else _shapes(file, to, folder, extent)
+        return _tables(file, to, folder) if to in OF_RESULTS else _shapes(file, to, folder, extent, sets)
     source = read_model_file(file, overrides)
     name = file.name.removesuffix(".yaml").removesuffix(".yml")
     if to in OF_MODES:
-        return write_modes(source, to, folder, name, extent or Extent(count=DEFAULT_MODES), tell)
+        return write_modes(source, to, folder, name, extent or Extent(count=DEFAULT_MODES), tell, sets)
     with positioned(source):
         if not isinstance(source.structure, Structure):
             got = "a structure in closed form, which has no matrices"
@@ -83,7 +93,16 @@ def _tables(file: Path, to: str, folder: Path) -> list[Path]:
     return (write_csv if to == "csv" else write_workbook)(tables, folder, _name_of(source))
 
 
-def _shapes(file: Path, to: str, folder: Path, extent: Extent | None) -> list[Path]:
+def _numbers(data_sets: str) -> tuple[int, ...]:
+    """Numbers of data sets as they are written on the command line."""
+    words = [word.strip() for word in data_sets.split(",")] if data_sets else []
+    if any(not word.isdigit() for word in words):
+        expected = "numbers of data sets: 15 or 2411 of nodes, 55 or 2414 of modes"
+        raise InputError("--data-sets", got=f"'{data_sets}'", expected=expected, do="write --data-sets 15,2414")
+    return tuple(map(int, words))
+
+
+def _shapes(file: Path, to: str, folder: Path, extent: Extent | None, sets: tuple[int, ...]) -> list[Path]:
     """The modes of the baseline of a results file."""
     from femstruct.files.results_file.stored import read_results, results_file
 
@@ -93,7 +112,7 @@ def _shapes(file: Path, to: str, folder: Path, extent: Extent | None) -> list[Pa
     result = read_results(source)
     baseline = result.cases[result.plan.baseline]
     return write_basis(
-        baseline.basis, result.models.get(baseline.basis_key), result.plan.title, to, folder, _name_of(source)
+        baseline.basis, result.models.get(baseline.basis_key), result.plan.title, to, folder, _name_of(source), sets
     )
 
 

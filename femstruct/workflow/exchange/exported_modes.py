@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -24,24 +25,35 @@ from femstruct.workflow.stages.modal_bases import solve
 from femstruct.workflow.stages.positions import positioned
 
 
-def write_modes(source: ModelFile, to: str, folder: Path, name: str, extent: Extent, tell: Progress) -> list[Path]:
-    """Write the modes of a model to NAME.uff or NAME.vtu; returns the file."""
+def write_modes(
+    source: ModelFile, to: str, folder: Path, name: str, extent: Extent, tell: Progress, sets: Sequence[int] = ()
+) -> list[Path]:
+    """Write the modes of a model to NAME.uff or NAME.vtu; returns the file. sets : as of `write_uff`."""
     if to == "uff":
         pyuff()  # told before the work
     with positioned(source):
         tell("modes")
         solved = solve(source.structure, extent)
         basis = damped_as_far_as_solved(solved.basis, source.damping)
-    return write_basis(basis, solved.model, source.title, to, folder, name)
+    return write_basis(basis, solved.model, source.title, to, folder, name, sets)
 
 
-def write_basis(basis: ModalBasis, model: Model | None, title: str, to: str, folder: Path, name: str) -> list[Path]:
-    """Write the modes of a basis to NAME.uff or NAME.vtu; returns the file. model : None of a closed form."""
+def write_basis(
+    basis: ModalBasis,
+    model: Model | None,
+    title: str,
+    to: str,
+    folder: Path,
+    name: str,
+    sets: Sequence[int] = (),
+) -> list[Path]:
+    """Write the modes of a basis to NAME.uff or NAME.vtu; returns the file. model : None of a closed form. sets : as of
+    `write_uff`."""
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / f"{short(name)}.{to}"
     if to == "vtu":
         return [write_vtu(basis, model, path, basis.modes.stop)]
-    return [write_uff(modes_as_measured(title, basis, model), path)]
+    return [write_uff(modes_as_measured(title, basis, model), path, sets)]
 
 
 def modes_as_measured(title: str, basis: ModalBasis, model: Model | None) -> Measurement:
