@@ -92,6 +92,7 @@ if TYPE_CHECKING:
     from femstruct.modal.reduction import modal_basis as modal_basis
     from femstruct.modal.statics import AtRest as AtRest
     from femstruct.modal.statics import statics as statics
+    from femstruct.modal.steady.spectrum import Spectrum as Spectrum
     from femstruct.modal.substructures.craig_bampton import Reduced as Reduced
     from femstruct.modal.substructures.craig_bampton import craig_bampton as craig_bampton
     from femstruct.model.equations.average import Average as Average
@@ -150,6 +151,7 @@ if TYPE_CHECKING:
     from femstruct.study.asked import Spot as Spot
     from femstruct.study.asked import TimePlan as TimePlan
     from femstruct.study.result import StudyResult as StudyResult
+    from femstruct.study.steady_vibration import Vibration as Vibration
     from femstruct.study.structures import BeamModel as BeamModel
     from femstruct.study.structures import ModesModel as ModesModel
     from femstruct.study.structures import NoStructure as NoStructure
@@ -197,6 +199,7 @@ _NAMES = {
     "modal.measured.frf_table": ("FrfTable", "frf_table"),
     "modal.measured.measurement": ("MeasuredFrf", "MeasuredHistory", "MeasuredModes", "MeasuredPlace", "Measurement"),
     "modal.reduction": ("modal_basis",),
+    "modal.steady.spectrum": ("Spectrum",),
     "modal.statics": ("AtRest", "statics"),
     "model.equations.average": ("Average",),
     "model.equations.equation": ("Equation",),
@@ -257,6 +260,7 @@ _NAMES = {
         "Plan",
         "Study",
     ),
+    "study.steady_vibration": ("Vibration",),
     "workflow.identify.identify": ("Identification", "identify"),
     "workflow.run.run": ("run_study",),
 }

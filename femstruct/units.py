@@ -103,6 +103,12 @@ DIMENSIONS: Final = {
     "inertance": _Dimension("an inertance", "kg/m^4", "22 kg/m^4", _powers(kg=1, m=-4)),
     "flow resistance": _Dimension("a flow resistance", "Pa*s/m^3", "500 Pa*s/m^3", _powers(kg=1, m=-4, s=-1)),
     "specific impedance": _Dimension("a specific impedance", "Pa*s/m", "8 kPa*s/m", _powers(kg=1, m=-2, s=-1)),
+    "force psd": _Dimension("a spectral density of a force", "N^2/Hz", "2 N^2/Hz", _powers(2, 2, -3, 0, -1)),
+    "moment psd": _Dimension("a spectral density of a moment", "N^2*m^2/Hz", "2 N^2*m^2/Hz", _powers(2, 4, -3, 0, -1)),
+    "pressure psd": _Dimension("a spectral density of a pressure", "Pa^2/Hz", "4 Pa^2/Hz", _powers(2, -2, -3, 0, -1)),
+    "acceleration psd": _Dimension(
+        "a spectral density of an acceleration", "m^2/s^4/Hz", "1 m^2/s^4/Hz", _powers(0, 2, -3, 0, -1)
+    ),
     "bending stiffness": _Dimension("a bending stiffness", "N*m^2", "25 N*m^2", _powers(kg=1, m=3, s=-2)),
 }  # fmt: skip
 _WITHOUT_RAD: Final = ("rotational stiffness", "rotational damping")  # N*m is as good as N*m/rad

@@ -35,7 +35,8 @@ def force_rows(
     -----
     The force of a tie is found by virtual work: the nodes of its side are moved by a unit translation, all other
     equations kept, and the work of the loads less that of K u + C u' + M u'' is the force. The work of loads is the
-    direct share: they reach held nodes through the shape functions of a cell next to a support.
+    direct share: they reach held nodes through the shape functions of a cell next to a support. That of the inertia of
+    everything moving along as one with the base is what is carried.
     """
     n_free = solved.E.shape[1]
     forces: dict[str, ForceRows] = {}
@@ -45,9 +46,10 @@ def force_rows(
         # Products with E once for all ties: rows of the pivots are all that virtual work needs.
         onto = [csr_array(matrix[solved.pivots] @ solved.E) for matrix in matrices]
         output = csr_array(dofs.output[:, solved.pivots].T)
+        along = np.asarray(matrices[2][solved.pivots] @ dofs.translations)
         factor = splu(csc_array(equations[solved.kept][:, solved.pivots])) if len(solved.kept) else None
         for tie in model.ties:
-            _add(forces, tie.name, _tie_rows(tie, owners[tie.name], solved, factor, onto, output))
+            _add(forces, tie.name, _tie_rows(tie, owners[tie.name], solved, factor, onto, output, along))
     nothing = csr_array((3, n_free))
     ground = ForceRows(nothing, nothing, nothing, csr_array((3, dofs.output.shape[0])))
     for name in grounded(model):
@@ -71,8 +73,15 @@ def _elastic_rows(elastic: Elastic, dofs: RawDofs, E: csr_array) -> ForceRows:
 
 
 def _tie_rows(
-    tie: Tie, owner: slice, solved: Elimination, factor: SuperLU | None, onto: list[csr_array], output: csr_array
+    tie: Tie,
+    owner: slice,
+    solved: Elimination,
+    factor: SuperLU | None,
+    onto: list[csr_array],
+    output: csr_array,
+    along: Floats,
 ) -> ForceRows:
+    """along [m, 3] : inertial forces of the pivots under unit accelerations of everything along x, y, z."""
     violations = np.zeros((len(solved.kept), 3))
     mine = (solved.kept >= owner.start) & (solved.kept < owner.stop)
     violations[mine] = tie.directions[solved.kept[mine] - owner.start]
@@ -80,7 +89,7 @@ def _tie_rows(
     moved[np.abs(moved) < 1e-14] = 0.0
     virtual = csr_array(-moved.T)
     stiffness, damping, inertia = (csr_array(virtual @ matrix) for matrix in onto)
-    return ForceRows(stiffness, damping, inertia, csr_array(-virtual @ output))
+    return ForceRows(stiffness, damping, inertia, csr_array(-virtual @ output), np.asarray(virtual @ along))
 
 
 def _add(forces: dict[str, ForceRows], name: str, rows: ForceRows) -> None:
@@ -93,4 +102,5 @@ def _sum(one: ForceRows, other: ForceRows) -> ForceRows:
         csr_array(one.damping + other.damping),
         csr_array(one.inertia + other.inertia),
         csr_array(one.direct + other.direct),
+        one.carried + other.carried,
     )

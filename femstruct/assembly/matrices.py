@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
+import numpy as np
 from scipy.sparse import csc_array, csr_array
 
 from femstruct.arrays import Floats, freeze, frozen
@@ -43,6 +44,9 @@ class ForceRows:
     pressing down is negative along z), on the second end for a spring between two places, on the second part for a
     joint or a foundation between two.
 
+    carried [3, 3] : the force [N] per acceleration of the base along x, y, z [m/s^2] (columns) when all that stands on
+    the ground moves with it and nothing moves on it: what is held carries the mass of its own nodes along.
+
     direct acts on the loads f at the nodal components: what of them acts on held or joined nodes themselves passes on
     without moving anything. So does a load in the plane of a plate held in its plane, or a part of one in a cell next
     to a support, whose shape functions give it to the held nodes.
@@ -52,6 +56,10 @@ class ForceRows:
     damping: csr_array
     inertia: csr_array
     direct: csr_array
+    carried: Floats = field(default_factory=lambda: np.zeros((3, 3)))
+
+    def __post_init__(self) -> None:
+        freeze(self, carried=frozen("ForceRows carried", self.carried, (3, 3)))
 
 
 @dataclass(frozen=True, eq=False)

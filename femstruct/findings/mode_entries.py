@@ -205,6 +205,13 @@ MODES: Final = (
         "Give the model a 'damping'.",
     ),
     Entry(
+        "vibration-beyond-modes",
+        "Modes are missing in the band of a harmonic or random excitation.",
+        LIMITS,
+        "the highest frequency of 'vibration' is above that to which the modes are complete",
+        "Ask for modes up to the end of the band or more, or end the band below the last mode.",
+    ),
+    Entry(
         "accuracy-not-reached",
         "The result changes with the number of modes by more than the accuracy asked for.",
         FORBIDS,

@@ -25,7 +25,8 @@ class ForceRow:
     adds `direct.meets(probe)` times itself. The others are [k]. The damping row is that of the permanent dashpots until
     `with_damping` adds the structure's own; it is the one for the time domain. hysteretic [k] : the structural part of
     it, which is + j hysteretic in frequency and hysteretic / omega_r, at each mode's own frequency, in time and in
-    `damping`. Zero if left out.
+    `damping`. carried [3] : what it is per acceleration of the base along x, y, z without any motion on the base [kg].
+    Both zero if left out.
     """
 
     stiffness: Floats
@@ -33,6 +34,7 @@ class ForceRow:
     inertia: Floats
     hysteretic: Floats = field(default_factory=lambda: np.zeros(0))
     direct: Probe = field(default_factory=lambda: Probe([], [], []))  # type: ignore[arg-type]
+    carried: Floats = field(default_factory=lambda: np.zeros(3))
 
     def __post_init__(self) -> None:
         stiffness = frozen("ForceRow stiffness", self.stiffness, (None,))
@@ -46,6 +48,7 @@ class ForceRow:
                 self.hysteretic if np.size(self.hysteretic) else np.zeros_like(stiffness),
                 stiffness.shape,
             ),
+            carried=frozen("ForceRow carried", self.carried, (3,)),
         )
 
 

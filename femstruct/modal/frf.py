@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import Final, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.sparse import csc_array
 
 from femstruct.arrays import Floats, frozen
@@ -15,17 +14,16 @@ from femstruct.errors import InputError, NotConverged
 from femstruct.modal.basis import ForceRow, ModalBasis
 from femstruct.modal.damping import Damping, FromMaterials, LossFactor, Rayleigh
 from femstruct.modal.outputs import AXES
+from femstruct.modal.superposition import Complex, amplitudes, of_force, of_motion, superposed
 from femstruct.model.materials.loss_by_frequency import LossByFrequency, loss_at
 from femstruct.model.probe import Probe
 from femstruct.sparse.patterns import aligned
 from femstruct.sparse.solvers import FASTEST, SOLVERS, Factored, ZeroPivot
 
-Complex = NDArray[np.complex128]
 FrfKind = Literal["receptance", "mobility", "accelerance", "transmissibility"]
 _PER_SECOND: Final[dict[FrfKind, str]] = {"receptance": "", "mobility": "s", "accelerance": "s^2"}
 KINDS: Final[tuple[FrfKind, ...]] = (*_PER_SECOND, "transmissibility")
 _UNMOVED = 1e-12  # of the largest motion of the structure: rounding
-_CHUNK = 2**22  # complex numbers held at once: 64 MB
 
 
 def frf(
@@ -71,19 +69,10 @@ def frf(
             )
     pushed = drive.of(basis.shapes)
     if isinstance(response, ForceRow):
-        none = np.zeros_like(basis.omega)
-        structural = np.divide(response.hysteretic, basis.omega, out=none, where=basis.omega > 0)
-        rows: tuple[Complex, Complex, Complex] = (
-            _complex(response.stiffness + 1j * response.hysteretic),
-            _complex(1j * (response.damping - structural)),
-            _complex(-response.inertia),
-        )
-        return _modal(basis, pushed, rows, omega) + response.direct.meets(drive)
-    listened = response.of(basis.shapes).astype(np.complex128)
-    still = np.zeros_like(listened)
-    answer = _modal(basis, pushed, (listened, still, still), omega)
+        return superposed(basis, pushed, of_force(basis, response), omega) + response.direct.meets(drive)
+    answer = superposed(basis, pushed, of_motion(response.of(basis.shapes)), omega)
     if kind == "transmissibility":
-        return answer / _modal(basis, pushed, (pushed.astype(np.complex128), still, still), omega)
+        return answer / superposed(basis, pushed, of_motion(pushed), omega)
     return answer * _rate(kind, omega)
 
 
@@ -101,7 +90,7 @@ def modal_amplitudes(basis: ModalBasis, drive: Probe, frequency_hz: ArrayLike) -
     if basis.n_rigid and (omega == 0).any():
         raise InputError("frf frequency", got="0 Hz", expected="a frequency > 0: the structure is free")
     answer: Complex = np.empty((len(basis.omega), len(omega)), dtype=np.complex128)
-    for lines, q in _amplitudes(basis, drive.of(basis.shapes), omega):
+    for lines, q in amplitudes(basis, drive.of(basis.shapes), omega):
         answer[:, lines] = q.T
     return answer
 
@@ -183,32 +172,6 @@ def direct_frf(
         if kind == "transmissibility" and not isinstance(response, str):
             answers[line] /= load @ shape
     return answers if kind == "transmissibility" else answers * _rate(kind, omega)
-
-
-def _modal(basis: ModalBasis, pushed: Floats, rows: tuple[Complex, Complex, Complex], omega: Floats) -> Complex:
-    """sum over modes of (rows[0] + omega rows[1] + omega^2 rows[2]) q at each omega [nf]."""
-    answer: Complex = np.empty(len(omega), dtype=np.complex128)
-    for lines, q in _amplitudes(basis, pushed, omega):
-        w = omega[lines, None]
-        answer[lines] = ((rows[0] + w * rows[1] + w**2 * rows[2]) * q).sum(axis=1)
-    return answer
-
-
-def _amplitudes(basis: ModalBasis, pushed: Floats, omega: Floats) -> Iterator[tuple[slice, Complex]]:
-    """Modal coordinates [lines, k] under harmonic modal forces, as many lines at once as memory allows."""
-    squared = basis.omega**2
-    k = len(squared)
-    diagonal = not any(np.any(A - np.diag(np.diag(A))) for A in (basis.viscous, basis.hysteretic))
-    step = max(1, _CHUNK // max(1, k if diagonal else k * k))
-    for start in range(0, len(omega), step):
-        w = omega[start : start + step, None]
-        if diagonal:
-            losses = w * np.diag(basis.viscous) + np.diag(basis.hysteretic)
-            q = _complex(pushed / (squared - w**2 + 1j * losses))
-        else:
-            full = 1j * (w[:, :, None] * basis.viscous + basis.hysteretic) - np.eye(k) * w[:, :, None] ** 2
-            q = _complex(np.linalg.solve(full + np.diag(squared), pushed[:, None])[:, :, 0])
-        yield slice(start, start + len(w)), q
 
 
 def _solve_line(A: csc_array, factor: Factored, load: Floats, omega: float) -> Complex:

@@ -29,9 +29,10 @@ def force_rows(forces: Mapping[str, ForceRows], shapes: Floats) -> dict[str, For
         stiffness, damping, inertia = force.stiffness @ shapes, force.damping @ shapes, force.inertia @ shapes
         for i, axis in enumerate(AXES):
             weights = force.direct[[i]].toarray()[0]
+            carried = force.carried[i]
             loaded = np.flatnonzero(weights)
             direct = Probe(loaded // N_COMPONENTS, loaded % N_COMPONENTS, weights[loaded])
-            rows[f"{name}.{axis}"] = ForceRow(stiffness[i], damping[i], inertia[i], direct=direct)
+            rows[f"{name}.{axis}"] = ForceRow(stiffness[i], damping[i], inertia[i], direct=direct, carried=carried)
     return rows
 
 

@@ -24,6 +24,7 @@ def modal_basis(
     up_to: float | None = None,
     count: int | None = None,
     probes: Sequence[Probe] = (),
+    base: Sequence[str] = (),
 ) -> ModalBasis:
     """Mass-normalised modes up to a frequency or a number of them, with two residual vectors for every probe.
 
@@ -31,6 +32,8 @@ def modal_basis(
     count : number of modes, rigid ones counted. Give one of the two.
     probes : where the structure will be driven or observed; the static response to forces there is exact. The
     places of permanent dashpots are added to them.
+    base : axes "x", "y", "z" along which all that stands on the ground will be moved as one; the static response to
+    such an acceleration is exact, too.
 
     Returns a ModalBasis with no other damping than the permanent dashpots': `with_damping` adds the structure's own.
 
@@ -60,7 +63,8 @@ def modal_basis(
     array([ 75.6, 164.1])
     """
     found = modes(assembly.K, assembly.M, up_to_hz=up_to, count=count, labels=assembly.dofs.labels)
-    loads = np.concatenate([_loads(assembly, probes), _dashpots(assembly)], axis=1)
+    moved = assembly.momentum[[AXES.index(axis) for axis in base]].T
+    loads = np.concatenate([_loads(assembly, probes), moved, _dashpots(assembly)], axis=1)
     extra_values, extra_shapes = residual_vectors(assembly.K, assembly.M, found, loads)
     values = np.concatenate([found.eigenvalues, extra_values])
     shapes = np.concatenate([found.shapes, extra_shapes], axis=1)

@@ -222,7 +222,7 @@ def _turned(row: ForceRow, before: Floats, after: Floats, own: Floats) -> ForceR
     at_own = np.divide(row.hysteretic, before, out=np.zeros_like(before), where=before > 0)
     at_new = np.divide(hysteretic, after, out=np.zeros_like(after), where=after > 0)
     damping = (row.damping - at_own) @ own + at_new
-    return ForceRow(row.stiffness @ own, damping, row.inertia @ own, hysteretic, row.direct)
+    return ForceRow(row.stiffness @ own, damping, row.inertia @ own, hysteretic, row.direct, row.carried)
 
 
 def _left_over(omega: Floats, air: CoupledAir, coupled: Floats, turn: Floats) -> Floats:

@@ -15,6 +15,7 @@ from femstruct.model.section import Section
 from femstruct.model.structure import Joint, Structure
 from femstruct.study.acting import PlacedBody, PlannedContact, PlannedLink, PlannedLoad
 from femstruct.study.asked import RoomPlan
+from femstruct.study.steady_vibration import Vibration
 from femstruct.study.study import Study
 
 UNITS: Final = {  # of the fields of a study's nouns
@@ -86,6 +87,7 @@ def inputs(study: Study) -> Inputs:
     ]
     groups["rooms"] = [_room(one) for one in study.rooms]
     groups["frequency responses"] = [_item(one, one.kind, without=("kind",)) for one in study.frf]
+    groups["vibration"] = [_vibration(one) for one in study.vibration]
     groups["analysis"] = [Item(name, "", found) for name, found in _analysis(study).items() if found]
     return Inputs({name: tuple(items) for name, items in groups.items() if items})
 
@@ -181,6 +183,12 @@ def _load(load: PlannedLoad) -> Item:
         one._replace(unit=unit) if one.what in ("amplitude", "values") else one for one in _flat(given(load, UNITS))
     )
     return Item(load.name, f"load on a {load.kind}", tuple(one for one in found if one.what != "kind"))
+
+
+def _vibration(one: Vibration) -> Item:
+    lasts = [] if one.duration is None else [Given("duration", one.duration, "s")]
+    spectrum = Given("spectrum", one.spectrum.points, f"Hz, {one.unit}")
+    return Item(one.name, f"{one.what} at {one.told}", (spectrum, *lasts))
 
 
 def _link(link: PlannedLink) -> Item:

@@ -19,6 +19,7 @@ from femstruct.impact.result.response import Response
 from femstruct.impact.result.shares import ModeEnergies
 from femstruct.impact.result.shock import ShockSpectrum
 from femstruct.modal.basis import ModalBasis
+from femstruct.modal.steady.answers import Vibrated
 from femstruct.model.model import Model
 from femstruct.reported import Reported
 from femstruct.sound.power import PowerResponse, Radiated
@@ -175,7 +176,7 @@ class CaseResult:
     None when nothing was simulated.
     drops : by place ("drops.2"), where a source strikes several: response, channels, rooms, levels, shares and errors
     are those of the first, rated is of all. Empty for one place.
-    shock : shock response spectra, by name.
+    shock : shock response spectra, by name. vibration : what came of harmonic and random excitations, by name.
     """
 
     case: Case
@@ -195,6 +196,7 @@ class CaseResult:
     radiated: Mapping[str, Radiated] = field(default_factory=dict)
     heard: OwnSound = NO_OWN_SOUND
     shock: Mapping[str, ShockSpectrum] = field(default_factory=dict)
+    vibration: Mapping[str, Vibrated] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

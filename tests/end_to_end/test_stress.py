@@ -9,8 +9,8 @@ from femstruct import read_results, read_study, run_study, write_results
 from femstruct.elements.stresses import von_mises
 from femstruct.errors import InputErrors
 from femstruct.impact.closer import closer
+from femstruct.view.tables.answer_tables import stresses
 from femstruct.view.tables.machine_table import limits
-from femstruct.view.tables.stress_table import stresses
 from femstruct.workflow.stages.channels import in_band
 from femstruct.workflow.stages.stresses import largest_stress, walked
 

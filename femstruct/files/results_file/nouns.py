@@ -10,6 +10,7 @@ import dataclasses
 import importlib
 from collections.abc import Callable, Mapping
 from enum import Enum
+from functools import cache
 from importlib.metadata import entry_points
 from math import isfinite
 from types import MappingProxyType
@@ -129,9 +130,20 @@ def _made(kind: type, fields: Mapping[str, Any]) -> Any:
     if hasattr(kind, "_fields"):
         return kind(**fields)
     made: object = object.__new__(kind)
-    for name, item in fields.items():
+    for name, item in (_left_out(kind) | dict(fields)).items():
         object.__setattr__(made, name, item)
     return made
+
+
+@cache
+def _defaults(kind: Any) -> tuple[tuple[str, Callable[[], Any]], ...]:
+    made = ((field.name, field.default_factory) for field in dataclasses.fields(kind))
+    return tuple((name, factory) for name, factory in made if factory is not dataclasses.MISSING)
+
+
+def _left_out(kind: type) -> dict[str, Any]:
+    """What fields are when a file that is older than they are says nothing of them; plain defaults are the class's."""
+    return {name: factory() for name, factory in _defaults(kind)}
 
 
 def _name(kind: Any) -> str:

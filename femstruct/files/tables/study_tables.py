@@ -15,6 +15,7 @@ from femstruct.files.tables.machine_tables import machine_table, verdict_tables
 from femstruct.files.tables.radiated_tables import radiated_beside, radiated_table
 from femstruct.impact.result.response import Blow, EnergyBalance, Response
 from femstruct.impact.result.shares import EnergyGroup, ModeEnergies
+from femstruct.modal.steady.answers import Vibrated
 from femstruct.study.result import CaseComparison, CaseResult, Drop, StudyResult
 
 Table = dict[str, Any]
@@ -68,6 +69,7 @@ def _case(case: CaseResult) -> Table:
         "energy": None if response is None else _energy(response, case.shares),
         "stresses": {name: described(one.stressed) for name, one in case.channels.items() if one.stressed is not None},
         "shock_spectra": {name: described(one) for name, one in case.shock.items()},
+        "vibration": {name: _vibrated(one) for name, one in case.vibration.items()},
         "levels": {name: described(levels) for name, levels in case.levels.items()},
         "sound_energy": {name: radiated_table(radiated) for name, radiated in case.radiated.items()},
         "own_levels": {name: described(levels) for name, levels in case.heard.own_levels.items()},
@@ -78,6 +80,12 @@ def _case(case: CaseResult) -> Table:
         "error_estimate": None if case.errors is None else error_table(case.errors),
         "findings": [finding_table(finding) for finding in case.findings],
     }
+
+
+def _vibrated(one: Vibrated) -> Table:
+    """One excitation: what it is, what answers it, and what of the structure a base moves."""
+    base = None if one.base is None else described(one.base)
+    return described(one) | {"answers": {name: described(answer) for name, answer in one.answers.items()}, "base": base}
 
 
 def _blows(response: Response) -> Table:

@@ -35,6 +35,8 @@ def check_study(study: StudySpec, here: Here, model: ModelSpec) -> None:
         request.check_in(here.at("frf", name), study.rooms)
     for name, shock in study.shock_spectra.items():
         shock.check_in(here.at("shock_spectra", name), study.record, study.time)
+    for name, excitation in study.vibration.items():
+        excitation.check_in(here.at("vibration", name), study.record, study.rooms)
     sizes = array_sizes(study.bodies, here.names)
     ends = [*study.bodies, *bodies_of(sizes), "ground"]
     struck = [name for name, body in study.bodies.items() if body.blows is not None]
@@ -84,7 +86,8 @@ def check_study(study: StudySpec, here: Here, model: ModelSpec) -> None:
         )
     start = study.initial.velocity or study.initial.rigid
     heard = any(request.kind in ("pressure", "power") for request in study.frf.values())
-    moving = study.bodies or study.loads or start or study.record or study.limits or (study.rooms and not heard)
+    recorded = study.record and not study.vibration
+    moving = study.bodies or study.loads or start or recorded or study.limits or (study.rooms and not heard)
     do = "add 'time: {duration: 1 s, sampling: 48 kHz}'"
     here.need(study.time is not None or not moving, "no time", "how long to simulate", do)
     if study.compare is not None and study.cases:
@@ -156,4 +159,5 @@ def study_of(
         save_modal=study.save == "modal",
         accuracy=study.accuracy.noun() if study.accuracy is not None else None,
         shock_spectra=tuple(one.noun(name=name) for name, one in study.shock_spectra.items()),
+        vibration=tuple(one.noun(name=name) for name, one in study.vibration.items()),
     )

@@ -16,6 +16,7 @@ from femstruct.language.study.record import Recorded
 from femstruct.language.study.request import FrfSpec
 from femstruct.language.study.shock import ShockSpec
 from femstruct.language.study.start import InitialSpec
+from femstruct.language.study.vibration import VibrationSpec
 from femstruct.language.study.window import AccuracySpec, ModesSpec, PeaksSpec, TimeSpec
 from femstruct.language.yaml import Instant, Refers, Spec, Text, read_by, refuse
 from femstruct.units import shown_as
@@ -60,3 +61,4 @@ class StudySpec(Spec):
     compare: CompareSpec | None = None
     save: Literal["modal"] | None = None
     shock_spectra: dict[str, ShockSpec] = Field(default_factory=dict)
+    vibration: dict[str, VibrationSpec] = Field(default_factory=dict)

@@ -14,6 +14,7 @@ from femstruct.files.tables.finding_tables import findings_by_case
 from femstruct.reported import reported
 from femstruct.study.result import NET_FORCE, CaseComparison, CaseResult, StudyResult
 from femstruct.view.tables.accuracy_table import anything_meets, outcomes, trust
+from femstruct.view.tables.answer_tables import moved_masses, stresses, vibration
 from femstruct.view.tables.array_table import arrays
 from femstruct.view.tables.blow_table import blows
 from femstruct.view.tables.console import console
@@ -24,7 +25,6 @@ from femstruct.view.tables.machine_table import limits, machine
 from femstruct.view.tables.radiated_table import radiated
 from femstruct.view.tables.rated_table import add_totals, bands, first_drop, ratings
 from femstruct.view.tables.scales import digits, scaled
-from femstruct.view.tables.stress_table import stresses
 
 SPOKEN_RECEIVERS = 2  # of a room
 SPOKEN_MODES = 12  # of a channel
@@ -63,8 +63,8 @@ def study_tables(result: StudyResult) -> tuple[Grid, ...]:
 
 
 def asked_tables(result: StudyResult) -> tuple[Grid, ...]:
-    """What a study is run for: ratings, limits, what is asked of a machine, levels, peaks."""
-    return ratings(result), limits(result), machine(result), _levels(result), _peaks(result)
+    """What a study is run for: ratings, limits, what is asked of a machine, levels, peaks, vibration."""
+    return ratings(result), limits(result), machine(result), _levels(result), _peaks(result), vibration(result)
 
 
 def other_tables(result: StudyResult) -> tuple[Grid, ...]:
@@ -72,6 +72,7 @@ def other_tables(result: StudyResult) -> tuple[Grid, ...]:
     return (
         _contacts(result),
         stresses(result),
+        moved_masses(result),
         blows(result),
         energies(result),
         energy_destinations(result),

@@ -12,6 +12,7 @@ from femstruct.impact.closer import last_mode_hz
 from femstruct.impact.result.response import Response
 from femstruct.impact.result.shares import mode_energies
 from femstruct.modal.basis import ModalBasis
+from femstruct.modal.steady.answers import Vibrated
 from femstruct.sound.power import Radiated
 from femstruct.sound.surface import coupling_findings
 from femstruct.study.result import NO_OWN_SOUND, AccuracyCheck, CaseResult, Channel, Frf
@@ -37,6 +38,7 @@ from femstruct.workflow.stages.responses import frequency_response
 from femstruct.workflow.stages.room_transfers import RoomTransfers
 from femstruct.workflow.stages.sound_energies import sound_energies
 from femstruct.workflow.stages.stresses import stress_findings
+from femstruct.workflow.stages.vibrations import vibrations
 
 
 def run_case(
@@ -69,20 +71,18 @@ def run_case(
     with clock("frf", case.name):
         responses, advised = _responses(study, own.places, basis)
         told += advised
+    vibrated: dict[str, Vibrated] = {}
+    if study.vibration:
+        with clock("vibration", case.name):
+            vibrated, uneven = vibrations(study, own.places, basis)
+            findings += uneven
     whole: Struck | None = None
     radiated: dict[str, Radiated] = {}
     channels, shares, drops, rated = {}, None, {}, {}
     if study.time is not None:
         refuse_absent_forces(study, basis)
-        struck = strike(
-            case.drops or {"": study},
-            study.time,
-            own.places,
-            basis,
-            vacuo,
-            partial(clock, case=case.name),
-            transfers,
-        )
+        timed = partial(clock, case=case.name)
+        struck = strike(case.drops or {"": study}, study.time, own.places, basis, vacuo, timed, transfers)
         whole = next(iter(struck.values()))  # of the other drops only numbers are kept
         drops = {
             place: struck[place].drop(judged(of_drop, own.places, struck[place].response))
@@ -120,6 +120,7 @@ def run_case(
         radiated=radiated,
         heard=NO_OWN_SOUND if whole is None else whole.heard,
         shock=shock_spectra(study, channels),
+        vibration=vibrated,
     )
 
 

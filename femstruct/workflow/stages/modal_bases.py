@@ -27,7 +27,7 @@ from femstruct.workflow.stages.rest import axis_of
 class Solved:
     """A structure with its undamped basis; model is None for closed-form structures.
 
-    pushed : names of the places that its residual vectors are for.
+    pushed : names of the places that its residual vectors are for, and axes along which its base moves.
     """
 
     key: str
@@ -89,10 +89,11 @@ def solve(structure: StructureModel, extent: Extent, studies: Sequence[Study] = 
         assembly = assemble(model)
         # A structure of a few rigid blocks has fewer modes than anyone asks for: then all there are.
         count = None if extent.count is None else min(extent.count, assembly.K.shape[0])
+        base = _shaken(studies)
         basis = modal_basis(
-            assembly, up_to=extent.up_to_hz, count=count, probes=[probes[name] for name in sorted(probes)]
+            assembly, up_to=extent.up_to_hz, count=count, probes=[probes[name] for name in sorted(probes)], base=base
         )
-        return Solved(key, structure, model, places, basis, frozenset(probes))
+        return Solved(key, structure, model, places, basis, frozenset((*probes, *base)))
     basis, points = _closed_form(structure, _axis(studies))
     return Solved(key, structure, None, Places(points, {}), basis)
 
@@ -101,7 +102,12 @@ def _pushed(places: Places, studies: Sequence[Study]) -> frozenset[str]:
     """Names of all places of a meshed structure that studies push; of a closed form none has a residual vector."""
     if not places.surfaces and not isinstance(studies[0].structure, Structure):
         return frozenset()
-    return frozenset(name for study in studies for name in _force_probes(study, places))
+    return frozenset((*(name for study in studies for name in _force_probes(study, places)), *_shaken(studies)))
+
+
+def _shaken(studies: Sequence[Study]) -> list[str]:
+    """Axes along which studies move the base."""
+    return sorted({str(one.on) for study in studies for one in study.vibration if one.kind == "base"})
 
 
 def _force_probes(study: Study, places: Places) -> dict[str, Probe]:

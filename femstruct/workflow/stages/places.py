@@ -7,7 +7,9 @@ from dataclasses import dataclass, field
 
 from femstruct.errors import InputError, some_of
 from femstruct.model.part import Meshed
-from femstruct.model.probe import Point, StressPlaces, Surface
+from femstruct.model.probe import Point, Probe, StressPlaces, Surface
+from femstruct.study.asked import Spot
+from femstruct.study.steady_vibration import Vibration
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,6 +41,20 @@ class Places:
             expected=f"one of {some_of(several or sorted(self.points)) or 'no points: the structure has none'}",
             do="name one place" if several else "",
         )
+
+    def pushed(self, one: Vibration) -> Probe | None:
+        """Where an excitation acts; None for a base, with which all moves that stands on the ground.
+
+        Raises InputError for a point or a surface that is not there.
+        """
+        if one.kind == "base":
+            return None
+        if isinstance(one.on, Spot):
+            return self.point(one.on.name, f"vibration.{one.name}.at").probe(one.on.what)
+        if one.on not in self.surfaces:
+            expected = f"a surface: {some_of(self.surfaces) or 'there is none'}"
+            raise InputError(f"vibration.{one.name}.on", got=f"'{one.on}'", expected=expected)
+        return self.surfaces[one.on].pressure()
 
     def of(self, name: str, asked_by: str) -> tuple[str, ...]:
         """The names of all places of a point, in their order.

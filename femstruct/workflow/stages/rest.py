@@ -28,14 +28,16 @@ def planned_contacts(study: Study) -> tuple[PlannedContact, ...]:
 def axis_of(study: Study) -> Literal["x", "z"]:
     """The axis all bodies of a study move along: x where they are placed before and after, z above and below.
 
-    Without bodies it is the axis of what the study pushes or starts: x if that says so, else z.
+    Without bodies it is the axis of what the study pushes, moves or starts: x if that says so, else z.
     """
     if study.bodies:
         return "x" if any(body.side in ("before", "after") for body in study.bodies) else "z"
     spots = [spot for spot, _ in study.initial.velocities]
     spots += [load.on for load in study.loads if isinstance(load.on, Spot)]
     spots += [request.drive for request in study.frf]
-    return "x" if any(spot.what == "x" for spot in spots) else "z"
+    spots += [one.on for one in study.vibration if isinstance(one.on, Spot)]
+    shaken = any(one.on == "x" for one in study.vibration)
+    return "x" if shaken or any(spot.what == "x" for spot in spots) else "z"
 
 
 @dataclass(frozen=True)

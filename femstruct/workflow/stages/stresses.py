@@ -11,6 +11,7 @@ from femstruct.arrays import Floats, Integers
 from femstruct.elements.stresses import von_mises
 from femstruct.errors import Finding
 from femstruct.impact.result.response import Response
+from femstruct.modal.steady.steady_stresses import Amount
 from femstruct.model.probe import StressPlaces
 from femstruct.study.result import LargestStress
 
@@ -60,27 +61,40 @@ def largest_stress(places: StressPlaces, response: Response, q: Floats) -> tuple
     q [k, nt] : the modal coordinates of the response, filtered or not.
     """
     found = walked(places, response.basis.shapes, q)
-    return found.history, _largest(places, response.basis.shapes, q, found, response.t[found.sample])
+    times = response.t[found.sample]
+    then = q[:, found.sample[int(found.largest.argmax())]]
+    return found.history, judged(places, response.basis.shapes, found.largest, _at(places, then), times)
 
 
 def stress_at_rest(places: StressPlaces, displacement: Floats) -> LargestStress:
     """The equivalent stress at every place of a structure at rest. displacement [n_nodes, 7] : of its nodes."""
     shapes, q = displacement[:, :, None], np.ones((1, 1))
     found = walked(places, shapes, q)
-    return _largest(places, shapes, q, found, np.zeros(len(found.largest)))
+    return judged(places, shapes, found.largest, _at(places, q[:, 0]))
 
 
-def _largest(places: StressPlaces, shapes: Floats, q: Floats, found: Walked, times: Floats) -> LargestStress:
-    """Where it is largest, and how well the mesh resolves it there."""
-    worst = int(found.largest.argmax())
-    then = q[:, found.sample[worst]]
+def _at(places: StressPlaces, q: Floats) -> Amount:
+    """The equivalent stress at one instant, from its modal coordinates [k]."""
+    return lambda stresses: von_mises(stresses @ q, places.components)
+
+
+def judged(
+    places: StressPlaces, shapes: Floats, largest: Floats, amount: Amount, times: Floats | None = None
+) -> LargestStress:
+    """Where a part is stressed most, and how well the mesh resolves it there.
+
+    largest [p] : equivalent stresses [Pa]. amount : how that of the most stressed place follows from the shapes; it is
+    asked of the places beside, too. times [p] : when each was largest [s], 0 where that means nothing.
+    """
+    worst = int(largest.argmax())
     next_to = _neighbours(places, worst)
-    beside = von_mises(places.of(shapes)[next_to] @ then, places.components)
-    peak = float(found.largest[worst]) or 1.0
+    peak = float(largest[worst]) or 1.0
     around = places.around(worst)
-    jump = 0.0 if around is None else float(np.ptp(von_mises(around.of(shapes) @ then, places.components))) / peak
-    falls = 1.0 - float(beside.mean()) / peak if len(next_to) else 0.0
-    return LargestStress(places.places, places.sides, found.largest, times, jump, falls)
+    jump = 0.0 if around is None else float(np.ptp(amount(around.of(shapes)))) / peak
+    falls = 1.0 - float(amount(places.of(shapes)[next_to]).mean()) / peak if len(next_to) else 0.0
+    return LargestStress(
+        places.places, places.sides, largest, np.zeros(len(largest)) if times is None else times, jump, falls
+    )
 
 
 def _neighbours(places: StressPlaces, place: int) -> Integers:

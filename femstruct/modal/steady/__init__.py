@@ -1,0 +1,1 @@
+"""Steady vibration of a structure: harmonic and random loads, and a base that moves."""

@@ -1,0 +1,71 @@
+"""Harmonic motion as a sum of modes: modal coordinates along frequency, and what is read off them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from femstruct.arrays import Floats
+from femstruct.modal.basis import ForceRow, ModalBasis
+
+Complex = NDArray[np.complex128]
+Rows = tuple[Complex, Complex, Complex]
+"""What is read off modal coordinates at omega: (rows[0] + omega rows[1] + omega^2 rows[2]) . q, each [k]."""
+_CHUNK: Final = 2**22  # complex numbers held at once: 64 MB
+
+
+def amplitudes(basis: ModalBasis, pushed: Floats, omega: Floats) -> Iterator[tuple[slice, Complex]]:
+    """Modal coordinates [lines, k] under harmonic modal forces [k], as many lines at once as memory allows."""
+    squared = basis.omega**2
+    k = len(squared)
+    diagonal = not any(np.any(A - np.diag(np.diag(A))) for A in (basis.viscous, basis.hysteretic))
+    step = max(1, _CHUNK // max(1, k if diagonal else k * k))
+    for start in range(0, len(omega), step):
+        w = omega[start : start + step, None]
+        if diagonal:
+            losses = w * np.diag(basis.viscous) + np.diag(basis.hysteretic)
+            q = np.asarray(pushed / (squared - w**2 + 1j * losses), dtype=np.complex128)
+        else:
+            full = 1j * (w[:, :, None] * basis.viscous + basis.hysteretic) - np.eye(k) * w[:, :, None] ** 2
+            q = np.asarray(np.linalg.solve(full + np.diag(squared), pushed[:, None])[:, :, 0], dtype=np.complex128)
+        yield slice(start, start + len(w)), q
+
+
+def superposed(basis: ModalBasis, pushed: Floats, rows: Rows, omega: Floats) -> Complex:
+    """What `rows` read of the motion under harmonic modal forces, at each omega [nf]."""
+    answer: Complex = np.empty(len(omega), dtype=np.complex128)
+    for lines, q in amplitudes(basis, pushed, omega):
+        answer[lines] = read(rows, q, omega[lines])
+    return answer
+
+
+def read(rows: Rows, q: Complex, omega: Floats) -> Complex:
+    """What `rows` read of modal coordinates [lines, k] at omega [lines]."""
+    w = omega[:, None]
+    found: Complex = ((rows[0] + w * rows[1] + w**2 * rows[2]) * q).sum(axis=1)
+    return found
+
+
+def of_force(basis: ModalBasis, row: ForceRow) -> Rows:
+    """Rows of a force of the structure: losses of its parts act as + j hysteretic, those of dashpots with omega.
+
+    >>> from femstruct.modal.analytic import oscillator
+    >>> basis, _ = oscillator(4.0, stiffness=100.0)
+    >>> of_force(basis, basis.outputs["ground.x"])[0].real
+    array([50.])
+    """
+    structural = np.divide(row.hysteretic, basis.omega, out=np.zeros_like(basis.omega), where=basis.omega > 0)
+    return (
+        np.asarray(row.stiffness + 1j * row.hysteretic, dtype=np.complex128),
+        np.asarray(1j * (row.damping - structural), dtype=np.complex128),
+        np.asarray(-row.inertia, dtype=np.complex128),
+    )
+
+
+def of_motion(row: Floats) -> Rows:
+    """Rows of a displacement, from its values in the shapes [k]."""
+    still = np.zeros_like(row, dtype=np.complex128)
+    return row.astype(np.complex128), still, still

@@ -1,0 +1,158 @@
+"""Harmonic and random excitations as studies ask for them: what is recorded, answering each of them by itself."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Final
+
+import numpy as np
+
+from femstruct.arrays import Floats
+from femstruct.errors import Finding, InputError
+from femstruct.modal.basis import ModalBasis
+from femstruct.modal.outputs import AXES
+from femstruct.modal.steady.answers import HarmonicAnswer, MovedMass, RandomAnswer, Vibrated, random_answer
+from femstruct.modal.steady.excitation import Excitation, Looked, force, motion, moving_base, pushing, transfers
+from femstruct.modal.steady.resonant_lines import resonant_lines
+from femstruct.modal.steady.steady_stresses import harmonic_stress, random_stress
+from femstruct.modal.superposition import Complex
+from femstruct.study.result import LargestStress
+from femstruct.study.steady_vibration import Vibration
+from femstruct.study.study import Study
+from femstruct.workflow.stages.channels import MOTIONS, SIDEWAYS, STRESS, UNITS, refuse_absent_forces
+from femstruct.workflow.stages.places import Places
+from femstruct.workflow.stages.stresses import judged, stress_findings
+
+ON_THE_BASE: Final = " relative to the base"
+"""Ends the names of answers that leave out the motion of the base."""
+_TURNING: Final = {"m": "rad", "m/s": "rad/s", "m/s^2": "rad/s^2"}
+_SAME: Final = 1e-3  # of a frequency: that to which modes are counted is just below the one asked for
+_MOVES: Final = 1e-9  # the share of the motion of a base that is rounding of direction cosines
+
+
+def vibrations(study: Study, places: Places, basis: ModalBasis) -> tuple[dict[str, Vibrated], list[Finding]]:
+    """What came of the excitations of a study, by name, and what is to be known of it.
+
+    basis : with its damping.
+
+    Raises InputError for a place that is not there, for a base that does not hold the structure, and for modes in the
+    band of an excitation that have no damping.
+    """
+    found: dict[str, Vibrated] = {}
+    told: list[Finding] = []
+    refuse_absent_forces(study, basis)
+    for one in study.vibration:
+        _refuse_undamped(one, basis)
+        found[one.name], uneven = _vibrated(one, study, places, basis)
+        told += [*_beyond(one, basis), *uneven]
+    return found, told
+
+
+def _vibrated(one: Vibration, study: Study, places: Places, basis: ModalBasis) -> tuple[Vibrated, list[Finding]]:
+    where, probe = f"vibration.{one.name}", places.pushed(one)
+    excitation = moving_base(basis, str(one.on), where) if probe is None else pushing(basis, probe)
+    lines = resonant_lines(basis, one.spectrum.band, tuple(f for f, _ in one.spectrum.points))
+    level = one.spectrum.at(lines)
+    looked = dict(_looked(study, places, basis, excitation))
+    values = transfers(basis, excitation, [seen for seen, _ in looked.values()], lines)
+    answers: dict[str, HarmonicAnswer | RandomAnswer] = {}
+    forces: dict[str, float] = {}
+    for (name, (_, unit)), transfer in zip(looked.items(), values, strict=True):
+        answers[name] = _answer(one, unit, transfer, level, lines)
+        if unit == "N":
+            forces[name] = float(np.abs(transfer).max())
+    largest = max(forces.values(), default=0.0)
+    for name, size in forces.items():  # sideways there is only what is more than rounding of the shapes
+        if name.endswith((" x", " y")) and size <= SIDEWAYS * largest:
+            del answers[name]
+    told: list[Finding] = []
+    for record in study.records:
+        if record.what == STRESS:
+            answers[str(record)], stressed = _stress(one, places, record.target, excitation, basis, level, lines)
+            told += stress_findings({f"{one.name}: {record}{' rms' if one.what == 'psd' else ''}": stressed})
+    base = None if excitation.axis is None else _moved(basis, excitation.axis)
+    return Vibrated(one.what, one.told, one.unit, lines, level, answers, base), told
+
+
+def _answer(
+    one: Vibration, unit: str, transfer: Complex, level: Floats, lines: Floats
+) -> HarmonicAnswer | RandomAnswer:
+    if one.what == "harmonic":
+        return HarmonicAnswer(unit, lines, transfer * level)
+    return random_answer(unit, transfer, level, lines, one.duration)
+
+
+def _looked(
+    study: Study, places: Places, basis: ModalBasis, excitation: Excitation
+) -> Iterator[tuple[str, tuple[Looked, str]]]:
+    """What is recorded of points and forces of the structure, by channel, with its unit."""
+    bodies = {body.name for body in study.bodies}
+    for record in study.records:
+        name, _, direction = record.target.rpartition(".")
+        if record.what in MOTIONS and name and record.target not in bodies:
+            probe = places.point(name, f"record.{record.target}").probe(direction)
+            unit = UNITS[record.what]
+            unit = _TURNING[unit] if direction.startswith("r") else unit
+            seen = motion(excitation, basis, probe, MOTIONS.index(record.what))
+            yield str(record), (seen, unit)
+            if abs(seen.rigid) > _MOVES:
+                beside = motion(excitation, basis, probe, MOTIONS.index(record.what), relative=True)
+                yield f"{record}{ON_THE_BASE}", (beside, unit)
+        elif record.what == "force":
+            for axis in AXES:
+                if (key := f"{record.target}.{axis}") in basis.outputs:
+                    along = str(record) if axis == "z" else f"{record} {axis}"
+                    yield along, (force(excitation, basis, basis.outputs[key]), "N")
+
+
+def _stress(
+    one: Vibration,
+    places: Places,
+    part: str,
+    excitation: Excitation,
+    basis: ModalBasis,
+    level: Floats,
+    lines: Floats,
+) -> tuple[HarmonicAnswer | RandomAnswer, LargestStress]:
+    """The equivalent stress of a part, and how well its mesh resolves it."""
+    rows = places.stresses(part, f"record.{part}")
+    found = (harmonic_stress if one.what == "harmonic" else random_stress)(basis, excitation, rows, level, lines)
+    stressed = judged(rows, basis.shapes, found.largest, found.amount)
+    if one.what == "harmonic":
+        return HarmonicAnswer("Pa", lines, found.along.astype(np.complex128), stressed.where), stressed
+    rms = float(found.largest.max())
+    return RandomAnswer("Pa", lines, found.along, rms, where=stressed.where), stressed
+
+
+def _moved(basis: ModalBasis, axis: int) -> MovedMass:
+    true = basis.modes
+    return MovedMass(AXES[axis], basis.frequency_hz[true], basis.modal_mass[axis, true], basis.total_mass)
+
+
+def _refuse_undamped(one: Vibration, basis: ModalBasis) -> None:
+    """Raise InputError where modes in the band of an excitation have no damping: they answer without limit."""
+    low, high = one.spectrum.band
+    ratio, hz = basis.damping_ratio, basis.frequency_hz
+    true = np.array([kind == "elastic" for kind in basis.kind], dtype=bool)
+    bare = hz[true & (ratio <= 0.0) & (hz >= low) & (hz <= high)]
+    if len(bare):
+        raise InputError(
+            f"vibration.{one.name}",
+            got=f"{len(bare)} of the modes from {low:g} to {high:g} Hz without damping, the first at {bare[0]:.4g} Hz",
+            expected="damping: without it they answer without limit",
+            do="give the model a 'damping', or end the band below them",
+        )
+
+
+def _beyond(one: Vibration, basis: ModalBasis) -> Iterator[Finding]:
+    """The band of an excitation goes on above the last mode."""
+    top = basis.complete_below_hz or float(basis.frequency_hz[basis.modes].max(initial=0.0))
+    high = one.spectrum.band[1]
+    if high > top * (1.0 + _SAME):
+        yield Finding(
+            "vibration-beyond-modes",
+            f"{one.name}: its band goes up to {high:.4g} Hz, the modes to {top:.4g} Hz. Resonances above are "
+            f"left out, which accelerations feel first. Ask for modes up to {high:.4g} Hz or more, or end the band at "
+            f"{top:.4g} Hz",
+            {"band_hz": high, "complete_below_hz": top},
+        )
