@@ -413,7 +413,7 @@ def frf(
     response: Annotated[
         list[str],
         typer.Option(
-            "--response", metavar="Q.z", help="place and direction of the response, or NAME.force; again for more"
+            "--response", metavar="Q.z", help="place and direction, NAME.force, or PART.stress; again for more"
         ),
     ],
     band: Annotated[str, typer.Option("--band", metavar="A:B", help="frequencies, such as '1 Hz:500 Hz'")],

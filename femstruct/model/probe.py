@@ -199,6 +199,12 @@ class StressPlaces:
         values: Floats = self.rows @ shapes.reshape(-1, shapes.shape[2])
         return values.reshape(len(self.places), len(self.components), -1)
 
+    def some(self, numbers: Integers) -> StressPlaces:
+        """Some of the places, all sides of a position together."""
+        c = len(self.components)
+        rows = csr_array(self.rows[(numbers[:, None] * c + np.arange(c)).ravel()])
+        return StressPlaces(self.places[numbers], self.components, rows, self.sides)
+
     def around(self, place: int) -> StressPlaces | None:
         """The same place in each of the cells that meet there, one after the other; None where there is one value."""
         if self.cells is None:

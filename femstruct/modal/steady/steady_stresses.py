@@ -11,7 +11,7 @@ from femstruct.arrays import Floats
 from femstruct.elements.stresses import von_mises, von_mises_in_a_cycle
 from femstruct.modal.basis import ModalBasis
 from femstruct.modal.steady.excitation import Excitation
-from femstruct.modal.superposition import amplitudes
+from femstruct.modal.superposition import Complex, amplitudes
 from femstruct.model.probe import StressPlaces
 
 AT_ONCE: Final = 2_000_000
@@ -101,6 +101,17 @@ def random_stress(
         squares = von_mises(stress.real, places.components) ** 2 + von_mises(stress.imag, places.components) ** 2
         along[lines] = squares[0] * psd[lines]
     return Stressed(largest, along, amount)
+
+
+def stress_components(
+    basis: ModalBasis, excitation: Excitation, places: StressPlaces, place: int, frequency_hz: Floats
+) -> Complex:
+    """Complex components [c, nf] of the stress at one place, per unit of what excites [Pa]."""
+    rows = places.of(basis.shapes)[place]
+    found: Complex = np.empty((len(rows), len(frequency_hz)), dtype=np.complex128)
+    for lines, q in amplitudes(basis, excitation.pushed, 2.0 * np.pi * frequency_hz):
+        found[:, lines] = rows @ q.T
+    return found
 
 
 def _trapezoids(frequency_hz: Floats) -> Floats:

@@ -80,9 +80,15 @@ def show_frf(table: Row, verbose: bool = False) -> None:
     for _, told in finding_lines(_read(table["findings"]), verbose):
         print(f"# {told}")
     print(f"# {table['kind']} {table['response']} / {table['drive']}, {table['method']}, {table['unit']}")
-    print("# frequency_hz real imag")
-    for line in zip(table["frequency_hz"], table["real"], table["imag"], strict=True):
-        print("{:.6g} {:.8e} {:.8e}".format(*line))
+    columns, head = [table["real"], table["imag"]], ["real", "imag"]
+    if components := table.get("components"):
+        print(f"# components along local axes at {table['place']}, where it is largest")
+        columns, head = [table["real"]], ["equivalent"]
+        for name, one in components.items():
+            columns, head = [*columns, one["real"], one["imag"]], [*head, f"{name}_real", f"{name}_imag"]
+    print("# frequency_hz", *head)
+    for frequency, *values in zip(table["frequency_hz"], *columns, strict=True):
+        print(f"{frequency:.6g}", *(f"{value:.8e}" for value in values))
 
 
 def show_frfs(table: Row, verbose: bool = False) -> None:

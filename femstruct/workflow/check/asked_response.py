@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from femstruct.assembly.assemble import assemble
 from femstruct.errors import InputError
 from femstruct.files.tables.finding_tables import finding_table
+from femstruct.findings.catalogue import ranked
 from femstruct.language import read_model_file
 from femstruct.modal.damping import Damping, with_damping
 from femstruct.modal.frf import KINDS, direct_frf
@@ -19,6 +20,7 @@ from femstruct.study.asked import Extent, FrfRequest, Spot
 from femstruct.study.result import Frf
 from femstruct.study.study import Study
 from femstruct.workflow.check.asked_modes import frequency_option
+from femstruct.workflow.check.asked_stress import STRESS, stress_response
 from femstruct.workflow.judgement.all_findings import all_findings
 from femstruct.workflow.stages.modal_bases import Solved, solve
 from femstruct.workflow.stages.positions import positioned
@@ -50,26 +52,29 @@ def frf_of(
     request = asked_for(drive, response, band, step, kind)
     if method not in ("modal", "direct"):
         raise InputError("--method", got=f"'{method}'", expected="modal or direct")
+    if method == "direct" and request.response.what == STRESS:
+        raise InputError("--method", got="'direct' of a stress", expected="modal")
     source = read_model_file(path, overrides)
     with positioned(source):
         asking = Study(source.title, source.structure, source.damping, Extent(), frf=(request,))
         solved = solve(source.structure, Extent(up_to_hz=2.5 * request.band[1]), (asking,))
         basis = with_damping(solved.basis, source.damping)
-        answer, _ = frequency_response(request, solved.places, basis)
         findings = all_findings(solved, basis, requests=(request,), up_to_hz=request.band[1])
-        values = _direct(request, solved, source.damping, answer) if method == "direct" else answer.values
-    return {
-        "title": source.title,
-        "drive": drive,
-        "response": response,
-        "kind": request.kind,
-        "method": method,
-        "frequency_hz": answer.frequency_hz.tolist(),
-        "real": np.real(values).tolist(),
-        "imag": np.imag(values).tolist(),
-        "unit": answer.unit,
-        "findings": [finding_table(finding) for finding in findings],
-    }
+        if request.response.what == STRESS:
+            told, uneven = stress_response(request, solved, basis)
+            findings = ranked((*findings, *uneven))
+        else:
+            answer, _ = frequency_response(request, solved.places, basis)
+            values = _direct(request, solved, source.damping, answer) if method == "direct" else answer.values
+            told = {
+                "kind": request.kind,
+                "frequency_hz": answer.frequency_hz.tolist(),
+                "real": np.real(values).tolist(),
+                "imag": np.imag(values).tolist(),
+                "unit": answer.unit,
+            }
+    about = {"title": source.title, "drive": drive, "response": response, "method": method}
+    return {**about, **told, "findings": [finding_table(finding) for finding in findings]}
 
 
 def _direct(request: FrfRequest, solved: Solved, damping: Damping, answer: Frf) -> NDArray[np.complex128]:
@@ -92,6 +97,10 @@ def asked_for(drive: str, response: str, band: str, step: str, kind: str) -> Frf
     """
     listened = _spot(response, "--response")
     chosen = kind or ("transmissibility" if listened.what.startswith("force") else "accelerance")
+    if listened.what == STRESS:
+        if kind:
+            raise InputError("--kind", got=f"'{kind}' of a stress", expected="no kind: stress is per force")
+        chosen = "receptance"
     if chosen not in KINDS:
         raise InputError("--kind", got=f"'{kind}'", expected=", ".join(KINDS))
     low, high = _band(band)
@@ -114,5 +123,5 @@ def _band(text: str) -> tuple[float, float]:
 def _spot(text: str, where: str) -> Spot:
     name, _, what = text.rpartition(".")
     if not name:
-        raise InputError(where, got=f"'{text}'", expected="POINT.direction or NAME.force, such as O_s.z")
+        raise InputError(where, got=f"'{text}'", expected="POINT.direction, NAME.force or PART.stress, such as O_s.z")
     return Spot(name, what)

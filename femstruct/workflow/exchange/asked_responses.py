@@ -22,6 +22,7 @@ from femstruct.model.probe import Probe
 from femstruct.study.asked import Extent, Spot
 from femstruct.study.study import Study
 from femstruct.workflow.check.asked_response import asked_for
+from femstruct.workflow.check.asked_stress import STRESS
 from femstruct.workflow.judgement.all_findings import all_findings
 from femstruct.workflow.run.provenance import provenance
 from femstruct.workflow.stages.modal_bases import Solved, solve
@@ -47,6 +48,8 @@ def frfs_of(
         if twice := sorted({name for name in names if names.count(name) > 1}):
             raise InputError(option, got=f"'{twice[0]}' twice", expected="each place once")
     requests = [asked_for(drive, response, band, step, kind) for drive in drives for response in responses]
+    if stressed := [str(one.response) for one in requests if one.response.what == STRESS]:
+        raise InputError("--response", got=f"'{stressed[0]}' with others or --to", expected="one drive and one stress")
     top = requests[0].band[1]
     source = read_model_file(path, overrides)
     with positioned(source):

@@ -1,0 +1,79 @@
+"""Stress along a frequency response: against beam theory and the full complex matrices."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import femstruct as fs
+from femstruct import read_model
+from femstruct.elements.stresses import von_mises_in_a_cycle
+from femstruct.errors import InputError
+from femstruct.workflow.check.asked_response import frf_of
+from femstruct.workflow.exchange.asked_responses import frfs_of
+
+MODEL = """
+materials: {steel: {E: 210 GPa, nu: 0.3, rho: 7850}}
+sections: {flat: {shape: rectangle, width: 20 mm, height: 10 mm}}
+parts:
+  bar: {type: frame, material: steel, section: flat, lines: [[[0, 0, 0], [1, 0, 0]]], mesh: 100 mm}
+points:
+  foot: {on: bar, at: [0, 0, 0]}
+  quarter: {on: bar, at: [0.21, 0, 0]}
+  tip: {on: bar, at: [1, 0, 0]}
+supports: {wall: {at: foot, fix: clamped}}
+damping: {loss_factor: 4 %}
+"""
+
+
+def bar(folder: Path) -> Path:
+    path = folder / "bar.yaml"
+    path.write_text(MODEL, encoding="utf-8")
+    return path
+
+
+def test_far_below_its_first_mode_a_cantilever_is_stressed_as_at_rest(tmp_path: Path) -> None:
+    """F L over b h^2 / 6 at the wall; a fifth of the way along the lever is shorter."""
+    asked = {"band": "0 Hz:0.1 Hz", "step": "0.1 Hz", "kind": "", "method": "modal"}
+    whole = frf_of(bar(tmp_path), "tip.z", "bar.stress", **asked)
+    bent = 1.0 / (0.02 * 0.01**2 / 6)
+    assert whole["real"][0] == pytest.approx(bent, rel=2e-3)  # |1 + 0.04 j|, and the shear beside the bending
+    assert whole["unit"] == "Pa/N" and whole["place"].startswith("(0, ")
+    part = frf_of(bar(tmp_path), "tip.z", "quarter.stress", **asked)
+    assert part["real"][0] == pytest.approx(0.8 * bent, rel=2e-3)  # the nearest node is at 0.2
+    assert "0.01 m from quarter" in part["place"]
+
+
+def test_components_are_those_of_the_full_matrices(tmp_path: Path) -> None:
+    told = frf_of(bar(tmp_path), "tip.z", "quarter.stress", "2 Hz:120 Hz", "1 Hz", "", "modal")
+    model = read_model(bar(tmp_path))
+    assembly = fs.assemble(model)
+    force = (model.points["tip"].probe("z").row(model.mesh.n_nodes) @ assembly.dofs.T).toarray()[0]
+    K, M = assembly.K.toarray(), assembly.M.toarray()
+    lines = np.array(told["frequency_hz"])
+    u = np.array([np.linalg.solve(K * (1 + 0.04j) - (2 * np.pi * f) ** 2 * M, force) for f in lines]).T
+    nodal = np.asarray(assembly.dofs.T @ u).reshape(model.mesh.n_nodes, 7, -1)
+    places = model.parts["bar"].stresses(model.mesh.n_nodes)
+    stress = places.of(nodal.real) + 1j * places.of(nodal.imag)
+    there = np.isclose(places.places[:, 0], 0.2)
+    equivalent = von_mises_in_a_cycle(stress[there], places.components).max(axis=0)
+    within = 1e-3 * equivalent.max()  # stress of the modes up to 2.5 times the band, and residual vectors of the force
+    np.testing.assert_allclose(told["real"], equivalent, atol=within)
+    values = [np.array(one["real"]) + 1j * np.array(one["imag"]) for one in told["components"].values()]
+    apart = np.abs(stress[there] - np.array(values)).max(axis=(1, 2))
+    assert apart.min() < within
+
+
+def test_what_it_refuses(tmp_path: Path) -> None:
+    asked = {"band": "2 Hz:20 Hz", "step": "", "kind": "", "method": "modal"}
+    path = bar(tmp_path)
+    with pytest.raises(InputError, match="got 'mobility' of a stress"):
+        frf_of(path, "tip.z", "bar.stress", **(asked | {"kind": "mobility"}))
+    with pytest.raises(InputError, match="got 'direct' of a stress"):
+        frf_of(path, "tip.z", "bar.stress", **(asked | {"method": "direct"}))
+    with pytest.raises(InputError, match="got 'top', expected one of"):
+        frf_of(path, "tip.z", "top.stress", **asked)
+    with pytest.raises(InputError, match=r"got 'bar.stress' with others"):
+        frfs_of(path, ["tip.z"], ["tip.z", "bar.stress"], "2 Hz:20 Hz", "", "")
