@@ -73,7 +73,22 @@ class SingularSystem(InputError):
 
 
 class NotConverged(FemstructError):
-    """A numerical service gave up rather than return a guess: exit code 3."""
+    """A numerical service gave up rather than return a guess: exit code 3.
+
+    position : ``file:line:column: `` of what it is about, where that is known.
+
+    >>> error = NotConverged("impact", got="20 steps by t = 0.1 s", expected="to reach t = 1 s")
+    >>> error.position = "press.study.yaml:12:3: "
+    >>> error.told
+    'press.study.yaml:12:3: not converged: impact: got 20 steps by t = 0.1 s, expected to reach t = 1 s'
+    """
+
+    position: str = ""
+
+    @property
+    def told(self) -> str:
+        """The error as it is told: where, and what did not converge."""
+        return f"{self.position}not converged: {self}"
 
 
 @dataclass(frozen=True)

@@ -118,6 +118,18 @@ STRUCTURE: Final = (
         ),
     ),
     Entry(
+        "implausible-damping",
+        "The damping is higher than that of any structure, or of any material so stiff.",
+        LIMITS,
+        "the loss factor of a stiff material, or the damping ratio of every mode, is at the threshold or above",
+        "Check the unit: a plain number is a ratio, 1 is 100 %. Write 1 %.",
+        (
+            Limit(0.5, "loss factor of a material", "asphalt has 0.4", CHOSEN, "plausibility.LOSSY"),
+            Limit(1e9, "Pa, E of it", "rubbers and foams are softer and may lose more", CHOSEN, "plausibility.STIFF"),
+            Limit(0.25, "damping ratio of every mode", "earth dams reach it", CHOSEN, "structure_findings.OVERDAMPED"),
+        ),
+    ),
+    Entry(
         "implausible-section",
         "The section does not fit the bar, or its area does not fit its second moments.",
         FORBIDS,

@@ -14,6 +14,7 @@ from femstruct.conventions import GRAVITY
 from femstruct.errors import Finding, InputError
 from femstruct.model.material import DENSEST, Material
 from femstruct.model.materials.lay_up import Laminate, LayUp
+from femstruct.model.materials.loss_by_frequency import Loss, LossByFrequency
 from femstruct.model.materials.orthotropic import AnyMaterial, Orthotropic
 from femstruct.model.materials.plate_section import PlateSection
 from femstruct.model.part import Part
@@ -38,6 +39,7 @@ LONGEST_BAR = 3e4  # length over radius of gyration: a wire of 4 mm over 30 m
 # than LARGE [m], 1.
 THICKEST_BAR, THICKEST_LARGE, LARGE = 10.0, 2.0, 1.0
 PROPORTIONS = (1e-5, 1e2)  # second moment over area squared: a strip of 1:8000, a tube of a wall of 1:1000
+LOSSY, STIFF = 0.5, 1e9  # loss factor of what is stiffer than STIFF [Pa]: asphalt, the most of these, has 0.4
 SLIPS = (1e3, 1e-3, 1.0 / GRAVITY, 1e6, 1e-6, 1e9, 1e-9)  # 1 / g: a weight given for a mass
 
 
@@ -55,10 +57,26 @@ def material_findings(material: AnyMaterial) -> tuple[Finding, ...]:
     Of an orthotropic material the stiffest direction is judged, then the softest as what only rubbers are.
     """
     if isinstance(material, Material):
-        return _solid_findings(material.name, material.E, material.nu, material.rho)
+        judged = _solid_findings(material.name, material.E, material.nu, material.rho)
+        return (*judged, *_lossy(material.name, material.E, material.loss_factor))
     stiff = _solid_findings(material.name, max(material.E), 0.0, material.rho)
     judged = stiff or _solid_findings(material.name, min(material.E), RUBBER, material.rho)
-    return (*judged, *_completed(material))
+    return (*judged, *_lossy(material.name, max(material.E), material.loss_factor), *_completed(material))
+
+
+def _lossy(name: str, E: float, loss: Loss) -> tuple[Finding, ...]:
+    """A loss factor that nothing so stiff has, as 1 for 1 %."""
+    most = max(value for _, value in loss.points) if isinstance(loss, LossByFrequency) else loss
+    if most < LOSSY or E < STIFF:
+        return ()
+    return (
+        Finding(
+            "implausible-damping",
+            f"{name}: a loss factor of {100 * most:.4g} %, with E {_pressure(E)}; metals have 0.01 to 0.1 %, concrete "
+            f"and timber 1 %, asphalt up to 40 %. Did you mean {most:.4g} %?",
+            {"loss_factor": most, "E_pa": E},
+        ),
+    )
 
 
 def _completed(material: Orthotropic) -> tuple[Finding, ...]:

@@ -54,3 +54,17 @@ def test_mistakes_on_the_command_line(words: tuple[str, ...], told: str, tmp_pat
     done = statics(str(tmp_path / "m.yaml"), *words)
     assert (done.returncode, done.stdout) == (2, "")
     assert told in done.stderr
+
+
+def test_a_link_puts_no_force_on_the_ground(tmp_path: Path) -> None:
+    """What follows a link pulls at what leads it; only the wall stands on the ground."""
+    tip = "tip: {on: bar, at: [1, 0, 0]}"
+    text = MODEL.replace(tip, f"{tip}, elbow: {{on: arm, at: [1, 0, 0]}}")
+    arm = "arm: {type: frame, material: steel, section: bar, lines: [[[1, 0, 0], [1, 1, 0]]], mesh: 0.5}}"
+    text = text.replace("mesh: 0.1}}", "mesh: 0.1}, " + arm) + "constraints: {spider: {rigid: tip, to: elbow}}\n"
+    (tmp_path / "m.yaml").write_text(text, encoding="utf-8")
+    told = statics(str(tmp_path / "m.yaml"), "--weight")
+    table = json.loads(statics(str(tmp_path / "m.yaml"), "--weight", "--json").stdout)
+    assert table["on_the_ground"] == ["wall", "ground"] and "spider" in table["forces_n"]
+    head, _, rest = told.stdout.partition("forces between parts")
+    assert "spider" in rest and "spider" not in head and "wall" in head.partition("forces on the ground")[2], told

@@ -15,6 +15,8 @@ from femstruct.cli import app
 from femstruct.errors import InputError, InputErrors, NotConverged
 from femstruct.exits import leave_with
 from femstruct.files.atomic import refuse_unwritable, replacing
+from femstruct.impact import simulate
+from femstruct.impact.collocation import collocate
 from femstruct.language import read_model_file, read_study
 from femstruct.modal import krylov, solve
 
@@ -179,3 +181,26 @@ def test_a_window_of_no_samples_is_refused(tmp_path: Path) -> None:
     (tmp_path / "a.study.yaml").write_text(f"model: model.yaml\n{body}\n{time}\n", encoding="utf-8")
     with pytest.raises(InputErrors, match=r"time: got 1e-09 samples, expected at least 5"):
         read_study(tmp_path / "a.study.yaml")
+
+
+def test_what_does_not_converge_is_told_with_its_line(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Modes at the beginning of the model, an impact at the body that it is about."""
+    text = PLATE.replace("[4, 3]", "[16, 12]") + "points: {m: {on: plate, at: center}}\n"
+    (tmp_path / "model.yaml").write_text(text, encoding="utf-8")
+    body = "bodies:\n  ball: {mass: 10 g, above: m, speed: 1 m/s, contact: {type: hertz, stiffness: 1e9}}\n"
+    study = "model: model.yaml\nmodes: {count: 4}\n" + body + "time: {duration: 20 ms, sampling: 50 kHz}\n"
+    (tmp_path / "a.study.yaml").write_text(study, encoding="utf-8")
+    with monkeypatch.context() as patched:
+        for module in (simulate, collocate):
+            patched.setattr(module, "MAX_STEPS", 20)
+        assert leave_with(lambda: app(["impact", str(tmp_path / "a.study.yaml")])) == 3
+    assert f"{tmp_path / 'a.study.yaml'}:4:3: not converged: impact: got 20 steps by t = " in capsys.readouterr().err
+
+    def gives_up(*_: object) -> None:
+        raise NotConverged("modes", got="4 modes", expected="5")
+
+    monkeypatch.setattr(solve, "converge", gives_up)
+    assert leave_with(lambda: app(["modes", str(tmp_path / "model.yaml")])) == 3
+    assert f"{tmp_path / 'model.yaml'}:1:1: not converged: modes: got 4 modes, expec" in capsys.readouterr().err

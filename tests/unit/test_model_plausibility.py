@@ -7,14 +7,18 @@ from dataclasses import replace
 
 import pytest
 
+from femstruct.assembly.assemble import assemble
 from femstruct.errors import FemstructError, Finding, InputError
+from femstruct.modal.damping import Damping, LossFactor, Ratio, with_damping
+from femstruct.modal.reduction import modal_basis
 from femstruct.model.material import Material
 from femstruct.model.materials.lay_up import Laminate, Layer
+from femstruct.model.materials.loss_by_frequency import LossByFrequency
 from femstruct.model.mesher import mesh_structure
 from femstruct.model.part import Part
 from femstruct.model.region import Region
 from femstruct.model.section import Section, circle, rectangle, tube
-from femstruct.model.structure import Structure
+from femstruct.model.structure import Structure, Support
 from femstruct.parts.block import Block
 from femstruct.parts.findings.overhang import overhang_findings
 from femstruct.parts.findings.theory import model_findings
@@ -23,6 +27,7 @@ from femstruct.parts.frame import Frame
 from femstruct.parts.plate import Plate
 from femstruct.parts.plausibility import material_findings, plausibility_findings, sag_of
 from femstruct.parts.slab import Slab
+from femstruct.workflow.judgement.structure_findings import structure_findings_after
 
 CONCRETE = Material("concrete", E=30e9, nu=0.2, rho=2400.0)
 STEEL = Material("steel", E=210e9, nu=0.3, rho=7850.0)
@@ -243,3 +248,36 @@ def test_a_screed_over_the_edge_is_told_with_both_areas() -> None:
 def test_a_turned_screed_over_the_edge() -> None:
     (found,) = floor(x=0.25, turned=True)  # its width of 1 m runs towards -x: 0.25 m of it are on the slab
     assert found.values == pytest.approx({"filled_m2": 0.5, "side_m2": 2.0})
+
+
+@pytest.mark.parametrize(
+    ("material", "asked"),
+    [
+        (replace(STEEL, loss_factor=1.0), "steel: a loss factor of 100 %, with E 210 GPa; .* Did you mean 1 %"),
+        (
+            replace(CONCRETE, loss_factor=LossByFrequency(((63.0, 0.02), (250.0, 0.8)))),
+            "concrete: a loss factor of 80 %",
+        ),
+        (Material("asphalt", 5e9, 0.35, 2300.0, loss_factor=0.4), ""),
+        (Material("rubber", 5e6, 0.49, 1100.0, loss_factor=1.0), ""),
+    ],
+)
+def test_a_loss_factor_of_a_hundred_percent_is_asked_for(material: Material, asked: str) -> None:
+    found = material_findings(material)
+    assert bool(found) is bool(asked)
+    if asked:
+        (one,) = found
+        assert one.code == "implausible-damping" and not one.severe and re.search(asked, one.message)
+
+
+@pytest.mark.parametrize(
+    ("law", "least"),
+    [(LossFactor(1.0), 50.0), (Ratio(0.25), 25.0), (Ratio(0.24), None), (LossFactor(0.02), None)],
+)
+def test_damping_that_no_structure_has_is_asked_for(law: LossFactor | Ratio, least: float | None) -> None:
+    model = mesh_structure(Structure("a", (SLAB,), supports=(Support("edges", "simple", on="slab", edge="all"),)))
+    basis = with_damping(modal_basis(assemble(model), count=3), Damping(law))
+    found = [one for one in structure_findings_after(model, basis) if one.code == "implausible-damping"]
+    assert bool(found) is (least is not None)
+    if least is not None:
+        assert f"damping ratio of {least:g} % or more, a loss factor of {2 * least:g} %" in found[0].message

@@ -10,6 +10,7 @@ from femstruct.view.tables.console import console
 from femstruct.view.tables.finding_lines import show_findings
 from femstruct.view.tables.grid import Grid
 
+BETWEEN = "forces between parts: on the second one, or on what follows a link"
 ROUNDING = 1e-9  # of the largest force: what is left of a solved system
 NOISE = 1e-6  # of the largest displacement or rotation: less has no meaning beside it
 
@@ -35,11 +36,14 @@ def show_rest(table: Mapping[str, Any], verbose: bool = False) -> None:
         told = ("-", "") if stress is None else (f"{1e-6 * stress['largest_pa']:.4g}", stress["where"])
         parts.add(name, _number(1e3 * moved), *told)
     parts.show(screen)
-    forces = Grid("forces on the ground, of a joint or spring on its second end", ("", "x [N]", "y [N]", "z [N]"))
     largest = max((abs(one) for force in table["forces_n"].values() for one in force), default=0.0)
-    for name, force in table["forces_n"].items():
-        forces.add(name, *(_number(one if abs(one) > ROUNDING * largest else 0.0) for one in force))
-    forces.show(screen)
+    for words, on_the_ground in (("forces on the ground", True), (BETWEEN, False)):
+        forces = Grid(words, ("", "x [N]", "y [N]", "z [N]"))
+        own = [name for name in table["forces_n"] if (name in table["on_the_ground"]) is on_the_ground]
+        for name in own:
+            force = table["forces_n"][name]
+            forces.add(name, *(_number(one if abs(one) > ROUNDING * largest else 0.0) for one in force))
+        forces.show(screen)
     show_findings(screen, [(finding_from(one), "") for one in table["findings"]], verbose)
 
 

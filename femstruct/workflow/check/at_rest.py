@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from femstruct.assembly.assemble import assemble
+from femstruct.assembly.forces import GROUND
 from femstruct.conventions import DIRECTIONS
 from femstruct.errors import InputError
 from femstruct.files.tables.finding_tables import finding_table
@@ -41,7 +42,8 @@ def at_rest(path: Path, forces: list[str], weight: bool, overrides: tuple[str, .
             raise InputError(str(path), got="a structure in closed form", expected="a model with parts")
         model = mesh_structure(source.structure)
         places = Places(model.points, model.surfaces, model.parts)
-        rest = statics(model, assemble(model), [_force(text, places) for text in forces], weight)
+        assembly = assemble(model)
+        rest = statics(model, assembly, [_force(text, places) for text in forces], weight)
     stresses = _stresses(model, places, rest)
     return {
         "title": source.title,
@@ -54,6 +56,7 @@ def at_rest(path: Path, forces: list[str], weight: bool, overrides: tuple[str, .
             for name, part in model.parts.items()
         },
         "forces_n": {name: force.tolist() for name, force in rest.forces.items()},
+        "on_the_ground": [name for name in rest.forces if name in (*assembly.grounded, GROUND)],
         "stresses": {
             name: {"largest_pa": float(one.largest.max()), "where": one.where} for name, one in stresses.items()
         },

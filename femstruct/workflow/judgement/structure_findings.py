@@ -34,6 +34,7 @@ from femstruct.workflow.stages.modal_bases import Solved
 from femstruct.workflow.stages.rest import planned_contacts, weighs
 
 HIGH_DROP, FAST = 10.0, 50.0  # m and m/s: from here on air counts, or a unit was mistaken
+OVERDAMPED = 0.25  # damping ratio of all modes: earth dams in strong earthquakes reach it
 FAR = 0.1  # of the size of a structure: springs that sag by more have a slip of a unit, or are to stand for none
 
 
@@ -109,6 +110,7 @@ def structure_findings_after(
     if top > 0.0:
         found += _of_frequencies(model, top)
     gravity = any(weighs(study) for study in studies)
+    found += _overdamped(basis)
     found += _mechanisms(model, basis, studies, gravity)
     if gravity or not studies:
         found += _far_sags(model, basis)
@@ -187,6 +189,22 @@ def _mechanisms(model: Model, basis: ModalBasis, studies: Sequence[Study], gravi
             "direction" + (". Gravity sets one of them in motion" if falls else ""),
             {"mechanisms": extra, "rigid_modes": basis.n_rigid},
             severe=falls,
+        )
+    ]
+
+
+def _overdamped(basis: ModalBasis) -> list[Finding]:
+    """A remark on damping that no structure has as a whole, as 1 for 1 %."""
+    ratios = basis.damping_ratio[basis.modes]
+    least = float(np.nanmin(ratios, initial=np.inf)) if np.isfinite(ratios).any() else 0.0
+    if not least >= OVERDAMPED:
+        return []
+    return [
+        Finding(
+            "implausible-damping",
+            f"Every mode has a damping ratio of {100 * least:.3g} % or more, a loss factor of {200 * least:.3g} %; "
+            f"whole structures have 0.1 to 20 %. Did you mean a loss factor of {2 * least:.3g} %?",
+            {"damping_ratio": least},
         )
     ]
 
