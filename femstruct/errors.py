@@ -9,6 +9,7 @@ from typing import Final
 LONGEST: Final = 300  # characters of what was got, expected or meant: more is not read
 MOST_LINES: Final = 40  # mistakes told at once
 MOST_NAMES: Final = 8
+_ITEMS: Final = 6  # of a list or a mapping that are shown
 
 
 def cut(text: str, most: int = LONGEST) -> str:
@@ -30,6 +31,41 @@ def some_of(names: Iterable[object], most: int = MOST_NAMES) -> str:
     shown = [str(name) for name in names]
     more = f" and {len(shown) - most} more" if len(shown) > most else ""
     return ", ".join(cut(name, 60) for name in shown[:most]) + more
+
+
+def shown_as(value: object) -> str:
+    """The value as its writer knows it, cut short."""
+    if value is None:
+        return "nothing"
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, dict | list | tuple):
+        kind = "a mapping" if isinstance(value, dict) else "a list"
+        inside = _inside(value)
+        return f"{kind} {inside}" if inside else kind
+    if isinstance(value, int) and abs(value) > 10**18:
+        return "a very large number"
+    words = " ".join(str(value)[:200].split())
+    words = words if len(words) <= 60 else f"{words[:57]}..."
+    return f"'{words}'" if isinstance(value, str) else words
+
+
+def _inside(value: object, deepest: int = 2) -> str:
+    """A list or mapping as a file has it, its middle left out where it is long; "" of an empty one.
+
+    >>> _inside([1, "2 mm"]), _inside({"x": [1, 2]})
+    ('[1, 2 mm]', '{x: [1, 2]}')
+    """
+    if isinstance(value, dict | list | tuple):
+        if not value or not deepest:
+            return "" if deepest == 2 else "{..}" if isinstance(value, dict) else "[..]"
+        if isinstance(value, dict):
+            parts = [f"{key}: {_inside(one, deepest - 1)}" for key, one in list(value.items())[:_ITEMS]]
+        else:
+            parts = [_inside(one, deepest - 1) for one in value[:_ITEMS]]
+        parts += ["..."] if len(value) > _ITEMS else []
+        return cut(f"{{{', '.join(parts)}}}" if isinstance(value, dict) else f"[{', '.join(parts)}]", 60)
+    return shown_as(value).strip("'")
 
 
 def sentence(where: str, got: str = "", expected: str = "", do: str = "") -> str:

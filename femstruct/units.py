@@ -15,7 +15,7 @@ from fractions import Fraction
 from functools import lru_cache
 from typing import Final, NamedTuple
 
-from femstruct.errors import InputError, cut
+from femstruct.errors import InputError, shown_as
 
 Exponents = tuple[Fraction, ...]  # of kg, m, s, rad, cycle and decibel
 
@@ -117,7 +117,6 @@ _NUMBER: Final = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
 _QUANTITY: Final = re.compile(rf"({_NUMBER})\s*(.*)", re.ASCII | re.DOTALL)
 _COMMA: Final = re.compile(r"[+-]?\d+,\d[\d.,]*", re.ASCII)
 _FACTOR: Final = re.compile(r"([^\W\d_]+|%|°|1)\^?(-?\d+(?:\.\d+)?|\(-?\d+/[1-9]\d*\))?")
-_ITEMS: Final = 6  # of a list or a mapping that are shown
 _NEAR: Final = 0.75  # how alike an unknown unit and a known one are: kHzz and kHz; not dm and m
 _TWINS: Final = ("u", "\N{GREEK SMALL LETTER MU}")  # written as the micro sign
 _KINDS: Final = frozenset(unit.exponents for unit in _UNITS.values())
@@ -307,38 +306,3 @@ def _hint(scaled: float, exponents: Exponents, dimensions: Collection[str]) -> s
     if "frequency" in dimensions and exponents == DIMENSIONS["rate"].exponents:
         return f"write {scaled:g} Hz for cycles per second, {scaled / (2 * math.pi):.6g} Hz for radians per second"
     return ""
-
-
-def shown_as(value: object) -> str:
-    """The value as its writer knows it, cut short."""
-    if value is None:
-        return "nothing"
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    if isinstance(value, dict | list | tuple):
-        kind = "a mapping" if isinstance(value, dict) else "a list"
-        inside = _inside(value)
-        return f"{kind} {inside}" if inside else kind
-    if isinstance(value, int) and abs(value) > 10**18:
-        return "a very large number"
-    words = " ".join(str(value)[:200].split())
-    words = words if len(words) <= 60 else f"{words[:57]}..."
-    return f"'{words}'" if isinstance(value, str) else words
-
-
-def _inside(value: object, deepest: int = 2) -> str:
-    """A list or mapping as a file has it, its middle left out where it is long; "" of an empty one.
-
-    >>> _inside([1, "2 mm"]), _inside({"x": [1, 2]})
-    ('[1, 2 mm]', '{x: [1, 2]}')
-    """
-    if isinstance(value, dict | list | tuple):
-        if not value or not deepest:
-            return "" if deepest == 2 else "{..}" if isinstance(value, dict) else "[..]"
-        if isinstance(value, dict):
-            parts = [f"{key}: {_inside(one, deepest - 1)}" for key, one in list(value.items())[:_ITEMS]]
-        else:
-            parts = [_inside(one, deepest - 1) for one in value[:_ITEMS]]
-        parts += ["..."] if len(value) > _ITEMS else []
-        return cut(f"{{{', '.join(parts)}}}" if isinstance(value, dict) else f"[{', '.join(parts)}]", 60)
-    return shown_as(value).strip("'")

@@ -10,7 +10,7 @@ from typing import Any, Literal
 from pydantic import BaseModel
 
 from acoustics.fields.shaped import ShapedRoom
-from femstruct.errors import InputErrors
+from femstruct.errors import InputErrors, shown_as
 from femstruct.files.inputs.opening import beside
 from femstruct.language.model.model import ModelSpec
 from femstruct.language.models import (
@@ -29,7 +29,6 @@ from femstruct.language.study.spread import drops, spread
 from femstruct.language.study.study import StudySpec
 from femstruct.language.yaml import Here, Mistakes, Tree, nearest, read_yaml, validate
 from femstruct.study.study import Case, Plan, Study
-from femstruct.units import shown_as
 
 AS_GIVEN = "as given"
 

@@ -8,9 +8,9 @@ from collections.abc import Mapping
 from functools import cache
 from typing import Any, Final
 
+from femstruct.errors import shown_as
 from femstruct.language.model.model import ModelSpec
 from femstruct.language.yaml import Here, Mistakes, Spec, Steps, Tree, dotted, found, nearest, references
-from femstruct.units import shown_as
 
 MODEL_KEYS: Final = frozenset(ModelSpec.model_fields) - {"title"}
 _NAMED: Final = (  # top-level mappings from names: a new name is an addition, never a slip

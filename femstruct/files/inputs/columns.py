@@ -8,10 +8,10 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, Final, TypeVar
 
-from femstruct.errors import FemstructError, InputError, InputErrors, sentence
+from femstruct.errors import FemstructError, InputError, InputErrors, sentence, shown_as
 from femstruct.files.inputs.opening import content
 from femstruct.impact.scene.bodies import Table
-from femstruct.units import QuantityError, quantity, shown_as
+from femstruct.units import QuantityError, quantity
 
 LARGEST: Final = 50_000_000  # bytes
 T = TypeVar("T")

@@ -11,10 +11,9 @@ import numpy as np
 
 from femstruct.arrays import Floats, Integers
 from femstruct.conventions import DIRECTIONS
-from femstruct.errors import InputError
+from femstruct.errors import InputError, shown_as
 from femstruct.files.inputs.mesh_files.text_lines import floats, lines_of, wrong_line
 from femstruct.files.inputs.opening import content
-from femstruct.units import shown_as
 
 LARGEST: Final = 2**28  # bytes
 _HEAD: Final = ("node", "x", "y", "z", "direction")

@@ -11,10 +11,11 @@ from typing import Annotated, Any
 
 from pydantic import ValidationInfo, field_validator
 
+from femstruct.errors import shown_as
 from femstruct.impact.laws.law import Law
 from femstruct.impact.scene.restitution import dissipation_for
 from femstruct.language.yaml import Flag, Here, Quantity, Spec, refuse
-from femstruct.units import QuantityError, power_stiffness, shown_as
+from femstruct.units import QuantityError, power_stiffness
 
 Positive = Annotated[float, Quantity(("stiffness",), above=0.0)]
 Restitution = Annotated[float, Quantity(("ratio",), above=0.0, most=1.0)]

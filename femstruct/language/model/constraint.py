@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Annotated, Any, Final
 
 from femstruct.conventions import DIRECTIONS
+from femstruct.errors import shown_as
 from femstruct.language.model.region import RegionSpec
 from femstruct.language.yaml import (
     AnyRatio,
@@ -24,7 +25,6 @@ from femstruct.model.equations.equation import Equation
 from femstruct.model.equations.rigid_link import RigidLink
 from femstruct.model.equations.seam import Seam
 from femstruct.model.region import Region
-from femstruct.units import shown_as
 
 _REGIONS: Final = ("rim", "rectangle", "line", "set", "box")
 _MEANT: Final = "write [P, Q], or {on: PART, set: NAME}"

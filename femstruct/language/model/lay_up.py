@@ -7,12 +7,12 @@ from typing import Annotated, Any
 
 from pydantic import Field
 
+from femstruct.errors import shown_as
 from femstruct.language.model.material import Losses
 from femstruct.language.parts.part import MaterialName
 from femstruct.language.yaml import Length, Quantity, Spec, read_by, refuse
 from femstruct.model.materials.lay_up import Laminate, Layer, LayUp, Smeared
 from femstruct.model.materials.orthotropic import AnyMaterial
-from femstruct.units import shown_as
 
 _ANGLE = Quantity(("angle",))
 Bending = Annotated[float, Quantity(("moment",), least=0.0)]

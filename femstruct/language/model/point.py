@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Annotated, Literal, get_args
 
+from femstruct.errors import shown_as
 from femstruct.language.parts.part import MESHED, PartSpec
 from femstruct.language.yaml import (
     LENGTH,
@@ -21,7 +22,7 @@ from femstruct.language.yaml import (
 )
 from femstruct.model.region import Side
 from femstruct.model.structure import PlaceOn
-from femstruct.units import QuantityError, quantity, shown_as
+from femstruct.units import QuantityError, quantity
 
 AtWord = Literal["center", "top", "bottom"]
 _WRITTEN = AtWord | Coordinate | list[Coordinate] | list[list[Coordinate]]

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
+from femstruct.errors import shown_as
 from femstruct.language.yaml import Length, Position2, Position3, Spec, Text, exactly_one, read_by, refuse
 from femstruct.model import region
-from femstruct.units import shown_as
 
 
 class RegionSpec(Spec):

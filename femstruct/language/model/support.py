@@ -5,11 +5,11 @@ from __future__ import annotations
 from typing import Annotated, Any, Literal, get_args
 
 from femstruct.conventions import DIRECTIONS
+from femstruct.errors import shown_as
 from femstruct.language.parts.part import MESHED
 from femstruct.language.yaml import Here, PointName, Position2, Position3, Refers, Spec, Text, only, read_by, refuse
 from femstruct.model.region import Region
 from femstruct.model.structure import Edge, Fix, Support
-from femstruct.units import shown_as
 
 
 def _fix(value: object) -> object:

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Annotated, Any, ClassVar
 
-from femstruct.errors import InputError, InputErrors
+from femstruct.errors import InputError, InputErrors, shown_as
 from femstruct.files.inputs.mesh_files.mesh_file import read_mesh_file
 from femstruct.files.inputs.opening import beside
 from femstruct.language.parts.part import MESHED, Library, PartSpec
 from femstruct.language.yaml import Quantity, Text, read_by, refuse
 from femstruct.model.part import Part
-from femstruct.units import QuantityError, quantity, shown_as
+from femstruct.units import QuantityError, quantity
 
 
 def unit_of_file(dimension: str, factor: str, expected: str, do: str) -> Callable[[object], object]:

@@ -6,10 +6,10 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
+from femstruct.errors import shown_as
 from femstruct.language.parts.part import PartSpec
 from femstruct.language.yaml import MassKg, PointName, Position3, Quantity, read_by, refuse
 from femstruct.parts.inertia import Inertia
-from femstruct.units import shown_as
 
 INERTIA = Quantity(("inertia",))
 

@@ -6,12 +6,12 @@ from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
 from femstruct.elements.plate import PlateElement
+from femstruct.errors import shown_as
 from femstruct.language.model.lay_up import Layers, SmearedSpec, lay_up
 from femstruct.language.parts.part import STRESSED, Library, MaterialName, PartSpec, Places, check_coordinates
 from femstruct.language.yaml import LENGTH, Count, Direction3, Here, Length, Position3, SideLength, read_by, refuse
 from femstruct.model.part import Part
 from femstruct.parts.plate import InPlane, Plate
-from femstruct.units import shown_as
 
 
 def _mesh(value: object) -> object:

@@ -6,6 +6,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
+from femstruct.errors import shown_as
 from femstruct.language.rooms.known_rooms import AnyRoom
 from femstruct.language.study.body import BodySpec
 from femstruct.language.study.contact import ContactSpec
@@ -19,7 +20,6 @@ from femstruct.language.study.start import InitialSpec
 from femstruct.language.study.vibration import VibrationSpec
 from femstruct.language.study.window import AccuracySpec, ModesSpec, PeaksSpec, TimeSpec
 from femstruct.language.yaml import Instant, Refers, Spec, Text, read_by, refuse
-from femstruct.units import shown_as
 
 
 def _changes(value: object) -> object:

@@ -16,10 +16,11 @@ from pydantic import (
 )
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
+from femstruct.errors import shown_as
 from femstruct.language.yaml.here import Here
 from femstruct.language.yaml.tree import nearest
 from femstruct.model.materials.loss_by_frequency import MOST_LOSSES
-from femstruct.units import DIMENSIONS, QuantityError, quantity_of, shown_as
+from femstruct.units import DIMENSIONS, QuantityError, quantity_of
 
 SMALLEST, LARGEST = 1e-30, 1e20  # beyond them nothing is meant, and squares and cubes of it leave what numbers can hold
 FARTHEST = 1e6  # metres

@@ -9,8 +9,8 @@ from typing import Annotated, Any, Final, TypeVar, Union, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 
+from femstruct.errors import shown_as
 from femstruct.language.yaml.tree import Mistakes, Steps, Tree, dotted, near_name, nearest
-from femstruct.units import shown_as
 
 S = TypeVar("S", bound=BaseModel)
 NUMBER_LIKE: Final = re.compile(r"\d+([eE][+-]?\d+)?( .*)?")  # what is left of a number cut at a decimal comma

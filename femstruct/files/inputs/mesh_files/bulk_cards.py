@@ -11,9 +11,8 @@ from math import isfinite, nan
 from pathlib import Path
 from typing import NamedTuple
 
-from femstruct.errors import InputErrors
+from femstruct.errors import InputErrors, shown_as
 from femstruct.files.inputs.mesh_files.text_lines import wrong_line
-from femstruct.units import shown_as
 
 _SMALL, _LARGE = 8, 16
 _BARE_EXPONENT = re.compile(r"^([+-]?(?:\d+\.?\d*|\.\d+))([+-]\d+)$")

@@ -9,8 +9,7 @@ from typing import Final
 import numpy as np
 
 from femstruct.arrays import Floats, Integers
-from femstruct.errors import InputErrors, sentence
-from femstruct.units import shown_as
+from femstruct.errors import InputErrors, sentence, shown_as
 
 _NUL: Final = "\0"
 
