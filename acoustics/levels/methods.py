@@ -6,15 +6,14 @@ The one place that knows what a standard's name means.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import partial
-from math import ceil, log10, nan
-from types import MappingProxyType
+from math import ceil, log10
 from typing import Annotated, Final, Literal
 
 import numpy as np
 
-from acoustics.arrays import Floats, freeze
+from acoustics.arrays import Floats
 from acoustics.errors import AcousticsError
 from acoustics.levels.bands import Fraction
 from acoustics.levels.iso import (
@@ -37,6 +36,7 @@ from acoustics.levels.jis_ks import (
     inverse_a_level,
     mean_of_places,
 )
+from acoustics.levels.single_number import Number, SingleNumber
 from acoustics.reported import Reported
 
 FIELD: Final = "ISO 16283-2"
@@ -48,7 +48,6 @@ Blows = Literal["heavy", "tapping"]
 BALL: Final = "rubber ball"
 BANG_MACHINE: Final = "bang machine"
 TAPPING_MACHINE: Final = "tapping machine"
-_SILENCE_DB: Final = -200.0  # of a band that is not known, for the least that a number can be
 _NOT_FOUND: Final = "has no accessible source to check it against"
 _OF_BALL: Final = f"its rating of a rubber ball {_NOT_FOUND}: write {RATING}"
 _REFUSED: Final = {  # (standard, source): (expected, why)
@@ -67,51 +66,6 @@ _SYMBOLS: Final = {  # (blows, standardised): of the bands, of the single number
     ("tapping", True): ("L'_nT", "L'_nT,w"),
     ("tapping", False): ("L_i", "L_i,w"),
 }
-
-
-@dataclass(frozen=True, eq=False)
-class SingleNumber:
-    """One number that a standard makes of a room's bands.
-
-    value_db : as the standard states it [dB]. unrounded_db : the same as finely as it can be had, for differences.
-    deciding_hz : the band that decides it [Hz]. curve_db : levels {nominal [Hz]: [dB]} that the bands are held against,
-    and curve : what they are. beside : what is stated with it, {name: [dB]}.
-    blank_hz : bands that it is made of and that are not known [Hz]. The values are then lower bounds, as if nothing
-    were heard there, and nothing is stated with them; they are nan where no band is known.
-    """
-
-    value_db: Annotated[float, Reported("dB", "Single number as its standard states it")]
-    unrounded_db: Annotated[float, Reported("dB", "The same before rounding")]
-    deciding_hz: Annotated[float, Reported("Hz", "The band that decides it, nominal centre")]
-    curve_db: Mapping[float, float]
-    curve: str
-    beside: Annotated[Mapping[str, float], Reported("dB", "Stated with the single number")] = field(
-        default_factory=dict
-    )
-    blank_hz: tuple[float, ...] = ()
-
-    def __post_init__(self) -> None:
-        freeze(self, curve_db=MappingProxyType(dict(self.curve_db)), beside=MappingProxyType(dict(self.beside)))
-
-    @property
-    def at_least(self) -> Annotated[bool, Reported("1", "Whether bands are blank and the number is a lower bound")]:
-        """Whether it is but a lower bound."""
-        return bool(self.blank_hz)
-
-    @property
-    def known_db(self) -> float:
-        """The number as finely as it can be had [dB], nan where it is but a bound."""
-        return nan if self.blank_hz else self.unrounded_db
-
-
-@dataclass(frozen=True)
-class Number:
-    """A single number to be made. standardised : of the levels that are standardised for the room, else of those in it.
-    rate : makes it of levels [places of the blow, bands], averaged over receivers [dB]."""
-
-    symbol: str
-    standardised: bool
-    rate: Callable[[Floats], SingleNumber]
 
 
 @dataclass(frozen=True)
@@ -203,24 +157,6 @@ def rating_of(source: str) -> tuple[str, ...]:
     ('JIS A 1419-2', 'KS F 2863-2')
     """
     return _RATED_BY.get(source, ())
-
-
-def single_number(number: Number, bands_hz: Sequence[float], places_db: Floats) -> SingleNumber:
-    """A number of levels [places of the blow, bands] in the bands of its method; nan is a level that is not known.
-
-    Notes
-    -----
-    All numbers here grow with the level of every band, so that silence in what is not known gives the least that they
-    can be.
-    """
-    unknown = np.isnan(places_db.sum(axis=0))
-    if not unknown.any():
-        return number.rate(places_db)
-    blank = tuple(band for band, missing in zip(bands_hz, unknown.tolist(), strict=True) if missing)
-    if unknown.all():
-        return SingleNumber(nan, nan, nan, {}, "", blank_hz=blank)
-    least = number.rate(np.where(unknown, _SILENCE_DB, places_db))
-    return SingleNumber(least.value_db, least.unrounded_db, nan, {}, "", blank_hz=blank)
 
 
 def _by_thirds(standards: tuple[str, ...], blows: Blows) -> Method:

@@ -16,7 +16,8 @@ from acoustics.errors import AcousticsError
 from acoustics.fields.sound_field import SoundField
 from acoustics.levels.bands import octave_bands
 from acoustics.levels.iso import energy_average
-from acoustics.levels.methods import FIELD, RATING, Blows, Method, Number, SingleNumber, method_of, single_number
+from acoustics.levels.methods import FIELD, RATING, Blows, Method, method_of
+from acoustics.levels.single_number import Number, SingleNumber, single_number
 from acoustics.losses import t60_of
 from acoustics.reported import Axis, Reported
 

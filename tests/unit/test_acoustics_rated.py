@@ -24,7 +24,8 @@ from acoustics import (
 from acoustics.levels.ending import shown
 from acoustics.levels.iso import A_THIRDS, CURVE_THIRDS, equal_parts, shifted_curve
 from acoustics.levels.jis_ks import HEAVY_OCTAVES
-from acoustics.levels.methods import STANDARDS, Blows, method_of, rating_of, refuse_source, single_number
+from acoustics.levels.methods import STANDARDS, Blows, method_of, rating_of, refuse_source
+from acoustics.levels.single_number import single_number
 
 ROUNDING = 1e-10  # rounding: 7e-15 here at most
 

@@ -90,6 +90,7 @@ ACOUSTICS = [
         "acoustics.levels.jis_ks",
         "acoustics.levels.decay",
         "acoustics.levels.exposure",
+        "acoustics.levels.single_number",
         "acoustics.levels.methods",
         "acoustics.levels.rated",
         "acoustics.open_air.sound_energy",

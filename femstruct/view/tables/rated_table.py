@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from math import isfinite
 
-from acoustics.levels.methods import SingleNumber
 from acoustics.levels.rated import RatedRoom
+from acoustics.levels.single_number import SingleNumber
 from femstruct.study.result import CaseResult, StudyResult
 from femstruct.view.tables.grid import Grid
 
