@@ -11,8 +11,8 @@ from scipy.sparse import csr_array
 
 from femstruct.arrays import Floats, Integers
 from femstruct.conventions import N_COMPONENTS
+from femstruct.model.meshed import OwnDofs
 from femstruct.model.model import Model
-from femstruct.model.part import OwnDofs
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,14 +7,15 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from femstruct.errors import FemstructError, InputError, some_of
-from femstruct.model.constraints import joint, support
 from femstruct.model.equations.constraint import Constraint
+from femstruct.model.equations.supports_and_joints import joint, support
 from femstruct.model.fastened import Elastic, Inert, Tie
 from femstruct.model.grid.in_plane import steadied
 from femstruct.model.grid.planning import planned
 from femstruct.model.mesh import Mesh
+from femstruct.model.meshed import Meshed
 from femstruct.model.model import Model
-from femstruct.model.part import Meshed, Part
+from femstruct.model.part import Part
 from femstruct.model.probe import Point
 from femstruct.model.structure import Joint, PlaceOn, Structure, Support, SurfaceOn
 

@@ -9,7 +9,7 @@ from femstruct.conventions import N_COMPONENTS
 from femstruct.errors import FemstructError
 from femstruct.model.fastened import Elastic, Inert, Tie
 from femstruct.model.mesh import Mesh
-from femstruct.model.part import Meshed
+from femstruct.model.meshed import Meshed
 from femstruct.model.probe import Point, Surface
 from femstruct.model.structure import Structure
 

@@ -27,8 +27,8 @@ from femstruct.model.imported.attached import (
 )
 from femstruct.model.imported.attached_rows import Nodes, held_rows, inert_rows, link_rows
 from femstruct.model.imported.imported_mesh import ImportedMesh, StatedHold
+from femstruct.model.meshed import Drawn, Meshed, OwnDofs, nodal_dofs, refuse_not_global, refuse_patch
 from femstruct.model.model import Model
-from femstruct.model.part import Drawn, Meshed, OwnDofs, nodal_dofs, refuse_not_global, refuse_patch
 from femstruct.model.probe import Point
 from femstruct.model.structure import PlaceOn
 from femstruct.parts.of_meshes.given_nodes import GivenNodes, drawn_nodes

@@ -14,7 +14,8 @@ from femstruct.declared import checked
 from femstruct.errors import Finding, InputError
 from femstruct.model.given import Given, given
 from femstruct.model.grid.layout import Grids, Layout
-from femstruct.model.part import Body, Drawn, Meshed, OwnDofs, Part, nodal_dofs, refuse_patch
+from femstruct.model.meshed import Drawn, Meshed, OwnDofs, nodal_dofs, refuse_patch
+from femstruct.model.part import Body, Part
 from femstruct.model.probe import Point
 from femstruct.model.region import Vector
 from femstruct.model.rows import carried, flat_rows, sparse_rows

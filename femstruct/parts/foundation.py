@@ -19,8 +19,9 @@ from femstruct.model.grid.layers import Layer, layer_of
 from femstruct.model.grid.layout import Layout
 from femstruct.model.grid.regions import grid_points
 from femstruct.model.materials.loss_by_frequency import Loss
+from femstruct.model.meshed import Meshed
 from femstruct.model.model import Model
-from femstruct.model.part import Meshed, Part
+from femstruct.model.part import Part
 from femstruct.model.region import Region
 from femstruct.model.rows import sparse_rows
 from femstruct.model.structure import bodies_of

@@ -14,7 +14,7 @@ from femstruct.errors import Finding, InputError
 from femstruct.model.given import Given, given
 from femstruct.model.grid.layout import Grids, Layout
 from femstruct.model.imported.component import Component
-from femstruct.model.part import Drawn, Meshed, OwnDofs, refuse_not_global, refuse_patch
+from femstruct.model.meshed import Drawn, Meshed, OwnDofs, refuse_not_global, refuse_patch
 from femstruct.model.probe import Point
 from femstruct.model.region import Region, Vector
 from femstruct.model.structure import PlaceOn

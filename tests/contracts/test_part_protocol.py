@@ -11,8 +11,8 @@ from femstruct.errors import FemstructError, InputError
 from femstruct.model.facts import part_masses
 from femstruct.model.fastened import Elastic, Inert
 from femstruct.model.material import Material
+from femstruct.model.meshed import Meshed
 from femstruct.model.mesher import mesh_structure
-from femstruct.model.part import Meshed
 from femstruct.model.section import rectangle
 from femstruct.model.structure import Structure
 from femstruct.parts.frame import Frame

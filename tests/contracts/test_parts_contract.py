@@ -16,8 +16,9 @@ from femstruct.elements import frame, plate
 from femstruct.language.parts.known_parts import KINDS
 from femstruct.model.imported.component import Component
 from femstruct.model.imported.imported_mesh import ImportedMesh, Stated, StatedLink, StatedMass
+from femstruct.model.meshed import Meshed
 from femstruct.model.model import Model
-from femstruct.model.part import Meshed, Part
+from femstruct.model.part import Part
 from femstruct.model.section import rectangle
 
 STEEL = fs.Material("steel", E=210e9, nu=0.3, rho=7850.0)

@@ -1,1 +1,1 @@
-"""Constraints: one kind a file, each a noun that becomes equations between places."""
+"""Equations between places: constraints, one kind a file, each a noun that becomes some; supports and joints."""

@@ -16,8 +16,8 @@ from femstruct.errors import InputError, some_of
 from femstruct.model.anchors import listed, some_listed
 from femstruct.model.equations.constraint import Constraint
 from femstruct.model.fastened import Tie
+from femstruct.model.meshed import Meshed
 from femstruct.model.model import Model
-from femstruct.model.part import Meshed
 from femstruct.model.region import Region
 
 _FORCES = np.concatenate([np.eye(3), np.zeros((3, 3))])

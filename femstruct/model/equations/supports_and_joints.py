@@ -13,8 +13,8 @@ from femstruct.model.fastened import Elastic, Tie
 from femstruct.model.grid.bars_on_plates import contact, turning_rows
 from femstruct.model.grid.joined_nodes import box_pairs, coincident_pairs
 from femstruct.model.grid.sliding import sliding
+from femstruct.model.meshed import Meshed
 from femstruct.model.model import Model
-from femstruct.model.part import Meshed
 from femstruct.model.rows import node_rows
 from femstruct.model.structure import Joint, Support
 

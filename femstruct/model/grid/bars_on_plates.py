@@ -25,7 +25,7 @@ from scipy.sparse import csr_array
 
 from femstruct.arrays import Floats, Integers
 from femstruct.conventions import N_COMPONENTS
-from femstruct.model.part import Meshed
+from femstruct.model.meshed import Meshed
 from femstruct.model.rows import node_rows
 
 _SLIGHT = 1e-6  # sine of an angle: less is rounding

@@ -15,8 +15,8 @@ from femstruct.conventions import N_COMPONENTS
 from femstruct.errors import InputError
 from femstruct.model.fastened import Elastic, Tie
 from femstruct.model.grid.bars_on_plates import pieces_of
+from femstruct.model.meshed import Meshed
 from femstruct.model.model import Model
-from femstruct.model.part import Meshed
 from femstruct.model.rows import node_rows
 from femstruct.model.structure import Joint
 

@@ -13,7 +13,7 @@ from femstruct.conventions import DIRECTIONS, N_COMPONENTS
 from femstruct.errors import InputError
 from femstruct.model.imported.attached import same_file
 from femstruct.model.imported.imported_mesh import ImportedMesh, StatedHold, StatedLink, StatedMass
-from femstruct.model.part import Meshed
+from femstruct.model.meshed import Meshed
 from femstruct.model.rows import carried, node_rows, sparse_rows
 
 _SIX: Final = len(DIRECTIONS)

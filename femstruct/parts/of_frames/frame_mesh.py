@@ -17,8 +17,8 @@ from femstruct.errors import InputError
 from femstruct.model.grid.geometry import distance_to_segments
 from femstruct.model.grid.scatter import scattered
 from femstruct.model.materials.loss_by_frequency import Loss
+from femstruct.model.meshed import Drawn, Meshed, OwnDofs, Spread, nodal_dofs, refuse_not_global, refuse_patch
 from femstruct.model.model import Model
-from femstruct.model.part import Drawn, Meshed, OwnDofs, Spread, nodal_dofs, refuse_not_global, refuse_patch
 from femstruct.model.probe import Point, StressPlaces
 from femstruct.model.region import Region
 from femstruct.model.rows import flat_rows, sparse_rows

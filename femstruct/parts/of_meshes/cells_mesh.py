@@ -14,7 +14,7 @@ from femstruct.model.imported.imported_mesh import ImportedMesh, put_where
 from femstruct.model.imported.shell_cells import Places, cell_points, nearest_place
 from femstruct.model.imported.solid_cells import SolidCells
 from femstruct.model.imported.unit_slips import in_millimetres
-from femstruct.model.part import Drawn, Meshed, Spread, refuse_not_global, refuse_patch
+from femstruct.model.meshed import Drawn, Meshed, Spread, refuse_not_global, refuse_patch
 from femstruct.model.probe import Point, Surface
 from femstruct.model.region import Region, Side
 from femstruct.model.rows import carried, flat_rows, sparse_rows

@@ -7,7 +7,8 @@ import numpy as np
 from femstruct.arrays import Floats, Integers
 from femstruct.conventions import N_COMPONENTS
 from femstruct.model.grid.layout import Layout
-from femstruct.model.part import Drawn, Part
+from femstruct.model.meshed import Drawn
+from femstruct.model.part import Part
 from femstruct.model.rows import sparse_rows
 
 

@@ -23,7 +23,7 @@ from femstruct.model.imported.shell_cells import (
 )
 from femstruct.model.materials.lay_up import section_of
 from femstruct.model.materials.loss_by_frequency import Loss
-from femstruct.model.part import Meshed, OwnDofs, nodal_dofs
+from femstruct.model.meshed import Meshed, OwnDofs, nodal_dofs
 from femstruct.model.probe import Point, StressPlaces, Surface
 from femstruct.model.region import Region, Side
 from femstruct.model.rows import flat_rows, sparse_rows

@@ -19,7 +19,7 @@ from femstruct.model.imported.shell_cells import cell_points
 from femstruct.model.imported.solid_cells import SolidCells, facet_rows, matrices
 from femstruct.model.imported.surface_turns import around, best_turns, turns_around
 from femstruct.model.materials.loss_by_frequency import Loss
-from femstruct.model.part import OwnDofs, nodal_dofs
+from femstruct.model.meshed import OwnDofs, nodal_dofs
 from femstruct.model.probe import Point, StressPlaces, Surface
 from femstruct.model.region import Region, Side
 from femstruct.model.rows import flat_rows, mean_of_cells, sparse_rows

@@ -18,8 +18,8 @@ from femstruct.model.grid.regions import area_points, grid_points, region_box
 from femstruct.model.grid.scatter import scattered
 from femstruct.model.materials.lay_up import stresses_of_resultants
 from femstruct.model.materials.loss_by_frequency import Loss
+from femstruct.model.meshed import Drawn, Meshed, OwnDofs, Spread
 from femstruct.model.model import Model
-from femstruct.model.part import Drawn, Meshed, OwnDofs, Spread
 from femstruct.model.probe import Point, StressPlaces, Surface
 from femstruct.model.region import Region, Side
 from femstruct.model.rows import carried, flat_rows, mean_of_cells, sparse_rows

@@ -12,7 +12,7 @@ from femstruct.arrays import Floats, Integers
 from femstruct.conventions import N_COMPONENTS, TWIST
 from femstruct.elements import membrane, plate
 from femstruct.model.grid.lines import interval_of
-from femstruct.model.part import OwnDofs
+from femstruct.model.meshed import OwnDofs
 from femstruct.model.region import Pair
 
 OUT_OF_PLANE = ("deflection", "rotation about x", "rotation about y", "twist")

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from femstruct.errors import InputError, some_of
-from femstruct.model.part import Meshed
+from femstruct.model.meshed import Meshed
 from femstruct.model.probe import Point, Probe, StressPlaces, Surface
 from femstruct.study.asked import Spot
 from femstruct.study.steady_vibration import Vibration

@@ -1,0 +1,280 @@
+"""What a kind of part offers once it has nodes: its degrees of freedom, matrices, places, surfaces, drawing."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar, Literal, NamedTuple
+
+import numpy as np
+from scipy.sparse import csr_array
+
+from femstruct.arrays import Floats, Integers
+from femstruct.conventions import COMPONENTS, DIRECTIONS, N_COMPONENTS
+from femstruct.errors import FemstructError, InputError
+from femstruct.model.materials.loss_by_frequency import Loss
+from femstruct.model.probe import Point, StressPlaces, Surface
+from femstruct.model.region import Region
+
+if TYPE_CHECKING:
+    from femstruct.model.imported.imported_mesh import ImportedMesh
+    from femstruct.model.structure import PlaceOn, Support, SurfaceOn
+
+
+@dataclass(frozen=True, eq=False)
+class OwnDofs:
+    """Degrees of freedom of one part before ties, and the nodal components they make.
+
+    labels : of the DOFs at a node, by name. extra : labels of those that belong to the part as a whole; they come after
+    all nodes. rows, columns, values [m] : nodal components from the DOFs, both counted within the part from 0 on: row
+    7 i + c is component c of the i-th of its places.
+    translations [n, 3] : DOFs of unit translations along x, y, z.
+    """
+
+    labels: tuple[str, ...]
+    extra: tuple[str, ...]
+    rows: Integers
+    columns: Integers
+    values: Floats
+    translations: Floats
+
+    @property
+    def count(self) -> int:
+        """How many there are."""
+        return len(self.translations)
+
+
+class Drawn(NamedTuple):
+    """A part for pictures: points [p, 3] [m], rows [3 p, n_nodes * 7] of their displacements, faces [q, 4] and lines
+    [l, 2] between them."""
+
+    points: Floats
+    rows: csr_array
+    quads: Integers
+    lines: Integers
+
+
+class Spread(NamedTuple):
+    """Points over a region of a part: nodes [p, k], rows [p, 6, k, 7] of their motion, global axes, weights [p] [m or
+    m^2]; what a thing spread over it is counted by beside the total, and the word for the region."""
+
+    nodes: Integers
+    rows: Floats
+    weights: Floats
+    per: Literal["length", "area"]
+    over: str
+
+
+class Meshed(ABC):
+    """A part with nodes of its own, numbered from `first` on in the whole structure; the base of kinds that have some.
+
+    What is abstract every kind has; the rest is for those that have it. Node numbers are those of the whole structure
+    everywhere but in `dofs`.
+    """
+
+    first: int
+    rigid: ClassVar[bool] = False  # one node with six degrees of freedom, as a block has: it can lean, and be counted
+    has_surface: ClassVar[bool] = False  # where its nodes do not turn, its surface does (`turned`)
+
+    @property
+    @abstractmethod
+    def name(self) -> str:
+        """Name of the part."""
+
+    @property
+    @abstractmethod
+    def places(self) -> Floats:
+        """Of its nodes [n, 3] [m]."""
+
+    @property
+    def nodes(self) -> Integers:
+        """Numbers of its nodes [n]."""
+        return np.arange(self.first, self.first + len(self.places))
+
+    @property
+    def of_file(self) -> tuple[ImportedMesh, Integers] | None:
+        """The mesh of a file that it is of, and the row there of each of its nodes [n], -1 for those that the file has
+        not; None where it is of none."""
+        return None
+
+    @property
+    def joinable(self) -> Integers:
+        """Numbers of the nodes that joints may tie: all, unless the motion of some only follows from others."""
+        return self.nodes
+
+    @property
+    def has_rotations(self) -> bool:
+        """Whether its nodes turn: they can be joined rigidly."""
+        return True
+
+    @property
+    def quads(self) -> Integers:
+        """Corner nodes of its cells [q, 4], for files and pictures."""
+        return np.empty((0, 4), np.int64)
+
+    @property
+    def lines(self) -> Integers:
+        """End nodes of its bars [b, 2], for files and pictures."""
+        return np.empty((0, 2), np.int64)
+
+    @property
+    @abstractmethod
+    def mass(self) -> float:
+        """Its mass [kg]."""
+
+    @property
+    def rigid_in_plane(self) -> bool:
+        """Whether it bends, but neither stretches nor shears in its plane."""
+        return False
+
+    @property
+    def loss_factor(self) -> Loss:
+        """Of its material [1]."""
+        return 0.0
+
+    @property
+    @abstractmethod
+    def lumps(self) -> Floats:
+        """Its mass as particles at its nodes [n] [kg], to see what carries its weight."""
+
+    @property
+    def held_together(self) -> list[Integers]:
+        """Groups of its nodes that its cells hold together; all of them, unless the kind says otherwise."""
+        return [self.nodes]
+
+    @property
+    def own_axes(self) -> Floats | None:
+        """Axes [3, 3] as rows along which equations on its nodes couple fewest unknowns; None for the global ones."""
+        return None
+
+    @property
+    def box(self) -> Floats | None:
+        """Lower and upper corner [2, 3] of a rigid box that takes along what lies in it [m]."""
+        return None
+
+    @property
+    def across(self) -> Floats:
+        """From its nodes to its face [3] [m]: a box that the face reaches into takes the node along."""
+        return np.zeros(3)
+
+    @property
+    def girth(self) -> float:
+        """Radius of gyration of the section of its bars about their axis [m]: how far around it they take hold."""
+        return 0.0
+
+    def beside(self, nodes: Integers) -> Floats:
+        """From nodes of it to the axis of its bars there [m, 3] [m]."""
+        return np.zeros((len(nodes), 3))
+
+    def around(self, nodes: Integers) -> Meshed:
+        """It as it is around some of its nodes, for what is joined to them: a folded shell may be flat there."""
+        return self
+
+    @property
+    def drilling(self) -> Floats | None:
+        """Direction [3] about which nodes of it resist a torque the less the finer it is meshed: the normal of a plate
+        that stretches; None where there is none."""
+        return None
+
+    def turning(self, nodes: Integers, reach: float, n_nodes: int) -> csr_array:
+        """Rows [m, n_nodes * 7] of the rotation about `drilling` of patches that reach so far [m] around nodes
+        of it [m]: what a torque of a bar that stands on it is spread over."""
+        raise FemstructError(f"parts.{self.name}", got="no patch that can turn", expected="a part with a drilling")
+
+    def turned(self, nodes: Integers, n_nodes: int) -> csr_array:
+        """Rows [3 m, n_nodes * 7] of the rotation of its surface at nodes [m], of a part whose nodes do not turn."""
+        raise FemstructError(f"parts.{self.name}", got="no rotation at its nodes", expected="a part with a surface")
+
+    # What its nodes have beside the six components of their motion is a matter of its kind:
+
+    @property
+    def clamped(self) -> Floats:
+        """What is held of nodes that are clamped, as components [m, 7]."""
+        return np.eye(len(DIRECTIONS), N_COMPONENTS)
+
+    @property
+    def flat(self) -> Floats:
+        """What vanishes, beside the six, at nodes of it that lie on a rigid face, as components [m, 7]."""
+        return np.zeros((0, N_COMPONENTS))
+
+    def along(self, line: Floats) -> Floats:
+        """What two parts have in common, beside the six, at nodes joined along a line [3], as components [m, 7]."""
+        return np.zeros((0, N_COMPONENTS))
+
+    def edges(self, item: Support, tolerance: float) -> list[tuple[Integers, Floats]]:
+        """Nodes of each edge or line a support names, in their order, and the components [m, 7] that simple, roller or
+        clamped holds of each; what else it holds in the plane of a part that stretches is in `grid.in_plane`."""
+        raise InputError(f"supports.{item.name}.on", got=f"'{self.name}'", expected="a plate")
+
+    def within(self, where: str, region: Region, tolerance: float) -> Integers:
+        """Its nodes in a region; sets and boxes are for parts that are meshes."""
+        raise InputError(where, got=f"a {region.kind} of {self.name}", expected="a part that is a mesh of a file")
+
+    @property
+    def bounds(self) -> Floats:
+        """Places [m, 3] it reaches to beyond its nodes [m]."""
+        return np.zeros((0, 3))
+
+    @abstractmethod
+    def dofs(self) -> OwnDofs:
+        """Its degrees of freedom."""
+
+    @abstractmethod
+    def stiffness_and_mass(self) -> tuple[csr_array | None, csr_array]:
+        """Matrices [n, n] on its degrees of freedom; no stiffness where nothing of it deforms."""
+
+    def dashpots(self) -> csr_array | None:
+        """Dashpots [n, n] on its degrees of freedom; None where it has none."""
+        return None
+
+    @abstractmethod
+    def point(self, name: str, place: PlaceOn, at: Floats, tolerance: float) -> Point:
+        """A named place of it. Raises InputError for a place off the part, saying by how much."""
+
+    def surface(self, item: SurfaceOn, n_nodes: int, tolerance: float) -> Surface:
+        """A named side of it that radiates or is pressed."""
+        raise InputError(f"surfaces.{item.name}.on", got=f"'{item.on}'", expected="a plate")
+
+    def motion_at(self, places: Floats, tolerance: float) -> tuple[Integers, Floats]:
+        """Motion of places [p, 3] [m] that move with it, for layers against its faces: nodes [p, k], rows
+        [p, 6, k, 7], global axes."""
+        raise InputError(
+            f"parts.{self.name}", got="no face that a layer can lie against", expected="a plate or a block"
+        )
+
+    def spread(self, where: str, region: Region, tolerance: float, order: int) -> Spread | None:
+        """Gauss points over a region of it, to spread something evenly; None where nothing can be spread over it."""
+        return None
+
+    def stresses(self, n_nodes: int) -> StressPlaces:
+        """Where its stresses are largest, and what they are of its nodes. Raises InputError for a part without."""
+        raise InputError(f"parts.{self.name}", got="a part without stresses", expected="a plate or a frame")
+
+    def lines_across(self, along: Floats, origin: Floats) -> Floats:
+        """Places of the lines between its cells along a direction [3] in its face, from an origin [3] on [m]."""
+        return np.zeros(0)
+
+    @abstractmethod
+    def drawn(self, divisions: int, along: int, n_nodes: int) -> Drawn:
+        """It for pictures; divisions : pieces of a cell's side, along : of a bar."""
+
+
+def nodal_dofs(count: int, each: int) -> OwnDofs:
+    """Degrees of freedom of a part whose nodes have global components: three translations each, or rotations, too."""
+    numbers = np.arange(each * count).reshape(count, each)
+    rows = np.arange(count)[:, None] * N_COMPONENTS + np.arange(each)
+    translations = np.zeros((each * count, 3))
+    translations[numbers[:, :3]] = np.eye(3)
+    return OwnDofs(COMPONENTS[:each], (), rows.ravel(), numbers.ravel(), np.ones(each * count), translations)
+
+
+def refuse_patch(name: str, place: PlaceOn) -> None:
+    """Raise InputError for a point that stands for a patch, on a part that is no plate."""
+    if place.patch is not None:
+        raise InputError(f"points.{name}.patch", got=f"a patch on {place.on}", expected="one on a plate")
+
+
+def refuse_not_global(name: str, at: Floats) -> None:
+    """Raise InputError for a place of a point that is not x, y and z."""
+    if len(at) != 3:
+        raise InputError(f"points.{name}.at", got=f"{len(at)} numbers", expected="[x, y, z], global")
