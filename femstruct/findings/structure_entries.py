@@ -240,7 +240,8 @@ STRUCTURE: Final = (
         LIMITS,
         "the frequency of a rib with its strip of plate is higher than with sliding ends by more than the threshold",
         "Use 'simple' or 'roller' edges, or let a clamped end slide along the ribs, as 'fix: [y, z, rx, ry, rz]' for "
-        "ribs along x; nothing where the supports are as stiff as rock along the ribs.",
+        "ribs along x; nothing where the supports are as stiff as rock along the ribs. On a set or box of a slab or "
+        "shell 'simple' holds x, y and z of every node: write the directions, such as [y, z] at one of the two ends.",
         (Limit(1e-2, "of a frequency", "the usual error of a mesh", CHOSEN, "arched.NOTABLE"),),
     ),
     Entry(

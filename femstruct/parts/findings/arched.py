@@ -18,8 +18,8 @@ from femstruct.errors import Finding
 from femstruct.model.grid.in_plane import planes_of
 from femstruct.model.model import Model
 from femstruct.parts.findings.connections import TOUCHING, held_with_joined
-from femstruct.parts.findings.ribs import RibLine, percent, rib_lines, strip_width
-from femstruct.parts.of_plates.plate_mesh import PlateMesh, plates_of
+from femstruct.parts.findings.ribs import Face, RibLine, percent, rib_lines, stretching_faces, strip_width
+from femstruct.parts.of_frames.frame_mesh import frames_of
 
 NOTABLE = 1e-2  # of a frequency
 _BOTH = 0.5  # of a rib's length: supports that are so far apart along it hold both ends
@@ -27,9 +27,10 @@ _HELD = 1e-9
 
 
 def arched_findings(model: Model) -> tuple[Finding, ...]:
-    """Plates that stretch, with ribs beside them, held lengthways at both ends; the worst rib of each pair of parts."""
+    """Plates that stretch, slabs and flat shells, with ribs beside them, held lengthways at both ends; the worst rib of
+    each pair of parts."""
     worst: dict[tuple[str, str], float] = {}
-    stretching = [plate for plate in plates_of(model) if plate.stretches]
+    stretching = stretching_faces(model) if frames_of(model) else []
     planes = planes_of(model, TOUCHING * float(np.ptp(model.mesh.points, axis=0).max())) if stretching else []
     held = held_with_joined(model) if stretching else np.zeros((0, 3, 3))
     for plate in stretching:
@@ -54,10 +55,10 @@ def arched_findings(model: Model) -> tuple[Finding, ...]:
     )
 
 
-def arch_excess(plate: PlateMesh, line: RibLine, others: list[RibLine]) -> float:
+def arch_excess(plate: Face, line: RibLine, others: list[RibLine]) -> float:
     """Relative excess of the first frequency of a rib with its strip of plate over that with ends that slide [1]."""
     E, _, section = line.frame.part.along
-    base = plate.part.section.turned(-float(np.arctan2(line.along[1], line.along[0])))
+    base = plate.section.turned(-float(np.arctan2(line.along[1], line.along[0])))
     width, normal = strip_width(plate, line, others), plate.axes[2]
     upright = section.Iy * (line.axes[2] @ normal) ** 2 + section.Iz * (line.axes[1] @ normal) ** 2
     rib, strip = E * section.A, base.stretching() * width

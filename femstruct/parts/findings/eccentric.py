@@ -29,7 +29,7 @@ import numpy as np
 from femstruct.errors import Finding
 from femstruct.model.grid.layers import layer_of
 from femstruct.model.model import Model
-from femstruct.parts.findings.ribs import RibLine, percent, rib_lines, strip_width
+from femstruct.parts.findings.ribs import RibLine, face_of, percent, rib_lines, strip_width
 from femstruct.parts.foundation import NOTABLE, Foundation, glue_ratio
 from femstruct.parts.of_plates.plate_mesh import PlateMesh, rigid_plates
 from femstruct.parts.plate import Plate
@@ -62,7 +62,7 @@ def rib_errors(model: Model) -> tuple[RibError, ...]:
     """The errors of every line of bars that are joined to a plate through arms out of its plane."""
     found = []
     for plate in rigid_plates(model).values():
-        lines = [line for joint in model.structure.joints for line in rib_lines(plate, joint, model)]
+        lines = [line for joint in model.structure.joints for line in rib_lines(face_of(plate), joint, model)]
         found += [_error(plate, line, lines) for line in lines if abs(line.arm) > 0.0]
     return tuple(found)
 
@@ -106,7 +106,7 @@ def _error(plate: PlateMesh, line: RibLine, others: list[RibLine]) -> RibError:
     part, (E, G, section) = plate.part, line.frame.part.along
     angle = float(np.arctan2(line.along[1], line.along[0]))
     base = part.section.turned(-angle)  # along the rib
-    b, e = strip_width(plate, line, others), abs(line.arm)
+    b, e = strip_width(face_of(plate), line, others), abs(line.arm)
     normal = plate.axes[2]
     sideways = np.cross(normal, line.along @ plate.axes[:2])
     upright = section.Iy * (line.axes[2] @ normal) ** 2 + section.Iz * (line.axes[1] @ normal) ** 2

@@ -8,10 +8,14 @@ import numpy as np
 
 from femstruct.arrays import Floats
 from femstruct.model.grid.geometry import distance_to_rectangle, to_rectangle
+from femstruct.model.materials.lay_up import section_of
+from femstruct.model.materials.plate_section import PlateSection
 from femstruct.model.model import Model
+from femstruct.model.region import Pair, Vector
 from femstruct.model.structure import Joint
 from femstruct.parts.of_frames.frame_mesh import FrameMesh, frames_of
-from femstruct.parts.of_plates.plate_mesh import PlateMesh
+from femstruct.parts.of_meshes.shell_mesh import ShellMesh
+from femstruct.parts.of_plates.plate_mesh import PlateMesh, plates_of
 
 _TOUCHING = 1e-6  # of the plate's longer side
 
@@ -35,14 +39,61 @@ class RibLine:
     axes: Floats
 
 
-def rib_lines(plate: PlateMesh, joint: Joint, model: Model) -> list[RibLine]:
+@dataclass(frozen=True, eq=False)
+class Face:
+    """A flat part that ribs can be beside: a plate, or the rectangle round a slab or a flat shell.
+
+    origin : a corner of its mid-surface [m]; size : along its x and y [m]; axes [3, 3] : rows are its x, y and normal.
+    section : of the thickest of its cells.
+    """
+
+    name: str
+    origin: Vector
+    size: Pair
+    axes: Floats
+    section: PlateSection
+
+    @property
+    def normal(self) -> Vector:
+        """Unit vector."""
+        x, y, z = self.axes[2].tolist()
+        return x, y, z
+
+    @property
+    def x_direction(self) -> Vector:
+        """Unit vector."""
+        x, y, z = self.axes[0].tolist()
+        return x, y, z
+
+
+def face_of(plate: PlateMesh) -> Face:
+    """A plate as ribs see it."""
+    return Face(plate.name, plate.part.origin, plate.part.size, plate.axes, plate.part.section)
+
+
+def stretching_faces(model: Model) -> list[Face]:
+    """Flat parts that stretch in their planes: plates that do, slabs, and flat shells."""
+    faces = [face_of(plate) for plate in plates_of(model) if plate.stretches]
+    for part in model.parts.values():
+        axes = part.own_axes if isinstance(part, ShellMesh) else None
+        if isinstance(part, ShellMesh) and axes is not None:
+            local = part.places @ axes.T
+            low = local.min(axis=0)
+            x, y, z = (low @ axes).tolist()
+            a, b, _ = np.ptp(local, axis=0).tolist()
+            section = section_of(part.part.material, float(part.thickness.max()))
+            faces.append(Face(part.name, (x, y, z), (a, b), axes, section))
+    return faces
+
+
+def rib_lines(plate: Face, joint: Joint, model: Model) -> list[RibLine]:
     """The straight lines of bars that a joint fastens to a plate along it."""
     names = {joint.a, joint.b}
     others = [frame for frame in frames_of(model) if frame.name in names]
-    if plate.part.name not in names or not others:
+    if plate.name not in names or not others:
         return []
-    frame, size = others[0], plate.part.size
-    ends = to_rectangle(plate.part, plate.axes, model.mesh.points[frame.bars[:, :2]])
+    frame, size = others[0], plate.size
+    ends = to_rectangle(plate, plate.axes, model.mesh.points[frame.bars[:, :2]])
     inside = (distance_to_rectangle(ends, size) <= _TOUCHING * max(size)).all(axis=1)
     steps = ends[:, 1, :2] - ends[:, 0, :2]
     spacing = np.linalg.norm(steps, axis=1)
@@ -66,9 +117,9 @@ def rib_lines(plate: PlateMesh, joint: Joint, model: Model) -> list[RibLine]:
     return lines
 
 
-def strip_width(plate: PlateMesh, line: RibLine, others: list[RibLine]) -> float:
+def strip_width(plate: Face, line: RibLine, others: list[RibLine]) -> float:
     """Width of the plate that belongs to a rib: half way to the next ones beside it, or to the edges [m]."""
-    corners = np.array([[0, 0], [1, 0], [0, 1], [1, 1]]) * np.asarray(plate.part.size)
+    corners = np.array([[0, 0], [1, 0], [0, 1], [1, 1]]) * np.asarray(plate.size)
     edges = line.along[0] * corners[:, 1] - line.along[1] * corners[:, 0]
     beside = [other.across for other in others if abs(other.along @ line.along) > 1.0 - 1e-6]
     tiny = 1e-6 * float(np.ptp(edges))
