@@ -161,8 +161,18 @@ STRUCTURE: Final = (
         "Nothing joins these parts to the rest of the structure.",
         LIMITS,
         "no joint, layer, spring, contact or link connects a part with the heaviest piece",
-        "Add a joint, or remove the part.",
-        forbids="the part can move freely, touches the others, or the rest is itself free",
+        "Add a joint, or remove the part. Bars beside a plate have their lines in it, 'offsets' to where they are, and "
+        "a joint.",
+        (
+            Limit(
+                1.01,
+                "of half the depth of a bar and half the thickness of a plate",
+                "a bar nearer than that touches it",
+                CHOSEN,
+                "bars_beside.REACHED",
+            ),
+        ),
+        forbids="the part can move freely, touches or reaches the others, or the rest is itself free",
     ),
     Entry(
         "nothing-carries-weight",

@@ -12,7 +12,7 @@ from femstruct.model.material import Material
 from femstruct.model.mesher import mesh_structure
 from femstruct.model.part import Part
 from femstruct.model.region import Region
-from femstruct.model.section import rectangle
+from femstruct.model.section import Section, rectangle
 from femstruct.model.structure import Joint, PlaceOn, Structure, Support
 from femstruct.parts.block import Block
 from femstruct.parts.findings.arrangement import arrangement_findings
@@ -23,6 +23,7 @@ from femstruct.parts.frame import Frame
 from femstruct.parts.inertia import Inertia
 from femstruct.parts.mass import Mass
 from femstruct.parts.plate import Plate
+from femstruct.parts.slab import Slab
 from femstruct.parts.spring import Spring
 
 STEEL = Material("steel", E=210e9, nu=0.3, rho=7850.0)
@@ -66,6 +67,32 @@ def test_each_leg_is_a_piece_of_its_own() -> None:
     assert "legs (the piece at (1.2, 0.8, 0) m): no connection to top, legs. " in found.message
     assert "Each vibrates separately" in found.message
     assert not found.severe  # it is held at its foot, and touches nothing
+
+
+@pytest.mark.parametrize("kind", ["plate", "slab"])
+def test_a_rib_that_hangs_in_the_air_is_told(kind: str) -> None:
+    """A bar of 30 x 60 mm under a plate of 10 mm: 35 mm below its middle it touches it, 37 mm below it does not."""
+    slab = Slab("top", STEEL, 0.01, ((0.0, 0.0), (1.2, 0.0), (1.2, 0.8), (0.0, 0.8)), 0.2)
+    top = replace(TOP, origin=(0.0, 0.0, 0.0)) if kind == "plate" else slab
+
+    def found(z: float, section: Section) -> Finding:
+        rib = Frame("rib", STEEL, section, (((0.0, 0.4, z), (1.2, 0.4, z)),), mesh=0.3)
+        points = (PlaceOn("a", "rib", ((0.0, 0.4, z),)), PlaceOn("b", "rib", ((1.2, 0.4, z),)))
+        held = tuple(Support(f"hold {name}", "clamped", at=name) for name in "ab")
+        box = Region("box", box=((-1.0, -1.0, -1.0), (2.0, 0.1, 1.0)))
+        on = {"edge": "all"} if kind == "plate" else {"region": box}
+        top_held = Support("edges", "clamped", on="top", **on)
+        structure = Structure("s", (top, rib), (), points, supports=(*held, top_held))
+        return next(one for one in told(structure) if one.code == "parts-not-joined")
+
+    upright, flat = rectangle("r", 0.03, 0.06), rectangle("r", 0.06, 0.03)
+    near = found(-0.035, upright)
+    assert near.severe
+    assert "although the bars of rib lie 35 mm beside the middle of top at (0, 0.4, -0.035) m" in near.message
+    for z, section in ((-0.037, upright), (-0.035, flat)):
+        far = found(z, section)
+        assert not far.severe and "beside the middle" not in far.message
+    assert "lie 20 mm beside" in found(-0.02, flat).message
 
 
 def test_what_floats_is_severe_and_what_a_study_joins_is_not_told() -> None:

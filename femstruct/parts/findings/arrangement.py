@@ -10,6 +10,7 @@ from femstruct.arrays import Floats
 from femstruct.errors import Finding, some_of
 from femstruct.model.facts import part_masses
 from femstruct.model.model import Model
+from femstruct.parts.findings.bars_beside import bars_beside
 from femstruct.parts.findings.connections import Piece, held_directions, pieces, place_of_touch
 
 DOMINATES = 1e6  # of the rest: a mass of that share is ground, or a slip of a unit
@@ -41,12 +42,9 @@ def _unjoined(model: Model, found: tuple[Piece, ...]) -> list[Finding]:
 
 
 def _loose(model: Model, found: tuple[Piece, ...], alike: list[Piece]) -> Finding:
-    touches = [
-        at
-        for piece in alike[:MOST_PIECES]
-        for other in found[:MOST_PIECES]
-        if other is not piece and (at := place_of_touch(model, piece, other)) is not None
-    ]
+    pairs = [(piece, other) for piece in alike[:MOST_PIECES] for other in found[:MOST_PIECES] if other is not piece]
+    touches = [at for pair in pairs if (at := place_of_touch(model, *pair)) is not None]
+    reached = None if touches else next((one for pair in pairs if (one := bars_beside(model, *pair))), None)
     piece = next((one for one in alike if len(one.free)), alike[0])
     free = len(piece.free) > 0
     which = _names(piece)
@@ -56,12 +54,18 @@ def _loose(model: Model, found: tuple[Piece, ...], alike: list[Piece]) -> Findin
         which += f" (the piece at {_place(model.mesh.points[piece.nodes[0]])} m)"
     message = f"{which}: no connection to {_names(found[0])}"
     message += f", although parts touch at {_place(touches[0])} m. Is a joint missing?" if touches else "."
+    if reached is not None:
+        message = (
+            f"{message[:-1]}, although the bars of {reached.bars} lie {_apart(reached.apart)} beside the middle of "
+            f"{reached.face} at {_place(reached.place)} m, where their section reaches it. Is a joint missing? Write "
+            "their lines in it, how far they are off as 'offsets', and a joint."
+        )
     message += " It can move freely" if free else " Each vibrates separately"
     return Finding(
         "parts-not-joined",
         f"{message}. Joints, layers and springs connect parts; so do contacts and links of a study",
         {"pieces": len(found), "free_motions": len(piece.free), "mass_kg": sum(one.mass for one in alike)},
-        severe=free or bool(touches) or len(found[0].free) > 0,
+        severe=free or bool(touches) or reached is not None or len(found[0].free) > 0,
     )
 
 
@@ -127,6 +131,10 @@ def _dominating(model: Model) -> list[Finding]:
             severe=True,
         )
     ]
+
+
+def _apart(length: float) -> str:
+    return f"{length:.3g} m" if length >= 1.0 else f"{1e3 * length:.3g} mm"
 
 
 def _place(at: Floats) -> str:
