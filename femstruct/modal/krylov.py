@@ -63,27 +63,20 @@ class Krylov:
         values, vectors = values[::-1], vectors[:, ::-1]
         return values, vectors, np.linalg.norm(self._H[m : self._columns, :m] @ vectors, axis=0)
 
-    def keep(self, vectors: Floats) -> Floats:
-        """Forget all but some Ritz vectors and the columns that wait; returns the shapes [n, k] of those."""
-        m, k, waiting = self.expanded, vectors.shape[1], self._columns - self.expanded
-        shapes: Floats = self._Q[:, :m] @ vectors
-        rest, coupling = self._Q[:, m : self._columns].copy(), self._H[m : self._columns, :m] @ vectors
-        inner = vectors.T @ self._H[:m, :m] @ vectors
-        self._Q, self._H = _room(len(shapes), max(self._Q.shape[1], k + waiting))
-        self._Q[:, :k], self._Q[:, k : k + waiting] = shapes, rest
-        self._H[:k, :k], self._H[k : k + waiting, :k] = inner, coupling
-        self.expanded, self._columns = k, k + waiting
-        return shapes
+    def shapes(self, vectors: Floats) -> Floats:
+        """Shapes [n, k] of vectors [expanded, k] in Q."""
+        product: Floats = self._Q[:, : self.expanded] @ vectors
+        return product
 
     def _orthogonal(self, vectors: Floats) -> tuple[Floats, Floats, Floats]:
-        """(shares of Q in the vectors, what is left of them, M times what is left)."""
+        """(shares of Q in the vectors, what is left of them, M times what is left); in the place of the vectors."""
         basis = self._Q[:, : self._columns]
         total = basis.T @ (self._M @ vectors)
-        vectors = vectors - basis @ total
+        vectors -= basis @ total
         weighed = self._M @ vectors
         again = basis.T @ weighed  # rounding of the first pass: too small to weigh once more
-        left: Floats = vectors - basis @ again
-        return total + again, left, weighed
+        vectors -= basis @ again
+        return total + again, vectors, weighed
 
     def _append(self, vectors: Floats, weighed: Floats, size: float) -> Floats:
         """M-orthonormal columns for the vectors, of which those that are rounding are dropped; returns R of Q R."""
@@ -131,7 +124,7 @@ def converge(space: Krylov, k: int, tol: float) -> tuple[Floats, Floats]:
         if space.expanded >= look:
             values, vectors, residuals = space.ritz()
             if (residuals[:k] <= tol * values[:k]).all():
-                return values[:k], space.keep(vectors[:, :k])
+                return values[:k], space.shapes(vectors[:, :k])
             if space.expanded > max(MOST_VECTORS, 6 * k):
                 reached = float((residuals[:k] / values[:k]).max())
                 raise NotConverged(
@@ -144,4 +137,4 @@ def converge(space: Krylov, k: int, tol: float) -> tuple[Floats, Floats]:
         if not space.expand():
             values, vectors, _ = space.ritz()
             real = values[:k] > 1e-13 * values[0]  # massless shapes have no finite frequency
-            return values[:k][real], space.keep(vectors[:, :k][:, real])
+            return values[:k][real], space.shapes(vectors[:, :k][:, real])

@@ -8,6 +8,7 @@ from scipy.sparse import csc_array
 
 from femstruct.arrays import Floats
 from femstruct.errors import NotConverged
+from femstruct.modal.factor import Factor, factorise
 from femstruct.modal.outputs import unit_diagonal
 from femstruct.modal.solve import Modes, orthonormalise, signed
 
@@ -38,8 +39,9 @@ def residual_vectors(K: csc_array, M: csc_array, found: Modes, loads: Floats) ->
     answered = np.linalg.norm(scale[:, None] * left, axis=0) <= _SAME * np.linalg.norm(scale[:, None] * loads, axis=0)
     if answered.all():  # no probe, held probes, or a basis that holds every mode
         return np.zeros(0), np.zeros((len(loads), 0))
-    static = complement_solve(M, found, left[:, ~answered])
-    dynamic = complement_solve(M, found, M @ static)
+    factor = factorise(found.pencil, found.sigma)
+    static = complement_solve(M, found.shapes, factor, left[:, ~answered])
+    dynamic = complement_solve(M, found.shapes, factor, M @ static)
     first = _independent(static, static, 1.0 / scale, _SAME)
     second = _without(M, orthonormalise(M, first), _without(M, found.shapes, dynamic))
     vectors = np.concatenate([first, _independent(second, dynamic, 1.0 / scale, _NEARLY)], axis=1)
@@ -50,9 +52,11 @@ def residual_vectors(K: csc_array, M: csc_array, found: Modes, loads: Floats) ->
     return values, signed(vectors @ turn, np.sqrt(np.abs(M.diagonal())))
 
 
-def complement_solve(M: csc_array, found: Modes, loads: Floats) -> Floats:
-    """K^+ loads: the deflection under the loads less what the modes found take of it, M-orthogonal to them."""
-    shapes, factor = found.shapes, found.factor
+def complement_solve(M: csc_array, shapes: Floats, factor: Factor, loads: Floats) -> Floats:
+    """K^+ loads: the deflection under the loads less what the modes found take of it, M-orthogonal to them.
+
+    shapes [n, k] : of the modes. factor : of K - sigma M.
+    """
     loads = loads - (M @ shapes) @ (shapes.T @ loads)
     answer = _without(M, shapes, factor.solve(loads))
     change = np.inf

@@ -39,14 +39,15 @@ class Modes:
     """Undamped modes, ascending: eigenvalues omega^2 [k] (0 for rigid modes), mass-normalised shapes [n, k].
 
     n_rigid : how many modes are rigid. complete_below : no eigenvalue below it is missing [rad^2/s^2].
-    factor : of K - sigma M, for residual vectors.
+    pencil, sigma : K - sigma M has a factor near the first elastic mode, for residual vectors.
     """
 
     eigenvalues: Floats
     shapes: Floats
     n_rigid: int
     complete_below: float
-    factor: Factor
+    pencil: Pencil
+    sigma: float
 
 
 def modes(
@@ -102,15 +103,13 @@ def modes(
             raise FemstructError("modes count", got=f"{count}", expected=f"1 to {n}, the degrees of freedom")
         limit, mu, wanted = np.inf, np.inf, count
         first = min(count + 3, n)
-    factor, space = _shifted(pencil, first, mu, labels)
-    values, shapes, complete = _complete(pencil, factor, space, first, mu, wanted)
-    shapes = _purified(M, factor, values, shapes)
-    values, shapes, rigid = _classified(K, M, values, shapes, abs(factor.sigma))
+    values, shapes, sigma, complete = _complete(pencil, first, mu, wanted, labels)
+    values, shapes, rigid = _classified(K, M, values, shapes, abs(sigma))
     if values.size and values.min() < 0:
         raise FemstructError("K", got=f"a mode of omega^2 = {values.min():.3g}", expected="no negative stiffness")
     keep = values <= limit if count is None else np.arange(len(values)) < count
     values, shapes, rigid = values[keep], shapes[:, keep], rigid[keep]
-    return Modes(values, shapes, int(rigid.sum()), limit if count is None else complete, factor)
+    return Modes(values, shapes, int(rigid.sum()), limit if count is None else complete, pencil, sigma)
 
 
 def orthonormalise(M: csc_array, shapes: Floats) -> Floats:
@@ -159,16 +158,17 @@ def _shifted(pencil: Pencil, wanted: int, limit: float, labels: Sequence[str]) -
     if _DROWNS * guess < limit / (wanted + 1) < np.inf:
         factor = factorise(pencil, -limit / (wanted + 1), labels)
         return factor, Krylov(M, factor.solve)
-    factor = factorise(pencil, -guess, labels)
+    sigma = -guess
     for _ in range(_ATTEMPTS):
+        factor = factorise(pencil, sigma, labels)
         space = Krylov(M, factor.solve)
         elastic = _rough_elastic(space, factor)
-        if not elastic.size or _SHIFT_RANGE[0] * elastic[0] <= -factor.sigma <= _SHIFT_RANGE[1] * elastic[0]:
-            break
-        factor = factorise(pencil, -0.5 * float(elastic[0]), labels)
-    else:
-        space = Krylov(M, factor.solve)
-    return factor, space
+        if not elastic.size or _SHIFT_RANGE[0] * elastic[0] <= -sigma <= _SHIFT_RANGE[1] * elastic[0]:
+            return factor, space
+        sigma = -0.5 * float(elastic[0])
+        del factor, space  # before the next is made
+    factor = factorise(pencil, sigma, labels)
+    return factor, Krylov(M, factor.solve)
 
 
 def _rough_elastic(space: Krylov, factor: Factor) -> Floats:
@@ -182,19 +182,22 @@ def _rough_elastic(space: Krylov, factor: Factor) -> Floats:
 
 
 def _complete(
-    pencil: Pencil, factor: Factor, space: Krylov, first: int, mu: float, wanted: int
-) -> tuple[Floats, Floats, float]:
-    """Modes up to `wanted`, sought in a wider space until the inertia count agrees: (values, shapes, complete)."""
+    pencil: Pencil, first: int, mu: float, wanted: int, labels: Sequence[str]
+) -> tuple[Floats, Floats, float, float]:
+    """Modes up to `wanted`, sought in a wider space until the inertia count agrees: (values, shapes, sigma, complete).
+
+    The factor to solve with is gone when that to count with is made: of a million unknowns each takes 2 GB.
+    """
     n = pencil.K.shape[0]
     ask, expected = first, 0
     found = -1
     for attempt in range(_ATTEMPTS):
-        values, shapes = _lowest(pencil, factor, space, min(ask, n), _CONVERGED if attempt == 0 else 1e-2 * _CONVERGED)
+        values, shapes, sigma = _lowest(pencil, min(ask, n), (first, mu), attempt, labels)
         level, upto = mu, wanted
         if np.isinf(mu):
             if len(values) == n or len(values) < ask:
-                return values, shapes, np.inf  # all modes there are
-            upto = _gap(values, wanted, _UNRESOLVED * abs(factor.sigma))
+                return values, shapes, sigma, np.inf  # all modes there are
+            upto = _gap(values, wanted, _UNRESOLVED * abs(sigma))
             if upto == len(values):
                 ask *= 2
                 continue
@@ -209,9 +212,8 @@ def _complete(
         found = int(np.count_nonzero(values < level))
         if found == expected:
             complete = max(0.0, values[wanted]) if np.isinf(mu) else mu  # among rigid modes: rounding, of either sign
-            return values, shapes, float(complete)
+            return values, shapes, sigma, float(complete)
         ask = min(n, max(ask, expected) + 4 * (attempt + 1))
-        space.widen()
     raise NotConverged(
         "modes", got=f"{found} modes", expected=f"{expected} by the inertia count", do="ask for another upper limit"
     )
@@ -227,17 +229,29 @@ def _gap(values: Floats, wanted: int, resolved: float) -> int:
     return int(later[np.argmax((values[later] - values[later - 1]) / values[later])])
 
 
-def _lowest(pencil: Pencil, factor: Factor, space: Krylov, k: int, tol: float) -> tuple[Floats, Floats]:
-    """The k lowest eigenpairs by shift-invert, ascending, M-orthonormal, signed."""
+def _lowest(
+    pencil: Pencil, k: int, asked: tuple[int, float], attempt: int, labels: Sequence[str]
+) -> tuple[Floats, Floats, float]:
+    """The k lowest eigenpairs by shift-invert, ascending, M-orthonormal, signed, and the shift.
+
+    asked : number of modes and limit that the shift is chosen by. attempt : how often modes were missing before; the
+    space has as many more random directions.
+    """
     n, M = pencil.K.shape[0], pencil.M
+    factor, space = _shifted(pencil, *asked, labels)
+    for _ in range(attempt):
+        space.widen()
+    tol = _CONVERGED if attempt == 0 else 1e-2 * _CONVERGED
     if n <= _DENSE or k > n // 3:
         values, shapes = _dense(pencil.K, M, factor.sigma, k)
     else:
         inverted, shapes = converge(space, k, tol)
         values = factor.sigma + 1.0 / inverted
+    del space  # a third of all memory
     order = np.argsort(values, kind="stable")
-    shapes = orthonormalise(M, shapes[:, order])
-    return values[order], signed(shapes, np.sqrt(np.abs(M.diagonal())))
+    values, shapes = values[order], orthonormalise(M, shapes[:, order])
+    shapes = signed(shapes, np.sqrt(np.abs(M.diagonal())))
+    return values, _purified(M, factor, values, shapes), factor.sigma
 
 
 def _dense(K: csc_array, M: csc_array, sigma: float, k: int) -> tuple[Floats, Floats]:

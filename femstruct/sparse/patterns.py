@@ -50,8 +50,8 @@ def aligned(matrices: Sequence[csc_array]) -> tuple[Pattern, tuple[Values, ...]]
            [3., 2.]])
     """
     sums = [_canonical(matrix) for matrix in matrices]
-    different = list({_key(one): one for one in sums}.values())
-    union = different[0]
+    union = sums[0]
+    different = [union, *(one for one in sums[1:] if not _alike(one, union))]
     if len(different) > 1 or not _has_diagonal(union):
         union = csc_array(eye_array(union.shape[0], format="csc"))
         for one in different:
@@ -86,8 +86,9 @@ def _fixed(places: NDArray[np.int32]) -> NDArray[np.int32]:
     return view
 
 
-def _key(matrix: csc_array) -> tuple[bytes, bytes]:
-    return matrix.indptr.tobytes(), matrix.indices.tobytes()
+def _alike(one: csc_array, other: csc_array) -> bool:
+    """Whether two matrices have entries at the same places."""
+    return np.array_equal(one.indptr, other.indptr) and np.array_equal(one.indices, other.indices)
 
 
 def _ones(matrix: csc_array) -> csc_array:

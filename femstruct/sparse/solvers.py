@@ -88,7 +88,7 @@ class Rslab:
     """Approximate minimum degree and Bunch-Kaufman pivots within supernodes."""
 
     def __init__(self, pattern: Pattern) -> None:
-        self._lower = np.flatnonzero(pattern.indices >= pattern.owner)
+        self._lower = np.flatnonzero(pattern.indices >= pattern.owner).astype(np.int32)
         starts = np.searchsorted(self._lower, pattern.indptr)
         parts = (np.ones(len(self._lower)), pattern.indices[self._lower], starts)
         lower = csc_array(parts, shape=(pattern.size, pattern.size))

@@ -83,7 +83,7 @@ def test_fv16_cantilevered_plate(kind):
     coarse, fine = fv16(kind, 8), fv16(kind, 16)
     converged = CASES["FV16"]["converged"]  # 3e-4
     np.testing.assert_allclose(coarse, converged, rtol={"quads": 0.025, "triangles": 5e-3}[kind])  # h^2
-    np.testing.assert_allclose(limit(coarse, fine), converged, rtol=1e-3)
+    np.testing.assert_allclose(limit(coarse, fine), converged, rtol=1e-3)  # what h^2 leaves: 6e-4 of triangles
 
 
 @each_kind

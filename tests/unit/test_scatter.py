@@ -2,8 +2,9 @@
 
 import numpy as np
 import pytest
+from scipy.sparse import csr_array
 
-from femstruct.model.grid.scatter import scattered
+from femstruct.model.grid.scatter import interleaved, scattered
 
 
 @pytest.mark.parametrize("side", [1, 2, 3, 6])
@@ -25,3 +26,31 @@ def test_sums_are_those_of_a_loop(side, shift):
         assert got.has_canonical_format
         if not shift and side > 1:
             assert (got != got.T).nnz == 0  # summed in one order on both sides of the diagonal
+
+
+@pytest.mark.parametrize("side", [1, 3])
+def test_elements_that_share_their_matrices(side):
+    """Two matrices for all."""
+    random = np.random.default_rng(side)
+    nodes = np.array([random.permutation(9)[:4] for _ in range(30)])
+    numbers = (side * nodes[:, :, None] + np.arange(side)).reshape(30, -1)
+    matrices, which = random.standard_normal((2, 2, 4 * side, 4 * side)), random.integers(0, 2, 30)
+    count = 9 * side
+    shared = scattered(*matrices, numbers, count, which)
+    each = scattered(*matrices[:, which], numbers, count)
+    for one, other in zip(shared, each, strict=True):
+        assert one.shape == (count, count)
+        np.testing.assert_allclose(one.toarray(), other.toarray(), atol=1e-14)  # the same sums
+
+
+def test_interleaved_matrices_keep_their_entries():
+    random = np.random.default_rng(5)
+    dense = [random.standard_normal((4 * own, 4 * own)) * (random.random((4 * own, 4 * own)) < 0.4) for own in (4, 3)]
+    sparse = [csr_array(one) for one in dense]
+    sparse[0].data[0] = 0.0
+    dense[0] = sparse[0].toarray()
+    got = interleaved(sparse, (4, 3))
+    own = [(7 * np.arange(4)[:, None] + first + np.arange(n)).ravel() for first, n in ((0, 4), (4, 3))]
+    for places, one in zip(own, dense, strict=True):
+        np.testing.assert_array_equal(got.toarray()[np.ix_(places, places)], one)
+    assert got.nnz == sparse[0].nnz + sparse[1].nnz and got.has_canonical_format

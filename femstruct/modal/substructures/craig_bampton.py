@@ -13,6 +13,7 @@ from scipy.sparse import csc_array
 
 from femstruct.arrays import Floats, Integers, freeze, frozen, frozen_integers
 from femstruct.errors import FemstructError
+from femstruct.modal.factor import factorise
 from femstruct.modal.outputs import projected, unit_diagonal
 from femstruct.modal.residuals import complement_solve
 from femstruct.modal.solve import MOST_MODES, modes, orthonormalise, signed
@@ -144,11 +145,12 @@ def _inside(
     found = modes(K, M, up_to_hz=up_to, count=asked, labels=names)
     elastic = found.eigenvalues > 0.0
     loads = -stiffness[inner][:, held].toarray()
-    psi = complement_solve(M, found, loads)
+    factor = factorise(found.pencil, found.sigma)
+    psi = complement_solve(M, found.shapes, factor, loads)
     psi += found.shapes[:, elastic] @ ((found.shapes[:, elastic].T @ loads) / found.eigenvalues[elastic][:, None])
     top = (2.0 * np.pi * up_to) ** 2 if up_to is not None else float(found.eigenvalues.max(initial=0.0))
     pushes = M @ psi + mass[inner][:, held].toarray()
-    corrections = complement_solve(M, found, pushes)
+    corrections = complement_solve(M, found.shapes, factor, pushes)
     beside = mass[inner][:, held].toarray()
     inertia = psi.T @ (pushes + beside) + mass[held][:, held].toarray()
     resistance = stiffness[held][:, held].toarray() - loads.T @ psi

@@ -92,7 +92,7 @@ def cell_matrices(cells: FlatCells, of: Sections, offset: float) -> tuple[csr_ar
             arms = [offset * cells.normals[own][one]] * nodes.shape[1]
             matrices = (with_offsets(matrices[0], *arms), with_offsets(matrices[1], *arms))
         numbers = (6 * nodes[:, :, None] + np.arange(6)).reshape(len(nodes), -1)
-        added = scattered(matrices[0][copies], matrices[1][copies], numbers, count)
+        added = scattered(*matrices, numbers, count, copies)
         K, M = csr_array(K + added[0]), csr_array(M + added[1])
     return K, M
 

@@ -62,7 +62,7 @@ class Orthotropic:
             self.name, E=min(E), nu=0.0, rho=self.rho, loss_factor=self.loss_factor
         )  # refuses what no material has
         try:
-            self.elasticity  # noqa: B018
+            elasticity.stiffness(self.E, self.G, self.ratios)  # refuses ratios that would give energy away
         except InputError as error:
             raise InputError(f"{where}.nu", got=error.got, expected=error.expected, do=error.do) from None
 

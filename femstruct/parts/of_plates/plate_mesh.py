@@ -15,7 +15,7 @@ from femstruct.errors import InputError
 from femstruct.model.grid.geometry import distance_to_rectangle, from_rectangle, to_rectangle
 from femstruct.model.grid.lines import divided, snapped
 from femstruct.model.grid.regions import area_points, grid_points, region_box
-from femstruct.model.grid.scatter import scattered
+from femstruct.model.grid.scatter import interleaved, scattered, with_diagonal
 from femstruct.model.materials.lay_up import stresses_of_resultants
 from femstruct.model.materials.loss_by_frequency import Loss
 from femstruct.model.meshed import Drawn, Meshed, OwnDofs, Spread
@@ -26,12 +26,13 @@ from femstruct.model.rows import carried, flat_rows, mean_of_cells, sparse_rows
 from femstruct.model.structure import PlaceOn, Support, SurfaceOn
 from femstruct.parts.of_plates.patches import patch_points, patch_turning
 from femstruct.parts.of_plates.plate_edges import STEEP, edge_components, edge_nodes
-from femstruct.parts.of_plates.plate_motion import membrane_numbers, plate_dofs, plate_rows, stretching_dofs
+from femstruct.parts.of_plates.plate_motion import STRETCHING, plate_dofs, plate_rows, stretching_dofs
 from femstruct.parts.of_plates.plate_stresses import face_rows
 
 if TYPE_CHECKING:
     from femstruct.parts.plate import Plate
 
+SAME_SIZE = 11  # digits to which cells agree that are of one size: the rounding of coordinates of a grid
 SURFACE_ORDER = 3
 """Gauss points a direction in each cell of a surface: exact for the volume a cell displaces, and for its second moment
 with a linear weight; the deflection of a cell is cubic."""
@@ -156,33 +157,30 @@ class PlateMesh(Meshed):
     def stiffness_and_mass(self) -> tuple[csr_array, csr_array]:
         """Bending of its cells, and their membrane; where it is rigid in its plane, inertia as a rigid body there."""
         part = self.part
-        a, b = self.cell_sizes
         section = part.section
+        sizes = np.stack(self.cell_sizes, axis=1)
+        rounded = np.round(sizes / sizes.max(), SAME_SIZE)
+        _, first, which = np.unique(rounded, axis=0, return_index=True, return_inverse=True)
+        a, b = sizes[first].T
         bends = plate.stiffness(part.element, a, b, section.bending), plate.mass(part.element, a, b, self.per_area)
-        cells = self.quads - self.first
+        bending = plate.dofs_per_node(part.element)
         if not self.rigid_in_plane:
-            bending, stretching, per_node = membrane_numbers(part.element, cells)
-            count = len(self.local) * per_node
-            of_bending = scattered(*bends, bending, count)
-            of_membrane = scattered(*self._membrane(), stretching, count)
-            return csr_array(of_bending[0] + of_membrane[0]), csr_array(of_bending[1] + of_membrane[1])
-        per_node = plate.dofs_per_node(part.element)
-        count = len(self.local) * per_node + 3
-        of_cells = (cells[:, :, None] * per_node + np.arange(per_node)).reshape(len(a), -1)
-        K, M = scattered(*bends, of_cells, count)
+            corners = membrane.rectangle(a, b)
+            stretches = membrane.stiffness(corners, section.A), membrane.mass(corners, section.m0, section.m2)
+            of_bending = self._of_cells(bends, which.ravel(), bending)
+            of_membrane = self._of_cells(stretches, which.ravel(), STRETCHING)
+            K, M = (interleaved(both, (bending, STRETCHING)) for both in zip(of_bending, of_membrane, strict=True))
+            return K, M
+        K, M = self._of_cells(bends, which.ravel(), bending)
         width, height = part.size
         total = self.per_area * width * height
         inertia = np.array([total, total, total * (width**2 + height**2) / 12.0])
-        in_plane = count - 3 + np.arange(3)
-        return K, csr_array(M + csr_array((inertia, (in_plane, in_plane)), shape=M.shape))
+        return with_diagonal(K, np.zeros(3)), with_diagonal(M, inertia)
 
-    def _membrane(self) -> tuple[Floats, Floats]:
-        """Stiffness and mass [n, 12, 12] of its cells in its plane; equal cells are computed once."""
-        section = self.part.section
-        sizes, which = np.unique(np.stack(self.cell_sizes, axis=1), axis=0, return_inverse=True)
-        corners = membrane.rectangle(*sizes.T)
-        matrices = membrane.stiffness(corners, section.A), membrane.mass(corners, section.m0, section.m2)
-        return matrices[0][which.ravel()], matrices[1][which.ravel()]
+    def _of_cells(self, matrices: tuple[Floats, Floats], which: Integers, per_node: int) -> tuple[csr_array, csr_array]:
+        """Stiffness and mass of all cells from those of each size of cell."""
+        numbers = ((self.quads - self.first)[:, :, None] * per_node + np.arange(per_node)).reshape(len(which), -1)
+        return scattered(*matrices, numbers, len(self.local) * per_node, which)
 
     def rows(self, local: Floats) -> tuple[Integers, Floats]:
         """Nodes [p, 4] and rows [p, 6, 4, 7] of the motion of its places [p, 2] [m], as `plate_rows`."""

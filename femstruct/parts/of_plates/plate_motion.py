@@ -17,6 +17,7 @@ from femstruct.model.region import Pair
 
 OUT_OF_PLANE = ("deflection", "rotation about x", "rotation about y", "twist")
 MEMBRANE = ("shift along x", "shift along y", "rotation about the normal")
+STRETCHING = len(MEMBRANE)  # degrees of freedom of a node
 IN_PLANE = tuple(f"{what}, in its plane" for what in MEMBRANE)
 _U, _V, _TURN = 0, 1, 5
 
@@ -74,17 +75,6 @@ def stretching_dofs(kind: plate.PlateElement, axes: Floats, count: int) -> OwnDo
     rows, columns = node * N_COMPONENTS + component, node * per_node + dof
     values = np.tile(motion[component, dof], count)
     return OwnDofs(labels, (), rows.ravel(), columns.ravel(), values, np.tile(motion[:3].T, (count, 1)))
-
-
-def membrane_numbers(kind: plate.PlateElement, cells: Integers) -> tuple[Integers, Integers, int]:
-    """Degrees of freedom of cells [n, 4] of nodes counted from 0: of bending [n, nd], of the membrane [n, 12], and how
-    many a node has."""
-    bending = plate.dofs_per_node(kind)
-    per_node = bending + len(MEMBRANE)
-    first = cells[:, :, None] * per_node
-    bends = (first + np.arange(bending)).reshape(len(cells), -1)
-    stretches = (first + bending + np.arange(len(MEMBRANE))).reshape(len(cells), -1)
-    return bends, stretches, per_node
 
 
 def plate_rows(

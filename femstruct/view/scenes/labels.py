@@ -1,4 +1,4 @@
-"""Names and marks in the picture of a model: points, supports, springs, surfaces, rooms."""
+"""Names and marks in the picture of a model: points, supports, joints, springs, surfaces, rooms."""
 
 from __future__ import annotations
 
@@ -9,17 +9,20 @@ from typing import Any, Final
 import numpy as np
 from scipy.sparse import csr_array
 
-from femstruct.arrays import Floats
+from femstruct.arrays import Floats, Integers
 from femstruct.conventions import N_COMPONENTS
+from femstruct.model.fastened import Tie
 from femstruct.model.model import Model
 from femstruct.sound.placed import Placed
 from femstruct.study.asked import RoomPlan
 from femstruct.study.room_surfaces import placed_room
 
 POINT, SUPPORT, SPRING, MASS, SURFACE, ROOM = "#d62728", "#2ca02c", "#ff7f0e", "#000000", "#1f77b4", "#9467bd"
+JOINT = "#8c564b"
 MEANING: Final = {
     POINT: "points",
     SUPPORT: "supports",
+    JOINT: "joints, links, seams",
     SPRING: "springs, foundations",
     MASS: "masses",
     SURFACE: "surfaces",
@@ -29,6 +32,7 @@ SIZE: Final = 13  # of marks, in pixels
 VIEW: Final = np.array([[-1.0, 1.0, 0.0], [-1.0, -1.0, 2.0]]) / np.sqrt([[2.0], [6.0]])
 """Isometric view: rows to the right and up, of unit length, as pyvista looks by `view_isometric`."""
 CHARACTER: Final = (0.016, 0.034)  # of the height of a picture's contents: width and height of a letter
+FELT: Final = 1e-6  # of the largest share in a row: less is rounding
 LEVEL: Final = 1e-6  # of a room's size: corners that differ by less are of one height
 
 
@@ -43,16 +47,21 @@ class Label:
 
 def add_labels(plotter: Any, model: Model, rooms: Sequence[RoomPlan]) -> list[tuple[str, str]]:
     """Add marks and names of everything but the parts' own faces to a plotter; returns what marks of a colour are."""
-    grounded = [(tie.name, tie.rows) for tie in model.ties if tie.grounded]
+    grounded = [tie for tie in model.ties if tie.grounded]
+    joined = [(tie, _led(tie)) for tie in model.ties if not tie.grounded]
     springs = [(item.name, item.places if len(item.places) else _where(model, item.rows)) for item in model.elastics]
     masses = [(item.name, item.rows) for item in model.inerts]
     points = [(name, point.position[None]) for name, point in model.points.items()]
     labels = [
         *_marks(plotter, points, POINT),
-        *_marks(plotter, [(name, _where(model, rows)) for name, rows in grounded], SUPPORT),
+        *_marks(plotter, [(tie.name, _where(model, tie.rows)) for tie in grounded], SUPPORT),
+        *_marks(plotter, [(tie.name, model.mesh.points[hubs]) for tie, (hubs, _) in joined], JOINT),
         *_marks(plotter, springs, SPRING),
         *_marks(plotter, [(name, _where(model, rows)) for name, rows in masses], MASS),
     ]
+    arms = np.concatenate([np.empty((0, 3)), *(spokes(model.mesh.points, *led) for _, led in joined)])
+    if len(arms):
+        plotter.add_lines(arms, color=JOINT, width=2)
     for surface in model.surfaces.values():
         corners = surface.outline
         plotter.add_lines(np.concatenate([corners, corners[:1]]), color=SURFACE, width=3, connected=True)
@@ -116,6 +125,30 @@ def _where(model: Model, rows: csr_array) -> Floats:
     """Nodes that rows act on [m, 3]."""
     places: Floats = model.mesh.points[np.unique(rows.indices // N_COMPONENTS)]
     return places
+
+
+def _led(tie: Tie) -> tuple[Integers, Integers]:
+    """Of each entry of the rows that hold displacements, the node with the largest share in its row, and its own."""
+    rows = tie.rows[np.flatnonzero(tie.directions.any(axis=1))].tocoo()
+    order = np.lexsort((-np.abs(rows.data), rows.row))
+    row, node = rows.row[order], rows.col[order].astype(np.int64) // N_COMPONENTS
+    first = np.maximum.accumulate(np.where(np.diff(row, prepend=-1) != 0, np.arange(len(row)), 0))
+    shares = np.abs(rows.data[order])
+    felt = shares > FELT * shares[first]
+    return node[first][felt], node[felt]
+
+
+def spokes(places: Floats, hubs: Integers, nodes: Integers) -> Floats:
+    """Ends [2 m, 3] of lines from hubs [k] to other nodes [k], where they are apart; each line once.
+
+    >>> places = np.array([[0.0, 0, 1], [1, 1, 0], [1, 1, 0], [-1, -1, 0]])
+    >>> spokes(places, [0, 0, 0, 3, 1], [0, 1, 3, 0, 2]).reshape(2, 2, 3)[:, 1].tolist()
+    [[1.0, 1.0, 0.0], [-1.0, -1.0, 0.0]]
+    """
+    pairs = np.unique(np.sort(np.stack([hubs, nodes], axis=1), axis=1), axis=0)
+    ends = places[pairs]
+    far = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1) > LEVEL * np.linalg.norm(np.ptp(places, axis=0))
+    return np.asarray(ends[far].reshape(-1, 3))
 
 
 def _marks(plotter: Any, places: Sequence[tuple[str, Floats]], colour: str) -> list[Label]:
