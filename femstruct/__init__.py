@@ -53,6 +53,7 @@ if TYPE_CHECKING:
     from femstruct.impact.laws.own import OwnLaw as OwnLaw
     from femstruct.impact.laws.stop import Stop as Stop
     from femstruct.impact.laws.tabulated import Tabulated as Tabulated
+    from femstruct.impact.result.fatigue import SNLine as SNLine
     from femstruct.impact.result.response import Response as Response
     from femstruct.impact.scene.bodies import GROUND as GROUND
     from femstruct.impact.scene.bodies import Body as Body
@@ -150,6 +151,7 @@ if TYPE_CHECKING:
     from femstruct.study.asked import ShockRequest as ShockRequest
     from femstruct.study.asked import Spot as Spot
     from femstruct.study.asked import TimePlan as TimePlan
+    from femstruct.study.counting import FatigueRequest as FatigueRequest
     from femstruct.study.result import StudyResult as StudyResult
     from femstruct.study.steady_vibration import Vibration as Vibration
     from femstruct.study.structures import BeamModel as BeamModel
@@ -186,6 +188,7 @@ _NAMES = {
     "impact.laws.stop": ("Stop",),
     "impact.laws.tabulated": ("Tabulated",),
     "impact.batch.metrics": ("Batch",),
+    "impact.result.fatigue": ("SNLine",),
     "impact.result.response": ("Response",),
     "impact.simulate": ("simulate",),
     "impact.scene.walking": ("Walk",),
@@ -231,6 +234,7 @@ _NAMES = {
     "parts.substructure": ("Substructure",),
     "sound.placed": ("Placed", "placed"),
     "sound.surface": ("surface_velocity",),
+    "study.counting": ("FatigueRequest",),
     "study.result": ("StudyResult",),
     "study.structures": ("BeamModel", "ModesModel", "NoStructure", "OscillatorModel", "RodModel"),
     "study.acting": (

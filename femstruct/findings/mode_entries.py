@@ -227,6 +227,14 @@ MODES: Final = (
         (Limit(0.05, "% of the peak", "more changes a figure that is quoted", CHOSEN, "peaks.CONVERGED"),),
     ),
     Entry(
+        "fatigue-coarsely-sampled",
+        "Samples miss the peaks of the history whose cycles are counted.",
+        LIMITS,
+        "the largest sample is below the peak by more than the threshold share",
+        "Raise 'time: sampling'.",
+        (Limit(0.02, "% of the peak", "6 % of the damage with a slope of 3", CHOSEN, "peaks.MISSED"),),
+    ),
+    Entry(
         "change-not-converged",
         "The change of a peak against the baseline depends on the modes that are left out.",
         LIMITS,

@@ -199,6 +199,11 @@ class StressPlaces:
         values: Floats = self.rows @ shapes.reshape(-1, shapes.shape[2])
         return values.reshape(len(self.places), len(self.components), -1)
 
+    def at(self, place: int) -> StressPlaces:
+        """One of the places, on its side."""
+        alone = self.some(np.array([place]))
+        return StressPlaces(alone.places, self.components, alone.rows, (self.sides[place % len(self.sides)],))
+
     def some(self, numbers: Integers) -> StressPlaces:
         """Some of the places, all sides of a position together."""
         c = len(self.components)

@@ -87,6 +87,7 @@ def inputs(study: Study) -> Inputs:
     ]
     groups["rooms"] = [_room(one) for one in study.rooms]
     groups["frequency responses"] = [_item(one, one.kind, without=("kind",)) for one in study.frf]
+    groups["fatigue"] = [_item(one, "rainflow") for one in study.fatigue]
     groups["vibration"] = [_vibration(one) for one in study.vibration]
     groups["analysis"] = [Item(name, "", found) for name, found in _analysis(study).items() if found]
     return Inputs({name: tuple(items) for name, items in groups.items() if items})

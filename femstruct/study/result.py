@@ -15,6 +15,7 @@ from acoustics.room_response import RoomResponse
 from femstruct.arrays import Floats
 from femstruct.errors import Finding
 from femstruct.impact.estimate import ErrorEstimate
+from femstruct.impact.result.fatigue import Fatigue
 from femstruct.impact.result.response import Response
 from femstruct.impact.result.shares import ModeEnergies
 from femstruct.impact.result.shock import ShockSpectrum
@@ -177,6 +178,7 @@ class CaseResult:
     drops : by place ("drops.2"), where a source strikes several: response, channels, rooms, levels, shares and errors
     are those of the first, rated is of all. Empty for one place.
     shock : shock response spectra, by name. vibration : what came of harmonic and random excitations, by name.
+    fatigue : rainflow cycles and their damage, by name.
     """
 
     case: Case
@@ -197,6 +199,7 @@ class CaseResult:
     heard: OwnSound = NO_OWN_SOUND
     shock: Mapping[str, ShockSpectrum] = field(default_factory=dict)
     vibration: Mapping[str, Vibrated] = field(default_factory=dict)
+    fatigue: Mapping[str, Fatigue] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

@@ -23,6 +23,7 @@ from femstruct.study.asked import (
     ShockRequest,
     TimePlan,
 )
+from femstruct.study.counting import FatigueRequest
 from femstruct.study.steady_vibration import Vibration
 from femstruct.study.structures import StructureModel
 
@@ -32,8 +33,8 @@ from femstruct.study.structures import StructureModel
 class Study:
     """All inputs of one simulation, in SI units.
 
-    structure, damping : the model. extent : how many modes its basis has. frf, shock_spectra, vibration : what is
-    asked for.
+    structure, damping : the model. extent : how many modes its basis has. frf, shock_spectra, vibration,
+    fatigue : what is asked for.
     bodies, contacts, links, loads, walks, initial : what takes part, its initial state. records : histories to keep.
     time : the window, None when nothing is simulated. peaks : which peaks are reported. rooms : with their receivers.
     limits : what the verdicts of a case are about. save_modal : whether the modal coordinates go into the results
@@ -87,6 +88,7 @@ class Study:
     accuracy: AccuracyRule | None = None
     shock_spectra: tuple[ShockRequest, ...] = ()
     vibration: tuple[Vibration, ...] = ()
+    fatigue: tuple[FatigueRequest, ...] = ()
 
     def __post_init__(self) -> None:
         lowpass = self.peaks.lowpass_hz

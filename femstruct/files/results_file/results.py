@@ -6,8 +6,8 @@
     /summary            the numbers of all cases and their comparison (JSON)
     /bases/KEY          modes, damping, shapes, force rows
     /cases/NAME         @basis; damping, channels, contacts, bodies, links, events, stresses, energy, error_estimate,
-                        accuracy, limits, frf, shock_spectra, vibration, rooms, levels, own_levels, total_levels,
-                        sound_energy, rated, drops, modal
+                        accuracy, limits, frf, shock_spectra, fatigue, vibration, rooms, levels, own_levels,
+                        total_levels, sound_energy, rated, drops, modal
     /comparison/CASE    modes by MAC, beside the baseline's
     /VTKHDF             mode shapes of the baseline, opened by ParaView as they are
     /nouns              all of the above and its problem as one value (JSON), whose arrays are above or in /arrays
@@ -35,7 +35,7 @@ from femstruct.files.results_file.datasets import axis, group, put, put_text
 from femstruct.files.results_file.energy_groups import write_energy
 from femstruct.files.results_file.seal import seal
 from femstruct.files.results_file.sound_groups import write_levels, write_own, write_own_levels, write_rated, write_room
-from femstruct.files.results_file.vibration_groups import write_vibration
+from femstruct.files.results_file.vibration_groups import write_fatigue, write_vibration
 from femstruct.files.results_file.vtkhdf import write_vtkhdf
 from femstruct.files.results_file.whole import write_whole
 from femstruct.files.tables.accuracy_tables import write_accuracy, write_errors
@@ -178,6 +178,8 @@ def _write_case(cases: h5py.Group, name: str, case: CaseResult, verdicts: Sequen
         spectra = group(target, "shock_spectra", "Shock response spectra of recorded accelerations")
         for name, spectrum in case.shock.items():
             write_described(group(spectra, name, "Largest accelerations of oscillators"), spectrum)
+    if case.fatigue:
+        write_fatigue(group(target, "fatigue", "Rainflow cycles of recorded channels"), case.fatigue)
     if case.vibration:
         write_vibration(group(target, "vibration", "Harmonic and random excitations, each by itself"), case.vibration)
     if case.rooms:

@@ -1,4 +1,4 @@
-"""Answers to harmonic and random excitations in the results file."""
+"""Answers to harmonic and random excitations, and cycles of fatigue, in the results file."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import numpy as np
 
 from femstruct.files.results_file.datasets import axis, group, put
 from femstruct.files.tables.described import write_described
+from femstruct.impact.result.fatigue import Fatigue
 from femstruct.modal.steady.answers import HarmonicAnswer, Vibrated
 from femstruct.study.steady_vibration import per_hertz
 
@@ -39,3 +40,12 @@ def write_vibration(target: h5py.Group, found: Mapping[str, Vibrated]) -> None:
             moved = group(place, "base", "What of the structure a base moves")
             axis(moved, "mode", np.arange(1, len(one.base.mass) + 1), "1", "Mode number")
             write_described(moved, one.base)
+
+
+def write_fatigue(target: h5py.Group, found: Mapping[str, Fatigue]) -> None:
+    """A group for every channel that is counted: cycles by range."""
+    for name, one in found.items():
+        place = group(target, name, "Rainflow cycles, ASTM E1049-85")
+        write_described(place, one)
+        ranges = axis(place, "range", one.ranges, one.unit, "Upper end of the class of ranges")
+        put(place, "counts", one.counts, "1", "Cycles, halves among them", (ranges,))

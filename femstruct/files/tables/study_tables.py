@@ -69,6 +69,7 @@ def _case(case: CaseResult) -> Table:
         "energy": None if response is None else _energy(response, case.shares),
         "stresses": {name: described(one.stressed) for name, one in case.channels.items() if one.stressed is not None},
         "shock_spectra": {name: described(one) for name, one in case.shock.items()},
+        "fatigue": {name: described(one) for name, one in case.fatigue.items()},
         "vibration": {name: _vibrated(one) for name, one in case.vibration.items()},
         "levels": {name: described(levels) for name, levels in case.levels.items()},
         "sound_energy": {name: radiated_table(radiated) for name, radiated in case.radiated.items()},

@@ -39,7 +39,7 @@ def check_limits(
             expected = f"a recorded channel, TARGET QUANTITY, a rated room, ROOM {RATED}, or {SETTLED}"
             there.wrong(f"'{name}'", expected, _what_to_do(name, recorded, rated), of_key=True)
         elif limit.dimension is not None:
-            wanted = "time" if name == SETTLED else "level" if room else _dimension(name)
+            wanted = "time" if name == SETTLED else "level" if room else dimension_of(name)
             named, do = DIMENSIONS.get(wanted), ""
             expected = "a plain number, in rad/s^2"
             if named is not None:
@@ -57,10 +57,10 @@ def limited_room(name: str) -> str:
     return target if what == RATED else ""
 
 
-def _dimension(name: str) -> str:
+def dimension_of(name: str) -> str:
     """The dimension of a channel.
 
-    >>> _dimension("die.z displacement"), _dimension("die.rx velocity"), _dimension("ground force")
+    >>> dimension_of("die.z displacement"), dimension_of("die.rx velocity"), dimension_of("ground force")
     ('length', 'angular speed', 'force')
     """
     target, _, what = name.rpartition(" ")

@@ -35,6 +35,8 @@ def check_study(study: StudySpec, here: Here, model: ModelSpec) -> None:
         request.check_in(here.at("frf", name), study.rooms)
     for name, shock in study.shock_spectra.items():
         shock.check_in(here.at("shock_spectra", name), study.record, study.time)
+    for name, one in study.fatigue.items():
+        one.check_in(here.at("fatigue", name), study.record, study.time)
     for name, excitation in study.vibration.items():
         excitation.check_in(here.at("vibration", name), study.record, study.rooms)
     sizes = array_sizes(study.bodies, here.names)
@@ -160,4 +162,5 @@ def study_of(
         accuracy=study.accuracy.noun() if study.accuracy is not None else None,
         shock_spectra=tuple(one.noun(name=name) for name, one in study.shock_spectra.items()),
         vibration=tuple(one.noun(name=name) for name, one in study.vibration.items()),
+        fatigue=tuple(one.noun(name=name) for name, one in study.fatigue.items()),
     )

@@ -13,9 +13,9 @@ from femstruct.language.study.contact import ContactSpec
 from femstruct.language.study.limit import LimitValue
 from femstruct.language.study.link import LinkSpec
 from femstruct.language.study.load import LoadSpec
+from femstruct.language.study.of_records import FatigueSpec, ShockSpec
 from femstruct.language.study.record import Recorded
 from femstruct.language.study.request import FrfSpec
-from femstruct.language.study.shock import ShockSpec
 from femstruct.language.study.start import InitialSpec
 from femstruct.language.study.vibration import VibrationSpec
 from femstruct.language.study.window import AccuracySpec, ModesSpec, PeaksSpec, TimeSpec
@@ -62,3 +62,4 @@ class StudySpec(Spec):
     save: Literal["modal"] | None = None
     shock_spectra: dict[str, ShockSpec] = Field(default_factory=dict)
     vibration: dict[str, VibrationSpec] = Field(default_factory=dict)
+    fatigue: dict[str, FatigueSpec] = Field(default_factory=dict)

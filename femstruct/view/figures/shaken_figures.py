@@ -1,4 +1,4 @@
-"""Figures of what shakes: shock response spectra, and what answers harmonic and random excitations."""
+"""Figures of what shakes: shock response spectra, answers to harmonic and random excitations, ranges of fatigue."""
 
 from __future__ import annotations
 
@@ -73,4 +73,21 @@ def vibration_answer(result: StudyResult, name: str) -> Figure:
     finish(axes, label, f"{'amplitude' if harmonic else 'power spectral density'} in {unit}")
     legend_above(axes, up=12)
     plain_ticks(axes)
+    return figure
+
+
+def range_spectrum(result: StudyResult, name: str) -> Figure:
+    """How many cycles have a range of so much or more, in all cases."""
+    drawn = case_lines(result.cases, result.plan.baseline)
+    found = {case: item.fatigue[name] for case, item in result.cases.items() if name in item.fatigue}
+    one = next(iter(found.values()))
+    figure = new_figure(9.0, 4.6, f"{name}: ranges of {one.channel}, cycles of one record")
+    ((axes,),) = panels(figure, 1, 1, between=0.15, top=0.55 + 0.155 * len(found), left=1.15)
+    for case, cycles in found.items():
+        above = np.cumsum(cycles.counts[::-1])[::-1]
+        label = case if cycles.damage is None else f"{case}: damage {cycles.damage:.3g}"
+        axes.semilogx(above, cycles.ranges, **drawn[case], drawstyle="steps-post", linewidth=1.2, label=label)
+    axes.set_ylim(0.0)
+    finish(axes, "cycles with this range or more", f"range in {readable(one.unit)}")
+    legend_above(axes, up=12)
     return figure

@@ -25,6 +25,7 @@ KINDS: Final = (
     Kind("own_sound", "Sound of the striking bodies", "Sound of the striking bodies"),
     Kind(RESPONSE, "Frequency responses", "Frequency response"),
     Kind("shock_spectrum", "Shock response spectra", "Shock response spectrum"),
+    Kind("fatigue", "Ranges of fatigue", "Ranges of fatigue"),
     Kind("vibration", "Answers to excitations", "Answer to an excitation"),
     Kind("mode_shapes", "Mode shapes", "Mode shapes"),
     Kind("stress", "Largest stresses", "Largest stress"),

@@ -43,6 +43,20 @@ def vibration(result: StudyResult) -> Grid:
     return grid
 
 
+def fatigue(result: StudyResult) -> Grid:
+    """A row for every channel whose cycles are counted and every case."""
+    columns = ("", "case", "of", "cycles", "largest range", "damage", "records to failure", "where")
+    grid = Grid("fatigue: rainflow cycles and Miner's damage of one record, without partial factors", columns, keys=2)
+    for case_name, case in result.cases.items():
+        for name, one in case.fatigue.items():
+            factor, unit = scaled(one.unit, one.largest)
+            damage = "-" if one.damage is None else f"{one.damage:.3g}"
+            life = "-" if one.damage is None else "no end" if one.life is None else f"{one.life:.3g}"
+            largest = f"{digits(factor * one.largest)} {unit}"
+            grid.add(name, case_name, one.channel, f"{one.cycles:g}", largest, damage, life, one.on or "-")
+    return grid
+
+
 def moved_masses(result: StudyResult) -> Grid:
     """A row for every base that moves: the effective mass of its modes, as a share of all."""
     grid = Grid("moved by the base", ("", "case", "axis", "modes", "effective mass [kg]", "of all"), keys=2)

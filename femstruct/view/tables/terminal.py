@@ -14,7 +14,7 @@ from femstruct.files.tables.finding_tables import findings_by_case
 from femstruct.reported import reported
 from femstruct.study.result import NET_FORCE, CaseComparison, CaseResult, StudyResult
 from femstruct.view.tables.accuracy_table import anything_meets, outcomes, trust
-from femstruct.view.tables.answer_tables import moved_masses, stresses, vibration
+from femstruct.view.tables.answer_tables import fatigue, moved_masses, stresses, vibration
 from femstruct.view.tables.array_table import arrays
 from femstruct.view.tables.blow_table import blows
 from femstruct.view.tables.console import console
@@ -63,8 +63,16 @@ def study_tables(result: StudyResult) -> tuple[Grid, ...]:
 
 
 def asked_tables(result: StudyResult) -> tuple[Grid, ...]:
-    """What a study is run for: ratings, limits, what is asked of a machine, levels, peaks, vibration."""
-    return ratings(result), limits(result), machine(result), _levels(result), _peaks(result), vibration(result)
+    """What a study is run for: ratings, limits, what is asked of a machine, levels, peaks, vibration, fatigue."""
+    return (
+        ratings(result),
+        limits(result),
+        machine(result),
+        _levels(result),
+        _peaks(result),
+        vibration(result),
+        fatigue(result),
+    )
 
 
 def other_tables(result: StudyResult) -> tuple[Grid, ...]:

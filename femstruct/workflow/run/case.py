@@ -31,7 +31,7 @@ from femstruct.workflow.run.struck import Struck, strike, told_once
 from femstruct.workflow.stages.channels import motion_rows, record, refuse_absent_forces
 from femstruct.workflow.stages.coupled_air import coupled, coupled_key, weight_on_air
 from femstruct.workflow.stages.modal_bases import Solved, damped
-from femstruct.workflow.stages.peaks import peak_findings, shock_spectra
+from femstruct.workflow.stages.peaks import fatigue_findings, fatigues, peak_findings, shock_spectra
 from femstruct.workflow.stages.places import Places
 from femstruct.workflow.stages.rated_rooms import overlap_findings, rate_rooms
 from femstruct.workflow.stages.responses import frequency_response
@@ -121,6 +121,7 @@ def run_case(
         heard=NO_OWN_SOUND if whole is None else whole.heard,
         shock=shock_spectra(study, channels),
         vibration=vibrated,
+        fatigue={} if whole is None else fatigues(study, channels, own.places, whole.response),
     )
 
 
@@ -147,6 +148,7 @@ def _of_records(
         *missed_peaks(study, response, channels),
         *missed_pulses(study, response),
         *peak_findings(channels),
+        *fatigue_findings(study, channels),
         *stress_findings({name: channel.stressed for name, channel in channels.items()}),
     ]
 

@@ -12,11 +12,16 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from femstruct.errors import Finding
+from femstruct.impact.result.fatigue import Fatigue, SNLine, counted, counted_on_planes
+from femstruct.impact.result.response import Response
 from femstruct.impact.result.shock import ShockSpectrum, shock_spectrum
+from femstruct.study.counting import FatigueRequest
 from femstruct.study.result import Channel
 from femstruct.study.study import Study
+from femstruct.workflow.stages.places import Places
 
 CONVERGED = 0.05  # of a peak: what residual vectors may make of it
+MISSED = 0.02  # of a peak: what samples may miss of it before cycles are counted from them
 CHANGED = 5.0  # per cent: by how much a change against the baseline may depend on them
 
 
@@ -31,6 +36,46 @@ def shock_spectra(study: Study, channels: Mapping[str, Channel]) -> dict[str, Sh
         channel, lines = channels[f"{request.of} acceleration"], np.geomspace(low, high, count)
         found[request.name] = shock_spectrum(channel.values, study.time.sampling, lines, request.damping, channel.name)
     return found
+
+
+def fatigues(study: Study, channels: Mapping[str, Channel], places: Places, response: Response) -> dict[str, Fatigue]:
+    """Rainflow cycles of the channels that a study asks for, by name.
+
+    Of a stress the components at the place where the part is stressed most are counted: the recorded history, which is
+    the largest equivalent stress anywhere, has no sign.
+    """
+    found: dict[str, Fatigue] = {}
+    for request in study.fatigue:
+        channel = channels[request.of]
+        if channel.stressed is not None:
+            part = request.of.rpartition(" ")[0]
+            rows = places.stresses(part, f"fatigue.{request.name}.of").at(channel.stressed.worst)
+            components = rows.of(response.basis.shapes)[0] @ response.q
+            where = channel.stressed.where
+            found[request.name] = counted_on_planes(request.of, components, rows.components, request.sn, where)
+        else:
+            found[request.name] = counted(request.of, channel.unit, channel.values, request.sn)
+    return found
+
+
+def fatigue_findings(study: Study, channels: Mapping[str, Channel]) -> Iterator[Finding]:
+    """Histories whose cycles are counted and whose peaks the samples miss."""
+    for request in study.fatigue:
+        yield from _missed(request, channels[request.of], study.peaks.lowpass_hz is not None)
+
+
+def _missed(request: FatigueRequest, channel: Channel, filtered: bool) -> Iterator[Finding]:
+    """Samples that miss the peak of a history; filtered : its peak is another one."""
+    short = 0.0 if filtered or not channel.whole > 0.0 else 1.0 - float(np.abs(channel.values).max()) / channel.whole
+    if short > MISSED:
+        slope = request.sn.slope if request.sn is not None else SNLine.slope
+        damage = 1.0 - (1.0 - short) ** slope
+        yield Finding(
+            "fatigue-coarsely-sampled",
+            f"{request.name}: the largest sample of {request.of} is {100.0 * short:.1f} % below its peak, so ranges "
+            f"are too small, and damage by up to {100.0 * damage:.0f} %. Sample faster",
+            {"short": short, "allowed": MISSED, "peak": channel.whole},
+        )
 
 
 def peak_findings(channels: Mapping[str, Channel]) -> Iterator[Finding]:

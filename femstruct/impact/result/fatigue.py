@@ -1,0 +1,158 @@
+"""Fatigue of what is recorded: cycles by the rainflow method, and the damage they sum to by an S-N line."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated, Final, NamedTuple
+
+import numpy as np
+
+from femstruct.arrays import Floats
+from femstruct.declared import Positive, checked
+from femstruct.reported import Reported
+
+BINS: Final = 50
+"""Ranges that are told apart in tables and pictures; the damage is that of the ranges themselves."""
+PLANES: Final = 36  # 5 degrees apart: the range on the worst is within 0.4 %, the cosine of 5 degrees, in pure shear
+DIRECTIONS: Final = 400  # over half a sphere, about 7 degrees apart: within 1.5 % in tension
+KNEE, CUT_OFF = 5e6, 1e8
+"""Cycles of EN 1993-1-9: where the slope changes, and where ranges are small enough to do no damage."""
+BELOW: Final = 5.0  # slope of EN 1993-1-9 beyond the knee
+_TURN: Final = np.pi * (3.0 - np.sqrt(5.0))  # the golden angle
+
+
+@dataclass(frozen=True)
+@checked("fatigue.sn")
+class SNLine:
+    """An S-N line: range [unit of what is counted], at : cycles it is endured, slope : its exponent m, N = at (range /
+    S)^m. category : as EN 1993-1-9 has it for direct stress, with slope 5 from 5e6 cycles and no damage by ranges that
+    are endured 1e8 times or more. Partial factors are not in it.
+
+    Detail category 71 endures 71 MPa two million times, 52.3 MPa five million times, and 28.7 MPa for ever:
+
+    >>> SNLine(71e6, category=True).endured(np.array([71e6, 52.3e6, 28.7e6])).round(-5)
+    array([2000000., 5000000.,      inf])
+    """
+
+    range: Positive
+    at: Positive = 2e6
+    slope: Positive = 3.0
+    category: bool = False
+
+    def endured(self, ranges: Floats) -> Floats:
+        """Cycles [n] that ranges [n] are endured; infinite below the cut-off of a category."""
+        with np.errstate(divide="ignore"):
+            cycles: Floats = self.at * (self.range / ranges) ** self.slope
+            if not self.category:
+                return cycles
+            knee = self.range * (self.at / KNEE) ** (1.0 / self.slope)
+            beyond = KNEE * (knee / ranges) ** BELOW
+            low = knee * (KNEE / CUT_OFF) ** (1.0 / BELOW)
+        return np.where(ranges >= knee, cycles, np.where(ranges >= low, beyond, np.inf))
+
+
+@dataclass(frozen=True, eq=False)
+class Fatigue:
+    """Rainflow cycles of a record. channel : what is counted, in `unit`; on : of a stress, the place and the plane.
+
+    ranges [n] : upper ends of equal classes [unit]. counts [n] : cycles in each, halves among them. damage : of one
+    record by Miner's rule [1]; None without an S-N line.
+    """
+
+    channel: Annotated[str, Reported("1", "What is counted")]
+    unit: Annotated[str, Reported("1", "Unit of the ranges")]
+    ranges: Floats
+    counts: Floats
+    largest: Annotated[float, Reported("see unit", "Largest range", key="largest_range")]
+    damage: Annotated[float | None, Reported("1", "Damage of one record by Miner's rule")] = None
+    on: Annotated[str, Reported("1", "Place and plane of a stress")] = ""
+
+    @property
+    def cycles(self) -> Annotated[float, Reported("1", "Cycles, halves among them")]:
+        """How many cycles [1]."""
+        return float(self.counts.sum())
+
+    @property
+    def life(self) -> Annotated[float | None, Reported("1", "Records until a damage of 1", key="records_to_failure")]:
+        """How often the record may come until the damage is 1; None without an S-N line, and for ever."""
+        return 1.0 / self.damage if self.damage else None
+
+
+class Cycles(NamedTuple):
+    """ranges [n], counts [n] : of every cycle, 1 or 0.5."""
+
+    ranges: Floats
+    counts: Floats
+
+    def damage(self, line: SNLine) -> float:
+        """The sum of counts over the cycles endured [1]: M. A. Miner, J. Applied Mechanics 12 (1945) A159-A164."""
+        return float((self.counts / line.endured(self.ranges)).sum())
+
+
+def rainflow_cycles(history: Floats) -> Cycles:
+    """Cycles of a history [nt] by the rainflow method of ASTM E1049-85, section 5.4.4; what does not close counts half.
+
+    >>> rainflow_cycles(np.array([0.0, 2.0, 1.0, 3.0, 0.0]))
+    Cycles(ranges=array([1., 3., 3.]), counts=array([1. , 0.5, 0.5]))
+    """
+    from rainflow import extract_cycles  # few studies count cycles
+
+    kept = np.concatenate([[True], np.diff(history) != 0.0])
+    moving = history[kept]
+    steps = np.sign(np.diff(moving))
+    turns = np.concatenate([[True], steps[1:] != steps[:-1], [True]]) if len(moving) > 1 else np.ones(len(moving), bool)
+    found = [(size, count) for size, _, count, _, _ in extract_cycles(moving[turns].tolist())]
+    ranges, counts = np.array(found, dtype=np.float64).reshape(-1, 2).T
+    return Cycles(ranges, counts)
+
+
+def counted(channel: str, unit: str, history: Floats, line: SNLine | None, on: str = "") -> Fatigue:
+    """Rainflow cycles of a history [nt] [unit] and what they do by an S-N line."""
+    return _told(channel, unit, rainflow_cycles(history), line, on)
+
+
+def counted_on_planes(
+    channel: str, stresses: Floats, components: tuple[str, ...], line: SNLine | None, place: str
+) -> Fatigue:
+    """The same of the normal stress on the worst of many planes.
+
+    stresses [c, nt] [Pa] : components at one place. On a face planes stand on it, 5 degrees apart; in a solid they are
+    spread over all directions. The worst has the most damage; without an S-N line the largest range.
+    """
+    normals = _in_plane() if set(components) <= {"xx", "yy", "xy"} else _anywhere()
+    worst: tuple[float, int, Cycles] | None = None
+    weights = np.array([[_weight(n, name) for name in components] for n in normals])
+    for number, history in enumerate(weights @ stresses):
+        cycles = rainflow_cycles(history)
+        size = float(cycles.ranges.max(initial=0.0)) if line is None else cycles.damage(line)
+        if worst is None or size > worst[0]:
+            worst = size, number, cycles
+    assert worst is not None  # there are planes
+    x, y, z = normals[worst[1]].round(2) + 0.0
+    return _told(channel, "Pa", worst[2], line, f"{place}, normal to ({x:g}, {y:g}, {z:g}) in local axes")
+
+
+def _told(channel: str, unit: str, cycles: Cycles, line: SNLine | None, on: str) -> Fatigue:
+    largest = float(cycles.ranges.max(initial=0.0))
+    ends = largest * np.arange(1, BINS + 1) / BINS
+    which = np.minimum(np.searchsorted(ends, cycles.ranges * (1.0 - 1e-12)), BINS - 1)
+    counts = np.bincount(which, weights=cycles.counts, minlength=BINS).astype(np.float64)
+    return Fatigue(channel, unit, ends, counts, largest, None if line is None else cycles.damage(line), on)
+
+
+def _weight(normal: Floats, name: str) -> float:
+    """What a component of stress adds to the normal stress on a plane."""
+    i, j = ("xyz".index(axis) for axis in name)
+    return float(normal[i] * normal[j] * (1.0 if i == j else 2.0))
+
+
+def _in_plane() -> Floats:
+    angles = np.pi * np.arange(PLANES) / PLANES
+    return np.stack([np.cos(angles), np.sin(angles), np.zeros(PLANES)], axis=1)
+
+
+def _anywhere() -> Floats:
+    """The axes, and unit vectors spread evenly over half a sphere along a spiral [n, 3]."""
+    z = (np.arange(DIRECTIONS) + 0.5) / DIRECTIONS
+    turn, radius = _TURN * np.arange(DIRECTIONS), np.sqrt(1.0 - z**2)
+    return np.concatenate([np.eye(3), np.stack([radius * np.cos(turn), radius * np.sin(turn), z], axis=1)])

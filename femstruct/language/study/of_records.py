@@ -1,0 +1,105 @@
+"""What is asked of recorded histories: shock response spectra, fatigue."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from typing import Annotated, Any, Final
+
+from femstruct.impact.result.fatigue import SNLine
+from femstruct.impact.result.shock import SAMPLES
+from femstruct.language.study.limit import dimension_of
+from femstruct.language.study.window import TimeSpec
+from femstruct.language.yaml import (
+    Band,
+    Count,
+    Factor,
+    Here,
+    Measured,
+    Quantity,
+    Ratio,
+    Refers,
+    Spec,
+    Text,
+    nearest,
+    refuse,
+)
+from femstruct.study.asked import ShockRequest
+from femstruct.study.counting import FatigueRequest
+from femstruct.units import DIMENSIONS
+
+SUFFIX: Final = " acceleration"
+
+
+class ShockSpec(Spec):
+    """The largest accelerations of oscillators that stand where an acceleration is recorded: of: POINT.z, their damping
+    ratio, the band of their frequencies and how many there are an octave."""
+
+    makes = ShockRequest
+    of: Annotated[Text, Refers()]
+    damping: Ratio = 0.05
+    band: Band
+    per_octave: Count = 12
+
+    def check_in(self, here: Here, records: Mapping[str, Collection[str]], time: TimeSpec | None) -> None:
+        """Note what is wrong with its channel and band."""
+        known = [target for target, wanted in records.items() if "acceleration" in wanted]
+        expected = "a recorded acceleration, such as 'record: {P.z: acceleration}'"
+        here.at("of").need(self.of in known, f"'{self.of}'", expected, nearest(self.of, known))
+        (low, high), there = self.band, here.at("band")
+        there.need(0.0 < low < high, f"{low:g} to {high:g} Hz", "a rising band above 0 Hz")
+        if time is not None and high > time.sampling / SAMPLES:
+            got = f"{high:g} Hz, {time.sampling / high:.3g} samples a period"
+            do = f"sample at {SAMPLES * high:g} Hz, or end the band at {time.sampling / SAMPLES:g} Hz"
+            there.wrong(got, f"{SAMPLES:g} samples a period or more", do)
+
+
+_RANGE: Final = Quantity(("pressure", "force", "length", "speed", "acceleration"), above=0.0, which=True)
+_CATEGORY: Final = Quantity(("pressure",), above=0.0, least=1e6, too_small="a plain number is in Pa")
+
+
+class SNSpec(Spec):
+    """An S-N line: a range that is endured 'at' so many cycles, and its slope; or a detail category of EN 1993-1-9
+    for direct stress, such as 71 MPa, with its slopes of 3 and 5 and its cut-off. Without partial factors."""
+
+    makes = SNLine
+    one_of = (("range", "category"),)
+    range: Annotated[Measured, _RANGE] | None = None
+    category: Annotated[float, _CATEGORY] | None = None
+    at: Factor = 2e6
+    slope: Factor = 3.0
+
+    @classmethod
+    def refuse_keys(cls, given: Mapping[str, Any]) -> None:
+        if "category" in given and given.keys() & {"at", "slope"}:
+            raise refuse(
+                "a slope or cycles beside a category", "a category alone", "write 'range' for a line of your own"
+            )
+
+    def given(self) -> dict[str, Any]:
+        value = self.category if self.range is None else self.range.value
+        return {"range": value, "at": self.at, "slope": self.slope, "category": self.category is not None}
+
+
+class FatigueSpec(Spec):
+    """Rainflow cycles of a recorded channel, of: TARGET QUANTITY, and the damage they do. Of a stress it is the normal
+    stress on the worst plane at the place that is stressed most."""
+
+    makes = FatigueRequest
+    of: Annotated[Text, Refers()]
+    sn: SNSpec | None = None
+
+    def check_in(self, here: Here, records: Mapping[str, Collection[str]], time: TimeSpec | None) -> None:
+        """Note what is wrong with its channel and its S-N line."""
+        known = [f"{target} {what}" for target, wanted in records.items() for what in wanted]
+        expected = "a recorded channel, such as 'brace force' of 'record: {brace: force}'"
+        do = "add 'time: {duration: 1 s, sampling: 48 kHz}'"
+        here.need(time is not None, "no time", "a history to count", do)
+        if not here.at("of").need(self.of in known, f"'{self.of}'", expected, nearest(self.of, known)):
+            return
+        if self.sn is None:
+            return
+        got = "pressure" if self.sn.range is None else self.sn.range.dimension
+        wanted = dimension_of(self.of)
+        words = DIMENSIONS[wanted].words if wanted in DIMENSIONS else "a plain number"
+        there = here.at("sn")
+        there.need(got in (None, wanted), DIMENSIONS[got or "ratio"].words, f"{words}, as '{self.of}' is")
