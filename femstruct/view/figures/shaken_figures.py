@@ -13,6 +13,7 @@ from femstruct.study.result import CaseResult, StudyResult
 from femstruct.study.steady_vibration import per_hertz
 from femstruct.view.figures.drawing import case_lines, finish, legend_above, mode_lines, new_figure, panels, readable
 from femstruct.view.figures.spectra import numbered, plain_ticks
+from femstruct.view.tables.scales import scaled
 
 BETWEEN: Final = ", "  # an excitation and a channel in the name of a picture
 
@@ -81,13 +82,14 @@ def range_spectrum(result: StudyResult, name: str) -> Figure:
     drawn = case_lines(result.cases, result.plan.baseline)
     found = {case: item.fatigue[name] for case, item in result.cases.items() if name in item.fatigue}
     one = next(iter(found.values()))
+    factor, unit = scaled(one.unit, max(cycles.largest for cycles in found.values()))
     figure = new_figure(9.0, 4.6, f"{name}: ranges of {one.channel}, cycles of one record")
     ((axes,),) = panels(figure, 1, 1, between=0.15, top=0.55 + 0.155 * len(found), left=1.15)
     for case, cycles in found.items():
         above = np.cumsum(cycles.counts[::-1])[::-1]
         label = case if cycles.damage is None else f"{case}: damage {cycles.damage:.3g}"
-        axes.semilogx(above, cycles.ranges, **drawn[case], drawstyle="steps-post", linewidth=1.2, label=label)
+        axes.semilogx(above, factor * cycles.ranges, **drawn[case], drawstyle="steps-post", linewidth=1.2, label=label)
     axes.set_ylim(0.0)
-    finish(axes, "cycles with this range or more", f"range in {readable(one.unit)}")
+    finish(axes, "cycles with this range or more", f"range in {unit}")
     legend_above(axes, up=12)
     return figure
