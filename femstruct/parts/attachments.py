@@ -25,7 +25,7 @@ from femstruct.model.imported.attached import (
     same_file,
     supports_of,
 )
-from femstruct.model.imported.attached_rows import Nodes, held_rows, inert_rows, link_rows
+from femstruct.model.imported.attached_rows import Nodes, average_rows, held_rows, inert_rows, link_rows
 from femstruct.model.imported.imported_mesh import ImportedMesh, StatedHold
 from femstruct.model.meshed import Drawn, Meshed, OwnDofs, nodal_dofs, refuse_not_global, refuse_patch
 from femstruct.model.model import Model
@@ -41,7 +41,7 @@ _SIX: Final = len(DIRECTIONS)
 @dataclass(frozen=True)
 @checked("parts")
 class Attachments(GivenNodes):
-    """What a mesh file states beside its cells, taken as it is: supports, rigid links, masses.
+    """What a mesh file states beside its cells, taken as it is: supports, links (rigid ones and averages), masses.
 
     take : out of "supports", "links", "masses". supports : names of the sets of supports that hold; none for those that
     the file puts to use, or for its only one. mass_unit : the unit of mass of the file [kg]; None for that which
@@ -106,7 +106,7 @@ class Attachments(GivenNodes):
         names = list(dict.fromkeys(one.name for one in self.holds))
         counted = [f"supports {some_of(names)}"] if names else []
         if "links" in self.take:
-            counted.append(f"{len(self.mesh.stated.links)} rigid links")
+            counted.append(f"{len(self.mesh.stated.links)} links")
         masses = () if "masses" not in self.take else self.mesh.stated.masses
         unit = (Given("unit of mass", self.unit, "kg"),) if masses else ()
         counted += [f"{len(masses)} masses"] if masses else []
@@ -163,7 +163,10 @@ class Attachments(GivenNodes):
         if found.holds:
             made.append(Tie(self.name, *held_rows(found.holds, nodes), grounded=True))
         if found.links:
-            pieces = [link_rows(one, nodes) for one in found.links]
+            pieces = [
+                link_rows(one, nodes) if one.weights is None else average_rows(f"{where}.take", one, nodes)
+                for one in found.links
+            ]
             rows, directions = csr_array(vstack([one for one, _ in pieces])), np.concatenate([d for _, d in pieces])
             made.append(Tie(f"{self.name} links", rows, directions, grounded=False))
         if found.masses:

@@ -89,6 +89,36 @@ def test_what_the_file_states_is_what_is_written_by_hand(follows: str, direction
     assert fs.assemble(taken).total_mass == pytest.approx(0.6**2 * 8e-3 * 7850 + 1e3 * MASS, rel=1e-12)
 
 
+def test_an_average_is_what_is_written_by_hand(tmp_path: Path) -> None:
+    """RBE3 with a node of twice the weight of the others: as if it were named twice."""
+    lines = bulk().splitlines()
+    first = next(at for at, one in enumerate(lines) if one.startswith("RBE2"))
+    heavy, *others = LEGS
+    first_two, later = ",".join(map(str, others[:2])), ",".join(map(str, others[2:]))
+    card = [f"RBE3,801,,900,123456,1.0,123,{first_two},+", f"+,{later},2.0,123,{heavy}"]
+    text = "\n".join([*lines[:first], *card, *lines[first + 2 :]]) + "\n"
+    taken = model(tmp_path, text, PLATE + REST)
+    step = 1e-3 * SIDE / CELLS
+    spots = {f"p{n}": [(n - 1) % (CELLS + 1) * step, (n - 1) // (CELLS + 1) * step, 0.0] for n in LEGS}
+    spots["again"] = spots[f"p{heavy}"]
+    hub, off = 1e-3 * np.array(HUB), 1e-3 * np.array(OFFSET)
+    moments = ", ".join(f"{1e-3 * one} kg*m^2" for one in MOMENTS)
+    lump = f"  lump: {{type: block, mass: {1e3 * MASS}, origin: {(hub - 0.1).tolist()}, size: [0.2, 0.2, 0.2], "
+    lump += f"center: {(0.1 + off).tolist()}, inertia: [{moments}]}}\n"
+    points = ", ".join(f"{name}: {{on: plate, at: {at}}}" for name, at in spots.items())
+    rest = f"points: {{hub: {{on: lump, at: [0.1, 0.1, 0.1]}}, {points}}}\n"
+    rest += f"constraints: {{mean: {{average: hub, of: [{', '.join(spots)}]}}}}\n"
+    fix = "fix: [x, y, z, rx]"
+    rest += f"supports: {{one: {{on: plate, set: SET 6, {fix}}}, two: {{on: plate, set: SET 7, {fix}}}}}\n"
+    by_points = frequencies(model(tmp_path, text, PLATE + lump, rest))
+    np.testing.assert_allclose(frequencies(taken), by_points, rtol=1e-9)  # rounding
+    rigid = frequencies(model(tmp_path, bulk(), PLATE + REST))
+    assert np.abs(by_points / rigid - 1.0).max() > 1e-2
+    line = text.replace(card[0], f"RBE3,801,,900,123456,1.0,123,{RIM[0]},{RIM[2]},+").replace(card[1], f"+,{RIM[4]}")
+    with pytest.raises(fs.InputError, match=r"parts\.rest.*: got the mean motion of 3 nodes at node 900, which do not"):
+        model(tmp_path, line, PLATE + REST)
+
+
 def test_each_of_them_matters(tmp_path: Path) -> None:
     whole = frequencies(model(tmp_path, bulk(), PLATE + REST))
     for less in ("[supports, links]", "[supports]"):
@@ -183,7 +213,7 @@ def test_what_is_taken_is_not_named_and_what_is_not_is_offered(tmp_path: Path) -
 
     assert told(REST) == ""
     offered = told("")
-    assert "no part uses: 1 held sets, 1 rigid links, 1 masses" in offered
+    assert "no part uses: 1 held sets, 1 links, 1 masses" in offered
     assert "{type: attachments, mesh: a.bdf, scale: mm, take: [supports, links, masses]}" in offered
     less = told(REST.replace("[supports, links, masses]", "[supports, links]"))
     assert "no part uses: 1 masses" in less and "take: [masses]}" in less
@@ -191,7 +221,7 @@ def test_what_is_taken_is_not_named_and_what_is_not_is_offered(tmp_path: Path) -
         more="GRID,950,,0.,0.,900.\nCONM2,803,950,0,1.\nRBE2,804,950,123,951\nGRID,951,,0.,5.,9.\nSPC1,4,1,950"
     )
     far = told(REST, stray)
-    assert "1 held nodes that no part has, 1 rigid links between nodes that no part has, 1 masses at nodes" in far
+    assert "1 held nodes that no part has, 1 links between nodes that no part has, 1 masses at nodes" in far
 
 
 def test_masses_in_the_wrong_unit_are_found(tmp_path: Path) -> None:

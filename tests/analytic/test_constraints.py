@@ -14,7 +14,7 @@ from femstruct.assembly.constraint_findings import constraint_findings
 from femstruct.assembly.matrices import Assembly
 from femstruct.errors import InputError
 from femstruct.modal.residuals import unit_diagonal
-from femstruct.model.equations.average import _fitted
+from femstruct.model.equations.average import fitted_motion
 from femstruct.model.equations.constraint import Constraint
 from femstruct.model.imported.imported_mesh import ImportedMesh
 from femstruct.model.model import Model
@@ -187,7 +187,7 @@ def test_the_fit_is_that_of_least_squares() -> None:
     B = np.concatenate([[[1, 0, 0, 0, z, -y], [0, 1, 0, -z, 0, x], [0, 0, 1, y, -x, 0]] for x, y, z in places])
     root = np.sqrt(np.repeat(weights, 3))
     exact = np.linalg.lstsq(root[:, None] * B, root * shifts.ravel(), rcond=None)[0]
-    fitted = _fitted(places, weights)
+    fitted = fitted_motion(places, weights)
     assert fitted is not None
     assert fitted.motion @ shifts.ravel() == pytest.approx(exact, rel=1e-12)  # rounding
 

@@ -218,8 +218,30 @@ def test_supports_of_other_cards_and_a_factor_of_masses(tmp_path: Path) -> None:
     held = {(one.name, one.held): one.nodes.tolist() for one in stated.holds}
     assert held[("GRID PS", (1, 4))] == [3] and held[("SPC 3", (0, 1))] == [4] and held[("SPC 3", (2,))] == [0]
     assert stated.active == ("SPC 3", "GRID PS")
+    assert mesh_of(tmp_path, "a.bdf", text.replace("SPC = 8\n", "")).stated.active == ("SPC 3", "GRID PS")
     assert stated.masses[0].mass == 0.0025 and stated.masses[0].inertia[0] == pytest.approx(1e-6, rel=1e-15)  # rounding
     assert stated.left_out == ("1 PLOAD4", "1 SPC that moves a node")
+
+
+def test_a_range_of_held_nodes_may_have_gaps(tmp_path: Path) -> None:
+    """FIRST THRU LAST of SPC1 holds those that there are; a node that is named must be there."""
+    held = mesh_of(tmp_path, "a.bdf", NASTRAN.replace("SPC1,3,456,4", "SPC1,3,456,4,THRU,70")).stated.holds
+    assert held[1].nodes.tolist() == [3, 4, 5]
+    with pytest.raises(InputError, match="node 70, which it does not have"):
+        mesh_of(tmp_path, "a.bdf", NASTRAN.replace("SPC1,3,456,4", "SPC1,3,456,4,70"))
+
+
+def test_averages_of_a_bulk_data_file(tmp_path: Path) -> None:
+    """RBE3 of two groups of weights; of other directions than 123, or with UM, it is named."""
+    card = "RBE3,30,,6,123456,1.0,123,1,2,+\n+,3,2.5,123,4,5\n"
+    stated = mesh_of(tmp_path, "a.bdf", NASTRAN.replace("PLOAD4", card + "PLOAD4")).stated
+    _, one = stated.links
+    assert (one.node, one.nodes.tolist(), one.follows) == (5, [0, 1, 2, 3, 4], (0, 1, 2, 3, 4, 5))
+    assert one.weights == (1.0, 1.0, 1.0, 2.5, 2.5)
+    other = card.replace("2.5,123,", "2.5,1236,") + card.replace("4,5", "4,5,UM,1,+\n+,123")
+    stated = mesh_of(tmp_path, "a.bdf", NASTRAN.replace("PLOAD4", other + "PLOAD4")).stated
+    assert len(stated.links) == 1
+    assert stated.left_out == ("1 RBE3 of directions 1236", "1 RBE3 with UM", "1 PLOAD4")
 
 
 def test_what_an_input_file_of_abaqus_holds_joins_and_weighs(tmp_path: Path) -> None:
@@ -326,7 +348,8 @@ MISTAKES = {
     "a.bdf": [
         ("GRID,2,,100.,0.,0.", "GRID,2,3,100.,0.,0.", r":9:1: got GRID with the coordinate system 3 of its place"),
         ("GRID,2,,100.,0.,0.", "GRID,2,,1OO.,0.,0.", r":9:1: got GRID with '1OO\.' in field 4, expected a number"),
-        ("PLOAD4,1,11,1.", "CELAS2,1,5.,1,1\nRBE3,9", r":26:1: got a card CELAS2,.*\n.*:27:1: got a card RBE3"),
+        ("PLOAD4,1,11,1.", "CELAS2,1,5.,1,1\nRBAR,9", r":26:1: got a card CELAS2,.*\n.*:27:1: got a card RBAR"),
+        ("PLOAD4,1,11,1.", "RBE3,9,,6,123,1.0,123", r":26:1: got RBE3 with 0 nodes with a weight, expected WT1"),
         ("CTRIA3,12,7,2,5,3", "CTRIA3,12,7,2,5", r":16:1: got CTRIA3 with 2 nodes, expected 3 nodes"),
         ("SPC1,3,456,4", "SPC1,3,789,4", r":21:1: got SPC1 with '789' in field 3, expected directions out of 1 to 6"),
         ("CTRIA3,12,7,2,5,3", "CTRIA3,12,7,2,9,3", r"'a\.bdf' with node 9, which it does not have"),

@@ -21,7 +21,7 @@ from femstruct.model.region import Region
 from femstruct.model.rows import sparse_rows
 
 ORDER: Final = 2  # Gauss points a direction of each cell of a region
-_UNDETERMINED: Final = 1e-9  # of the largest: a rotation that the places resist by less is about a line they lie on
+UNDETERMINED: Final = 1e-9  # of the largest: a rotation that the places resist by less is about a line they lie on
 _FORCES = np.concatenate([np.eye(3), np.zeros((3, 3))])
 
 
@@ -74,8 +74,8 @@ class Average(Constraint):
         point = place_of(f"{where}.average", self.point, model)
         shifts, weights = self._shifts(model, tolerance)
         held = listed(f"{where}.directions", self.directions)
-        fitted = _fitted(_places(shifts, point.position, model.mesh.points), weights)
-        if fitted is None or np.abs(fitted.lost[held]).max(initial=0.0) > _UNDETERMINED:
+        fitted = fitted_motion(_places(shifts, point.position, model.mesh.points), weights)
+        if fitted is None or np.abs(fitted.lost[held]).max(initial=0.0) > UNDETERMINED:
             raise InputError(
                 f"{where}.of",
                 got="places on one line, or one place alone, which do not determine the motion of the point",
@@ -102,7 +102,7 @@ class Average(Constraint):
 
 
 @dataclass(frozen=True, eq=False)
-class _Fit:
+class Fit:
     """motion [6, 3 p] : that of the point from the shifts of the places. lost [6, l] : what they do not determine of
     it, rotations times the spread of the places."""
 
@@ -110,7 +110,7 @@ class _Fit:
     lost: Floats
 
 
-def _fitted(places: Floats, weights: Floats) -> _Fit | None:
+def fitted_motion(places: Floats, weights: Floats) -> Fit | None:
     """The rigid motion at the origin that fits shifts of places [p, 3] best; None where all of them are at one.
 
     Fitted about their middle, where shifts and rotations do not mix, and carried from there on a rigid arm.
@@ -118,18 +118,18 @@ def _fitted(places: Floats, weights: Floats) -> _Fit | None:
     middle = weights @ places
     off = places - middle
     size = float(np.sqrt(weights @ (off**2).sum(axis=1)))
-    if not size > _UNDETERMINED * float(np.linalg.norm(places, axis=1).max()):
+    if not size > UNDETERMINED * float(np.linalg.norm(places, axis=1).max()):
         return None
     turns = np.cross(np.eye(3)[:, None], off[None] / size)  # [axis, place, 3]
     B = np.concatenate([np.tile(np.eye(3), (len(places), 1)), turns.reshape(3, -1).T], axis=1)
     weighed = np.repeat(weights, 3)[:, None] * B
     values, vectors = np.linalg.eigh(B.T @ weighed)
-    kept = values > _UNDETERMINED
+    kept = values > UNDETERMINED
     arm = np.concatenate([np.eye(3), np.cross(np.eye(3), -middle / size).T], axis=1)
     carried = np.concatenate([arm, np.eye(3, 6, 3)])
     best = carried @ (vectors[:, kept] / values[kept]) @ (weighed @ vectors[:, kept]).T
     best[3:] /= size
-    return _Fit(best, carried @ vectors[:, ~kept])
+    return Fit(best, carried @ vectors[:, ~kept])
 
 
 def _places(shifts: csr_array, at: Floats, nodes: Floats) -> Floats:

@@ -91,13 +91,13 @@ def attached(mesh: ImportedMesh, take: Sequence[str], holds: Sequence[StatedHold
     matter[_together(one.nodes for one in held)] = True
     placed, links = _reached(there, matter, every)
     leading = np.zeros(len(there), dtype=bool)
-    leading[np.array([one.node for one in links], np.int64)] = True
+    leading[np.array([one.node for one in links if one.weights is None], np.int64)] = True
     kept_holds = tuple(replace(one, nodes=one.nodes[placed[one.nodes]]) for one in held)
     kept_masses = tuple(one for one in masses if placed[one.node])
     counted = (
         (len(np.unique(_together(one.nodes[~placed[one.nodes]] for one in held))), "held nodes that no part has"),
-        (len(every) - len(links), "rigid links between nodes that no part has"),
-        (sum(int((~placed[one.nodes]).sum()) for one in links), "nodes of rigid links that no part has"),
+        (len(every) - len(links), "links between nodes that no part has"),
+        (sum(int((~placed[one.nodes]).sum()) for one in links), "nodes of links that no part has"),
         (len(masses) - len(kept_masses), "masses at nodes that no part has"),
     )
     return Attached(
@@ -135,7 +135,8 @@ def _reached(
             grown[one.node] = True
             grown[one.nodes] |= matter[one.nodes]
         if np.array_equal(grown, placed):
-            return placed, tuple(one for one in live if placed[one.nodes].any())
+            of_all = {True: np.all, False: np.any}  # the mean of some of the nodes would be another one
+            return placed, tuple(one for one in live if of_all[one.weights is not None](placed[one.nodes]))
         placed = grown
 
 

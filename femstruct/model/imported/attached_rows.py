@@ -11,6 +11,7 @@ from scipy.sparse import csr_array, vstack
 from femstruct.arrays import Floats, Integers
 from femstruct.conventions import DIRECTIONS, N_COMPONENTS
 from femstruct.errors import InputError
+from femstruct.model.equations.average import UNDETERMINED, fitted_motion
 from femstruct.model.imported.attached import same_file
 from femstruct.model.imported.imported_mesh import ImportedMesh, StatedHold, StatedLink, StatedMass
 from femstruct.model.meshed import Meshed
@@ -83,6 +84,24 @@ def link_rows(link: StatedLink, nodes: Nodes) -> tuple[csr_array, Floats]:
             directions.append(np.tile(_FORCES[held], (len(own), 1)))
     empty = csr_array((0, n_nodes * N_COMPONENTS))
     return csr_array(vstack([empty, *rows])), np.concatenate(directions)
+
+
+def average_rows(where: str, link: StatedLink, nodes: Nodes) -> tuple[csr_array, Floats]:
+    """A node less the rigid motion that fits the shifts of others best [m, n_nodes * 7], and the directions of its
+    forces [m, 3]. Raises InputError where they do not determine it."""
+    lead, turns = nodes.first_of(link.node)
+    others = np.array([nodes.first_of(row)[0] for row in link.nodes.tolist()])
+    held = [one for one in link.follows if turns or one < 3]
+    weights = np.array(link.weights, dtype=np.float64)
+    fit = fitted_motion(nodes.points[others] - nodes.points[lead], weights / weights.sum())
+    if fit is None or np.abs(fit.lost[held]).max(initial=0.0) > UNDETERMINED:
+        number = nodes.mesh.numbers[link.node]
+        got = f"the mean motion of {len(others)} nodes at node {number}, which do not determine it"
+        raise InputError(where, got=got, expected="three nodes that are not on one line", do="leave out 'links'")
+    n_nodes = len(nodes.points)
+    shifts = node_rows(np.repeat(others, 3), np.tile(np.eye(3, N_COMPONENTS), (len(others), 1)), n_nodes)
+    own = node_rows(np.full(len(held), lead), np.eye(N_COMPONENTS)[held], n_nodes)
+    return csr_array(own - csr_array(fit.motion[held]) @ shifts), _FORCES[held]
 
 
 def inert_rows(where: str, masses: Sequence[StatedMass], nodes: Nodes, unit: float) -> tuple[csr_array, Floats, int]:

@@ -46,12 +46,16 @@ class StatedMass:
 
 @dataclass(frozen=True, eq=False)
 class StatedLink:
-    """Nodes that follow another as a rigid body does. node : row of the points that leads; nodes [n] : rows of those
-    that follow, in the directions `follows` out of 0 to 5."""
+    """Nodes that follow another as a rigid body does, or one that follows the mean motion of others.
+
+    node : row of the points, the one; nodes [n] : rows of the others. weights [n] : of the others, where the one
+    follows them; None where they follow it. follows : in which directions out of 0 to 5.
+    """
 
     node: int
     nodes: Integers
     follows: tuple[int, ...]
+    weights: tuple[float, ...] | None = None
 
 
 @dataclass(frozen=True, eq=False)

@@ -93,6 +93,6 @@ def _beside(structure: Structure, mesh: ImportedMesh, names: list[str], taken: s
     whole = any(one.on in names and one.region is None for one in structure.supports)
     open_ones = [one for one in stated.holds if not (whole or np.isin(one.nodes, ours).all())]
     counts = (len(open_ones), len(stated.links), len(stated.masses))
-    for word, count, what in zip(TAKEN, counts, ("held sets", "rigid links", "masses"), strict=True):
+    for word, count, what in zip(TAKEN, counts, ("held sets", "links", "masses"), strict=True):
         if count and word not in taken:
             yield word, f"{count} {what}"

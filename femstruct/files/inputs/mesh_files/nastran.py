@@ -5,9 +5,8 @@ Cards and the order of nodes are those of the Quick Reference Guide of MSC Nastr
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Final
 
@@ -17,13 +16,13 @@ from femstruct.arrays import Integers
 from femstruct.errors import InputError, InputErrors, sentence
 from femstruct.files.inputs.mesh_files.bulk_cards import Card, cards_of
 from femstruct.files.inputs.mesh_files.case_control import case_control
+from femstruct.files.inputs.mesh_files.nastran_bulk import OF_GRID, Bulk
+from femstruct.files.inputs.mesh_files.nastran_stated import conm2, hold, param, rbe2, rbe3, spc, spc1, spcadd
 from femstruct.files.inputs.mesh_files.text_lines import lines_of
 from femstruct.model.imported.gathering import Block, Gathered
 from femstruct.model.imported.imported_mesh import (
     Stated,
     StatedHold,
-    StatedLink,
-    StatedMass,
     StatedMaterial,
     StatedProperty,
 )
@@ -48,37 +47,11 @@ _PASSED_OVER: Final = (
     "PLOAD4", "GRAV", "LOAD", "DLOAD", "RLOAD1", "RLOAD2", "TLOAD1", "TLOAD2", "DAREA", "TABLED1", "TABLED2",
     "PBAR", "PBARL", "PBEAM", "PBEAML", "CORD1R", "CORD1C", "CORD1S", "CORD2R", "CORD2C", "CORD2S",
 )  # fmt: skip
-_OF_GRID: Final = 0  # in place of the number of a set of supports: those of GRID, which always hold
 MOST_NAMED: Final = 12  # unknown cards named at once
 
 
-@dataclass
-class _Bulk:
-    """What has been read so far."""
-
-    numbers: list[int] = field(default_factory=list)
-    points: list[tuple[float, float, float]] = field(default_factory=list)
-    cells: dict[str, list[list[int]]] = field(default_factory=dict)
-    by_property: dict[int, list[int]] = field(default_factory=dict)
-    shells: dict[int, tuple[float | None, str]] = field(default_factory=dict)
-    solids: dict[int, tuple[None, str]] = field(default_factory=dict)
-    materials: list[StatedMaterial] = field(default_factory=list)
-    masses: list[StatedMass] = field(default_factory=list)
-    links: list[StatedLink] = field(default_factory=list)
-    holds: dict[tuple[int, str], list[int]] = field(default_factory=dict)
-    sets: dict[str, list[int]] = field(default_factory=dict)
-    left_out: dict[str, int] = field(default_factory=dict)
-    added: dict[int, list[int]] = field(default_factory=dict)  # sets of supports that SPCADD makes one
-    chosen: list[int] = field(default_factory=list)  # sets of supports by SPC = N of the case control
-    mass_factor: float = 1.0
-
-    def leave_out(self, what: str) -> None:
-        """Count what is not read."""
-        self.left_out[what] = self.left_out.get(what, 0) + 1
-
-
 def read_nastran(path: Path, data: bytes) -> Gathered:
-    """What a bulk data file has: nodes, elements, properties, materials, SPC, SPC1, RBE2, CONM2, and sets.
+    """What a bulk data file has: nodes, elements, properties, materials, SPC, SPC1, RBE2, RBE3, CONM2, and sets.
 
     Sets are named "SET 5" (of the case control, SET1 or SET3), cells by their property "PSHELL 2" or "PSOLID 2", held
     nodes "SPC 1", those that GRID holds itself "GRID PS". Masses are those of the cards times PARAM, WTMASS. Loads and
@@ -86,7 +59,7 @@ def read_nastran(path: Path, data: bytes) -> Gathered:
     Raises InputErrors with file and line, for all unknown cards at once.
     """
     control, cards = cards_of(path, lines_of(path, data))
-    bulk = _Bulk()
+    bulk = Bulk()
     unknown: dict[str, Card] = {}
     bulk.sets, bulk.chosen = case_control(path, control)
     for card in cards:
@@ -99,9 +72,7 @@ def read_nastran(path: Path, data: bytes) -> Gathered:
         elif card.name not in _HARMLESS:
             bulk.leave_out(card.name)
     if unknown:
-        expected = (
-            "cards of a mesh: GRID, CQUAD4, CTRIA3, CTETRA, CHEXA, CBAR, PSHELL, PSOLID, MAT1, MAT8, SPC1, RBE2, ..."
-        )
+        expected = "cards of a mesh: GRID, CQUAD4, CTETRA, CHEXA, CBAR, PSHELL, PSOLID, MAT1, SPC1, RBE2, RBE3, ..."
         named = list(unknown.values())[:MOST_NAMED]
         raise InputErrors(
             tuple(f"{path}:{one.number}:1: {sentence('', f'a card {one.name}', expected)}" for one in named)
@@ -111,7 +82,7 @@ def read_nastran(path: Path, data: bytes) -> Gathered:
     return _gathered(bulk)
 
 
-def _gathered(bulk: _Bulk) -> Gathered:
+def _gathered(bulk: Bulk) -> Gathered:
     blocks = []
     for kind, rows in bulk.cells.items():
         table = np.array(rows, np.int64)
@@ -123,6 +94,9 @@ def _gathered(bulk: _Bulk) -> Gathered:
         for number, given in (*bulk.shells.items(), *bulk.solids.items())
         if number in bulk.by_property
     ]
+    if missing := bulk.ranged.difference(bulk.numbers):
+        kept = {key: [node for node in some if node not in missing] for key, some in bulk.holds.items()}
+        bulk.holds = {key: some for key, some in kept.items() if some}
     node_sets: dict[str, Integers] = {}
     for (number, _), some in bulk.holds.items():
         name = _support(number)
@@ -136,6 +110,8 @@ def _gathered(bulk: _Bulk) -> Gathered:
             cell_sets[name] = np.array(members, np.int64)
     factor = bulk.mass_factor
     used = {one for number in bulk.chosen for one in bulk.added.get(number, [number])}
+    of_cards = {number for number, _ in bulk.holds if number != OF_GRID}
+    used = of_cards if not used and len(of_cards) == 1 else used
     stated = Stated(
         tuple(properties),
         tuple(bulk.materials),
@@ -149,20 +125,20 @@ def _gathered(bulk: _Bulk) -> Gathered:
             for (number, held), some in bulk.holds.items()
         ),
         tuple(f"{count} {name}" for name, count in bulk.left_out.items()),
-        active=tuple(_support(number) for number in (*sorted(used), _OF_GRID)) if used else (),
+        active=tuple(_support(number) for number in (*sorted(used), OF_GRID)) if used else (),
     )
     return Gathered(known, np.array(bulk.points), blocks, node_sets, cell_sets, stated)
 
 
 def _support(number: int) -> str:
-    return "GRID PS" if number == _OF_GRID else f"SPC {number}"
+    return "GRID PS" if number == OF_GRID else f"SPC {number}"
 
 
-def _property(bulk: _Bulk, number: int) -> str:
+def _property(bulk: Bulk, number: int) -> str:
     return f"{'PSHELL ' if number in bulk.shells else 'PSOLID ' if number in bulk.solids else 'property '}{number}"
 
 
-def _cell(card: Card, bulk: _Bulk) -> None:
+def _cell(card: Card, bulk: Bulk) -> None:
     number = card.whole(0)
     property_number = card.whole(1, default=number)
     most = _CELLS[card.name][-1][1]
@@ -181,7 +157,7 @@ def _cell(card: Card, bulk: _Bulk) -> None:
         bulk.leave_out(f"ZOFFS of {card.name}")
 
 
-def _grid(card: Card, bulk: _Bulk) -> None:
+def _grid(card: Card, bulk: Bulk) -> None:
     for index, what in ((1, "of its place"), (5, "of its motion")):
         if card.whole(index, default=0):
             raise card.refuse(
@@ -192,10 +168,10 @@ def _grid(card: Card, bulk: _Bulk) -> None:
     bulk.numbers.append(card.whole(0))
     bulk.points.append((card.real(2, 0.0), card.real(3, 0.0), card.real(4, 0.0)))
     if card.field(6).strip("0"):
-        _hold(card, bulk, _OF_GRID, 6, [card.whole(0)])
+        hold(card, bulk, OF_GRID, 6, [card.whole(0)])
 
 
-def _pshell(card: Card, bulk: _Bulk) -> None:
+def _pshell(card: Card, bulk: Bulk) -> None:
     thickness = card.real(2) if card.field(2) else None
     bulk.shells[card.whole(0)] = thickness, f"material {card.field(1)}" if card.field(1) else ""
     factor, shear = card.real(4, 1.0), card.real(6, 5.0 / 6.0)
@@ -203,11 +179,11 @@ def _pshell(card: Card, bulk: _Bulk) -> None:
         bulk.left_out["PSHELL with factors of bending or shear"] = card.whole(0)
 
 
-def _psolid(card: Card, bulk: _Bulk) -> None:
+def _psolid(card: Card, bulk: Bulk) -> None:
     bulk.solids[card.whole(0)] = None, f"material {card.field(1)}"
 
 
-def _mat1(card: Card, bulk: _Bulk) -> None:
+def _mat1(card: Card, bulk: Bulk) -> None:
     E, G, nu = (card.real(index) if card.field(index) else None for index in (1, 2, 3))
     if E is None and G is not None and nu is not None:
         E = 2.0 * (1.0 + nu) * G
@@ -218,91 +194,35 @@ def _mat1(card: Card, bulk: _Bulk) -> None:
     bulk.materials.append(StatedMaterial(f"material {card.whole(0)}", named))
 
 
-def _mat8(card: Card, bulk: _Bulk) -> None:
+def _mat8(card: Card, bulk: Bulk) -> None:
     words = ("E1", "E2", "nu12", "G12", "G1z", "G2z", "rho")
     named = {word: card.real(1 + at) for at, word in enumerate(words) if card.field(1 + at)}
     bulk.materials.append(StatedMaterial(f"material {card.whole(0)}", named))
 
 
-def _conm2(card: Card, bulk: _Bulk) -> None:
-    if card.whole(2, default=0):
-        raise card.refuse(f"the coordinate system {card.field(2)}", "0, the basic one")
-    i11, i21, i22, i31, i32, i33 = (card.real(8 + at, 0.0) for at in range(6))
-    offset = (card.real(4, 0.0), card.real(5, 0.0), card.real(6, 0.0))
-    # the card has the products of inertia with the sign that they have here: minus those of the tensor
-    inertia = (i11, i22, i33, i21, i32, i31)
-    bulk.masses.append(StatedMass(card.whole(1), card.real(3), offset, inertia))
-
-
-def _rbe2(card: Card, bulk: _Bulk) -> None:
-    fields = card.fields
-    last = next((at for at in range(len(fields) - 1, 2, -1) if fields[at]), 2)
-    if last > 3 and "." in fields[last]:  # a coefficient of thermal expansion ends it
-        fields = fields[:last]
-    nodes = card._replace(fields=fields).several(3)
-    if not nodes:
-        raise card.refuse("no node that follows", "GM1, GM2, ...")
-    bulk.links.append(StatedLink(card.whole(1), np.array(nodes), _directions(card, 2)))
-
-
-def _spc1(card: Card, bulk: _Bulk) -> None:
-    _hold(card, bulk, card.whole(0), 1, card.several(2))
-
-
-def _spc(card: Card, bulk: _Bulk) -> None:
-    """One or two nodes, their directions and what they are moved by."""
-    for first in (1, 4):
-        if first == 4 and not card.field(first):
-            continue
-        if card.real(first + 2, 0.0):
-            bulk.leave_out("SPC that moves a node")
-        else:
-            _hold(card, bulk, card.whole(0), first + 1, [card.whole(first)])
-
-
-def _hold(card: Card, bulk: _Bulk, number: int, directions: int, nodes: list[int]) -> None:
-    held = "".join(str(one + 1) for one in _directions(card, directions))
-    bulk.holds.setdefault((number, held), []).extend(nodes)
-
-
-def _spcadd(card: Card, bulk: _Bulk) -> None:
-    bulk.added[card.whole(0)] = card.several(1)
-
-
-def _param(card: Card, bulk: _Bulk) -> None:
-    if card.field(0).upper() == "WTMASS":
-        bulk.mass_factor = card.real(1)
-
-
-def _directions(card: Card, index: int) -> tuple[int, ...]:
-    word = card.field(index)
-    if not re.fullmatch(r"[1-6]+", word):
-        raise card.refuse(f"'{word}' in field {index + 2}", "directions out of 1 to 6")
-    return tuple(sorted({int(digit) - 1 for digit in word}))
-
-
-def _set1(card: Card, bulk: _Bulk) -> None:
+def _set1(card: Card, bulk: Bulk) -> None:
     bulk.sets[f"SET {card.whole(0)}"] = card.several(1)
 
 
-def _set3(card: Card, bulk: _Bulk) -> None:
+def _set3(card: Card, bulk: Bulk) -> None:
     if card.field(1).upper() not in ("GRID", "ELEM", "ELEMENT"):
         raise card.refuse(f"'{card.field(1)}'", "GRID or ELEM")
     bulk.sets[f"SET {card.whole(0)}"] = card.several(2)
 
 
-_READERS: Final[Mapping[str, Callable[[Card, _Bulk], None]]] = {
+_READERS: Final[Mapping[str, Callable[[Card, Bulk], None]]] = {
     "GRID": _grid,
     "PSHELL": _pshell,
     "PSOLID": _psolid,
     "MAT1": _mat1,
     "MAT8": _mat8,
-    "CONM2": _conm2,
-    "RBE2": _rbe2,
-    "SPC": _spc,
-    "SPC1": _spc1,
-    "SPCADD": _spcadd,
-    "PARAM": _param,
+    "CONM2": conm2,
+    "RBE2": rbe2,
+    "RBE3": rbe3,
+    "SPC": spc,
+    "SPC1": spc1,
+    "SPCADD": spcadd,
+    "PARAM": param,
     "SET1": _set1,
     "SET3": _set3,
 }
