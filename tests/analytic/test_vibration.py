@@ -18,6 +18,7 @@ from femstruct.files.tables.study_tables import summary
 from femstruct.modal.damping import Damping, LossFactor, Ratio
 from femstruct.modal.steady.answers import random_answer
 from femstruct.model.section import rectangle
+from femstruct.workflow.check.inspect import inspect_file
 
 STEEL = fs.Material("steel", E=210e9, nu=0.3, rho=7850.0)
 OSCILLATOR = "structure: {type: oscillator, mass: 2 kg, frequency: 40 Hz}\npoints: {m: {}}\ndamping: {ratio: 2 %}\n"
@@ -300,8 +301,11 @@ def test_mistakes_have_their_line(old: str, new: str, told: str, tmp_path: Path)
 def test_nothing_recorded_and_no_damping_are_refused(tmp_path: Path) -> None:
     with pytest.raises(InputErrors, match="nothing that is recorded"):
         read_study(written(tmp_path, SHAKER.replace("record: {m.z: [acceleration, displacement], ground: force}", "")))
+    undamped = written(tmp_path, model=OSCILLATOR.replace("damping: {ratio: 2 %}\n", ""))
     with pytest.raises(InputError, match="without damping, the first at 40 Hz"):
-        run_study(read_study(written(tmp_path, model=OSCILLATOR.replace("damping: {ratio: 2 %}\n", ""))))
+        inspect_file(undamped)
+    with pytest.raises(InputError, match="without damping, the first at 40 Hz"):
+        run_study(read_study(undamped))
 
 
 def test_a_structure_that_is_free_to_stay_behind_is_refused() -> None:

@@ -39,6 +39,7 @@ from femstruct.workflow.stages.responses import response_row
 from femstruct.workflow.stages.rest import Rest, rest_states
 from femstruct.workflow.stages.staging import force_probes, scene
 from femstruct.workflow.stages.struck_bodies import spheres_before
+from femstruct.workflow.stages.vibrations import excited
 
 Table = dict[str, Any]
 
@@ -221,6 +222,8 @@ def _try(study: Study, solved: Solved, basis: ModalBasis) -> None:
     for request in study.frf:
         if request.kind not in ("pressure", "power"):
             response_row(request.response, solved.places, basis, f"frf.{request.name}.response")
+    for one in study.vibration:
+        excited(one, solved.places, basis)
     _try_places(study, solved.places)
 
 

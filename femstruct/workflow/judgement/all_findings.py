@@ -17,6 +17,7 @@ from femstruct.workflow.judgement.structure_findings import (
 from femstruct.workflow.judgement.study_findings import study_findings
 from femstruct.workflow.stages.modal_bases import Meshed, Solved
 from femstruct.workflow.stages.responses import undamped_findings
+from femstruct.workflow.stages.vibrations import beyond_modes
 
 
 def early_findings(case: Case, own: Meshed) -> tuple[Finding, ...]:
@@ -34,13 +35,15 @@ def all_findings(
 ) -> tuple[Finding, ...]:
     """All that can be said of a structure and its modes, by rank.
 
-    basis : with its damping. requests : frequency responses that are asked of it. up_to_hz : the highest frequency that
-    is looked at [Hz]; without it the mesh is judged as far as the modes are complete.
+    basis : with its damping. studies : of one case; they excite it alike. requests : frequency responses that are asked
+    of it. up_to_hz : the highest frequency that is looked at [Hz]; without it the mesh is judged as far as the modes
+    are complete.
     """
     return ranked(
         (
             *structure_findings(solved, basis, studies, up_to_hz),
             *(finding for request in requests for finding in undamped_findings(basis, request)),
+            *(finding for study in studies[:1] for one in study.vibration for finding in beyond_modes(one, basis)),
         )
     )
 

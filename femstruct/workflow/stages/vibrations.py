@@ -35,22 +35,30 @@ def vibrations(study: Study, places: Places, basis: ModalBasis) -> tuple[dict[st
 
     basis : with its damping.
 
-    Raises InputError for a place that is not there, for a base that does not hold the structure, and for modes in the
-    band of an excitation that have no damping.
+    Raises InputError as `excited` does, and for a recorded force that nothing has.
     """
     found: dict[str, Vibrated] = {}
     told: list[Finding] = []
     refuse_absent_forces(study, basis)
     for one in study.vibration:
-        _refuse_undamped(one, basis)
         found[one.name], uneven = _vibrated(one, study, places, basis)
-        told += [*_beyond(one, basis), *uneven]
+        told += uneven
     return found, told
 
 
+def excited(one: Vibration, places: Places, basis: ModalBasis) -> Excitation:
+    """What excites the modes.
+
+    Raises InputError for a place that is not there, for a base that does not hold the structure, and for modes in the
+    band that have no damping.
+    """
+    _refuse_undamped(one, basis)
+    probe = places.pushed(one)
+    return moving_base(basis, str(one.on), f"vibration.{one.name}") if probe is None else pushing(basis, probe)
+
+
 def _vibrated(one: Vibration, study: Study, places: Places, basis: ModalBasis) -> tuple[Vibrated, list[Finding]]:
-    where, probe = f"vibration.{one.name}", places.pushed(one)
-    excitation = moving_base(basis, str(one.on), where) if probe is None else pushing(basis, probe)
+    excitation = excited(one, places, basis)
     lines = resonant_lines(basis, one.spectrum.band, tuple(f for f, _ in one.spectrum.points))
     level = one.spectrum.at(lines)
     looked = dict(_looked(study, places, basis, excitation))
@@ -144,8 +152,8 @@ def _refuse_undamped(one: Vibration, basis: ModalBasis) -> None:
         )
 
 
-def _beyond(one: Vibration, basis: ModalBasis) -> Iterator[Finding]:
-    """The band of an excitation goes on above the last mode."""
+def beyond_modes(one: Vibration, basis: ModalBasis) -> Iterator[Finding]:
+    """A band of an excitation that goes on above the last mode."""
     top = basis.complete_below_hz or float(basis.frequency_hz[basis.modes].max(initial=0.0))
     high = one.spectrum.band[1]
     if high > top * (1.0 + _SAME):
