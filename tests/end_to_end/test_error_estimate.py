@@ -9,7 +9,7 @@ import h5py
 import pytest
 
 from femstruct import cli
-from femstruct.exits import leave_with
+from femstruct.exits import GOOD, NOT_TRUSTED, leave_with
 from femstruct.files.results_file.results import write_results
 from femstruct.files.results_file.stored import read_results
 from femstruct.files.tables.study_tables import summary
@@ -119,7 +119,7 @@ def test_terminal_tables_and_file_say_the_same(
 
 def test_exit_code(study: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """3 for the long window, 0 for the short one."""
-    for case, code in (("long", cli.NOT_TRUSTED), ("short", cli.GOOD)):
+    for case, code in (("long", NOT_TRUSTED), ("short", GOOD)):
         words = ["impact", str(study), "--case", case, "--json"]
         assert leave_with(lambda words=words: cli.app(words)) == code
         assert json.loads(capsys.readouterr().out)["cases"][case]["error_estimate"]["from"] == "rounding"

@@ -7,10 +7,10 @@ from pathlib import Path
 import pytest
 
 from femstruct import read_study, run_study
+from femstruct.commands.study_answers import verdict
 from femstruct.exits import INTERRUPTED
 from femstruct.files.results_file.results import write_results
 from femstruct.files.results_file.stored import read_results
-from femstruct.study_commands import verdict
 
 STUDY = Path(__file__).parents[2] / "models" / "three_bodies.study.yaml"
 

@@ -1,0 +1,55 @@
+"""Commands on the program: its kernels, its findings, its language."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+import typer
+
+from femstruct.commands.shared import AsJson, command
+from femstruct.commands.study_answers import print_json, progress
+from femstruct.exits import GOOD
+
+Kind = Literal["model", "study"]
+
+
+@command
+def warm_up() -> int:
+    """Compile the simulation kernels now. This takes about 15 seconds, once; otherwise the first simulation does it."""
+    from femstruct.impact.compiled.store import folder
+    from femstruct.impact.compiled.workers import compilation
+    from femstruct.impact.engine.needed_units import ALL
+
+    with progress() as tell, compilation(ALL) as kernels:
+        kernels.wait(tell)
+    print(f"{len(kernels.units)} kernels compiled; they are kept in {folder()}")
+    return GOOD
+
+
+@command
+def explain(
+    code: Annotated[
+        str, typer.Argument(metavar="[CODE]", help="code of a finding; without it, all codes are listed")
+    ] = "",
+    as_json: AsJson = False,
+) -> int:
+    """Explain a finding. What its code means, its thresholds, and what to do."""
+    from femstruct.findings.catalogue import CATALOGUE, entry_of
+    from femstruct.findings.explain import entry_table, explanation, listing
+
+    if as_json:
+        print_json(entry_table(entry_of(code)) if code else [entry_table(entry) for entry in CATALOGUE.values()])
+    else:
+        print(explanation(entry_of(code)) if code else listing())
+    return GOOD
+
+
+@command
+def schema(
+    kind: Annotated[Kind, typer.Argument(metavar="model|study", help="kind of file")] = "model",
+) -> int:
+    """Print the JSON schema of a file. For editors, of a model or a study file."""
+    from femstruct.language import json_schema
+
+    print_json(json_schema(kind))
+    return GOOD
