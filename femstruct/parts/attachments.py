@@ -25,7 +25,7 @@ from femstruct.model.imported.attached import (
     same_file,
     supports_of,
 )
-from femstruct.model.imported.attached_rows import Nodes, average_rows, held_rows, inert_rows, link_rows
+from femstruct.model.imported.attached_rows import Nodes, average_rows, held_rows, idle_rows, inert_rows, link_rows
 from femstruct.model.imported.imported_mesh import ImportedMesh, StatedHold
 from femstruct.model.meshed import Drawn, Meshed, OwnDofs, nodal_dofs, refuse_not_global, refuse_patch
 from femstruct.model.model import Model
@@ -171,6 +171,12 @@ class Attachments(GivenNodes):
             made.append(Tie(f"{self.name} links", rows, directions, grounded=False))
         if found.masses:
             made.append(Inert(self.name, *inert_rows(f"{where}.take", found.masses, nodes, self.unit)))
+        others = any(self.name in (one.a, one.b) for one in structure.joints)
+        others |= any(one.on == self.name for one in structure.points)
+        if self.name in model.parts and not others:
+            idle = idle_rows(model.parts[self.name].nodes, [one.rows for one in made], model.mesh.n_nodes)
+            if idle.shape[0]:
+                made.append(Tie(f"{self.name} idle", idle, np.zeros((idle.shape[0], 3)), grounded=False))
         return tuple(made)
 
 

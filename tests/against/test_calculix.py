@@ -94,14 +94,20 @@ def test_the_same_file_has_the_same_frequencies(kind: str, tmp_path: Path) -> No
 
 
 @needs_ccx
-def test_supports_a_rigid_body_and_a_mass_of_the_file_are_taken(tmp_path: Path) -> None:
+@pytest.mark.parametrize("how", ["rigid body", "kinematic coupling"])
+def test_supports_a_spider_and_a_mass_of_the_file_are_taken(how: str, tmp_path: Path) -> None:
     """A spider on the top of the upright, to a node 0.1 m above it with a mass as heavy as the brick."""
     path = tmp_path / "lumped.inp"
     points, cells = brick_mesh()
     written(path, points, cells, "C3D20R", "*SOLID SECTION, ELSET=BODY, MATERIAL=STEEL", "WALL, 1, 3")
     middle, top = len(points) + 1, np.flatnonzero(points[:, 2] > 0.16 - 1e-9) + 1
     more = ["*NODE", f"{middle}, 0.38, 0.03, 0.26", "*NSET, NSET=TOP", *map(str, top)]
-    more += [f"*RIGID BODY, NSET=TOP, REF NODE={middle}", "*ELEMENT, TYPE=MASS, ELSET=LUMP", f"100000, {middle}"]
+    if how == "rigid body":
+        more += [f"*RIGID BODY, NSET=TOP, REF NODE={middle}"]
+    else:
+        more += ["*SURFACE, TYPE=NODE, NAME=ON", "TOP", f"*COUPLING, REF NODE={middle}, SURFACE=ON, CONSTRAINT NAME=C"]
+        more += ["*KINEMATIC", "1, 3"]
+    more += ["*ELEMENT, TYPE=MASS, ELSET=LUMP", f"100000, {middle}"]
     more += ["*MASS, ELSET=LUMP", "7.5", "*BOUNDARY"]
     path.write_text(path.read_text(encoding="ascii").replace("*BOUNDARY", "\n".join(more), 1), encoding="ascii")
     mesh = fs.read_mesh_file(path)

@@ -119,6 +119,19 @@ def test_an_average_is_what_is_written_by_hand(tmp_path: Path) -> None:
         model(tmp_path, line, PLATE + REST)
 
 
+def test_a_rotation_that_nothing_uses_is_no_mechanism(tmp_path: Path) -> None:
+    """A mass without moments at a node that follows the mean shift of others alone, or their rotation, too."""
+    lines = [one for one in bulk().splitlines() if not one.startswith(("RBE2", "CONM2", "+,"))]
+    later = ",".join(map(str, LEGS[2:]))
+
+    def found(follows: str) -> fs.Model:
+        cards = f"RBE3,801,,900,{follows},1.0,123,{LEGS[0]},{LEGS[1]},+\n+,{later}\nCONM2,802,900,0,{MASS}"
+        return model(tmp_path, "\n".join(lines).replace("ENDDATA", cards + "\nENDDATA") + "\n", PLATE + REST)
+
+    alone, turning = (frequencies(found(follows)) for follows in ("123", "123456"))
+    np.testing.assert_allclose(alone, turning, rtol=1e-9)  # rounding
+
+
 def test_each_of_them_matters(tmp_path: Path) -> None:
     whole = frequencies(model(tmp_path, bulk(), PLATE + REST))
     for less in ("[supports, links]", "[supports]"):

@@ -231,6 +231,24 @@ def test_a_range_of_held_nodes_may_have_gaps(tmp_path: Path) -> None:
         mesh_of(tmp_path, "a.bdf", NASTRAN.replace("SPC1,3,456,4", "SPC1,3,456,4,70"))
 
 
+def test_couplings_of_abaqus(tmp_path: Path) -> None:
+    """Kinematic ones are rigid links, distributing ones averages; those on faces of elements are named."""
+    more = "*SURFACE, TYPE=NODE, NAME=ring\nMORE, 2.\n4, 1.\n*SURFACE, NAME=faces\nBOTH, S1\n"
+    more += "*COUPLING, CONSTRAINT NAME=a, REF NODE=6, SURFACE=RING\n*KINEMATIC\n1, 3\n5, 5\n"
+    more += "*COUPLING, CONSTRAINT NAME=b, REF NODE=2, SURFACE=ring\n*DISTRIBUTING\n"
+    more += "*COUPLING, CONSTRAINT NAME=c, REF NODE=2, SURFACE=faces\n*KINEMATIC\n"
+    more += "*KINEMATIC COUPLING, REF NODE=6\nFOOT, 1, 3\n*TIE"
+    mesh = mesh_of(tmp_path, "a.inp", ABAQUS.replace("*TIE", more))
+    links = mesh.stated.links
+    assert [int(mesh.numbers[one.node]) for one in links] == [6, 2, 6]
+    assert [sorted(mesh.numbers[one.nodes].tolist()) for one in links] == [[1, 3, 4, 5], [1, 3, 4, 5], [1, 5]]
+    assert [one.follows for one in links] == [(0, 1, 2, 4), (0, 1, 2, 3, 4, 5), (0, 1, 2)]
+    assert [one.weights for one in links] == [None, (2.0, 2.0, 2.0, 1.0), None]
+    assert mesh.stated.left_out == ("*COUPLING (line 45)", "*TIE (line 49)")
+    with pytest.raises(InputError, match=r"a\.inp:34:1: got \*KINEMATIC alone, expected \*COUPLING before it"):
+        mesh_of(tmp_path, "a.inp", ABAQUS.replace("*TIE", "*KINEMATIC\n*TIE"))
+
+
 def test_averages_of_a_bulk_data_file(tmp_path: Path) -> None:
     """RBE3 of two groups of weights; of other directions than 123, or with UM, it is named."""
     card = "RBE3,30,,6,123456,1.0,123,1,2,+\n+,3,2.5,123,4,5\n"

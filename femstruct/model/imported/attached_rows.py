@@ -136,6 +136,17 @@ def inert_rows(where: str, masses: Sequence[StatedMass], nodes: Nodes, unit: flo
     return csr_array(vstack([*shifts, *turns])), np.array([*weights, *moments]), len(masses)
 
 
+def idle_rows(alone: Integers, used: Sequence[csr_array], n_nodes: int) -> csr_array:
+    """Components of nodes of their own that nothing of the file uses [m, n_nodes * 7], such as the rotation of a node
+    that follows the mean shift of others: without mass and stiffness, they are held."""
+    columns = (alone[:, None] * N_COMPONENTS + np.arange(_SIX)).ravel()
+    felt = np.zeros(n_nodes * N_COMPONENTS)
+    for rows in used:
+        felt += np.asarray(abs(rows).sum(axis=0)).ravel()
+    idle = columns[felt[columns] == 0.0]
+    return csr_array((np.ones(len(idle)), (np.arange(len(idle)), idle)), shape=(len(idle), n_nodes * N_COMPONENTS))
+
+
 def principal(inertia: Sequence[float]) -> tuple[Floats, Floats]:
     """Principal moments [3], ascending, and their axes as rows [3, 3], of Ixx, Iyy, Izz, Ixy, Iyz, Izx; products stand
     with a minus in the tensor.

@@ -43,7 +43,7 @@ _MARKS: Final = ("T3D", "CPS", "CPE", "CAX", "SFM", "R3D")  # as which mesh prog
 _ORDER: Final = {"line3": [0, 2, 1]}  # the middle node of a bar is its second one
 _MOVES: Final = ("NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY", "SYSTEM", "SUBMODEL", "SYMMETRICMODELGENERATION")
 _JOINS: Final = (
-    "MPC", "EQUATION", "TIE", "COUPLING", "KINEMATIC", "DISTRIBUTING", "DISTRIBUTINGCOUPLING",
+    "MPC", "EQUATION", "TIE", "DISTRIBUTINGCOUPLING",
     "CONNECTORSECTION", "SPRING", "DASHPOT", "ROTARYINERTIA", "CONTACTPAIR", "TRANSFORM", "NONSTRUCTURALMASS",
 )  # fmt: skip
 

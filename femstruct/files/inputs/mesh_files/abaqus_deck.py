@@ -31,7 +31,8 @@ class Keyword(NamedTuple):
 
 @dataclass
 class Deck:
-    """What has been read so far. lumps : nodes of elements of type MASS, by their sets."""
+    """What has been read so far. lumps : nodes of elements of type MASS, by their sets. surfaces : nodes of
+    those of TYPE=NODE, and their weights. coupling : the last *COUPLING, which the next keyword completes."""
 
     nodes: list[Integers] = field(default_factory=list)
     points: list[Floats] = field(default_factory=list)
@@ -44,6 +45,8 @@ class Deck:
     links: list[StatedLink] = field(default_factory=list)
     holds: list[StatedHold] = field(default_factory=list)
     lumps: dict[str, list[int]] = field(default_factory=dict)
+    surfaces: dict[str, tuple[Integers, tuple[float, ...]]] = field(default_factory=dict)
+    coupling: Keyword | None = None
     left_out: dict[str, int] = field(default_factory=dict)
     elements: dict[str, list[Integers]] = field(default_factory=dict)
     parts: list[str] = field(default_factory=list)

@@ -84,8 +84,73 @@ def rigid_body(keyword: Keyword, deck: Deck) -> None:
                 deck.links.append(StatedLink(int(leads[0]), nodes, tuple(follows)))
 
 
+def node_surface(keyword: Keyword, deck: Deck) -> None:
+    """Nodes of a surface of TYPE=NODE, with a weight each; surfaces of faces of elements are not read."""
+    if keyword.options.get("TYPE", "ELEMENT").upper() != "NODE":
+        return
+    nodes, weights = [], []
+    for number, words in keyword.rows:
+        some = nodes_named(keyword, number, words[0], deck)
+        given = [word for word in words[1:2] if word]
+        nodes.append(some)
+        weights += len(some) * [float(floats(keyword.path, [(number, given)])[0]) if given else 1.0]
+    deck.surfaces[keyword.option("NAME").upper()] = np.concatenate([np.zeros(0, np.int64), *nodes]), tuple(weights)
+
+
+def coupling(keyword: Keyword, deck: Deck) -> None:
+    """What *KINEMATIC or *DISTRIBUTING behind it completes; one that nothing completes says nothing."""
+    deck.coupling = keyword
+
+
+def coupled(keyword: Keyword, deck: Deck) -> None:
+    """Nodes of a surface that follow a reference node, or whose mean motion it follows."""
+    head = deck.coupling
+    if head is None:
+        raise wrong_line(keyword.path, keyword.number, f"*{keyword.word} alone", "*COUPLING before it")
+    found = deck.surfaces.get(head.option("SURFACE").upper())
+    leads = nodes_named(head, head.number, head.option("REFNODE"), deck)
+    follows = _directions(keyword, keyword.rows)
+    mean = keyword.word == "DISTRIBUTING"
+    if found is None or len(leads) != 1 or "ORIENTATION" in head.options or (mean and not sum(found[1]) > 0.0):
+        deck.left_out.setdefault("COUPLING", head.number)
+        return
+    nodes, weights = found
+    others = nodes != leads[0]
+    if not others.any():
+        return
+    kept = tuple(weight for weight, other in zip(weights, others.tolist(), strict=True) if other)
+    deck.links.append(StatedLink(int(leads[0]), nodes[others], follows, kept if mean else None))
+
+
+def kinematic_coupling(keyword: Keyword, deck: Deck) -> None:
+    """Nodes or sets, each with a first and a last direction, that follow a reference node."""
+    leads = nodes_named(keyword, keyword.number, keyword.option("REFNODE"), deck)
+    if len(leads) != 1 or "ORIENTATION" in keyword.options:
+        deck.left_out.setdefault("KINEMATICCOUPLING", keyword.number)
+        return
+    for number, words in keyword.rows:
+        nodes = nodes_named(keyword, number, words[0], deck)
+        follows = _directions(keyword, [(number, words[1:])])
+        if (nodes != leads[0]).any():
+            deck.links.append(StatedLink(int(leads[0]), nodes[nodes != leads[0]], follows))
+
+
+def _directions(keyword: Keyword, rows: list[tuple[int, list[str]]]) -> tuple[int, ...]:
+    """Directions out of 0 to 5 of rows of a first and a last one; all of them where none is given."""
+    found: set[int] = set()
+    for number, words in rows:
+        ends = integers(keyword.path, [(number, [word for word in words[:2] if word])]).tolist()
+        found |= set(range(ends[0], ends[-1] + 1)) if ends else set()
+    return tuple(one for one in range(6) if one + 1 in found) or tuple(range(6))
+
+
 STATED: Final[Mapping[str, Callable[[Keyword, Deck], None]]] = {
     "BOUNDARY": held_nodes,
     "MASS": masses,
     "RIGIDBODY": rigid_body,
+    "SURFACE": node_surface,
+    "COUPLING": coupling,
+    "KINEMATIC": coupled,
+    "DISTRIBUTING": coupled,
+    "KINEMATICCOUPLING": kinematic_coupling,
 }
