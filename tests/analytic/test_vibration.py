@@ -14,10 +14,12 @@ from femstruct import read_results, read_study, run_study, write_results
 from femstruct.conventions import GRAVITY
 from femstruct.elements.stresses import von_mises, von_mises_in_a_cycle
 from femstruct.errors import InputError, InputErrors
+from femstruct.files.tables.sheets import sheets
 from femstruct.files.tables.study_tables import summary
 from femstruct.modal.damping import Damping, LossFactor, Ratio
 from femstruct.modal.steady.answers import random_answer
 from femstruct.model.section import rectangle
+from femstruct.view.figures.plots import figures
 from femstruct.workflow.check.inspect import inspect_file
 
 STEEL = fs.Material("steel", E=210e9, nu=0.3, rho=7850.0)
@@ -314,6 +316,30 @@ def test_a_structure_that_is_free_to_stay_behind_is_refused() -> None:
     shaker = fs.Vibration("shaker", "z", "base", "psd", fs.Spectrum(((20.0, 1.0), (90.0, 1.0))))
     with pytest.raises(InputError, match="free to stay behind along z"):
         run(free, Damping(Ratio(0.01)), fs.Extent(count=12), (fs.Record("off.z", "acceleration"),), shaker)
+
+
+def test_what_is_held_is_not_pushed_and_has_no_motion_of_its_own() -> None:
+    records = (fs.Record("foot.z", "acceleration"), fs.Record("tip.z", "acceleration"))
+    white = fs.Spectrum(((1.0, 1.0), (40.0, 1.0)))
+    base, push = (
+        fs.Vibration("a", "z", "base", "psd", white),
+        fs.Vibration("a", fs.Spot("tip", "z"), "point", "psd", white),
+    )
+    along = run(bar(), Damping(Ratio(0.01)), fs.Extent(count=3), records, base)["a"].answers
+    assert along["foot.z acceleration"].rms == pytest.approx(np.sqrt(39.0), rel=1e-9)  # it is the base; rounding
+    assert "foot.z acceleration relative to the base" not in along
+    study = fs.Study(
+        "bar", bar(), Damping(Ratio(0.01)), fs.Extent(count=3), records=records, vibration=(push,)
+    )  # fmt: skip
+    result = run_study(fs.Plan("bar", (fs.Case("as given", study),), baseline="as given"))
+    assert result.cases["as given"].vibration["a"].answers["foot.z acceleration"].rms == 0.0
+    drawn = figures(result)
+    assert [name for name in drawn if "foot" in name] == ["vibration_a_foot.z_acceleration.png"]
+    (table,) = (sheet for sheet in sheets(result) if sheet.name == "vibration")
+    assert [row[2] for row in table.rows] == ["foot.z acceleration", "tip.z acceleration"]
+    held = fs.Vibration("a", fs.Spot("foot", "z"), "point", "psd", white)
+    with pytest.raises(InputError, match=r"'foot.z', which no mode moves"):
+        run(bar(), Damping(Ratio(0.01)), fs.Extent(count=3), records, held)
 
 
 def test_a_band_beyond_the_modes_is_a_finding() -> None:

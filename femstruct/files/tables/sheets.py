@@ -22,7 +22,7 @@ BANDS: Final = (  # sheet, table of the summary, what of it
     ("sound energy bands", "sound_energy", "bands_db"),
 )
 ROWS: Final = (  # tables of the summary with a row for every name
-    "levels", "total_levels", "own_levels", "sound_energy", "limits", "peaks", "contacts", "bodies", "blows",
+    "levels", "total_levels", "own_levels", "sound_energy", "limits", "peaks", "contacts", "bodies", "blows", "fatigue",
 )  # fmt: skip
 LONGEST: Final = 31  # characters of a sheet's name
 
@@ -48,6 +48,11 @@ def sheets(result: StudyResult) -> tuple[Sheet, ...]:
         for room, rated in own["rated"].items()
         for symbol, one in rated["numbers"].items()
     ]
+    answers = [
+        ((*named, channel), answer)
+        for named, one in _named(cases, "vibration")
+        for channel, answer in one["answers"].items()
+    ]
     thirds, *others = (_by_band(cases, *which) for which in BANDS)
     changes = [((case, name), one) for case, own in table["comparison"].items() for name, one in own["peaks"].items()]
     findings = [((one["code"],), one | {"cases": ", ".join(one["cases"])}) for one in table["findings"]]
@@ -56,6 +61,7 @@ def sheets(result: StudyResult) -> tuple[Sheet, ...]:
         _rows("ratings", ("case", "room", "number"), numbers),
         *others,
         *(_rows(name.replace("_", " "), ("case", "name"), _named(cases, name)) for name in ROWS),
+        _rows("vibration", ("case", "excitation", "channel"), answers),
         _rows("changes of peaks", ("case", "name"), changes),
         _rows("findings", ("finding",), findings),
     )

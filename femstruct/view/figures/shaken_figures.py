@@ -65,7 +65,8 @@ def vibration_answer(result: StudyResult, name: str) -> Figure:
             values, label = np.abs(answer.values), f"{case}: largest {answer.largest:.4g} {readable(answer.unit)}"
         else:
             values, label = answer.psd, f"{case}: rms {answer.rms:.4g} {readable(answer.unit)}"
-        axes.loglog(answer.frequency_hz, values, **drawn[case], linewidth=1.1, label=label)
+        axes.semilogx(answer.frequency_hz, values, **drawn[case], linewidth=1.1, label=label)
+        axes.set_yscale("log" if (values > 0.0).any() else axes.get_yscale())  # what cannot move has no logarithm
     low, high = float(first.frequency_hz[0]), float(first.frequency_hz[-1])
     axes.set_xlim(low, high)
     label = mode_lines(axes, numbered(result.cases[result.plan.baseline].basis), low, high)

@@ -10,12 +10,14 @@ import numpy as np
 from femstruct.arrays import Floats
 from femstruct.errors import Finding, InputError
 from femstruct.modal.basis import ModalBasis
+from femstruct.modal.frf import moves
 from femstruct.modal.outputs import AXES
 from femstruct.modal.steady.answers import HarmonicAnswer, MovedMass, RandomAnswer, Vibrated, random_answer
 from femstruct.modal.steady.excitation import Excitation, Looked, force, motion, moving_base, pushing, transfers
 from femstruct.modal.steady.resonant_lines import resonant_lines
 from femstruct.modal.steady.steady_stresses import harmonic_stress, random_stress
 from femstruct.modal.superposition import Complex
+from femstruct.study.asked import Spot
 from femstruct.study.result import LargestStress
 from femstruct.study.steady_vibration import Vibration
 from femstruct.study.study import Study
@@ -49,11 +51,14 @@ def vibrations(study: Study, places: Places, basis: ModalBasis) -> tuple[dict[st
 def excited(one: Vibration, places: Places, basis: ModalBasis) -> Excitation:
     """What excites the modes.
 
-    Raises InputError for a place that is not there, for a base that does not hold the structure, and for modes in the
-    band that have no damping.
+    Raises InputError for a place that is not there or cannot move, for a base that does not hold the structure, and for
+    modes in the band that have no damping.
     """
     _refuse_undamped(one, basis)
     probe = places.pushed(one)
+    if isinstance(one.on, Spot) and probe is not None and not moves(basis, probe):
+        expected = "a direction in which the structure can move"
+        raise InputError(f"vibration.{one.name}.at", got=f"'{one.on}', which no mode moves", expected=expected)
     return moving_base(basis, str(one.on), f"vibration.{one.name}") if probe is None else pushing(basis, probe)
 
 
@@ -103,7 +108,7 @@ def _looked(
             unit = _TURNING[unit] if direction.startswith("r") else unit
             seen = motion(excitation, basis, probe, MOTIONS.index(record.what))
             yield str(record), (seen, unit)
-            if abs(seen.rigid) > _MOVES:
+            if abs(seen.rigid) > _MOVES and moves(basis, probe):
                 beside = motion(excitation, basis, probe, MOTIONS.index(record.what), relative=True)
                 yield f"{record}{ON_THE_BASE}", (beside, unit)
         elif record.what == "force":
