@@ -70,6 +70,7 @@ def test_nodes_of_data_set_15_and_modes_of_2414_are_what_pyuff_reads(tmp_path, i
     after = read_uff(path)
     assert not after.notes and np.iscomplexobj(after.modes.shapes) == is_complex
     np.testing.assert_allclose(after.modes.shapes, shapes, atol=SIX_DIGITS * np.abs(shapes).max())
+    # a quotient of numbers of six digits, and small
     np.testing.assert_allclose(after.modes.damping_ratio, before.modes.damping_ratio, rtol=1e-3, atol=SIX_DIGITS)
     for wrong in ((15, 2411), (58,), (55, 2414)):
         with pytest.raises(InputError, match="expected one of nodes, 15 or 2411, and one of modes, 55 or 2414"):

@@ -205,7 +205,9 @@ def test_a_middle_that_is_held_holds_what_follows(tmp_path: Path) -> None:
     text = "\n".join(lines).replace("ENDDATA", "SPC1,4,123456,900\nENDDATA") + "\n"
     found = model(tmp_path, text, PLATE + REST)
     feet = "supports: {feet: {on: plate, set: SET 5, fix: clamped}}\n"
-    np.testing.assert_allclose(frequencies(found), frequencies(model(tmp_path, text, PLATE, feet)), rtol=1e-9)
+    np.testing.assert_allclose(
+        frequencies(found), frequencies(model(tmp_path, text, PLATE, feet)), rtol=1e-9
+    )  # rounding
     assert found.structure.parts[1].attaches(found.structure.parts[0].taken()).left == ()
 
 
@@ -216,7 +218,7 @@ def test_the_force_of_the_supports_carries_the_weight(tmp_path: Path) -> None:
     rest = statics(found, fs.assemble(found), [], weight=True)
     weight = 9.80665 * (0.6**2 * 8e-3 * 7850 + 1e3 * MASS)
     np.testing.assert_allclose(rest.forces["rest"][2], -weight, rtol=1e-6)  # the solution's rounding
-    np.testing.assert_allclose(rest.forces["ground"], rest.forces["rest"], rtol=1e-12, atol=1e-9)
+    np.testing.assert_allclose(rest.forces["ground"], rest.forces["rest"], rtol=1e-12, atol=1e-9)  # rounding
 
 
 def test_what_is_taken_is_not_named_and_what_is_not_is_offered(tmp_path: Path) -> None:
@@ -244,7 +246,9 @@ def test_masses_in_the_wrong_unit_are_found(tmp_path: Path) -> None:
     assert slip.message.startswith("rest: the masses of a.bdf are 1.2e+04 kg in all, with a unit of mass of 1000 kg")
     kg = REST.replace("take", "mass_unit: kg, take")
     meant = model(tmp_path, text.replace("30.0,,42.0,,,50.0", "3.+4,,4.2+4,,,5.+4"), PLATE + kg)
-    np.testing.assert_allclose(frequencies(meant), frequencies(model(tmp_path, bulk(), PLATE + REST)), rtol=1e-9)
+    np.testing.assert_allclose(
+        frequencies(meant), frequencies(model(tmp_path, bulk(), PLATE + REST)), rtol=1e-9
+    )  # rounding
     factor = bulk(more="PARAM,WTMASS,.5")
     assert model(tmp_path, factor, PLATE + REST).inerts[0].total == pytest.approx(500.0 * MASS, rel=1e-14)  # rounding
 
