@@ -14,10 +14,14 @@ from femstruct.errors import Finding, InputError
 from femstruct.model.given import Given, given
 from femstruct.model.grid.layout import Grids, Layout
 from femstruct.model.imported.component import Component
+from femstruct.model.imported.flat_cells import flat_cells
+from femstruct.model.imported.imported_mesh import ImportedMesh
+from femstruct.model.imported.shell_cells import rows_at
 from femstruct.model.meshed import Drawn, Meshed, OwnDofs, refuse_not_global, refuse_patch
-from femstruct.model.probe import Point
+from femstruct.model.probe import Point, Surface
 from femstruct.model.region import Region, Vector
-from femstruct.model.structure import PlaceOn
+from femstruct.model.structure import PlaceOn, SurfaceOn
+from femstruct.parts.of_meshes.cell_surfaces import side_surface
 from femstruct.parts.of_meshes.given_nodes import GivenNodes, drawn_nodes
 
 _SIX = 6
@@ -188,6 +192,35 @@ class SubstructureMesh(Meshed):
             )
         up = np.array([0.0, 0.0, 1.0 if place.side == "above" else -1.0])
         return Point(name, at, np.full(_SIX, self.first + node), np.arange(_SIX), np.eye(_SIX), normal=up)
+
+    def surface(self, item: SurfaceOn, n_nodes: int, tolerance: float) -> Surface:
+        """A side of its cells, all or in a box. They move as cells of shells between its nodes.
+
+        Raises InputError for matrices without cells, and as of shells.
+        """
+        where, one = f"surfaces.{item.name}.region", self.part.component
+        if not len(one.quads):
+            got = f"a surface of {self.name}, whose matrices have nodes alone"
+            raise InputError(where, got=got, expected="a part with cells", do="reduce the part with femstruct reduce")
+        if item.region.kind not in ("whole", "box"):
+            got = f"a {item.region.kind} of {self.name}"
+            raise InputError(where, got=got, expected="whole, or a box", do="matrices have no sets")
+        three = one.quads[:, 2] == one.quads[:, 3]
+        cells = {"quad4": one.quads[~three], "tri3": one.quads[three][:, :3]}
+        named = {kind: some for kind, some in cells.items() if len(some)}
+        numbers = {kind: np.arange(len(some)) for kind, some in named.items()}
+        mesh = ImportedMesh(one.source, self.places, np.arange(len(self.places)), named, numbers)
+        flat = flat_cells(mesh, None)
+        chosen = flat.cells_within(mesh, item.region, tolerance)
+        if not len(chosen):
+            got = f"a {item.region} without a cell of {self.name}"
+            raise InputError(where, got=got, expected="one with cells")
+
+        def motion(which: Integers, xi: Floats, eta: Floats) -> tuple[Integers, Floats]:
+            nodes, rows = rows_at(flat, which, xi, eta)
+            return self.first + flat.rows[nodes], rows
+
+        return side_surface(item, self.name, flat, chosen, motion, n_nodes)
 
     def drawn(self, divisions: int, along: int, n_nodes: int) -> Drawn:
         one = self.part.component

@@ -10,8 +10,12 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
+import femstruct as fs
 from femstruct import read_results
 from femstruct.cli import app
+from femstruct.errors import InputError, InputErrors
+from femstruct.language import read_model_file
+from femstruct.workflow.check.inspect import inspect_file
 
 FLOOR = """
 materials: {concrete: {E: 30 GPa, nu: 0.2, rho: 2400, loss_factor: 1 %}}
@@ -97,3 +101,68 @@ def test_a_mistake_is_one_clear_line(folder: Path, words: tuple[str, ...], told:
         CliRunner().invoke(app, ["reduce", "whole.yaml", *words], catch_exceptions=False)
     assert told in str(caught.value)
     assert not (folder / "a.npz").exists()
+
+
+RADIATING = """
+materials: {concrete: {E: 30 GPa, nu: 0.2, rho: 2400, loss_factor: 1 %}}
+parts: {slab: SLAB}
+points: {p: {on: slab, at: MIDDLE}}
+supports: {west: {on: slab, WEST, fix: [x, y, z]}, east: {on: slab, EAST, fix: [x, y, z]}}
+surfaces: {under: {on: slab, side: below}}
+"""
+WHOLE = {
+    "SLAB": "{type: slab, material: concrete, thickness: 0.1, outline: [[0, 0], [3, 0], [3, 2], [0, 2]], mesh: 0.25}",
+    "MIDDLE": "[1.5, 1]",
+    "WEST": "set: side 4",
+    "EAST": "set: side 2",
+}
+AGAIN = {
+    "SLAB": "{type: reduced, file: slab.npz}",
+    "MIDDLE": "[1.5, 1, 0]",
+    "WEST": "box: [[-0.01, -1, -1], [0.01, 4, 1]]",
+    "EAST": "box: [[2.99, -1, -1], [3.01, 4, 1]]",
+}
+
+
+def radiating(folder: Path, name: str, words: dict[str, str]) -> Path:
+    text = RADIATING
+    for word, value in words.items():
+        text = text.replace(word, value)
+    (folder / f"{name}.yaml").write_text(text, encoding="utf-8")
+    return folder / f"{name}.yaml"
+
+
+def test_what_was_reduced_radiates_as_it_did(tmp_path: Path) -> None:
+    """Volume velocities and mean squares of the modes over the underside."""
+    source = radiating(tmp_path, "whole", WHOLE)
+    code, told = femstruct("reduce", source, "--part", "slab", "--up-to", "600 Hz", "-o", tmp_path / "slab.npz")
+    assert code == 0, told
+    sums = []
+    for path in (source, radiating(tmp_path, "again", AGAIN)):
+        structure = read_model_file(path).structure
+        assert isinstance(structure, fs.Structure)
+        model = fs.mesh_structure(structure)
+        basis = fs.modal_basis(fs.assemble(model), up_to=300.0)
+        under = model.surfaces["under"]
+        assert under.normals == pytest.approx(np.tile([0.0, 0.0, -1.0], (len(under.normals), 1)), abs=1e-12)  # rounding
+        motion = under.rows @ basis.shapes.reshape(-1, basis.shapes.shape[-1])[:, :9]
+        sums.append(np.concatenate([np.abs(under.weights @ motion), under.weights @ motion**2]))
+    # what modes to twice the band leave of the shapes
+    assert sums[1] == pytest.approx(sums[0], abs=2e-3 * np.max(sums[0]))
+
+
+@pytest.mark.parametrize(
+    ("region", "told"),
+    [
+        ("region: {box: [[5, 5, 5], [6, 6, 6]]}", "without a cell of slab"),
+        ("region: {set: rim}", "expected whole, or a box; matrices have no sets"),
+    ],
+)
+def test_surfaces_that_a_reduced_part_has_not(region: str, told: str, tmp_path: Path) -> None:
+    source = radiating(tmp_path, "whole", WHOLE)
+    femstruct("reduce", source, "--part", "slab", "--count", "3", "-o", tmp_path / "slab.npz")
+    path = radiating(tmp_path, "again", AGAIN)
+    path.write_text(path.read_text(encoding="utf-8").replace("side: below", f"side: below, {region}"), encoding="utf-8")
+    with pytest.raises((InputError, InputErrors)) as refused:
+        inspect_file(path)
+    assert told in str(refused.value) and "again.yaml:6:" in str(refused.value)

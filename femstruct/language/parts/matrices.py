@@ -18,7 +18,7 @@ from femstruct.parts.substructure import Substructure
 class FromMatricesSpec(PartSpec):
     """A part whose matrices stand in a file. origin: how far it is shifted from where the file has it."""
 
-    known_as: ClassVar[tuple[str, ...]] = ("part", MESHED)
+    known_as: ClassVar[tuple[str, ...]] = ("part", "plate or shell", MESHED)
 
     makes = Substructure
     file: Any

@@ -11,13 +11,13 @@ from femstruct.arrays import Floats, Integers
 from femstruct.errors import InputError
 from femstruct.model.imported.flat_cells import FlatCells
 from femstruct.model.imported.imported_mesh import ImportedMesh, put_where
-from femstruct.model.imported.shell_cells import Places, cell_points, nearest_place
+from femstruct.model.imported.shell_cells import cell_points, nearest_place
 from femstruct.model.imported.solid_cells import SolidCells
 from femstruct.model.imported.unit_slips import in_millimetres
 from femstruct.model.meshed import Drawn, Meshed, Spread, refuse_not_global, refuse_patch
-from femstruct.model.probe import Point, Surface
+from femstruct.model.probe import Point
 from femstruct.model.region import Region, Side
-from femstruct.model.rows import carried, flat_rows, sparse_rows
+from femstruct.model.rows import carried, flat_rows
 from femstruct.model.structure import PlaceOn
 from femstruct.parts.of_meshes.given_nodes import drawn_nodes
 from femstruct.parts.of_meshes.mesh_part import MeshPart
@@ -136,23 +136,6 @@ class CellsMesh(Meshed):
         points = cell_points(self.facets, self.chosen(where, region, tolerance), order)
         nodes, rows = self.facet_motion(points.cells, points.xi, points.eta)
         return Spread(nodes, rows, points.weights, "area", region.kind)
-
-    def surface_of(
-        self, name: str, points: Places, normals: Floats, lies: tuple[Floats, Floats], n_nodes: int
-    ) -> Surface:
-        """The surface at points of facets with normals [p, 3] outwards. lies : directions [2, 3] along it, and its
-        outline [.., 3] [m]."""
-        nodes, rows = self.facet_motion(points.cells, points.xi, points.eta)
-        along_normal = np.einsum("pj,pjkc->pkc", normals, rows[:, :3])[:, None]
-        return Surface(
-            name,
-            points=points.places,
-            weights=points.weights,
-            normals=normals,
-            along=lies[0],
-            outline=lies[1],
-            rows=sparse_rows(nodes, along_normal, n_nodes),
-        )
 
     def drawn(self, divisions: int, along: int, n_nodes: int) -> Drawn:
         """Its facets as they are: they are as fine as its motion."""

@@ -10,13 +10,12 @@ from scipy.sparse import csr_array
 
 from femstruct.arrays import Floats, Integers, freeze, frozen
 from femstruct.conventions import N_COMPONENTS
-from femstruct.model.imported.facing import frame_across, outer_line, outwards, rectangle_round, upwards
+from femstruct.model.imported.facing import frame_across, outwards
 from femstruct.model.imported.flat_cells import FlatCells
 from femstruct.model.imported.imported_mesh import put_where
 from femstruct.model.imported.shell_cells import (
     Sections,
     cell_matrices,
-    cell_points,
     cell_sections,
     cross_turning,
     rows_at,
@@ -28,8 +27,9 @@ from femstruct.model.probe import Point, StressPlaces, Surface
 from femstruct.model.region import Region, Side
 from femstruct.model.rows import flat_rows, sparse_rows
 from femstruct.model.structure import SurfaceOn
-from femstruct.parts.of_meshes.cells_mesh import ORDER, CellsMesh, Words
-from femstruct.parts.of_meshes.shell_sides import mean_normal, signs_of_side
+from femstruct.parts.of_meshes.cell_surfaces import side_surface
+from femstruct.parts.of_meshes.cells_mesh import CellsMesh, Words
+from femstruct.parts.of_meshes.shell_sides import mean_normal
 from femstruct.parts.of_meshes.stresses_on_faces import stresses_on_faces
 
 if TYPE_CHECKING:
@@ -151,24 +151,8 @@ class ShellMesh(CellsMesh):
         return Point(name, self.places[own].mean(axis=0), *spots, normal=mean_normal(self.cells, own, side))
 
     def surface(self, item: SurfaceOn, n_nodes: int, tolerance: float) -> Surface:
-        """Above and below are told as for a plate; where neither side is up, above is that of the cells' own normals.
-
-        Raises InputError for a closed surface, whose normals add to nothing.
-        """
-        where = f"surfaces.{item.name}.region"
-        chosen = self.chosen(where, item.region, tolerance)
-        points = cell_points(self.cells, chosen, ORDER)
-        signs = signs_of_side(where, self.name, self.cells, chosen, item.side)
-        normals = signs[points.cells, None] * self.cells.normals[points.cells]
-        along = self._along(points.weights @ normals / float(np.linalg.norm(points.weights @ normals)))
-        outline = outer_line(self.places, self.cells.corners[chosen])
-        if outline is None:
-            outline = rectangle_round(along, self.places[np.unique(self.cells.corners[chosen])])
-        return self.surface_of(item.name, points, normals, (along, outline), n_nodes)
-
-    def _along(self, normal: Floats) -> Floats:
-        """Directions [2, 3] along which what lies against a surface is measured."""
-        return frame_across(upwards(normal), self.places)[0]
+        chosen = self.chosen(f"surfaces.{item.name}.region", item.region, tolerance)
+        return side_surface(item, self.name, self.cells, chosen, self.facet_motion, n_nodes)
 
     def stresses(self, n_nodes: int) -> StressPlaces:
         """As `stresses_on_faces`. Raises InputError for smeared ribs, whose stresses are unknown."""

@@ -28,7 +28,7 @@ def signs_of_side(where: str, name: str, cells: FlatCells, chosen: Integers, sid
         whole = vectors[own].sum(axis=0)
         if np.linalg.norm(whole) < CLOSED * areas[own].sum():
             got = f"all of {name}, which is closed"
-            raise InputError(where, got=got, expected="a side of it", do="name a set")
+            raise InputError(where, got=got, expected="a side of it", do="name a set, or a box")
         signs[own] = np.sign(outwards(whole, side) @ whole)
     if not cells.two_sided:
         raise InputError(where, got=f"a side of {name}, which has only one, as a Moebius strip", expected="two")

@@ -24,6 +24,7 @@ from femstruct.model.probe import Point, StressPlaces, Surface
 from femstruct.model.region import Region, Side
 from femstruct.model.rows import flat_rows, mean_of_cells, sparse_rows
 from femstruct.model.structure import SurfaceOn
+from femstruct.parts.of_meshes.cell_surfaces import surface_at
 from femstruct.parts.of_meshes.cells_mesh import CLOSED, ORDER, CellsMesh, Words
 
 if TYPE_CHECKING:
@@ -117,7 +118,7 @@ class SolidMesh(CellsMesh):
         points = cell_points(facets, chosen, ORDER)
         corners = self.places[np.unique(self.cells.corners[chosen])]
         lies = frame_across(upwards(whole / np.linalg.norm(whole)), corners)
-        return self.surface_of(item.name, points, facets.normals[points.cells], lies, n_nodes)
+        return surface_at(item.name, points, facets.normals[points.cells], lies, self.facet_motion, n_nodes)
 
     def stresses(self, n_nodes: int) -> StressPlaces:
         """At every node, along global axes: the mean of the cells that meet there."""
