@@ -1,9 +1,11 @@
 """20 modes of a square plate and the proof that none is missing, against scipy's eigsh(K, 20, M, sigma=0) as it comes:
-of bfs16 elements and of quadrilaterals of shells; and the matrices of shell elements a second.
+of bfs16 elements and of quadrilaterals of shells; and how many elements a second are made and put together.
 
 CPU seconds, one BLAS thread (set OMP_NUM_THREADS=1 before the start), best of `rounds` taken in turns in one process,
 and the largest memory of each solver's modes in a process of its own. `modes` is everything: analysis, choice of the
-shift, factor, modes and count, with each of the sparse solvers at hand.
+shift, factor, modes and count, with each of the sparse solvers at hand. `assembled` is a whole model from its mesh to
+K and M. Of several divisions, time and memory are fitted as powers of the number of unknowns. eigsh is left out beyond
+200 divisions; 500 are a million unknowns of bfs16.
 
     OMP_NUM_THREADS=1 python scripts/bench_modes.py [divisions ...]
 """
@@ -20,12 +22,14 @@ import numpy as np
 from scipy.sparse import coo_array, csc_array
 from scipy.sparse.linalg import eigsh
 
+from femstruct import ImportedMesh, Material, Plate, Shell, Structure, assemble, mesh_structure
 from femstruct.arrays import Floats
 from femstruct.elements import plate, quad_shell, triangle_shell
 from femstruct.modal.solve import modes
 from femstruct.sparse.solvers import SOLVERS
 
 COUNT = 20
+MOST_BY_EIGSH = 200  # divisions
 
 
 def square_plate(n: int) -> tuple[csc_array, csc_array]:
@@ -95,6 +99,43 @@ def elements_per_second(count: int = 20_000, rounds: int = 3) -> dict[str, float
     return rates
 
 
+def assembled_per_second(n: int = 100, rounds: int = 2) -> dict[str, float]:
+    """Cells of n x n that are put together to K and M, per second of CPU, everything included: bfs16, equal and
+    distorted shells."""
+    steel = Material("steel", E=210e9, nu=0.3, rho=7850.0)
+    x, y = np.meshgrid(np.linspace(0.0, 1.0, n + 1), np.linspace(0.0, 1.0, n + 1), indexing="ij")
+    points = np.stack([x, y, 0.0 * x], axis=-1).reshape(-1, 3)
+    numbers = np.arange(len(points))
+    first = (np.arange(n)[:, None] * (n + 1) + np.arange(n)).ravel()
+    quads = {"quad4": np.stack([first, first + n + 1, first + n + 2, first + 1], axis=1)}
+    moved = points + np.random.default_rng(1).uniform(-0.2 / n, 0.2 / n, points.shape) * [1.0, 1.0, 0.0]
+    parts = {
+        "bfs16_cells": Plate("p", steel, 0.01, (0.0, 0.0, 0.0), (1.0, 1.0), (n, n)),
+        "equal_shells": Shell("p", ImportedMesh("p", points, numbers, quads, {"quad4": first}), steel, 0.01),
+        "distorted_shells": Shell("p", ImportedMesh("p", moved, numbers, quads, {"quad4": first}), steel, 0.01),
+    }
+    rates = {}
+    for name, part in parts.items():
+        model, best = mesh_structure(Structure("p", (part,))), np.inf
+        for _ in range(rounds):
+            start = time.process_time()
+            assemble(model)
+            best = min(best, time.process_time() - start)
+        rates[f"{name}_assembled_per_s"] = n**2 / best
+    return rates
+
+
+def powers(results: dict[str, float], divisions: tuple[int, ...]) -> dict[str, float]:
+    """Exponents of the number of unknowns in time and memory of each way, fitted to all divisions."""
+    found = {}
+    for key in [key for key in results if key.startswith(("modes_", "peak_mb")) and f"_{divisions[0]}" in key]:
+        family = [results.get(key.replace(f"_{divisions[0]}", f"_{n}"), np.nan) for n in divisions]
+        if len(divisions) > 1 and "error" not in key and np.isfinite(family).all():
+            slope = np.polyfit(np.log(np.square(divisions)), np.log(family), 1)[0]
+            found[key.replace(f"_{divisions[0]}", "") + "_power_of_unknowns"] = float(slope)
+    return found
+
+
 def largest_memory(structure: str, n: int, solver: str) -> float:
     """Peak memory [MB] of a process that solves for the modes of a structure of n x n; nan where Linux is not there."""
     status = Path("/proc/self/status")
@@ -111,7 +152,7 @@ def largest_memory(structure: str, n: int, solver: str) -> float:
 
 def main(divisions: tuple[int, ...] = (50, 100), rounds: int = 2) -> dict[str, float]:
     """CPU seconds of each way, their ratios and peak memory, by number of divisions."""
-    results: dict[str, float] = elements_per_second()
+    results: dict[str, float] = elements_per_second() | assembled_per_second()
     for n, build in ((n, build) for n in divisions for build in (square_plate, square_shell)):
         K, M = build(n)
         label = f"{build.__name__}_{n}"
@@ -119,7 +160,8 @@ def main(divisions: tuple[int, ...] = (50, 100), rounds: int = 2) -> dict[str, f
             f"modes_{solver}": lambda K=K, M=M, solver=solver: modes(K, M, count=COUNT, solver=solver).eigenvalues
             for solver in SOLVERS
         }
-        ways["eigsh"] = lambda K=K, M=M: eigsh(K, COUNT, M=M, sigma=0)[0]
+        if n <= MOST_BY_EIGSH:
+            ways["eigsh"] = lambda K=K, M=M: eigsh(K, COUNT, M=M, sigma=0)[0]
         best = dict.fromkeys(ways, np.inf)
         for _ in range(rounds):
             for name, way in ways.items():
@@ -129,9 +171,10 @@ def main(divisions: tuple[int, ...] = (50, 100), rounds: int = 2) -> dict[str, f
                 results[f"{name}_{label}_first_mode_error"] = abs(float(np.sqrt(values[0])) / (2.0 * np.pi**2) - 1.0)
         results |= {f"{name}_{label}_s": seconds for name, seconds in best.items()}
         for solver in SOLVERS:
-            results[f"eigsh_over_modes_{solver}_{label}"] = best["eigsh"] / best[f"modes_{solver}"]
+            if "eigsh" in best:
+                results[f"eigsh_over_modes_{solver}_{label}"] = best["eigsh"] / best[f"modes_{solver}"]
             results[f"peak_mb_{solver}_{label}"] = largest_memory(build.__name__, n, solver)
-    return results
+    return results | powers(results, divisions)
 
 
 if __name__ == "__main__":
