@@ -235,6 +235,22 @@ MODES: Final = (
         (Limit(0.02, "% of the peak", "6 % of the damage with a slope of 3", CHOSEN, "peaks.MISSED"),),
     ),
     Entry(
+        "random-damage-estimated",
+        "Damage under a random excitation is that of Dirlik's density of ranges.",
+        REMARK,
+        "'fatigue' has an S-N line and 'under'",
+        "Where it matters, simulate a history with this spectrum as a load and count its cycles.",
+        (
+            Limit(
+                0.2,
+                "% of the damage",
+                "it is so much low for peaks far apart, slope 5",
+                "tests/analytic/test_fatigue.py",
+                "vibrations.DIRLIK_LOW",
+            ),
+        ),
+    ),
+    Entry(
         "change-not-converged",
         "The change of a peak against the baseline depends on the modes that are left out.",
         LIMITS,

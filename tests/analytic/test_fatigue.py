@@ -13,8 +13,17 @@ from femstruct import read_results, read_study, run_study, write_results
 from femstruct.errors import InputErrors
 from femstruct.files.tables.study_tables import summary
 from femstruct.impact.result.fatigue import counted, counted_on_planes, rainflow_cycles
+from femstruct.impact.result.spectral_fatigue import expected
 
 MODEL = "structure: {type: oscillator, mass: 2 kg, frequency: 40 Hz}\npoints: {m: {}}\ndamping: {ratio: 2 %}\n"
+BAR = """
+materials: {steel: {E: 210 GPa, nu: 0.3, rho: 7850}}
+sections: {flat: {shape: rectangle, width: 20 mm, height: 10 mm}}
+parts: {bar: {type: frame, material: steel, section: flat, lines: [[[0, 0, 0], [1, 0, 0]]], mesh: 100 mm}}
+points: {foot: {on: bar, at: [0, 0, 0]}, tip: {on: bar, at: [1, 0, 0]}}
+supports: {wall: {at: foot, fix: clamped}}
+damping: {ratio: 0.1 %}
+"""
 STUDY = """
 model: model.yaml
 initial: {velocity: {m.z: 1 m/s}}
@@ -114,17 +123,7 @@ def test_samples_that_miss_the_peaks_are_a_finding(tmp_path: Path) -> None:
 def test_the_stress_of_a_part_is_counted_where_it_is_largest(tmp_path: Path) -> None:
     """A cantilever that swings in its first mode is stressed at the wall by M / W, with the sign of its bending: twice
     as wide a range as the equivalent stress, which has none."""
-    (tmp_path / "bar.yaml").write_text(
-        """
-materials: {steel: {E: 210 GPa, nu: 0.3, rho: 7850}}
-sections: {flat: {shape: rectangle, width: 20 mm, height: 10 mm}}
-parts: {bar: {type: frame, material: steel, section: flat, lines: [[[0, 0, 0], [1, 0, 0]]], mesh: 100 mm}}
-points: {foot: {on: bar, at: [0, 0, 0]}, tip: {on: bar, at: [1, 0, 0]}}
-supports: {wall: {at: foot, fix: clamped}}
-damping: {ratio: 0.1 %}
-""",
-        encoding="utf-8",
-    )
+    (tmp_path / "bar.yaml").write_text(BAR, encoding="utf-8")
     path = tmp_path / "bar.study.yaml"
     path.write_text(
         """
@@ -159,3 +158,65 @@ def test_mistakes_have_their_line(old: str, new: str, told: str, tmp_path: Path)
         read_study(written(tmp_path, old, new))
     assert told in str(refused.value)
     assert "rings.study.yaml:6:" in str(refused.value)
+
+
+def noise(f: np.ndarray, psd: np.ndarray, duration: float, rate: float = 1000.0) -> np.ndarray:
+    """A history of sines of random phase with a power spectral density."""
+    count = round(duration * rate)
+    lines = np.fft.rfftfreq(count, 1.0 / rate)
+    level = np.interp(lines, f, psd, left=0.0, right=0.0)
+    phases = np.exp(2j * np.pi * np.random.default_rng(5).uniform(size=len(lines)))
+    return np.fft.irfft(np.sqrt(level / (2.0 * duration)) * phases) * count
+
+
+@pytest.mark.parametrize(("humps", "errs"), [("one", (0.02, 0.02)), ("flat", (0.08, 0.1)), ("two", (0.09, 0.2))])
+def test_random_cycles_are_those_that_are_counted_in_time(humps: str, errs: tuple[float, float]) -> None:
+    """Dirlik's density against rainflow cycles of 2000 s of noise, slopes of 3 and 5: off by 0 and 0 % for one hump, -6 and
+    -8 % for a flat spectrum, -6 and -14 % for two humps. Whatever the density, the mean range follows from the path of the
+    history: 2 sqrt(pi / 2) times the standard deviation and the irregularity."""
+    f = np.linspace(1.0, 60.0, 1201)
+    two = np.exp(-(((f - 8.0) / 2.0) ** 2)) + 0.6 * np.exp(-(((f - 40.0) / 4.0) ** 2))
+    psd = {"one": np.exp(-(((f - 30.0) / 6.0) ** 2)), "flat": np.ones_like(f), "two": two}[humps]
+    history = noise(f, psd, 2000.0)
+    cycles = rainflow_cycles(history)
+    assert history.std() == pytest.approx(np.sqrt(np.trapezoid(psd, f)), rel=1e-3)  # of the interpolation
+    for slope, err in zip((3.0, 5.0), errs, strict=True):
+        line = fs.SNLine(20.0, slope=slope)
+        found = expected("a", "N", psd, f, 2000.0, line)
+        assert found.damage == pytest.approx(cycles.damage(line), rel=err)
+    assert found.cycles == pytest.approx(cycles.counts.sum(), rel=5e-3)  # of one record
+    assert found.largest == pytest.approx(cycles.ranges.max(), rel=0.1)  # of one record
+    path = np.sqrt(np.pi / 2) * np.trapezoid(f**2 * psd, f) / np.sqrt(np.trapezoid(f**4 * psd, f))
+    linear = expected("a", "N", psd, f, 2000.0, fs.SNLine(1.0, at=1.0, slope=1.0))
+    assert linear.damage / linear.cycles == pytest.approx(2.0 * path, rel=3e-3)  # Dirlik has 1.25 for sqrt(pi / 2)
+
+
+RANDOM = """
+model: bar.yaml
+modes: {up_to: 800 Hz}
+record: {bar: stress, wall: force, tip.z: displacement}
+vibration: {shaker: {base: z, psd: 0.1 g^2/Hz, band: [2 Hz, 200 Hz], duration: 3600 s}}
+fatigue:
+  root: {of: bar stress, under: shaker, sn: {category: 71 MPa}}
+  bolts: {of: wall force, under: shaker, sn: {range: 100 N, slope: 5}}
+"""
+
+
+def test_a_random_excitation_in_a_study(tmp_path: Path) -> None:
+    (tmp_path / "bar.yaml").write_text(BAR, encoding="utf-8")
+    path = tmp_path / "bar.study.yaml"
+    path.write_text(RANDOM, encoding="utf-8")
+    case = run_study(read_study(path)).cases["as given"]
+    one, bolts, root = case.vibration["shaker"], case.fatigue["bolts"], case.fatigue["root"]
+    force = one.answers["wall force"]
+    by_hand = expected("f", "N", force.psd, force.frequency_hz, 3600.0, fs.SNLine(100.0, slope=5.0))
+    assert bolts.damage == pytest.approx(by_hand.damage, rel=1e-12)  # rounding
+    stress = one.answers["bar stress"]
+    line = fs.SNLine(71e6, category=True)
+    axial = expected("s", "Pa", stress.psd, stress.frequency_hz, 3600.0, line)  # bending: the shear beside it is small
+    assert root.damage == pytest.approx(axial.damage, rel=0.02)  # of that shear, to the fifth power
+    assert "normal to (1, 0, 0)" in root.on
+    assert [one.code for one in case.findings].count("random-damage-estimated") == 2
+    path.write_text(RANDOM.replace("under: shaker, sn: {range", "under: shaken, sn: {range"), encoding="utf-8")
+    with pytest.raises(InputErrors, match=r"fatigue.bolts.under: got 'shaken'"):
+        read_study(path)

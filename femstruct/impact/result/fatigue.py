@@ -119,10 +119,9 @@ def counted_on_planes(
     stresses [c, nt] [Pa] : components at one place. On a face planes stand on it, 5 degrees apart; in a solid they are
     spread over all directions. The worst has the most damage; without an S-N line the largest range.
     """
-    normals = _in_plane() if set(components) <= {"xx", "yy", "xy"} else _anywhere()
+    normals = normals_of(components)
     worst: tuple[float, int, Cycles] | None = None
-    weights = np.array([[_weight(n, name) for name in components] for n in normals])
-    for number, history in enumerate(weights @ stresses):
+    for number, history in enumerate(plane_weights(normals, components) @ stresses):
         cycles = rainflow_cycles(history)
         size = float(cycles.ranges.max(initial=0.0)) if line is None else cycles.damage(line)
         if worst is None or size > worst[0]:
@@ -138,6 +137,16 @@ def _told(channel: str, unit: str, cycles: Cycles, line: SNLine | None, on: str)
     which = np.minimum(np.searchsorted(ends, cycles.ranges * (1.0 - 1e-12)), BINS - 1)
     counts = np.bincount(which, weights=cycles.counts, minlength=BINS).astype(np.float64)
     return Fatigue(channel, unit, ends, counts, largest, None if line is None else cycles.damage(line), on)
+
+
+def normals_of(components: tuple[str, ...]) -> Floats:
+    """Normals of the planes that are looked at where a stress has these components [n, 3]."""
+    return _in_plane() if set(components) <= {"xx", "yy", "xy"} else _anywhere()
+
+
+def plane_weights(normals: Floats, components: tuple[str, ...]) -> Floats:
+    """Normal stresses on planes from components of a stress [n, c]."""
+    return np.array([[_weight(one, name) for name in components] for one in normals])
 
 
 def _weight(normal: Floats, name: str) -> float:

@@ -82,18 +82,33 @@ class SNSpec(Spec):
 
 class FatigueSpec(Spec):
     """Rainflow cycles of a recorded channel, of: TARGET QUANTITY, and the damage they do. Of a stress it is the normal
-    stress on the worst plane at the place that is stressed most."""
+    stress on the worst plane at the place that is stressed most. Of the history in time or, under: NAME, on the average
+    in the duration of a random excitation of 'vibration'."""
 
     makes = FatigueRequest
     of: Annotated[Text, Refers()]
     sn: SNSpec | None = None
+    under: Annotated[Text, Refers()] | None = None
 
-    def check_in(self, here: Here, records: Mapping[str, Collection[str]], time: TimeSpec | None) -> None:
-        """Note what is wrong with its channel and its S-N line."""
+    def given(self) -> dict[str, Any]:
+        return {**super().given(), "under": self.under or ""}
+
+    def check_in(
+        self,
+        here: Here,
+        records: Mapping[str, Collection[str]],
+        time: TimeSpec | None,
+        random: Collection[str],
+    ) -> None:
+        """Note what is wrong with its channel and its S-N line. random : excitations that have a psd and a duration."""
         known = [f"{target} {what}" for target, wanted in records.items() for what in wanted]
         expected = "a recorded channel, such as 'brace force' of 'record: {brace: force}'"
         do = "add 'time: {duration: 1 s, sampling: 48 kHz}'"
-        here.need(time is not None, "no time", "a history to count", do)
+        if self.under is None:
+            here.need(time is not None, "no time", "a history to count", f"{do} or 'under: EXCITATION'")
+        else:
+            expected_of = "an excitation of 'vibration' with 'psd' and 'duration'"
+            here.at("under").need(self.under in random, f"'{self.under}'", expected_of, nearest(self.under, random))
         if not here.at("of").need(self.of in known, f"'{self.of}'", expected, nearest(self.of, known)):
             return
         if self.sn is None:

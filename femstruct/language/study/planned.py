@@ -35,8 +35,9 @@ def check_study(study: StudySpec, here: Here, model: ModelSpec) -> None:
         request.check_in(here.at("frf", name), study.rooms)
     for name, shock in study.shock_spectra.items():
         shock.check_in(here.at("shock_spectra", name), study.record, study.time)
+    random = [name for name, one in study.vibration.items() if one.psd is not None and one.duration is not None]
     for name, one in study.fatigue.items():
-        one.check_in(here.at("fatigue", name), study.record, study.time)
+        one.check_in(here.at("fatigue", name), study.record, study.time, random)
     for name, excitation in study.vibration.items():
         excitation.check_in(here.at("vibration", name), study.record, study.rooms)
     sizes = array_sizes(study.bodies, here.names)

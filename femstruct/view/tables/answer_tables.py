@@ -45,8 +45,9 @@ def vibration(result: StudyResult) -> Grid:
 
 def fatigue(result: StudyResult) -> Grid:
     """A row for every channel whose cycles are counted and every case."""
-    columns = ("", "case", "of", "cycles", "largest range", "damage", "records to failure", "where")
-    grid = Grid("fatigue: rainflow cycles and Miner's damage of one record, without partial factors", columns, keys=2)
+    columns = ("", "case", "of", "cycles", "largest range", "damage", "of these to failure", "where")
+    title = "fatigue: rainflow cycles and Miner's damage of one record or duration, no partial factors"
+    grid = Grid(title, columns, keys=2)
     for case_name, case in result.cases.items():
         for name, one in case.fatigue.items():
             factor, unit = scaled(one.unit, one.largest)

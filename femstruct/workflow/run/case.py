@@ -9,6 +9,7 @@ from acoustics.errors import Advice
 from femstruct.errors import Finding
 from femstruct.findings.catalogue import ranked
 from femstruct.impact.closer import last_mode_hz
+from femstruct.impact.result.fatigue import Fatigue
 from femstruct.impact.result.response import Response
 from femstruct.impact.result.shares import mode_energies
 from femstruct.modal.basis import ModalBasis
@@ -38,7 +39,7 @@ from femstruct.workflow.stages.responses import frequency_response
 from femstruct.workflow.stages.room_transfers import RoomTransfers
 from femstruct.workflow.stages.sound_energies import sound_energies
 from femstruct.workflow.stages.stresses import stress_findings
-from femstruct.workflow.stages.vibrations import vibrations
+from femstruct.workflow.stages.vibrations import random_fatigues, vibrations
 
 
 def run_case(
@@ -78,7 +79,7 @@ def run_case(
             findings += uneven
     whole: Struck | None = None
     radiated: dict[str, Radiated] = {}
-    channels, shares, drops, rated = {}, None, {}, {}
+    channels, shares, drops, rated, cycles = {}, None, {}, {}, dict[str, Fatigue]()
     if study.time is not None:
         refuse_absent_forces(study, basis)
         timed = partial(clock, case=case.name)
@@ -91,6 +92,7 @@ def run_case(
         with clock("levels", case.name):
             shares = mode_energies(whole.response)
             channels = record(study, own.places, whole.response, whole.rooms)
+            cycles = fatigues(study, channels, own.places, whole.response)
             findings += _of_records(study, own.places, basis, whole.response, channels)
         if any(plan.room.open_air is not None for plan in study.rooms):
             with clock("sound energy", case.name):
@@ -121,7 +123,7 @@ def run_case(
         heard=NO_OWN_SOUND if whole is None else whole.heard,
         shock=shock_spectra(study, channels),
         vibration=vibrated,
-        fatigue={} if whole is None else fatigues(study, channels, own.places, whole.response),
+        fatigue={**cycles, **random_fatigues(study, vibrated, own.places, basis)},
     )
 
 

@@ -39,13 +39,13 @@ def shock_spectra(study: Study, channels: Mapping[str, Channel]) -> dict[str, Sh
 
 
 def fatigues(study: Study, channels: Mapping[str, Channel], places: Places, response: Response) -> dict[str, Fatigue]:
-    """Rainflow cycles of the channels that a study asks for, by name.
+    """Rainflow cycles of the histories that a study asks for, by name.
 
     Of a stress the components at the place where the part is stressed most are counted: the recorded history, which is
     the largest equivalent stress anywhere, has no sign.
     """
     found: dict[str, Fatigue] = {}
-    for request in study.fatigue:
+    for request in (one for one in study.fatigue if not one.under):
         channel = channels[request.of]
         if channel.stressed is not None:
             part = request.of.rpartition(" ")[0]
@@ -60,7 +60,7 @@ def fatigues(study: Study, channels: Mapping[str, Channel], places: Places, resp
 
 def fatigue_findings(study: Study, channels: Mapping[str, Channel]) -> Iterator[Finding]:
     """Histories whose cycles are counted and whose peaks the samples miss."""
-    for request in study.fatigue:
+    for request in (one for one in study.fatigue if not one.under):
         yield from _missed(request, channels[request.of], study.peaks.lowpass_hz is not None)
 
 

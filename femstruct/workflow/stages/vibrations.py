@@ -2,20 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Final
 
 import numpy as np
 
 from femstruct.arrays import Floats
-from femstruct.errors import Finding, InputError
+from femstruct.errors import Finding, InputError, some_of
+from femstruct.impact.result.fatigue import Fatigue
+from femstruct.impact.result.spectral_fatigue import expected, expected_on_planes
 from femstruct.modal.basis import ModalBasis
 from femstruct.modal.frf import moves
 from femstruct.modal.outputs import AXES
 from femstruct.modal.steady.answers import HarmonicAnswer, MovedMass, RandomAnswer, Vibrated, random_answer
 from femstruct.modal.steady.excitation import Excitation, Looked, force, motion, moving_base, pushing, transfers
 from femstruct.modal.steady.resonant_lines import resonant_lines
-from femstruct.modal.steady.steady_stresses import harmonic_stress, random_stress
+from femstruct.modal.steady.steady_stresses import harmonic_stress, random_stress, stress_components
 from femstruct.modal.superposition import Complex
 from femstruct.study.asked import Spot
 from femstruct.study.result import LargestStress
@@ -27,6 +29,7 @@ from femstruct.workflow.stages.stresses import judged, stress_findings
 
 ON_THE_BASE: Final = " relative to the base"
 """Ends the names of answers that leave out the motion of the base."""
+DIRLIK_LOW: Final = 0.2  # of the damage of counted cycles, slope 5
 _TURNING: Final = {"m": "rad", "m/s": "rad/s", "m/s^2": "rad/s^2"}
 _SAME: Final = 1e-3  # of a frequency: that to which modes are counted is just below the one asked for
 _MOVES: Final = 1e-9  # the share of the motion of a base that is rounding of direction cosines
@@ -45,7 +48,17 @@ def vibrations(study: Study, places: Places, basis: ModalBasis) -> tuple[dict[st
     for one in study.vibration:
         found[one.name], uneven = _vibrated(one, study, places, basis)
         told += uneven
+    told += [_by_dirlik(one.name) for one in study.fatigue if one.under and one.sn is not None]
     return found, told
+
+
+def _by_dirlik(name: str) -> Finding:
+    return Finding(
+        "random-damage-estimated",
+        f"{name}: its damage has Dirlik's density of ranges, which is up to {100 * DIRLIK_LOW:.0f} % low where a spectrum "
+        "has peaks far apart. To count it, simulate a history with this spectrum as a load",
+        {"low": DIRLIK_LOW},
+    )
 
 
 def excited(one: Vibration, places: Places, basis: ModalBasis) -> Excitation:
@@ -134,7 +147,37 @@ def _stress(
     if one.what == "harmonic":
         return HarmonicAnswer("Pa", lines, found.along.astype(np.complex128), stressed.where), stressed
     rms = float(found.largest.max())
-    return RandomAnswer("Pa", lines, found.along, rms, where=stressed.where), stressed
+    return RandomAnswer("Pa", lines, found.along, rms, where=stressed.where, place=stressed.worst), stressed
+
+
+def random_fatigues(
+    study: Study, found: Mapping[str, Vibrated], places: Places, basis: ModalBasis
+) -> dict[str, Fatigue]:
+    """Cycles that random excitations make on the average in their durations, by the names a study has for them.
+
+    Raises InputError for an excitation that is not random or has no duration, and for what does not answer it.
+    """
+    told: dict[str, Fatigue] = {}
+    excitations = {one.name: one for one in study.vibration}
+    for request in (one for one in study.fatigue if one.under):
+        where, of, sn = f"fatigue.{request.name}", request.of, request.sn
+        one = excitations.get(request.under)
+        if one is None or one.what != "psd" or one.duration is None:
+            got, wanted = f"'{request.under}'", "the name of a random excitation with a duration"
+            raise InputError(f"{where}.under", got=got, expected=wanted)
+        answer, level = found[one.name].answers.get(of), found[one.name].excitation
+        if not isinstance(answer, RandomAnswer):
+            raise InputError(f"{where}.of", got=f"'{of}'", expected=f"one of {some_of(found[one.name].answers)}")
+        lines = answer.frequency_hz
+        if of.endswith(f" {STRESS}"):
+            rows = places.stresses(of.removesuffix(f" {STRESS}"), f"{where}.of").at(answer.place)
+            stresses = stress_components(basis, excited(one, places, basis), rows, 0, lines)
+            told[request.name] = expected_on_planes(
+                of, stresses, rows.components, level, lines, one.duration, sn, answer.where
+            )
+        else:
+            told[request.name] = expected(of, answer.unit, answer.psd, lines, one.duration, sn)
+    return told
 
 
 def _moved(basis: ModalBasis, axis: int) -> MovedMass:

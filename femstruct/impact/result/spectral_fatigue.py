@@ -1,0 +1,101 @@
+"""Fatigue under random excitations: how many cycles of which range a power spectral density makes on the average."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+
+from femstruct.arrays import Floats
+from femstruct.impact.result.fatigue import BINS, Fatigue, SNLine, normals_of, plane_weights
+
+FARTHEST: Final = 12.0  # standard deviations: beyond them are 1e-31 of all cycles
+_STEPS: Final = 6001
+_NARROW: Final = 1e-6  # a process whose irregularity is this near to 1 has Rayleigh's amplitudes
+
+
+def expected(
+    channel: str,
+    unit: str,
+    psd: Floats,
+    frequency_hz: Floats,
+    duration: float,
+    line: SNLine | None,
+    on: str = "",
+) -> Fatigue:
+    """Rainflow cycles that a stationary Gaussian process makes on the average in a duration [s].
+
+    psd [nf] : one-sided [unit^2/Hz] at frequency_hz [nf].
+
+    Notes
+    -----
+    The ranges have Dirlik's density, which was fitted to rainflow counts of simulated processes: T. Dirlik, Application
+    of Computers in Fatigue Analysis, University of Warwick (1985). `largest` is the range that is exceeded once. Beside
+    counts of 2000 s of simulated noise the damage with slopes of 3 and 5 is right for one hump in the spectrum, 6 and
+    8 % low for a flat one, and up to 20 % low for two humps far apart.
+
+    One frequency band of 1 Hz at 100 Hz with a standard deviation of 10 MPa, for 1000 s: 100 000 cycles, as good as all
+    with Rayleigh's amplitudes, whose mean cube is 3 sqrt(pi / 2) sigma^3:
+
+    >>> lines = np.linspace(99.5, 100.5, 201)
+    >>> found = expected("weld", "Pa", np.full(201, 1e14), lines, 1e3, SNLine(100e6, at=2e6))
+    >>> rayleigh = 1e5 / 2e6 * 0.2**3 * 3 * float(np.sqrt(np.pi / 2))
+    >>> round(found.cycles, -3), round(found.damage / rayleigh, 2)
+    (100000.0, 1.0)
+    """
+    m0, m1, m2, m4 = (float(np.trapezoid(frequency_hz**n * psd, frequency_hz)) for n in (0, 1, 2, 4))
+    if not m0 > 0.0:
+        return Fatigue(channel, unit, np.zeros(BINS), np.zeros(BINS), 0.0, None if line is None else 0.0, on)
+    deviation, count = np.sqrt(m0), np.sqrt(m4 / m2) * duration
+    z = np.linspace(0.0, FARTHEST, _STEPS)
+    density = _dirlik(z, m1 / m0 * np.sqrt(m2 / m4), m2 / np.sqrt(m0 * m4))
+    below = np.concatenate([[0.0], np.cumsum(0.5 * (density[1:] + density[:-1]) * np.diff(z))])
+    above = count * np.maximum(below[-1] - below, 0.0)
+    largest = float(2.0 * deviation * z[int(np.argmax(above <= 1.0))])
+    ends = largest * np.arange(1, BINS + 1) / BINS
+    passed = np.interp(ends, 2.0 * deviation * z, count * below)
+    counts = np.diff(np.concatenate([[0.0], passed[:-1], [count * below[-1]]]))
+    damage = None
+    if line is not None:
+        rate = np.divide(density, line.endured(2.0 * deviation * z), out=np.zeros_like(z), where=z > 0.0)
+        damage = float(count * np.trapezoid(rate, z))
+    return Fatigue(channel, unit, ends, counts, largest, damage, on)
+
+
+def expected_on_planes(
+    channel: str,
+    stresses: np.ndarray,
+    components: tuple[str, ...],
+    psd: Floats,
+    frequency_hz: Floats,
+    duration: float,
+    line: SNLine | None,
+    place: str,
+) -> Fatigue:
+    """The same of the normal stress on the worst of many planes at one place.
+
+    stresses [c, nf] : complex components per unit of what excites [Pa]; psd [nf] : of that.
+    """
+    normals = normals_of(components)
+    squares = np.abs(plane_weights(normals, components) @ stresses) ** 2 * psd
+    found = [expected(channel, "Pa", one, frequency_hz, duration, line) for one in squares]
+    sizes = [one.largest if one.damage is None else one.damage for one in found]
+    worst = int(np.argmax(sizes))
+    one, (x, y, z) = found[worst], normals[worst].round(2) + 0.0
+    on = f"{place}, normal to ({x:g}, {y:g}, {z:g}) in local axes"
+    return Fatigue(channel, "Pa", one.ranges, one.counts, one.largest, one.damage, on)
+
+
+def _dirlik(z: Floats, mean: float, irregularity: float) -> Floats:
+    """Dirlik's density of amplitudes over standard deviations. mean : mean frequency over that of the peaks."""
+    g = irregularity
+    rayleigh = z * np.exp(-(z**2) / 2.0)
+    if 1.0 - g < _NARROW:
+        return rayleigh
+    d1 = 2.0 * (mean - g**2) / (1.0 + g**2)
+    r = (g - mean - d1**2) / (1.0 - g - d1 + d1**2)
+    d2 = (1.0 - g - d1 + d1**2) / (1.0 - r)
+    d3 = 1.0 - d1 - d2
+    q = 1.25 * (g - d3 - d2 * r) / d1
+    found: Floats = d1 / q * np.exp(-z / q) + d2 * z / r**2 * np.exp(-(z**2) / (2.0 * r**2)) + d3 * rayleigh
+    return found
