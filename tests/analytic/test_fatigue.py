@@ -171,9 +171,9 @@ def noise(f: np.ndarray, psd: np.ndarray, duration: float, rate: float = 1000.0)
 
 @pytest.mark.parametrize(("humps", "errs"), [("one", (0.02, 0.02)), ("flat", (0.08, 0.1)), ("two", (0.09, 0.2))])
 def test_random_cycles_are_those_that_are_counted_in_time(humps: str, errs: tuple[float, float]) -> None:
-    """Dirlik's density against rainflow cycles of 2000 s of noise, slopes of 3 and 5: off by 0 and 0 % for one hump, -6 and
-    -8 % for a flat spectrum, -6 and -14 % for two humps. Whatever the density, the mean range follows from the path of the
-    history: 2 sqrt(pi / 2) times the standard deviation and the irregularity."""
+    """Dirlik's density against rainflow cycles of 2000 s of noise, slopes of 3 and 5: 0 and 0 % off for one hump, -6
+    and -8 % for a flat spectrum, -6 and -14 % for two humps. Whatever the density, the mean range follows from the path
+    of the history: 2 sqrt(pi / 2) times the standard deviation and the irregularity."""
     f = np.linspace(1.0, 60.0, 1201)
     two = np.exp(-(((f - 8.0) / 2.0) ** 2)) + 0.6 * np.exp(-(((f - 40.0) / 4.0) ** 2))
     psd = {"one": np.exp(-(((f - 30.0) / 6.0) ** 2)), "flat": np.ones_like(f), "two": two}[humps]

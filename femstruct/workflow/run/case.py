@@ -64,7 +64,7 @@ def run_case(
         )
     findings = [*judged_before, *(accuracy_findings(accuracy) if accuracy is not None else ())]
     told: list[tuple[str, Advice | Finding]] = []
-    vacuo = basis
+    vacuo, vibrated = basis, dict[str, Vibrated]()
     if any(plan.coupling == "two-way" for plan in study.rooms):
         with clock("coupling", case.name):
             basis, found_of_air = coupled(vacuo, study.rooms, own.places)
@@ -72,7 +72,6 @@ def run_case(
     with clock("frf", case.name):
         responses, advised = _responses(study, own.places, basis)
         told += advised
-    vibrated: dict[str, Vibrated] = {}
     if study.vibration:
         with clock("vibration", case.name):
             vibrated, uneven = vibrations(study, own.places, basis)

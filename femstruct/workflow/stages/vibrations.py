@@ -55,8 +55,8 @@ def vibrations(study: Study, places: Places, basis: ModalBasis) -> tuple[dict[st
 def _by_dirlik(name: str) -> Finding:
     return Finding(
         "random-damage-estimated",
-        f"{name}: its damage has Dirlik's density of ranges, which is up to {100 * DIRLIK_LOW:.0f} % low where a spectrum "
-        "has peaks far apart. To count it, simulate a history with this spectrum as a load",
+        f"{name}: its damage has Dirlik's density of ranges, which is up to {100 * DIRLIK_LOW:.0f} % low where a "
+        "spectrum has peaks far apart. To count it, simulate a history with this spectrum as a load",
         {"low": DIRLIK_LOW},
     )
 
