@@ -132,7 +132,8 @@ PICTURES = {
 @pytest.mark.parametrize("script", KEPT)
 def test_scripts_keep_their_numbers(script: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
-    found = runpy.run_path(str(SCRIPTS / script))["main"]()
+    coarse = {"02_three_bodies.py": (24,)}  # points along an edge of its maps, which no number is read from
+    found = runpy.run_path(str(SCRIPTS / script))["main"](*coarse.get(script, ()))
     for name, (value, within) in KEPT[script].items():
         assert found[name] == pytest.approx(value, abs=within), name
     assert {path.name for path in (tmp_path / "results").iterdir() if path.stat().st_size > 10_000} == PICTURES[script]
