@@ -23,6 +23,7 @@ from femstruct.files.results_file.seal import LENGTH, seal
 from femstruct.files.results_file.stored import read_results
 from femstruct.files.tables.study_tables import summary
 from femstruct.language import read_study
+from femstruct.modal.basis import ForceRow
 from femstruct.model.probe import Probe
 from femstruct.view.report import report
 from femstruct.workflow.run.run import run_study
@@ -156,6 +157,16 @@ def test_nouns_of_a_package_that_adds_some_are_read(result, tmp_path, monkeypatc
         read_results(tmp_path / "outer.h5")
     monkeypatch.setattr(nouns, "entry_points", lambda group: [EntryPoint("thing", "outer_part:Thing", group)])
     assert read_results(tmp_path / "outer.h5").verdicts == {"thing": thing}
+
+
+def test_a_field_that_an_older_file_lacks_has_its_default():
+    """Files are read that were written before a noun had a field: its default is made as when the noun is made."""
+    tables = nouns.stored(ForceRow(np.array([1.0]), np.array([2.0]), np.array([3.0])), keep=lambda array: None)
+    for one in tables.nouns:
+        one.pop("carried", None)
+    made = nouns.restored(tables, fetch=lambda place: None)
+    np.testing.assert_array_equal(made.carried, np.zeros(3))
+    np.testing.assert_array_equal(made.damping, [2.0])
 
 
 def test_only_nouns_are_read(result, path, tmp_path):
