@@ -6,9 +6,20 @@ from typing import Final
 
 from femstruct.findings.entry import CHOSEN, FORBIDS, LIMITS, REMARK, Entry, Limit
 
+_STRIPS: Final = "three-dimensional solids, tests/analytic/test_plates_that_stretch.py"
 _MINDLIN: Final = "estimated as of a Mindlin plate, doi:10.1115/1.4010217"
 
 MODES: Final = (
+    Entry(
+        "wide-ribs",
+        "Ribs that are fastened along lines are wide beside the plate between them.",
+        REMARK,
+        "a plate between ribs is so much narrower than between their lines that its frequencies are too low by more "
+        "than the threshold, if the ribs do not turn",
+        "Nothing, where the ribs bend with the plate, as in the first modes of a floor. Where modes of the plate "
+        "between ribs count, use plates or solids for ribs.",
+        (Limit(0.05, "of a frequency", "the bound; ribs that turn leave a third of it", _STRIPS, "wide_ribs.NOTABLE"),),
+    ),
     Entry(
         "coarse-mesh",
         "The mesh has too few cells or bars for the waves at the highest frequency.",

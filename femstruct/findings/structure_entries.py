@@ -230,7 +230,7 @@ STRUCTURE: Final = (
         REMARK,
         "a layer 'whole' fills less than the whole side of the smaller part",
         "Check the positions of both parts.",
-        (Limit(0.999, "of the side", "less is more than rounding", CHOSEN, "overhang.WHOLE"),),
+        (Limit(0.999, "of the side", "less is more than rounding", CHOSEN, "arrangement.WHOLE"),),
     ),
     Entry(
         "eccentric-bars",

@@ -171,7 +171,7 @@ def test_a_field_that_an_older_file_lacks_has_its_default():
 
 def test_only_nouns_are_read(result, path, tmp_path):
     """A file can name no class and no function of another package, and no class here that is no noun."""
-    for name, told in (("os:system", "install the package 'os'"), ("femstruct.cli:Path", "a noun")):
+    for name, told in (("os:system", "install the package 'os'"), ("femstruct.exits:Path", "a noun")):
         changed = tmp_path / "changed.h5"
         changed.write_bytes(path.read_bytes())
         with h5py.File(changed, "r+") as file:

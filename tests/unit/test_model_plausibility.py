@@ -20,7 +20,7 @@ from femstruct.model.region import Region
 from femstruct.model.section import Section, circle, rectangle, tube
 from femstruct.model.structure import Structure, Support
 from femstruct.parts.block import Block
-from femstruct.parts.findings.overhang import overhang_findings
+from femstruct.parts.findings.arrangement import overhang_findings
 from femstruct.parts.findings.theory import model_findings
 from femstruct.parts.foundation import Foundation
 from femstruct.parts.frame import Frame

@@ -16,16 +16,16 @@ from femstruct.model.material import Material
 from femstruct.model.model import Model
 from femstruct.model.structure import Structure
 from femstruct.parts.findings.arched import arched_findings
-from femstruct.parts.findings.arrangement import arrangement_findings
+from femstruct.parts.findings.arrangement import arrangement_findings, overhang_findings
 from femstruct.parts.findings.connections import pieces
 from femstruct.parts.findings.eccentric import eccentric_findings
 from femstruct.parts.findings.folded import folded_findings
 from femstruct.parts.findings.layer_losses import layer_loss_findings
-from femstruct.parts.findings.overhang import overhang_findings
 from femstruct.parts.findings.reduced_band import reduced_findings
 from femstruct.parts.findings.theory import model_findings
 from femstruct.parts.findings.twice import twice_findings
 from femstruct.parts.findings.waves import mesh_findings
+from femstruct.parts.findings.wide_ribs import wide_rib_findings
 from femstruct.parts.plausibility import material_findings, plausibility_findings
 from femstruct.study.structures import RodModel, StructureModel
 from femstruct.study.study import Study
@@ -85,6 +85,7 @@ def structure_findings_before(
         found += arrangement_findings(model, _joined(model, studies), any(weighs(study) for study in studies))
         found += eccentric_findings(model)
         found += arched_findings(model)
+        found += wide_rib_findings(model)
         found += constraint_findings(model)
         if up_to_hz is not None:
             found += _of_frequencies(model, up_to_hz)
