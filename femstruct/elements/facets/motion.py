@@ -12,6 +12,8 @@ all w, all beta_x, all beta_y, all u, all v, all RZ.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from femstruct.arrays import Floats
@@ -62,22 +64,41 @@ def in_plane_rows(at: Floats, of_sides: Floats) -> Floats:
 
 
 def in_plane_inertia(products: Floats, of_sides: Floats, m0: Floats, m2: Floats) -> Floats:
-    """Mass of u and v and rotary inertia of RZ: [n, 3 k, 3 k] with all u, all v, all RZ.
+    """Mass of u and v and rotary inertia of RZ: [n, 3 k, 3 k] with all u, all v, all RZ, exactly symmetric.
 
     products [n, 2 k, 2 k] : integrals of products of shape functions [m^2]; of_sides : `side_displacements`; m0, m2 [n]
     : mass [kg/m^2] and rotary inertia [kg] per area.
     """
     count = of_sides.shape[-1]
-    translation = m0[:, None, None] * products
     matrices = np.zeros((len(products), 3, count, 3, count))
-    matrices[:, 2, :, 2] = m2[:, None, None] * products[:, :count, :count]
-    for component, of in enumerate(of_sides):
-        with_rotations = translation[:, :, count:] @ of
-        matrices[:, component, :, component] = translation[:, :count, :count]
-        matrices[:, component, :, 2] = with_rotations[:, :count]
-        matrices[:, 2, :, component] = with_rotations[:, :count].swapaxes(1, 2)
-        matrices[:, 2, :, 2] += of.swapaxes(1, 2) @ with_rotations[:, count:]
+    _in_plane(matrices, products, _of_bows(products, of_sides, m0), m0, m2)
     return symmetric(matrices.reshape(-1, 3 * count, 3 * count))
+
+
+class _OfBows(NamedTuple):
+    """Mass of the bows of the sides along x and y: with the straight motion of the corners [2, n, k, k], and between
+    each other [2, 2, n, k, k]; columns are the rotations that bow them."""
+
+    with_corners: Floats
+    between: Floats
+
+
+def _of_bows(products: Floats, of_sides: Floats, m0: Floats) -> _OfBows:
+    count = of_sides.shape[-1]
+    moved = (m0[:, None, None] * products[:, :, count:]) @ of_sides
+    return _OfBows(moved[:, :, :count], of_sides[:, None].swapaxes(-1, -2) @ moved[None, :, :, count:])
+
+
+def _in_plane(matrices: Floats, products: Floats, bows: _OfBows, m0: Floats, m2: Floats) -> None:
+    """Fill u, v and RZ of matrices [n, 3, k, 3, k]."""
+    count = products.shape[1] // 2
+    between = products[:, :count, :count]
+    straight = m0[:, None, None] * between
+    matrices[:, 2, :, 2] = m2[:, None, None] * between + bows.between[0, 0] + bows.between[1, 1]
+    for component, with_rotations in enumerate(bows.with_corners):
+        matrices[:, component, :, component] = straight
+        matrices[:, component, :, 2] = with_rotations
+        matrices[:, 2, :, component] = with_rotations.swapaxes(1, 2)
 
 
 def rows(at: Floats, heights: Floats, of_sides: Floats) -> Floats:
@@ -101,23 +122,20 @@ def inertia(products: Floats, of_sides: Floats, m0: Floats, m1: Floats, m2: Floa
     """Mass and inertia of own DOFs [n, 6 k, 6 k]; arguments as `in_plane_inertia`, m1 the first moment [kg/m]."""
     count = of_sides.shape[-1]
     between = products[:, :count, :count]
-    leaning = m2[:, None, None] * between
+    bows = _of_bows(products, of_sides, m0)
     own = np.zeros((len(products), 6, count, 6, count))
+    _in_plane(own[:, 3:, :, 3:], products, bows, m0, m2)
     own[:, 0, :, 0] = m0[:, None, None] * between
-    own[:, 1, :, 1] = own[:, 2, :, 2] = leaning
-    bows = dict(zip((1, 2), side_bows(of_sides), strict=True))
-    for lean, bow in bows.items():
-        with_lean = m0[:, None, None] * products[:, :, count:] @ bow
-        own[:, 0, :, lean] = with_lean[:, :count]
-        own[:, lean, :, 0] = with_lean[:, :count].swapaxes(1, 2)
-        for other, also in bows.items():
-            own[:, other, :, lean] += also.swapaxes(1, 2) @ with_lean[:, count:]
+    # beta_x and beta_y bow w as RZ bows -v and u (`side_bows`)
+    for lean, side, sign in ((1, 1, -1.0), (2, 0, 1.0)):
+        own[:, 0, :, lean] = sign * bows.with_corners[side]
+        own[:, lean, :, 0] = own[:, 0, :, lean].swapaxes(1, 2)
+        own[:, lean, :, lean] = m2[:, None, None] * between + bows.between[side, side]
+    own[:, 1, :, 2], own[:, 2, :, 1] = -bows.between[1, 0], -bows.between[0, 1]
     first = m1[:, None, None] * products[:, :count]
     if first.any():
         for lean, shift, of in zip((1, 2), (3, 4), of_sides, strict=True):
             own[:, lean, :, shift] = own[:, shift, :, lean] = first[..., :count]
             own[:, lean, :, 5] = first[..., count:] @ of
             own[:, 5, :, lean] = own[:, lean, :, 5].swapaxes(1, 2)
-    whole = own.reshape(-1, 6 * count, 6 * count)
-    whole[:, 3 * count :, 3 * count :] = in_plane_inertia(products, of_sides, m0, m2)
-    return whole
+    return own.reshape(-1, 6 * count, 6 * count)

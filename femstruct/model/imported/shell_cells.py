@@ -75,7 +75,7 @@ def cell_matrices(cells: FlatCells, of: Sections, offset: float) -> tuple[csr_ar
     """Stiffness and mass [6 n, 6 n] of all cells. of : the sections of all. offset : from the mesh to the middle of the
     thickness, along the normals [m]; nodes carry it on rigid arms."""
     n_quads, count = len(cells.quads), 6 * len(cells.points)
-    K, M = csr_array((count, count)), csr_array((count, count))
+    found = []
     for kind, nodes, own in (
         (quad_shell, cells.quads, slice(0, n_quads)),
         (triangle_shell, cells.triangles, slice(n_quads, None)),
@@ -92,8 +92,10 @@ def cell_matrices(cells: FlatCells, of: Sections, offset: float) -> tuple[csr_ar
             arms = [offset * cells.normals[own][one]] * nodes.shape[1]
             matrices = (with_offsets(matrices[0], *arms), with_offsets(matrices[1], *arms))
         numbers = (6 * nodes[:, :, None] + np.arange(6)).reshape(len(nodes), -1)
-        added = scattered(*matrices, numbers, count, copies)
-        K, M = csr_array(K + added[0]), csr_array(M + added[1])
+        found.append(scattered(*matrices, numbers, count, copies))
+    K, M = found[0]
+    for more in found[1:]:
+        K, M = csr_array(K + more[0]), csr_array(M + more[1])
     return K, M
 
 

@@ -140,12 +140,14 @@ def refuse_inverted(where: str, mesh: ImportedMesh, named: str | None) -> None:
 def matrices(cells: SolidCells, C: Floats, rho: float) -> tuple[csr_array, csr_array]:
     """Stiffness and mass [3 n, 3 n] of all cells; C [6, 6] : elasticity along global axes [Pa], rho [kg/m^3]."""
     count = 3 * len(cells.points)
-    K, M = csr_array((count, count)), csr_array((count, count))
+    found = []
     for kind, one in cells.cells.items():
         nodes = cells.points[one]
         numbers = (3 * one[:, :, None] + np.arange(3)).reshape(len(one), -1)
-        added = scattered(solid.stiffness(kind, nodes, C), solid.mass(kind, nodes, rho), numbers, count)
-        K, M = csr_array(K + added[0]), csr_array(M + added[1])
+        found.append(scattered(solid.stiffness(kind, nodes, C), solid.mass(kind, nodes, rho), numbers, count))
+    K, M = found[0]
+    for more in found[1:]:
+        K, M = csr_array(K + more[0]), csr_array(M + more[1])
     return K, M
 
 
