@@ -60,7 +60,9 @@ class DofLabels(Sequence[str]):
     """Names of degrees of freedom for messages, made when asked for: "floor node 12 (0.1, 0.2, 0) deflection"."""
 
     def __init__(self, model: Model, dofs: RawDofs, kept: Integers) -> None:
-        self._model, self._dofs, self._kept = model, dofs, kept
+        self._model, self._kept = model, kept
+        # Not the maps to nodal components, which take as much memory as K.
+        self._parts = {name: (first, own.count, own.labels, own.extra) for name, (first, own) in dofs.parts.items()}
 
     def __len__(self) -> int:
         return len(self._kept)
@@ -78,13 +80,13 @@ class DofLabels(Sequence[str]):
         return self._label(int(self._kept[index]))
 
     def _label(self, raw: int) -> str:
-        for name, (first, own) in self._dofs.parts.items():
-            if first <= raw < first + own.count:
-                at_nodes = own.count - len(own.extra)
+        for name, (first, count, labels, extra) in self._parts.items():
+            if first <= raw < first + count:
+                at_nodes = count - len(extra)
                 if raw - first >= at_nodes:
-                    return f"{name} {own.extra[raw - first - at_nodes]}"
-                node, component = divmod(raw - first, len(own.labels))
+                    return f"{name} {extra[raw - first - at_nodes]}"
+                node, component = divmod(raw - first, len(labels))
                 part = self._model.parts[name]
                 place = ", ".join(f"{value:.6g}" for value in part.places[node])
-                return f"{name} node {part.first + node} ({place}) {own.labels[component]}"
+                return f"{name} node {part.first + node} ({place}) {labels[component]}"
         raise IndexError(raw)
