@@ -69,7 +69,7 @@ def reduce(
     """Reduce a part of a model for other models. To what others touch of it and to its points; they take the file as a
     part {type: reduced}."""
     from femstruct.workflow.check.asked_modes import extent_of
-    from femstruct.workflow.exchange.reduced_model import reduce_model
+    from femstruct.workflow.exchange.reduced_model import reduce_model, told_of
 
     command = " ".join(["femstruct", *sys.argv[1:]])
     with progress() as tell:
@@ -77,7 +77,7 @@ def reduce(
     if as_json:
         print_json(found)
     else:
-        print(*(f"{word}: {value}" for word, value in found.items()), sep="\n")
+        print(*told_of(found), sep="\n")
     return GOOD
 
 

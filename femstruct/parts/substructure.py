@@ -10,7 +10,7 @@ from scipy.sparse import csr_array
 from femstruct.arrays import Floats, Integers
 from femstruct.conventions import N_COMPONENTS, TWIST
 from femstruct.declared import checked
-from femstruct.errors import Finding, InputError
+from femstruct.errors import Finding, InputError, some_of
 from femstruct.model.given import Given, given
 from femstruct.model.grid.layout import Grids, Layout
 from femstruct.model.imported.component import Component
@@ -161,9 +161,16 @@ class SubstructureMesh(Meshed):
         return self.part.component.C if self.part.component.C.nnz else None
 
     def within(self, where: str, region: Region, tolerance: float) -> Integers:
-        """Nodes of its interface in a box, or all of them."""
+        """Nodes of its interface in a set or a box, or all of them."""
+        sets = self.part.component.sets
+        if region.kind == "set" and sets:
+            named = region.named or ""
+            if named not in sets:
+                raise InputError(where, got=f"'{named}', no set of {self.name}", expected=some_of(sets))
+            return np.asarray(self.first + sets[named])
         if region.kind not in ("whole", "box"):
-            raise InputError(where, got=f"a {region.kind} of {self.name}", expected="a box", do="matrices have no sets")
+            do = "its file has no sets; femstruct reduce writes them, by the names of supports and joints"
+            raise InputError(where, got=f"a {region.kind} of {self.name}", expected="a box", do=do)
         nodes = self.part.component.interface
         if region.box is not None:
             low, high = np.asarray(region.box, dtype=np.float64)

@@ -46,7 +46,7 @@ def test_a_floor_of_two_reduced_parts_is_the_floor(tmp_path: Path) -> None:
     whole = floor(tmp_path, "whole", LEFT, RIGHT, WEST, EAST, "[1.5, 2]")
     for part in ("left", "right"):
         found = reduce_model(whole, part, Extent(up_to_hz=TOP), tmp_path / f"{part}.npz", (), "", quiet)
-        assert found["modes"] + found["corrections"] < 50
+        assert found["modes"] + found["residual vectors"] < 50
     files = ("{type: reduced, file: left.npz}", "{type: reduced, file: right.npz}")
     built = floor(tmp_path, "built", *files, WEST_BOX, EAST_BOX, "[1.5, 2, 0]")
     (one, exact), (other, basis) = basis_of(whole), basis_of(built)

@@ -166,3 +166,36 @@ def test_surfaces_that_a_reduced_part_has_not(region: str, told: str, tmp_path: 
     with pytest.raises((InputError, InputErrors)) as refused:
         inspect_file(path)
     assert told in str(refused.value) and "again.yaml:6:" in str(refused.value)
+
+
+HELD = """
+materials: {concrete: {E: 30 GPa, nu: 0.2, rho: 2400}}
+parts: {slab: SLAB}
+points: {p: {on: slab, at: MIDDLE}}
+supports: {border: {on: slab, set: SET, fix: [x, y, z]}}
+"""
+
+
+def held(folder: Path, name: str, words: dict[str, str], named: str) -> Path:
+    text = HELD.replace("SLAB", words["SLAB"]).replace("MIDDLE", words["MIDDLE"]).replace("SET", named)
+    (folder / f"{name}.yaml").write_text(text, encoding="utf-8")
+    return folder / f"{name}.yaml"
+
+
+def test_what_held_a_part_is_a_set_of_the_reduced_one(tmp_path: Path) -> None:
+    """A slab on its rim, reduced and held again by the name of the support: the same frequencies."""
+    source = held(tmp_path, "whole", WHOLE, "rim")
+    code, told = femstruct("reduce", source, "--part", "slab", "--up-to", "600 Hz", "-o", tmp_path / "slab.npz")
+    assert code == 0, told
+    assert "supports border: not in the file; hold set 'border' again where it is used" in told
+    assert "residual vectors: " in told and " in place of " in told
+    frequencies = []
+    for path in (source, held(tmp_path, "again", AGAIN, "border")):
+        structure = read_model_file(path).structure
+        assert isinstance(structure, fs.Structure)
+        basis = fs.modal_basis(fs.assemble(fs.mesh_structure(structure)), up_to=300.0)
+        frequencies.append(basis.frequency_hz[basis.modes][:5])
+    assert frequencies[1] == pytest.approx(frequencies[0], rel=1e-6)  # twice the band kept
+    with pytest.raises((InputError, InputErrors)) as refused:
+        inspect_file(held(tmp_path, "wrong", AGAIN, "rim"))
+    assert "wrong.yaml:5:" in str(refused.value) and "'rim', no set of slab, expected border" in str(refused.value)

@@ -135,6 +135,8 @@ def read_component(
     if data[:2] == b"PK":
         with np.load(io.BytesIO(data), allow_pickle=False) as file:
             more |= {name: file[name] for name in _OF_REDUCTIONS if name in file}
+            named = json.loads(str(file["about"])).get("sets", {}) if "about" in file else {}
+        more["sets"] = {name: np.asarray(one, np.int64) for name, one in named.items()}
     more |= {name: float(more[name]) for name in ("loss_factor", "reduced_to_hz") if name in more}
     M, C, K = (csr_array(one) for one in (assembly.M, assembly.C, assembly.K))
     labels = tuple(assembly.dofs.labels)

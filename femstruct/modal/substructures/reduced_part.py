@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import csr_array, vstack
+from scipy.sparse import csr_array
 
 from femstruct.arrays import Floats, Integers
 from femstruct.assembly.given_matrices import mapped_matrices
@@ -13,7 +14,9 @@ from femstruct.assembly.matrices import Assembly, DofMap
 from femstruct.conventions import N_COMPONENTS
 from femstruct.errors import InputError, some_of
 from femstruct.modal.substructures.craig_bampton import Reduced, craig_bampton
+from femstruct.model.fastened import Elastic, Inert, Tie
 from femstruct.model.materials.loss_by_frequency import LossByFrequency
+from femstruct.model.meshed import Meshed
 from femstruct.model.model import Model
 
 
@@ -23,7 +26,8 @@ class ReducedPart:
 
     assembly : its reduced matrices, and the motion of all its nodes. interface : nodes that others touch. quads,
     lines : of its cells. axes [3, 3] : of a plate whose nodes have a twist, none for others. loss_factor : of its
-    stiffness. reduced : what the reduction gave.
+    stiffness. reduced : what the reduction gave. sets : nodes of the interface by the name of the support, joint or
+    spring that touches them in the model. supports : which of these names are supports; they stay in the model.
     """
 
     assembly: Assembly
@@ -33,6 +37,8 @@ class ReducedPart:
     axes: Floats
     loss_factor: float
     reduced: Reduced
+    sets: Mapping[str, Integers]
+    supports: tuple[str, ...]
 
 
 def reduced_part(model: Model, name: str, *, up_to: float | None = None, count: int | None = None) -> ReducedPart:
@@ -54,10 +60,9 @@ def reduced_part(model: Model, name: str, *, up_to: float | None = None, count: 
     loss = part.loss_factor
     if isinstance(loss, LossByFrequency):
         raise InputError(where, got="a loss factor by frequency", expected="one number", do="give the material one")
-    rows = [one.rows for group in (model.ties, model.elastics, model.inerts) for one in group]
-    touched = np.unique(csr_array(vstack([csr_array((0, model.mesh.n_nodes * N_COMPONENTS)), *rows])).indices)
+    sets = _touched_by(model, part)
     pointed = [np.zeros(0, np.int64), *(point.nodes for point in model.points.values())]
-    wanted = np.concatenate([touched // N_COMPONENTS, *pointed])
+    wanted = np.concatenate([*(part.first + nodes for nodes in sets.values()), *pointed])
     interface = np.intersect1d(wanted, part.nodes) - part.first
     if not len(interface):
         raise InputError(where, got="a part that nothing touches", expected="a joint, a support or a point on it")
@@ -84,4 +89,18 @@ def reduced_part(model: Model, name: str, *, up_to: float | None = None, count: 
         np.zeros((0, 3)) if axes is None else axes,
         loss,
         reduced,
+        sets,
+        tuple(one.name for one in model.structure.supports if one.name in sets),
     )
+
+
+def _touched_by(model: Model, part: Meshed) -> dict[str, Integers]:
+    """Nodes of a part, counted from its first one, by the name of what is fastened to them."""
+    found: dict[str, Integers] = {}
+    fastened: tuple[Tie | Elastic | Inert, ...] = (*model.ties, *model.elastics, *model.inerts)
+    for one in fastened:
+        used = csr_array(one.rows)
+        nodes = np.intersect1d(used.indices // N_COMPONENTS, part.nodes) - part.first
+        if len(nodes):
+            found[one.name] = np.union1d(found.get(one.name, nodes), nodes)
+    return found

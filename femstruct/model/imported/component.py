@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -24,7 +25,8 @@ class Component:
     of freedom. interface : nodes that can be joined to others; the motion of the rest follows. quads [q, 4],
     lines [l, 2] : nodes of faces and bars, for pictures. axes [3, 3] : of a plate whose nodes have a twist; none for
     others. loss_factor : of the stiffness [1]. reduced_to_hz : highest frequency of the modes that were kept, of a
-    reduction; None for a whole structure.
+    reduction; None for a whole structure. sets : nodes of the interface by the name of what touched them when it was
+    reduced, as a support.
 
     translations [r, 3] : what shifts all of it along x, y, z. free : whether there are such, nothing inside being held.
 
@@ -50,6 +52,7 @@ class Component:
     axes: Floats = field(default_factory=lambda: np.zeros((0, 3)))
     loss_factor: float = 0.0
     reduced_to_hz: float | None = None
+    sets: Mapping[str, Integers] = field(default_factory=dict)
     translations: Floats = field(init=False)
     free: bool = field(init=False)
 
@@ -62,6 +65,9 @@ class Component:
         if self.motion.shape != (len(points) * N_COMPONENTS, r):
             expected = f"({len(points)} nodes x {N_COMPONENTS}, {r})"
             raise FemstructError("component motion", got=f"{self.motion.shape}", expected=expected)
+        strange = [name for name, nodes in self.sets.items() if not np.isin(nodes, self.interface).all()]
+        if strange:
+            raise FemstructError(f"component set '{strange[0]}'", got="other nodes", expected="nodes of the interface")
         translations, free = _translations(self.motion, len(points))
         freeze(
             self,
@@ -70,6 +76,7 @@ class Component:
             quads=frozen_integers("component quads", self.quads, (None, 4)),
             lines=frozen_integers("component lines", self.lines, (None, 2)),
             axes=frozen("component axes", self.axes, (None, 3)),
+            sets={name: frozen_integers(f"component set '{name}'", one, (None,)) for name, one in self.sets.items()},
             translations=frozen("component translations", translations, (r, 3)),
             free=free,
         )

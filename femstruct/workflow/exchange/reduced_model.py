@@ -38,10 +38,16 @@ def reduce_model(
         "interface nodes": len(found.interface),
         "interface degrees of freedom": len(found.reduced.boundary),
         "modes": found.reduced.n_modes,
-        "corrections": len(found.reduced.frequency_hz) - found.reduced.n_modes,
-        "of degrees of freedom": len(found.reduced.recovery),
+        "residual vectors": len(found.reduced.frequency_hz) - found.reduced.n_modes,
+        "degrees of freedom": found.assembly.K.shape[0],
+        "degrees of freedom before": len(found.reduced.recovery),
     }
-    about = {"title": f"{part} of {source.title}", "reduction": counts, "provenance": provenance(command)}
+    about = {
+        "title": f"{part} of {source.title}",
+        "reduction": counts,
+        "sets": {name: nodes.tolist() for name, nodes in found.sets.items()},
+        "provenance": provenance(command),
+    }
     more = {
         "interface": found.interface,
         "quads": found.quads,
@@ -52,4 +58,16 @@ def reduce_model(
     }
     output.parent.mkdir(parents=True, exist_ok=True)
     (written,) = write_npz(found.assembly, output.parent, output.stem, about, more)
-    return {"written": str(written), **counts}
+    return {"written": str(written), **counts, "supports": list(found.supports), "sets": sorted(found.sets)}
+
+
+def told_of(found: Table) -> tuple[str, ...]:
+    """What was written, in lines for the terminal."""
+    shown = ("written", "interface nodes", "interface degrees of freedom", "modes")
+    lines = [f"{word}: {found[word]}" for word in shown]
+    lines.append(
+        f"residual vectors: {found['residual vectors']}; {found['degrees of freedom']} in place of "
+        f"{found['degrees of freedom before']} degrees of freedom"
+    )
+    lines += [f"supports {one}: not in the file; hold set '{one}' again where it is used" for one in found["supports"]]
+    return tuple(lines)
