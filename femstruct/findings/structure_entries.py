@@ -47,9 +47,43 @@ STRUCTURE: Final = (
         "matrices-held",
         "A part given by matrices is held inside of them.",
         REMARK,
-        "no motion of the degrees of freedom shifts all nodes of the part alike",
+        "no motion of the degrees of freedom shifts all nodes of the part alike, or its stiffness resists such a shift",
         "Forces of supports inside of the matrices are not recorded. Export or reduce the part without its supports, "
         "and write them in the model that it becomes a part of.",
+        (
+            Limit(
+                1e-4,
+                "of the energy that the diagonal of K alone would have",
+                "free parts have 1e-15",
+                "tests/analytic/test_substructures.py",
+                "substructure.RESISTS",
+            ),
+        ),
+    ),
+    Entry(
+        "matrices-disorder",
+        "Matrices contradict the nodes that are given for them.",
+        LIMITS,
+        "the mass of a part of matrices differs along x, y and z, or its stiffness resists a rotation of the whole and "
+        "no shift of it",
+        "Write the rows of the table of nodes in the order of the rows of the matrices. Check places and directions, "
+        "and that the matrices are those of the whole part, without supports or springs to the ground.",
+        (
+            Limit(
+                1e-3,
+                "of the largest of the three masses",
+                "matrices in files of few digits agree to 1e-6",
+                CHOSEN,
+                "substructure.UNEVEN",
+            ),
+            Limit(
+                1e-4,
+                "of the energy that the diagonal of K alone would have",
+                "two nodes in each other's place have 1e-3 to 6e-2, free parts 1e-15",
+                "tests/analytic/test_substructures.py",
+                "substructure.RESISTS",
+            ),
+        ),
     ),
     Entry(
         "constraint-to-ground",

@@ -13,7 +13,7 @@ from femstruct.declared import checked
 from femstruct.errors import Finding, InputError, some_of
 from femstruct.model.given import Given, given
 from femstruct.model.grid.layout import Grids, Layout
-from femstruct.model.imported.component import Component
+from femstruct.model.imported.component import Component, rigid_masses, rigid_resistance
 from femstruct.model.imported.flat_cells import flat_cells
 from femstruct.model.imported.imported_mesh import ImportedMesh
 from femstruct.model.imported.shell_cells import rows_at
@@ -25,6 +25,8 @@ from femstruct.parts.of_meshes.cell_surfaces import side_surface
 from femstruct.parts.of_meshes.given_nodes import GivenNodes, drawn_nodes
 
 _SIX = 6
+UNEVEN = 1e-3  # of the largest of the masses along x, y, z: files of few digits have less
+RESISTS = 1e-4  # energy of a rigid motion, of that of the diagonal of K: two swapped nodes have 1e-3 to 6e-2
 
 
 @dataclass(frozen=True)
@@ -67,15 +69,41 @@ class Substructure(GivenNodes):
         return np.asarray(one.points[one.interface] + np.asarray(self.origin))
 
     def implausible(self, lies: bool) -> tuple[Finding, ...]:
-        """Supports inside of the matrices, whose forces cannot be had."""
-        if self.component.free:
+        """Matrices that contradict their nodes, and supports inside of them, whose forces cannot be had."""
+        one = self.component
+        told = f"{self.name}: the matrices of {one.source}"
+        if not one.free:
+            return (
+                Finding(
+                    "matrices-held",
+                    f"{told} cannot shift as a whole, so something in them is held: that force on the ground is not "
+                    "recorded, and effective masses leave out what cannot move.",
+                    {"degrees_of_freedom": len(one.labels)},
+                ),
+            )
+        masses, resists = rigid_masses(one), np.nan_to_num(rigid_resistance(one))
+        uneven = bool(np.ptp(masses) > UNEVEN * np.abs(masses).max())
+        held, turns = float(resists[:3].max()), float(resists[3:].max())
+        if uneven or held < RESISTS <= turns:
+            x, y, z = masses
+            return (
+                Finding(
+                    "matrices-disorder",
+                    f"{told} do not fit their nodes. Mass along x, y and z: {x:.4g}, {y:.4g}, {z:.4g} kg, which must "
+                    f"be equal. Energy of K in a rigid motion, of that of its diagonal: {held:.2g} in a shift, "
+                    f"{turns:.2g} in a rotation, where a free part has 0. Are the rows of the table of nodes in the "
+                    "order of those of the matrices?",
+                    {"mass_x_kg": x, "mass_y_kg": y, "mass_z_kg": z, "shift_resisted": held, "turn_resisted": turns},
+                ),
+            )
+        if held < RESISTS:
             return ()
         return (
             Finding(
                 "matrices-held",
-                f"{self.name}: the matrices of {self.component.source} cannot shift as a whole, so something in them "
-                "is held: that force on the ground is not recorded, and effective masses leave out what cannot move.",
-                {"degrees_of_freedom": len(self.component.labels)},
+                f"{told} resist a shift as a whole, so springs in them stand on the ground: that force is not "
+                "recorded. If there are none, the rows of the table of nodes are not in the order of the matrices.",
+                {"shift_resisted": held},
             ),
         )
 

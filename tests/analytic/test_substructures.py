@@ -9,7 +9,9 @@ import pytest
 
 import femstruct as fs
 from femstruct.errors import InputErrors
+from femstruct.files.exchange.matrices_file import nodal
 from femstruct.files.inputs.matrices_input import read_component
+from femstruct.model.imported.component import rigid_masses, rigid_resistance
 from femstruct.study.asked import Extent
 from femstruct.workflow.exchange.exported import exported
 from femstruct.workflow.exchange.reduced_model import reduce_model
@@ -158,3 +160,56 @@ def test_a_mistake_is_one_clear_line(tmp_path: Path, arrays: dict[str, object], 
         fs.read_model(tmp_path / "fan.yaml")
     assert told in str(caught.value)
     assert len(caught.value.errors) == 1
+
+
+def frame_matrices(folder: Path, **order: np.ndarray) -> fs.Substructure:
+    """A bent bar as a .npz of another program; order : of the points or of the rows of the map."""
+    lines = "[[[0, 0, 0], [1, 0, 0]], [[1, 0, 0], [1, 1, 0.3]]]"
+    bar = f"{{type: frame, material: steel, section: s, lines: {lines}, mesh: 0.1}}"
+    steel = "materials: {steel: {E: 210 GPa, nu: 0.3, rho: 7850}}\n"
+    section = "sections: {s: {shape: rectangle, width: 20 mm, height: 40 mm}}\n"
+    (folder / "bar.yaml").write_text(f"{steel}{section}parts: {{bar: {bar}}}\n")
+    assembly = fs.assemble(fs.read_model(folder / "bar.yaml"))
+    nodes, components = nodal(assembly.dofs)
+    rows, places = (order.get(name, slice(None)) for name in ("rows", "points"))
+    np.savez(
+        folder / "bar.npz", M=assembly.M.toarray(), K=assembly.K.toarray(), nodes=nodes[rows],
+        components=components[rows], points=assembly.points[places],
+    )  # fmt: skip
+    return fs.Substructure("bar", read_component(folder / "bar.npz"))
+
+
+def test_matrices_in_the_order_of_their_table_raise_nothing(tmp_path: Path) -> None:
+    part = frame_matrices(tmp_path)
+    assert part.implausible(lies=False) == ()
+    mass = 7850.0 * 8e-4 * (1.0 + 1.09**0.5)
+    assert rigid_masses(part.component) == pytest.approx(np.full(3, mass), rel=1e-9)  # rho A L, rounding
+    assert rigid_resistance(part.component) == pytest.approx(np.zeros(6), abs=1e-12)  # rounding
+
+
+def test_a_table_in_another_order_than_the_matrices_limits_trust(tmp_path: Path) -> None:
+    """By direction in place of by node: the masses tell. Two nodes in each other's place: rotations tell."""
+    nodes, components = nodal(fs.assemble(fs.read_model(_bar_file(tmp_path))).dofs)
+    (finding,) = frame_matrices(tmp_path, rows=np.lexsort((nodes, components))).implausible(lies=False)
+    assert finding.code == "matrices-disorder" and not finding.severe
+    x, y, z = (finding.values[f"mass_{axis}_kg"] for axis in "xyz")
+    assert f"{x:.4g}, {y:.4g}, {z:.4g} kg" in finding.message and max(x, y, z) > 1.05 * min(x, y, z)
+    swapped = np.arange(nodes.max() + 1)
+    swapped[[7, 8]] = [8, 7]
+    (finding,) = frame_matrices(tmp_path, points=swapped).implausible(lies=False)
+    assert finding.code == "matrices-disorder"
+    assert finding.values["shift_resisted"] < 1e-12 < 1e-3 < finding.values["turn_resisted"]
+
+
+def _bar_file(folder: Path) -> Path:
+    frame_matrices(folder)
+    return folder / "bar.yaml"
+
+
+def test_matrices_on_springs_to_the_ground_are_held(tmp_path: Path) -> None:
+    arrays = {
+        "M": np.eye(6), "K": 3.0 * np.eye(6), "C": None, "nodes": [0] * 6, "components": range(6),
+        "points": np.zeros((1, 3)),
+    }  # fmt: skip
+    (finding,) = fs.Substructure("fan", read_component(fan(tmp_path, **arrays))).implausible(lies=False)
+    assert finding.code == "matrices-held" and finding.values["shift_resisted"] == pytest.approx(1.0, rel=1e-9)

@@ -14,6 +14,7 @@ from femstruct.conventions import N_COMPONENTS
 from femstruct.errors import FemstructError
 
 _EXACT = 1e-14  # residual of the least-squares solver: rounding
+_FITS = 1e-9  # of what is wanted: degrees of freedom that miss it by more do not have the motion
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,19 +88,73 @@ class Component:
         return self.reduced_to_hz is not None
 
 
+def rigid_masses(component: Component) -> Floats:
+    """Its mass as M has it along x, y and z [3] [kg]: r^T M r of unit shifts of all nodes."""
+    shifts = component.translations
+    return np.asarray((shifts * (component.M @ shifts)).sum(axis=0))
+
+
+def rigid_resistance(component: Component) -> Floats:
+    """What K resists shifts of all nodes along x, y, z and rotations of them about those axes with [6], by the energy
+    that the diagonal of K alone would have: 0 of a free part, about 1 where nodes stand in wrong places. NaN for a
+    motion that its degrees of freedom do not have.
+
+    Rotations are about the middle of the nodes; where nodes have none, only their shifts take part.
+
+    Two masses along x, a spring across between them: shifts are free, a rotation about y stretches it, being no
+    element that could stand there.
+
+    >>> motion = csr_array(([1.0] * 6, ([0, 1, 2, 7, 8, 9], range(6))), shape=(14, 6))
+    >>> K = np.zeros((6, 6)); K[np.ix_([2, 5], [2, 5])] = [[3.0, -3.0], [-3.0, 3.0]]
+    >>> M, K, nothing = csr_array(np.eye(6)), csr_array(K), csr_array((6, 6))
+    >>> ends = Component("a.npz", M, nothing, K, motion, np.eye(2, 3), 2.0, tuple("abcdef"), [0, 1])
+    >>> [round(float(one), 9) for one in rigid_resistance(ends)[[0, 2, 4]]]
+    [0.0, 0.0, 2.0]
+    """
+    found = np.full(6, np.nan)
+    motions = [*component.translations.T] if component.free else [None] * 3
+    for axis in np.eye(3):
+        motions.append(_rotation(component, axis) if component.free else None)
+    diagonal = np.abs(component.K.diagonal())
+    for at, motion in enumerate(motions):
+        if motion is not None:
+            scale = float(diagonal @ motion**2)
+            found[at] = abs(float(motion @ (component.K @ motion))) / scale if scale > 0.0 else 0.0
+    return found
+
+
+def _rotation(component: Component, axis: Floats) -> Floats | None:
+    """Degrees of freedom of a unit rotation of all nodes about an axis [3] through their middle; None without any."""
+    points = component.points - component.points.mean(axis=0)
+    wanted = np.zeros((len(points), N_COMPONENTS))
+    wanted[:, :3], wanted[:, 3:6] = np.cross(axis, points), axis
+    rows = csr_array(component.motion)
+    moves = (np.diff(rows.indptr) > 0).reshape(wanted.shape)
+    wanted[:, 3:6] *= moves[:, 3:6]
+    size = float(np.linalg.norm(wanted))
+    answer, off = _fitted(rows, wanted.reshape(-1, 1))
+    return answer[:, 0] if size > 0.0 and off < _FITS * size else None
+
+
 def _translations(motion: csr_array, n_nodes: int) -> tuple[Floats, bool]:
-    """Degrees of freedom of unit shifts of all nodes [r, 3], and whether there are such: nothing inside is held.
+    """Degrees of freedom of unit shifts of all nodes [r, 3], and whether there are such: nothing inside is held."""
+    shifts = np.zeros((n_nodes, N_COMPONENTS, 3))
+    shifts[:, :3] = np.eye(3)
+    found, off = _fitted(motion, shifts.reshape(-1, 3))
+    return found, off < _FITS * n_nodes**0.5
+
+
+def _fitted(motion: csr_array, wanted: Floats) -> tuple[Floats, float]:
+    """Degrees of freedom [r, k] that move nodes as wanted [n_nodes * 7, k], and the largest residual of the k.
 
     By least squares; columns are scaled, since modal coordinates have other units than displacements.
     """
     size = np.sqrt(np.asarray(motion.multiply(motion).sum(axis=0)).ravel())
     scale = np.divide(1.0, size, out=np.zeros_like(size), where=size > 0.0)
     scaled = csr_array(motion.multiply(scale[None, :]))
-    shifts = np.zeros((n_nodes, N_COMPONENTS, 3))
-    shifts[:, :3] = np.eye(3)
-    found, free = [], True
-    for wanted in shifts.reshape(-1, 3).T:
-        answer, _, _, rest, *_ = lsqr(scaled, wanted, atol=_EXACT, btol=_EXACT, iter_lim=10 * motion.shape[1] + 100)
-        free &= bool(rest < 1e-9 * np.sqrt(n_nodes))
+    found, worst = [], 0.0
+    for one in wanted.T:
+        answer, _, _, rest, *_ = lsqr(scaled, one, atol=_EXACT, btol=_EXACT, iter_lim=10 * motion.shape[1] + 100)
+        worst = max(worst, float(rest))
         found.append(scale * answer)
-    return np.stack(found, axis=1), free
+    return np.stack(found, axis=1), worst
