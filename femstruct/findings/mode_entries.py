@@ -246,6 +246,16 @@ MODES: Final = (
         (Limit(0.02, "% of the peak", "6 % of the damage with a slope of 3", CHOSEN, "peaks.MISSED"),),
     ),
     Entry(
+        "damage-not-converged",
+        "Damage of fatigue rests on a peak that changes with the modes left out or with the mesh.",
+        LIMITS,
+        "what is counted has the finding peak-not-converged or stress-uneven, or without residual vectors its largest "
+        "range differs by more than the threshold, or its damage by what that makes of it",
+        "Do not quote the damage. Compute more modes, and a finer mesh where the stress is uneven. The low-pass of "
+        "'peaks' filters peaks, not what is counted.",
+        (Limit(0.05, "% of the largest range", "with a slope of 3, 14 % of the damage", CHOSEN, "peaks.CONVERGED"),),
+    ),
+    Entry(
         "random-damage-estimated",
         "Damage under a random excitation is that of Dirlik's density of ranges.",
         REMARK,

@@ -16,6 +16,7 @@ class Verdict:
     value : None where there is none: a structure that is not at rest in time; `seen` is then for how long it was looked
     at [s]. met : None where that is too short to tell. at : the place whose drop is the worst, where a source strikes
     several; "" for one. least : whether the value is a lower bound, of a rating some of whose bands are blank.
+    converged : False where the verdict rests on a peak that changes with the modes left out or with the mesh.
     """
 
     name: str
@@ -26,6 +27,7 @@ class Verdict:
     seen: float | None = None
     at: Annotated[str, Reported("1", "Place of the worst drop, where there are several")] = ""
     least: Annotated[bool, Reported("1", "Whether the value is a lower bound", "at_least")] = False
+    converged: Annotated[bool, Reported("1", "Whether modes left out and the mesh change little of the value")] = True
 
     @property
     def verdict(self) -> Annotated[str, Reported("1", "met, exceeded, not seen, not known")]:

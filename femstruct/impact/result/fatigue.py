@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Annotated, Final, NamedTuple
 
 import numpy as np
@@ -57,6 +57,10 @@ class Fatigue:
 
     ranges [n] : upper ends of equal classes [unit]. counts [n] : cycles in each, halves among them. damage : of one
     record by Miner's rule [1]; None without an S-N line.
+
+    converged : False where it rests on a peak that changes with the modes or the mesh. largest_modes_alone [unit],
+    damage_modes_alone : of the history without residual vectors; None without any. damage_beside : of a stress that is
+    uneven, with what it is one cell further or in another of the cells that meet at its place; None of others.
     """
 
     channel: Annotated[str, Reported("1", "What is counted")]
@@ -66,6 +70,12 @@ class Fatigue:
     largest: Annotated[float, Reported("see unit", "Largest range", key="largest_range")]
     damage: Annotated[float | None, Reported("1", "Damage of one record by Miner's rule")] = None
     on: Annotated[str, Reported("1", "Place and plane of a stress")] = ""
+    converged: Annotated[bool, Reported("1", "Whether modes left out and the mesh change little of it")] = True
+    largest_modes_alone: Annotated[float | None, Reported("see unit", "Largest range without residual vectors")] = None
+    damage_modes_alone: Annotated[float | None, Reported("1", "Damage without residual vectors")] = None
+    damage_beside: Annotated[float | None, Reported("1", "Damage with the stress that the mesh may have as well")] = (
+        None
+    )
 
     @property
     def cycles(self) -> Annotated[float, Reported("1", "Cycles, halves among them")]:
@@ -88,6 +98,11 @@ class Cycles(NamedTuple):
         """The sum of counts over the cycles endured [1]: M. A. Miner, J. Applied Mechanics 12 (1945) A159-A164."""
         return float((self.counts / line.endured(self.ranges)).sum())
 
+    @property
+    def largest(self) -> float:
+        """The largest range."""
+        return float(self.ranges.max(initial=0.0))
+
 
 def rainflow_cycles(history: Floats) -> Cycles:
     """Cycles of a history [nt] by the rainflow method of ASTM E1049-85, section 5.4.4; what does not close counts half.
@@ -106,33 +121,55 @@ def rainflow_cycles(history: Floats) -> Cycles:
     return Cycles(ranges, counts)
 
 
-def counted(channel: str, unit: str, history: Floats, line: SNLine | None, on: str = "") -> Fatigue:
-    """Rainflow cycles of a history [nt] [unit] and what they do by an S-N line."""
-    return _told(channel, unit, rainflow_cycles(history), line, on)
+def counted(
+    channel: str, unit: str, history: Floats, line: SNLine | None, on: str = "", alone: Floats | None = None
+) -> Fatigue:
+    """Rainflow cycles of a history [nt] [unit] and what they do by an S-N line. alone : without residual vectors."""
+    found = _told(channel, unit, rainflow_cycles(history), line, on)
+    return found if alone is None else _beside_modes_alone(found, rainflow_cycles(alone), line)
 
 
 def counted_on_planes(
-    channel: str, stresses: Floats, components: tuple[str, ...], line: SNLine | None, place: str
+    channel: str,
+    stresses: Floats,
+    components: tuple[str, ...],
+    line: SNLine | None,
+    place: str,
+    alone: Floats | None = None,
+    uneven: float = 0.0,
 ) -> Fatigue:
     """The same of the normal stress on the worst of many planes.
 
-    stresses [c, nt] [Pa] : components at one place. On a face planes stand on it, 5 degrees apart; in a solid they are
-    spread over all directions. The worst has the most damage; without an S-N line the largest range.
+    stresses [c, nt] [Pa] : components at one place; alone [c, nt] : the same without residual vectors. On a face planes
+    stand on it, 5 degrees apart; in a solid they are spread over all directions. The worst has the most damage; without
+    an S-N line the largest range. uneven : the share of the stress that the mesh leaves open, 0 if little.
     """
     normals = normals_of(components)
     worst: tuple[float, int, Cycles] | None = None
     for number, history in enumerate(plane_weights(normals, components) @ stresses):
         cycles = rainflow_cycles(history)
-        size = float(cycles.ranges.max(initial=0.0)) if line is None else cycles.damage(line)
+        size = cycles.largest if line is None else cycles.damage(line)
         if worst is None or size > worst[0]:
             worst = size, number, cycles
     assert worst is not None  # there are planes
     x, y, z = normals[worst[1]].round(2) + 0.0
-    return _told(channel, "Pa", worst[2], line, f"{place}, normal to ({x:g}, {y:g}, {z:g}) in local axes")
+    found = _told(channel, "Pa", worst[2], line, f"{place}, normal to ({x:g}, {y:g}, {z:g}) in local axes")
+    if uneven > 0.0 and line is not None:
+        smaller = worst[2]._replace(ranges=(1.0 - uneven) * worst[2].ranges)
+        found = replace(found, damage_beside=smaller.damage(line))
+    if alone is None:
+        return found
+    history = plane_weights(normals[[worst[1]]], components)[0] @ alone
+    return _beside_modes_alone(found, rainflow_cycles(history), line)
+
+
+def _beside_modes_alone(found: Fatigue, alone: Cycles, line: SNLine | None) -> Fatigue:
+    damage = None if line is None else alone.damage(line)
+    return replace(found, largest_modes_alone=alone.largest, damage_modes_alone=damage)
 
 
 def _told(channel: str, unit: str, cycles: Cycles, line: SNLine | None, on: str) -> Fatigue:
-    largest = float(cycles.ranges.max(initial=0.0))
+    largest = cycles.largest
     ends = largest * np.arange(1, BINS + 1) / BINS
     which = np.minimum(np.searchsorted(ends, cycles.ranges * (1.0 - 1e-12)), BINS - 1)
     counts = np.bincount(which, weights=cycles.counts, minlength=BINS).astype(np.float64)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -71,10 +72,12 @@ def expected_on_planes(
     duration: float,
     line: SNLine | None,
     place: str,
+    uneven: float = 0.0,
 ) -> Fatigue:
     """The same of the normal stress on the worst of many planes at one place.
 
-    stresses [c, nf] : complex components per unit of what excites [Pa]; psd [nf] : of that.
+    stresses [c, nf] : complex components per unit of what excites [Pa]; psd [nf] : of that. uneven : the share of
+    the stress that the mesh leaves open, 0 if little.
     """
     normals = normals_of(components)
     squares = np.abs(plane_weights(normals, components) @ stresses) ** 2 * psd
@@ -83,7 +86,10 @@ def expected_on_planes(
     worst = int(np.argmax(sizes))
     one, (x, y, z) = found[worst], normals[worst].round(2) + 0.0
     on = f"{place}, normal to ({x:g}, {y:g}, {z:g}) in local axes"
-    return Fatigue(channel, "Pa", one.ranges, one.counts, one.largest, one.damage, on)
+    beside = None
+    if uneven > 0.0:
+        beside = expected(channel, "Pa", (1.0 - uneven) ** 2 * squares[worst], frequency_hz, duration, line).damage
+    return replace(one, on=on, damage_beside=beside)
 
 
 def _dirlik(z: Floats, mean: float, irregularity: float) -> Floats:

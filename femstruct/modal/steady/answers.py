@@ -47,7 +47,8 @@ class RandomAnswer:
     unit : of rms and peak. psd [nf] : its power spectral density, one-sided [unit^2/Hz]. rms [unit]. crossings : how
     often it crosses zero upwards [Hz]; None of an equivalent stress, which does not. peak : the expected largest in
     the duration [unit]; None without a duration, of an equivalent stress, and with fewer than ten crossings in it.
-    where, place : the place of the largest rms of a stress and its number, "" of a channel that has one place.
+    where, place : the place of the largest rms of a stress and its number, "" of a channel that has one place. uneven :
+    the share of a stress that the mesh leaves open there, 0 if little.
     """
 
     unit: Annotated[str, Reported("1", "Unit of rms and peak")]
@@ -58,6 +59,7 @@ class RandomAnswer:
     peak: Annotated[float | None, Reported("see unit", "Expected largest in the duration", key="expected_peak")] = None
     where: Annotated[str, Reported("1", "Where it is largest")] = ""
     place: int = 0
+    uneven: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)

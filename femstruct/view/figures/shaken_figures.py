@@ -88,7 +88,11 @@ def range_spectrum(result: StudyResult, name: str) -> Figure:
     ((axes,),) = panels(figure, 1, 1, between=0.15, top=0.55 + 0.155 * len(found), left=1.15)
     for case, cycles in found.items():
         above = np.cumsum(cycles.counts[::-1])[::-1]
-        label = case if cycles.damage is None else f"{case}: damage {cycles.damage:.3g}"
+        label = (
+            case
+            if cycles.damage is None
+            else f"{case}: damage {cycles.damage:.3g}{'' if cycles.converged else ' ? (damage-not-converged)'}"
+        )
         axes.semilogx(above, factor * cycles.ranges, **drawn[case], drawstyle="steps-post", linewidth=1.2, label=label)
     axes.set_ylim(0.0)
     finish(axes, "cycles with this range or more", f"range in {unit}")

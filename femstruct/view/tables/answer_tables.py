@@ -47,13 +47,16 @@ def fatigue(result: StudyResult) -> Grid:
     """A row for every channel whose cycles are counted and every case."""
     columns = ("", "case", "of", "cycles", "largest range", "damage", "of these to failure", "where")
     title = "fatigue: rainflow cycles and Miner's damage of one record or duration, no partial factors"
+    if any(not one.converged for case in result.cases.values() for one in case.fatigue.values()):
+        title += " (? : do not quote, see damage-not-converged)"
     grid = Grid(title, columns, keys=2)
     for case_name, case in result.cases.items():
         for name, one in case.fatigue.items():
             factor, unit = scaled(one.unit, one.largest)
-            damage = "-" if one.damage is None else f"{one.damage:.3g}"
-            life = "-" if one.damage is None else "no end" if one.life is None else f"{one.life:.3g}"
-            largest = f"{digits(factor * one.largest)} {unit}"
+            mark = "" if one.converged else " ?"
+            damage = "-" if one.damage is None else f"{one.damage:.3g}{mark}"
+            life = "-" if one.damage is None else f"{'no end' if one.life is None else f'{one.life:.3g}'}{mark}"
+            largest = f"{digits(factor * one.largest)} {unit}{mark}"
             grid.add(name, case_name, one.channel, f"{one.cycles:g}", largest, damage, life, one.on or "-")
     return grid
 

@@ -18,7 +18,9 @@ LEANS = 1e-6  # rad: a micrometre a metre is rounding, or nobody's concern
 
 def limits(result: StudyResult) -> Grid:
     """A row for every limit, a column for every case: the verdict, what came out and what is left."""
-    grid = Grid("limits", ("", "at most", *result.cases), keys=2)
+    unsure = any(not verdict.converged for verdicts in result.verdicts.values() for verdict in verdicts)
+    title = "limits (? : do not quote, see peak-not-converged and stress-uneven)" if unsure else "limits"
+    grid = Grid(title, ("", "at most", *result.cases), keys=2)
     first: dict[str, Verdict] = {}
     for verdicts in result.verdicts.values():
         for verdict in verdicts:
@@ -42,14 +44,14 @@ def _verdict(verdict: Verdict | None, with_limit: bool) -> str:
     if verdict.value is None:
         seen = f"not in {verdict.seen:.4g} s{of}"
         return f"exceeded\n{seen}" if verdict.met is False else f"not seen\n{seen}"
-    margin = abs(verdict.limit - verdict.value)
+    margin, mark = abs(verdict.limit - verdict.value), "" if verdict.converged else " ?"
     share = "" if verdict.unit == "dB" else f" ({100.0 * margin / verdict.limit:.3g} %)"  # of a level it means nothing
     told = f"{_amount(verdict.value, verdict.unit)}{of}"
     if verdict.met is None:
         return f"not seen\n{told}"
     if verdict.met:
-        return f"met\n{told}, {_amount(margin, verdict.unit)}{share} left"
-    return f"exceeded by {_amount(margin, verdict.unit)}{share}\n{told}"
+        return f"met{mark}\n{told}, {_amount(margin, verdict.unit)}{share} left"
+    return f"exceeded by {_amount(margin, verdict.unit)}{share}{mark}\n{told}"
 
 
 def _amount(value: float, unit: str) -> str:
@@ -117,11 +119,11 @@ def _weighed(value: float | None, factor: float) -> str:
 
 def _judged(verdicts: Sequence[Verdict]) -> str:
     """The limits a case exceeds, a line each, and those that the window or the modes are too short for."""
-    told = [f"{verdict.name} exceeded" for verdict in verdicts if verdict.met is False]
+    told = [f"{one.name} exceeded{'' if one.converged else ' ?'}" for one in verdicts if one.met is False]
     told += [
         f"{verdict.name} not {'known' if verdict.least else 'seen'}" for verdict in verdicts if verdict.met is None
     ]
-    return "\n".join(told) or ("met" if verdicts else "-")
+    return "\n".join(told) or ("-" if not verdicts else "met" if all(one.converged for one in verdicts) else "met ?")
 
 
 def _travel(channel: str, machine: Machine) -> str:

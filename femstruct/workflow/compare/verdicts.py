@@ -19,6 +19,7 @@ from femstruct.study.machine import Verdict
 from femstruct.study.result import CaseResult, Channel, Drop
 from femstruct.study.study import Study
 from femstruct.workflow.stages.channels import closings, record
+from femstruct.workflow.stages.peaks import converged
 from femstruct.workflow.stages.places import Places
 
 T = TypeVar("T")
@@ -111,7 +112,9 @@ def _peak(limit: Limit, channel: Channel, least: bool) -> Verdict:
     if not isfinite(channel.whole):  # its samples are too coarse to tell
         return Verdict(limit.name, None, limit.value, channel.unit, None, least=True)
     met = channel.whole <= limit.value
-    return Verdict(limit.name, channel.whole, limit.value, channel.unit, None if met and least else met, least=least)
+    verdict = None if met and least else met
+    sure = converged(channel)
+    return Verdict(limit.name, channel.whole, limit.value, channel.unit, verdict, least=least, converged=sure)
 
 
 def _settled(limit: Limit, response: Response) -> Verdict:

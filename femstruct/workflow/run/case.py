@@ -32,7 +32,7 @@ from femstruct.workflow.run.struck import Struck, strike, told_once
 from femstruct.workflow.stages.channels import motion_rows, record, refuse_absent_forces
 from femstruct.workflow.stages.coupled_air import coupled, coupled_key, weight_on_air
 from femstruct.workflow.stages.modal_bases import Solved, damped
-from femstruct.workflow.stages.peaks import fatigue_findings, fatigues, peak_findings, shock_spectra
+from femstruct.workflow.stages.peaks import damage_findings, fatigue_findings, fatigues, peak_findings, shock_spectra
 from femstruct.workflow.stages.places import Places
 from femstruct.workflow.stages.rated_rooms import overlap_findings, rate_rooms
 from femstruct.workflow.stages.responses import frequency_response
@@ -57,12 +57,12 @@ def run_case(
     with clock("damping", case.name):
         basis = damped(case, solved, baseline)
     with clock("judgement", case.name):
-        judged_before = (
+        findings = [
             *all_findings(own, basis, case.studies, study.frf),
             *study_findings(case, own.places),
             *coarse_sampling(study, last_mode_hz(basis), len(basis.omega)),
-        )
-    findings = [*judged_before, *(accuracy_findings(accuracy) if accuracy is not None else ())]
+            *(accuracy_findings(accuracy) if accuracy is not None else ()),
+        ]
     told: list[tuple[str, Advice | Finding]] = []
     vacuo, vibrated = basis, dict[str, Vibrated]()
     if any(plan.coupling == "two-way" for plan in study.rooms):
@@ -102,7 +102,7 @@ def run_case(
         told += weight_on_air(whole.response, vacuo, study.rooms)
         with clock("judgement", case.name):
             told += _of_rooms(study, own.places, basis, vacuo)
-    findings += room_findings(told)
+    cycles |= random_fatigues(study, vibrated, own.places, basis)
     return CaseResult(
         case=case,
         basis_key=coupled_key(own.key, study.rooms),
@@ -112,7 +112,7 @@ def run_case(
         channels=channels,
         rooms={} if whole is None else whole.rooms,
         levels={} if whole is None else whole.levels,
-        findings=ranked(findings),
+        findings=ranked([*findings, *room_findings(told), *damage_findings(cycles)]),
         accuracy=accuracy,
         shares=shares,
         rated=rated,
@@ -122,7 +122,7 @@ def run_case(
         heard=NO_OWN_SOUND if whole is None else whole.heard,
         shock=shock_spectra(study, channels),
         vibration=vibrated,
-        fatigue={**cycles, **random_fatigues(study, vibrated, own.places, basis)},
+        fatigue=cycles,
     )
 
 

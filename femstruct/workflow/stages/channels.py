@@ -79,7 +79,7 @@ def record(study: Study, places: Places, response: Response, rooms: Mapping[str,
     channels = {name: Channel(name, values, unit, *found[name]) for name, (values, unit) in (kept | pressures).items()}
     true = np.array([kind != "residual" for kind in response.basis.kind])
     for name, (what, row) in motion_rows(study, places, response.basis).items() if not true.all() else ():
-        channels[name] = replace(channels[name], by_modes=peaks.of(_moved(seen, what, row * true)))
+        channels[name] = replace(channels[name], by_modes=peaks.of(moved(seen, what, row * true)))
     return channels | _stresses(stresses, study.peaks, places, response, seen) if stresses else channels
 
 
@@ -262,7 +262,7 @@ def _recorded(wanted: Record, study: Study, places: Places, response: Response) 
     name, _, direction = target.rpartition(".")
     if what in MOTIONS and name:
         row = places.point(name, f"record.{target}").probe(direction).of(response.basis.shapes)
-        return {str(wanted): (_moved(response, what, row), unit)}
+        return {str(wanted): (moved(response, what, row), unit)}
     raise InputError(
         f"record.{target}",
         got=f"'{what}' of '{target}'",
@@ -283,7 +283,7 @@ def motion_rows(study: Study, places: Places, basis: ModalBasis) -> dict[str, tu
     return rows
 
 
-def _moved(response: Response, what: str, row: Floats) -> Floats:
+def moved(response: Response, what: str, row: Floats) -> Floats:
     """Displacement, velocity or acceleration of a row of modes [nt]."""
     return {"displacement": response.displacement, "velocity": response.velocity}.get(what, response.acceleration)(row)
 

@@ -8,6 +8,7 @@ the number of modes and with the mesh.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 
 import numpy as np
 
@@ -18,7 +19,9 @@ from femstruct.impact.result.shock import ShockSpectrum, shock_spectrum
 from femstruct.study.counting import FatigueRequest
 from femstruct.study.result import Channel
 from femstruct.study.study import Study
+from femstruct.workflow.stages.channels import motion_rows, moved
 from femstruct.workflow.stages.places import Places
+from femstruct.workflow.stages.stresses import uneven
 
 CONVERGED = 0.05  # of a peak: what residual vectors may make of it
 MISSED = 0.02  # of a peak: what samples may miss of it before cycles are counted from them
@@ -42,20 +45,73 @@ def fatigues(study: Study, channels: Mapping[str, Channel], places: Places, resp
     """Rainflow cycles of the histories that a study asks for, by name.
 
     Of a stress the components at the place where the part is stressed most are counted: the recorded history, which is
-    the largest equivalent stress anywhere, has no sign.
+    the largest equivalent stress anywhere, has no sign. Histories without residual vectors are counted beside them.
     """
     found: dict[str, Fatigue] = {}
+    basis = response.basis
+    true = np.array([kind != "residual" for kind in basis.kind])
+    motions = {} if true.all() else motion_rows(study, places, basis)
     for request in (one for one in study.fatigue if not one.under):
         channel = channels[request.of]
         if channel.stressed is not None:
             part = request.of.rpartition(" ")[0]
             rows = places.stresses(part, f"fatigue.{request.name}.of").at(channel.stressed.worst)
-            components = rows.of(response.basis.shapes)[0] @ response.q
-            where = channel.stressed.where
-            found[request.name] = counted_on_planes(request.of, components, rows.components, request.sn, where)
+            in_modes, names, where = rows.of(basis.shapes)[0], rows.components, channel.stressed.where
+            alone = None if true.all() else (in_modes * true) @ response.q
+            open_share = uneven(channel.stressed)
+            one = counted_on_planes(request.of, in_modes @ response.q, names, request.sn, where, alone, open_share)
         else:
-            found[request.name] = counted(request.of, channel.unit, channel.values, request.sn)
+            what, row = motions.get(request.of, ("", None))
+            alone = None if row is None else moved(response, what, row * true)
+            one = counted(request.of, channel.unit, channel.values, request.sn, alone=alone)
+        found[request.name] = replace(one, converged=converged(channel) and not _differs(one, request.sn))
     return found
+
+
+def converged(channel: Channel) -> bool:
+    """Whether neither the modes left out nor the mesh change more than a little of its peak."""
+    by_modes = channel.by_modes is None or max(map(_apart, _both(channel))) <= CONVERGED
+    return by_modes and (channel.stressed is None or not uneven(channel.stressed))
+
+
+def _differs(found: Fatigue, line: SNLine | None) -> bool:
+    """Whether ranges are others without residual vectors than peaks may be, or damage by what that makes of it."""
+    if found.largest_modes_alone is None:
+        return False
+    if _apart((found.largest, found.largest_modes_alone)) > CONVERGED:
+        return True
+    if line is None or found.damage is None or found.damage_modes_alone is None:
+        return False
+    return _apart((found.damage, found.damage_modes_alone)) > 1.0 - float((1.0 - CONVERGED) ** line.slope)
+
+
+def damage_findings(found: Mapping[str, Fatigue]) -> Iterator[Finding]:
+    """Damage, or without an S-N line ranges, that rest on a peak which is not to be quoted."""
+    for name, one in found.items():
+        if one.converged:
+            continue
+        factor = 1e-6 if one.unit == "Pa" else 1.0
+        unit = "MPa" if one.unit == "Pa" else one.unit
+        if one.damage is None:
+            told, alone, beside = f"largest range of {factor * one.largest:.4g} {unit}", one.largest_modes_alone, None
+            others = [] if alone is None else [f"{factor * alone:.4g} {unit} without the residual vectors"]
+        else:
+            told, alone, beside = f"damage of {one.damage:.3g}", one.damage_modes_alone, one.damage_beside
+            others = [] if alone is None else [f"{alone:.3g} without the residual vectors"]
+            others += [] if beside is None else [f"{beside:.3g} with the smaller stress beside the most stressed place"]
+        yield Finding(
+            "damage-not-converged",
+            f"{name}: do not quote its {told}: {one.channel} changes with the modes or the mesh"
+            f"{'. It is ' if others else ''}{', and '.join(others)}. Compute more modes, or "
+            "a finer mesh where it is uneven. A low-pass of 'peaks' does not filter what is counted",
+            {
+                key: value
+                for key, value in (
+                    ("damage", one.damage), ("largest_range", one.largest), ("modes_alone", alone), ("beside", beside)
+                )
+                if value is not None
+            },
+        )  # fmt: skip
 
 
 def fatigue_findings(study: Study, channels: Mapping[str, Channel]) -> Iterator[Finding]:
@@ -83,7 +139,7 @@ def peak_findings(channels: Mapping[str, Channel]) -> Iterator[Finding]:
     for name, channel in channels.items():
         if channel.by_modes is None:
             continue
-        peak, alone = max(zip(_peaks(channel), channel.by_modes, strict=True), key=_apart)
+        peak, alone = max(_both(channel), key=_apart)
         if _apart((peak, alone)) > CONVERGED:
             yield Finding(
                 "peak-not-converged",
@@ -130,6 +186,12 @@ def agree(changes: tuple[float, float]) -> bool:
 
 def _peaks(channel: Channel) -> tuple[float, float]:
     return channel.first_impact, channel.whole
+
+
+def _both(channel: Channel) -> list[tuple[float, float]]:
+    """Its peaks with residual vectors and without."""
+    assert channel.by_modes is not None
+    return list(zip(_peaks(channel), channel.by_modes, strict=True))
 
 
 def _apart(peaks: tuple[float, float]) -> float:

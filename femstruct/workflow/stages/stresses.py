@@ -106,10 +106,16 @@ def _neighbours(places: StressPlaces, place: int) -> Integers:
     return found
 
 
+def uneven(found: LargestStress) -> float:
+    """The share of the largest stress that the mesh leaves open; 0 where that is no more than allowed."""
+    share = max(found.jump, found.falls)
+    return share if share > UNEVEN else 0.0
+
+
 def stress_findings(stresses: Mapping[str, LargestStress | None]) -> Iterator[Finding]:
     """Largest stresses that the mesh does not resolve, by what they are called."""
     for name, found in stresses.items():
-        if found is None or max(found.jump, found.falls) <= UNEVEN:
+        if found is None or not uneven(found):
             continue
         how = (
             f"Between the cells that meet there it jumps by {100 * found.jump:.0f} %"

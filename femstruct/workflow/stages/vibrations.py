@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -25,7 +26,7 @@ from femstruct.study.steady_vibration import Vibration
 from femstruct.study.study import Study
 from femstruct.workflow.stages.channels import MOTIONS, SIDEWAYS, STRESS, UNITS, refuse_absent_forces
 from femstruct.workflow.stages.places import Places
-from femstruct.workflow.stages.stresses import judged, stress_findings
+from femstruct.workflow.stages.stresses import judged, stress_findings, uneven
 
 ON_THE_BASE: Final = " relative to the base"
 """Ends the names of answers that leave out the motion of the base."""
@@ -46,8 +47,8 @@ def vibrations(study: Study, places: Places, basis: ModalBasis) -> tuple[dict[st
     told: list[Finding] = []
     refuse_absent_forces(study, basis)
     for one in study.vibration:
-        found[one.name], uneven = _vibrated(one, study, places, basis)
-        told += uneven
+        found[one.name], doubts = _vibrated(one, study, places, basis)
+        told += doubts
     told += [_by_dirlik(one.name) for one in study.fatigue if one.under and one.sn is not None]
     return found, told
 
@@ -147,7 +148,8 @@ def _stress(
     if one.what == "harmonic":
         return HarmonicAnswer("Pa", lines, found.along.astype(np.complex128), stressed.where), stressed
     rms = float(found.largest.max())
-    return RandomAnswer("Pa", lines, found.along, rms, where=stressed.where, place=stressed.worst), stressed
+    place, share = stressed.worst, uneven(stressed)
+    return RandomAnswer("Pa", lines, found.along, rms, where=stressed.where, place=place, uneven=share), stressed
 
 
 def random_fatigues(
@@ -172,9 +174,10 @@ def random_fatigues(
         if of.endswith(f" {STRESS}"):
             rows = places.stresses(of.removesuffix(f" {STRESS}"), f"{where}.of").at(answer.place)
             stresses = stress_components(basis, excited(one, places, basis), rows, 0, lines)
-            told[request.name] = expected_on_planes(
-                of, stresses, rows.components, level, lines, one.duration, sn, answer.where
+            fatigue = expected_on_planes(
+                of, stresses, rows.components, level, lines, one.duration, sn, answer.where, answer.uneven
             )
+            told[request.name] = replace(fatigue, converged=not answer.uneven)
         else:
             told[request.name] = expected(of, answer.unit, answer.psd, lines, one.duration, sn)
     return told
