@@ -30,6 +30,7 @@ _UNRESOLVED = 1e-10  # of |sigma|: below it eigenvalues by shift-invert are too 
 _SHIFT_RANGE = (0.005, 50.0)  # of |sigma| over the first elastic omega^2: no loss of digits and no slow convergence
 _DROWNS = 1e-4  # of the guessed first elastic omega^2: a shift below it
 _ATTEMPTS = 6
+_GROUP = 1e-6  # between eigenvalues that are told apart: shapes are then good to 1e-10
 _CONVERGED = 1e-11  # residual of an eigenvalue of the inverse over it; shapes are as good
 _ROUGH = 16  # vectors that show the first elastic modes roughly: rigid ones, having one eigenvalue, take few
 
@@ -273,8 +274,10 @@ def _dense(K: csc_array, M: csc_array, sigma: float, k: int) -> tuple[Floats, Fl
     else:
         level = np.sqrt(direct[-1] * abs(sigma))
         near = np.flatnonzero((direct[1:] > 0.1 * level) & (direct[:-1] < 10.0 * level))
-        if near.size and len(direct) == len(values):
-            cut = int(near[np.argmax(np.log(direct[near + 1] / direct[near].clip(1e-3 * level)))]) + 1
+        apart = direct[near + 1] / direct[near].clip(1e-3 * level)
+        # Within a group of equal frequencies the two have shapes of their own choice, which do not fit together.
+        if apart.max(initial=1.0) > 1.0 + _GROUP and len(direct) == len(values):
+            cut = int(near[np.argmax(apart)]) + 1
             values = np.concatenate([values[:cut], direct[cut:]])
             low = np.concatenate([low[:, :cut], high[:, cut:]], axis=1)
     return values[:k], low[:, :k]

@@ -261,3 +261,14 @@ def test_residual_vectors_leave_out_the_fourth_power_of_frequency(free):
         missing.append(np.linalg.norm(modal - exact))
     # the next order at a fifth of the frequency: 0.08 here
     assert np.diff(np.log(missing))[0] / np.log(2.0) == pytest.approx(4.0, abs=0.1)
+
+
+@pytest.mark.parametrize("n", [3, 40])
+@pytest.mark.parametrize("spread", [0.0, 1e-15, 1e-9])
+def test_a_group_of_equal_frequencies_may_be_all_there_is(n, spread):
+    """n masses on as many springs of their own, alike: omega^2 = k / m, by full matrices that join two halves."""
+    k = 1e5 * (1.0 + spread * np.arange(n) / n)
+    found = modes(csc_array(diags_array(k)), csc_array(diags_array(np.full(n, 99.0))), count=n)
+    np.testing.assert_allclose(found.eigenvalues, 1e5 / 99.0, rtol=1e-8)  # the spread
+    np.testing.assert_allclose(99.0 * found.shapes.T @ found.shapes, np.eye(n), atol=1e-12)  # rounding
+    assert found.n_rigid == 0
