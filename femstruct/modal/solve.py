@@ -20,7 +20,7 @@ MOST_MODES = 3000  # they take minutes, and gigabytes in anything that rings for
 _DENSE = 300  # degrees of freedom up to which full matrices cost less than the set-up of Lanczos
 # A rigid mode strains nothing but rounding: 1e-16 of the terms of phi^T K phi at most on plates, frames and joints
 # of all sizes tried. The softest elastic mode of a 400 x 400 plate has 1e-12, of a floor on springs at 0.2 Hz 1e-11.
-_UNSTRAINED = 2e-14
+UNSTRAINED = 2e-14
 # Where K hardly touches a mode (a plate free to shift in its own plane, where no matrix entry resists), even the terms
 # of phi^T K phi are rounding: up to 1e-17 |sigma| measured, 1e-18 |sigma| once the modes are separated. A real spring
 # is told from none down to 3e-8 of the frequency of sigma, which is near the first elastic one, or the limit.
@@ -106,6 +106,8 @@ def modes(
         first = min(count + 3, n)
     values, shapes, sigma, complete = _complete(pencil, first, mu, wanted, labels)
     values, shapes, rigid = _classified(K, M, values, shapes, abs(sigma))
+    if count is not None and np.isfinite(complete):
+        complete = float(values[count])  # 0 of a rigid mode, which is rounding before
     if values.size and values.min() < 0:
         raise FemstructError("K", got=f"a mode of omega^2 = {values.min():.3g}", expected="no negative stiffness")
     keep = values <= limit if count is None else np.arange(len(values)) < count
@@ -190,11 +192,11 @@ def _complete(
     The factor to solve with is gone when that to count with is made: of a million unknowns each takes 2 GB.
     """
     n = pencil.K.shape[0]
-    ask, expected = first, 0
-    found = -1
+    ask, expected, found = first, 0, -1
+    counted: int | None
     for attempt in range(_ATTEMPTS):
         values, shapes, sigma = _lowest(pencil, min(ask, n), (first, mu), attempt, labels)
-        level, upto = mu, wanted
+        level, counted = mu, wanted
         if np.isinf(mu):
             if len(values) == n or len(values) < ask:
                 return values, shapes, sigma, np.inf  # all modes there are
@@ -207,27 +209,23 @@ def _complete(
             if counted is None:
                 ask += 4
                 continue
-            expected = counted
-        else:
-            expected = wanted
+        expected = counted
         found = int(np.count_nonzero(values < level))
         if found == expected:
-            complete = max(0.0, values[wanted]) if np.isinf(mu) else mu  # among rigid modes: rounding, of either sign
-            return values, shapes, sigma, float(complete)
+            return values, shapes, sigma, float(values[wanted] if np.isinf(mu) else mu)
         ask = min(n, max(ask, expected) + 4 * (attempt + 1))
-    raise NotConverged(
-        "modes", got=f"{found} modes", expected=f"{expected} by the inertia count", do="ask for another upper limit"
-    )
+    told = f"{found} modes" if found >= 0 else "frequencies too close to count between"
+    expects = f"{expected} by the inertia count" if found >= 0 else "a gap after the last one asked for"
+    raise NotConverged("modes", got=told, expected=expects, do="ask for another number of modes or upper limit")
 
 
 def _gap(values: Floats, wanted: int, resolved: float) -> int:
     """Index after `wanted` or a little later where the next eigenvalue is farthest off, to count in the gap; the
-    number of values when there is none above `resolved`."""
+    number of values when there is none above `resolved`, or only equal ones."""
     later = np.arange(wanted, len(values))
     later = later[values[later] > resolved]
-    if not later.size:
-        return len(values)
-    return int(later[np.argmax((values[later] - values[later - 1]) / values[later])])
+    apart = values[later] / values[later - 1].clip(resolved)
+    return int(later[np.argmax(apart)]) if apart.max(initial=1.0) > 1.0 + _GROUP else len(values)
 
 
 def _lowest(
@@ -314,7 +312,7 @@ def _classified(
         values[slack] = np.where(np.abs(found) <= _UNTOUCHED * scale, 0.0, found)
         shapes[:, slack] = signed(shapes[:, slack] @ turn, np.sqrt(np.abs(M.diagonal())))
     # Of those it does touch, only the lowest ones can strain nothing but rounding.
-    unstrained = relative_energy(K, shapes) < _UNSTRAINED
+    unstrained = relative_energy(K, shapes) < UNSTRAINED
     rigid = np.where(slack, values == 0.0, np.logical_and.accumulate(slack | unstrained))
     values = np.where(rigid, 0.0, values)
     order = np.argsort(values, kind="stable")

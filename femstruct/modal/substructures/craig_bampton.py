@@ -13,10 +13,10 @@ from scipy.sparse import csc_array
 
 from femstruct.arrays import Floats, Integers, freeze, frozen, frozen_integers
 from femstruct.errors import FemstructError
-from femstruct.modal.factor import factorise
+from femstruct.modal.factor import factorise, relative_energy
 from femstruct.modal.outputs import projected, unit_diagonal
 from femstruct.modal.residuals import complement_solve
-from femstruct.modal.solve import MOST_MODES, modes, orthonormalise, signed
+from femstruct.modal.solve import MOST_MODES, UNSTRAINED, modes, orthonormalise, signed
 
 NEGLIGIBLE: Final = 1e-4  # of the dynamic stiffness at the highest mode; at half its frequency, a sixteenth of that
 _WEIGHTLESS: Final = 1e-12  # of the largest: rounding of sums over the inside
@@ -115,7 +115,7 @@ def craig_bampton(
     recovery[held, np.arange(b)] = 1.0
     recovery[inner, :b], recovery[inner, b:] = psi, shapes
     K_r = np.zeros((b + k, b + k))  # the blocks between interface and modes vanish: what rounding leaves is left out
-    K_r[:b, :b] = projected(stiffness, recovery[:, :b])
+    K_r[:b, :b] = _without_rounding(projected(stiffness, recovery[:, :b]), stiffness, recovery[:, :b])
     K_r[np.arange(b, b + k), np.arange(b, b + k)] = values
     return Reduced(
         M=projected(mass, recovery),
@@ -167,6 +167,19 @@ def _inside(
         vectors = signed(vectors @ turn, np.sqrt(np.abs(M.diagonal())))
     every = np.concatenate([found.shapes, vectors], axis=1)
     return psi, every, np.concatenate([found.eigenvalues, values]), len(found.eigenvalues)
+
+
+def _without_rounding(reduced: Floats, K: csc_array, recovery: Floats) -> Floats:
+    """The stiffness [b, b] of the interface without what rounding makes of its rigid motions.
+
+    That is rounding of all the terms inside, which are many more, and stiffer, than those that are left of them: joined
+    or free, rigid modes would strain by it. recovery [n, b] : the motions of the whole by it.
+    """
+    scale = unit_diagonal(csc_array(reduced))
+    values, motions = eigh(reduced * scale * scale[:, None])
+    rigid = relative_energy(K, recovery @ (scale[:, None] * motions)) < UNSTRAINED
+    pushes = motions[:, rigid] / scale[:, None]
+    return reduced - _symmetric((pushes * values[rigid]) @ pushes.T)
 
 
 def _that_matter(missing: Floats, whole: Floats, least: float) -> Floats:

@@ -1,0 +1,47 @@
+"""Models with a reduced part against the same models with the whole part."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import femstruct as fs
+from femstruct.study.asked import Extent
+from femstruct.workflow.exchange.reduced_model import reduce_model
+
+SLAB = "{type: slab, material: steel, thickness: 3 mm, outline: [[0, 0], [0.6, 0], [0.6, 0.4], [0, 0.4]], mesh: 25 mm}"
+PLATE = "{type: plate, material: steel, thickness: 3 mm, origin: [0, 0, 0], size: [0.6, 0.4], mesh: 25 mm}"
+MATERIAL = "materials: {steel: {E: 210 GPa, nu: 0.3, rho: 7850 kg/m^3}}\n"
+
+
+def quiet(_: str) -> None:
+    """Takes what is told of progress."""
+
+
+def written(folder: Path, name: str, text: str) -> Path:
+    (folder / f"{name}.yaml").write_text(MATERIAL + text)
+    return folder / f"{name}.yaml"
+
+
+def basis_of(path: Path, count: int) -> fs.ModalBasis:
+    return fs.modal_basis(fs.assemble(fs.read_model(path)), count=count)
+
+
+@pytest.mark.parametrize("kind", [SLAB, PLATE], ids=["slab", "plate"])
+def test_a_free_reduced_plate_is_rigid_six_times(tmp_path: Path, kind: str) -> None:
+    points = "points: {middle: {on: plate, at: [0.3, 0.2]}, corner: {on: plate, at: [0, 0]}}\n"
+    whole = written(tmp_path, "whole", f"parts: {{plate: {kind}}}\n{points}")
+    reduce_model(whole, "plate", Extent(up_to_hz=1500.0), tmp_path / "plate.npz", (), "", quiet)
+    built = written(tmp_path, "built", "parts: {plate: {type: reduced, file: plate.npz}}\n")
+    exact = basis_of(whole, 8)
+    for count in (1, 3, 5):  # fewer than are rigid
+        few = basis_of(built, count)
+        assert few.kind[few.modes] == ("rigid",) * count
+        assert few.complete_below_hz == 0.0  # not a frequency that is rounding
+    all_rigid = basis_of(built, 8)
+    assert all_rigid.n_rigid == 6 and np.all(all_rigid.omega[:6] == 0.0)
+    # a twentieth of the band: what the modes above it add at most
+    assert all_rigid.frequency_hz[6:8] == pytest.approx(exact.frequency_hz[6:8], rel=1e-4)
+    assert all_rigid.complete_below_hz > all_rigid.frequency_hz[7]
