@@ -14,6 +14,7 @@ from femstruct.assembly.matrices import Assembly
 from femstruct.conventions import GRAVITY, N_COMPONENTS
 from femstruct.errors import InputError
 from femstruct.modal.solve import modes
+from femstruct.model.facts import part_masses
 from femstruct.model.model import Model
 from femstruct.model.probe import Probe
 from femstruct.sparse.patterns import aligned
@@ -58,8 +59,9 @@ def statics(model: Model, assembly: Assembly, forces: Sequence[tuple[Probe, floa
 
     Notes
     -----
-    Linear: displacements are small, and weight and forces do not change the stiffness. The weight of parts acts at
-    their nodes, which errs with h^2.
+    Linear: displacements are small, and weight and forces do not change the stiffness. Weight is M g, with the mass
+    matrix that modes have: that of a bar under its own weight is exact at its nodes. Of matrices that hold a part of
+    themselves, the load is the weight of all, and what is held inside reaches nothing.
 
     The tip of a cantilever under its own weight, q L^4 / 8 E I:
 
@@ -79,20 +81,24 @@ def statics(model: Model, assembly: Assembly, forces: Sequence[tuple[Probe, floa
     nodal = np.zeros(n)
     for probe, force in forces:
         nodal += force * probe.row(len(assembly.points)).toarray()[0]
-    if weight:
-        nodal += _weight(model, n)
     loads = csr_array(nodal[None])
     pattern, (values,) = aligned([assembly.K])
     factor = SOLVERS[FASTEST](pattern).factor(values)
     pushed = (loads @ assembly.dofs.T).toarray()[0]
+    gravity = GRAVITY if weight else 0.0
+    pushed -= gravity * assembly.momentum[UP]
     moved = np.asarray(factor.solve(pushed), dtype=np.float64)
     moved += np.asarray(factor.solve(pushed - assembly.K @ moved), dtype=np.float64)
+    load = nodal.reshape(-1, N_COMPONENTS)[:, :3].sum(axis=0)
+    load[UP] -= gravity * sum(part_masses(model).values())
     return AtRest(
         displacement=(assembly.dofs.T @ moved).reshape(-1, N_COMPONENTS),
         forces={
-            name: np.asarray(rows.stiffness @ moved + (rows.direct @ nodal)) for name, rows in assembly.forces.items()
+            # Mass on held nodes pulls at what holds it, as it resists a base that rises.
+            name: np.asarray(rows.stiffness @ moved + rows.direct @ nodal + gravity * rows.carried[:, UP])
+            for name, rows in assembly.forces.items()
         },
-        load=nodal.reshape(-1, N_COMPONENTS)[:, :3].sum(axis=0),
+        load=load,
     )
 
 
@@ -106,16 +112,3 @@ def _refuse_free(assembly: Assembly) -> None:
             expected="supports or springs that hold it every way",
             do="'femstruct modes MODEL' counts its rigid-body modes",
         )
-
-
-def _weight(model: Model, count: int) -> Floats:
-    """Weight of parts and masses on nodal components [count] [N]."""
-    nodal = np.zeros((model.mesh.n_nodes, N_COMPONENTS))
-    up = np.zeros((model.mesh.n_nodes, N_COMPONENTS))
-    up[:, UP] = 1.0
-    for part in model.parts.values():
-        np.add.at(nodal[:, UP], part.nodes, -GRAVITY * part.lumps)
-    total: Floats = nodal.ravel()
-    for inert in model.inerts:
-        total = total - GRAVITY * (inert.rows.T @ (inert.mass * (inert.rows @ up.ravel())))
-    return total[:count]

@@ -45,3 +45,25 @@ def test_a_free_reduced_plate_is_rigid_six_times(tmp_path: Path, kind: str) -> N
     # a twentieth of the band: what the modes above it add at most
     assert all_rigid.frequency_hz[6:8] == pytest.approx(exact.frequency_hz[6:8], rel=1e-4)
     assert all_rigid.complete_below_hz > all_rigid.frequency_hz[7]
+
+
+def test_a_reduced_plate_sinks_under_its_weight_as_the_plate_does(tmp_path: Path) -> None:
+    """Its interface is its feet and a point: the weight of all its nodes acts on these."""
+    text = (
+        "parts: {plate: KIND}\n"
+        "points: {middle: {on: plate, at: [0.3, 0.2ZERO]}, feet: {on: plate, at: [FEET]}}\n"
+        "supports: {posts: {at: feet, fix: [x, y, z]}}\n"
+    )
+    feet = [(x, y) for x in ("0", "0.6") for y in ("0", "0.4")]
+    found = []
+    for name, kind, zero in (("whole", SLAB, ""), ("built", "{type: reduced, file: plate.npz}", ", 0")):
+        at = ", ".join(f"[{x}, {y}{zero}]" for x, y in feet)
+        path = written(tmp_path, name, text.replace("KIND", kind).replace("ZERO", zero).replace("FEET", at))
+        model = fs.read_model(path)
+        rest = fs.statics(model, fs.assemble(model), [], weight=True)
+        found.append((rest.of(model.points["middle"].probe("z")), *rest.forces["posts"], *rest.load))
+        if name == "whole":
+            reduce_model(path, "plate", Extent(up_to_hz=1500.0), tmp_path / "plate.npz", (), "", quiet)
+    assert found[1] == pytest.approx(found[0], rel=1e-7, abs=1e-6)  # Craig and Bampton: statics of the interface exact
+    assert found[1][0] == pytest.approx(found[0][0], rel=1e-7)
+    assert found[1][3] == pytest.approx(-7850.0 * 0.6 * 0.4 * 0.003 * 9.80665, rel=1e-9)

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 import femstruct as fs
 from femstruct.conventions import GRAVITY
 from femstruct.errors import InputError
+from femstruct.files.inputs.matrices_input import read_component
 from femstruct.model.section import rectangle
+from femstruct.workflow.check.weight import sags
 
 STEEL = fs.Material("steel", E=210e9, nu=0.3, rho=7850.0)
 
@@ -31,7 +35,7 @@ def test_a_beam_on_two_supports_under_its_weight_and_a_force() -> None:
     A, I, q = 8e-4, 0.02 * 0.04**3 / 12, 7850.0 * 8e-4 * GRAVITY  # noqa: E741 - the second moment of area
     shear = (q * 4.0 / 8 + 100.0 * 2.0 / 4) / (5 / 6 * STEEL.G * A)
     exact = 5 * q * 16.0 / (384 * STEEL.E * I) + 100.0 * 8.0 / (48 * STEEL.E * I) + shear
-    assert rest.of(model.points["middle"].probe("z")) == pytest.approx(-exact, rel=2e-3)  # weight at nodes: h^2
+    assert rest.of(model.points["middle"].probe("z")) == pytest.approx(-exact, rel=1e-9)  # rounding
     for name in ("left", "right"):
         assert rest.forces[name][2] == pytest.approx(-(q * 2.0 + 100.0) / 2, rel=1e-9)  # solved to rounding
     np.testing.assert_allclose(rest.load, [0, 0, -q * 2.0 - 100.0], atol=1e-9)  # rounding
@@ -64,3 +68,37 @@ def test_what_can_move_as_a_whole_is_refused() -> None:
     slab = fs.Plate("slab", STEEL, 0.01, origin=(0.0, 0.0, 0.0), size=(1.0, 1.0), mesh=(2, 2))
     with pytest.raises(InputError, match="a structure that can move as a whole"):
         at_rest(fs.Structure("free", (slab,)), weight=True)
+
+
+@pytest.mark.parametrize("bars", [1, 2, 5])
+def test_a_cantilever_under_its_weight_is_exact_at_its_nodes(bars: int) -> None:
+    """w L^4 / 8 E I + w L^2 / 2 k G A at the tip; the wall takes all of it, what stands on it, too."""
+    line = ((0.0, 0.0, 0.0), (1.0, 0.0, 0.0))
+    bar = fs.Frame("bar", STEEL, rectangle("s", 0.01, 0.02), (line,), mesh=1.0 / bars)
+    points = tuple(fs.PlaceOn(name, "bar", at=((x, 0.0, 0.0),)) for name, x in (("foot", 0.0), ("tip", 1.0)))
+    wall, lump = fs.Support("wall", "clamped", at="foot"), fs.Mass("lump", 3.0, at="foot")
+    model, rest = at_rest(fs.Structure("a bar", (bar, lump), points=points, supports=(wall,)), weight=True)
+    A, I, w = 2e-4, 0.01 * 0.02**3 / 12, 7850.0 * 2e-4 * GRAVITY  # noqa: E741 - the second moment of area
+    exact = w / (8 * STEEL.E * I) + w / (2 * 5 / 6 * STEEL.G * A)
+    assert rest.of(model.points["tip"].probe("z")) == pytest.approx(-exact, rel=1e-9)  # rounding
+    for name in ("wall", "ground"):
+        assert rest.forces[name] == pytest.approx([0.0, 0.0, -w - 3.0 * GRAVITY], abs=1e-7)  # rounding of stiff bars
+    np.testing.assert_allclose(rest.load, [0.0, 0.0, -w - 3.0 * GRAVITY], rtol=1e-12)
+
+
+def test_matrices_weigh_where_their_mass_is(tmp_path: Path) -> None:
+    """Masses of 1 and 99 kg on a spring of 300 N/mm: the upper one sinks by 99 g / k, the foot takes both."""
+    K = np.zeros((6, 6))
+    for axis, k in enumerate((1e5, 2e5, 3e5)):
+        K[np.ix_([axis, axis + 3], [axis, axis + 3])] = [[k, -k], [-k, k]]
+    places = {"nodes": [0, 0, 0, 1, 1, 1], "components": [0, 1, 2] * 2, "points": [[0.0, 0.0, 0.0], [0.0, 0.0, 0.5]]}
+    np.savez(tmp_path / "two.npz", M=np.diag([1.0, 1.0, 1.0, 99.0, 99.0, 99.0]), K=K, **places)
+    fan = fs.Substructure("fan", read_component(tmp_path / "two.npz"))
+    points = tuple(fs.PlaceOn(name, "fan", at=((0.0, 0.0, z),)) for name, z in (("foot", 0.0), ("head", 0.5)))
+    wall = fs.Support("wall", ("x", "y", "z"), at="foot")
+    structure = fs.Structure("a fan", (fan,), points=points, supports=(wall,))
+    model, rest = at_rest(structure, weight=True)
+    assert rest.of(model.points["head"].probe("z")) == pytest.approx(-99.0 * GRAVITY / 3e5, rel=1e-12)  # rounding
+    assert rest.forces["wall"] == pytest.approx([0.0, 0.0, -100.0 * GRAVITY], abs=1e-9)  # rounding
+    (sag,) = sags(model, fs.modal_basis(fs.assemble(model), count=3))
+    assert sag.sag == pytest.approx(99.0 * GRAVITY / 3e5, rel=1e-9)  # check says the same
