@@ -83,7 +83,7 @@ def test_a_cantilever_under_its_weight_is_exact_at_its_nodes(bars: int) -> None:
     assert rest.of(model.points["tip"].probe("z")) == pytest.approx(-exact, rel=1e-9)  # rounding
     for name in ("wall", "ground"):
         assert rest.forces[name] == pytest.approx([0.0, 0.0, -w - 3.0 * GRAVITY], abs=1e-7)  # rounding of stiff bars
-    np.testing.assert_allclose(rest.load, [0.0, 0.0, -w - 3.0 * GRAVITY], rtol=1e-12)
+    np.testing.assert_allclose(rest.load, [0.0, 0.0, -w - 3.0 * GRAVITY], rtol=1e-12)  # rounding
 
 
 def test_matrices_weigh_where_their_mass_is(tmp_path: Path) -> None:
