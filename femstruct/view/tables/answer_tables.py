@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from dataclasses import replace
+
 from femstruct.modal.steady.answers import HarmonicAnswer, RandomAnswer
 from femstruct.study.result import StudyResult
 from femstruct.view.tables.grid import Grid
@@ -20,27 +23,58 @@ def stresses(result: StudyResult) -> Grid:
     return grid
 
 
-def vibration(result: StudyResult) -> Grid:
-    """A row for every excitation, case and channel: how large, where along frequency, and the expected largest."""
-    kinds = {one.kind for case in result.cases.values() for one in case.vibration.values()}
-    head = {"harmonic": "amplitude", "psd": "rms"}
-    size = " or ".join(word for kind, word in head.items() if kind in kinds)
-    where = " or ".join(word for kind, word in (("harmonic", "at"), ("psd", "crossings")) if kind in kinds)
-    columns = ("", "channel", "case", size, f"{where} [Hz]", *(["expected peak"] if "psd" in kinds else []))
-    title = "vibration: " + "; ".join(
-        text
-        for kind, text in (
-            ("harmonic", "largest amplitude and where it is"),
-            ("psd", "root mean square and crossings of zero upwards"),
-        )
-        if kind in kinds
-    )
+def harmonic(result: StudyResult) -> Grid:
+    """A row for every harmonic excitation, case and channel: the largest amplitude, and at which frequency."""
+    grid = Grid("harmonic vibration: largest amplitudes", ("", "channel", "case", "largest", "at [Hz]"), keys=3)
+    for name, case, channel, answer in _answers(result):
+        if isinstance(answer, HarmonicAnswer):
+            factor, unit = scaled(answer.unit, answer.largest)
+            cells = [f"{digits(factor * answer.largest)} {unit}", f"{answer.largest_at_hz:.4g}"]
+            grid.add(name, channel, case, *cells, answer.where)
+    return _with_places(grid)
+
+
+def random(result: StudyResult) -> Grid:
+    """A row for every random excitation, case and channel: its rms, mean frequency and expected largest."""
+    lasting = {(case, one.name): one.duration for case, own in result.cases.items() for one in own.case.study.vibration}
+    durations = {seconds for seconds in lasting.values() if seconds is not None}
+    title = "random vibration: rms, mean frequency (upward crossings of zero)"
+    columns = ["", "channel", "case", "rms", "mean frequency [Hz]"]
+    if durations:
+        title += ", expected peak"
+        columns.append(f"expected peak in {durations.copy().pop():g} s" if len(durations) == 1 else "expected peak")
     grid = Grid(title, columns, keys=3)
+    for name, case, channel, answer in _answers(result):
+        if isinstance(answer, RandomAnswer):
+            factor, unit = scaled(answer.unit, answer.peak or answer.rms)
+            often = "-" if answer.crossings is None else f"{answer.crossings:.4g}"
+            cells = [f"{digits(factor * answer.rms)} {unit}", often]
+            if durations:
+                seconds = lasting[case, name]
+                within = f" in {seconds:g} s" if len(durations) > 1 else ""
+                cells.append("-" if answer.peak is None else f"{digits(factor * answer.peak)} {unit}{within}")
+            grid.add(name, channel, case, *cells, answer.where)
+    placed = _with_places(grid)
+    if placed is grid:
+        return grid
+    reason = "; a stress of von Mises has neither sign nor a Gaussian distribution: no mean frequency, no expected peak"
+    return replace(placed, title=title + reason)
+
+
+def _answers(result: StudyResult) -> Iterator[tuple[str, str, str, HarmonicAnswer | RandomAnswer]]:
+    """Excitation, case, channel, and what came of it."""
     for case_name, case in result.cases.items():
         for name, one in case.vibration.items():
             for channel, answer in one.answers.items():
-                grid.add(name, channel, case_name, *_cells(answer, len(columns) - 3))
-    return grid
+                yield name, case_name, channel, answer
+
+
+def _with_places(grid: Grid) -> Grid:
+    """With a column for the places that end its rows, where there are any; without, the grid itself."""
+    rows = grid.rows.copy()
+    placed = any(row[-1] for row in rows)
+    grid.rows[:] = [[*row[:-1], row[-1] or "-"] if placed else row[:-1] for row in rows]
+    return replace(grid, columns=(*grid.columns, "where")) if placed else grid
 
 
 def fatigue(result: StudyResult) -> Grid:
@@ -71,14 +105,3 @@ def moved_masses(result: StudyResult) -> Grid:
                 share = f"{100.0 * moved.share:.1f} %"
                 grid.add(name, case_name, moved.axis, str(len(moved.mass)), digits(moved.moved), share)
     return grid
-
-
-def _cells(answer: HarmonicAnswer | RandomAnswer, count: int) -> list[str]:
-    """Size with its unit, frequency, and the expected largest where there is a column for it."""
-    if isinstance(answer, HarmonicAnswer):
-        factor, unit = scaled(answer.unit, answer.largest)
-        return [f"{digits(factor * answer.largest)} {unit}", f"{answer.largest_at_hz:.4g}", "-"][:count]
-    factor, unit = scaled(answer.unit, answer.peak or answer.rms)
-    crossings = "-" if answer.crossings is None else f"{answer.crossings:.4g}"
-    peak = "-" if answer.peak is None else f"{digits(factor * answer.peak)} {unit}"
-    return [f"{digits(factor * answer.rms)} {unit}", crossings, peak]

@@ -14,7 +14,7 @@ from femstruct.files.tables.finding_tables import findings_by_case
 from femstruct.reported import reported
 from femstruct.study.result import NET_FORCE, CaseComparison, CaseResult, StudyResult
 from femstruct.view.tables.accuracy_table import anything_meets, outcomes, trust
-from femstruct.view.tables.answer_tables import fatigue, moved_masses, stresses, vibration
+from femstruct.view.tables.answer_tables import fatigue, harmonic, moved_masses, random, stresses
 from femstruct.view.tables.array_table import arrays
 from femstruct.view.tables.blow_table import blows
 from femstruct.view.tables.console import console
@@ -70,7 +70,8 @@ def asked_tables(result: StudyResult) -> tuple[Grid, ...]:
         machine(result),
         _levels(result),
         _peaks(result),
-        vibration(result),
+        harmonic(result),
+        random(result),
         fatigue(result),
     )
 
