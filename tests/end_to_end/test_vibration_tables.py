@@ -8,6 +8,7 @@ import pytest
 
 from femstruct import read_study, run_study
 from femstruct.study.result import StudyResult
+from femstruct.view.figures.shaken_figures import vibration_answer
 from femstruct.view.tables.answer_tables import harmonic, random
 from femstruct.view.tables.terminal import study_tables
 
@@ -60,6 +61,19 @@ def test_a_stress_has_its_place_and_the_reason_of_what_it_has_not(result: StudyR
     assert row[5].startswith("(0, ")
     others = [row[-1] for grid in (harmonic(result), random(result)) for row in grid.rows if row[1] != "bar stress"]
     assert set(others) == {"-"}
+
+
+def test_a_force_has_its_axis(result: StudyResult) -> None:
+    """In what is shown; JSON, files and `fatigue: {of: ..}` have the names of records in time."""
+    shown = {row[1] for grid in (harmonic(result), random(result)) for row in grid.rows}
+    assert "wall force z" in shown
+    assert "wall force" not in shown
+    assert "wall force" in result.cases["as given"].vibration["shaker"].answers
+    titles = [
+        figure.get_suptitle() or figure.texts[0].get_text()
+        for figure in (vibration_answer(result, f"{name}, wall force") for name in ("shaker", "motor"))
+    ]
+    assert all("wall force z, excited by" in title for title in titles)
 
 
 def test_without_stresses_and_durations_there_are_no_columns_for_them(tmp_path: Path) -> None:

@@ -102,6 +102,15 @@ class Vibrated:
     base: MovedMass | None = None
 
 
+def with_axis(channel: str, unit: str) -> str:
+    """The name of a channel as it is shown: that of a force along z, which has a plain name, with its axis.
+
+    >>> with_axis("west force", "N"), with_axis("west force x", "N"), with_axis("tip.z velocity", "m/s")
+    ('west force z', 'west force x', 'tip.z velocity')
+    """
+    return f"{channel} z" if unit == "N" and channel.endswith(" force") else channel
+
+
 def random_answer(
     unit: str, transfer: Complex, excitation: Floats, frequency_hz: Floats, duration: float | None = None
 ) -> RandomAnswer:

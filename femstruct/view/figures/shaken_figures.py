@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 from matplotlib.figure import Figure
 
-from femstruct.modal.steady.answers import HarmonicAnswer
+from femstruct.modal.steady.answers import HarmonicAnswer, with_axis
 from femstruct.study.result import CaseResult, StudyResult
 from femstruct.study.steady_vibration import per_hertz
 from femstruct.view.figures.drawing import case_lines, finish, legend_above, mode_lines, new_figure, panels, readable
@@ -58,7 +58,9 @@ def vibration_answer(result: StudyResult, name: str) -> Figure:
     }
     first = next(iter(found.values()))
     excited = next(item.vibration[excitation] for item in result.cases.values() if excitation in item.vibration)
-    figure = new_figure(9.0, 4.6, f"{channel}, excited by {excitation} ({excited.kind}, {excited.excited_by})")
+    figure = new_figure(
+        9.0, 4.6, f"{with_axis(channel, first.unit)}, excited by {excitation} ({excited.kind}, {excited.excited_by})"
+    )
     ((axes,),) = panels(figure, 1, 1, between=0.15, top=0.55 + 0.155 * len(found), left=1.15)
     for case, answer in found.items():
         if isinstance(answer, HarmonicAnswer):

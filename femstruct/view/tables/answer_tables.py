@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
-from femstruct.modal.steady.answers import HarmonicAnswer, RandomAnswer
+from femstruct.modal.steady.answers import HarmonicAnswer, RandomAnswer, with_axis
 from femstruct.study.result import StudyResult
 from femstruct.view.tables.grid import Grid
 from femstruct.view.tables.scales import digits, scaled
@@ -62,11 +62,11 @@ def random(result: StudyResult) -> Grid:
 
 
 def _answers(result: StudyResult) -> Iterator[tuple[str, str, str, HarmonicAnswer | RandomAnswer]]:
-    """Excitation, case, channel, and what came of it."""
+    """Excitation, case, channel with its axis, and what came of it."""
     for case_name, case in result.cases.items():
         for name, one in case.vibration.items():
             for channel, answer in one.answers.items():
-                yield name, case_name, channel, answer
+                yield name, case_name, with_axis(channel, answer.unit), answer
 
 
 def _with_places(grid: Grid) -> Grid:
