@@ -9,7 +9,7 @@ import pytest
 from femstruct import read_study, run_study
 from femstruct.study.result import StudyResult
 from femstruct.view.figures.shaken_figures import vibration_answer
-from femstruct.view.tables.answer_tables import harmonic, random
+from femstruct.view.tables.answer_tables import harmonic, moved_masses, random
 from femstruct.view.tables.terminal import study_tables
 
 MODEL = """
@@ -74,6 +74,19 @@ def test_a_force_has_its_axis(result: StudyResult) -> None:
         for figure in (vibration_answer(result, f"{name}, wall force") for name in ("shaker", "motor"))
     ]
     assert all("wall force z, excited by" in title for title in titles)
+
+
+def test_the_effective_mass_is_beside_the_mass(result: StudyResult) -> None:
+    """A bar of 1 m x 20 mm x 10 mm of steel."""
+    grid = moved_masses(result)
+    ((name, _, axis, modes, mass, share),) = grid.rows
+    base = result.cases["as given"].vibration["shaker"].base
+    assert base is not None
+    total = 1.0 * 0.02 * 0.01 * 7850.0
+    assert (name, axis, modes) == ("shaker", "z", str(len(base.mass)))
+    assert mass == f"{base.mass.sum():.4g} of {total:.4g} kg"
+    assert share == f"{100.0 * base.mass.sum() / total:.0f} %"
+    assert grid.title.startswith("effective mass")
 
 
 def test_without_stresses_and_durations_there_are_no_columns_for_them(tmp_path: Path) -> None:

@@ -97,11 +97,11 @@ def fatigue(result: StudyResult) -> Grid:
 
 def moved_masses(result: StudyResult) -> Grid:
     """A row for every base that moves: the effective mass of its modes, as a share of all."""
-    grid = Grid("moved by the base", ("", "case", "axis", "modes", "effective mass [kg]", "of all"), keys=2)
+    columns = ("", "case", "along", "modes", "effective mass", "share")
+    grid = Grid("effective mass of the modes along the motion of the base", columns, keys=2)
     for case_name, case in result.cases.items():
         for name, one in case.vibration.items():
-            if one.base is not None:
-                moved = one.base
-                share = f"{100.0 * moved.share:.1f} %"
-                grid.add(name, case_name, moved.axis, str(len(moved.mass)), digits(moved.moved), share)
+            if (moved := one.base) is not None:
+                mass = f"{digits(moved.moved)} of {digits(moved.total)} kg"
+                grid.add(name, case_name, moved.axis, str(len(moved.mass)), mass, f"{100.0 * moved.share:.0f} %")
     return grid
