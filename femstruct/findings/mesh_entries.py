@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import radians
 from typing import Final
 
-from femstruct.findings.entry import CHOSEN, LIMITS, Entry, Limit
+from femstruct.findings.entry import CHOSEN, LIMITS, REMARK, Entry, Limit
 
 _MEASURED: Final = "tests on plates, beams and a twisted strip, femstruct/elements/quality.py"
 _FIVE: Final = "frequencies err five times as much as with squares"
@@ -65,5 +65,20 @@ MESHES: Final = (
         "Give the cells a part. Take supports, rigid links and masses as the file has them by a part of type "
         "'attachments', or write them in the model; sets name their places. "
         "Where the model has them already, nothing is missing.",
+    ),
+    Entry(
+        "nodes-alone",
+        "The mesh file has nodes that no element uses.",
+        REMARK,
+        "a node of the file is of no cell, rigid link, average or mass that it states",
+        "Nothing, where they are centres of arcs or marks. Otherwise the file is cut among its elements, or they are "
+        "of a kind that is not read: write it again.",
+    ),
+    Entry(
+        "mesh-without-end",
+        "The mesh file lacks the word that ends it.",
+        REMARK,
+        "bulk data of Nastran without BEGIN BULK has no ENDDATA; with BEGIN BULK it is refused",
+        "Nothing, where its last card is the one that is named. Otherwise the file is cut: write it again.",
     ),
 )

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import femstruct as fs
+from femstruct.errors import InputErrors
 from femstruct.findings.catalogue import rank_of
 from femstruct.findings.entry import LIMITS
 from femstruct.model.imported.unused import unused_findings
@@ -33,7 +35,15 @@ def found(tmp_path: Path, written: str, scale: float = 1.0, thickness: float | N
     return {one.code: one.message for one in findings if not one.severe}
 
 
-MESH = ("mesh-in-other-units", "bad-cells", "cells-twice", "open-seam", "mesh-states-more")
+MESH = (
+    "mesh-in-other-units",
+    "bad-cells",
+    "cells-twice",
+    "open-seam",
+    "mesh-states-more",
+    "nodes-alone",
+    "mesh-without-end",
+)
 
 
 def test_a_good_mesh_is_not_doubted(tmp_path: Path) -> None:
@@ -206,3 +216,47 @@ def test_normals_and_areas_do_not_depend_on_the_numbering(tmp_path: Path) -> Non
     part = fs.Shell("skin", fs.read_mesh_file(tmp_path / "skin.inp"), steel, 0.01)
     model = fs.mesh_structure(fs.Structure("a", (part,), surfaces=(fs.SurfaceOn("top", "skin"),)))
     assert (model.surfaces["top"].normals == [0.0, 0.0, 1.0]).all()
+
+
+def test_nodes_without_elements_are_counted(tmp_path: Path) -> None:
+    """A file that is cut among its elements: of 12 cells of 20 nodes 8 are left, which leaves the last row of 5."""
+    told = found(tmp_path, text(cells=QUADS[:8]))["nodes-alone"]
+    assert told.startswith(
+        "skin: skin.inp has 5 nodes of 20 that no element, link or mass uses, such as 16, 17, 18, 19 "
+    )
+    mast = [*GRID, (50, 0.2, 0.2, 0.5)]
+    assert "nodes-alone" in found(tmp_path, text(mast))
+    link = "*NSET, NSET=FOOT\n1, 2\n*RIGID BODY, REF NODE=50, TIE NSET=FOOT"
+    assert "nodes-alone" not in found(tmp_path, text(mast, more=link))
+
+
+BULK = """GRID,1,,0.,0.,0.
+GRID,2,,1.,0.,0.
+GRID,3,,1.,1.,0.
+GRID,4,,0.,1.,0.
+GRID,5,,.5,.5,1.
+CQUAD4,1,1,1,2,3,4
+PSHELL,1,1,.01
+RBE2,9,5,123456,1,2,3,4
+"""
+
+
+def test_bulk_data_without_its_end(tmp_path: Path) -> None:
+    """A whole deck is refused, with its last line; bulk data alone gets a remark, and none with ENDDATA."""
+    path = tmp_path / "skin.bdf"
+    steel = fs.Material("steel", E=210e9, nu=0.3, rho=7850.0)
+    for end, codes in (("", ["mesh-without-end"]), ("ENDDATA\n", [])):
+        path.write_text(BULK + end, encoding="utf-8")
+        told = unused_findings(fs.Structure("a", (fs.Shell("skin", fs.read_mesh_file(path), steel, 0.01),)))
+        assert [one.code for one in told if one.code != "mesh-states-more"] == codes
+    assert fs.read_mesh_file(path).stated.open_end == ""
+    for words, expected in (
+        ("CEND\nBEGIN BULK\n" + BULK, "skin.bdf:10:1: got the end of the file after RBE2 of line 10, expected ENDDATA"),
+        (
+            BULK.rstrip() + ",+\n",
+            "skin.bdf:8:1: got the end of the file within RBE2 of line 8, expected its continuation",
+        ),
+    ):
+        path.write_text(words, encoding="utf-8")
+        with pytest.raises(InputErrors, match=re.escape(expected)):
+            fs.read_mesh_file(path)

@@ -73,7 +73,8 @@ class Stated:
     """What a file states beside its mesh. left_out : what of it is not read, in words.
     elements : numbers of those that have stiffness or mass wherever they are, by their type in the file; other
     cells may be marks of edges and faces. active : names of the sets of supports that the file puts to use, where it
-    says so; others are for other load cases."""
+    says so; others are for other load cases. open_end : of a file without the word that ends it, which may be cut, that
+    word and what is last."""
 
     properties: tuple[StatedProperty, ...] = ()
     materials: tuple[StatedMaterial, ...] = ()
@@ -83,6 +84,7 @@ class Stated:
     left_out: tuple[str, ...] = ()
     elements: Mapping[str, Integers] = field(default_factory=dict)
     active: tuple[str, ...] = ()
+    open_end: str = ""
 
 
 @dataclass(frozen=True, eq=False)

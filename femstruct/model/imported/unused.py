@@ -40,6 +40,7 @@ def _of_one(
     taken = [one for part in structure.parts if (one := part.attaches(users)) and same_file(mesh, one.mesh)]
     open_ones = dict(_beside(structure, mesh, names, {word for one in taken for word in one.take}))
     left = [words for one in taken for words in one.left]
+    yield from _cut(mesh, names)
     told = [*_cells(mesh, used), *mesh.stated.left_out, *open_ones.values(), *left]
     if told:
         offer = "" if not open_ones else f". {_OFFER} {_written(mesh, list(open_ones))}"
@@ -49,6 +50,27 @@ def _of_one(
             f"mass and supports are missing unless the model has them otherwise: write parts, masses, joints, supports"
             f"{offer}",
             {"kinds": len(told)},
+        )
+
+
+def _cut(mesh: ImportedMesh, names: list[str]) -> Iterator[Finding]:
+    """What a file shows that ends too early: no word at its end, nodes without elements."""
+    whose = f"{', '.join(names)}: {mesh.source}"
+    if mesh.stated.open_end:
+        yield Finding(
+            "mesh-without-end", f"{whose} has no {mesh.stated.open_end}. If the file is cut, the rest is missing"
+        )
+    ours = np.zeros(len(mesh.points), dtype=bool)
+    for nodes in (*mesh.cells.values(), *(one.nodes for one in mesh.stated.links)):
+        ours[nodes.ravel()] = True
+    ours[[one.node for one in mesh.stated.links] + [one.node for one in mesh.stated.masses]] = True
+    if lone := int((~ours).sum()):
+        yield Finding(
+            "nodes-alone",
+            f"{whose} has {lone} nodes of {len(ours)} that no element, link or mass uses, such as "
+            f"{some_of(mesh.numbers[~ours].tolist(), SHOWN)}. They are left out. If they belong to the part, elements "
+            "are missing: is the file cut?",
+            {"nodes": lone},
         )
 
 

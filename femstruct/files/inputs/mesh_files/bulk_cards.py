@@ -15,6 +15,7 @@ from femstruct.errors import InputErrors, shown_as
 from femstruct.files.inputs.mesh_files.text_lines import wrong_line
 
 _SMALL, _LARGE = 8, 16
+_GOES_ON = re.compile(r"(^|,)\s*[+*](?!\d|\.)\w*\s*$")  # a mark of continuation as the last field of a line
 _BARE_EXPONENT = re.compile(r"^([+-]?(?:\d+\.?\d*|\.\d+))([+-]\d+)$")
 
 
@@ -78,17 +79,24 @@ class Card(NamedTuple):
         return numbers
 
 
-def cards_of(path: Path, lines: list[str]) -> tuple[list[tuple[int, str]], list[Card]]:
-    """Lines of the case control, with their numbers, and cards of the bulk data, up to ENDDATA."""
+def cards_of(path: Path, lines: list[str]) -> tuple[list[tuple[int, str]], list[Card], bool]:
+    """Lines of the case control, with their numbers, cards of the bulk data up to ENDDATA, and whether there is one.
+
+    Raises InputErrors for a file that ends before its last card does, and for a whole one, with BEGIN BULK, that has no
+    ENDDATA: Nastran asks for it, so that such a file is cut. Bulk data alone is often written without.
+    """
     begin = next((n for n, line in enumerate(lines) if re.match(r"\s*BEGIN\s+BULK", line, re.IGNORECASE)), -1)
     control = [(number, line) for number, line in enumerate(lines[: begin + 1], 1)]
     found: list[Card] = []
+    ended, last = False, ""
     for number, line in enumerate(lines[begin + 1 :], begin + 2):
         text = line.split("$", 1)[0].rstrip()
         if not text.strip():
             continue
         if text.strip().upper().startswith("ENDDATA"):
+            ended = True
             break
+        last = text
         name, fields = _split(text)
         if name == "" or name[0] in "+*":
             if not found:
@@ -96,7 +104,13 @@ def cards_of(path: Path, lines: list[str]) -> tuple[list[tuple[int, str]], list[
             found[-1].fields.extend(fields)
         else:
             found.append(Card(path, number, name.rstrip("*").upper(), fields))
-    return control, found
+    goes_on = not ended and _GOES_ON.search(last if "," in last else last.expandtabs(_SMALL)[72:80]) is not None
+    if found and not ended and (goes_on or begin >= 0):
+        got = f"the end of the file {'within' if goes_on else 'after'} {found[-1].name} of line {found[-1].number}"
+        expected = "its continuation" if goes_on else "ENDDATA"
+        do = "the file is cut: write it again" if goes_on else "is the file cut? If not, write ENDDATA as its last line"
+        raise wrong_line(path, len(lines), got, expected, do)
+    return control, found, ended
 
 
 def _split(text: str) -> tuple[str, list[str]]:

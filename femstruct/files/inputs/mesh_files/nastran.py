@@ -58,8 +58,10 @@ def read_nastran(path: Path, data: bytes) -> Gathered:
     what controls a solution are passed over; every other card is refused by name.
     Raises InputErrors with file and line, for all unknown cards at once.
     """
-    control, cards = cards_of(path, lines_of(path, data))
+    control, cards, ended = cards_of(path, lines_of(path, data))
     bulk = Bulk()
+    if not ended and cards:
+        bulk.open_end = f"ENDDATA: its last card is {cards[-1].name} of line {cards[-1].number}"
     unknown: dict[str, Card] = {}
     bulk.sets, bulk.chosen = case_control(path, control)
     for card in cards:
@@ -125,6 +127,7 @@ def _gathered(bulk: Bulk) -> Gathered:
             for (number, held), some in bulk.holds.items()
         ),
         tuple(f"{count} {name}" for name, count in bulk.left_out.items()),
+        open_end=bulk.open_end,
         active=tuple(_support(number) for number in (*sorted(used), OF_GRID)) if used else (),
     )
     return Gathered(known, np.array(bulk.points), blocks, node_sets, cell_sets, stated)

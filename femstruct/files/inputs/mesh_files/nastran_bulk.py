@@ -28,6 +28,7 @@ class Bulk:
     left_out: dict[str, int] = field(default_factory=dict)
     added: dict[int, list[int]] = field(default_factory=dict)  # sets of supports that SPCADD makes one
     chosen: list[int] = field(default_factory=list)  # sets of supports by SPC = N of the case control
+    open_end: str = ""  # the word that would end the file, and its last card, where it has none
     mass_factor: float = 1.0
     ranged: set[int] = field(default_factory=set)  # nodes of cards with FIRST THRU LAST, some of which may be missing
 
