@@ -68,3 +68,40 @@ def test_a_link_puts_no_force_on_the_ground(tmp_path: Path) -> None:
     assert table["on_the_ground"] == ["wall", "ground"] and "spider" in table["forces_n"]
     head, _, rest = told.stdout.partition("forces between parts")
     assert "spider" in rest and "spider" not in head and "wall" in head.partition("forces on the ground")[2], told
+
+
+ENDS = """
+materials: {steel: {E: 210 GPa, nu: 0.3, rho: 7850 kg/m^3}}
+sections: {bar: {shape: rectangle, width: 20 mm, height: 40 mm}}
+parts:
+  inner: {type: frame, material: steel, section: bar, lines: [[[0, 0, 0], [1, 0, 0]]], mesh: 0.1}
+  outer: {type: frame, material: steel, section: bar, lines: [[[1, 0, 0], [2, 0, 0]]], mesh: 0.1}
+points:
+  foot: {on: inner, at: [0, 0, 0]}
+  seats: {on: inner, at: [[0.9, 0, 0], [1, 0, 0]]}
+  seat: {on: inner, at: [1, 0, 0]}
+  heel: {on: outer, at: [1, 0, 0]}
+  tip: {on: outer, at: [2, 0, 0]}
+supports: {wall: {at: foot, fix: clamped}, rest: {at: tip, fix: [rx]}}
+"""
+
+
+@pytest.mark.parametrize(
+    ("tie", "on_outer"),
+    [
+        ("joints: {tie: {connect: [inner, outer]}}", True),  # on the second part
+        ("joints: {tie: {connect: [outer, inner]}}", False),
+        ("constraints: {tie: {rigid: seat, to: heel}}", True),  # on its 'to'
+        ("constraints: {tie: {rigid: heel, to: seat}}", False),
+        ("constraints: {tie: {average: heel, of: seats, directions: [x, y, z, ry, rz]}}", False),  # on its 'of'
+    ],
+)
+def test_forces_between_parts_are_on_what_the_table_says(tie: str, on_outer: bool, tmp_path: Path) -> None:
+    """By hand: the outer bar is pushed down by 100 N, so the inner one pushes it up and is itself pushed down."""
+    (tmp_path / "m.yaml").write_text(ENDS + tie, encoding="utf-8")
+    done = statics(str(tmp_path / "m.yaml"), "--force", "tip.z=-100 N", "--json")
+    assert done.returncode == 0, done.stderr
+    assert json.loads(done.stdout)["forces_n"]["tie"][2] == pytest.approx(100.0 if on_outer else -100.0, rel=1e-6)
+    told = " ".join(statics(str(tmp_path / "m.yaml"), "--force", "tip.z=-100 N").stdout.split())
+    for one in ("on the second part of a joint", "of a rigid link on its 'to'", "of an average on its 'of'"):
+        assert one in told

@@ -10,7 +10,7 @@ from femstruct.view.tables.console import console
 from femstruct.view.tables.finding_lines import show_findings
 from femstruct.view.tables.grid import Grid
 
-BETWEEN = "forces between parts: on the second one, or on what follows a link"
+BETWEEN = "forces between parts: on the second part of a joint; of a rigid link on its 'to', of an average on its 'of'"
 ROUNDING = 1e-9  # of the largest force: what is left of a solved system
 NOISE = 1e-6  # of the largest displacement or rotation: less has no meaning beside it
 
