@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -174,7 +174,7 @@ class StressPlaces:
     rows [p * c, n_nodes * 7] : stresses [Pa], the components of a place one after the other. sides : what tells places
     of one position, such as the two faces of a plate, by turns: place i is on `sides[i % len(sides)]`.
     cells [m * c, n_nodes * 7], meets [m] : the same of every cell that meets at a place, and which place, where `rows`
-    are their mean; none where they are not.
+    are their mean; none where they are not. axes [p, 3, 3] : the local axes of every place, its rows; None for global.
 
     >>> field = StressPlaces(np.zeros((1, 3)), ("xx", "xy"), csr_array(np.eye(2, 7)), ("above",))
     >>> field.of(np.array([3e6, 2e6, 0, 0, 0, 0, 0]).reshape(1, 7, 1))[:, :, 0]
@@ -187,6 +187,7 @@ class StressPlaces:
     sides: tuple[str, ...]
     cells: csr_array | None = None
     meets: Integers = field(default_factory=lambda: np.zeros(0, np.int64))
+    axes: Floats | None = None
 
     def __post_init__(self) -> None:
         freeze(self, places=frozen("stresses places", self.places, (None, 3)))
@@ -202,13 +203,14 @@ class StressPlaces:
     def at(self, place: int) -> StressPlaces:
         """One of the places, on its side."""
         alone = self.some(np.array([place]))
-        return StressPlaces(alone.places, self.components, alone.rows, (self.sides[place % len(self.sides)],))
+        return replace(alone, sides=(self.sides[place % len(self.sides)],))
 
     def some(self, numbers: Integers) -> StressPlaces:
         """Some of the places, all sides of a position together."""
         c = len(self.components)
         rows = csr_array(self.rows[(numbers[:, None] * c + np.arange(c)).ravel()])
-        return StressPlaces(self.places[numbers], self.components, rows, self.sides)
+        axes = None if self.axes is None else self.axes[numbers]
+        return StressPlaces(self.places[numbers], self.components, rows, self.sides, axes=axes)
 
     def around(self, place: int) -> StressPlaces | None:
         """The same place in each of the cells that meet there, one after the other; None where there is one value."""

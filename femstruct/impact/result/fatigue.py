@@ -137,12 +137,14 @@ def counted_on_planes(
     place: str,
     alone: Floats | None = None,
     uneven: float = 0.0,
+    axes: Floats | None = None,
 ) -> Fatigue:
     """The same of the normal stress on the worst of many planes.
 
     stresses [c, nt] [Pa] : components at one place; alone [c, nt] : the same without residual vectors. On a face planes
     stand on it, 5 degrees apart; in a solid they are spread over all directions. The worst has the most damage; without
-    an S-N line the largest range. uneven : the share of the stress that the mesh leaves open, 0 if little.
+    an S-N line the largest range. uneven : the share of the stress that the mesh leaves open, 0 if little. axes : local
+    ones of the components [3, 3], its rows; None for global ones.
     """
     normals = normals_of(components)
     worst: tuple[float, int, Cycles] | None = None
@@ -152,8 +154,7 @@ def counted_on_planes(
         if worst is None or size > worst[0]:
             worst = size, number, cycles
     assert worst is not None  # there are planes
-    x, y, z = normals[worst[1]].round(2) + 0.0
-    found = _told(channel, "Pa", worst[2], line, f"{place}, normal to ({x:g}, {y:g}, {z:g}) in local axes")
+    found = _told(channel, "Pa", worst[2], line, f"{place}, {plane(normals[worst[1]], axes)}")
     if uneven > 0.0 and line is not None:
         smaller = worst[2]._replace(ranges=(1.0 - uneven) * worst[2].ranges)
         found = replace(found, damage_beside=smaller.damage(line))
@@ -174,6 +175,16 @@ def _told(channel: str, unit: str, cycles: Cycles, line: SNLine | None, on: str)
     which = np.minimum(np.searchsorted(ends, cycles.ranges * (1.0 - 1e-12)), BINS - 1)
     counts = np.bincount(which, weights=cycles.counts, minlength=BINS).astype(np.float64)
     return Fatigue(channel, unit, ends, counts, largest, None if line is None else cycles.damage(line), on)
+
+
+def plane(normal: Floats, axes: Floats | None) -> str:
+    """A plane in words, by its normal in global components. axes [3, 3] : rows are the local axes of the normal [3].
+
+    >>> plane(np.array([0.0, 1.0, 0.0]), np.array([[0.0, 1, 0], [0, 0, 1], [1, 0, 0]]))
+    'normal to (0, 0, 1)'
+    """
+    x, y, z = (normal if axes is None else normal @ axes).round(2) + 0.0
+    return f"normal to ({x:g}, {y:g}, {z:g})"
 
 
 def normals_of(components: tuple[str, ...]) -> Floats:

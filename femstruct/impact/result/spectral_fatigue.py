@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 
 from femstruct.arrays import Floats
-from femstruct.impact.result.fatigue import BINS, Fatigue, SNLine, normals_of, plane_weights
+from femstruct.impact.result.fatigue import BINS, Fatigue, SNLine, normals_of, plane, plane_weights
 
 FARTHEST: Final = 12.0  # standard deviations: beyond them are 1e-31 of all cycles
 _STEPS: Final = 6001
@@ -73,19 +73,19 @@ def expected_on_planes(
     line: SNLine | None,
     place: str,
     uneven: float = 0.0,
+    axes: Floats | None = None,
 ) -> Fatigue:
     """The same of the normal stress on the worst of many planes at one place.
 
     stresses [c, nf] : complex components per unit of what excites [Pa]; psd [nf] : of that. uneven : the share of
-    the stress that the mesh leaves open, 0 if little.
+    the stress that the mesh leaves open, 0 if little. axes [3, 3] : rows are their local axes; None for global ones.
     """
     normals = normals_of(components)
     squares = np.abs(plane_weights(normals, components) @ stresses) ** 2 * psd
     found = [expected(channel, "Pa", one, frequency_hz, duration, line) for one in squares]
     sizes = [one.largest if one.damage is None else one.damage for one in found]
     worst = int(np.argmax(sizes))
-    one, (x, y, z) = found[worst], normals[worst].round(2) + 0.0
-    on = f"{place}, normal to ({x:g}, {y:g}, {z:g}) in local axes"
+    one, on = found[worst], f"{place}, {plane(normals[worst], axes)}"
     beside = None
     if uneven > 0.0:
         beside = expected(channel, "Pa", (1.0 - uneven) ** 2 * squares[worst], frequency_hz, duration, line).damage

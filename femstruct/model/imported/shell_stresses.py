@@ -27,14 +27,14 @@ _UNIT: Final = np.array(CORNERS, dtype=np.float64)
 class FaceStresses(NamedTuple):
     """Stresses xx, yy, xy [Pa] at the nodes of a shell, on s faces, from the components of all nodes of a structure.
 
-    nodes [p], cells [p] : the node of each place, and one of its cells; normals [p, 3] of that. rows [p * s * 3,
-    n_nodes * 7]. places [k] : the place of each corner of a cell; of_cells [k * s * 3, n_nodes * 7] : the stresses of
-    that cell alone.
+    nodes [p], cells [p] : the node of each place, and one of its cells; axes [p, 3, 3] : rows are the directions of xx
+    and yy, and its normal. rows [p * s * 3, n_nodes * 7]. places [k] : the place of each corner of a cell;
+    of_cells [k * s * 3, n_nodes * 7] : the stresses of that cell alone.
     """
 
     nodes: Integers
     cells: Integers
-    normals: Floats
+    axes: Floats
     rows: csr_array
     places: Integers
     of_cells: csr_array
@@ -86,7 +86,7 @@ def face_stresses(
     return FaceStresses(
         nodes[first_of],
         corners[first_of],
-        R[corners[first_of], 2],
+        _axes(R[corners[first_of]], directions),
         csr_array(
             _gathering(places, means, count) @ stretched
             + _gathering(place, shares, count) @ stressed(place, cell, moments[cell], 3)
@@ -94,6 +94,13 @@ def face_stresses(
         places,
         csr_array(stretched + stressed(places, corners, moments[corners], 3)),
     )
+
+
+def _axes(R: Floats, directions: Floats) -> Floats:
+    """Axes [p, 3, 3] of cells at R, their first one turned in the plane to the directions [p, 3]."""
+    turn = angles(R, directions)
+    c, s = np.cos(turn)[:, None], np.sin(turn)[:, None]
+    return np.stack([c * R[:, 0] + s * R[:, 1], c * R[:, 1] - s * R[:, 0], R[:, 2]], axis=1)
 
 
 def _corners(cells: FlatCells) -> tuple[Integers, Integers]:

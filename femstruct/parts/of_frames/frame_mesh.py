@@ -193,6 +193,7 @@ class FrameMesh(Meshed):
             ("xx", "xy"),
             sparse_rows(nodes, rows.reshape(count * points, 2, -1, N_COMPONENTS), n_nodes),
             tuple(f"at y = {1e3 * a:.4g} mm, z = {1e3 * b:.4g} mm of the section" for a, b in section.outline),
+            axes=np.repeat(self.axes[bars], points, axis=0),
         )
 
     def point(self, name: str, place: PlaceOn, at: Floats, tolerance: float) -> Point:

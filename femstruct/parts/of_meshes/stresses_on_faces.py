@@ -33,7 +33,8 @@ def stresses_on_faces(
     heights = np.stack([heights for heights, _ in each])[kinds[found.cells]] + shell.offset
     count = heights.shape[1]
     meets = (count * found.places[:, None] + np.arange(count)).ravel()
-    places = cells.points[found.nodes][:, None] + heights[..., None] * found.normals[:, None]
+    places = cells.points[found.nodes][:, None] + heights[..., None] * found.axes[:, None, 2]
     words = tuple(f"{side} layer {n + 1}" for n in range(count // 2) for side in ("back", "front"))
     sides = ("front", "back") if count == 2 and not isinstance(shell.material, LayUp) else words
-    return StressPlaces(places.reshape(-1, 3), ("xx", "yy", "xy"), found.rows, sides, found.of_cells, meets)
+    axes = np.repeat(found.axes, count, axis=0)
+    return StressPlaces(places.reshape(-1, 3), ("xx", "yy", "xy"), found.rows, sides, found.of_cells, meets, axes)

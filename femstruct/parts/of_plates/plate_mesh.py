@@ -261,7 +261,8 @@ class PlateMesh(Meshed):
         layers = count // 2
         sides = words if layers == 1 else tuple(f"{word} layer {n + 1}" for n in range(layers) for word in words[::-1])
         rows = csr_array(mean_of_cells(meets, 3) @ cells)
-        return StressPlaces(faces.reshape(-1, 3), ("xx", "yy", "xy"), rows, sides, cells, meets)
+        axes = np.tile(self.axes, (faces.size // 3, 1, 1))
+        return StressPlaces(faces.reshape(-1, 3), ("xx", "yy", "xy"), rows, sides, cells, meets, axes)
 
     def edges(self, item: Support, tolerance: float) -> list[tuple[Integers, Floats]]:
         nodes = edge_nodes(item, self.name, self.part.size, (self.x, self.y), self.grid, tolerance)

@@ -81,6 +81,8 @@ def fatigue(result: StudyResult) -> Grid:
     """A row for every channel whose cycles are counted and every case."""
     columns = ("", "case", "of", "cycles", "largest range", "damage", "of these to failure", "where")
     title = "fatigue: rainflow cycles and Miner's damage of one record or duration, no partial factors"
+    if any(one.on for case in result.cases.values() for one in case.fatigue.values()):
+        title += "; planes by their normal in global axes, that of most damage by the S-N line"
     if any(not one.converged for case in result.cases.values() for one in case.fatigue.values()):
         title += " (? : do not quote, see damage-not-converged)"
     grid = Grid(title, columns, keys=2)

@@ -59,7 +59,10 @@ def fatigues(study: Study, channels: Mapping[str, Channel], places: Places, resp
             in_modes, names, where = rows.of(basis.shapes)[0], rows.components, channel.stressed.where
             alone = None if true.all() else (in_modes * true) @ response.q
             open_share = uneven(channel.stressed)
-            one = counted_on_planes(request.of, in_modes @ response.q, names, request.sn, where, alone, open_share)
+            axes = None if rows.axes is None else rows.axes[0]
+            one = counted_on_planes(
+                request.of, in_modes @ response.q, names, request.sn, where, alone, open_share, axes
+            )
         else:
             what, row = motions.get(request.of, ("", None))
             alone = None if row is None else moved(response, what, row * true)

@@ -174,8 +174,9 @@ def random_fatigues(
         if of.endswith(f" {STRESS}"):
             rows = places.stresses(of.removesuffix(f" {STRESS}"), f"{where}.of").at(answer.place)
             stresses = stress_components(basis, excited(one, places, basis), rows, 0, lines)
+            axes = None if rows.axes is None else rows.axes[0]
             fatigue = expected_on_planes(
-                of, stresses, rows.components, level, lines, one.duration, sn, answer.where, answer.uneven
+                of, stresses, rows.components, level, lines, one.duration, sn, answer.where, answer.uneven, axes
             )
             told[request.name] = replace(fatigue, converged=not answer.uneven)
         else:
