@@ -8,6 +8,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 ROOT = Path(__file__).parents[2]
@@ -105,3 +106,26 @@ def test_forces_between_parts_are_on_what_the_table_says(tie: str, on_outer: boo
     told = " ".join(statics(str(tmp_path / "m.yaml"), "--force", "tip.z=-100 N").stdout.split())
     for one in ("on the second part of a joint", "of a rigid link on its 'to'", "of an average on its 'of'"):
         assert one in told
+
+
+HELD = """
+parts: {fan: {type: matrices, file: fan.npz}}
+points: {hub: {on: fan, at: [0, 0, 0]}}
+"""
+
+
+def test_what_matrices_hold_inside_is_told(tmp_path: Path) -> None:
+    """99 kg on springs whose other ends are in no matrix: their force on the ground is the weight."""
+    place = {"nodes": [0, 0, 0], "components": [0, 1, 2], "points": [[0.0, 0.0, 0.0]]}
+    np.savez(tmp_path / "fan.npz", M=99.0 * np.eye(3), K=np.diag([1e5, 2e5, 3e5]), **place)
+    (tmp_path / "m.yaml").write_text(HELD, encoding="utf-8")
+    told = statics(str(tmp_path / "m.yaml"), "--weight").stdout
+    assert "held inside the matrices of fan, which reaches no support: (0, 0, -970.9) N" in told
+    table = json.loads(statics(str(tmp_path / "m.yaml"), "--weight", "--json").stdout)
+    assert table["held_inside"] == {"parts": ["fan"], "force_n": [0.0, 0.0, pytest.approx(-970.85835)]}  # 99 kg g
+    two = {"nodes": [0, 0, 0, 1, 1, 1], "components": [0, 1, 2] * 2, "points": [[0.0, 0.0, 0.0], [0.0, 0.0, 1.0]]}
+    K = np.kron([[1e5, -1e5], [-1e5, 1e5]], np.eye(3))
+    np.savez(tmp_path / "fan.npz", M=99.0 * np.eye(6), K=K, **two)
+    text = HELD + "supports: {bolts: {at: hub, fix: [x, y, z]}}\n"
+    (tmp_path / "m.yaml").write_text(text, encoding="utf-8")
+    assert "held inside" not in statics(str(tmp_path / "m.yaml"), "--weight").stdout

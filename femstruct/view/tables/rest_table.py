@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from femstruct.errors import some_of
 from femstruct.files.tables.finding_tables import finding_from
 from femstruct.view.tables.console import console
 from femstruct.view.tables.finding_lines import show_findings
@@ -44,6 +45,10 @@ def show_rest(table: Mapping[str, Any], verbose: bool = False) -> None:
             force = table["forces_n"][name]
             forces.add(name, *(_number(one if abs(one) > ROUNDING * largest else 0.0) for one in force))
         forces.show(screen)
+    if table["held_inside"]:
+        x, y, z = (_number(one) for one in table["held_inside"]["force_n"])
+        names = some_of(table["held_inside"]["parts"])
+        screen.print(f"held inside the matrices of {names}, which reaches no support: ({x}, {y}, {z}) N")
     show_findings(screen, [(finding_from(one), "") for one in table["findings"]], verbose)
 
 

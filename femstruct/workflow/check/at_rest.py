@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
+
+import numpy as np
 
 from femstruct.assembly.assemble import assemble
 from femstruct.assembly.forces import GROUND
@@ -12,10 +14,12 @@ from femstruct.errors import InputError
 from femstruct.files.tables.finding_tables import finding_table
 from femstruct.language import read_model_file
 from femstruct.modal.statics import AtRest, statics
+from femstruct.model.imported.component import Component, rigid_resistance
 from femstruct.model.mesher import mesh_structure
 from femstruct.model.model import Model
 from femstruct.model.probe import Probe
 from femstruct.model.structure import Structure
+from femstruct.parts.substructure import Substructure
 from femstruct.study.result import LargestStress
 from femstruct.units import quantity
 from femstruct.workflow.stages.places import Places
@@ -23,6 +27,7 @@ from femstruct.workflow.stages.positions import positioned
 from femstruct.workflow.stages.stresses import stress_at_rest, stress_findings
 
 Table = dict[str, Any]
+_SOLVED: Final = 1e-6  # of the load, or of the stiffness: less is rounding of a file or a solution
 
 
 def at_rest(path: Path, forces: list[str], weight: bool, overrides: tuple[str, ...] = ()) -> Table:
@@ -57,11 +62,26 @@ def at_rest(path: Path, forces: list[str], weight: bool, overrides: tuple[str, .
         },
         "forces_n": {name: force.tolist() for name, force in rest.forces.items()},
         "on_the_ground": [name for name in rest.forces if name in (*assembly.grounded, GROUND)],
+        "held_inside": _held_inside(source.structure, rest),
         "stresses": {
             name: {"largest_pa": float(one.largest.max()), "where": one.where} for name, one in stresses.items()
         },
         "findings": [finding_table(finding) for finding in stress_findings(stresses)],
     }
+
+
+def _held_inside(structure: Structure, rest: AtRest) -> Table | None:
+    """What of the load reaches no support, since matrices of parts are held inside; None where all of it does."""
+    held = [part.name for part in structure.parts if isinstance(part, Substructure) and _holds(part.component)]
+    missing = rest.load - rest.forces[GROUND]
+    if not held or np.abs(missing).max() <= _SOLVED * np.abs(rest.load).max():
+        return None
+    return {"parts": held, "force_n": missing.tolist()}
+
+
+def _holds(component: Component) -> bool:
+    """Whether something inside of it stands on the ground."""
+    return not component.free or float(rigid_resistance(component)[:3].max()) > _SOLVED
 
 
 def _force(text: str, places: Places) -> tuple[Probe, float]:
