@@ -15,6 +15,7 @@ from femstruct.model.section import Section
 from femstruct.model.structure import Joint, Structure
 from femstruct.study.acting import PlacedBody, PlannedContact, PlannedLink, PlannedLoad
 from femstruct.study.asked import RoomPlan
+from femstruct.study.counting import FatigueRequest
 from femstruct.study.steady_vibration import Vibration
 from femstruct.study.study import Study
 
@@ -27,6 +28,11 @@ UNITS: Final = {  # of the fields of a study's nouns
     "frequency": "Hz", "at": "m", "radius": "m", "times": "s", "slip": "N/m^2",
 }  # fmt: skip
 
+COUNTED: Final = {  # in the name of a channel: its unit
+    "stress": "Pa", "force": "N", "displacement": "m", "travel": "m", "velocity": "m/s", "acceleration": "m/s^2",
+    "pressure": "Pa",
+}  # fmt: skip
+SPELT: Final = 12  # more points of a spectrum are counted
 LEAK: Final = {"inertance": "kg/m^4", "resistance": "Pa s/m^3"}
 ENDS: Final = {"_hz": "Hz", "_m": "m", "_s": "s"}  # of names that have a unit
 
@@ -87,7 +93,7 @@ def inputs(study: Study) -> Inputs:
     ]
     groups["rooms"] = [_room(one) for one in study.rooms]
     groups["frequency responses"] = [_item(one, one.kind, without=("kind",)) for one in study.frf]
-    groups["fatigue"] = [_item(one, "rainflow") for one in study.fatigue]
+    groups["fatigue"] = [_fatigue(one) for one in study.fatigue]
     groups["vibration"] = [_vibration(one) for one in study.vibration]
     groups["analysis"] = [Item(name, "", found) for name, found in _analysis(study).items() if found]
     return Inputs({name: tuple(items) for name, items in groups.items() if items})
@@ -188,8 +194,28 @@ def _load(load: PlannedLoad) -> Item:
 
 def _vibration(one: Vibration) -> Item:
     lasts = [] if one.duration is None else [Given("duration", one.duration, "s")]
-    spectrum = Given("spectrum", one.spectrum.points, f"Hz, {one.unit}")
-    return Item(one.name, f"{one.what} at {one.told}", (spectrum, *lasts))
+    unit, factor = one.unit, 1.0
+    if one.kind == "base" and one.what == "psd":  # as shakers are spoken of
+        unit, factor = "g^2/Hz", GRAVITY**-2
+    points = {f"{frequency:g} Hz": factor * value for frequency, value in one.spectrum.points}
+    told = [Given("spectrum", points, unit)]
+    if len(points) > SPELT:
+        lines, values = zip(*one.spectrum.points, strict=True)
+        told = [Given("spectrum", tuple(factor * value for value in values), unit), Given("at", lines, "Hz")]
+    return Item(one.name, f"{one.what} at {one.told}", (*told, *lasts))
+
+
+def _fatigue(one: FatigueRequest) -> Item:
+    """Cycles that are counted, with the S-N line in the unit of what is counted."""
+    under = [Given("under", one.under)] if one.under else []
+    line = []
+    if one.sn is not None:
+        unit = next((unit for word, unit in COUNTED.items() if word in one.of.split(" ")), "")
+        size = Given("detail category" if one.sn.category else "range", one.sn.range, unit)
+        line = (
+            [size] if one.sn.category else [size, Given("endured", one.sn.at, "cycles"), Given("slope", one.sn.slope)]
+        )
+    return Item(one.name, "rainflow", (Given("of", one.of), *under, *line))
 
 
 def _link(link: PlannedLink) -> Item:

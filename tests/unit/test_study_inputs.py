@@ -7,15 +7,19 @@ from pathlib import Path
 
 import pytest
 
+from femstruct.conventions import GRAVITY
 from femstruct.impact.laws.hunt_crossley import HuntCrossley
+from femstruct.impact.result.fatigue import SNLine
 from femstruct.language import read_study
+from femstruct.modal.steady.spectrum import Spectrum
 from femstruct.model.given import Given
 from femstruct.model.material import Material
 from femstruct.model.section import circle
 from femstruct.parts.frame import Frame
+from femstruct.study.counting import FatigueRequest
 from femstruct.study.inputs import Inputs, differences, inputs
 from femstruct.study.study import Plan
-from femstruct.view.page.input_tables import cases_table, input_tables
+from femstruct.view.page.input_tables import cases_table, further_inputs, input_tables
 
 MODELS = Path(__file__).parents[2] / "models"
 STUDIES = sorted(MODELS.glob("*.study.yaml"))
@@ -85,6 +89,35 @@ def test_the_bedrooms_tables_say_its_inputs_and_cases_in_units_people_use() -> N
     cases = cases_table(plan, ["as is", "200 mm", "damper"])
     assert ("200 mm", "slab: thickness", "180 mm", "200 mm") in cases.rows
     assert [row[0] for row in cases.rows if row[0]] == ["as is", "200 mm", "floating screed, not run", "damper"]
+
+
+def test_fatigue_and_spectra_are_told_as_they_are_spoken_of(tmp_path: Path) -> None:
+    (tmp_path / "model.yaml").write_text(
+        "structure: {type: oscillator, mass: 2 kg, frequency: 40 Hz}\npoints: {m: {}}\ndamping: {ratio: 2 %}\n"
+    )
+    (tmp_path / "all.study.yaml").write_text(
+        """
+model: model.yaml
+record: {ground: force, m.z: displacement}
+vibration:
+  shaker: {base: z, psd: [[20 Hz, 0.0098 g^2/Hz], [80 Hz, 0.01 g^2/Hz]], duration: 60 s}
+  motor: {at: m.z, harmonic: 3 N, band: [5 Hz, 80 Hz]}
+fatigue:
+  bolts: {of: ground force, under: shaker, sn: {range: 2 kN, slope: 5}}
+"""
+    )
+    study = read_study(tmp_path / "all.study.yaml").cases[0].study
+    weld = FatigueRequest("weld", "portal stress", SNLine(71e6, category=True))
+    study = replace(study, fatigue=(weld, *study.fatigue))
+    told = {row[0]: row[2] for row in further_inputs(inputs(study)).rows}
+    assert told["weld"] == "of portal stress, detail category 71 MPa"
+    assert told["bolts"] == "of ground force, under shaker, range 2 kN, endured 2000000 cycles, slope 5"
+    assert told["shaker"] == "spectrum 20 Hz 0.0098 g²/Hz, 80 Hz 0.01 g²/Hz, duration 60 s"
+    assert told["motor"] == "spectrum 5 Hz 3 N, 80 Hz 3 N"
+    many = Spectrum(tuple((float(f), 0.01 * GRAVITY**2) for f in range(10, 40)))
+    long = replace(study, fatigue=(), vibration=(replace(study.vibration[0], spectrum=many),))
+    (row,) = (row for row in further_inputs(inputs(long)).rows if row[0] == "shaker")
+    assert row[2] == "spectrum 30 values, 0.01 to 0.01 g²/Hz, at 30 values, 10 to 39 Hz, duration 60 s"
 
 
 def test_a_laws_stiffness_has_the_unit_of_its_exponent() -> None:
