@@ -11,6 +11,7 @@ import femstruct as fs
 from femstruct import read_model
 from femstruct.elements.stresses import von_mises_in_a_cycle
 from femstruct.errors import InputError
+from femstruct.view.tables.structure_tables import show_frf
 from femstruct.workflow.check.asked_response import frf_of
 from femstruct.workflow.exchange.asked_responses import frfs_of
 
@@ -64,6 +65,29 @@ def test_components_are_those_of_the_full_matrices(tmp_path: Path) -> None:
     values = [np.array(one["real"]) + 1j * np.array(one["imag"]) for one in told["components"].values()]
     apart = np.abs(stress[there] - np.array(values)).max(axis=(1, 2))
     assert apart.min() < within
+
+
+def test_the_stress_at_one_place_stands_beside_the_largest_anywhere(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A cantilever is stressed most at the wall near its resonances, elsewhere between them. Of a row the equivalent
+    stress there is that of its components: sqrt(xx^2 + 3 xy^2), followed through a cycle."""
+    told = frf_of(bar(tmp_path), "quarter.z", "bar.stress", "2 Hz:150 Hz", "0.5 Hz", "", "modal")
+    anywhere, there = np.array(told["real"]), np.array(told["equivalent_there"])
+    assert anywhere.argmax() == there.argmax()
+    assert there.max() == pytest.approx(anywhere.max(), rel=1e-12)  # rounding
+    assert (there <= anywhere * (1 + 1e-12)).all()
+    assert (there < 0.9 * anywhere).any()
+    xx, xy = (np.array(told["components"][name]["real"]) + 1j * np.array(told["components"][name]["imag"])
+              for name in ("xx", "xy"))  # fmt: skip
+    turns = np.exp(2j * np.pi * np.arange(3600) / 3600)[:, None]
+    cycle = np.sqrt((xx * turns).real ** 2 + 3.0 * (xy * turns).real ** 2).max(axis=0)
+    np.testing.assert_allclose(there, cycle, rtol=1e-6)  # of the steps along the cycle
+    show_frf(told | {"response": "bar.stress", "drive": "quarter.z", "method": "modal", "findings": []})
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[-len(there) - 1].split()[1:5] == ["frequency_hz", "largest_anywhere", "equivalent_there", "xx_real"]
+    assert any(line.startswith("# there: all at (0, ") for line in lines)
+    assert [float(x) for x in lines[-1].split()[1:3]] == pytest.approx([anywhere[-1], there[-1]], rel=1e-8)  # digits
 
 
 def test_what_it_refuses(tmp_path: Path) -> None:

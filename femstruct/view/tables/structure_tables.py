@@ -82,8 +82,9 @@ def show_frf(table: Row, verbose: bool = False) -> None:
     print(f"# {table['kind']} {table['response']} / {table['drive']}, {table['method']}, {table['unit']}")
     columns, head = [table["real"], table["imag"]], ["real", "imag"]
     if components := table.get("components"):
-        print(f"# components along local axes at {table['place']}, where it is largest")
-        columns, head = [table["real"]], ["equivalent"]
+        print("# largest_anywhere: at each frequency that of the place where it is largest then")
+        print(f"# there: all at {table['place']}, where it is largest in the band, components along local axes")
+        columns, head = [table["real"], table["equivalent_there"]], ["largest_anywhere", "equivalent_there"]
         for name, one in components.items():
             columns, head = [*columns, one["real"], one["imag"]], [*head, f"{name}_real", f"{name}_imag"]
     print("# frequency_hz", *head)

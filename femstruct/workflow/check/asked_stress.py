@@ -6,6 +6,7 @@ from typing import Any, Final
 
 import numpy as np
 
+from femstruct.elements.stresses import von_mises_in_a_cycle
 from femstruct.errors import Finding, InputError
 from femstruct.modal.basis import ModalBasis
 from femstruct.modal.steady.excitation import pushing
@@ -27,8 +28,8 @@ def stress_response(request: FrfRequest, solved: Solved, basis: ModalBasis) -> t
     request : its response is PART.stress, the largest anywhere in the part at each frequency, or POINT.stress, that at
     the place nearest to the point where its part has stresses.
 
-    Returns real and imag of the equivalent stress [Pa/N], and at the place where it is largest in the band the complex
-    components along the local axes of the part.
+    Returns real and imag of the equivalent stress [Pa/N], at each frequency the largest of all places, and at the one
+    place where it is largest in the band the equivalent stress and the complex components along the local axes.
 
     Raises InputError for what has no stresses, and at 0 Hz of a structure that is free.
     """
@@ -50,6 +51,7 @@ def stress_response(request: FrfRequest, solved: Solved, basis: ModalBasis) -> t
         "imag": np.zeros(len(frequency)).tolist(),
         "unit": "Pa/(N m)" if request.drive.what.startswith("r") else "Pa/N",
         "place": f"{stressed.where}{near}",
+        "equivalent_there": von_mises_in_a_cycle(components[None], rows.components)[0].tolist(),
         "components": {
             name: {"real": values.real.tolist(), "imag": values.imag.tolist()}
             for name, values in zip(rows.components, components, strict=True)
