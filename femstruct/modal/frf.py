@@ -23,6 +23,7 @@ from femstruct.sparse.solvers import FASTEST, SOLVERS, Factored, ZeroPivot
 FrfKind = Literal["receptance", "mobility", "accelerance", "transmissibility"]
 _PER_SECOND: Final[dict[FrfKind, str]] = {"receptance": "", "mobility": "s", "accelerance": "s^2"}
 KINDS: Final[tuple[FrfKind, ...]] = (*_PER_SECOND, "transmissibility")
+_LAWS: Final = "damping of the whole structure: loss_factor, rayleigh or from: materials; dashpots act beside it"
 _UNMOVED = 1e-12  # of the largest motion of the structure: rounding
 
 
@@ -197,7 +198,7 @@ def _complex_stiffness(
     """(K with its losses, C, eta, law): the matrices of a line, and what force rows need of the law."""
     law = damping.base
     if damping.modes:
-        raise InputError("direct_frf damping", got="damping of single modes", expected="a law for the whole structure")
+        raise InputError("damping.modes", got="damping of single modes", expected=_LAWS, do="remove 'modes'")
     if isinstance(law, LossFactor):
         return csc_array((1.0 + 1j * law.value) * assembly.K), assembly.C, law.value, None
     if isinstance(law, Rayleigh):
@@ -211,7 +212,8 @@ def _complex_stiffness(
                 lossy = csc_array(lossy + 1j * loss * stiffness)
         return lossy, assembly.C, 0.0, law
     if law.value:
-        raise InputError("direct_frf damping", got="a ratio of every mode", expected="a law of the matrices")
+        do = f"write loss_factor: {200.0 * law.value:g} %, the same at each natural frequency"
+        raise InputError("damping.ratio", got="one damping ratio of all modes", expected=_LAWS, do=do)
     return csc_array(assembly.K.astype(np.complex128)), assembly.C, 0.0, None
 
 

@@ -17,9 +17,10 @@ import scipy.sparse
 from scipy.io import mmwrite
 
 import femstruct as fs
-from femstruct.errors import FemstructError, InputError
+from femstruct.errors import FemstructError, InputError, InputErrors
 from femstruct.files.inputs.dof_table import read_dof_table
 from femstruct.files.inputs.op4 import read_op4
+from femstruct.workflow.exchange.exported import exported
 
 OP4 = Path(__file__).parents[1] / "data" / "op4"
 FILES = sorted(path.name for path in OP4.glob("*.op4"))
@@ -219,3 +220,21 @@ def test_a_mistake_is_one_line(at: int, tmp_path: Path) -> None:
 def _file(path: Path, text: str) -> Path:
     path.write_text(text, encoding="utf-8")
     return path
+
+
+def test_our_own_export_is_taken_back_by_its_json(tmp_path: Path) -> None:
+    """NAME.dofs.csv is no table of nodes: the message says what to write, and that is taken."""
+    steel = (
+        "materials: {steel: {E: 210 GPa, nu: 0.3, rho: 7850}}\nsections: {s: {shape: rectangle, width: 1, height: 2}}\n"
+    )
+    bar = "parts: {bar: {type: frame, material: steel, section: s, lines: [[[0, 0, 0], [20, 0, 0]]], mesh: 5}}\n"
+    (tmp_path / "free.yaml").write_text(steel + bar, encoding="utf-8")
+    exported(tmp_path / "free.yaml", "mtx", tmp_path, None, (), "", print)
+    taken = "parts: {fan: {type: matrices, file: {M: free.M.mtx, K: free.K.mtx}, nodes: free.dofs.csv}}\n"
+    (tmp_path / "again.yaml").write_text(taken, encoding="utf-8")
+    with pytest.raises(InputErrors) as refused:
+        fs.read_model(tmp_path / "again.yaml")
+    assert "free.dofs.csv:1:1: got the table of an export of femstruct" in str(refused.value)
+    assert "write 'file: free.json' without 'nodes'" in str(refused.value)
+    (tmp_path / "again.yaml").write_text("parts: {fan: {type: matrices, file: free.json}}\n", encoding="utf-8")
+    assert fs.read_model(tmp_path / "again.yaml").parts["fan"].mass == pytest.approx(2.0 * 20.0 * 7850.0, rel=1e-12)

@@ -151,6 +151,8 @@ time: {duration: 1 s, sampling: 20 kHz}
         ("range: 2 mm, at: 1e5, slope: 4", "category: 71 MPa", "a length"),
         ("range: 2 mm,", "category: 71 MPa,", "a category alone"),
         ("range: 2 mm", "range: 0", "positive"),
+        ("slope: 4", "slope: -3", "got -3, expected a positive value; write 3"),
+        (", slope: 4", "", "got a range without its slope, expected 'slope' beside 'range'; add 'slope: 3'"),
     ],
 )
 def test_mistakes_have_their_line(old: str, new: str, told: str, tmp_path: Path) -> None:

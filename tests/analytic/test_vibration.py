@@ -286,6 +286,8 @@ def test_what_a_study_reports_is_stored(tmp_path: Path) -> None:
         ("base: z", "at: q.z", "a direction of a point"),
         ("0.01 g^2/Hz", "0.01 N^2/Hz", "a spectral density of an acceleration"),
         ("0.01 g^2/Hz", "0.01 g", "a mass"),
+        ("0.01 g^2/Hz", "0.01 m/s", "write it like 0.01 g^2/Hz of a base, 2 N^2/Hz of a force"),
+        ("0.01 g^2/Hz", "-0.001 g^2/Hz", "got '-0.001 g^2/Hz', expected a value above 0; remove the sign"),
         ("0.01 g^2/Hz", "[[20 Hz, 1], [10 Hz, 1]]", "band beside pairs"),
         (", band: [0.04 Hz, 40 kHz]", "", "no band"),
         ("[0.04 Hz, 40 kHz]", "[40 kHz, 0.04 Hz]", "a rising band"),

@@ -23,7 +23,7 @@ from femstruct import (
     modal_basis,
     with_damping,
 )
-from femstruct.errors import InputError
+from femstruct.errors import InputError, InputErrors
 from femstruct.modal.complex_modes import complex_modes
 from femstruct.study.asked import Extent
 from femstruct.workflow.check.asked_modes import complex_modes_of, modes_of
@@ -117,8 +117,20 @@ def test_two_masses_in_closed_form():
 
 
 def test_ratios_of_single_modes_are_refused():
-    with pytest.raises(InputError, match="a law of the matrices"):
+    with pytest.raises(
+        InputError, match=r"loss_factor, rayleigh or from: materials.*; write loss_factor: 4 %, the same"
+    ):
         complex_modes(braked_plate(), Damping(Ratio(0.02)), up_to=500.0)
+
+
+def test_damping_that_complex_modes_cannot_take_has_its_line(tmp_path):
+    text = "parts:\n  b: {type: block, mass: 5 kg, origin: [0, 0, 0], size: [1, 1, 1]}\n"
+    text += "  s: {type: spring, between: [foot, ground], stiffness: {z: 500 N/m}}\n"
+    text += "points: {foot: {on: b, at: [0.5, 0.5, 0]}}\ndamping: {ratio: 2 %}\n"
+    (tmp_path / "a.yaml").write_text(text, encoding="utf-8")
+    told = "a.yaml:5:11: damping.ratio: got one damping ratio of all modes, expected damping of the whole structure"
+    with pytest.raises(InputErrors, match=told):
+        complex_modes_of(tmp_path / "a.yaml", Extent(up_to_hz=100.0))
 
 
 def test_a_free_structure_has_rigid_modes_and_no_rounding_beside_them(tmp_path):

@@ -220,7 +220,7 @@ MISTAKES = {
     "levels for nobody": (STUDY, "receivers: {mic: [0.29, 0.235, 0.05]}", "levels: ISO 717-2", "ISO 717-2, coupl",
         r"rooms\.box\.levels: got levels without receivers, expected at least one receiver"),
     "unknown kind of part": (MODEL, "floor: {type: plate", "floor: {type: membrane", "membrane",
-        r"parts\.floor\.type: got 'membrane', expected one of attachments, block, .*, plate, .*solid"),
+        r"parts\.floor\.type: got 'membrane', expected one of attachments, block, .*, plate, [^;]*$"),
     "layers beside a thickness": (MODEL, "thickness: 5 mm", "thickness: 5 mm, layers: []", "{type: plate",
         r"parts\.floor: got both material and layers, expected exactly one of material, layers, smeared"),
     "on and between": (MODEL, "on: slab, region: {rim", "between: [slab, floor], on: slab, region: {rim",

@@ -353,7 +353,9 @@ MISTAKES = {
     "a.inp": [
         ("5, 200., 0., 0.", "5, 200., O., 0.", r":10:1: got '200\., O\., 0\.', expected numbers"),
         ("5, 200., 0., 0.", "5, 200., 0., 0., 1., 2.", r":10:1: got 6 numbers of a node, expected a number"),
-        ("11, 1, 2, 3, 4", "11, 1, 2, 3", r":13:1: got 4 numbers in elements of type S4R, expected 5 each"),
+        ("11, 1, 2, 3, 4", "11, 1, 2, 3", r":13:1: got 4 numbers of the last element of type S4R, expected 5: its"),
+        ("11, 1, 2, 3, 4", "10, 1, 2\n11, 1, 2, 3, 4", r":13:1: got 3 numbers of an element of type S4R, expected 5"),
+        ("11, 1, 2, 3, 4", "11, 1, 2, 3, 4, 5, 6", r":13:1: got 7 numbers of the last element of type S4R, expected 5"),
         ("11, 1, 2, 3, 4", "11, 1, 2, 3, 40", r"'a\.inp' with node 40, which it does not have, expected"),
         ("12, 2,", "11, 2,", r"'a\.inp' with element 11 twice, expected numbers of elements that differ"),
         ("TYPE=S4R", "TYPE=C3D6", r":12:1: got elements of type C3D6, expected bars, shells, tetrahedra or hexahedra"),
@@ -434,3 +436,6 @@ def test_a_set_that_is_not_there_is_named_with_those_that_are(tmp_path: Path) ->
         mesh.cells_of("SET 9", 2)
     with pytest.raises(InputError, match=r"got no tetrahedra or hexahedra in a\.bdf"):
         mesh.cells_of(None, 3)
+    cut = ABAQUS[: ABAQUS.index("*ELEMENT")]
+    with pytest.raises(InputError, match=r"got 'STRIP', no set of a\.inp, which has no elements.*; is the file cut\?"):
+        mesh_of(tmp_path, "a.inp", cut).cells_of("STRIP", 2)

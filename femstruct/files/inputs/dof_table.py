@@ -17,6 +17,7 @@ from femstruct.files.inputs.opening import content
 
 LARGEST: Final = 2**28  # bytes
 _HEAD: Final = ("node", "x", "y", "z", "direction")
+_OF_EXPORT: Final = {"dof", "component", "momentum_x_kg"}  # columns of NAME.dofs.csv
 _WHAT: Final = f"a table of commas with the columns {', '.join(_HEAD)}, a row for each degree of freedom"
 _NEAR: Final = 1e-6  # of the size of all: places of one node, written with few digits, differ by less
 
@@ -50,6 +51,10 @@ def read_dof_table(path: Path) -> DofTable:
         if any(word.strip() for word in words)
     ]
     head = [word.lower() for word in rows[0][1]] if rows else []
+    if set(head) >= _OF_EXPORT:
+        name = path.name.removesuffix(".dofs.csv")
+        do = f"write 'file: {name}.json' without 'nodes': it names all files of the export"
+        raise wrong_line(path, rows[0][0], "the table of an export of femstruct", _WHAT, do)
     if sorted(head) != sorted(_HEAD):
         raise wrong_line(path, rows[0][0] if rows else 1, shown_as(", ".join(head)), _WHAT)
     short = next((number for number, words in rows[1:] if len(words) != len(head)), None)

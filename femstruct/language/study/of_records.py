@@ -27,6 +27,7 @@ from femstruct.study.asked import ShockRequest
 from femstruct.study.counting import FatigueRequest
 from femstruct.units import DIMENSIONS
 
+OF_CATEGORIES: Final = 3.0  # slope m of EN 1993-1-9 up to five million cycles
 SUFFIX: Final = " acceleration"
 
 
@@ -58,15 +59,15 @@ _CATEGORY: Final = Quantity(("pressure",), above=0.0, least=1e6, too_small="a pl
 
 
 class SNSpec(Spec):
-    """An S-N line: a range that is endured 'at' so many cycles, and its slope; or a detail category of EN 1993-1-9
-    for direct stress, such as 71 MPa, with its slopes of 3 and 5 and its cut-off. Without partial factors."""
+    """An S-N line: a range that is endured 'at' so many cycles, and its slope m, positive; or a detail category of EN
+    1993-1-9 for direct stress, such as 71 MPa, with its slopes of 3 and 5 and its cut-off. Without partial factors."""
 
     makes = SNLine
     one_of = (("range", "category"),)
     range: Annotated[Measured, _RANGE] | None = None
     category: Annotated[float, _CATEGORY] | None = None
     at: Factor = 2e6
-    slope: Factor = 3.0
+    slope: Factor | None = None
 
     @classmethod
     def refuse_keys(cls, given: Mapping[str, Any]) -> None:
@@ -74,10 +75,14 @@ class SNSpec(Spec):
             raise refuse(
                 "a slope or cycles beside a category", "a category alone", "write 'range' for a line of your own"
             )
+        if "range" in given and "category" not in given and given.get("slope") is None:
+            do = "add 'slope: 3', as of welds, or 'slope: 5' and more, as of machined parts"
+            raise refuse("a range without its slope", "'slope' beside 'range'", do)
 
     def given(self) -> dict[str, Any]:
         value = self.category if self.range is None else self.range.value
-        return {"range": value, "at": self.at, "slope": self.slope, "category": self.category is not None}
+        category = self.category is not None
+        return {"range": value, "at": self.at, "slope": self.slope or OF_CATEGORIES, "category": category}
 
 
 class FatigueSpec(Spec):

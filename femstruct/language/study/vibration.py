@@ -25,11 +25,12 @@ from femstruct.language.yaml import (
 )
 from femstruct.modal.steady.spectrum import Spectrum
 from femstruct.study.steady_vibration import Vibration
-from femstruct.units import DIMENSIONS
+from femstruct.units import DIMENSIONS, QuantityError, quantity_of
 
 _G: Final = re.compile(r"\s*([^\sA-Za-z]+(?:[eE][+-]?\d+)?)\s*g(\^2/Hz|²/Hz)?\s*")
 _AMPLITUDE: Final = ("force", "moment", "pressure", "acceleration")
 _DENSITY: Final = tuple(f"{name} psd" for name in _AMPLITUDE)
+_SAMPLES: Final = {True: "0.01 g^2/Hz of a base, 2 N^2/Hz of a force", False: "1 g of a base, 100 N of a force"}
 _EXAMPLE: Final = "write it like [[20 Hz, 0.01 g^2/Hz], [500 Hz, 0.01 g^2/Hz]]"
 
 
@@ -46,8 +47,16 @@ def _value(value: object, dimensions: tuple[str, ...]) -> Measured:
     found: Any = _G.fullmatch(value) if isinstance(value, str) else None
     if found is not None and bool(found[2]) == dimensions[0].endswith("psd"):
         number = Quantity(("ratio",)).read(found[1])
+        if not number > 0.0:
+            raise refuse(shown_as(value), "a value above 0", "remove the sign" if number < 0.0 else "")
         return Measured(number * GRAVITY ** (2 if found[2] else 1), dimensions[-1])
     text = value.replace("(m/s^2)^2", "m^2/s^4").replace("(m/s²)²", "m^2/s^4") if isinstance(value, str) else value
+    try:
+        quantity_of(text, dimensions)
+    except QuantityError as error:
+        likely = error.do.startswith("write it like")
+        do = f"write it like {_SAMPLES[dimensions[0].endswith('psd')]}" if likely else error.do
+        raise refuse(error.got, error.expected, do) from None
     return Quantity(dimensions, above=0.0, which=True).read(text)  # type: ignore[no-any-return]
 
 

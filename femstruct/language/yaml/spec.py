@@ -18,7 +18,7 @@ from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
 from femstruct.errors import shown_as
 from femstruct.language.yaml.here import Here
-from femstruct.language.yaml.tree import nearest
+from femstruct.language.yaml.tree import near_one
 from femstruct.model.materials.loss_by_frequency import MOST_LOSSES
 from femstruct.units import DIMENSIONS, QuantityError, quantity_of
 
@@ -149,6 +149,8 @@ class Quantity:
             raise refuse(error.got, error.expected, error.do) from None
         named = DIMENSIONS[dimension or self.dimensions[0]]
         if self.above is not None and not number > self.above:
+            if named.unit == "1" and number < 0.0 == self.above:
+                raise refuse(shown_as(value), "a positive value", f"write {-number:g}")
             raise refuse(shown_as(value), f"a positive value: {named.words}", f"write it like {named.example}")
         if self.least is not None and not number >= self.least:
             raise refuse(
@@ -255,7 +257,7 @@ def only(words: Sequence[str]) -> Callable[[object], object]:
     def read(value: object) -> object:
         if isinstance(value, str) and value in words:
             return value
-        raise refuse(shown_as(value), f"one of {', '.join(words)}", nearest(str(value), words) if value else "")
+        raise refuse(shown_as(value), f"one of {', '.join(words)}", near_one(str(value), words) if value else "")
 
     return read
 

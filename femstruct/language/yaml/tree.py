@@ -82,11 +82,20 @@ def dotted(steps: Steps) -> str:
 
 def nearest(name: str, known: Iterable[object]) -> str:
     """``did you mean 'x'?`` with the known name nearest to this one; the known names when none is near."""
-    near = near_name(name, known)
-    if near:
-        return f"did you mean '{near}'?"
+    if meant := near_one(name, known):
+        return meant
     names = sorted({str(one) for one in known})
     return f"known here: {some_of(names)}" if names else ""
+
+
+def near_one(name: str, known: Iterable[object]) -> str:
+    """``did you mean 'x'?`` with the nearest name, empty when none is near: for where the known ones are told already.
+
+    >>> near_one("herz", ("hertz", "cubic")), near_one("q", ("x", "y"))
+    ("did you mean 'hertz'?", '')
+    """
+    near = near_name(name, known)
+    return f"did you mean '{near}'?" if near else ""
 
 
 def near_name(name: str, known: Iterable[object]) -> str:

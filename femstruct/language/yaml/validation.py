@@ -10,7 +10,7 @@ from typing import Annotated, Any, Final, TypeVar, Union, get_args, get_origin
 from pydantic import BaseModel, ValidationError
 
 from femstruct.errors import shown_as
-from femstruct.language.yaml.tree import Mistakes, Steps, Tree, dotted, near_name, nearest
+from femstruct.language.yaml.tree import Mistakes, Steps, Tree, dotted, near_name, near_one, nearest
 
 S = TypeVar("S", bound=BaseModel)
 NUMBER_LIKE: Final = re.compile(r"\d+([eE][+-]?\d+)?( .*)?")  # what is left of a number cut at a decimal comma
@@ -109,10 +109,10 @@ def _told(
             return f"no '{key}'", f"a key '{key}'", f"add {key}: {known}" if known else f"add '{key}: ...'"
         case "union_tag_invalid":
             words, word = [tag.strip(" '") for tag in context["expected_tags"].split(",")], context["tag"]
-            return f"'{word}'", f"one of {', '.join(words)}", nearest(word, words)
+            return f"'{word}'", f"one of {', '.join(words)}", near_one(word, words)
         case "literal_error":
             words = re.findall("'([^']*)'", context["expected"])
-            return "", f"one of {', '.join(words)}", nearest(str(given), words) if given else ""
+            return "", f"one of {', '.join(words)}", near_one(str(given), words) if given else ""
     return None
 
 

@@ -193,6 +193,9 @@ class ImportedMesh:
 
     def _known(self, name: str) -> None:
         if name not in self.node_sets and name not in self.cell_sets:
+            if not self.cells:
+                got = f"'{name}', no set of {self.source}, which has no elements"
+                raise InputError("", got=got, expected="a mesh of elements", do="is the file cut?")
             known = some_of(self.set_names) if self.set_names else "a mesh with named sets"
             raise InputError("", got=f"'{name}', no set of {self.source}", expected=known)
 

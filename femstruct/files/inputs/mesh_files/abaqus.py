@@ -188,8 +188,10 @@ def _elements(keyword: Keyword, deck: Deck) -> None:
     width = 1 + KINDS[kind].nodes
     flat = integers(keyword.path, keyword.rows)
     if len(flat) % width:
-        short = next((n for n, words in keyword.rows if len(words) != width), keyword.number)
-        raise wrong_line(keyword.path, short, f"{len(flat)} numbers in elements of type {name}", f"{width} each")
+        number, count = _odd_element(keyword, width)
+        which = "the last element" if number == keyword.rows[-1][0] else "an element"
+        got = f"{count} numbers of {which} of type {name}"
+        raise wrong_line(keyword.path, number, got, f"{width}: its own and its nodes")
     rows = flat.reshape(-1, width)
     nodes = rows[:, 1:][:, _ORDER[kind]] if kind in _ORDER else rows[:, 1:]
     deck.blocks.append(Block(kind, rows[:, 0], nodes))
@@ -197,6 +199,20 @@ def _elements(keyword: Keyword, deck: Deck) -> None:
         deck.elements.setdefault(name, []).append(rows[:, 0])
     if "ELSET" in keyword.options:
         deck.cell_sets.setdefault(keyword.options["ELSET"], []).append(rows[:, 0])
+
+
+def _odd_element(keyword: Keyword, width: int) -> tuple[int, int]:
+    """The line where the first element begins that has not `width` numbers, and how many it has."""
+    start, count = keyword.number, 0
+    for number, words in keyword.rows:
+        if count and count + len(words) > width:
+            break
+        start = start if count else number
+        count += len(words)
+        if count > width:
+            break
+        count %= width
+    return start, count
 
 
 def _set(keyword: Keyword, sets: dict[str, list[Integers]], name: str) -> None:
