@@ -164,6 +164,14 @@ class SubstructureMesh(Meshed):
         return axes if len(axes) else None
 
     @property
+    def girth(self) -> float:
+        return self.part.component.girth
+
+    def beside(self, nodes: Integers) -> Floats:
+        beside = self.part.component.beside
+        return beside[nodes - self.first] if len(beside) else super().beside(nodes)
+
+    @property
     def clamped(self) -> Floats:
         return np.concatenate([np.eye(_SIX, N_COMPONENTS), self.flat])
 

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import femstruct as fs
+from femstruct.errors import InputError
 from femstruct.study.asked import Extent
 from femstruct.workflow.exchange.reduced_model import reduce_model
 
@@ -67,3 +68,44 @@ def test_a_reduced_plate_sinks_under_its_weight_as_the_plate_does(tmp_path: Path
     assert found[1] == pytest.approx(found[0], rel=1e-7, abs=1e-6)  # Craig and Bampton: statics of the interface exact
     assert found[1][0] == pytest.approx(found[0][0], rel=1e-7)  # the same
     assert found[1][3] == pytest.approx(-7850.0 * 0.6 * 0.4 * 0.003 * 9.80665, rel=1e-9)  # rounding
+
+
+MAST = "{type: frame, material: steel, section: tube, lines: [[[0.3, 0.2, 0], [0.3, 0.2, 0.4]]], mesh: 50 mm}"
+RIB = (
+    "{type: frame, material: steel, section: tube, lines: [[[0, 0.2, 0], [0.6, 0.2, 0]]], mesh: 25 mm, "
+    "offsets: {start: [0, 0, -16.5 mm], end: [0, 0, -16.5 mm]}}"
+)
+REDUCED = "{type: reduced, file: bars.npz}"
+
+
+def on_a_plate(folder: Path, name: str, plate: str, bars: str) -> Path:
+    text = (
+        "sections: {tube: {shape: tube, outer: 30 mm, thickness: 2 mm}}\n"
+        f"parts: {{plate: {plate}, bars: {bars}}}\n"
+        "joints: {foot: {connect: [bars, plate]}}\n"
+        "points: {corners: {on: plate, at: [[0, 0], [0.6, 0], [0, 0.4], [0.6, 0.4]]}}\n"
+        "supports: {posts: {at: corners, fix: [x, y, z]}}\n"
+    )
+    return written(folder, name, text)
+
+
+@pytest.mark.parametrize("plate", [SLAB, PLATE], ids=["slab", "plate"])
+@pytest.mark.parametrize("bars", [MAST, RIB], ids=["mast", "rib"])
+def test_reduced_bars_are_joined_to_a_plate_as_the_bars_are(tmp_path: Path, plate: str, bars: str) -> None:
+    """A mast turns a patch as wide as its section; a rib is tied where its face touches, beside its axis."""
+    whole = on_a_plate(tmp_path, "whole", plate, bars)
+    reduce_model(whole, "bars", Extent(up_to_hz=2000.0), tmp_path / "bars.npz", (), "", quiet)
+    built = on_a_plate(tmp_path, "built", plate, REDUCED)
+    exact, found = basis_of(whole, 12), basis_of(built, 12)
+    # 12 modes end at 300 Hz, a sixth of what was kept; one among them is the mast's turn about its axis
+    assert found.frequency_hz[:12] == pytest.approx(exact.frequency_hz[:12], rel=1e-5)
+
+
+def test_a_file_without_the_section_of_its_bars_is_written_again(tmp_path: Path) -> None:
+    whole = on_a_plate(tmp_path, "whole", SLAB, MAST)
+    reduce_model(whole, "bars", Extent(up_to_hz=2000.0), tmp_path / "bars.npz", (), "", quiet)
+    with np.load(tmp_path / "bars.npz") as file:
+        kept = {name: file[name] for name in file if name not in ("girth", "beside")}
+    np.savez(tmp_path / "bars.npz", **kept)
+    with pytest.raises(InputError, match="write it again with 'femstruct reduce'"):
+        fs.read_model(on_a_plate(tmp_path, "built", SLAB, REDUCED))

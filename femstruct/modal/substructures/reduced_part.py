@@ -25,7 +25,8 @@ class ReducedPart:
     """A part of a model on its interface and modes.
 
     assembly : its reduced matrices, and the motion of all its nodes. interface : nodes that others touch. quads,
-    lines : of its cells. axes [3, 3] : of a plate whose nodes have a twist, none for others. loss_factor : of its
+    lines : of its cells. axes [3, 3] : of a plate whose nodes have a twist, none for others. girth [m], beside
+    [n_nodes, 3] [m] : of its bars, which joints with plates need. loss_factor : of its
     stiffness. reduced : what the reduction gave. sets : nodes of the interface by the name of the support, joint or
     spring that touches them in the model. supports : which of these names are supports; they stay in the model.
     """
@@ -35,6 +36,8 @@ class ReducedPart:
     quads: Integers
     lines: Integers
     axes: Floats
+    girth: float
+    beside: Floats
     loss_factor: float
     reduced: Reduced
     sets: Mapping[str, Integers]
@@ -87,6 +90,8 @@ def reduced_part(model: Model, name: str, *, up_to: float | None = None, count: 
         part.quads - part.first,
         part.lines - part.first,
         np.zeros((0, 3)) if axes is None else axes,
+        part.girth,
+        part.beside(part.nodes),
         loss,
         reduced,
         sets,

@@ -25,6 +25,7 @@ from scipy.sparse import csr_array
 
 from femstruct.arrays import Floats, Integers
 from femstruct.conventions import N_COMPONENTS
+from femstruct.errors import InputError
 from femstruct.model.meshed import Meshed
 from femstruct.model.rows import node_rows
 
@@ -51,7 +52,16 @@ def turning_rows(pairs: Integers, bars: Meshed, plate: Meshed, springy: list[int
 
     pairs [p, 2] : nodes of the bars and of the plate. springy : numbers of the directions that are springs, and so not
     held.
+
+    Raises InputError for bars of a file that does not say how thick they are.
     """
+    if not bars.girth:
+        raise InputError(
+            f"parts.{bars.name}.file",
+            got=f"bars on {plate.name}, and a file that has neither their section nor their axis",
+            expected="a file that has both",
+            do="write it again with 'femstruct reduce'",
+        )
     normal, axes = plate.drilling, plate.own_axes
     assert normal is not None
     assert axes is not None

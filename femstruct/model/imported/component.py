@@ -25,7 +25,8 @@ class Component:
     degrees of freedom. points [n_nodes, 3] : where the nodes are [m]. mass : in all [kg]. labels [r] : of the degrees
     of freedom. interface : nodes that can be joined to others; the motion of the rest follows. quads [q, 4],
     lines [l, 2] : nodes of faces and bars, for pictures. axes [3, 3] : of a plate whose nodes have a twist; none for
-    others. loss_factor : of the stiffness [1]. reduced_to_hz : highest frequency of the modes that were kept, of a
+    others. girth [m], beside [n_nodes, 3] [m] : of bars, as of `Meshed`; 0 and none for others, and in files of before.
+    loss_factor : of the stiffness [1]. reduced_to_hz : highest frequency of the modes that were kept, of a
     reduction; None for a whole structure. sets : nodes of the interface by the name of what touched them when it was
     reduced, as a support.
 
@@ -51,6 +52,8 @@ class Component:
     quads: Integers = field(default_factory=lambda: np.zeros((0, 4), np.int64))
     lines: Integers = field(default_factory=lambda: np.zeros((0, 2), np.int64))
     axes: Floats = field(default_factory=lambda: np.zeros((0, 3)))
+    girth: float = 0.0
+    beside: Floats = field(default_factory=lambda: np.zeros((0, 3)))
     loss_factor: float = 0.0
     reduced_to_hz: float | None = None
     sets: Mapping[str, Integers] = field(default_factory=dict)
@@ -77,6 +80,7 @@ class Component:
             quads=frozen_integers("component quads", self.quads, (None, 4)),
             lines=frozen_integers("component lines", self.lines, (None, 2)),
             axes=frozen("component axes", self.axes, (None, 3)),
+            beside=frozen("component beside", self.beside, (None, 3)),
             sets={name: frozen_integers(f"component set '{name}'", one, (None,)) for name, one in self.sets.items()},
             translations=frozen("component translations", translations, (r, 3)),
             free=free,
