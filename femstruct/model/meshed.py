@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar, Literal, NamedTuple
 
@@ -245,6 +246,10 @@ class Meshed(ABC):
     def spread(self, where: str, region: Region, tolerance: float, order: int) -> Spread | None:
         """Gauss points over a region of it, to spread something evenly; None where nothing can be spread over it."""
         return None
+
+    def faces_at(self, where: str, region: Region, tolerance: float) -> Mapping[str, Integers]:
+        """Faces of solid cells that lie wholly in a region of it: their nodes [m, k] by kind; none of other parts."""
+        return {}
 
     def stresses(self, n_nodes: int) -> StressPlaces:
         """Where its stresses are largest, and what they are of its nodes. Raises InputError for a part without."""

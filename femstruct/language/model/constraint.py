@@ -61,7 +61,8 @@ Others = Annotated[OthersSpec, read_by(_others, Text | list[Text] | OthersSpec)]
 class ConstraintSpec(Spec):
     """Equations between points: `rigid`, a point that others follow on rigid arms; `average`, a point that moves as the
     rigid motion that fits others best; `equation`, a sum of displacements, each by its factor, that stays zero; `seam`,
-    the finer of two meshes that meet along a line with different nodes, and `onto`, the other."""
+    the finer of two meshes that meet along a line, or solids with flat faces, with different nodes, and `onto`, the
+    other."""
 
     one_of = (("rigid", "average", "equation", "seam"),)
     needs = (

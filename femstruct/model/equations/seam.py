@@ -1,4 +1,4 @@
-"""Seams: two meshes with different nodes that meet along a line."""
+"""Seams: two meshes with different nodes that meet along a line or, solids, in a plane."""
 
 from __future__ import annotations
 
@@ -15,7 +15,9 @@ from femstruct.declared import checked
 from femstruct.errors import InputError, some_of
 from femstruct.model.anchors import listed, some_listed
 from femstruct.model.equations.constraint import Constraint
+from femstruct.model.equations.face_mortar import Faces, across_faces
 from femstruct.model.fastened import Tie
+from femstruct.model.imported.cell_kinds import KINDS
 from femstruct.model.meshed import Meshed
 from femstruct.model.model import Model
 from femstruct.model.region import Region
@@ -29,10 +31,11 @@ APART: Final = 1e-3  # of the length of a seam: nodes farther off its line are n
 @dataclass(frozen=True)
 @checked("constraints")
 class Seam(Constraint):
-    """Two meshes of shells or solids that meet along a straight line and have different nodes there.
+    """Two meshes that have different nodes where they meet: shells or solids along a straight line, or flat faces of
+    solids.
 
-    on, of : the part with the finer mesh along the line, and the set or box of it with the nodes there. onto, there :
-    those of the other. directions : out of x y z rx ry rz, global, that go across; rotations where both parts have
+    on, of : the part with the finer mesh there, and the set or box of it with the nodes or faces. onto, there : those
+    of the other. directions : out of x y z rx ry rz, global, that go across; rotations where both parts have
     them. The force recorded is the one on the second part.
 
     A fine mesh beside a hole, welded into a coarse one:
@@ -47,7 +50,8 @@ class Seam(Constraint):
     dual functions of the finer side, whose integrals with its shape functions are diagonal. So each of its nodes
     follows the nodes of the other by factors that add to one. Motions that are linear along the line, and so rigid
     ones, constant strains, bending across it and twist, go across exactly, and forces balance; bending along the line
-    goes across as well as shape functions of degree one can.
+    goes across as well as shape functions of degree one can. Flat faces of solids: `across_faces`; a constant pressure
+    goes across exactly.
 
     Source: B. I. Wohlmuth, A mortar finite element method using dual spaces for the Lagrange multiplier, SIAM J. Numer.
     Anal. 38 (2000) 989-1012, doi:10.1137/S0036142999350929.
@@ -73,20 +77,27 @@ class Seam(Constraint):
         where = f"constraints.{self.name}"
         fine, first = _nodes(f"{where}.seam", self.on, self.of, model, tolerance)
         coarse, second = _nodes(f"{where}.onto", self.onto, self.there, model, tolerance)
-        first, second, s, t = _along(where, first, second, model.mesh.points)
         held = listed(f"{where}.directions", self.directions)
         if not (fine.has_rotations and coarse.has_rotations):
             held = [number for number in held if number < 3]
         if not held:
             got = f"rotations of {self.on} and {self.onto}, one of which has none"
             raise InputError(f"{where}.directions", got=got, expected="x, y or z")
-        shape = (len(s), model.mesh.n_nodes)
-        own = csr_array((np.ones(len(s)), (np.arange(len(s)), first)), shape=shape)
-        factors = mortar(s, t)
-        i, k = np.nonzero(factors)
-        following = csr_array((factors[i, k], (i, second[k])), shape=shape)
+        if _off_line(model.mesh.points[first]) > APART:
+            sides = [
+                part.faces_at(f"{where}.{key}", region, tolerance)
+                for key, part, region in (("seam", fine, self.of), ("onto", coarse, self.there))
+            ]
+            first, second, factors = _in_plane(where, sides[0], sides[1], model.mesh.points)
+        else:
+            first, second, s, t = _along(where, first, second, model.mesh.points)
+            factors = csr_array(mortar(s, t))
+        shape = (len(first), model.mesh.n_nodes)
+        own = csr_array((np.ones(len(first)), (np.arange(len(first)), first)), shape=shape)
+        at = factors.tocoo()
+        following = csr_array((at.data, (at.row, second[at.col])), shape=shape)
         rows = csr_array(kron(csr_array(own - following), np.eye(N_COMPONENTS)[held]))
-        return Tie(self.name, rows, np.tile(_FORCES[held], (len(s), 1)), grounded=False)
+        return Tie(self.name, rows, np.tile(_FORCES[held], (len(first), 1)), grounded=False)
 
 
 def mortar(s: Floats, t: Floats) -> Floats:
@@ -129,6 +140,50 @@ def _nodes(where: str, name: str, region: Region, model: Model, tolerance: float
     if part is None:
         raise InputError(f"{where}.on", got=f"'{name}'", expected=f"a part: {some_of(model.parts)}")
     return part, part.within(where, region, tolerance)
+
+
+def _off_line(places: Floats) -> float:
+    """How far places [n, 3] are off the straight line through them, over their extent along it [1]."""
+    sizes = np.linalg.svd(places - places.mean(axis=0), compute_uv=False)
+    return float(sizes[1] / sizes[0]) if len(places) > 1 and sizes[0] > 0.0 else 0.0
+
+
+def _in_plane(
+    where: str, first: Mapping[str, Integers], second: Mapping[str, Integers], points: Floats
+) -> tuple[Integers, Integers, csr_array]:
+    """The nodes of the faces of both sides, and the factors by which those of the first follow."""
+    for key, faces in (("seam", first), ("onto", second)):
+        if not faces:
+            got, expected = (
+                "nodes that are on no line and on no face of a solid",
+                "nodes on one line, or faces of a solid",
+            )
+            raise InputError(f"{where}.{key}", got=got, expected=expected, do="write a seam for each straight piece")
+        for kind, nodes in faces.items():
+            cell = KINDS[kind]
+            for number, edge in enumerate(cell.edges if cell.quadratic else ()):
+                ends = points[nodes[:, list(edge)]]
+                off = np.linalg.norm(points[nodes[:, cell.corners + number]] - ends.mean(axis=1), axis=1)
+                if (off > APART * np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)).any():
+                    got = f"curved sides of faces, up to {off.max():.4g} m off their middle"
+                    raise InputError(f"{where}.{key}", got=got, expected="faces with straight sides")
+    used = [np.unique(np.concatenate([nodes.ravel() for nodes in faces.values()])) for faces in (first, second)]
+    places = points[np.concatenate(used)]
+    middle, size = places.mean(axis=0), float(np.linalg.norm(np.ptp(places, axis=0)))
+    axes = np.linalg.svd(places - middle, full_matrices=False)[2]
+    off = float(np.abs((places - middle) @ axes[2]).max())
+    if off > APART * size:
+        got = f"faces up to {off:.4g} m off one plane"
+        raise InputError(where, got=got, expected="faces of both parts in one plane", do="write a seam for each plane")
+    sides = [
+        Faces({kind: np.searchsorted(own, nodes) for kind, nodes in faces.items()}, (points[own] - middle) @ axes[:2].T)
+        for own, faces in zip(used, (first, second), strict=True)
+    ]
+    found = across_faces(*sides)
+    if found.covered < 1.0 - APART:
+        got = f"faces of which {100.0 * (1.0 - found.covered):.3g} % have none of the second part against them"
+        raise InputError(f"{where}.seam", got=got, expected="faces within those of the second part", do="swap the two")
+    return used[0], used[1], found.factors
 
 
 def _along(where: str, first: Integers, second: Integers, points: Floats) -> tuple[Integers, Integers, Floats, Floats]:

@@ -28,6 +28,7 @@ _PIECES: Final = {
     8: ((0, 4, 7), (4, 1, 5), (5, 2, 6), (7, 6, 3), (4, 5, 6, 7)),
     9: ((0, 4, 8, 7), (4, 1, 5, 8), (8, 5, 2, 6), (7, 8, 6, 3)),
 }
+_FACES: Final = {3: "tri3", 6: "tri6", 4: "quad4", 8: "quad8", 9: "quad9"}
 SHOWN: Final = 3  # cells that are named
 
 
@@ -79,6 +80,20 @@ class SolidCells:
             return np.flatnonzero(self.facets.in_set(self.outside, name))
         nodes = self.facets.nodes_within(self.outside, region, tolerance)
         return np.flatnonzero(np.isin(self.facets.corners, nodes).all(axis=1))
+
+    def whole_faces(self, chosen: Integers) -> dict[str, Integers]:
+        """Faces of cells all of whose facets are among some [c]: their nodes [m, k] by kind of face."""
+        among = np.zeros(len(self.points), dtype=bool)
+        among[self.onto[self.facets.corners[chosen]]] = True
+        faces = [one[:, list(face)] for kind, one in self.cells.items() for face in _faces_of(kind)]
+        corners = [_keys(one[:, : KINDS[_FACES[one.shape[1]]].corners]) for one in faces]
+        _, number, count = np.unique(np.concatenate(corners), axis=0, return_inverse=True, return_counts=True)
+        lone = np.split(count[number.ravel()] == 1, np.cumsum([len(one) for one in faces])[:-1])
+        found: dict[str, list[Integers]] = {}
+        for one, outer in zip(faces, lone, strict=True):
+            if (kept := outer & among[one].all(axis=1)).any():
+                found.setdefault(_FACES[one.shape[1]], []).append(one[kept])
+        return {kind: np.concatenate(some) for kind, some in found.items()}
 
     def nodes_within(self, mesh: ImportedMesh, region: Region, tolerance: float) -> Integers:
         """Nodes of a set or in a box; those of a set that are not of these cells are left out."""

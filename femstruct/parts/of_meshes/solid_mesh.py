@@ -95,6 +95,10 @@ class SolidMesh(CellsMesh):
     def facets_within(self, region: Region, tolerance: float) -> Integers:
         return self.cells.facets_within(region, tolerance)
 
+    def faces_at(self, where: str, region: Region, tolerance: float) -> dict[str, Integers]:
+        found = self.cells.whole_faces(self.chosen(where, region, tolerance))
+        return {kind: self.first + nodes for kind, nodes in found.items()}
+
     def mean_of(self, name: str, nodes: Integers, side: Side) -> Point:
         """With the rotation of the rigid motion that fits them best."""
         places = self.places[nodes - self.first]
