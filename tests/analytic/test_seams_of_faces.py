@@ -104,8 +104,8 @@ def test_factors_keep_forces_and_moments() -> None:
     assert found.covered == pytest.approx(1.0, rel=1e-12)  # rounding, here and below
     pushes = rng.standard_normal(5)
     passed = found.factors.T @ pushes
-    assert passed.sum() == pytest.approx(pushes.sum(), rel=1e-10)
-    assert passed @ second.places == pytest.approx(pushes @ first.places, rel=1e-10)
+    assert passed.sum() == pytest.approx(pushes.sum(), rel=1e-10)  # rounding
+    assert passed @ second.places == pytest.approx(pushes @ first.places, rel=1e-10)  # rounding
 
 
 @pytest.mark.parametrize(
