@@ -2,13 +2,20 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
-from femstruct import read_study, run_study
-from femstruct.study.result import StudyResult
+from femstruct import Material, Plate, Structure, mesh_structure, read_study, run_study
+from femstruct.modal.steady.answers import HarmonicAnswer, RandomAnswer
+from femstruct.study.result import LargestStress, StudyResult
+from femstruct.view.figures.histories import energy
 from femstruct.view.figures.shaken_figures import vibration_answer
+from femstruct.view.scenes.labels import VIEW
+from femstruct.view.scenes.opengl import NoOpenGL
+from femstruct.view.scenes.stress_scene import picture_stresses
 from femstruct.view.tables.answer_tables import harmonic, moved_masses, random
 from femstruct.view.tables.terminal import study_tables
 
@@ -103,3 +110,87 @@ def test_several_durations_stand_with_their_peaks(tmp_path: Path) -> None:
     assert "expected peak" in grid.columns
     ends = {row[0]: row[5].partition(" in ")[2] for row in grid.rows if row[1] == "tip.z acceleration"}
     assert ends == {"shaker": "60 s", "road": "600 s"}
+
+
+def test_pictures_have_the_units_of_the_tables_and_what_excites(result: StudyResult) -> None:
+    """Densities are those of the answers in the shown unit, the excitation is what was written: 0.001 g^2/Hz."""
+    figure = vibration_answer(result, "shaker, bar stress")
+    axes, beside = figure.axes
+    answer = result.cases["as given"].vibration["shaker"].answers["bar stress"]
+    assert isinstance(answer, RandomAnswer)
+    assert axes.get_ylabel() == "power spectral density in MPa²/Hz"
+    np.testing.assert_allclose(axes.get_lines()[0].get_ydata(), 1e-12 * answer.psd, rtol=1e-12)  # rounding
+    (row,) = (row for row in random(result).rows if row[1] == "bar stress")
+    assert axes.get_lines()[0].get_label() == f"as given: rms {row[3]}"
+    assert beside.get_ylabel() == "excitation in g²/Hz"
+    np.testing.assert_allclose(beside.get_lines()[0].get_ydata(), 0.001, rtol=1e-9)  # straight in logarithms
+    assert axes.get_xlabel() == "frequency in Hz   (numbers: modes)"  # nothing to be a baseline of
+    motor = vibration_answer(result, "motor, tip.z acceleration")
+    (row,) = (row for row in harmonic(result).rows if row[1] == "tip.z acceleration")
+    assert motor.axes[0].get_lines()[0].get_label() == f"as given: largest {row[3]}"
+    assert motor.axes[1].get_ylabel() == "excitation in N"
+
+
+def test_rounding_does_not_stretch_an_axis(result: StudyResult) -> None:
+    case = result.cases["as given"]
+    one = case.vibration["motor"]
+    answer = one.answers["tip.z acceleration"]
+    assert isinstance(answer, HarmonicAnswer)
+    values = answer.values.copy()
+    values[0] = 1e-14 * answer.largest
+    answers = {**one.answers, "tip.z acceleration": replace(answer, values=values)}
+    vibration = {**case.vibration, "motor": replace(one, answers=answers)}
+    figure = vibration_answer(
+        replace(result, cases={"as given": replace(case, vibration=vibration)}), "motor, tip.z acceleration"
+    )
+    low, high = figure.axes[0].get_ylim()
+    assert 1e5 < high / low < 1e7
+
+
+@pytest.mark.parametrize(("duration", "unit"), [("0.6 s", "ms"), ("6 s", "s")])
+def test_both_panels_of_energy_have_one_unit_of_time(duration: str, unit: str, tmp_path: Path) -> None:
+    model = "structure: {type: oscillator, mass: 2 kg, frequency: 40 Hz}\npoints: {m: {}}\ndamping: {ratio: 2 %}\n"
+    (tmp_path / "model.yaml").write_text(model, encoding="utf-8")
+    path = tmp_path / "rings.study.yaml"
+    text = "model: model.yaml\ninitial: {velocity: {m.z: 1 m/s}}\nrecord: {m.z: displacement}\n"
+    path.write_text(f"{text}time: {{duration: {duration}, sampling: 2 kHz}}\n", encoding="utf-8")
+    figure = energy(run_study(read_study(path)))
+    assert figure is not None
+    assert [axes.get_xlabel() for axes in figure.axes] == [f"time in {unit}"] * 2
+    ends = [axes.get_xlim()[1] for axes in figure.axes]
+    assert ends[1] == pytest.approx({"ms": 600.0, "s": 6.0}[unit])
+    layers = [
+        max(path.vertices[:, 0].max() for one in axes.collections for path in one.get_paths()) for axes in figure.axes
+    ]
+    assert layers == pytest.approx(ends)
+
+
+def test_the_label_of_a_stress_does_not_cover_its_spot(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """It stands to the right of the spot and above it in the view, and the scales are those of the part."""
+    pyvista = pytest.importorskip("pyvista")
+    seen: dict[str, np.ndarray] = {}
+    true = pyvista.Plotter.add_point_labels, pyvista.Plotter.show_bounds
+
+    def labels(self, points, words, **options):  # type: ignore[no-untyped-def]
+        seen["labels"] = np.asarray(points)
+        return true[0](self, points, words, **options)
+
+    def bounds(self, **options):  # type: ignore[no-untyped-def]
+        seen["box"] = np.asarray(options["bounds"])
+        return true[1](self, **options)
+
+    monkeypatch.setattr(pyvista.Plotter, "add_point_labels", labels)
+    monkeypatch.setattr(pyvista.Plotter, "show_bounds", bounds)
+    steel = Material("steel", 210e9, 0.3, 7850.0)
+    plate = Plate("plate", steel, 0.01, (0.0, 0.0, 0.0), (1.0, 0.8), 0.2)
+    model = mesh_structure(Structure("one", (plate,)))
+    places = model.parts["plate"].stresses(model.mesh.n_nodes)
+    sizes = np.arange(1.0, len(places.places) + 1)
+    found = LargestStress(places.places, places.sides, sizes, np.zeros(len(sizes)), 0.0, 0.0)
+    try:
+        picture_stresses(model, {"plate": found}, tmp_path / "stress.png")
+    except NoOpenGL as error:
+        pytest.skip(str(error))
+    across = VIEW @ (seen["labels"][0] - places.places[-1])
+    assert (across > 0.02).all()  # m, of a plate of 1 m
+    np.testing.assert_allclose(seen["box"], [0.0, 1.0, 0.0, 0.8, 0.0, 0.0], atol=0.011)  # its thickness

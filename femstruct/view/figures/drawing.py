@@ -137,8 +137,16 @@ def readable(unit: str) -> str:
     return unit.replace("^2", "²")
 
 
-def mode_lines(axes: Axes, frequency_hz: Mapping[int, float], low: float, high: float, *, numbers: bool = True) -> str:
-    """Dotted lines at natural frequencies inside a band, with the modes' numbers on top.
+def mode_lines(
+    axes: Axes,
+    frequency_hz: Mapping[int, float],
+    low: float,
+    high: float,
+    *,
+    numbers: bool = True,
+    of: str = " of the baseline",
+) -> str:
+    """Dotted lines at natural frequencies inside a band, with the modes' numbers on top. of : whose modes they are.
 
     Returns the label of the frequencies, which tells what the numbers are.
 
@@ -160,4 +168,4 @@ def mode_lines(axes: Axes, frequency_hz: Mapping[int, float], low: float, high: 
                 textcoords="offset points", fontsize=7, color="0.4", ha="center",
             )  # fmt: skip
             taken = along + half + 0.3 * CHARACTER
-    return "frequency in Hz" + ("   (numbers: modes of the baseline)" if inside else "")
+    return "frequency in Hz" + (f"   (numbers: modes{of})" if inside else "")

@@ -28,6 +28,7 @@ MARGIN: Final = 0.01  # of the whole window, shown before its start: what begins
 LEGIBLE: Final = 0.1  # of a unit: numbers are read in the unit of the whole window down to this
 RESTING: Final = 1e-6  # of its largest speed: a body that is told to be at rest
 HELD_COLOURS: Final = {"bodies": "#0072b2", "structure": "#009e73", "contacts, links": "#e69f00"}
+LONG: Final = 2.0  # s: beyond it milliseconds have too many digits
 BESIDE_COLOURS: Final = ("#56b4e9", "#cc79a7", "#f0e442")  # of what holds energy of the modes beside the structure
 LOST_COLOURS: Final = ("#e7b5ce", "#bcdff5", "#eab38a", "#f7f0a8", "#c9b8dd")  # pale: what is lost no longer moves
 NOBODYS_COLOUR: Final = "#dddddd"  # of losses in the structure and all that is too little to be named
@@ -107,9 +108,10 @@ def energy(result: StudyResult) -> Figure | None:
     for row, (name, response) in zip(grid, responses.items(), strict=True):
         ledger = response.ledger
         factor, unit = scaled("J", float(_input(ledger).max()))
-        for axes, end in zip(row, (zooms[name], float(ledger.t[-1]))[-columns:], strict=True):
-            _stack(axes, response, factor, end, beside, takers)
-            time, time_unit = scaled_time(end)
+        whole = float(ledger.t[-1])
+        time, time_unit = scaled_time(whole if whole > LONG or columns == 1 else zooms[name])  # one for both panels
+        for axes, end in zip(row, (zooms[name], whole)[-columns:], strict=True):
+            _stack(axes, response, (factor, time), end, beside, takers)
             finish(axes, f"time in {time_unit}", "")
             axes.set_xlim(0.0, time * end)
             axes.set_ylim(0.0, 1.08 * factor * float(_input(ledger).max()))
@@ -174,8 +176,9 @@ def _takers(ledgers: Sequence[EnergyLedger]) -> tuple[str, ...]:
 
 
 def _stack(
-    axes: Axes, response: Response, factor: float, end: float, beside: Sequence[str], takers: Sequence[str]
+    axes: Axes, response: Response, by: tuple[float, float], end: float, beside: Sequence[str], takers: Sequence[str]
 ) -> None:
+    factor, scale = by  # of energies and of times
     ledger, t = response.ledger, np.linspace(0.0, end, 500)
     bodies = np.sum(list(ledger.bodies.values()), axis=0) if ledger.bodies else np.zeros_like(ledger.t)
     structure, none = np.interp(t, ledger.t, ledger.structure), np.zeros_like(t)
@@ -195,7 +198,6 @@ def _stack(
         **HELD_COLOURS,
         **dict(zip(lost, LOST_COLOURS, strict=False)),
     }
-    scale, _ = scaled_time(end)
     axes.stackplot(
         scale * t,
         [factor * layer for layer in layers.values()],

@@ -3,18 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
-from femstruct.modal.steady.answers import HarmonicAnswer, with_axis
+from femstruct.conventions import GRAVITY
+from femstruct.modal.steady.answers import HarmonicAnswer, RandomAnswer, Vibrated, with_axis
 from femstruct.study.result import CaseResult, StudyResult
 from femstruct.study.steady_vibration import per_hertz
 from femstruct.view.figures.drawing import case_lines, finish, legend_above, mode_lines, new_figure, panels, readable
 from femstruct.view.figures.spectra import numbered, plain_ticks
-from femstruct.view.tables.scales import scaled
+from femstruct.view.tables.scales import digits, scaled
 
+FAINT: Final = 1e-6  # of the largest amplitude or density: less is rounding, or nobody's concern
+PLAIN: Final = 100.0  # between the ends of an axis: below it ticks have plain numbers
 BETWEEN: Final = ", "  # an excitation and a channel in the name of a picture
 
 
@@ -48,7 +53,8 @@ def answered(cases: Mapping[str, CaseResult]) -> list[str]:
 
 
 def vibration_answer(result: StudyResult, name: str) -> Figure:
-    """Amplitude or power spectral density along frequency in all cases, with the modes of the baseline by number."""
+    """Amplitude or power spectral density along frequency in all cases, in the unit of the tables, with the modes by
+    number and, thin and grey on an axis of its own, what excites."""
     excitation, _, channel = name.partition(BETWEEN)
     drawn = case_lines(result.cases, result.plan.baseline)
     found = {
@@ -57,27 +63,62 @@ def vibration_answer(result: StudyResult, name: str) -> Figure:
         if excitation in item.vibration and channel in item.vibration[excitation].answers
     }
     first = next(iter(found.values()))
+    harmonic = isinstance(first, HarmonicAnswer)
     excited = next(item.vibration[excitation] for item in result.cases.values() if excitation in item.vibration)
-    figure = new_figure(
-        9.0, 4.6, f"{with_axis(channel, first.unit)}, excited by {excitation} ({excited.kind}, {excited.excited_by})"
-    )
-    ((axes,),) = panels(figure, 1, 1, between=0.15, top=0.55 + 0.155 * len(found), left=1.15)
+    title = f"{with_axis(channel, first.unit)}, excited by {excitation} ({excited.kind}, {excited.excited_by})"
+    figure = new_figure(9.0, 4.6, title)
+    ((axes,),) = panels(figure, 1, 1, between=0.15, top=0.55 + 0.155 * (len(found) + 1), left=1.15, right=1.0)
+    factor, unit = scaled(first.unit, max(map(_size, found.values())))
+    peak = 0.0
     for case, answer in found.items():
-        if isinstance(answer, HarmonicAnswer):
-            values, label = np.abs(answer.values), f"{case}: largest {answer.largest:.4g} {readable(answer.unit)}"
-        else:
-            values, label = answer.psd, f"{case}: rms {answer.rms:.4g} {readable(answer.unit)}"
+        power = 1 if isinstance(answer, HarmonicAnswer) else 2
+        values = factor**power * (np.abs(answer.values) if isinstance(answer, HarmonicAnswer) else answer.psd)
+        told = answer.largest if isinstance(answer, HarmonicAnswer) else answer.rms
+        label = f"{case}: {'largest' if power == 1 else 'rms'} {digits(factor * told)} {unit}"
         axes.semilogx(answer.frequency_hz, values, **drawn[case], linewidth=1.1, label=label)
-        axes.set_yscale("log" if (values > 0.0).any() else axes.get_yscale())  # what cannot move has no logarithm
+        peak = max(peak, float(values.max()))
+    if peak > 0.0:  # what cannot move has no logarithm
+        lowest = min(float(line.get_ydata().min()) for line in axes.get_lines())
+        _decades(axes, max(lowest, FAINT * peak), peak)
     low, high = float(first.frequency_hz[0]), float(first.frequency_hz[-1])
     axes.set_xlim(low, high)
-    label = mode_lines(axes, numbered(result.cases[result.plan.baseline].basis), low, high)
-    harmonic = isinstance(first, HarmonicAnswer)
-    unit = readable(first.unit if harmonic else per_hertz(first.unit))
-    finish(axes, label, f"{'amplitude' if harmonic else 'power spectral density'} in {unit}")
+    modes = numbered(result.cases[result.plan.baseline].basis)
+    label = mode_lines(axes, modes, low, high, of=" of the baseline" if len(result.cases) > 1 else "")
+    shown = unit if harmonic else per_hertz(unit)
+    finish(axes, label, f"{'amplitude' if harmonic else 'power spectral density'} in {readable(shown)}")
+    _excitation(axes, excited)
     legend_above(axes, up=12)
     plain_ticks(axes)
     return figure
+
+
+def _size(answer: HarmonicAnswer | RandomAnswer) -> float:
+    """What the unit of an answer is chosen by, as in the tables."""
+    return answer.largest if isinstance(answer, HarmonicAnswer) else answer.peak or answer.rms
+
+
+def _excitation(axes: Axes, excited: Vibrated) -> None:
+    """What excites, on an axis at the right with its unit, and its entry in the legend of the answers."""
+    beside = axes.twinx()
+    values, unit = excited.excitation, excited.unit
+    if unit == per_hertz("m/s^2"):  # as shakers are spoken of
+        values, unit = values / GRAVITY**2, "g^2/Hz"
+    look: dict[str, Any] = {"color": "0.6", "linewidth": 0.7, "linestyle": "--"}
+    beside.semilogx(excited.frequency_hz, values, **look)
+    _decades(beside, 0.3 * float(values.min()), 3.0 * float(values.max()))
+    beside.set_ylabel(f"excitation in {readable(unit)}", color="0.4")
+    beside.tick_params(axis="y", which="both", colors="0.4")
+    axes.plot([], [], **look, label="excitation, axis at the right")
+
+
+def _decades(axes: Axes, low: float, high: float) -> None:
+    """A logarithmic axis from below `low` to above `high`; over few decades with plain numbers, also between them."""
+    axes.set_yscale("log")
+    axes.set_ylim(low / 1.5, 1.5 * high)
+    if high / low < PLAIN:
+        axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+        axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:.4g}"))
+        axes.yaxis.set_minor_locator(NullLocator())
 
 
 def range_spectrum(result: StudyResult, name: str) -> Figure:

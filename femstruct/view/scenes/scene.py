@@ -158,12 +158,14 @@ def picture_model(model: Model | None, rooms: Sequence[RoomPlan], path: str | Pa
     save_scene(plotter, path, cut=True, drawn=lambda image: draw_legend(image, legend))
 
 
-def add_scales(plotter: Any) -> None:
-    """Scales in metres along the box of all that is drawn, with ticks where there is room for them; where a scale
-    begins and ends its title says, since the ends of two scales meet in a corner."""
+def add_scales(plotter: Any, bounds: Sequence[float] | None = None) -> None:
+    """Scales in metres along the box of all that is drawn, or along `bounds` (x from, x to, y from, ..), with ticks
+    where there is room for them; where a scale begins and ends its title says, since the ends of two scales meet in a
+    corner."""
     from pyvista import convert_string_array
 
-    low, high = np.reshape(plotter.bounds, (3, 2)).T
+    box = plotter.bounds if bounds is None else bounds
+    low, high = np.reshape(box, (3, 2)).T
     largest = float((high - low).max()) or 1.0
     share = (high - low) / largest
     decimals = max(0, 3 - int(np.floor(np.log10(3.0 * largest))))
@@ -176,7 +178,7 @@ def add_scales(plotter: Any) -> None:
         scales[f"n_{axis}labels"] = count = int(min(1 + np.ceil(4.0 * part), MOST_TICKS))
         ticks = [f"{at:.{decimals}f}" for at in np.linspace(start, end, count)[1:-1]]
         inner[axis] = ["", *ticks, ""] if ticks and not thin else [""]
-    actor = plotter.show_bounds(grid=False, location="outer", font_size=TICKS, color="#444444", **scales)
+    actor = plotter.show_bounds(bounds=box, grid=False, location="outer", font_size=TICKS, color="#444444", **scales)
     for number, words in enumerate(inner.values()):
         actor.SetAxisLabels(number, convert_string_array(np.array(words)))
 

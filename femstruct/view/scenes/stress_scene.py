@@ -12,11 +12,14 @@ from femstruct.arrays import Floats
 from femstruct.files.atomic import file_name
 from femstruct.model.model import Model
 from femstruct.study.result import CaseResult, LargestStress, StudyResult
+from femstruct.view.scenes.labels import VIEW, Label, apart
 from femstruct.view.scenes.opengl import NoOpenGL, require_opengl
 from femstruct.view.scenes.scene import add_scales, save_scene
 
 MEGA: Final = 1e-6
 WIDTH: Final = 8  # pixels of a bar
+SPOT: Final = "#d62728"
+BESIDE: Final = 0.04  # of the extent of what is drawn: how far a label is moved from its spot, to each side
 
 
 def stress_pictures(result: StudyResult, folder: str | Path) -> tuple[list[Path], str]:
@@ -71,15 +74,22 @@ def picture_stresses(model: Model, stressed: dict[str, LargestStress], path: Pat
         )  # fmt: skip
     spots = np.array([one.places[one.worst] for one in stressed.values()])
     words = [f"{name}: {MEGA * one.largest.max():.4g} MPa" for name, one in stressed.items()]
+    box = tuple(plotter.bounds)
+    low, high = np.reshape(box, (3, 2)).T
+    above = BESIDE * float(np.linalg.norm(high - low)) * VIEW.sum(axis=0)  # to the right and up: the spot is to be seen
+    lifted = apart([Label(*each, "black") for each in zip(words, spots + above, strict=True)], low, high)
+    for spot, label in zip(spots, lifted, strict=True):
+        plotter.add_lines(np.stack([spot, label.place]), color=SPOT, width=1)
+    plotter.add_points(spots, color=SPOT, point_size=6)
     plotter.add_point_labels(
-        spots, words, point_color="#d62728", point_size=12, font_size=16, shape_color="white", shape_opacity=0.8,
-        always_visible=True, text_color="black",
+        np.array([label.place for label in lifted]), words, font_size=16, shape_color="white", shape_opacity=0.8,
+        always_visible=True, text_color="black", show_points=False,
     )  # fmt: skip
     if title:
         plotter.add_text(title, position="upper_left", font_size=10, color="black")
     plotter.add_axes()
     plotter.view_isometric()
-    add_scales(plotter)
+    add_scales(plotter, box)  # of the parts, without the lines to their labels
     plotter.set_background("white")
     plotter.enable_parallel_projection()
     plotter.camera.zoom(0.85)
