@@ -11,9 +11,10 @@ import matplotlib.image
 import numpy as np
 import pytest
 
+from femstruct import read_model
 from femstruct.errors import InputError
-from femstruct.view.scenes import opengl
-from femstruct.view.scenes.labels import MASS, POINT, SUPPORT, Label, merged
+from femstruct.view.scenes import opengl, scene
+from femstruct.view.scenes.labels import MASS, POINT, SUPPORT, VIEW, Label, merged
 from femstruct.view.scenes.opengl import LEFT_OUT, NoOpenGL
 from femstruct.view.scenes.scene import PART_COLOURS, picture_model, shapes_all
 
@@ -76,7 +77,7 @@ def test_names_of_one_place_are_one_label():
     at, near, far = np.array([0.1, 0.2, 0.0]), np.array([0.1, 0.2, 1e-9]), np.array([0.3, 0.2, 0.0])
     given = [Label("foot", at, POINT), Label("tip", far, POINT), Label("clamp", near, SUPPORT), Label("foot", at, MASS)]
     made = merged(given, near=1e-6)
-    assert [(label.name, label.colour) for label in made] == [("foot, clamp", POINT), ("tip", POINT)]
+    assert [(label.name, label.colour) for label in made] == [("foot, clamp", SUPPORT), ("tip", POINT)]
 
 
 def test_shapes_and_model_are_drawn(tmp_path):
@@ -108,3 +109,46 @@ def test_shapes_and_model_are_drawn(tmp_path):
     assert words.min() < 0.3 and np.abs(words[..., 0] - words[..., 2]).max() < 0.1
     portal = matplotlib.image.imread(tmp_path / "portal.png")[34:, :340, :3]  # bars alone have no faces to outline
     assert red(portal) > 50
+
+
+BULK = """BEGIN BULK
+GRID,1,,0.,0.,0.
+GRID,2,,1.,0.,0.
+GRID,3,,1.,1.,0.
+GRID,4,,0.,1.,0.
+CQUAD4,1,1,1,2,3,4
+PSHELL,1,1,0.01
+MAT1,1,2.1+11,,0.3,7850.
+SPC1,1,123456,1,2
+ENDDATA
+"""
+STATED = """
+materials: {steel: {E: 210 GPa, nu: 0.3, rho: 7850}}
+parts:
+  plate: {type: shell, mesh: plate.bdf, material: steel, thickness: 10 mm}
+  rest: {type: attachments, mesh: plate.bdf, take: supports}
+points:
+  one: {on: plate, at: [500 mm, 500 mm, 0]}
+  long name beside it: {on: plate, at: [501 mm, 500 mm, 0]}
+"""
+
+
+def test_what_is_not_drawn_has_no_legend_and_what_gives_way_has_a_line(tmp_path, monkeypatch):
+    pyvista = pytest.importorskip("pyvista")
+    (tmp_path / "plate.bdf").write_text(BULK, encoding="utf-8")
+    (tmp_path / "stated.yaml").write_text(STATED, encoding="utf-8")
+    model = read_model(tmp_path / "stated.yaml")
+    told, lines = [], []
+    draw, add = scene.draw_legend, pyvista.Plotter.add_lines
+    monkeypatch.setattr(scene, "draw_legend", lambda image, entries: (told.extend(entries), draw(image, entries)))
+    monkeypatch.setattr(
+        pyvista.Plotter, "add_lines", lambda self, ends, **look: (lines.append(ends), add(self, ends, **look))
+    )
+    try:
+        scene.picture_model(model, (), tmp_path / "model.png")
+    except NoOpenGL as error:
+        pytest.skip(str(error))
+    assert [name for name, _ in told] == ["plate", "points", "supports"]
+    (leader,) = lines
+    np.testing.assert_allclose(leader[0], [0.501, 0.5, 0.0], atol=1e-12)
+    assert VIEW[1] @ (leader[1] - leader[0]) > 0.0  # upwards in the view

@@ -28,6 +28,8 @@ MEANING: Final = {
     SURFACE: "surfaces",
     ROOM: "rooms, receivers",
 }
+TELLING: Final = (SUPPORT, JOINT, SPRING, MASS, ROOM, SURFACE, POINT)
+"""Colours by how much they say of a place where several names meet."""
 SIZE: Final = 13  # of marks, in pixels
 VIEW: Final = np.array([[-1.0, 1.0, 0.0], [-1.0, -1.0, 2.0]]) / np.sqrt([[2.0], [6.0]])
 """Isometric view: rows to the right and up, of unit length, as pyvista looks by `view_isometric`."""
@@ -45,8 +47,11 @@ class Label:
     colour: str
 
 
-def add_labels(plotter: Any, model: Model, rooms: Sequence[RoomPlan]) -> list[tuple[str, str]]:
-    """Add marks and names of everything but the parts' own faces to a plotter; returns what marks of a colour are."""
+def add_labels(
+    plotter: Any, model: Model, rooms: Sequence[RoomPlan]
+) -> tuple[list[tuple[str, str]], tuple[float, ...]]:
+    """Add marks and names of everything but the parts' own faces to a plotter; returns what marks of a colour are, and
+    the bounds of what is drawn, without the lines to labels that had to give way."""
     grounded = [tie for tie in model.ties if tie.grounded]
     joined = [(tie, _led(tie)) for tie in model.ties if not tie.grounded]
     springs = [(item.name, item.places if len(item.places) else _where(model, item.rows)) for item in model.elastics]
@@ -69,22 +74,28 @@ def add_labels(plotter: Any, model: Model, rooms: Sequence[RoomPlan]) -> list[tu
     for plan in rooms:
         if plan.under in model.surfaces:
             labels += _room(plotter, plan, placed_room(plan, model.surfaces), f"{plan.name}." if len(rooms) > 1 else "")
-    low, high = np.reshape(plotter.bounds, (3, 2)).T
-    for label in apart(merged(labels, 1e-6 * float(np.linalg.norm(np.ptp(model.mesh.points, axis=0)))), low, high):
+    box = tuple(plotter.bounds)
+    low, high = np.reshape(box, (3, 2)).T
+    named = merged(labels, 1e-6 * float(np.linalg.norm(np.ptp(model.mesh.points, axis=0))))
+    for before, label in zip(named, apart(named, low, high), strict=True):
+        if (label.place != before.place).any():
+            plotter.add_lines(np.stack([before.place, label.place]), color=label.colour, width=1)
         plotter.add_point_labels(
             label.place[None], [label.name], text_color=label.colour, font_size=20, shape="rounded_rect",
             shape_color="white", shape_opacity=0.75, margin=2, show_points=False, always_visible=True, bold=False,
         )  # fmt: skip
     marked = {label.colour for label in labels}
-    return [(words, colour) for colour, words in MEANING.items() if colour in marked]
+    return [(words, colour) for colour, words in MEANING.items() if colour in marked], box
 
 
 def merged(labels: Sequence[Label], near: float) -> list[Label]:
-    """One label a place: the names found within `near` [m] of each other together, in the colour of the first.
+    """One label a place: the names found within `near` [m] of each other together, in the colour of what says most
+    of the place: what holds it rather than that it has a name.
 
     >>> at = np.zeros(3)
-    >>> [label.name for label in merged([Label("left", at, POINT), Label("foot", at, SUPPORT)], near=1e-6)]
-    ['left, foot']
+    >>> found = merged([Label("left", at, POINT), Label("foot", at, SUPPORT)], near=1e-6)
+    >>> [(label.name, label.colour == SUPPORT) for label in found]
+    [('left, foot', True)]
     """
     groups: list[list[Label]] = []
     for label in labels:
@@ -94,7 +105,10 @@ def merged(labels: Sequence[Label], near: float) -> list[Label]:
         else:
             same.append(label)
     names = (", ".join(dict.fromkeys(label.name for label in group)) for group in groups)
-    return [Label(name, group[0].place, group[0].colour) for name, group in zip(names, groups, strict=True)]
+    return [
+        Label(name, group[0].place, min((label.colour for label in group), key=TELLING.index))
+        for name, group in zip(names, groups, strict=True)
+    ]
 
 
 def apart(labels: Sequence[Label], low: Floats, high: Floats) -> list[Label]:

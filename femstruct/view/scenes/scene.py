@@ -143,15 +143,18 @@ def picture_model(model: Model | None, rooms: Sequence[RoomPlan], path: str | Pa
     for number, name in enumerate(fine.parts):
         own = fine.part_of_point == number
         mesh = _mesh(fine, fine.points, own)
+        if not mesh.n_cells:  # of supports and masses a mesh states there are marks
+            continue
         colour = PART_COLOURS[number % len(PART_COLOURS)]
         solid = bool(own[fine.quads[:, 0]].any())
         look = {"opacity": 0.85, "show_edges": True, "edge_color": "#8a8a8a"} if solid else {"line_width": 5}
         plotter.add_mesh(mesh, color=colour, lighting=False, **look)  # in the colour of its legend
         legend.append((name, colour))
-    legend += add_labels(plotter, model, rooms)
+    marks, box = add_labels(plotter, model, rooms)
+    legend += marks
     plotter.add_axes()
     plotter.view_isometric()
-    add_scales(plotter)
+    add_scales(plotter, box)
     plotter.set_background("white")
     plotter.enable_parallel_projection()
     plotter.camera.zoom(0.85)  # what is tall keeps its scales and names inside
@@ -175,12 +178,27 @@ def add_scales(plotter: Any, bounds: Sequence[float] | None = None) -> None:
         thin = part < THIN
         scales[f"{axis}title"] = f"{axis} {start:.{decimals}f} to {end:.{decimals}f} m"
         scales[f"show_{axis}labels"] = not thin
-        scales[f"n_{axis}labels"] = count = int(min(1 + np.ceil(4.0 * part), MOST_TICKS))
-        ticks = [f"{at:.{decimals}f}" for at in np.linspace(start, end, count)[1:-1]]
+        count = int(min(1 + np.ceil(4.0 * part), MOST_TICKS))
+        scales[f"n_{axis}labels"], ticks = _rounded(start, end, count, decimals)
         inner[axis] = ["", *ticks, ""] if ticks and not thin else [""]
     actor = plotter.show_bounds(bounds=box, grid=False, location="outer", font_size=TICKS, color="#444444", **scales)
     for number, words in enumerate(inner.values()):
         actor.SetAxisLabels(number, convert_string_array(np.array(words)))
+
+
+def _rounded(start: float, end: float, count: int, decimals: int) -> tuple[int, list[str]]:
+    """How many ticks, one more or less than `count`, have the roundest numbers, and those between the ends.
+
+    >>> _rounded(0.0, 0.4, 4, 3), _rounded(0.0, 0.6, 5, 3)
+    ((5, ['0.1', '0.2', '0.3']), (4, ['0.2', '0.4']))
+    """
+    found = []
+    for number in (count, count + 1, count - 1):
+        inner = [f"{at:.{decimals}f}" for at in np.linspace(start, end, number)[1:-1]]
+        while inner and decimals and all(tick.endswith("0") and "." in tick for tick in inner):
+            inner = [tick[:-1].removesuffix(".") for tick in inner]
+        found.append((number, inner))
+    return min((one for one in found if one[1] or count < 3), key=lambda one: max(map(len, one[1]), default=0))
 
 
 def _draw_mode(plotter: Any, fine: Refined, edges: Any, moved: Floats) -> str:
