@@ -120,6 +120,7 @@ _FACTOR: Final = re.compile(r"([^\W\d_]+|%|°|1)\^?(-?\d+(?:\.\d+)?|\(-?\d+/[1-9
 _NEAR: Final = 0.75  # how alike an unknown unit and a known one are: kHzz and kHz; not dm and m
 _TWINS: Final = ("u", "\N{GREEK SMALL LETTER MU}")  # written as the micro sign
 _KINDS: Final = frozenset(unit.exponents for unit in _UNITS.values())
+_STRESSES: Final = 1e4  # Pa
 _LONGEST: Final = 80  # characters; no quantity needs more
 
 
@@ -152,6 +153,15 @@ def power_stiffness(value: object, exponent: float) -> float:
     unit = f"N/m^{exponent:g}" if exponent != 1.0 else "N/m"
     powers = (Fraction(1), 1 - Fraction(str(float(exponent))), Fraction(-2), *_powers()[3:])
     return _read(value, {"stiffness of a power": _Dimension("a stiffness", unit, f"1e6 {unit}", powers)})[0]
+
+
+def readable(unit: str, largest: float) -> tuple[float, str]:
+    """A factor and the unit of numbers in sentences: of stresses MPa, as in tables; sound is never beyond 10 kPa.
+
+    >>> readable("Pa", 6.855e7), readable("Pa", 0.2), readable("N", 1e6)
+    ((1e-06, 'MPa'), (1.0, 'Pa'), (1.0, 'N'))
+    """
+    return (1e-6, "MPa") if unit == "Pa" and largest >= _STRESSES else (1.0, unit)
 
 
 def quantity_of(value: object, dimensions: Sequence[str]) -> tuple[float, str | None]:

@@ -221,6 +221,14 @@ def test_the_force_of_the_supports_carries_the_weight(tmp_path: Path) -> None:
     np.testing.assert_allclose(rest.forces["ground"], rest.forces["rest"], rtol=1e-12, atol=1e-9)  # rounding
 
 
+def test_attachments_are_nodes_of_others_and_sag_with_them(tmp_path: Path) -> None:
+    from femstruct.workflow.check.weight import sags
+
+    found = model(tmp_path, bulk(), PLATE + REST)
+    basis = fs.modal_basis(fs.assemble(found), count=10)
+    assert len(found.parts) == 2 and [one.part for one in sags(found, basis)] == ["plate"]
+
+
 def test_what_is_taken_is_not_named_and_what_is_not_is_offered(tmp_path: Path) -> None:
     def told(parts: str, text: str = "") -> str:
         found = model(tmp_path, text or bulk(), PLATE + parts)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -20,6 +21,7 @@ from femstruct.modal.damping import Damping, LossFactor, Ratio
 from femstruct.modal.steady.answers import random_answer
 from femstruct.model.section import rectangle
 from femstruct.view.figures.plots import figures
+from femstruct.view.tables import answer_tables
 from femstruct.workflow.check.inspect import inspect_file
 
 STEEL = fs.Material("steel", E=210e9, nu=0.3, rho=7850.0)
@@ -353,3 +355,29 @@ def test_a_band_beyond_the_modes_is_a_finding() -> None:
     case = run_study(fs.Plan("bar", (fs.Case("as given", study),), baseline="as given")).cases["as given"]
     (told,) = (finding for finding in case.findings if finding.code == "vibration-beyond-modes")
     assert told.values["band_hz"] == 400.0
+
+
+def test_rounding_of_the_largest_is_shown_as_0(tmp_path: Path) -> None:
+    """A channel with 1e-12 of another's answer in the same unit, and modes that carry 1e-20 of the mass."""
+    study = SHAKER + "  push: {at: m.z, harmonic: 10 N, band: [5 Hz, 100 Hz]}\n"
+    result = run_study(read_study(written(tmp_path, study)))
+    case = result.cases["as given"]
+    pushed, shaken = case.vibration["push"], case.vibration["shaker"]
+    moved, force = pushed.answers["m.z displacement"], shaken.answers["ground force"]
+    few = replace(moved, values=1e-12 * moved.values)
+    quiet = replace(force, rms=1e-12 * force.rms, psd=1e-24 * force.psd, peak=force.peak and 1e-12 * force.peak)
+    assert shaken.base is not None
+    base = replace(shaken.base, mass=1e-20 * shaken.base.mass)
+    vibration = {
+        "push": replace(pushed, answers={**pushed.answers, "few": few}),
+        "shaker": replace(shaken, base=base, answers={**shaken.answers, "quiet": quiet}),
+    }
+    shown = replace(result, cases={"as given": replace(case, vibration=vibration)})
+    rows = {row[1]: row for row in answer_tables.harmonic(shown).rows}
+    assert (rows["few"][3].split()[0], rows["few"][4]) == ("0", "-") and rows["m.z displacement"][3].endswith("mm")
+    assert answer_tables.harmonic(shown).title.endswith("; 0: below 1e-09 of the largest in its unit")
+    assert answer_tables.harmonic(result).title == "harmonic vibration: largest amplitudes"
+    rows = {row[1]: row for row in answer_tables.random(shown).rows}
+    assert [cell.split()[0] for cell in rows["quiet"][3:6]] == ["0", "-", "-"]
+    assert "; 0: below 1e-09 of the largest in its unit" in answer_tables.random(shown).title
+    assert answer_tables.moved_masses(shown).rows[0][4] == "0 of 2 kg"

@@ -60,6 +60,8 @@ def test_damage_of_a_doubtful_peak_is_marked(result: StudyResult, tmp_path: Path
     told = {one.message.partition(":")[0]: one for one in case.findings if one.code == "damage-not-converged"}
     assert list(told) == ["root", "felt"]
     assert f"{found['root'].damage_beside:.3g} with the smaller stress" in told["root"].message
+    told_of_stress = [one.message for one in case.findings if one.message.startswith("bar stress: do not quote")]
+    assert told_of_stress and all(" MPa" in one and " Pa " not in one for one in told_of_stress), told_of_stress
     table = json.loads(json.dumps(summary(result)))["cases"]["as given"]
     assert [table["fatigue"][name]["converged"] for name in ("root", "felt", "moved")] == [False, False, True]
     assert table["fatigue"]["root"]["damage_modes_alone"] == pytest.approx(found["root"].damage_modes_alone)

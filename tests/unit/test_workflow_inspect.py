@@ -28,6 +28,8 @@ def test_a_study_is_checked_with_its_own_modes() -> None:
     assert study.basis.complete_below_hz == pytest.approx(2500.0)
     assert model.basis.complete_below_hz > 4000.0
     assert any("the bending wavelength at 2500 Hz" in finding.message for finding in study.findings)
+    (coarse, *_) = (one.message for one in model.findings if one.code in ("coarse-mesh", "thick-for-short-waves"))
+    assert coarse.endswith(f". {model.basis.complete_below_hz:.4g} Hz is where the modes that are looked at end")
 
 
 def test_a_room_of_a_kind_that_says_other_things_is_shown_by_their_names(capsys: pytest.CaptureFixture[str]) -> None:

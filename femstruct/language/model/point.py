@@ -65,7 +65,8 @@ def _patch(value: object) -> object:
 
 class PointSpec(Spec):
     """A named place; of a rod or beam a position along it, of an oscillator nothing. On a plate it may be a patch. Of a
-    part that is a mesh it may be the mean of a set."""
+    part that is a mesh it may be the mean of a set. at: of a plate or slab in its own coordinates, from its origin; of
+    a block from its lower corner, its origin; of frames, meshes and matrices in global coordinates."""
 
     at_most_one_of = (("at", "set"),)
 

@@ -9,6 +9,7 @@ from femstruct.errors import some_of
 from femstruct.impact.estimate import ErrorEstimate, Resolved
 from femstruct.impact.result.response import Outcome, Response
 from femstruct.study.result import AccuracyCheck, StudyResult
+from femstruct.units import readable
 
 RESOLVED: Final = 1e-6  # share from which on an estimated error is of interest to whom measures to 1 %
 
@@ -89,8 +90,9 @@ def accuracy(check: AccuracyCheck) -> str:
     if check.worst is None:
         return "accuracy: the basis contains all modes"
     name, worst = check.worst
+    factor, unit = readable(worst.unit, max(worst.smaller, worst.larger))
     return (
-        f"accuracy: {name} {worst.smaller:.4g} / {worst.larger:.4g} {worst.unit} with the modes up to "
+        f"accuracy: {name} {factor * worst.smaller:.4g} / {factor * worst.larger:.4g} {unit} with the modes up to "
         f"{check.smaller_hz:.5g} / {check.larger_hz:.5g} Hz, at most {100 * worst.share:.2g} % apart in "
         f"{check.band[0]:g} to {check.band[1]:g} Hz until {1e3 * check.window:.4g} ms; {100 * check.within:g} % "
         "required; "

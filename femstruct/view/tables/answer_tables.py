@@ -8,7 +8,7 @@ from dataclasses import replace
 from femstruct.modal.steady.answers import HarmonicAnswer, RandomAnswer, with_axis
 from femstruct.study.result import StudyResult
 from femstruct.view.tables.grid import Grid
-from femstruct.view.tables.scales import digits, scaled
+from femstruct.view.tables.scales import ROUNDING, digits, rounded, scaled
 
 
 def stresses(result: StudyResult) -> Grid:
@@ -28,10 +28,11 @@ def harmonic(result: StudyResult) -> Grid:
     grid = Grid("harmonic vibration: largest amplitudes", ("", "channel", "case", "largest", "at [Hz]"), keys=3)
     for name, case, channel, answer in _answers(result):
         if isinstance(answer, HarmonicAnswer):
-            factor, unit = scaled(answer.unit, answer.largest)
-            cells = [f"{digits(factor * answer.largest)} {unit}", f"{answer.largest_at_hz:.4g}"]
-            grid.add(name, channel, case, *cells, answer.where)
-    return _with_places(grid)
+            largest = rounded(answer.largest, _beside(result, name, case, answer.unit))
+            factor, unit = scaled(answer.unit, largest)
+            at = f"{answer.largest_at_hz:.4g}" if largest else "-"
+            grid.add(name, channel, case, f"{digits(factor * largest)} {unit}", at, answer.where)
+    return _noted(_with_places(grid))
 
 
 def random(result: StudyResult) -> Grid:
@@ -46,14 +47,17 @@ def random(result: StudyResult) -> Grid:
     grid = Grid(title, columns, keys=3)
     for name, case, channel, answer in _answers(result):
         if isinstance(answer, RandomAnswer):
-            factor, unit = scaled(answer.unit, answer.peak or answer.rms)
-            often = "-" if answer.crossings is None else f"{answer.crossings:.4g}"
-            cells = [f"{digits(factor * answer.rms)} {unit}", often]
+            rms = rounded(answer.rms, _beside(result, name, case, answer.unit))
+            peak = rms and answer.peak  # what is rounding has none
+            factor, unit = scaled(answer.unit, peak or rms)
+            often = "-" if answer.crossings is None or not rms else f"{answer.crossings:.4g}"
+            cells = [f"{digits(factor * rms)} {unit}", often]
             if durations:
                 seconds = lasting[case, name]
                 within = f" in {seconds:g} s" if len(durations) > 1 else ""
-                cells.append("-" if answer.peak is None else f"{digits(factor * answer.peak)} {unit}{within}")
+                cells.append("-" if peak is None or not rms else f"{digits(factor * peak)} {unit}{within}")
             grid.add(name, channel, case, *cells, answer.where)
+    grid = _noted(grid)
     placed = _with_places(grid)
     if placed is grid:
         return grid
@@ -67,6 +71,19 @@ def _answers(result: StudyResult) -> Iterator[tuple[str, str, str, HarmonicAnswe
         for name, one in case.vibration.items():
             for channel, answer in one.answers.items():
                 yield name, case_name, with_axis(channel, answer.unit), answer
+
+
+def _beside(result: StudyResult, excitation: str, case: str, unit: str) -> float:
+    """The largest answer in a unit to one excitation of one case, what rounding is judged by."""
+    answers = result.cases[case].vibration[excitation].answers.values()
+    sizes = [one.rms if isinstance(one, RandomAnswer) else one.largest for one in answers if one.unit == unit]
+    return max(sizes, default=0.0)
+
+
+def _noted(grid: Grid) -> Grid:
+    """With what its zeros are relative to in its title, where it has any."""
+    zeros = any(cell.partition(" ")[0] == "0" for row in grid.rows for cell in row[3:4])
+    return replace(grid, title=f"{grid.title}; 0: below {ROUNDING:g} of the largest in its unit") if zeros else grid
 
 
 def _with_places(grid: Grid) -> Grid:
@@ -104,6 +121,6 @@ def moved_masses(result: StudyResult) -> Grid:
     for case_name, case in result.cases.items():
         for name, one in case.vibration.items():
             if (moved := one.base) is not None:
-                mass = f"{digits(moved.moved)} of {digits(moved.total)} kg"
+                mass = f"{digits(rounded(moved.moved, moved.total))} of {digits(moved.total)} kg"
                 grid.add(name, case_name, moved.axis, str(len(moved.mass)), mass, f"{100.0 * moved.share:.0f} %")
     return grid

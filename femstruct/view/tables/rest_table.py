@@ -10,9 +10,9 @@ from femstruct.files.tables.finding_tables import finding_from
 from femstruct.view.tables.console import console
 from femstruct.view.tables.finding_lines import show_findings
 from femstruct.view.tables.grid import Grid
+from femstruct.view.tables.scales import rounded
 
 BETWEEN = "forces between parts: on the second part of a joint; of a rigid link on its 'to', of an average on its 'of'"
-ROUNDING = 1e-9  # of the largest force: what is left of a solved system
 NOISE = 1e-6  # of the largest displacement or rotation: less has no meaning beside it
 
 
@@ -43,7 +43,7 @@ def show_rest(table: Mapping[str, Any], verbose: bool = False) -> None:
         own = [name for name in table["forces_n"] if (name in table["on_the_ground"]) is on_the_ground]
         for name in own:
             force = table["forces_n"][name]
-            forces.add(name, *(_number(one if abs(one) > ROUNDING * largest else 0.0) for one in force))
+            forces.add(name, *(_number(rounded(one, largest)) for one in force))
         forces.show(screen)
     if table["held_inside"]:
         x, y, z = (_number(one) for one in table["held_inside"]["force_n"])

@@ -5,6 +5,7 @@ from __future__ import annotations
 from math import isnan
 from typing import Final
 
+ROUNDING: Final = 1e-9  # of the largest of its kind: what is left of a solved system, shown as 0
 _SCALES: Final = {  # unit: (how much of the unit, shown unit), the largest first
     "m": ((1.0, "m"), (1e-3, "mm"), (1e-6, "µm"), (1e-9, "nm")),
     "m/s": ((1.0, "m/s"), (1e-3, "mm/s"), (1e-6, "µm/s")),
@@ -25,6 +26,15 @@ def digits(value: float) -> str:
     if isnan(value):
         return "-"
     return f"{float(f'{value:.4g}'):.0f}" if 1e4 <= abs(value) < 1e6 else f"{value:.4g}"
+
+
+def rounded(value: float, largest: float) -> float:
+    """A number, or 0 where it is rounding beside the largest of its kind.
+
+    >>> rounded(1.3e-12, 40.0), rounded(1.3e-3, 40.0)
+    (0.0, 0.0013)
+    """
+    return 0.0 if abs(value) < ROUNDING * abs(largest) else value
 
 
 def scaled(unit: str, largest: float) -> tuple[float, str]:

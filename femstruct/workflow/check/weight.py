@@ -18,7 +18,8 @@ _FALLS = 1e-6  # of the mass: what rigid modes may carry of it upwards and still
 
 
 def sags(model: Model, basis: ModalBasis) -> tuple[Sag, ...]:
-    """Static sags of all parts; none for a structure that nothing holds up.
+    """Static sags of all parts but those that are only nodes of others, as attachments; none for a structure that
+    nothing holds up.
 
     Notes
     -----
@@ -32,6 +33,8 @@ def sags(model: Model, basis: ModalBasis) -> tuple[Sag, ...]:
     moved: Floats = basis.shapes[:, :, ~free] @ (-GRAVITY * pulled[~free] / basis.omega[~free] ** 2)
     found = []
     for name, part in model.parts.items():
+        if not (part.mass or part.rigid or len(part.quads) or len(part.lines)):
+            continue
         leaning = float(np.hypot(*moved[part.first, 3:5])) if part.rigid else None
         found.append(Sag(name, float(-moved[part.nodes, 2].min()), leaning))
     return tuple(found)

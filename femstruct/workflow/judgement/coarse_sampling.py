@@ -12,6 +12,7 @@ from femstruct.impact.result.response import Response
 from femstruct.study.asked import RoomPlan
 from femstruct.study.result import Channel
 from femstruct.study.study import Study
+from femstruct.units import readable
 
 FEW = 8.0  # samples in a period of a pulse, 4 in its half sine, below which peaks are 8 % low: (pi / 8)^2 / 2
 PEAK_MISSED = 0.05  # of a recorded peak, by which the samples of its history may miss it
@@ -94,10 +95,11 @@ def missed_peaks(study: Study, response: Response, channels: Mapping[str, Channe
     if found:
         share, sampled, worst = min(found, key=lambda one: one[0])
         more = f" (and {len(found) - 1} more)" if len(found) > 1 else ""
+        factor, unit = readable(worst.unit, worst.whole)
         yield Finding(
             "motion-coarsely-sampled",
-            f"{worst.name}: the largest sample of the history is {sampled:.4g} {worst.unit}; the peak is "
-            f"{worst.whole:.4g} {worst.unit} and lies between two samples at {response.clock.sampling:g} Hz{more}. "
+            f"{worst.name}: the largest sample of the history is {factor * sampled:.4g} {unit}; the peak is "
+            f"{factor * worst.whole:.4g} {unit} and lies between two samples at {response.clock.sampling:g} Hz{more}. "
             "Peaks and limits are found there too; histories, pictures and spectra do not show it. Sample faster",
             {"sampled_peak": sampled, "peak": worst.whole, "share": share, "allowed": PEAK_MISSED},
         )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -109,7 +110,9 @@ def structure_findings_after(
     if not 0.0 < top < np.inf:
         top = float(basis.frequency_hz[basis.modes].max(initial=0.0))
     if top > 0.0:
-        found += _of_frequencies(model, top)
+        of_modes = _of_frequencies(model, top)
+        ends = f". {top:.4g} Hz is where the modes that are looked at end"
+        found += of_modes if up_to_hz else [replace(one, message=one.message.rstrip(".") + ends) for one in of_modes]
     gravity = any(weighs(study) for study in studies)
     found += _overdamped(basis)
     found += _mechanisms(model, basis, studies, gravity)

@@ -25,6 +25,7 @@ from femstruct.study.asked import AccuracyRule, Extent
 from femstruct.study.result import AccuracyCheck, Deviation
 from femstruct.study.structures import BeamModel, RodModel
 from femstruct.study.study import Case
+from femstruct.units import readable
 from femstruct.workflow.stages.channels import STRESS, UNITS, closings, first_window, in_band, record
 from femstruct.workflow.stages.coupled_air import coupled
 from femstruct.workflow.stages.modal_bases import Solved, damped, key_of, solve
@@ -75,13 +76,14 @@ def accuracy_findings(check: AccuracyCheck) -> tuple[Finding, ...]:
         return ()
     name, deviation = worst
     low, high = check.band
+    factor, unit = readable(deviation.unit, max(deviation.smaller, deviation.larger))
     return (
         Finding(
             "accuracy-not-reached",
             f"The required accuracy of {100 * check.within:g} % between {low:g} and {high:g} Hz is not reached: "
             f"{name} is "
-            f"{deviation.smaller:.4g} {deviation.unit} with the modes up to {check.smaller_hz:.5g} Hz and "
-            f"{deviation.larger:.4g} {deviation.unit} with those up to {check.larger_hz:.5g} Hz, "
+            f"{factor * deviation.smaller:.4g} {unit} with the modes up to {check.smaller_hz:.5g} Hz and "
+            f"{factor * deviation.larger:.4g} {unit} with those up to {check.larger_hz:.5g} Hz, "
             f"{100 * deviation.share:.2g} % apart at most. {check.stopped}",
             {
                 "asked": check.within,

@@ -19,6 +19,7 @@ from femstruct.impact.result.shock import ShockSpectrum, shock_spectrum
 from femstruct.study.counting import FatigueRequest
 from femstruct.study.result import Channel
 from femstruct.study.study import Study
+from femstruct.units import readable
 from femstruct.workflow.stages.channels import motion_rows, moved
 from femstruct.workflow.stages.places import Places
 from femstruct.workflow.stages.stresses import uneven
@@ -93,8 +94,7 @@ def damage_findings(found: Mapping[str, Fatigue]) -> Iterator[Finding]:
     for name, one in found.items():
         if one.converged:
             continue
-        factor = 1e-6 if one.unit == "Pa" else 1.0
-        unit = "MPa" if one.unit == "Pa" else one.unit
+        factor, unit = readable(one.unit, one.largest)
         if one.damage is None:
             told, alone, beside = f"largest range of {factor * one.largest:.4g} {unit}", one.largest_modes_alone, None
             others = [] if alone is None else [f"{factor * alone:.4g} {unit} without the residual vectors"]
@@ -144,9 +144,10 @@ def peak_findings(channels: Mapping[str, Channel]) -> Iterator[Finding]:
             continue
         peak, alone = max(_both(channel), key=_apart)
         if _apart((peak, alone)) > CONVERGED:
+            factor, unit = readable(channel.unit, max(peak, alone))
             yield Finding(
                 "peak-not-converged",
-                f"{name}: do not quote its peak. It is {peak:.4g} {channel.unit}, and {alone:.4g} {channel.unit} "
+                f"{name}: do not quote its peak. It is {factor * peak:.4g} {unit}, and {factor * alone:.4g} {unit} "
                 "without the residual vectors (the static correction for the modes that are left out), so it changes "
                 "with the number of modes and with the mesh. Give the study 'peaks: {lowpass: F}' with F below "
                 "the last mode",
