@@ -148,3 +148,17 @@ def test_without_contacts_there_is_no_first_impact():
     assert grid.title == "peaks: whole window (no filter)"
     assert not any("/" in cell for row in grid.rows for cell in row[1:])
     assert "first impact / whole" in table(result, "peaks").title
+
+
+def test_peaks_that_are_rounding_beside_others_are_0():
+    result = BY_HAND["study_by_hand"]()
+    name, case = next((name, case) for name, case in result.cases.items() if case.channels)
+    channel = next(iter(case.channels.values()))
+    few = replace(channel, name="few", first_impact=1e-12 * channel.whole, whole=1e-12 * channel.whole)
+    case = replace(case, channels={**case.channels, "few": few})
+    shown = table(replace(result, cases={**result.cases, name: case}), "peaks")
+    (row,) = (row for row in shown.rows if row[0].startswith("few ["))
+    cell = row[1 + list(result.cases).index(name)]
+    assert set(cell.partition("\n")[0].split(" / ")) == {"0"}
+    assert "; 0: below 1e-09 of the largest in its unit" in shown.title
+    assert "; 0: below" not in table(result, "peaks").title

@@ -8,7 +8,7 @@ from dataclasses import replace
 from femstruct.modal.steady.answers import HarmonicAnswer, RandomAnswer, with_axis
 from femstruct.study.result import StudyResult
 from femstruct.view.tables.grid import Grid
-from femstruct.view.tables.scales import ROUNDING, digits, rounded, scaled
+from femstruct.view.tables.scales import ZEROS, digits, rounded, scaled
 
 
 def stresses(result: StudyResult) -> Grid:
@@ -83,7 +83,7 @@ def _beside(result: StudyResult, excitation: str, case: str, unit: str) -> float
 def _noted(grid: Grid) -> Grid:
     """With what its zeros are relative to in its title, where it has any."""
     zeros = any(cell.partition(" ")[0] == "0" for row in grid.rows for cell in row[3:4])
-    return replace(grid, title=f"{grid.title}; 0: below {ROUNDING:g} of the largest in its unit") if zeros else grid
+    return replace(grid, title=grid.title + ZEROS) if zeros else grid
 
 
 def _with_places(grid: Grid) -> Grid:

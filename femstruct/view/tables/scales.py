@@ -6,6 +6,7 @@ from math import isnan
 from typing import Final
 
 ROUNDING: Final = 1e-9  # of the largest of its kind: what is left of a solved system, shown as 0
+ZEROS: Final = f"; 0: below {ROUNDING:g} of the largest in its unit"  # ends titles of tables with such
 _SCALES: Final = {  # unit: (how much of the unit, shown unit), the largest first
     "m": ((1.0, "m"), (1e-3, "mm"), (1e-6, "µm"), (1e-9, "nm")),
     "m/s": ((1.0, "m/s"), (1e-3, "mm/s"), (1e-6, "µm/s")),

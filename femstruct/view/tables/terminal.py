@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from math import inf, isfinite
+from math import inf, isfinite, isnan
 
 from rich.console import Console
 
@@ -24,7 +24,7 @@ from femstruct.view.tables.grid import Grid
 from femstruct.view.tables.machine_table import limits, machine
 from femstruct.view.tables.radiated_table import radiated
 from femstruct.view.tables.rated_table import add_totals, bands, first_drop, ratings
-from femstruct.view.tables.scales import digits, scaled
+from femstruct.view.tables.scales import ZEROS, digits, rounded, scaled
 
 SPOKEN_RECEIVERS = 2  # of a room
 SPOKEN_MODES = 12  # of a channel
@@ -96,7 +96,14 @@ def _peaks(result: StudyResult) -> Grid:
     told = "first impact / whole window" if anything_meets(result) else "whole window"
     unsure = any(not one.converged for beside in result.comparison.cases.values() for one in beside.peaks.values())
     mark = "; ? : do not quote, see change-not-converged" if unsure else ""
-    grid = Grid(f"peaks: {told} ({result.comparison.filter}{mark})", ("", *result.cases))
+    tiny = any(
+        rounded(one.whole, _largest(case, one.unit)) != one.whole
+        for case in result.cases.values()
+        for one in case.channels.values()
+        if not isnan(one.whole)
+    )
+    title = f"peaks: {told} ({result.comparison.filter}{mark}{ZEROS if tiny else ''})"
+    grid = Grid(title, ("", *result.cases))
     names = list(dict.fromkeys(name for case in result.cases.values() for name in case.channels))
     for name in names:
         found = [case.channels[name] for case in result.cases.values() if name in case.channels]
@@ -113,12 +120,18 @@ def _peak(result: StudyResult, case: str, name: str, factor: float) -> str:
         return "-"
     beside = result.comparison.cases.get(case)
     change = beside.peaks.get(name) if beside else None
-    texts = [[digits(factor * channel.first_impact), digits(factor * channel.whole)]]
+    largest = _largest(result.cases[case], channel.unit)
+    texts = [[digits(factor * rounded(one, largest)) for one in (channel.first_impact, channel.whole)]]
     if change is not None:
         mark = "" if change.converged else " ?"
         texts.append([f"{_percent(one)}{mark}" for one in (change.first_impact_percent, change.whole_percent)])
     start = 0 if anything_meets(result) else 1
     return "\n".join(" / ".join(both[start:]) for both in texts)
+
+
+def _largest(case: CaseResult, unit: str) -> float:
+    """The largest peak of a case in a unit, what rounding is judged by."""
+    return max((one.whole for one in case.channels.values() if one.unit == unit), default=0.0)
 
 
 def _percent(value: float | None) -> str:
