@@ -36,7 +36,9 @@ IMPACT: Final = (
         "stress-uneven",
         "The largest stress of a part depends on the mesh.",
         LIMITS,
-        "at the most stressed place, the cells that meet there, or the next places, differ by more than the threshold",
+        "at the most stressed place of a plate, shell or solid, the cells that meet there, or the next places, differ "
+        "by more than the threshold; bars have `coarse-mesh` alone, since their section forces are exact under loads "
+        "at their ends and under weight",
         "Use a finer mesh. If the stress then grows, it is infinite in the model: put a force or support on a set of "
         "nodes or on a patch, and at a re-entrant corner or a clamped edge quote the stress one thickness away.",
         (

@@ -175,6 +175,9 @@ class StressPlaces:
     of one position, such as the two faces of a plate, by turns: place i is on `sides[i % len(sides)]`.
     cells [m * c, n_nodes * 7], meets [m] : the same of every cell that meets at a place, and which place, where `rows`
     are their mean; none where they are not. axes [p, 3, 3] : the local axes of every place, its rows; None for global.
+    carried [p, c, 3] : of bars, what is to be added per acceleration of all of it along x, y, z [m/s^2], or as much
+    weight against them [Pa s^2/m]: their section forces are in equilibrium at their ends then, and need no finer mesh.
+    None for others.
 
     >>> field = StressPlaces(np.zeros((1, 3)), ("xx", "xy"), csr_array(np.eye(2, 7)), ("above",))
     >>> field.of(np.array([3e6, 2e6, 0, 0, 0, 0, 0]).reshape(1, 7, 1))[:, :, 0]
@@ -188,6 +191,7 @@ class StressPlaces:
     cells: csr_array | None = None
     meets: Integers = field(default_factory=lambda: np.zeros(0, np.int64))
     axes: Floats | None = None
+    carried: Floats | None = None
 
     def __post_init__(self) -> None:
         freeze(self, places=frozen("stresses places", self.places, (None, 3)))
@@ -210,7 +214,8 @@ class StressPlaces:
         c = len(self.components)
         rows = csr_array(self.rows[(numbers[:, None] * c + np.arange(c)).ravel()])
         axes = None if self.axes is None else self.axes[numbers]
-        return StressPlaces(self.places[numbers], self.components, rows, self.sides, axes=axes)
+        carried = None if self.carried is None else self.carried[numbers]
+        return StressPlaces(self.places[numbers], self.components, rows, self.sides, axes=axes, carried=carried)
 
     def around(self, place: int) -> StressPlaces | None:
         """The same place in each of the cells that meet there, one after the other; None where there is one value."""

@@ -11,8 +11,9 @@ import femstruct as fs
 from femstruct.conventions import GRAVITY
 from femstruct.errors import InputError
 from femstruct.files.inputs.matrices_input import read_component
-from femstruct.model.section import rectangle
+from femstruct.model.section import rectangle, tube
 from femstruct.workflow.check.weight import sags
+from femstruct.workflow.stages.stresses import stress_at_rest, stress_findings
 
 STEEL = fs.Material("steel", E=210e9, nu=0.3, rho=7850.0)
 
@@ -102,3 +103,32 @@ def test_matrices_weigh_where_their_mass_is(tmp_path: Path) -> None:
     assert rest.forces["wall"] == pytest.approx([0.0, 0.0, -100.0 * GRAVITY], abs=1e-9)  # rounding
     (sag,) = sags(model, fs.modal_basis(fs.assemble(model), count=3))
     assert sag.sag == pytest.approx(99.0 * GRAVITY / 3e5, rel=1e-9)  # check says the same
+
+
+@pytest.mark.parametrize("element", ["euler", "timoshenko", "timoshenko18"])
+@pytest.mark.parametrize("bars", [1, 3])
+@pytest.mark.parametrize("end", [(1.0, 0.0, 0.0), (0.0, 0.0, 1.0), (0.48, 0.36, 0.8)])
+def test_the_foot_of_a_bar_is_stressed_by_all_of_its_weight(element: str, bars: int, end: tuple[float, ...]) -> None:
+    """w sin / A + w cos (r / I) / 2 of a tube of 1 m: axial force and moment are largest at the foot."""
+    mast = fs.Frame("mast", STEEL, tube("s", 0.03, 0.002), (((0.0, 0.0, 0.0), end),), mesh=1.0 / bars, element=element)
+    foot = fs.PlaceOn("foot", "mast", at=((0.0, 0.0, 0.0),))
+    wall = fs.Support("wall", "clamped", at="foot")
+    model, rest = at_rest(fs.Structure("a mast", (mast,), points=(foot,), supports=(wall,)), weight=True)
+    section, level = mast.section, float(np.hypot(*end[:2]))
+    w = 7850.0 * section.A * GRAVITY
+    found = stress_at_rest(model.parts["mast"].stresses(model.mesh.n_nodes), rest.displacement, weight=True)
+    exact = w * end[2] / section.A + w * level / 2.0 * 0.015 / section.Iy  # its axes stand: a point is uppermost
+    assert found.largest.max() == pytest.approx(exact, rel=1e-8)  # rounding of bars of three nodes, which are stiff
+    assert abs(found.places[found.largest.argmax()] @ end) < 0.02  # at the foot
+    assert (found.jump, found.falls) == (0.0, 0.0)
+
+
+def test_a_moment_that_falls_along_a_bar_is_not_uneven() -> None:
+    """F L / (b h^2 / 6) at the wall of a cantilever of four bars, a quarter less at the next node: both are exact."""
+    bar = fs.Frame("bar", STEEL, rectangle("s", 0.02, 0.04), (((0.0, 0.0, 0.0), (1.0, 0.0, 0.0)),), mesh=0.25)
+    points = tuple(fs.PlaceOn(name, "bar", at=((x, 0.0, 0.0),)) for name, x in (("foot", 0.0), ("tip", 1.0)))
+    wall = fs.Support("wall", "clamped", at="foot")
+    model, rest = at_rest(fs.Structure("a bar", (bar,), points=points, supports=(wall,)), ("tip", "z", -100.0))
+    found = stress_at_rest(model.parts["bar"].stresses(model.mesh.n_nodes), rest.displacement)
+    assert found.largest.max() == pytest.approx(100.0 / (0.02 * 0.04**2 / 6), rel=1e-9)  # rounding
+    assert not list(stress_findings({"bar": found}))

@@ -178,12 +178,8 @@ class FrameMesh(Meshed):
                 do="give the section by its shape, such as {shape: box, ..}",
             )
         bars, shares = np.repeat(np.arange(len(self.bars)), 2), np.tile([0.0, 1.0], len(self.bars))
-        forces = self.section_forces(bars, shares)
-        y, z = np.array(section.outline).T[:, :, None, None]
-        N, T, My, Mz = (forces[:, None, i] for i in (0, 3, 4, 5))
-        normal = N / section.A + My * z / section.Iy - Mz * y / section.Iz
-        shear = np.broadcast_to(T * section.twist_arm / section.J, normal.shape)
-        rows = np.stack([normal, shear], axis=2)
+        rows = self._at_outline(self.section_forces(bars, shares))
+        carried = self._at_outline(self._carried().reshape(-1, 6, 3, 1))
         count, points = len(bars), len(section.outline)
         ends = np.stack([self.start, self.end], axis=1).reshape(-1, 3)
         across = np.einsum("pc,bcj->bpj", np.array(section.outline), self.axes[bars][:, 1:])
@@ -194,7 +190,33 @@ class FrameMesh(Meshed):
             sparse_rows(nodes, rows.reshape(count * points, 2, -1, N_COMPONENTS), n_nodes),
             tuple(f"at y = {1e3 * a:.4g} mm, z = {1e3 * b:.4g} mm of the section" for a, b in section.outline),
             axes=np.repeat(self.axes[bars], points, axis=0),
+            carried=carried.reshape(-1, 2, 3),
         )
+
+    def _at_outline(self, forces: Floats) -> Floats:
+        """Stresses xx and xy [p, o, 2, k, c] at the outermost points of the section, of section forces [p, 6, k, c]."""
+        section = self.part.section
+        y, z = np.array(section.outline).T[:, :, None, None]
+        N, T, My, Mz = (forces[:, None, i] for i in (0, 3, 4, 5))
+        normal = N / section.A + My * z / section.Iy - Mz * y / section.Iz
+        shear = np.broadcast_to(T * section.twist_arm / section.J, normal.shape)
+        return np.stack([normal, shear], axis=2)
+
+    def _carried(self) -> Floats:
+        """Section forces [b, 2, 6, 3] at both ends of bars that accelerate along x, y, z [N s^2/m, N s^2], without the
+        shear forces: what the strains of their nodes leave out, which are those of bars that are loaded at their ends.
+
+        The load p = -rho A a between nodes that hold the bar: E I v'' = p L^2 / 12 at its ends, and N = +-p L / 2,
+        which bars of three nodes strain by.
+        """
+        load = -self.part.material.rho * self.part.section.A * self.axes
+        lengths = self.lengths[:, None]
+        found = np.zeros((len(self.bars), 2, 6, 3))
+        if self.bars.shape[1] == 2:
+            found[:, 0, 0], found[:, 1, 0] = load[:, 0] * lengths / 2.0, -load[:, 0] * lengths / 2.0
+        found[:, :, 4] = -(load[:, 2] * lengths**2 / 12.0)[:, None]
+        found[:, :, 5] = (load[:, 1] * lengths**2 / 12.0)[:, None]
+        return found
 
     def point(self, name: str, place: PlaceOn, at: Floats, tolerance: float) -> Point:
         where, up = f"points.{name}", np.array([0.0, 0.0, 1.0])

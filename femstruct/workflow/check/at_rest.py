@@ -49,7 +49,7 @@ def at_rest(path: Path, forces: list[str], weight: bool, overrides: tuple[str, .
         places = Places(model.points, model.surfaces, model.parts)
         assembly = assemble(model)
         rest = statics(model, assembly, [_force(text, places) for text in forces], weight)
-    stresses = _stresses(model, places, rest)
+    stresses = _stresses(model, places, rest, weight)
     return {
         "title": source.title,
         "load_n": rest.load.tolist(),
@@ -100,7 +100,7 @@ def _force(text: str, places: Places) -> tuple[Probe, float]:
     return point.probe(direction), value
 
 
-def _stresses(model: Model, places: Places, rest: AtRest) -> dict[str, LargestStress]:
+def _stresses(model: Model, places: Places, rest: AtRest, weight: bool) -> dict[str, LargestStress]:
     """Of the parts that have stresses."""
     found: dict[str, LargestStress] = {}
     for name in model.parts:
@@ -108,5 +108,5 @@ def _stresses(model: Model, places: Places, rest: AtRest) -> dict[str, LargestSt
             rows = places.stresses(name, name)
         except InputError:  # a part without stresses, such as a block, or a bar without an outline
             continue
-        found[name] = stress_at_rest(rows, rest.displacement)
+        found[name] = stress_at_rest(rows, rest.displacement, weight)
     return found

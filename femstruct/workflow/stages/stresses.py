@@ -8,9 +8,11 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from femstruct.arrays import Floats, Integers
+from femstruct.conventions import GRAVITY
 from femstruct.elements.stresses import von_mises
 from femstruct.errors import Finding
 from femstruct.impact.result.response import Response
+from femstruct.modal.statics import UP
 from femstruct.modal.steady.steady_stresses import Amount
 from femstruct.model.probe import StressPlaces
 from femstruct.study.result import LargestStress
@@ -66,11 +68,15 @@ def largest_stress(places: StressPlaces, response: Response, q: Floats) -> tuple
     return found.history, judged(places, response.basis.shapes, found.largest, _at(places, then), times)
 
 
-def stress_at_rest(places: StressPlaces, displacement: Floats) -> LargestStress:
-    """The equivalent stress at every place of a structure at rest. displacement [n_nodes, 7] : of its nodes."""
+def stress_at_rest(places: StressPlaces, displacement: Floats, weight: bool = False) -> LargestStress:
+    """The equivalent stress at every place of a structure at rest. displacement [n_nodes, 7] : of its nodes. weight :
+    whether it weighs."""
     shapes, q = displacement[:, :, None], np.ones((1, 1))
-    found = walked(places, shapes, q)
-    return judged(places, shapes, found.largest, _at(places, q[:, 0]))
+    stresses = places.of(shapes)
+    if weight and places.carried is not None:
+        stresses = stresses + GRAVITY * places.carried[:, :, UP, None]
+    largest: Floats = von_mises(stresses, places.components)[:, 0]
+    return judged(places, shapes, largest, _at(places, q[:, 0]))
 
 
 def _at(places: StressPlaces, q: Floats) -> Amount:
@@ -85,13 +91,17 @@ def judged(
 
     largest [p] : equivalent stresses [Pa]. amount : how that of the most stressed place follows from the shapes; it is
     asked of the places beside, too. times [p] : when each was largest [s], 0 where that means nothing.
+
+    Bars are judged by the length of their waves alone: moments that are linear along a bar are exact at its ends,
+    however steep, and no point of a beam is stressed infinitely.
     """
     worst = int(largest.argmax())
     next_to = _neighbours(places, worst)
     peak = float(largest[worst]) or 1.0
     around = places.around(worst)
     jump = 0.0 if around is None else float(np.ptp(amount(around.of(shapes)))) / peak
-    falls = 1.0 - float(amount(places.of(shapes)[next_to]).mean()) / peak if len(next_to) else 0.0
+    uneven = places.carried is None and len(next_to)
+    falls = 1.0 - float(amount(places.of(shapes)[next_to]).mean()) / peak if uneven else 0.0
     return LargestStress(
         places.places, places.sides, largest, np.zeros(len(largest)) if times is None else times, jump, falls
     )
