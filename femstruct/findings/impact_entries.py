@@ -52,6 +52,14 @@ IMPACT: Final = (
         ),
     ),
     Entry(
+        "stress-of-orthotropic",
+        "The equivalent stress of an orthotropic part is no measure of its strength.",
+        LIMITS,
+        "the stress of von Mises is recorded or printed of a part with an orthotropic material",
+        "Judge the stresses along the axes of the material, each beside its own strength: 'frf --response PART.stress' "
+        "has its components xx, yy and xy. The stress of von Mises supposes a metal, as strong in all directions.",
+    ),
+    Entry(
         "contact-closed-at-end",
         "A contact is still closed when the window ends.",
         LIMITS,

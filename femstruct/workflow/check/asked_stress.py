@@ -15,7 +15,7 @@ from femstruct.model.probe import StressPlaces
 from femstruct.model.structure import Structure
 from femstruct.study.asked import FrfRequest
 from femstruct.workflow.stages.modal_bases import Solved
-from femstruct.workflow.stages.stresses import judged, stress_findings
+from femstruct.workflow.stages.stresses import judged, orthotropic_findings, stress_findings
 
 STRESS: Final = "stress"
 KIND: Final = "equivalent stress (von Mises), largest of a cycle,"
@@ -39,7 +39,7 @@ def stress_response(request: FrfRequest, solved: Solved, basis: ModalBasis) -> t
     if basis.n_rigid and low == 0.0:
         raise InputError("--band", got="0 Hz", expected="a frequency > 0: the structure is free")
     drive = solved.places.point(request.drive.name, "--drive").probe(request.drive.what)
-    rows, near = _places(request.response.name, solved)
+    part, rows, near = _places(request.response.name, solved)
     excitation = pushing(basis, drive)
     found = harmonic_stress(basis, excitation, rows, np.ones(len(frequency)), frequency)
     stressed = judged(rows, basis.shapes, found.largest, found.amount)
@@ -57,14 +57,15 @@ def stress_response(request: FrfRequest, solved: Solved, basis: ModalBasis) -> t
             for name, values in zip(rows.components, components, strict=True)
         },
     }
-    return told, tuple(stress_findings({f"{request.response} per unit force": stressed}))
+    findings = stress_findings({f"{request.response} per unit force": stressed})
+    return told, (*findings, *orthotropic_findings(solved.structure, (part,)))
 
 
-def _places(name: str, solved: Solved) -> tuple[StressPlaces, str]:
-    """Where a part is stressed, all of it or near a point of it; and how near, in words."""
+def _places(name: str, solved: Solved) -> tuple[str, StressPlaces, str]:
+    """A part and where it is stressed, all of it or near a point of it; and how near, in words."""
     places = solved.places
     if name in places.parts:
-        return places.stresses(name, "--response"), ""
+        return name, places.stresses(name, "--response"), ""
     point = places.point(name, "--response")
     points = solved.structure.points if isinstance(solved.structure, Structure) else ()
     on = next((one.on for one in points if name in (one.name, f"{one.name}.{name.rpartition('.')[2]}")), "")
@@ -72,4 +73,5 @@ def _places(name: str, solved: Solved) -> tuple[StressPlaces, str]:
     positions = rows.places.reshape(-1, len(rows.sides), 3).mean(axis=1)
     apart = np.linalg.norm(positions - point.position, axis=1)
     nearest = int(apart.argmin())
-    return rows.some(nearest * len(rows.sides) + np.arange(len(rows.sides))), f", {apart[nearest]:.3g} m from {name}"
+    beside = rows.some(nearest * len(rows.sides) + np.arange(len(rows.sides)))
+    return on, beside, f", {apart[nearest]:.3g} m from {name}"

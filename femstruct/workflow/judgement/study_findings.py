@@ -16,8 +16,10 @@ from femstruct.study.asked import TimePlan
 from femstruct.study.study import Case, Study
 from femstruct.workflow.judgement.impact_findings import hammer_findings, load_findings, room_findings
 from femstruct.workflow.judgement.source_findings import source_unresolved
+from femstruct.workflow.stages.channels import STRESS
 from femstruct.workflow.stages.places import Places
 from femstruct.workflow.stages.rated_rooms import rated_findings
+from femstruct.workflow.stages.stresses import orthotropic_findings
 
 SAMPLES_OF_A_LOAD = 10  # in the shortest load: the peak of a half sine between samples is then missed by 1 %
 
@@ -31,7 +33,8 @@ def study_findings(case: Case, places: Places) -> list[Finding]:
     rooms are rated for, and by what. Findings of a run that say the same have the same words.
     """
     study, time = case.study, case.study.time
-    found: list[Finding] = []
+    shown = (record.target for record in study.records if record.what == STRESS)
+    found = [*orthotropic_findings(study.structure, shown)]
     if time is not None:
         found += hammer_findings(study, places)
         found += load_findings(study.loads, time.duration)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -10,11 +10,13 @@ import numpy as np
 from femstruct.arrays import Floats, Integers
 from femstruct.conventions import GRAVITY
 from femstruct.elements.stresses import von_mises
-from femstruct.errors import Finding
+from femstruct.errors import Finding, some_of
 from femstruct.impact.result.response import Response
 from femstruct.modal.statics import UP
 from femstruct.modal.steady.steady_stresses import Amount
+from femstruct.model.materials.orthotropic import Orthotropic
 from femstruct.model.probe import StressPlaces
+from femstruct.model.structure import Structure
 from femstruct.study.result import LargestStress
 
 AT_ONCE: Final = 4_000_000
@@ -114,6 +116,22 @@ def _neighbours(places: StressPlaces, place: int) -> Integers:
     other = apart > SAME * float(np.ptp(places.places, axis=0).max())
     found: Integers = alike[other][np.argsort(apart[other], kind="stable")[:AROUND]]
     return found
+
+
+def orthotropic_findings(structure: object, names: Iterable[str]) -> Iterator[Finding]:
+    """Parts of these names whose material has no equivalent stress that tells its strength. structure : with parts, or
+    in closed form."""
+    parts = structure.parts if isinstance(structure, Structure) else ()
+    wanted = set(names)
+    for part in parts:
+        made_of = [one.name for one in part.materials() if isinstance(one, Orthotropic)]
+        if part.name in wanted and made_of:
+            yield Finding(
+                "stress-of-orthotropic",
+                f"{part.name}: do not judge its strength by the stress of von Mises, which supposes a metal: "
+                f"{some_of(made_of)} is orthotropic, with strengths of its own along and across its axes. Look at "
+                f"xx, yy and xy along them: 'frf --response {part.name}.stress' prints them where it is stressed most",
+            )
 
 
 def uneven(found: LargestStress) -> float:
