@@ -18,10 +18,9 @@ from femstruct.view.tables.machine_table import limits, machine
 
 MODEL = """
 materials: {steel: {E: 210 GPa, nu: 0.3, rho: 7850}}
-sections: {flat: {shape: rectangle, width: 20 mm, height: 10 mm}}
-parts: {bar: {type: frame, material: steel, section: flat, lines: [[[0, 0, 0], [1, 0, 0]]], mesh: 250 mm}}
-points: {foot: {on: bar, at: [0, 0, 0]}, tip: {on: bar, at: [1, 0, 0]}, hit: {on: bar, at: [0.5, 0, 0]}}
-supports: {wall: {at: foot, fix: clamped}}
+parts: {bar: {type: plate, material: steel, thickness: 10 mm, origin: [0, 0, 0], size: [1, 0.4], mesh: 100 mm}}
+points: {tip: {on: bar, at: [1, 0.2]}, hit: {on: bar, at: [0.5, 0.2]}}
+supports: {wall: {on: bar, edge: x0, fix: clamped}}
 damping: {ratio: 1 %}
 """
 STUDY = """
@@ -110,7 +109,7 @@ def test_damage_under_a_random_excitation_inherits_the_mesh(tmp_path: Path) -> N
     path = tmp_path / "bar.study.yaml"
     path.write_text(
         "model: bar.yaml\nmodes: {up_to: 800 Hz}\nrecord: {bar: stress}\n"
-        "vibration: {shaker: {base: z, psd: 0.1 g^2/Hz, band: [2 Hz, 400 Hz], duration: 3600 s}}\n"
+        "vibration: {shaker: {at: hit.z, psd: 1 N^2/Hz, band: [60 Hz, 400 Hz], duration: 3600 s}}\n"
         "fatigue: {root: {of: bar stress, under: shaker, sn: {range: 100 MPa, slope: 5}}}\n",
         encoding="utf-8",
     )
