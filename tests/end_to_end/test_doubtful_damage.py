@@ -69,6 +69,28 @@ def test_damage_of_a_doubtful_peak_is_marked(result: StudyResult, tmp_path: Path
     assert (kept.converged, kept.damage_beside) == (False, found["root"].damage_beside)
 
 
+def test_the_histogram_says_how_its_ranges_are_rounded(result: StudyResult, tmp_path: Path) -> None:
+    """Damage from the upper ends of its classes is too high, from the lower ones too low; the one kept is between."""
+    h5py = pytest.importorskip("h5py")
+    write_results(tmp_path / "results.h5", result)
+    with h5py.File(tmp_path / "results.h5") as file:
+        (place,) = (file[path] for path in _paths(file) if path.endswith("fatigue/root"))
+        upper, counts, kept = place["range"][:], place["counts"][:], float(place.attrs["damage"])
+        told = " ".join(str(value) for value in place["range"].attrs.values())
+    above = float((counts * (upper / 100e6) ** 5).sum() / 2e6)
+    below = float((counts * ((upper - upper[0]) / 100e6) ** 5).sum() / 2e6)
+    assert below < kept < above
+    assert kept == result.cases["as given"].fatigue["root"].damage
+    assert "Upper end" in told
+    assert "too high" in told
+
+
+def _paths(file: object) -> list[str]:
+    found: list[str] = []
+    file.visit(found.append)  # type: ignore[attr-defined]
+    return found
+
+
 def test_cycles_without_residual_vectors_are_those_of_the_modes(result: StudyResult) -> None:
     """The acceleration of the struck point in its modes alone is the second difference of what they displace."""
     case = result.cases["as given"]

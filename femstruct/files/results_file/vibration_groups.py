@@ -43,9 +43,11 @@ def write_vibration(target: h5py.Group, found: Mapping[str, Vibrated]) -> None:
 
 
 def write_fatigue(target: h5py.Group, found: Mapping[str, Fatigue]) -> None:
-    """A group for every channel that is counted: cycles by range."""
+    """A group for every channel that is counted: cycles by range, for tables and pictures; `damage` is that of the
+    ranges themselves."""
     for name, one in found.items():
         place = group(target, name, "Rainflow cycles, ASTM E1049-85")
         write_described(place, one)
-        ranges = axis(place, "range", one.ranges, one.unit, "Upper end of the class of ranges")
+        about = "Upper end of the class of ranges; damage from these is too high, the attribute damage is exact"
+        ranges = axis(place, "range", one.ranges, one.unit, about)
         put(place, "counts", one.counts, "1", "Cycles, halves among them", (ranges,))

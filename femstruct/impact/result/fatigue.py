@@ -55,8 +55,9 @@ class SNLine:
 class Fatigue:
     """Rainflow cycles of a record. channel : what is counted, in `unit`; on : of a stress, the place and the plane.
 
-    ranges [n] : upper ends of equal classes [unit]. counts [n] : cycles in each, halves among them. damage : of one
-    record by Miner's rule [1]; None without an S-N line.
+    ranges [n] : upper ends of equal classes [unit]. counts [n] : cycles in each, halves among them; damage summed from
+    these is too high, as every range is rounded up. damage : of one record by Miner's rule [1], of the ranges
+    themselves; None without an S-N line.
 
     converged : False where it rests on a peak that changes with the modes or the mesh. largest_modes_alone [unit],
     damage_modes_alone : of the history without residual vectors; None without any. damage_beside : of a stress that is
