@@ -9,6 +9,7 @@ from femstruct.errors import InputError
 from femstruct.model.imported.cell_kinds import KINDS
 from femstruct.model.imported.flat_cells import area_vectors, flat_cells, nodes_at_one_place
 from femstruct.model.imported.imported_mesh import ImportedMesh
+from femstruct.model.imported.shell_cells import nearest_place
 from femstruct.model.region import Region
 
 CUBE = np.array([[x, y, z] for z in (0.0, 1.0) for y in (0.0, 1.0) for x in (0.0, 1.0)])[[0, 1, 3, 2, 4, 5, 7, 6]]
@@ -107,3 +108,20 @@ def test_nodes_at_one_place_that_are_two_are_found() -> None:
     points = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [1, 0, 0], [2, 0, 0], [2, 1, 0], [1, 1, 1e-9]]
     cells = flat_cells(mesh_of(points, {"quad4": [[0, 1, 2, 3], [4, 5, 6, 7]]}), None)
     assert sorted(map(sorted, nodes_at_one_place(cells.points, 1e-6).tolist())) == [[1, 4], [2, 7]]
+
+
+def test_the_nearest_place_is_nearer_than_every_sample_of_every_cell() -> None:
+    """Cells of very different sizes, in which one whose middle is far may be nearest; each sampled 61 by 61 times."""
+    x = np.array([0.0, 0.1, 0.2, 3.0, 3.1])
+    points = np.array([[a, b, 0.3 * a] for a in x for b in (0.0, 0.2, 2.0)])
+    quads = np.array([[3 * i + j, 3 * i + j + 3, 3 * i + j + 4, 3 * i + j + 1] for i in range(4) for j in range(2)])
+    triangles = np.concatenate([quads[-2:, :3], quads[-2:][:, [0, 2, 3]]])
+    cells = flat_cells(mesh_of(points, {"quad4": quads[:-2], "tri3": triangles}), None)
+    s, t = (one.ravel() for one in np.meshgrid(*[np.linspace(0.0, 1.0, 61)] * 2))
+    weights = np.stack([(1 - s) * (1 - t), s * (1 - t), s * t, (1 - s) * t], axis=1)
+    samples = np.einsum("pk,nki->npi", weights, cells.points[cells.corners]).reshape(-1, 3)
+    for at in np.random.default_rng(2).uniform([-1.0, -1.0, -1.0], [4.0, 3.0, 2.0], (200, 3)):
+        found, sampled = nearest_place(cells, at), np.linalg.norm(samples - at, axis=1).min()
+        off = float(np.linalg.norm(found.position - at))
+        assert off <= sampled + 1e-12  # rounding
+        assert off >= sampled - 0.06  # samples are 0.05 m apart in the largest cell

@@ -154,8 +154,23 @@ def _mapped(cells: FlatCells, which: Integers, xi: Floats, eta: Floats) -> tuple
 
 def nearest_place(cells: FlatCells, at: Floats) -> Nearest:
     """The place of the cells nearest to one in space [3]; of warped quadrilaterals on their two triangles."""
-    quads, triangles = cells.quads, cells.triangles
-    owner = np.concatenate([np.arange(len(quads)), np.arange(len(quads)), len(quads) + np.arange(len(triangles))])
+    return _nearest_place(cells, at, *_spheres(cells))
+
+
+def _spheres(cells: FlatCells) -> tuple[Floats, Floats]:
+    """Middles [q + t, 3] and radii [q + t] of spheres around the cells [m]."""
+    corners = cells.points[cells.corners]
+    middles = corners.mean(axis=1)
+    return middles, np.sqrt(((corners - middles[:, None]) ** 2).sum(axis=2).max(axis=1))
+
+
+def _nearest_place(cells: FlatCells, at: Floats, middles: Floats, radii: Floats) -> Nearest:
+    """The same, from the spheres around the cells: only those are looked at that can be as near as the nearest."""
+    away = np.sqrt(((middles - at) ** 2).sum(axis=1))
+    near = np.flatnonzero(away - radii <= (away + radii).min())
+    four, three = near[near < len(cells.quads)], near[near >= len(cells.quads)]
+    quads, triangles = cells.quads[four], cells.triangles[three - len(cells.quads)]
+    owner = np.concatenate([four, four, three])
     corners = cells.points[np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]], triangles])]
     places = _on_triangles(corners, at)
     best = int(np.argmin(((places - at) ** 2).sum(axis=1)))
@@ -174,8 +189,9 @@ def cross_turning(cells: FlatCells, centers: Floats, reach: float, axes: Floats)
     """
     arms = reach * np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])
     nodes, rows = np.zeros((len(centers), 20), np.int64), np.zeros((len(centers), 1, 20, N_COMPONENTS))
+    spheres = _spheres(cells)
     for number, center in enumerate(centers):
-        ends = [nearest_place(cells, center + arm @ axes[:2]) for arm in arms]
+        ends = [_nearest_place(cells, center + arm @ axes[:2], *spheres) for arm in arms]
         places = np.array([end.position for end in ends])
         on_it = np.linalg.norm(places - center - arms @ axes[:2], axis=1) <= OFF * reach
         off = (places - places[on_it].mean(axis=0)) @ axes[:2].T * on_it[:, None]
