@@ -150,5 +150,5 @@ def test_what_is_not_drawn_has_no_legend_and_what_gives_way_has_a_line(tmp_path,
         pytest.skip(str(error))
     assert [name for name, _ in told] == ["plate", "points", "supports"]
     (leader,) = lines
-    np.testing.assert_allclose(leader[0], [0.501, 0.5, 0.0], atol=1e-12)
+    np.testing.assert_allclose(leader[0], [0.501, 0.5, 0.0], atol=1e-12)  # rounding
     assert VIEW[1] @ (leader[1] - leader[0]) > 0.0  # upwards in the view
