@@ -27,11 +27,11 @@ from femstruct.model.imported.attached import (
 )
 from femstruct.model.imported.attached_rows import Nodes, average_rows, held_rows, idle_rows, inert_rows, link_rows
 from femstruct.model.imported.imported_mesh import ImportedMesh, StatedHold
-from femstruct.model.meshed import Drawn, Meshed, OwnDofs, nodal_dofs, refuse_not_global, refuse_patch
+from femstruct.model.meshed import Drawn, Meshed, OwnDofs, nodal_dofs
 from femstruct.model.model import Model
 from femstruct.model.probe import Point
 from femstruct.model.structure import PlaceOn
-from femstruct.parts.of_meshes.given_nodes import GivenNodes, drawn_nodes
+from femstruct.parts.of_meshes.given_nodes import GivenNodes, drawn_nodes, node_point
 
 HEAVIEST: Final = 2e4  # kg per cube of the size of a structure: metal all through, the densest of which has 22600
 CONSISTENT: Final[Mapping[float, float]] = {1.0: 1.0, 1e-3: 1e3}  # kg in the unit of mass of files in metres and in mm
@@ -223,22 +223,7 @@ class AttachmentsMesh(Meshed):
         return None, csr_array((_SIX * len(self.rows),) * 2)
 
     def point(self, name: str, place: PlaceOn, at: Floats, tolerance: float) -> Point:
-        where = f"points.{name}"
-        refuse_patch(name, place)
-        if place.named is not None:
-            raise InputError(f"{where}.set", got=f"a set of {self.name}", expected="at: [x, y, z]")
-        refuse_not_global(name, at)
-        off = np.linalg.norm(self.places - at, axis=1)
-        node = int(off.argmin())
-        if off[node] > tolerance:
-            x, y, z = self.places[node]
-            raise InputError(
-                f"{where}.at",
-                got=f"({at[0]:g}, {at[1]:g}, {at[2]:g}) m, {off[node]:.4g} m from the nearest node of {self.name}",
-                expected=f"a node that leads a link; the nearest is at ({x:.6g}, {y:.6g}, {z:.6g}) m",
-            )
-        up = np.array([0.0, 0.0, 1.0 if place.side == "above" else -1.0])
-        return Point(name, at, np.full(_SIX, self.first + node), np.arange(_SIX), np.eye(_SIX), normal=up)
+        return node_point(name, place, at, self, "a node that leads a link", tolerance)
 
     def drawn(self, divisions: int, along: int, n_nodes: int) -> Drawn:
         """Its nodes, which have no faces."""

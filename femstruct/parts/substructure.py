@@ -17,12 +17,12 @@ from femstruct.model.imported.component import Component, rigid_masses, rigid_re
 from femstruct.model.imported.flat_cells import flat_cells
 from femstruct.model.imported.imported_mesh import ImportedMesh
 from femstruct.model.imported.shell_cells import rows_at
-from femstruct.model.meshed import Drawn, Meshed, OwnDofs, refuse_not_global, refuse_patch
+from femstruct.model.meshed import Drawn, Meshed, OwnDofs
 from femstruct.model.probe import Point, Surface
 from femstruct.model.region import Region, Vector
 from femstruct.model.structure import PlaceOn, SurfaceOn
 from femstruct.parts.of_meshes.cell_surfaces import side_surface
-from femstruct.parts.of_meshes.given_nodes import GivenNodes, drawn_nodes
+from femstruct.parts.of_meshes.given_nodes import GivenNodes, drawn_nodes, node_point
 
 _SIX = 6
 UNEVEN = 1e-3  # of the largest of the masses along x, y, z: files of few digits have less
@@ -219,22 +219,7 @@ class SubstructureMesh(Meshed):
         return np.asarray(self.first + nodes)
 
     def point(self, name: str, place: PlaceOn, at: Floats, tolerance: float) -> Point:
-        where = f"points.{name}"
-        refuse_patch(name, place)
-        if place.named is not None:
-            raise InputError(f"{where}.set", got=f"a set of {self.name}", expected="at: [x, y, z]")
-        refuse_not_global(name, at)
-        off = np.linalg.norm(self.places - at, axis=1)
-        node = int(off.argmin())
-        if off[node] > tolerance:
-            x, y, z = self.places[node]
-            raise InputError(
-                f"{where}.at",
-                got=f"({at[0]:g}, {at[1]:g}, {at[2]:g}) m, {off[node]:.4g} m from the nearest node of {self.name}",
-                expected=f"a node of it; the nearest is at ({x:.6g}, {y:.6g}, {z:.6g}) m",
-            )
-        up = np.array([0.0, 0.0, 1.0 if place.side == "above" else -1.0])
-        return Point(name, at, np.full(_SIX, self.first + node), np.arange(_SIX), np.eye(_SIX), normal=up)
+        return node_point(name, place, at, self, "a node of it", tolerance)
 
     def surface(self, item: SurfaceOn, n_nodes: int, tolerance: float) -> Surface:
         """A side of its cells, all or in a box. They move as cells of shells between its nodes.
