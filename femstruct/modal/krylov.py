@@ -14,7 +14,7 @@ from femstruct.errors import NotConverged
 # Solves of several right-hand sides read the factor once. More of them at once need more vectors in all; rigid modes,
 # up to six of one eigenvalue, are found together.
 BLOCK = 8
-MOST_VECTORS = 600
+MOST_VECTORS = 400
 _GONE = 1e-12  # of its length: what is left of a vector that lies in the space already
 
 

@@ -91,6 +91,8 @@ def pieces_of(bars: Meshed, pairs: Integers) -> tuple[Integers, Floats, Floats]:
     ends = _within(bars, pairs[:, 0])
     steps = bars.places[ends[:, 1] - bars.first] - bars.places[ends[:, 0] - bars.first]
     lengths = np.linalg.norm(steps, axis=1)
+    far = lengths > 0.0  # bars between offsets of one node run along nothing
+    ends, steps, lengths = ends[far], steps[far], lengths[far]
     along = steps / lengths[:, None]
     largest = along[np.arange(len(along)), np.abs(along).argmax(axis=1)]
     along = np.repeat(along * np.sign(largest)[:, None], 2, axis=0)
