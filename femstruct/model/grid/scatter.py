@@ -90,7 +90,10 @@ def _felt(one: csr_array, other: csr_array) -> tuple[csr_array, csr_array]:
     """Two matrices with entries at the same places, without those where both are zero: a third of them in a regular
     grid. They share where their entries are."""
     kept = (one.data != 0.0) | (other.data != 0.0)
-    indptr = np.concatenate([[0], np.cumsum(kept)])[one.indptr].astype(one.indptr.dtype)
+    indptr = np.zeros_like(one.indptr)
+    indptr[1:] = np.add.reduceat(np.append(kept, False), one.indptr[:-1], dtype=indptr.dtype)
+    indptr[1:][np.diff(one.indptr) == 0] = 0  # of an empty row, `reduceat` has the first entry of the next
+    np.cumsum(indptr, out=indptr)
     indices = one.indices[kept]
     first, second = (csr_array((each.data[kept], indices, indptr), shape=each.shape) for each in (one, other))
     return first, second
