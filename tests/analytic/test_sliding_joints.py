@@ -10,6 +10,7 @@ from scipy.sparse.linalg import spsolve
 
 import femstruct as fs
 from femstruct.language import read_model
+from femstruct.model.grid.bars_on_plates import pieces_of
 from femstruct.model.section import rectangle
 from femstruct.parts.findings.eccentric import rib_errors
 
@@ -160,3 +161,18 @@ def test_parts_that_touch_at_one_place_cannot_slide() -> None:
         replace(joint, slip=-1.0)
     with pytest.raises(fs.InputError, match="springs of a sliding joint"):
         replace(joint, stiffness={"x": 1.0})
+
+
+def test_bars_between_offsets_of_one_node_run_along_nothing() -> None:
+    """Two bars along x, and one whose ends are at one place: it has no direction and no length to slide along."""
+
+    class Bars:
+        first = 0
+        places = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [3.0, 0.0, 0.0], [3.0, 0.0, 0.0]])
+        lines = np.array([[0, 1], [1, 2], [2, 3]])
+
+    pairs = np.stack([np.arange(4), np.arange(4) + 10], axis=1)
+    found, along, lengths = pieces_of(Bars(), pairs)  # type: ignore[arg-type]
+    assert found.tolist() == [[0, 10], [1, 11], [2, 12]]
+    np.testing.assert_array_equal(along, np.tile([1.0, 0.0, 0.0], (3, 1)))
+    assert lengths.tolist() == [0.5, 1.5, 1.0]
