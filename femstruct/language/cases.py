@@ -68,18 +68,18 @@ def read_study(path: str | Path, overrides: Sequence[str] = (), only: str | None
     model = patch.model.tree() if patch.model else None
     if base.value.get("model") != study.value.get("model"):
         model = _model_tree(Here(base, mistakes).at("model"), base.value.get("model"))
-    as_given = _Resolved.of(base, model, patch.changes, mistakes)
+    sources: dict[str, str] = {}
+    as_given = _Resolved.of(base, model, patch.changes, mistakes, sources)
     sound, patches = not mistakes.lines, _cases(base, model, mistakes)
     cases: dict[str, _Resolved] = {}
     for name, one in patches.items() if sound and not mistakes.lines else ():
         drafts = [draft.tree() if draft is not None else None for draft in (one.study, one.model)]
-        cases[name] = _Resolved.of(drafts[0] or base, drafts[1], one.changes, mistakes)
+        cases[name] = _Resolved.of(drafts[0] or base, drafts[1], one.changes, mistakes, sources)
     mistakes.stop_if_any()
     cases = cases or {AS_GIVEN: as_given}
     baseline = _baseline(base, [*cases]) if only is None else only
     if baseline not in cases:
         raise InputErrors((f"--case: got '{only}', expected a case of {path}; {nearest(baseline, cases)}",))
-    sources: dict[str, str] = {}
     positions: dict[str, tuple[str, int, int]] = {}
     for tree in (tree for one in (as_given, *cases.values()) for tree in (one.study, one.model) if tree is not None):
         sources[tree.file] = tree.text
@@ -114,10 +114,17 @@ class _Resolved:
     changes: Mapping[str, str]
 
     @classmethod
-    def of(cls, study: Tree, model: Tree | None, changes: Mapping[str, str], mistakes: Mistakes) -> _Resolved:
+    def of(
+        cls,
+        study: Tree,
+        model: Tree | None,
+        changes: Mapping[str, str],
+        mistakes: Mistakes,
+        sources: dict[str, str],
+    ) -> _Resolved:
         check_names(model, study, mistakes)
-        model_spec = validate(ModelSpec, model.value, model, mistakes) if model is not None else None
-        study_spec = validate(StudySpec, study.value, study, mistakes)
+        model_spec = validate(ModelSpec, model.value, model, mistakes, sources) if model is not None else None
+        study_spec = validate(StudySpec, study.value, study, mistakes, sources)
         if model is not None and model_spec is not None:
             names = model_spec.names()
             model_spec.check(Here(model, mistakes, names))

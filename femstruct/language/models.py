@@ -51,11 +51,11 @@ def read_model_file(path: str | Path, overrides: Sequence[str] = ()) -> ModelFil
     override(patch, overrides)
     tree = patch.model.tree() if patch.model else tree
     check_names(tree, None, mistakes)
-    spec = validate(ModelSpec, tree.value, tree, mistakes)
+    sources = {tree.file: tree.text}
+    spec = validate(ModelSpec, tree.value, tree, mistakes, sources)
     if spec is not None:
         spec.check(Here(tree, mistakes, spec.names()))
     mistakes.stop_if_any()
-    sources = {tree.file: tree.text}
     structure, damping = built_model(spec, tree, mistakes, sources) if spec is not None else (None, None)
     mistakes.stop_if_any()
     assert structure is not None and damping is not None

@@ -86,7 +86,13 @@ def test_nothing_is_scaled_to_its_own_unit() -> None:
             r"hit\.study\.yaml:3:\d+: loads\.push\.file: got 0 lines of numbers in '.*force\.csv'",
         ),
         ("time [s], force [N]\n0, 1\n", r"got 1 lines of numbers"),
-        ("t;F\n0,0;1,5\n", r"force\.csv:1:1: got 1 columns.*decimals with a point"),
+        ("t\n0\n1\n", r"force\.csv:2:1: got 1 columns.*decimals with a point"),
+        ("t;F;G\n0,0;1,5;2\n1,0;1,5;2\n", r"force\.csv:2:1: got 3 columns, expected two"),
+        ("t;F\n0,0;1,5\n1.5;2,5\n", r"force\.csv:3:1: got '1\.5' in a table whose decimals have a comma"),
+        ("t;F\n0,0;1.234,5\n", r"force\.csv:2:1: got '1\.234,5', a number with a thousands separator"),
+        ("t [s];F [kg]\n0;1\n1;2\n", r"force\.csv:1:1: got 'F \[kg\]', expected a force \[N\]"),
+        ("t [s];F [dB]\n0;1\n1;2\n", r"force\.csv:1:1: got levels in dB without their reference"),
+        ("t;F\n0;1\nend;2\n", r"force\.csv:3:1: got 'end, 2', expected two numbers"),
     ],
 )
 def test_csv_files_that_say_nothing(tmp_path: Path, csv: str, told: str) -> None:

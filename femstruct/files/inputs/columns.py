@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-import csv
-import io
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, Final, TypeVar
 
 from femstruct.errors import FemstructError, InputError, InputErrors, sentence, shown_as
-from femstruct.files.inputs.opening import content
+from femstruct.files.inputs.grids import Grid, Row, read_grid, wrong_in
+from femstruct.files.inputs.heads import Scale, head_of, scale_of
 from femstruct.impact.scene.bodies import Table
-from femstruct.units import QuantityError, quantity
 
-LARGEST: Final = 50_000_000  # bytes
 T = TypeVar("T")
 
 
@@ -38,75 +35,66 @@ def read_measured(path: str | Path, what: str) -> Table:
         raise InputErrors((f"{path}: {sentence('', error.got, error.expected, error.do)}",)) from None
 
 
-_WORDS: Final = {"time": "time, value", "length": "indentation, force"}
+_WORDS: Final = {"time": "time, value", "length": "indentation, force", "frequency": "frequency, value"}
+_DO: Final = "separate them by a semicolon, a tab or a comma; where a comma does, write decimals with a point"
 
 
 def read_columns(path: Path, dimensions: tuple[str, str], sources: dict[str, str], make: Callable[[Any, Any], T]) -> T:
     """What is made of two columns in SI units.
 
-    A first line of words is a header; a unit in brackets or parentheses after a word, as in ``time [ms], force [kN]``,
-    scales its column. Lines that are empty or begin with # are skipped.
+    Lines of words before the numbers are a head; a unit after a word in the last of them, as in ``time [ms], force
+    [kN]``, ``t / ms`` or ``Kraft in kN``, scales its column. Lines that are empty or begin with # are skipped. See
+    `read_grid` for separators, decimals and encodings.
 
     sources : is given the text of the file under its name.
 
     Raises InputError for a file that is no table, InputErrors with the line for what is wrong in it.
     """
-    try:
-        text = content(path, LARGEST, "a CSV file beside the study").decode("utf-8-sig")
-        rows = list(csv.reader(io.StringIO(text)))
-    except (UnicodeDecodeError, csv.Error):
-        raise InputError("", got=f"'{path}', which is no table", expected="a CSV file of text in UTF-8") from None
-    sources[str(path)] = text
-    scales, header = [1.0, 1.0], True
+    grid = read_grid(path, sources)
     pairs: list[list[float]] = []
-    for number, row in enumerate(rows, start=1):
-        cells = [cell.strip() for cell in row]
-        if not any(cells) or cells[0].startswith("#"):
+    head: list[Row] = []
+    scales: list[Scale] = []
+    for row in grid.rows:
+        numbers = _numbers(grid, row)
+        if numbers is None and pairs and len(row.cells) == 2:
+            raise grid.wrong(row, shown_as(", ".join(row.cells)), "two numbers")
+        if numbers is None and not pairs:
+            head.append(row)
             continue
-        try:
-            if len(cells) != 2:
-                raise InputError(
-                    "",
-                    got=f"{len(cells)} columns",
-                    expected=f"two: {_WORDS[dimensions[0]]}",
-                    do="separate them by a comma, and write decimals with a point",
-                )
-            numbers = _numbers(cells)
-            if numbers is not None:
-                pairs.append([value * scale for value, scale in zip(numbers, scales, strict=True)])
-            elif not header:
-                raise InputError("", got=shown_as(", ".join(cells)), expected="two numbers")
-            else:
-                scales = [_scale(cell, dimension) for cell, dimension in zip(cells, dimensions, strict=True)]
-        except InputError as error:
-            raise _in_line(path, number, error) from None
-        header = False
+        scales = scales or _scales(grid, head, dimensions)
+        if numbers is None or len(numbers) != 2:
+            raise grid.wrong(row, f"{len(row.cells)} columns", f"two: {_WORDS[dimensions[0]]}", _DO)
+        pairs.append([scale(value) for value, scale in zip(numbers, scales, strict=True)])
+    odd = next((row for row in head if len(row.cells) != 2), None)
+    if odd is not None and not pairs:
+        raise grid.wrong(odd, f"{len(odd.cells)} columns", f"two: {_WORDS[dimensions[0]]}", _DO)
     if len(pairs) < 2:
         raise InputError("", got=f"{len(pairs)} lines of numbers in '{path}'", expected="two or more")
     try:
         return make([first for first, _ in pairs], [second for _, second in pairs])
     except FemstructError as error:
-        raise _in_line(path, 1, error) from None
+        raise InputErrors((f"{path}:1:1: {sentence('', error.got, error.expected, error.do)}",)) from None
 
 
-def _in_line(path: Path, number: int, error: FemstructError) -> InputErrors:
-    return InputErrors((f"{path}:{number}:1: {sentence('', error.got, error.expected, error.do)}",))
+def _numbers(grid: Grid, row: Row) -> list[float] | None:
+    """The numbers of a line; None for words."""
+    found = [grid.number(row, cell) for cell in row.cells]
+    numbers = [one for one in found if one is not None]
+    if any(cell.lower().lstrip("+-") in _ENDLESS for cell in row.cells):
+        raise grid.wrong(row, shown_as(", ".join(row.cells)), "finite numbers")
+    return numbers if len(numbers) == len(found) else None
 
 
-def _numbers(cells: list[str]) -> list[float] | None:
-    """Two finite numbers; None for words."""
+_ENDLESS: Final = ("nan", "inf", "infinity")
+
+
+def _scales(grid: Grid, head: Sequence[Row], dimensions: Sequence[str]) -> list[Scale]:
+    """What the units in the last two lines of a head make of the columns."""
+    above = [row for row in head[-2:] if len(row.cells) == len(dimensions)]
     try:
-        return [quantity(float(cell), "ratio") for cell in cells]
-    except QuantityError:
-        raise InputError("", got=shown_as(", ".join(cells)), expected="finite numbers") from None
-    except ValueError:
-        return None
-
-
-def _scale(cell: str, dimension: str) -> float:
-    """What the unit in a column's header multiplies it with."""
-    unit = cell.replace("(", "[").replace(")", "]").partition("[")[2].rstrip("] ")
-    try:
-        return quantity(f"1 {unit}", dimension) if unit else 1.0
-    except QuantityError as error:
-        raise InputError("", got=shown_as(cell), expected=error.expected, do=error.do) from None
+        return [
+            scale_of(head_of([row.cells[i] for row in above], dimension), dimension)
+            for i, dimension in enumerate(dimensions)
+        ]
+    except InputError as error:
+        raise wrong_in(grid.path, above[-1].line, error) from None

@@ -5,9 +5,19 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from pydantic import Discriminator, Tag
+from pydantic import Discriminator, Tag, ValidationInfo
 
-from femstruct.language.yaml import AnyRatio, MaterialLossFactor, Quantity, Spec, by_band, read_by, refuse, word_of
+from femstruct.language.yaml import (
+    AnyRatio,
+    BandFile,
+    MaterialLossFactor,
+    Quantity,
+    Spec,
+    by_band,
+    read_by,
+    refuse,
+    word_of,
+)
 from femstruct.model.material import Material
 from femstruct.model.materials.loss_by_frequency import MOST_LOSSES, LossByFrequency
 from femstruct.model.materials.orthotropic import AnyMaterial, Orthotropic
@@ -55,13 +65,15 @@ def _ratios(value: object) -> object:
     return tuple(_RATIO.read(one) for one in value)
 
 
-def _losses(value: object) -> object:
+def _losses(value: object, info: ValidationInfo) -> object:
     """A loss factor, or one for each frequency."""
-    read = _LOSS(value)
+    read = _LOSS(value, info)
     return LossByFrequency(tuple(sorted(read.items()))) if isinstance(read, dict) else read
 
 
-Losses = Annotated[float | LossByFrequency, read_by(_losses, MaterialLossFactor | dict[str, MaterialLossFactor])]
+Losses = Annotated[
+    float | LossByFrequency, read_by(_losses, MaterialLossFactor | BandFile | dict[str, MaterialLossFactor])
+]
 
 
 class MaterialSpec(Spec):

@@ -11,6 +11,7 @@ from acoustics.air import Air
 from acoustics.losses import Losses, losses_from_beta, losses_from_loss_factor, losses_from_t60, losses_from_t60_bands
 from acoustics.meshed.walls import MOST_ABSORBED, AnyWall, Wall, YieldingWall, absorbing
 from femstruct.language.yaml import (
+    BandFile,
     Duration,
     Frequency,
     LossFactor,
@@ -46,7 +47,7 @@ class LossesSpec(Spec):
 
     beta: Annotated[float, Quantity(("ratio",), above=0.0, below=1.0)] | None = None
     loss_factor: LossFactor | None = None
-    t60: Annotated[ByBand, read_by(_t60, Duration | dict[str, Duration])] = None
+    t60: Annotated[ByBand, read_by(_t60, Duration | BandFile | dict[str, Duration])] = None
     at: Frequency | None = None
 
     @classmethod
@@ -87,7 +88,7 @@ class WallSpec(Spec):
     is an impedance.
     """
 
-    absorption: Annotated[ByBand, read_by(_absorption, Ratio | dict[str, Ratio])] = None
+    absorption: Annotated[ByBand, read_by(_absorption, Ratio | BandFile | dict[str, Ratio])] = None
     impedance: Annotated[float, Quantity(("specific impedance",), above=0.0)] | None = None
     mass: Annotated[float, Quantity(("mass/area",), above=0.0)] | None = None
     stiffness: Annotated[float, Quantity(("stiffness/area",), least=0.0)] = 0.0

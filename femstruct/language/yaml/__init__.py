@@ -5,6 +5,7 @@ A file of a noun finds here what it is written in.
 
 from __future__ import annotations
 
+from femstruct.language.yaml.bands import BandFile, by_band
 from femstruct.language.yaml.here import Here, Names, members
 from femstruct.language.yaml.reader import parse_value, read_yaml
 from femstruct.language.yaml.references import check_references, found, references
@@ -40,7 +41,6 @@ from femstruct.language.yaml.spec import (
     Speed,
     SurfaceName,
     Text,
-    by_band,
     exactly_one,
     only,
     read_by,
@@ -58,6 +58,7 @@ __all__ = [
     "LENGTH",
     "AnyRatio",
     "Band",
+    "BandFile",
     "Component",
     "Coordinate",
     "Count",

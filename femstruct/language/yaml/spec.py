@@ -246,7 +246,7 @@ Position3 = tuple[Coordinate, Coordinate, Coordinate]
 Direction3 = tuple[Component, Component, Component]
 
 
-def read_by(reader: Callable[[Any], object], written: Any) -> BeforeValidator:
+def read_by(reader: Callable[..., object], written: Any) -> BeforeValidator:
     """Annotation of a field that `reader` makes of what may be written in the file (for the JSON Schema)."""
     return BeforeValidator(reader, json_schema_input_type=written)
 
@@ -281,19 +281,6 @@ def several(read: Callable[[Any], object]) -> Callable[[object], object]:
 def word_or(words: Mapping[str, object], quantity: Quantity) -> Callable[[object], object]:
     """Reader of a quantity, or of a word that stands for something."""
     return lambda value: words[value] if isinstance(value, str) and value in words else quantity.read(value)
-
-
-def by_band(quantity: Quantity, expected: str, do: str) -> Callable[[object], object]:
-    """Reader of a quantity, or of one for each frequency."""
-
-    def read(value: object) -> object:
-        if not isinstance(value, dict):
-            return quantity.read(value)
-        if not value:
-            raise refuse("no band", expected, do)
-        return {FREQUENCY.read(band): quantity.read(one) for band, one in value.items()}
-
-    return read
 
 
 def exactly_one(spec: Mapping[str, object], names: Sequence[str], or_none: bool = False) -> None:

@@ -10,16 +10,22 @@ from typing import Annotated, Any, Final, TypeVar, Union, get_args, get_origin
 from pydantic import BaseModel, ValidationError
 
 from femstruct.errors import shown_as
+from femstruct.language.yaml.bands import OF_FILE, Opened
 from femstruct.language.yaml.tree import Mistakes, Steps, Tree, dotted, near_name, near_one, nearest
 
 S = TypeVar("S", bound=BaseModel)
 NUMBER_LIKE: Final = re.compile(r"\d+([eE][+-]?\d+)?( .*)?")  # what is left of a number cut at a decimal comma
 
 
-def validate(schema: type[S], value: Any, tree: Tree, mistakes: Mistakes) -> S | None:
-    """The mapping as its schema; None, and every mistake noted with its position, when it does not fit."""
+def validate(
+    schema: type[S], value: Any, tree: Tree, mistakes: Mistakes, sources: dict[str, str] | None = None
+) -> S | None:
+    """The mapping as its schema; None, and every mistake noted with its position, when it does not fit.
+
+    sources : is given the texts of the tables that the mapping names, by their names.
+    """
     try:
-        return schema.model_validate(value)
+        return schema.model_validate(value, context=Opened(tree.file, {} if sources is None else sources))
     except ValidationError as error:
         found = error.errors(include_url=False)
         unknown = [one for one in found if one["type"] == "extra_forbidden"] + _unknown_without_kind(found, schema)
@@ -71,6 +77,10 @@ def _tells(schema: type[BaseModel], loc: Steps) -> str:
 
 def _note(error: Any, schema: type[BaseModel], tree: Tree, mistakes: Mistakes) -> None:
     loc, kind = error["loc"], error["type"]
+    if kind == OF_FILE:
+        for line in error["ctx"]["lines"].splitlines():
+            mistakes.note(line)
+        return
     if kind == "union_tag_invalid":
         loc = (*loc, _tells(schema, loc))
     steps = _steps(loc, tree.value, absent=kind != "refused")
