@@ -170,7 +170,7 @@ STRUCTURE: Final = (
     ),
     Entry(
         "layer-overhang",
-        "The elastic layer carries only a part of the smaller plate or block.",
+        "The elastic layer carries only a part of the smaller plate, slab or block.",
         REMARK,
         "a layer 'whole' fills less than the whole side of the smaller part",
         "Check the positions of both parts.",

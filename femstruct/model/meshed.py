@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar, Literal, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
 from femstruct.arrays import Floats, Integers
@@ -240,8 +241,12 @@ class Meshed(ABC):
         """Motion of places [p, 3] [m] that move with it, for layers against its faces: nodes [p, k], rows
         [p, 6, k, 7], global axes."""
         raise InputError(
-            f"parts.{self.name}", got="no face that a layer can lie against", expected="a plate or a block"
+            f"parts.{self.name}", got="no face that a layer can lie against", expected="a plate, slab or block"
         )
+
+    def covers(self, places: Floats, tolerance: float) -> NDArray[np.bool_]:
+        """Whether it is there, of places [p, 3] [m] over its box: a slab has openings."""
+        return np.ones(len(places), dtype=bool)
 
     def spread(self, where: str, region: Region, tolerance: float, order: int) -> Spread | None:
         """Gauss points over a region of it, to spread something evenly; None where nothing can be spread over it."""

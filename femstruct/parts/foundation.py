@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
 from femstruct.arrays import Floats
@@ -34,12 +35,12 @@ ORDER = 4  # Gauss points a direction: exact for products of two cubic deflectio
 @dataclass(frozen=True)
 @checked("parts")
 class Foundation(Part):
-    """A Winkler foundation under a region of a plate or a block, to the ground or to another plate or block.
+    """A Winkler foundation under a region of a plate, slab or block, to the ground or to another of them.
 
     to : the other part, None for the ground. Between two parts it fills the gap between their facing sides, which are
     parallel; its shear acts in the middle of the gap, through arms of the thickness of both, so that a rigid motion of
-    both strains nothing. To the ground it acts on the mid-surface of a plate, on the lower face of a block.
-    region : of `on`; the whole is all that faces the other part.
+    both strains nothing. To the ground it acts on the mid-surface of a plate or slab, on the lower face of a block.
+    region : of `on`; the whole is all that faces the other part, openings of slabs left out.
     normal, shear : stiffness per area [N/m^3] of a whole or rectangle region, per length [N/m^2] of a rim or line.
 
     A block of 500 kg on a mat of 0.5 m^2 with 20 MN/m^3: f = sqrt(s A / m) / 2 pi.
@@ -85,6 +86,8 @@ class Foundation(Part):
         plates = [plate for name in self.ends if isinstance(plate := layout.rectangles.get(name), Plate)]
         if len(plates) == 2 and glue_ratio(layer, self.shear, *plates) > (1.0 + NOTABLE) ** 2:
             layout.pulled |= {plate.name for plate in plates}
+        if self.shear > 0.0 and any(name in layout.given for name in self.ends):  # a slab stretches: so does the plate
+            layout.pulled |= {plate.name for plate in plates}
 
     def fastened(self, model: Model, tolerance: float) -> tuple[Elastic]:
         """A Winkler foundation at Gauss points: along its normal, and along both directions in its plane in shear.
@@ -98,6 +101,9 @@ class Foundation(Part):
         layer = layer_of(self, bodies_of(model.structure), tolerance)
         sides = [model.parts[name] for name in self.ends]
         local, weights = _layer_points(layer, self.region, sides, tolerance)
+        there = np.all([side.covers(layer.places(local), tolerance) for side in sides], axis=0)
+        self._refuse_gaps(local, weights, there)
+        local, weights = local[there], weights[there]
         values = np.array([self.shear, self.shear, self.normal])
         kept = values > 0
         places, n_nodes = layer.places(local), model.mesh.n_nodes
@@ -114,6 +120,20 @@ class Foundation(Part):
             places=layer.places(local) if all(side.rigid for side in sides) else np.zeros((0, 3)),
         )
         return (elastic,)
+
+    def _refuse_gaps(self, local: Floats, weights: Floats, there: NDArray[np.bool_]) -> None:
+        """Raise InputError for a region that is named and reaches off a slab, and for a layer on nothing."""
+        if there.all() or (self.region.kind == "whole" and there.any()):
+            return
+        x, y = local[~there][0]
+        unit = "m^2" if self.region.kind in ("whole", "rectangle") else "m"
+        raise InputError(
+            f"parts.{self.name}.region",
+            got=f"a {self.region.kind} with {weights[~there].sum():.4g} {unit} beside a slab or over an opening, as at "
+            f"({x:.4g}, {y:.4g}) m",
+            expected=f"a region of {' and '.join(self.ends)}",
+            do="leave 'region' out: the layer is where both parts are",
+        )
 
 
 def glue_ratio(layer: Layer, shear: float, first: Plate, second: Plate) -> float:

@@ -5,12 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
-from femstruct.arrays import Floats
+from femstruct.arrays import Floats, Integers
 from femstruct.declared import checked
 from femstruct.errors import Finding, InputError
 from femstruct.model.given import Given, given
-from femstruct.model.grid.geometry import from_rectangle, rectangle_axes
+from femstruct.model.grid.geometry import from_rectangle, rectangle_axes, to_rectangle
 from femstruct.model.grid.layout import Grids, Layout
 from femstruct.model.grid.outlines import Gridded, Hole, gridded
 from femstruct.model.imported.flat_cells import flat_cells
@@ -18,10 +19,13 @@ from femstruct.model.imported.imported_mesh import ImportedMesh
 from femstruct.model.material import Material
 from femstruct.model.materials.lay_up import LayUp, materials_of, section_of
 from femstruct.model.materials.orthotropic import AnyMaterial
+from femstruct.model.part import Body
 from femstruct.model.probe import Point
 from femstruct.model.region import Pair, Vector
+from femstruct.model.rows import carried
 from femstruct.model.structure import PlaceOn
 from femstruct.parts.of_meshes.given_nodes import GivenNodes
+from femstruct.parts.of_meshes.grid_cells import GridCells
 from femstruct.parts.of_meshes.shell_mesh import FlatMesh
 from femstruct.parts.plausibility import refuse_thicker, thickness_findings
 from femstruct.parts.shell import Shell
@@ -101,6 +105,16 @@ class Slab(GivenNodes):
     def corners(self) -> Floats:
         return from_rectangle(self, rectangle_axes(self), self.grid().places)
 
+    def body(self) -> Body:
+        """The box round its outline: layers fill what of it is slab."""
+        axes, low = rectangle_axes(self), np.array(self.outline).min(axis=0)
+        corner = from_rectangle(self, axes, np.array([*low, self.offset - self.thickness / 2.0]))
+        return Body(corner, axes, np.array([*self.size, self.thickness]), across=2)
+
+    def lay_out(self, layout: Layout) -> None:
+        super().lay_out(layout)
+        layout.bodies[self.name] = self.body()
+
     def materials(self) -> tuple[AnyMaterial, ...]:
         return materials_of(self.material)
 
@@ -123,6 +137,32 @@ class SlabMesh(FlatMesh):
 
     slab: Slab
 
+    @property
+    def _grid(self) -> GridCells:
+        return GridCells.of(to_rectangle(self.slab, self.axes, self.cells.points)[:, :2][self.cells.quads])
+
+    def covers(self, places: Floats, tolerance: float) -> NDArray[np.bool_]:
+        return self._cells_under(places, tolerance) >= 0
+
+    def motion_at(self, places: Floats, tolerance: float) -> tuple[Integers, Floats]:
+        """Off its mid-surface, places stand on its normals."""
+        which = self._cells_under(places, tolerance)
+        first, second, _, last = np.moveaxis(self.cells.points[self.cells.corners[which]], 1, 0)
+        xi, eta = (_share(places - first, side - first) for side in (last, second))
+        nodes, rows = self.facet_motion(which, xi, eta)
+        height = float(((places - first) @ self.axes[2]).mean())
+        return nodes, carried(rows, height * self.axes[2]) if abs(height) > tolerance else rows
+
+    def lines_across(self, along: Floats, origin: Floats) -> Floats:
+        cosines = self.axes[:2] @ along
+        own = int(np.argmax(np.abs(cosines)))
+        start = float((np.asarray(self.slab.origin) - origin) @ along)
+        lines: Floats = start + np.sign(cosines[own]) * (self._grid.x, self._grid.y)[own]
+        return lines
+
+    def _cells_under(self, places: Floats, tolerance: float) -> Integers:
+        return self._grid.at(to_rectangle(self.slab, self.axes, places)[:, :2], tolerance)
+
     def _along(self, normal: Floats) -> Floats:
         return self.axes[:2]
 
@@ -132,3 +172,9 @@ class SlabMesh(FlatMesh):
             got, expected = f"{len(at)} numbers", "[x, y] in the coordinates of its outline"
             raise InputError(f"points.{name}.at", got=got, expected=expected)
         return super().point(name, place, from_rectangle(self.slab, self.axes, at), tolerance)
+
+
+def _share(arms: Floats, sides: Floats) -> Floats:
+    """How far along sides [p, 3] arms [p, 3] reach, 0 to 1."""
+    found: Floats = np.clip((arms * sides).sum(axis=1) / (sides**2).sum(axis=1), 0.0, 1.0)
+    return found

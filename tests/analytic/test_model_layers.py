@@ -217,7 +217,7 @@ WRONG = {
         replace(PAD, region=Region("rectangle", (5.0, 1.0))), r"parts\.pad\.region: .* reaches 0.5 m beyond base",
     ),
     "itself": (replace(PAD, to="base"), r"parts\.pad\.between: got 'base' twice"),
-    "nobody": (replace(PAD, to="nobody"), r"parts\.pad\.between: got 'nobody', expected a plate or a block: base"),
+    "nobody": (replace(PAD, to="nobody"), r"parts\.pad\.between: got 'nobody', expected a plate, slab or block: base"),
     "nothing": (replace(PAD, normal=0.0, shear=0.0), r"parts\.pad\.stiffness: got 0, 0"),
 }  # fmt: skip
 

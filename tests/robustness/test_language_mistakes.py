@@ -229,7 +229,7 @@ MISTAKES = {
     "between itself": (MODEL, "on: slab, region: {rim", "between: [slab, slab], region: {rim", "[slab, slab]",
         r"parts\.foam\.between: got 'slab' twice, expected two different parts"),
     "between a frame": (MODEL, "on: slab, region: {rim", "between: [slab, posts], region: {rim", "posts], region",
-        r"parts\.foam\.between\[1\]: got 'posts', expected the name of a plate or block"),
+        r"parts\.foam\.between\[1\]: got 'posts', expected the name of a plate, slab or block"),
     "block without mass": (MODEL, "foam: {", "lump: {type: block, origin: [0, 0, 1], size: [1, 1, 1]}\n  foam: {",
         "lump: {type", r"parts\.lump\.mass: got nothing, expected 'mass'"),
     "block in grams per": (MODEL, "foam: {",

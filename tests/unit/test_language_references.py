@@ -39,7 +39,7 @@ def test_all_that_names_a_body_goes_with_it(tmp_path: Path) -> None:
 def test_the_table_knows_who_refers_to_whom() -> None:
     table = {one.path: one.refers for schema in (ModelSpec, StudySpec) for one in references(schema)}
     assert table["parts", "*", ("type", "plate"), "material"].kind == "material"
-    assert table["parts", "*", ("type", "foundation"), "between", 1].kind == "plate or block"
+    assert table["parts", "*", ("type", "foundation"), "between", 1].kind == "plate, slab or block"
     assert table["surfaces", "*", "on"].kind == "plate or shell"
     assert table["rooms", "*", "under"].kind == "surface"
     assert table["loads", "*", "along", "*"].kind == "point"

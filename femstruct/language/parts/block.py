@@ -16,7 +16,7 @@ class BlockSpec(PartSpec):
     """A rigid body: a box along the global axes from its lower corner; center and inertia where it is not uniform."""
 
     makes = Block
-    known_as = ("part", "plate or block")
+    known_as = ("part", "plate, slab or block")
     type: Literal["block"]
     mass: MassKg
     origin: Position3

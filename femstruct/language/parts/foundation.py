@@ -11,7 +11,7 @@ from femstruct.language.yaml import Here, Measured, Quantity, Refers, Spec, Text
 from femstruct.parts.foundation import Foundation
 
 Spread = Annotated[Measured, Quantity(("stiffness/area", "stiffness/length"), least=0.0, which=True)]
-Solid = Annotated[Text, Refers("plate or block")]
+Solid = Annotated[Text, Refers("plate, slab or block")]
 
 
 class SpreadSpec(Spec):
@@ -22,7 +22,7 @@ class SpreadSpec(Spec):
 
 
 class FoundationSpec(PartSpec):
-    """A Winkler foundation: of a plate or block to the ground, or between the facing sides of two of them."""
+    """A Winkler foundation: of a plate, slab or block to the ground, or between the facing sides of two of them."""
 
     one_of = (("on", "between"),)
 

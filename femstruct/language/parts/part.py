@@ -36,9 +36,9 @@ class PartSpec(Spec):
     """A part: a kind says what its keys are and which noun it `makes` of them.
 
     known_as : as what other names in the file find it: a part has nodes to join, hold and point at; on the edges and
-    areas of a plate supports can be; surfaces are on a plate or shell; layers lie against a plate or block; masses are
-    spread along or over a plate or frame; a part that is a mesh has named sets; stresses can be recorded of a part with
-    stresses.
+    areas of a plate supports can be; surfaces are on a plate or shell; layers lie against a plate, slab or block;
+    masses are spread along or over a plate or frame; a part that is a mesh has named sets; stresses can be recorded of
+    a part with stresses.
     """
 
     known_as: ClassVar[tuple[str, ...]] = ()

@@ -30,7 +30,7 @@ class PlateSpec(PartSpec):
     makes = Plate
     one_of = (("material", "layers", "smeared"),)
     at_most_one_of = (("layers", "thickness"),)
-    known_as = ("part", "plate", "plate or block", "plate or frame", "plate or shell", STRESSED)
+    known_as = ("part", "plate", "plate, slab or block", "plate or frame", "plate or shell", STRESSED)
     type: Literal["plate"]
     material: MaterialName | None = None
     layers: Layers | None = None

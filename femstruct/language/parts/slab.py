@@ -27,7 +27,7 @@ class SlabSpec(PartSpec):
     makes = Slab
     one_of = (("material", "layers", "smeared"),)
     at_most_one_of = (("layers", "thickness"),)
-    known_as = ("part", "plate or shell", "plate or frame", MESHED, STRESSED)
+    known_as = ("part", "plate or shell", "plate or frame", "plate, slab or block", MESHED, STRESSED)
     type: Literal["slab"]
     material: MaterialName | None = None
     layers: Layers | None = None

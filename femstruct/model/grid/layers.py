@@ -56,7 +56,7 @@ class Filling(Protocol):
 
 
 def layer_of(part: Filling, bodies: Mapping[str, Body], tolerance: float) -> Layer:
-    """The layer a foundation fills; bodies : of plates and blocks by name.
+    """The layer a foundation fills; bodies : of plates, slabs and blocks by name.
 
     Raises InputError for parts that do not exist, are not parallel, do not face or reach into each other, and for a
     region that is not on both.
@@ -66,7 +66,7 @@ def layer_of(part: Filling, bodies: Mapping[str, Body], tolerance: float) -> Lay
     for name in (part.on, part.to):
         if name is not None and name not in bodies:
             known = some_of(bodies) or "there is none"
-            raise InputError(f"{where}.{key}", got=f"'{name}'", expected=f"a plate or a block: {known}")
+            raise InputError(f"{where}.{key}", got=f"'{name}'", expected=f"a plate, slab or block: {known}")
     body = bodies[part.on]
     if part.to is None:
         size = (float(body.size[0]), float(body.size[1]))
