@@ -9,7 +9,7 @@ from femstruct.errors import InputError
 from femstruct.model.imported.cell_kinds import KINDS
 from femstruct.model.imported.flat_cells import area_vectors, flat_cells, nodes_at_one_place
 from femstruct.model.imported.imported_mesh import ImportedMesh
-from femstruct.model.imported.shell_cells import nearest_place
+from femstruct.model.imported.nearest import nearest_places
 from femstruct.model.region import Region
 
 CUBE = np.array([[x, y, z] for z in (0.0, 1.0) for y in (0.0, 1.0) for x in (0.0, 1.0)])[[0, 1, 3, 2, 4, 5, 7, 6]]
@@ -120,8 +120,10 @@ def test_the_nearest_place_is_nearer_than_every_sample_of_every_cell() -> None:
     s, t = (one.ravel() for one in np.meshgrid(*[np.linspace(0.0, 1.0, 61)] * 2))
     weights = np.stack([(1 - s) * (1 - t), s * (1 - t), s * t, (1 - s) * t], axis=1)
     samples = np.einsum("pk,nki->npi", weights, cells.points[cells.corners]).reshape(-1, 3)
-    for at in np.random.default_rng(2).uniform([-1.0, -1.0, -1.0], [4.0, 3.0, 2.0], (200, 3)):
-        found, sampled = nearest_place(cells, at), np.linalg.norm(samples - at, axis=1).min()
-        off = float(np.linalg.norm(found.position - at))
+    places = np.random.default_rng(2).uniform([-1.0, -1.0, -1.0], [4.0, 3.0, 2.0], (200, 3))
+    found = nearest_places(cells, places)
+    for at, position in zip(places, found.positions, strict=True):
+        sampled = np.linalg.norm(samples - at, axis=1).min()
+        off = float(np.linalg.norm(position - at))
         assert off <= sampled + 1e-12  # rounding
         assert off >= sampled - 0.06  # samples are 0.05 m apart in the largest cell

@@ -17,9 +17,7 @@ from femstruct.model.grid.scatter import scattered
 from femstruct.model.imported.flat_cells import FlatCells
 from femstruct.model.materials.plate_section import PlateSection
 
-OFF: Final = 1e-6  # of the reach of a patch: what is farther from the cells is not on them
 SAME_SHAPE: Final = 11  # digits to which cells agree that are one shape: the rounding of coordinates of a grid
-_NEWTON: Final = 20  # steps to the place in a quadrilateral; four are enough in one that is not nearly a triangle
 
 
 class Places(NamedTuple):
@@ -42,15 +40,6 @@ class Sections(NamedTuple):
     m0: Floats
     m1: Floats
     m2: Floats
-
-
-class Nearest(NamedTuple):
-    """The place of cells that is nearest to another: its cell, xi and eta there [1], where it is [3] [m]."""
-
-    cell: int
-    xi: Floats
-    eta: Floats
-    position: Floats
 
 
 def cell_sections(
@@ -134,12 +123,12 @@ def cell_points(cells: FlatCells, which: Integers, order: int) -> Places:
     for own, x, y, w in at:
         many = np.repeat(own, len(x))
         xs, ys = np.tile(x, len(own)), np.tile(y, len(own))
-        places, areas = _mapped(cells, many, xs, ys)
+        places, areas = mapped(cells, many, xs, ys)
         found.append(Places(many, xs, ys, places, np.tile(w, len(own)) * areas))
     return Places(*(np.concatenate(pair) for pair in zip(*found, strict=True)))
 
 
-def _mapped(cells: FlatCells, which: Integers, xi: Floats, eta: Floats) -> tuple[Floats, Floats]:
+def mapped(cells: FlatCells, which: Integers, xi: Floats, eta: Floats) -> tuple[Floats, Floats]:
     """Where places in cells are [p, 3] [m], and the area of a unit of xi and eta there, in the mean plane [p] [m^2]."""
     p0, p1, p2, p3 = np.moveaxis(cells.points[cells.corners[which]], 1, 0)
     x, y = xi[:, None], eta[:, None]
@@ -150,88 +139,3 @@ def _mapped(cells: FlatCells, which: Integers, xi: Floats, eta: Floats) -> tuple
     across = np.where(four, p1 - p0 + x * twist, p2 - p0)
     areas = np.einsum("pi,pi->p", np.cross(along, across), cells.normals[which])
     return places, np.abs(areas)
-
-
-def nearest_place(cells: FlatCells, at: Floats) -> Nearest:
-    """The place of the cells nearest to one in space [3]; of warped quadrilaterals on their two triangles."""
-    return _nearest_place(cells, at, *_spheres(cells))
-
-
-def _spheres(cells: FlatCells) -> tuple[Floats, Floats]:
-    """Middles [q + t, 3] and radii [q + t] of spheres around the cells [m]."""
-    corners = cells.points[cells.corners]
-    middles = corners.mean(axis=1)
-    return middles, np.sqrt(((corners - middles[:, None]) ** 2).sum(axis=2).max(axis=1))
-
-
-def _nearest_place(cells: FlatCells, at: Floats, middles: Floats, radii: Floats) -> Nearest:
-    """The same, from the spheres around the cells: only those are looked at that can be as near as the nearest."""
-    away = np.sqrt(((middles - at) ** 2).sum(axis=1))
-    near = np.flatnonzero(away - radii <= (away + radii).min())
-    four, three = near[near < len(cells.quads)], near[near >= len(cells.quads)]
-    quads, triangles = cells.quads[four], cells.triangles[three - len(cells.quads)]
-    owner = np.concatenate([four, four, three])
-    corners = cells.points[np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]], triangles])]
-    places = _on_triangles(corners, at)
-    best = int(np.argmin(((places - at) ** 2).sum(axis=1)))
-    cell, position = int(owner[best]), places[best]
-    xi, eta = _inside(cells, cell, position)
-    return Nearest(cell, xi, eta, _mapped(cells, np.array([cell]), xi, eta)[0][0])
-
-
-def cross_turning(cells: FlatCells, centers: Floats, reach: float, axes: Floats) -> tuple[Integers, Floats]:
-    """Rotation about the normal of patches that reach so far [m] around places [m, 3] of flat cells.
-
-    axes [3, 3] : two directions in the cells, and the normal. The ends of a cross, as far as they lie on the cells, and
-    its middle move as the cells do; the rotation is that of the rigid motion that fits them best.
-
-    Returns nodes [m, 20] and rows [m, 1, 20, 7].
-    """
-    arms = reach * np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])
-    nodes, rows = np.zeros((len(centers), 20), np.int64), np.zeros((len(centers), 1, 20, N_COMPONENTS))
-    spheres = _spheres(cells)
-    for number, center in enumerate(centers):
-        ends = [_nearest_place(cells, center + arm @ axes[:2], *spheres) for arm in arms]
-        places = np.array([end.position for end in ends])
-        on_it = np.linalg.norm(places - center - arms @ axes[:2], axis=1) <= OFF * reach
-        off = (places - places[on_it].mean(axis=0)) @ axes[:2].T * on_it[:, None]
-        xi, eta = (np.concatenate([end[at] for end in ends]) for at in (1, 2))
-        there, motion = rows_at(cells, np.array([end.cell for end in ends]), xi, eta)
-        pulls = (off[:, :1] * axes[1] - off[:, 1:] * axes[0]) / (off**2).sum()
-        nodes[number] = there.ravel()
-        rows[number, 0] = np.einsum("pi,pikc->pkc", pulls, motion[:, :3]).reshape(20, N_COMPONENTS)
-    return nodes, rows
-
-
-def _on_triangles(corners: Floats, at: Floats) -> Floats:
-    """The place of each triangle [n, 3, 3] nearest to a place [3]: in it, or on one of its sides."""
-    a, b, c = np.moveaxis(corners, 1, 0)
-    normal = np.cross(b - a, c - a)
-    square = np.maximum((normal**2).sum(axis=1), np.finfo(float).tiny)
-    foot = at - ((at - a) * normal).sum(axis=1)[:, None] / square[:, None] * normal
-    inside = np.ones(len(a), dtype=bool)
-    candidates = []
-    for start, end in ((a, b), (b, c), (c, a)):
-        side = end - start
-        inside &= (np.cross(side, foot - start) * normal).sum(axis=1) >= 0.0
-        share = np.clip(((at - start) * side).sum(axis=1) / (side**2).sum(axis=1), 0.0, 1.0)
-        candidates.append(start + share[:, None] * side)
-    sides = np.stack(candidates, axis=1)
-    nearest = np.argmin(((sides - at) ** 2).sum(axis=2), axis=1)
-    found: Floats = np.where(inside[:, None], foot, sides[np.arange(len(a)), nearest])
-    return found
-
-
-def _inside(cells: FlatCells, cell: int, position: Floats) -> tuple[Floats, Floats]:
-    """xi and eta of a place in a cell, each [1], from 0 to 1."""
-    p = cells.points[cells.corners[cell]]
-    if cell >= len(cells.quads):
-        share = np.linalg.lstsq(np.stack([p[1] - p[0], p[2] - p[0]], axis=1), position - p[0], rcond=None)[0]
-        return np.clip(share[:1], 0.0, 1.0), np.clip(share[1:], 0.0, 1.0)
-    twist, place = p[0] - p[1] + p[2] - p[3], np.array([0.5, 0.5])
-    for _ in range(_NEWTON):
-        x, y = place
-        off = position - (p[0] + x * (p[3] - p[0]) + y * (p[1] - p[0]) + x * y * twist)
-        slopes = np.stack([p[3] - p[0] + y * twist, p[1] - p[0] + x * twist], axis=1)
-        place = np.clip(place + np.linalg.lstsq(slopes, off, rcond=None)[0], 0.0, 1.0)
-    return place[:1], place[1:]

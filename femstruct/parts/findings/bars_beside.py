@@ -9,7 +9,7 @@ import numpy as np
 
 from femstruct.arrays import Floats
 from femstruct.model.grid.geometry import from_rectangle, to_rectangle
-from femstruct.model.imported.shell_cells import nearest_place
+from femstruct.model.imported.nearest import nearest_places
 from femstruct.model.model import Model
 from femstruct.parts.findings.connections import Piece
 from femstruct.parts.of_frames.frame_mesh import FrameMesh, frames_of
@@ -58,8 +58,9 @@ def _nearest(face: PlateMesh | ShellMesh, place: Floats) -> tuple[Floats, Floats
         local = to_rectangle(face.part, face.axes, place)
         on_it = np.clip(local[:2], 0.0, face.part.size)
         return from_rectangle(face.part, face.axes, on_it), face.axes[2], face.part.thickness / 2.0
-    found = nearest_place(face.cells, place)
-    return found.position, face.cells.normals[found.cell], float(face.thickness[found.cell]) / 2.0
+    found = nearest_places(face.cells, place[None])
+    cell = int(found.cells[0])
+    return found.positions[0], face.cells.normals[cell], float(face.thickness[cell]) / 2.0
 
 
 def _reaches(frame: FrameMesh, axes: Floats, gap: Floats, normal: Floats, half: float) -> bool:

@@ -11,7 +11,8 @@ from femstruct.arrays import Floats, Integers
 from femstruct.errors import InputError
 from femstruct.model.imported.flat_cells import FlatCells
 from femstruct.model.imported.imported_mesh import ImportedMesh, put_where
-from femstruct.model.imported.shell_cells import cell_points, nearest_place
+from femstruct.model.imported.nearest import nearest_places
+from femstruct.model.imported.shell_cells import cell_points
 from femstruct.model.imported.solid_cells import SolidCells
 from femstruct.model.imported.unit_slips import in_millimetres
 from femstruct.model.meshed import Drawn, Meshed, Spread, refuse_not_global, refuse_patch
@@ -106,20 +107,20 @@ class CellsMesh(Meshed):
             nodes = self.within(f"points.{name}.set", Region("set", named=place.named), tolerance)
             return self.mean_of(name, nodes, place.side)
         refuse_not_global(name, at)
-        found = nearest_place(self.facets, at)
-        off = float(np.linalg.norm(at - found.position))
-        if off > self.facet_reach(found.cell, tolerance):
-            x, y, z = found.position
+        found = nearest_places(self.facets, at[None])
+        cell, (x, y, z) = int(found.cells[0]), found.positions[0]
+        off = float(np.linalg.norm(at - found.positions[0]))
+        if off > self.facet_reach(cell, tolerance):
             raise InputError(
                 f"points.{name}.at",
                 got=f"({at[0]:g}, {at[1]:g}, {at[2]:g}) m, {off:.4g} m off {self.words.off}{self.name}",
                 expected=f"a place on {self.words.on}; the nearest is ({x:.6g}, {y:.6g}, {z:.6g}) m",
                 do=in_millimetres(self.part.mesh, self.places),
             )
-        nodes, rows = self.facet_motion(np.array([found.cell]), found.xi, found.eta)
+        nodes, rows = self.facet_motion(found.cells, found.xi, found.eta)
         if off > tolerance:
-            rows = carried(rows, at - found.position)
-        return Point(name, at, *flat_rows(nodes, rows, np.ones(1)), normal=self.facet_normal(found.cell, place.side))
+            rows = carried(rows, at - found.positions[0])
+        return Point(name, at, *flat_rows(nodes, rows, np.ones(1)), normal=self.facet_normal(cell, place.side))
 
     def chosen(self, where: str, region: Region, tolerance: float) -> Integers:
         """Numbers of the facets of a region. Raises InputError for one that a mesh does not have, or without any."""

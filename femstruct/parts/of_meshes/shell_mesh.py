@@ -13,11 +13,11 @@ from femstruct.conventions import N_COMPONENTS
 from femstruct.model.imported.facing import frame_across, outwards
 from femstruct.model.imported.flat_cells import FlatCells
 from femstruct.model.imported.imported_mesh import put_where
+from femstruct.model.imported.nearest import cross_turning
 from femstruct.model.imported.shell_cells import (
     Sections,
     cell_matrices,
     cell_sections,
-    cross_turning,
     rows_at,
 )
 from femstruct.model.materials.lay_up import section_of
