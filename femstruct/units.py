@@ -95,6 +95,9 @@ DIMENSIONS: Final = {
     "stiffness/length": _Dimension("a stiffness per length", "N/m^2", "2.2e5 N/m^2", _powers(kg=1, m=-1, s=-2)),
     "stiffness/area": _Dimension("a stiffness per area", "N/m^3", "10 MN/m^3", _powers(kg=1, m=-2, s=-2)),
     "rotational stiffness": _Dimension("a rotational stiffness", "N*m/rad", "1 kN*m/rad", _powers(1, 2, -2, -1)),
+    "rotational stiffness/length": _Dimension(
+        "a rotational stiffness per length", "N*m/m", "40 kN*m/m", _powers(1, 1, -2, -1)
+    ),
     "damping": _Dimension("a damping constant", "N*s/m", "40 N*s/m", _powers(kg=1, s=-1)),
     "rotational damping": _Dimension("a rotational damping", "N*m*s/rad", "2 N*m*s/rad", _powers(1, 2, -1, -1)),
     "hertz stiffness": _Dimension("a Hertz stiffness", "N/m^1.5", "3.7e5 N/m^1.5", _powers(1, -0.5, -2)),
@@ -111,7 +114,11 @@ DIMENSIONS: Final = {
     ),
     "bending stiffness": _Dimension("a bending stiffness", "N*m^2", "25 N*m^2", _powers(kg=1, m=3, s=-2)),
 }  # fmt: skip
-_WITHOUT_RAD: Final = ("rotational stiffness", "rotational damping")  # N*m is as good as N*m/rad
+_WITHOUT_RAD: Final = (
+    "rotational stiffness",
+    "rotational stiffness/length",
+    "rotational damping",
+)  # N*m is as good as N*m/rad
 
 _NUMBER: Final = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
 _QUANTITY: Final = re.compile(rf"({_NUMBER})\s*(.*)", re.ASCII | re.DOTALL)

@@ -194,6 +194,17 @@ MODES: Final = (
         ),
     ),
     Entry(
+        "loss-unused",
+        "Springs along edges or a foundation have a loss factor, and the damping is one law for the whole structure.",
+        LIMITS,
+        "by strain energy a loss factor that is not used would add more than this to that of a mode",
+        "Write damping: {from: materials} and a loss factor for each material, or remove the one that is not used.",
+        (
+            Limit(0.1, "of the mode's loss factor", "0.4 dB at resonance", CHOSEN, "loss_tables.UNUSED"),
+            Limit(1e-4, "loss factor", "no mode notices it", CHOSEN, "loss_tables.UNUSED_LEAST"),
+        ),
+    ),
+    Entry(
         "mode-damping-lost",
         "A damping given for one mode is unused, because no mode of this case has its shape.",
         LIMITS,

@@ -37,6 +37,7 @@ REACH: Final = (
 )
 OVERDAMPED: Final = 1e-6
 """Of |lambda|: with a smaller imaginary part a motion does not oscillate."""
+STILL: Final = 1e-12  # of the upper end: what is lower is a motion that no stiffness resists, exactly, and has no mode
 STRAINED: Final = 1e-6  # of a shape: what is less apart from all rigid-body motions is one of them, and rounding
 CONVERGED: Final = 1e-8  # residual of the quadratic problem, relative to its terms
 
@@ -128,6 +129,8 @@ def complex_modes(assembly: Assembly, damping: Damping, up_to: float) -> Complex
     values, vectors = values[kept][order], vectors[:, kept][:, order]
     for i, value in enumerate(values):
         values[i], vectors[:, i] = _refined(value, vectors[:, i], K, C, M)
+    moves = np.abs(values) > STILL * top
+    values, vectors = values[moves], vectors[:, moves]
     residual = _residual(values, vectors, K, C, M)
     if residual.size and residual.max() > CONVERGED:
         raise NotConverged("complex modes", got=f"a residual of {residual.max():.1e}", expected=f"{CONVERGED:g}")

@@ -13,7 +13,7 @@ from femstruct.declared import checked
 from femstruct.errors import Finding, InputError
 from femstruct.modal.basis import ForceRow, ModalBasis
 from femstruct.modal.likeness import TIE, pairing
-from femstruct.modal.loss_tables import beyond_tables, material_losses
+from femstruct.modal.loss_tables import beyond_tables, material_losses, unused_losses
 from femstruct.modal.outputs import AXES
 from femstruct.model.materials.loss_by_frequency import loss_at
 
@@ -148,8 +148,11 @@ def with_damping(basis: ModalBasis, damping: Damping) -> ModalBasis:
     array([0.02])
     """
     exceptions, findings = _exceptions(basis, damping.modes)
-    beyond = beyond_tables(basis) if isinstance(damping.base, FromMaterials) else ()
     viscous, hysteretic = _base(basis, damping.base)
+    if isinstance(damping.base, FromMaterials):
+        of_parts = beyond_tables(basis)
+    else:
+        of_parts = unused_losses(basis, hysteretic + viscous * basis.omega)
     for index, mode in exceptions.items():
         viscous[index, :] = viscous[:, index] = hysteretic[index, :] = hysteretic[:, index] = 0.0
         if mode.ratio is not None:
@@ -167,7 +170,7 @@ def with_damping(basis: ModalBasis, damping: Damping) -> ModalBasis:
         viscous=basis.viscous + viscous,
         hysteretic=basis.hysteretic + hysteretic,
         outputs=outputs,
-        findings=basis.findings + findings + beyond,
+        findings=basis.findings + findings + of_parts,
     )
 
 

@@ -7,10 +7,12 @@ import numpy as np
 from femstruct.arrays import Floats
 from femstruct.errors import Finding
 from femstruct.modal.basis import ModalBasis
-from femstruct.model.materials.loss_by_frequency import LossByFrequency
+from femstruct.model.materials.loss_by_frequency import LossByFrequency, loss_at
 
 BEYOND = 2.0**0.5  # ratio of frequencies from which on a mode is outside a table: half an octave, half a band
 STRAINED = 0.01  # of a mode's elastic energy: parts with less hardly damp it
+UNUSED = 0.1  # of a mode's loss factor: what is left out by more changes levels at resonance by half a decibel
+UNUSED_LEAST = 1e-4  # loss factor that no mode notices
 
 
 def material_losses(basis: ModalBasis) -> Floats:
@@ -32,6 +34,35 @@ def material_losses(basis: ModalBasis) -> Floats:
     rigid = basis.omega == 0.0
     losses[rigid, :] = losses[:, rigid] = 0.0  # rounding
     return losses
+
+
+def unused_losses(basis: ModalBasis, damping: Floats) -> tuple[Finding, ...]:
+    """Springs, foundations and edges on the ground whose loss factors a general law leaves out, where they matter.
+
+    damping [k, k] : loss factors of the modes times their omega^2 on the diagonal, as the law gives them [rad^2/s^2].
+    """
+    elastic = np.array([kind == "elastic" for kind in basis.kind])
+    found = []
+    for part in dict.fromkeys(basis.grounded):
+        if part not in basis.part_stiffness or not elastic.any():
+            continue
+        loss = loss_at(basis.loss_factors.get(part, 0.0), basis.frequency_hz)
+        lost, squared = (loss * np.diag(basis.part_stiffness[part]))[elastic], basis.omega[elastic] ** 2
+        given, own = np.diag(damping)[elastic] / squared, lost / squared
+        if not (own > np.maximum(UNUSED * given, UNUSED_LEAST)).any():
+            continue
+        worst = int(np.argmax(own))
+        hz = float(basis.frequency_hz[elastic][worst])
+        found.append(
+            Finding(
+                "loss-unused",
+                f"{part}: its loss factor is not used, because 'damping' gives one law for the whole structure. By "
+                f"strain energy it would add {100 * own[worst]:.3g} % to the loss factor of {100 * given[worst]:.3g} % "
+                f"of the mode at {hz:.4g} Hz. Write damping: {{from: materials}} to have it",
+                {"unused_loss_factor": float(own[worst]), "loss_factor": float(given[worst]), "frequency_hz": hz},
+            )
+        )
+    return tuple(found)
 
 
 def beyond_tables(basis: ModalBasis) -> tuple[Finding, ...]:

@@ -67,6 +67,17 @@ class Spread(NamedTuple):
     over: str
 
 
+class EdgePoints(NamedTuple):
+    """Points along edges of a part: nodes [p, k], rows [p, 6, k, 7] of their motion, global axes, weights [p] [m], and
+    unit vectors across the part and along the edge [p, 3]."""
+
+    nodes: Integers
+    rows: Floats
+    weights: Floats
+    across: Floats
+    along: Floats
+
+
 class Meshed(ABC):
     """A part with nodes of its own, numbered from `first` on in the whole structure; the base of kinds that have some.
 
@@ -207,6 +218,11 @@ class Meshed(ABC):
         """Nodes of each edge or line a support names, in their order, and the components [m, 7] that simple, roller or
         clamped holds of each; what else it holds in the plane of a part that stretches is in `grid.in_plane`."""
         raise InputError(f"supports.{item.name}.on", got=f"'{self.name}'", expected="a plate")
+
+    def edge_points(self, item: Support, tolerance: float) -> EdgePoints:
+        """Gauss points along the edges or the line that a support names, for springs spread along them."""
+        got, expected = f"an edge of '{self.name}'", "one of a plate, slab or shell"
+        raise InputError(f"supports.{item.name}.on", got=got, expected=expected)
 
     def within(self, where: str, region: Region, tolerance: float) -> Integers:
         """Its nodes in a region; sets and boxes are for parts that are meshes."""

@@ -8,6 +8,7 @@ import numpy as np
 
 from femstruct.errors import FemstructError, InputError, some_of
 from femstruct.model.equations.constraint import Constraint
+from femstruct.model.equations.elastic_edges import elastic_edges
 from femstruct.model.equations.supports_and_joints import joint, support
 from femstruct.model.fastened import Elastic, Inert, Tie
 from femstruct.model.grid.in_plane import steadied
@@ -90,7 +91,9 @@ def _fastened(
     structure: Structure, bare: Model, tolerance: float
 ) -> tuple[tuple[Elastic, ...], tuple[Inert, ...], tuple[Tie, ...]]:
     found = [one for part in structure.parts for one in part.fastened(bare, tolerance)]
-    found += steadied({item.name: support(item, bare, tolerance) for item in structure.supports}, bare, tolerance)
+    held = {item.name: support(item, bare, tolerance) for item in structure.supports if item.fix}
+    found += steadied(held, bare, tolerance)
+    found += [one for item in structure.supports for one in elastic_edges(item, bare, tolerance)]
     for item in structure.joints:
         found += [one for one in joint(item, bare, tolerance) if one is not None]
     found += [item.tie(bare, tolerance) for item in structure.constraints]

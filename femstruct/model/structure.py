@@ -16,11 +16,14 @@ from femstruct.conventions import DIRECTIONS
 from femstruct.declared import checked
 from femstruct.errors import InputError
 from femstruct.model.equations.constraint import Constraint
+from femstruct.model.materials.loss_by_frequency import Loss, check_loss
 from femstruct.model.part import Body, Part
 from femstruct.model.region import Pair, Region, Side
 
 Fix = Literal["simple", "clamped", "roller"]
 Edge = Literal["x0", "x1", "y0", "y1", "all"]
+ACROSS: Final = "z"  # of a plate: along its normal
+ABOUT: Final = "about edge"
 FIXED: Final = f"simple, roller, clamped, or a tuple of {', '.join(DIRECTIONS)}"
 WHOLE = Region("whole")
 
@@ -131,21 +134,56 @@ class Support:
     mean shifts and rotation of their edges there and, where it stands, its weight (`femstruct.model.grid.in_plane`).
     At a point, a set and in a box `simple` holds x y z and `clamped` all six.
 
+    stiffness : of edges on springs, per length: "z" along the normal of the part [N/m^2], "about edge" against
+    rotation about the edge [N m/rad/m]. Edges are those of a plate or a line on it, of a slab or shell its free edges
+    in a set or box. fix is () then, or `simple` or `roller` beside "about edge" alone: a pinned edge. loss_factor : of
+    these springs [1].
+
     >>> Support("walls", "simple", on="floor", edge="all").fix, Support("foot", ("z",), at="corner").fix
     ('simple', ('z',))
+    >>> strip = Support("strip", on="floor", edge="x0", stiffness={"z": 5e6, "about edge": 40e3}, loss_factor=0.2)
+    >>> strip.fix, strip.loss_factor
+    ((), 0.2)
     """
 
     name: str
-    fix: Fix | tuple[str, ...]
+    fix: Fix | tuple[str, ...] = ()
     on: str | None = None
     edge: Edge | None = None
     line: tuple[Pair, Pair] | None = None
     at: str | None = None
     region: Region | None = None
+    stiffness: Mapping[str, float] = field(default_factory=dict)
+    loss_factor: Loss = 0.0
 
     def __post_init__(self) -> None:
-        if isinstance(self.fix, tuple) and not (self.fix and set(self.fix) <= set(DIRECTIONS)):
-            raise InputError(f"supports.{self.name}.fix", got=f"{self.fix!r}", expected=FIXED)
+        where = f"supports.{self.name}"
+        if (isinstance(self.fix, tuple) and not set(self.fix) <= set(DIRECTIONS)) or not (self.fix or self.stiffness):
+            raise InputError(f"{where}.fix", got=f"{self.fix!r}", expected=FIXED)
+        check_loss(f"{where}.loss_factor", self.loss_factor)
+        if self.loss_factor and not self.stiffness:
+            raise InputError(f"{where}.loss_factor", got="a loss factor without springs", expected="a stiffness beside")
+        if not self.stiffness:
+            return
+        if self.on is None or (self.edge is None and self.line is None and self.region is None):
+            raise InputError(where, got="springs of no edge", expected="an edge, line, set or box of a part")
+        self._check_springs(where)
+
+    def _check_springs(self, where: str) -> None:
+        """Raise InputError for springs in directions that are held."""
+        known = (ACROSS, ABOUT)
+        for key, value in self.stiffness.items():
+            if key not in known or not value > 0.0:
+                got, expected = f"{key}: {value:g}", f"positive stiffnesses of {' or '.join(map(repr, known))}"
+                raise InputError(f"{where}.stiffness", got=got, expected=expected)
+        if self.fix and self.fix not in ("simple", "roller"):
+            got, expected = f"{self.fix} beside springs", "simple, roller or nothing"
+            raise InputError(f"{where}.fix", got=got, expected=expected)
+        if self.fix and ACROSS in self.stiffness:
+            do = "remove 'fix': the springs carry the edge"
+            raise InputError(
+                f"{where}.stiffness.z", got=f"a stiffness beside {self.fix}", expected="one of them", do=do
+            )
 
 
 @dataclass(frozen=True)

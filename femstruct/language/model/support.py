@@ -2,14 +2,30 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Annotated, Any, Literal, get_args
+
+from pydantic import Field
 
 from femstruct.conventions import DIRECTIONS
 from femstruct.errors import shown_as
+from femstruct.language.model.material import Losses
 from femstruct.language.parts.part import MESHED
-from femstruct.language.yaml import Here, PointName, Position2, Position3, Refers, Spec, Text, only, read_by, refuse
+from femstruct.language.yaml import (
+    Here,
+    PointName,
+    Position2,
+    Position3,
+    Quantity,
+    Refers,
+    Spec,
+    Text,
+    only,
+    read_by,
+    refuse,
+)
 from femstruct.model.region import Region
-from femstruct.model.structure import Edge, Fix, Support
+from femstruct.model.structure import ABOUT, ACROSS, Edge, Fix, Support
 
 
 def _fix(value: object) -> object:
@@ -20,15 +36,33 @@ def _fix(value: object) -> object:
     raise refuse(shown_as(value), "simple, roller, clamped or a list of x, y, z, rx, ry, rz", "write it like [z, rx]")
 
 
+class EdgeStiffnessSpec(Spec):
+    """Springs along an edge, per length of it: z along the normal of the part, about edge against rotation about it."""
+
+    z: Annotated[float, Quantity(("stiffness/length",), above=0.0)] | None = None
+    about_edge: Annotated[float, Quantity(("rotational stiffness/length",), above=0.0)] | None = Field(
+        default=None, alias=ABOUT
+    )
+
+    def given(self) -> dict[str, Any]:
+        both = {ACROSS: self.z, ABOUT: self.about_edge}
+        return {key: value for key, value in both.items() if value is not None}
+
+
 class SupportSpec(Spec):
     """Held directions of an edge or line of a plate (a line: a wall under it), of a set or a box of a part that is a
-    mesh, of a point, or of a whole part."""
+    mesh, of a point, or of a whole part; springs along an edge, with their loss factor."""
 
     one_of = (("on", "at"),)
     at_most_one_of = (("edge", "line", "set", "box"),)
+    needs = (("loss_factor", ("stiffness",)),)
 
     makes = Support
-    fix: Annotated[Fix | tuple[str, ...], read_by(_fix, Fix | list[Literal["x", "y", "z", "rx", "ry", "rz"]])]
+    fix: (
+        Annotated[Fix | tuple[str, ...], read_by(_fix, Fix | list[Literal["x", "y", "z", "rx", "ry", "rz"]])] | None
+    ) = None
+    stiffness: EdgeStiffnessSpec | None = None
+    loss_factor: Losses | None = None
     on: Annotated[Text, Refers()] | None = None
     edge: Edge | None = None
     line: tuple[Position2, Position2] | None = None
@@ -36,12 +70,28 @@ class SupportSpec(Spec):
     set: Text | None = None
     box: tuple[Position3, Position3] | None = None
 
+    @classmethod
+    def refuse_keys(cls, given: Mapping[str, Any]) -> None:
+        springs = given.get("stiffness") is not None
+        if given.get("fix") is None and not springs:
+            raise refuse(
+                "a support without 'fix'",
+                "'fix', or springs along an edge",
+                "add 'fix: simple', or 'stiffness: {z: ..}'",
+            )
+        if springs and all(given.get(key) is None for key in ("edge", "line", "set", "box")):
+            raise refuse("a stiffness of no edge", "an edge of a plate, or a set or box of a mesh", "add 'edge: all'")
+
     def check(self, here: Here) -> None:
+        self._check_springs(here)
         along = self.edge is not None or self.line is not None
         among = self.set is not None or self.box is not None
         if self.on is None:
             got = "a set or a box of a point" if among else "an edge or line of a point"
             here.need(not along and not among, got, "only a point, or 'on: PART' with an edge")
+            return
+        if self.fix is None:
+            here.at("on").known(self.on, "plate" if along else MESHED)
             return
         if along and self.on in here.names.known[MESHED]:
             do = "of a slab write 'set: rim' or 'set: side 1', of another mesh a set or a box of it"
@@ -58,8 +108,31 @@ class SupportSpec(Spec):
             "add edge: all, or list the directions as in [x, y]",
         )
 
+    def _check_springs(self, here: Here) -> None:
+        """Springs are in directions that nothing holds."""
+        if self.stiffness is None:
+            return
+        there = here.at("fix")
+        there.need(
+            self.fix in (None, "simple", "roller"),
+            f"{shown_as(self.fix)} beside springs",
+            "simple, roller, or nothing",
+            "what is clamped cannot turn; hold other directions by a support of their own",
+        )
+        keys = self.stiffness.given()
+        here.at("stiffness").need(keys, "no stiffness", "z, about edge or both", "write {z: 5 MN/m^2}")
+        here.at("stiffness", "z").need(
+            self.fix is None or ACROSS not in keys,
+            f"a stiffness beside fix: {self.fix}, which holds z",
+            "one of them",
+            "remove 'fix': the springs carry the edge",
+            of_key=True,
+        )
+
     def given(self) -> dict[str, Any]:
         values = super().given()
+        values["fix"] = values["fix"] or ()
+        values["stiffness"], values["loss_factor"] = values["stiffness"] or {}, values["loss_factor"] or 0.0
         named, box = values.pop("set"), values.pop("box")
         if named is not None or box is not None:
             values["region"] = Region("box" if named is None else "set", named=named, box=box)

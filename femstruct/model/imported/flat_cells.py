@@ -85,6 +85,14 @@ class FlatCells:
         p = self.points[self.corners]
         return np.asarray(np.linalg.norm(np.roll(p, -1, axis=1) - p, axis=2).max(axis=1))
 
+    def free_edges(self, nodes: Integers) -> tuple[Integers, Integers]:
+        """Edges of one cell alone between nodes of a group: their cells [e], and which corner each runs from [e]."""
+        ends, owner, _ = _edges(self.quads, self.triangles)
+        corner = np.concatenate([np.tile(np.arange(4), len(self.quads)), np.tile(np.arange(3), len(self.triangles))])
+        _, place, times = np.unique(ends, axis=0, return_inverse=True, return_counts=True)
+        free = (times[place.ravel()] == 1) & np.isin(ends, nodes).all(axis=1)
+        return owner[free], corner[free]
+
     def in_set(self, mesh: ImportedMesh, name: str) -> np.ndarray:
         """Which cells [q + t] are of a set of cells. Raises InputError for a set without any."""
         wanted = mesh.cells_of(name, 2)

@@ -18,6 +18,9 @@ from femstruct.model.imported.flat_cells import FlatCells
 from femstruct.model.materials.plate_section import PlateSection
 
 SAME_SHAPE: Final = 11  # digits to which cells agree that are one shape: the rounding of coordinates of a grid
+EDGE_ORDER: Final = 3  # Gauss points an edge: exact for products of two quadratic motions
+_QUAD_CORNERS: Final = np.array([[0.0, 0.0], [0.0, 1.0], [1.0, 1.0], [1.0, 0.0]])  # xi, eta of the corners
+_TRIANGLE_CORNERS: Final = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [0.0, 1.0]])
 
 
 class Places(NamedTuple):
@@ -126,6 +129,25 @@ def cell_points(cells: FlatCells, which: Integers, order: int) -> Places:
         places, areas = mapped(cells, many, xs, ys)
         found.append(Places(many, xs, ys, places, np.tile(w, len(own)) * areas))
     return Places(*(np.concatenate(pair) for pair in zip(*found, strict=True)))
+
+
+def edge_gauss(cells: FlatCells, which: Integers, corner: Integers) -> tuple[Integers, Floats, Floats, Floats, Floats]:
+    """Gauss points along edges of cells: cells [p], xi, eta [p], weights [p] [m] and unit vectors along [p, 3].
+
+    which, corner [e] : the cell of each edge and the corner that it runs from.
+    """
+    points, shares = gauss_interval(EDGE_ORDER)
+    count = np.where(which < len(cells.quads), 4, 3)
+    places = np.where((count == 4)[:, None, None], _QUAD_CORNERS, _TRIANGLE_CORNERS)
+    number, after = np.arange(len(which)), (corner + 1) % count
+    start, end = places[number, corner], places[number, after]
+    at = start[:, None] + points[:, None] * (end - start)[:, None]
+    nodes = cells.corners[which]
+    sides = cells.points[nodes[number, after]] - cells.points[nodes[number, corner]]
+    lengths = np.linalg.norm(sides, axis=1)
+    along = np.repeat(sides / lengths[:, None], len(points), axis=0)
+    weights = (lengths[:, None] * shares).ravel()
+    return np.repeat(which, len(points)), at[:, :, 0].ravel(), at[:, :, 1].ravel(), weights, along
 
 
 def mapped(cells: FlatCells, which: Integers, xi: Floats, eta: Floats) -> tuple[Floats, Floats]:

@@ -10,6 +10,7 @@ from scipy.sparse import csr_array
 
 from femstruct.arrays import Floats, Integers, freeze, frozen
 from femstruct.conventions import N_COMPONENTS
+from femstruct.errors import InputError
 from femstruct.model.imported.facing import frame_across, outwards
 from femstruct.model.imported.flat_cells import FlatCells
 from femstruct.model.imported.imported_mesh import put_where
@@ -18,15 +19,16 @@ from femstruct.model.imported.shell_cells import (
     Sections,
     cell_matrices,
     cell_sections,
+    edge_gauss,
     rows_at,
 )
 from femstruct.model.materials.lay_up import section_of
 from femstruct.model.materials.loss_by_frequency import Loss
-from femstruct.model.meshed import Meshed, OwnDofs, nodal_dofs
+from femstruct.model.meshed import EdgePoints, Meshed, OwnDofs, nodal_dofs
 from femstruct.model.probe import Point, StressPlaces, Surface
 from femstruct.model.region import Region, Side
 from femstruct.model.rows import flat_rows, sparse_rows
-from femstruct.model.structure import SurfaceOn
+from femstruct.model.structure import Support, SurfaceOn
 from femstruct.parts.of_meshes.cell_surfaces import side_surface
 from femstruct.parts.of_meshes.cells_mesh import CellsMesh, Words
 from femstruct.parts.of_meshes.shell_sides import mean_normal
@@ -153,6 +155,18 @@ class ShellMesh(CellsMesh):
     def surface(self, item: SurfaceOn, n_nodes: int, tolerance: float) -> Surface:
         chosen = self.chosen(f"surfaces.{item.name}.region", item.region, tolerance)
         return side_surface(item, self.name, self.cells, chosen, self.facet_motion, n_nodes)
+
+    def edge_points(self, item: Support, tolerance: float) -> EdgePoints:
+        """Of its free edges between nodes of the named set or in the box."""
+        if item.region is None:
+            got = f"an edge or line of '{self.name}', a part that is a mesh"
+            raise InputError(f"supports.{item.name}", got=got, expected="a set or a box of it")
+        where = f"supports.{item.name}.{item.region.kind}"
+        cells, corner = self.cells.free_edges(self.within(where, item.region, tolerance) - self.first)
+        if not len(cells):
+            raise InputError(where, got=f"a {item.region} without a free edge of {self.name}", expected="an edge of it")
+        which, xi, eta, weights, along = edge_gauss(self.cells, cells, corner)
+        return EdgePoints(*self.facet_motion(which, xi, eta), weights, self.cells.normals[which], along)
 
     def stresses(self, n_nodes: int) -> StressPlaces:
         """As `stresses_on_faces`. Raises InputError for smeared ribs, whose stresses are unknown."""

@@ -8,11 +8,12 @@ import numpy as np
 
 from femstruct.arrays import Floats, Integers
 from femstruct.conventions import N_COMPONENTS, TWIST
-from femstruct.model.grid.regions import region_box
+from femstruct.model.grid.regions import line_points, region_box, region_lines
 from femstruct.model.region import Pair, Region
 from femstruct.model.structure import Support
 
 STEEP = float(np.cos(np.radians(45.0)))  # of the normal to the vertical: from there on a plate stands
+ORDER = 4  # Gauss points a side of a cell
 Axis = Literal[0, 1]
 
 
@@ -37,6 +38,29 @@ def edge_nodes(
         "y1": (grid[:, -1], 0),
     }
     return list(sides.values()) if item.edge == "all" else [sides[str(item.edge)]]
+
+
+def edge_gauss(
+    item: Support, plate: str, size: Pair, lines: tuple[Floats, Floats], tolerance: float
+) -> tuple[Floats, Floats, Integers]:
+    """Gauss points along the edges or the line that a support names: places [p, 2] [m], weights [p] [m], and which of
+    the plate's axes each of them is along [p]. Exact for products of two cubic deflections."""
+    x, y = size
+    sides = {
+        "x0": ((0.0, 0.0), (0.0, y)),
+        "x1": ((x, 0.0), (x, y)),
+        "y0": ((0.0, 0.0), (x, 0.0)),
+        "y1": ((0.0, y), (x, y)),
+    }
+    if item.line is not None:
+        region = Region("line", line=item.line)
+        ends = region_lines(region, region_box(f"supports.{item.name}.line", plate, size, region, tolerance))
+    else:
+        ends = list(sides.values()) if item.edge == "all" else [sides[str(item.edge)]]
+    found = [line_points(*lines, one, tolerance, ORDER) for one in ends]
+    axis = [0 if abs(b[0] - a[0]) > abs(b[1] - a[1]) else 1 for a, b in ends]
+    places, weights = (np.concatenate(part) for part in zip(*found, strict=True))
+    return places, weights, np.repeat(axis, [len(one[1]) for one in found])
 
 
 def edge_components(fix: object, axes: Floats, along: Axis, rigid_in_plane: bool) -> Floats:

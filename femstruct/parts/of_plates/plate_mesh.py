@@ -18,14 +18,14 @@ from femstruct.model.grid.regions import area_points, grid_points, region_box
 from femstruct.model.grid.scatter import interleaved, scattered, with_diagonal
 from femstruct.model.materials.lay_up import stresses_of_resultants
 from femstruct.model.materials.loss_by_frequency import Loss
-from femstruct.model.meshed import Drawn, Meshed, OwnDofs, Spread
+from femstruct.model.meshed import Drawn, EdgePoints, Meshed, OwnDofs, Spread
 from femstruct.model.model import Model
 from femstruct.model.probe import Point, StressPlaces, Surface
 from femstruct.model.region import Region, Side
 from femstruct.model.rows import carried, flat_rows, mean_of_cells, sparse_rows
 from femstruct.model.structure import PlaceOn, Support, SurfaceOn
 from femstruct.parts.of_plates.patches import patch_points, patch_turning
-from femstruct.parts.of_plates.plate_edges import STEEP, edge_components, edge_nodes
+from femstruct.parts.of_plates.plate_edges import STEEP, edge_components, edge_gauss, edge_nodes
 from femstruct.parts.of_plates.plate_motion import STRETCHING, plate_dofs, plate_rows, stretching_dofs
 from femstruct.parts.of_plates.plate_stresses import face_rows
 
@@ -267,6 +267,11 @@ class PlateMesh(Meshed):
     def edges(self, item: Support, tolerance: float) -> list[tuple[Integers, Floats]]:
         nodes = edge_nodes(item, self.name, self.part.size, (self.x, self.y), self.grid, tolerance)
         return [(some, edge_components(item.fix, self.axes, along, self.rigid_in_plane)) for some, along in nodes]
+
+    def edge_points(self, item: Support, tolerance: float) -> EdgePoints:
+        local, weights, axis = edge_gauss(item, self.name, self.part.size, (self.x, self.y), tolerance)
+        across = np.tile(self.axes[2], (len(local), 1))
+        return EdgePoints(*self.rows(local), weights, across, self.axes[axis])
 
     def spread(self, where: str, region: Region, tolerance: float, order: int) -> Spread:
         box = region_box(where, self.name, self.part.size, region, tolerance)
