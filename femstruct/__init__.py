@@ -107,6 +107,8 @@ if TYPE_CHECKING:
     from femstruct.model.materials.lay_up import Layer as Layer
     from femstruct.model.materials.lay_up import Smeared as Smeared
     from femstruct.model.materials.loss_by_frequency import LossByFrequency as LossByFrequency
+    from femstruct.model.materials.loss_by_frequency import laboratory_losses as laboratory_losses
+    from femstruct.model.materials.loss_by_frequency import measured_losses as measured_losses
     from femstruct.model.materials.orthotropic import Orthotropic as Orthotropic
     from femstruct.model.materials.plate_section import PlateSection as PlateSection
     from femstruct.model.mesher import mesh_structure as mesh_structure
@@ -212,7 +214,7 @@ _NAMES = {
     "model.imported.imported_mesh": ("ImportedMesh",),
     "model.material": ("Material",),
     "model.materials.lay_up": ("Laminate", "Layer", "Smeared"),
-    "model.materials.loss_by_frequency": ("LossByFrequency",),
+    "model.materials.loss_by_frequency": ("LossByFrequency", "laboratory_losses", "measured_losses"),
     "model.materials.orthotropic": ("Orthotropic",),
     "model.materials.plate_section": ("PlateSection",),
     "model.mesher": ("mesh_structure",),

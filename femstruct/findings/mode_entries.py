@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 from femstruct.findings.entry import CHOSEN, FORBIDS, LIMITS, REMARK, Entry, Limit
+from femstruct.findings.loss_entries import LOSSES
 
 _STRIPS: Final = "three-dimensional solids, tests/analytic/test_plates_that_stretch.py"
 _MINDLIN: Final = "estimated as of a Mindlin plate, doi:10.1115/1.4010217"
@@ -180,30 +181,7 @@ MODES: Final = (
         "Ask for more modes, if the motion in that direction is of interest.",
         (Limit(0.9, "% of the mass", "usual in response analysis by modes", CHOSEN, "reduction._CAPTURED"),),
     ),
-    Entry(
-        "loss-beyond-table",
-        "The loss factor is given by frequency, and modes lie outside of that.",
-        LIMITS,
-        "a mode that strains the part is further from the table than the threshold",
-        "Give loss factors for all bands of the study, or accept the value of the nearest frequency.",
-        (
-            Limit(2.0**0.5, "times a frequency", "half an octave, half a band", CHOSEN, "loss_tables.BEYOND"),
-            Limit(
-                0.01, "% of a mode's elastic energy", "a part with less hardly damps it", CHOSEN, "loss_tables.STRAINED"
-            ),
-        ),
-    ),
-    Entry(
-        "loss-unused",
-        "Springs along edges or a foundation have a loss factor, and the damping is one law for the whole structure.",
-        LIMITS,
-        "by strain energy a loss factor that is not used would add more than this to that of a mode",
-        "Write damping: {from: materials} and a loss factor for each material, or remove the one that is not used.",
-        (
-            Limit(0.1, "of the mode's loss factor", "0.4 dB at resonance", CHOSEN, "loss_tables.UNUSED"),
-            Limit(1e-4, "loss factor", "no mode notices it", CHOSEN, "loss_tables.UNUSED_LEAST"),
-        ),
-    ),
+    *LOSSES,
     Entry(
         "mode-damping-lost",
         "A damping given for one mode is unused, because no mode of this case has its shape.",

@@ -17,7 +17,7 @@ from femstruct.model.mesher import mesh_structure
 from femstruct.model.section import rectangle
 from femstruct.model.structure import Joint, Structure, Support
 from femstruct.parts.findings.eccentric import rib_errors
-from femstruct.parts.findings.layer_losses import layer_loss_findings
+from femstruct.parts.findings.losses.layer_losses import layer_loss_findings
 from femstruct.parts.findings.theory import model_findings, shear_excess
 from femstruct.parts.findings.waves import bending_wavelength, mesh_findings
 from femstruct.parts.frame import Frame

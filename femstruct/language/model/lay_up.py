@@ -8,7 +8,7 @@ from typing import Annotated, Any
 from pydantic import Field
 
 from femstruct.errors import shown_as
-from femstruct.language.model.material import Losses
+from femstruct.language.model.material import PlateLosses
 from femstruct.language.parts.part import MaterialName
 from femstruct.language.yaml import Length, Quantity, Spec, read_by, refuse
 from femstruct.model.materials.lay_up import Laminate, Layer, LayUp, Smeared
@@ -48,7 +48,7 @@ class SmearedSpec(Spec):
     S: tuple[Rigidity, Rigidity]
     mass: Annotated[float, Quantity(("mass/area",), above=0.0)]
     A: tuple[Rigidity, Rigidity, Rigidity, Rigidity] | None = None
-    loss_factor: Losses = 0.0
+    loss_factor: PlateLosses = 0.0
 
 
 def lay_up(

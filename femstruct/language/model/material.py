@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Final, Literal
 
 from pydantic import Discriminator, Tag, ValidationInfo
 
+from femstruct.errors import InputError, shown_as
 from femstruct.language.yaml import (
     AnyRatio,
     BandFile,
@@ -19,7 +20,13 @@ from femstruct.language.yaml import (
     word_of,
 )
 from femstruct.model.material import Material
-from femstruct.model.materials.loss_by_frequency import MOST_LOSSES, LossByFrequency
+from femstruct.model.materials.loss_by_frequency import (
+    INTERNAL,
+    MOST_LOSSES,
+    LossByFrequency,
+    laboratory_losses,
+    measured_losses,
+)
 from femstruct.model.materials.orthotropic import AnyMaterial, Orthotropic
 from femstruct.model.materials.timber import CLASSES, timber
 
@@ -76,6 +83,61 @@ Losses = Annotated[
 ]
 
 
+LABORATORY: Final = "ISO 12354-1 laboratory"
+_TIMES = by_band(
+    Quantity(("time",), above=0.0), "a reverberation time for each frequency", "write it like {63 Hz: 0.4 s}"
+)
+
+
+class LaboratorySpec(Spec):
+    """The loss factor of a plate in a laboratory after ISO 12354-1, with the internal one of its material."""
+
+    like: Annotated[Literal["ISO 12354-1 laboratory"], word_of((LABORATORY,))]
+    internal: MaterialLossFactor = INTERNAL
+
+
+class DecaySpec(Spec):
+    """Loss factors by the structural reverberation times of a plate by frequency, 2.2 / (f T)."""
+
+    reverberation_times: dict[str, Annotated[float, Quantity(("time",), above=0.0)]] | BandFile
+
+
+def _plate_losses(value: object, info: ValidationInfo) -> object:
+    """A loss factor, one for each frequency, that of a laboratory, or reverberation times."""
+    if isinstance(value, str) and value.strip() == LABORATORY:
+        return laboratory_losses()
+    if isinstance(value, dict) and "like" in value:
+        read = LaboratorySpec.model_validate(value)
+        return laboratory_losses(read.internal)
+    if isinstance(value, dict) and "reverberation_times" in value:
+        if len(value) > 1:
+            raise refuse("other keys beside reverberation_times", "reverberation_times alone", "remove them")
+        times = _TIMES(value["reverberation_times"], info)
+        if not isinstance(times, dict):
+            raise refuse(shown_as(value), "a reverberation time for each frequency", "write it like {63 Hz: 0.4 s}")
+        try:
+            return measured_losses(times)
+        except InputError as error:
+            do = "reverberation times of structures are 0.05 to 2 s"
+            raise refuse(f"times that make it {error.got}", error.expected, do) from None
+    return _losses(value, info)
+
+
+PlateLosses = Annotated[
+    float | LossByFrequency,
+    read_by(
+        _plate_losses,
+        MaterialLossFactor
+        | Literal["ISO 12354-1 laboratory"]
+        | LaboratorySpec
+        | DecaySpec
+        | BandFile
+        | dict[str, MaterialLossFactor],
+    ),
+]
+"""Of what plates are made of; a number or a table where it is something else."""
+
+
 class MaterialSpec(Spec):
     """A linear elastic material: isotropic by E and nu; orthotropic by E: [Ex, Ey, Ez], G: [Gxy, Gyz, Gzx] and nu:
     [nuxy, nuyz, nuzx] along its own axes, of which Ez, Gzx, and all ratios but nuxy can be left out."""
@@ -85,7 +147,7 @@ class MaterialSpec(Spec):
     nu: Annotated[float | tuple[float, ...], read_by(_ratios, AnyRatio | list[AnyRatio])]
     rho: Density
     G: Annotated[tuple[float, ...] | None, read_by(_shear_moduli, list[Modulus])] = None
-    loss_factor: Losses = 0.0
+    loss_factor: PlateLosses = 0.0
 
     @classmethod
     def refuse_keys(cls, given: Mapping[str, Any]) -> None:
@@ -118,7 +180,7 @@ class TimberSpec(Spec):
     like: Annotated[Literal["C18", "C24", "C30"], word_of(CLASSES)]
     G: Annotated[tuple[float, ...] | None, read_by(_shear_moduli, list[Modulus])] = None
     rho: Density | None = None
-    loss_factor: Losses = 0.0
+    loss_factor: PlateLosses = 0.0
 
 
 def _kind(value: Any) -> str:

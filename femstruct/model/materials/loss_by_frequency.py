@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import Final, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,6 +14,12 @@ from femstruct.arrays import Floats
 from femstruct.declared import checked
 from femstruct.errors import InputError
 
+LABORATORY: Final = "laboratory"
+MEASURED: Final = "measured"
+INTERNAL = 0.01  # ISO 12354-1: common homogeneous building materials
+LABORATORY_BAND = (50.0, 5000.0)  # Hz
+STEPS = 12  # an octave of points: 1e-4 of m' / (485 sqrt f) between them
+DECAY = 2.2  # 6 ln 10 / 2 pi = 2.199, as the standards have it
 MOST_LOSSES = 1.5  # of rubbers at their glass transition; a few reach 2 in a narrow band, which one number is not
 
 
@@ -21,7 +28,10 @@ MOST_LOSSES = 1.5  # of rubbers at their glass transition; a few reach 2 in a na
 class LossByFrequency:
     """A loss factor given at some frequencies; between them straight over log f, beyond them that of the nearest.
 
-    points : (frequency [Hz], loss factor [1]), ascending.
+    points : (frequency [Hz], loss factor [1]), ascending. total : of what such a number holds beside the losses in the
+    material itself, those at the edges and by radiation: "" for nothing of them, "measured" for one from structural
+    reverberation times (`measured_losses`), "laboratory" for one of ISO 12354-1 (`laboratory_losses`), whose points are
+    the internal losses until the mass per area of the plate is known (`of_plate`): mass [kg/m^2], 0 before.
 
     Raises InputError for no point, for frequencies that are not positive or do not ascend, and for loss factors below 0
     or above 1.5.
@@ -32,6 +42,8 @@ class LossByFrequency:
     """
 
     points: tuple[tuple[float, float], ...]
+    total: Literal["", "measured", "laboratory"] = ""
+    mass: float = 0.0
 
     def __post_init__(self) -> None:
         frequencies = [frequency for frequency, _ in self.points]
@@ -42,6 +54,10 @@ class LossByFrequency:
             check_loss(f"loss_factor.{frequency:g} Hz", value)
 
     def __str__(self) -> str:
+        if self.total == LABORATORY:
+            plate = f", {self.mass:.4g} kg/m^2" if self.mass else ""
+            internal = self.points[0][1] - (edge_losses(self.mass, self.points[0][0]) if self.mass else 0.0)
+            return f"ISO 12354-1 laboratory, internal {100 * internal:.4g} %{plate}"
         return ", ".join(f"{100 * value:.5g} % at {frequency:g} Hz" for frequency, value in self.points)
 
     @property
@@ -57,6 +73,62 @@ class LossByFrequency:
 
 
 Loss = float | LossByFrequency
+
+
+def laboratory_losses(internal: float = INTERNAL) -> LossByFrequency:
+    """The total loss factor of heavy plates in a laboratory, internal + m' / (485 sqrt f), m' their mass per area.
+
+    internal : loss factor of the material itself [1]; ISO 12354-1 has 1 % for common homogeneous materials.
+
+    Notes
+    -----
+    ISO 12354-1, annex C: for m' below 800 kg/m^2, at 50 Hz to 5 kHz; beyond, the value of the nearest of these. The
+    second term is of the edges of the laboratory, so that edges with losses of their own count them twice.
+
+    >>> of_plate(laboratory_losses(0.006), 322.0).at([50.0, 200.0, 1000.0]).round(5).tolist()
+    [0.09989, 0.05295, 0.02699]
+    """
+    return LossByFrequency(((LABORATORY_BAND[0], internal), (LABORATORY_BAND[1], internal)), LABORATORY)
+
+
+def measured_losses(times: Mapping[float, float]) -> LossByFrequency:
+    """The total loss factors 2.2 / (f T) of structural reverberation times T [s] by frequency f [Hz].
+
+    Raises InputError for times with which a loss factor is beyond 1.5.
+
+    >>> measured_losses({100.0: 0.304, 50.0: 0.44}).at([50.0, 100.0]).round(4).tolist()
+    [0.1, 0.0724]
+    """
+    found = [(frequency, DECAY / (frequency * time)) for frequency, time in sorted(times.items())]
+    return LossByFrequency(tuple(found), MEASURED)
+
+
+def of_plate(loss: Loss, mass: float) -> Loss:
+    """The loss factor of a plate of a mass per area [kg/m^2]: one of a laboratory with its second term.
+
+    >>> of_plate(0.02, 345.0)
+    0.02
+    """
+    if not isinstance(loss, LossByFrequency) or loss.total != LABORATORY or loss.mass or not mass > 0.0:
+        return loss
+    low, high = LABORATORY_BAND
+    frequencies = np.geomspace(low, high, round(STEPS * np.log2(high / low)) + 1)
+    values = loss.at(frequencies) + edge_losses(mass, frequencies)
+    points = tuple(zip(frequencies.tolist(), np.minimum(values, MOST_LOSSES).tolist(), strict=True))
+    return LossByFrequency(points, LABORATORY, mass)
+
+
+def edge_losses(mass: float, frequency_hz: ArrayLike) -> Floats:
+    """m' / (485 sqrt f): what the edges of a laboratory take of a plate of a mass per area [kg/m^2] [1]."""
+    return np.asarray(mass / (485.0 * np.sqrt(np.asarray(frequency_hz, dtype=np.float64))))
+
+
+def refuse_laboratory(where: str, loss: Loss) -> Loss:
+    """The loss factor of what is no plate; InputError for one of ISO 12354-1, which takes a mass per area."""
+    if isinstance(loss, LossByFrequency) and loss.total == LABORATORY:
+        got, expected = "a loss factor of ISO 12354-1 in a part without mass per area", "a plate, slab or shell"
+        raise InputError(where, got=got, expected=expected, do="give it a material with a loss factor as a number")
+    return loss
 
 
 def loss_at(loss: Loss, frequency_hz: ArrayLike) -> Floats:
@@ -79,6 +151,8 @@ def weighted(losses: Sequence[Loss], shares: ArrayLike) -> Loss:
     parts = np.asarray(shares, dtype=np.float64)
     if len(set(losses)) == 1:
         return losses[0]
+    for one in losses:
+        refuse_laboratory("layers", one)
     tables = [one for one in losses if isinstance(one, LossByFrequency)]
     if not tables:
         return float(parts @ np.array(losses, dtype=np.float64))

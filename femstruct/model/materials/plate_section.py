@@ -8,7 +8,7 @@ import numpy as np
 
 from femstruct.arrays import Floats, freeze, frozen
 from femstruct.elements import laminate
-from femstruct.model.materials.loss_by_frequency import Loss
+from femstruct.model.materials.loss_by_frequency import Loss, of_plate
 
 COUPLED = 1e-9  # of what B could be: beyond the rounding of a lay-up that is the same from above and below
 
@@ -44,7 +44,8 @@ class PlateSection:
 
     def __post_init__(self) -> None:
         matrices = {name: frozen(f"PlateSection {name}", getattr(self, name), (3, 3)) for name in ("A", "B", "D")}
-        freeze(self, **matrices, As=frozen("PlateSection As", self.As, (2, 2)))
+        losses = {name: of_plate(getattr(self, name), self.m0) for name in ("loss_factor", "shear_loss_factor")}
+        freeze(self, **matrices, **losses, As=frozen("PlateSection As", self.As, (2, 2)))
 
     @property
     def thickness(self) -> float:

@@ -16,7 +16,7 @@ from femstruct.elements.quadrature import gauss_interval
 from femstruct.errors import InputError
 from femstruct.model.grid.geometry import distance_to_segments
 from femstruct.model.grid.scatter import scattered
-from femstruct.model.materials.loss_by_frequency import Loss
+from femstruct.model.materials.loss_by_frequency import Loss, refuse_laboratory
 from femstruct.model.meshed import Drawn, Meshed, OwnDofs, Spread, nodal_dofs, refuse_not_global, refuse_patch
 from femstruct.model.model import Model
 from femstruct.model.probe import Point, StressPlaces
@@ -96,7 +96,7 @@ class FrameMesh(Meshed):
 
     @property
     def loss_factor(self) -> Loss:
-        return self.part.material.loss_factor
+        return refuse_laboratory(f"parts.{self.name}.material", self.part.material.loss_factor)
 
     @property
     def girth(self) -> float:

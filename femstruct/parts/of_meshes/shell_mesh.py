@@ -83,7 +83,8 @@ class ShellMesh(CellsMesh):
 
     @property
     def loss_factor(self) -> Loss:
-        return section_of(self.part.material, float(self.thickness[0])).loss_factor
+        mean = self.thickness @ self.cells.areas / self.cells.areas.sum()
+        return section_of(self.part.material, float(mean)).loss_factor
 
     @property
     def own_axes(self) -> Floats | None:

@@ -18,7 +18,7 @@ from femstruct.model.imported.flat_cells import FlatCells
 from femstruct.model.imported.shell_cells import cell_points
 from femstruct.model.imported.solid_cells import SolidCells, facet_rows, matrices
 from femstruct.model.imported.surface_turns import around, best_turns, turns_around
-from femstruct.model.materials.loss_by_frequency import Loss
+from femstruct.model.materials.loss_by_frequency import Loss, refuse_laboratory
 from femstruct.model.meshed import OwnDofs, nodal_dofs
 from femstruct.model.probe import Point, StressPlaces, Surface
 from femstruct.model.region import Region, Side
@@ -61,7 +61,7 @@ class SolidMesh(CellsMesh):
 
     @property
     def loss_factor(self) -> Loss:
-        return self.part.material.loss_factor
+        return refuse_laboratory(f"parts.{self.name}.material", self.part.material.loss_factor)
 
     def dofs(self) -> OwnDofs:
         return nodal_dofs(len(self.places), 3)

@@ -21,7 +21,8 @@ from femstruct.parts.findings.arrangement import arrangement_findings, overhang_
 from femstruct.parts.findings.connections import pieces
 from femstruct.parts.findings.eccentric import eccentric_findings
 from femstruct.parts.findings.folded import folded_findings
-from femstruct.parts.findings.layer_losses import layer_loss_findings
+from femstruct.parts.findings.losses.layer_losses import layer_loss_findings
+from femstruct.parts.findings.losses.total_losses import total_loss_findings
 from femstruct.parts.findings.reduced_band import reduced_findings
 from femstruct.parts.findings.theory import model_findings
 from femstruct.parts.findings.twice import twice_findings
@@ -81,6 +82,8 @@ def structure_findings_before(
         found += unused_findings(structure)
         found += model_findings(model)
         found += layer_loss_findings(model)
+        rooms = [room for study in studies for room in study.rooms if room.coupling == "two-way"]
+        found += total_loss_findings(model, {room.under: room.name for room in rooms})
         found += overhang_findings(model)
         found += twice_findings(structure)
         found += arrangement_findings(model, _joined(model, studies), any(weighs(study) for study in studies))

@@ -1,0 +1,60 @@
+"""Findings on loss factors: by frequency, unused, counted twice."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from femstruct.findings.entry import CHOSEN, LIMITS, Entry, Limit
+
+LOSSES: Final = (
+    Entry(
+        "loss-beyond-table",
+        "The loss factor is given by frequency, and modes lie outside of that.",
+        LIMITS,
+        "a mode that strains the part is further from the table than the threshold",
+        "Give loss factors for all bands of the study, or accept the value of the nearest frequency.",
+        (
+            Limit(2.0**0.5, "times a frequency", "half an octave, half a band", CHOSEN, "loss_tables.BEYOND"),
+            Limit(
+                0.01, "% of a mode's elastic energy", "a part with less hardly damps it", CHOSEN, "loss_tables.STRAINED"
+            ),
+        ),
+    ),
+    Entry(
+        "loss-unused",
+        "Springs along edges or a foundation have a loss factor, and the damping is one law for the whole structure.",
+        LIMITS,
+        "by strain energy a loss factor that is not used would add more than this to that of a mode",
+        "Write damping: {from: materials} and a loss factor for each material, or remove the one that is not used.",
+        (
+            Limit(0.1, "of the mode's loss factor", "0.4 dB at resonance", CHOSEN, "loss_tables.UNUSED"),
+            Limit(1e-4, "loss factor", "no mode notices it", CHOSEN, "loss_tables.UNUSED_LEAST"),
+        ),
+    ),
+    Entry(
+        "losses-counted-twice",
+        "A part has a total loss factor, and the model has losses that are in it.",
+        LIMITS,
+        "a loss factor is that of a laboratory or from reverberation times, and at the edges of the part are springs "
+        "with losses, or other plates are joined to it; or the air of a two-way room takes more than the threshold",
+        "Give the part the internal loss factor of its material, 0.5 to 1 % for concrete, or leave out of the model "
+        "what the total holds: it is no sum that can be taken apart.",
+        (
+            Limit(
+                0.05,
+                "of the loss factor at 100 Hz",
+                "by radiation to one side with an efficiency of one; less is within what such numbers scatter",
+                CHOSEN,
+                "total_losses.RADIATED",
+            ),
+        ),
+    ),
+    Entry(
+        "laboratory-too-heavy",
+        "A plate is heavier than the loss factor of a laboratory is for.",
+        LIMITS,
+        "m' / (485 sqrt f) of ISO 12354-1 is used for more than the threshold",
+        "Use measured reverberation times, or the internal loss factor with edges that are modelled.",
+        (Limit(800.0, "kg/m^2", "the range of the formula", "ISO 12354-1, annex C", "total_losses.HEAVIEST"),),
+    ),
+)
