@@ -1,4 +1,4 @@
-"""Commands on the program: its kernels, its findings, its language."""
+"""Commands on the program: its kernels, its findings, its language, its library."""
 
 from __future__ import annotations
 
@@ -52,4 +52,25 @@ def schema(
     from femstruct.language import json_schema
 
     print_json(json_schema(kind))
+    return GOOD
+
+
+@command
+def materials(
+    words: Annotated[
+        list[str] | None, typer.Argument(metavar="[WORD]", help="part of a name; without it, all entries are listed")
+    ] = None,
+    as_json: AsJson = False,
+) -> int:
+    """List materials and products with their sources. For 'like: NAME' in a model."""
+    from femstruct.files.tables.library_tables import library_table
+    from femstruct.model.library.all_entries import looked_up
+
+    entries = looked_up(words or ())
+    if as_json:
+        print_json([library_table(entry) for entry in entries])
+    else:
+        from femstruct.view.library_listing import show_library
+
+        show_library(entries, bool(words))
     return GOOD

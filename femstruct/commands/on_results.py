@@ -28,7 +28,7 @@ def report(
     as_json: AsJson = False,
     verbose: Verbose = False,
 ) -> int:
-    """Write page, tables, pictures and sounds of a results file again. Nothing is computed anew."""
+    """Write page, tables, pictures, sounds of a results file again. Nothing is computed anew."""
     from femstruct.files.atomic import refuse_unwritable
     from femstruct.files.results_file.stored import results_file
     from femstruct.workflow.run.output import redraw

@@ -65,9 +65,9 @@ def of_material(material: AnyMaterial) -> tuple[Given, ...]:
         Given("nu", material.nu),
         of_loss(material.loss_factor),
     )
-    if not isinstance(material, Orthotropic):
-        return first
     completed = (Given("completed", material.completed),) if material.completed else ()
+    if not isinstance(material, Orthotropic):
+        return (*first, *completed)
     return (*first, Given("G", material.G, "Pa"), *completed)
 
 

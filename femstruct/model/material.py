@@ -19,7 +19,7 @@ class Material:
     """Linear elastic isotropic material.
 
     E : Young's modulus [Pa]. nu : Poisson's ratio [1]. rho : density [kg/m^3]. loss_factor : eta in K (1 + j eta) [1],
-    one number or a table by frequency.
+    one number or a table by frequency. completed : what was taken from the library, with the works that print it.
 
     Raises InputError for values that cannot be: E not above zero, nu not between -1 and 0.5, a density below zero
     or beyond 1e5 kg/m^3, a loss factor below zero or beyond 1.5.
@@ -33,6 +33,7 @@ class Material:
     nu: float
     rho: float
     loss_factor: Loss = 0.0
+    completed: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         where = f"materials.{self.name}"

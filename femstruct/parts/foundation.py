@@ -42,6 +42,7 @@ class Foundation(Part):
     both strains nothing. To the ground it acts on the mid-surface of a plate or slab, on the lower face of a block.
     region : of `on`; the whole is all that faces the other part, openings of slabs left out.
     normal, shear : stiffness per area [N/m^3] of a whole or rectangle region, per length [N/m^2] of a rim or line.
+    like : the entry of the library that it was taken from, with its source.
 
     A block of 500 kg on a mat of 0.5 m^2 with 20 MN/m^3: f = sqrt(s A / m) / 2 pi.
 
@@ -60,6 +61,7 @@ class Foundation(Part):
     shear: float = 0.0
     loss_factor: Loss = 0.0
     to: str | None = None
+    like: str = ""
 
     @property
     def ends(self) -> tuple[str, ...]:

@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Annotated, Any
+from math import radians
+from typing import TYPE_CHECKING, Annotated, Any
 
-from pydantic import Field
+from pydantic import Discriminator, Field, Tag
 
 from femstruct.errors import shown_as
+from femstruct.language.model.like import entry_for, told_of
 from femstruct.language.model.material import PlateLosses
 from femstruct.language.parts.part import MaterialName
-from femstruct.language.yaml import Length, Quantity, Spec, read_by, refuse
+from femstruct.language.yaml import Length, Quantity, Spec, Text, read_by, refuse
+from femstruct.model.library.all_entries import library
+from femstruct.model.library.library_entry import Use
 from femstruct.model.materials.lay_up import Laminate, Layer, LayUp, Smeared
 from femstruct.model.materials.orthotropic import AnyMaterial
 
@@ -35,8 +39,38 @@ def _layer(value: object) -> object:
 
 
 Written = tuple[MaterialName, Length, Annotated[float, read_by(_angle, Annotated[float, _ANGLE])]]
-Layers = Annotated[list[Annotated[Written, read_by(_layer, list[Any])]], Field(min_length=1)]
-"""[material, thickness, angle] of every layer, from the lower face up; angle: from the part's x to the material's."""
+
+
+def _some(value: object) -> object:
+    """One layer or more."""
+    if not isinstance(value, list) or not value:
+        got = "no layer" if value == [] else shown_as(value)
+        raise refuse(got, "layers [material, thickness, angle], or a lay-up", "write [[spruce, 40 mm], ..]")
+    return value
+
+
+class LaidSpec(Spec):
+    """The layers of a lay-up of the library, of one material whose grain runs along x in the lowest."""
+
+    like: Annotated[Text, entry_for(Use.LAY_UP, "a lay-up of the library", "CLT")]
+    of: MaterialName
+
+
+def _laid(value: Any) -> str:
+    return LaidSpec.__name__ if isinstance(value, dict | LaidSpec) else "list"
+
+
+if TYPE_CHECKING:
+    Layers = list[Written] | LaidSpec
+else:
+    _Listed = Annotated[
+        list[Annotated[Written, read_by(_layer, list[Any])]], read_by(_some, list[Any]), Field(min_length=1)
+    ]
+    Layers = Annotated[
+        Annotated[_Listed, Tag("list")] | Annotated[LaidSpec, Tag(LaidSpec.__name__)], Discriminator(_laid)
+    ]
+    """[material, thickness, angle] of every layer, from the lower face up, or a lay-up of the library; angle: from the
+    part's x to the material's."""
 
 
 class SmearedSpec(Spec):
@@ -52,7 +86,7 @@ class SmearedSpec(Spec):
 
 
 def lay_up(
-    layers: Sequence[tuple[str, float, float]] | None,
+    layers: Sequence[tuple[str, float, float]] | LaidSpec | None,
     smeared: SmearedSpec | None,
     thickness: float | None,
     materials: Mapping[str, AnyMaterial],
@@ -62,4 +96,8 @@ def lay_up(
         deck = smeared.noun(thickness=thickness)
         assert isinstance(deck, Smeared)
         return deck
+    if isinstance(layers, LaidSpec):
+        entry = library()[layers.like]
+        laid = tuple(Layer(materials[layers.of], each, radians(angle)) for each, angle in entry.layers)
+        return Laminate(laid, told_of(layers.like))
     return Laminate(tuple(Layer(materials[name], each, angle) for name, each, angle in layers or ()))

@@ -8,17 +8,22 @@ from typing import TYPE_CHECKING, Annotated, Any, Final, Literal
 from pydantic import Discriminator, Tag, ValidationInfo
 
 from femstruct.errors import InputError, shown_as
+from femstruct.language.model.like import entry_for, need_losses
 from femstruct.language.yaml import (
     AnyRatio,
     BandFile,
+    Here,
     MaterialLossFactor,
     Quantity,
     Spec,
+    Text,
     by_band,
     read_by,
     refuse,
     word_of,
 )
+from femstruct.model.library.alike import alike
+from femstruct.model.library.library_entry import Use
 from femstruct.model.material import Material
 from femstruct.model.materials.loss_by_frequency import (
     INTERNAL,
@@ -28,7 +33,7 @@ from femstruct.model.materials.loss_by_frequency import (
     measured_losses,
 )
 from femstruct.model.materials.orthotropic import AnyMaterial, Orthotropic
-from femstruct.model.materials.timber import CLASSES, timber
+from femstruct.model.materials.timber import CLASSES
 
 _MODULUS, _RATIO = Quantity(("pressure",), above=0.0), Quantity(("ratio",))
 Modulus = Annotated[float, _MODULUS]
@@ -171,26 +176,31 @@ class MaterialSpec(Spec):
         return Material(**values)
 
 
-class TimberSpec(Spec):
-    """Structural timber of a strength class of EN 338, x along the grain; other shear moduli, density and loss factor
-    where they are known better."""
+class LikeSpec(Spec):
+    """A material of the library, as concrete C30/37 or C24 (timber, x along the grain); values that are known better
+    in place of its own."""
 
-    makes = timber
-    called = (("like", "strength_class"),)
-    like: Annotated[Literal["C18", "C24", "C30"], word_of(CLASSES)]
-    G: Annotated[tuple[float, ...] | None, read_by(_shear_moduli, list[Modulus])] = None
+    makes = alike
+    like: Annotated[Text, entry_for(Use.MATERIAL, "a material of the library")]
+    E: Annotated[float | tuple[float, ...] | None, read_by(_moduli, Modulus | list[Modulus])] = None
+    nu: Annotated[float | tuple[float, ...] | None, read_by(_ratios, AnyRatio | list[AnyRatio])] = None
     rho: Density | None = None
-    loss_factor: PlateLosses = 0.0
+    G: Annotated[tuple[float, ...] | None, read_by(_shear_moduli, list[Modulus])] = None
+    loss_factor: PlateLosses | None = None
+
+    def check_losses(self, here: Here) -> None:
+        """Note a loss factor that the damping takes and nobody has given; timber classes have 0 then."""
+        need_losses(here, self.like, self.loss_factor is not None or self.like in CLASSES)
 
 
 def _kind(value: Any) -> str:
-    return TimberSpec.__name__ if isinstance(value, dict) and "like" in value else MaterialSpec.__name__
+    return LikeSpec.__name__ if isinstance(value, dict) and "like" in value else MaterialSpec.__name__
 
 
 if TYPE_CHECKING:
-    AnyMaterialSpec = MaterialSpec | TimberSpec
+    AnyMaterialSpec = MaterialSpec | LikeSpec
 else:
     AnyMaterialSpec = Annotated[
-        Annotated[MaterialSpec, Tag(MaterialSpec.__name__)] | Annotated[TimberSpec, Tag(TimberSpec.__name__)],
+        Annotated[MaterialSpec, Tag(MaterialSpec.__name__)] | Annotated[LikeSpec, Tag(LikeSpec.__name__)],
         Discriminator(_kind),
     ]

@@ -10,7 +10,7 @@ from femstruct.language.model.closed_form import GivenModesSpec, StructureSpec
 from femstruct.language.model.constraint import ConstraintSpec
 from femstruct.language.model.damping import DampingSpec
 from femstruct.language.model.joint import JointSpec
-from femstruct.language.model.material import AnyMaterialSpec
+from femstruct.language.model.material import AnyMaterialSpec, LikeSpec
 from femstruct.language.model.point import PointSpec
 from femstruct.language.model.section import AnySection
 from femstruct.language.model.support import SupportSpec
@@ -77,6 +77,12 @@ class ModelSpec(Spec):
             for name, one in getattr(self, group).items():
                 one.check(here.at(group, name))
         self.damping.check(here.at("damping"))
+        if self.damping.source is not None:
+            for name, material in self.materials.items():
+                if isinstance(material, LikeSpec):
+                    material.check_losses(here.at("materials", name))
+            for name, part in self.parts.items():
+                part.check_losses(here.at("parts", name))
         for name, point in self.points.items():
             there = here.at("points", name)
             if self.structure is None:

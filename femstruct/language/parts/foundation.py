@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
+from femstruct.language.model.like import entry_for, need_losses, told_of
 from femstruct.language.model.material import Losses
 from femstruct.language.model.region import Region, RegionSpec
 from femstruct.language.parts.part import PartSpec
 from femstruct.language.yaml import Here, Measured, Quantity, Refers, Spec, Text
+from femstruct.model.library.all_entries import library
+from femstruct.model.library.library_entry import Use
 from femstruct.parts.foundation import Foundation
 
 Spread = Annotated[Measured, Quantity(("stiffness/area", "stiffness/length"), least=0.0, which=True)]
@@ -22,22 +25,28 @@ class SpreadSpec(Spec):
 
 
 class FoundationSpec(PartSpec):
-    """A Winkler foundation: of a plate, slab or block to the ground, or between the facing sides of two of them."""
+    """A Winkler foundation: of a plate, slab or block to the ground, or between the facing sides of two of them. like:
+    a resilient layer of the library, by its stiffness per area."""
 
-    one_of = (("on", "between"),)
+    one_of = (("on", "between"), ("stiffness", "like"))
 
     makes = Foundation
     type: Literal["foundation"]
     on: Solid | None = None
     between: tuple[Solid, Solid] | None = None
     region: Region = RegionSpec()
-    stiffness: SpreadSpec
+    stiffness: SpreadSpec | None = None
+    like: Annotated[Text | None, entry_for(Use.LAYER, "a resilient layer of the library", "layer")] = None
     loss_factor: Losses = 0.0
 
     def check(self, here: Here) -> None:
         on, to = self.between or (self.on, None)
         here.at("between").need(on != to, f"'{on}' twice", "two different parts")
         along, there = self.region.is_line, here.at("stiffness")
+        if self.stiffness is None:
+            got = f"{self.like}, whose stiffness is per area, on a rim or a line"
+            here.at("like").need(not along, got, "a whole or rectangle region", "write 'stiffness', per length")
+            return
         right, unit = ("stiffness/area", "N/m^3 (per area)")
         if along:
             right, unit = ("stiffness/length", "N/m^2 (per length of a rim or line)")
@@ -54,8 +63,13 @@ class FoundationSpec(PartSpec):
             "a positive normal or shear stiffness",
         )
 
+    def check_losses(self, here: Here) -> None:
+        need_losses(here, self.like, "loss_factor" in self.model_fields_set)
+
     def given(self) -> dict[str, Any]:
         values = super().given()
         on, to = values.pop("between") or (values["on"], None)
-        spread = {key: one.value for key, one in values.pop("stiffness").items()}
-        return {**values, **spread, "on": on, "to": to}
+        written = values.pop("stiffness")
+        spread = {"normal": library()[values["like"]].number("stiffness_per_area")} if values["like"] else {}
+        spread |= {key: one.value for key, one in (written or {}).items()}
+        return {**values, **spread, "on": on, "to": to, "like": told_of(values["like"])}

@@ -68,6 +68,9 @@ class PartSpec(Spec):
         elif any(len(place) != 3 for place in places):
             here.wrong(f"{len(places[0])} coordinates", f"3 on a {self.type}", "global axes")
 
+    def check_losses(self, here: Here) -> None:
+        """Note a loss factor that damping from materials takes and neither the file nor the library gives."""
+
     @property
     def named_places(self) -> Mapping[str, tuple[float, ...]]:
         """Coordinates of those of center, top and bottom that it has."""

@@ -44,6 +44,8 @@ class Layer:
 class Laminate:
     """Layers from the lower face up, bonded without slip; stands where a plate takes a material.
 
+    like : the entry of the library that they were taken from, with its source.
+
     A sandwich is skins and a soft core: the core shears. Nailed or dry boards slip: they are not bonded.
 
     >>> spruce = Orthotropic("spruce", E=(11e9, 370e6), G=(690e6, 50e6), nu=0.35, rho=420.0)
@@ -54,6 +56,7 @@ class Laminate:
     """
 
     layers: tuple[Layer, ...]
+    like: str = ""
 
     def __post_init__(self) -> None:
         if not self.layers:
@@ -71,7 +74,7 @@ class Laminate:
             + (f" at {np.degrees(one.angle):.6g}°" if one.angle else "")
             for one in self.layers
         )
-        return (Given("layers", tuple(told)),)
+        return (Given("layers", tuple(told)), *((Given("like", self.like),) if self.like else ()))
 
     @property
     def materials(self) -> tuple[AnyMaterial, ...]:

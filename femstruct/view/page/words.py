@@ -18,6 +18,7 @@ _PREFIXES: Final = {  # unit: (size, shown unit), the largest first
     "N/m": ((1e9, "GN/m"), (1e6, "MN/m"), (1e3, "kN/m"), (1.0, "N/m")),
     "N/m^2": ((1e9, "GN/m^2"), (1e6, "MN/m^2"), (1e3, "kN/m^2"), (1.0, "N/m^2")),
     "N/m^3": ((1e9, "GN/m^3"), (1e6, "MN/m^3"), (1e3, "kN/m^3"), (1.0, "N/m^3")),
+    "Pa s/m^2": ((1e3, "kPa s/m^2"), (1.0, "Pa s/m^2")),
     "N s/m": ((1e3, "kN s/m"), (1.0, "N s/m")),
     "Hz": ((1e4, ""), (1.0, "Hz")),
     "m^2": ((1.0, "m^2"), (1e-6, "mm^2")),

@@ -1,0 +1,108 @@
+"""An entry of the library: what is known of a material or a product, each value with the work that prints it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import Enum
+from typing import Final
+
+from femstruct.errors import FemstructError
+
+UNITS: Final[Mapping[str, str]] = {
+    "E": "Pa",
+    "G": "Pa",
+    "nu": "",
+    "rho": "kg/m^3",
+    "loss_factor": "",
+    "thickness": "m",
+    "flow_resistivity": "Pa s/m^2",
+    "stiffness": "N/m",
+    "stiffness_per_length": "N/m^2",
+    "stiffness_per_area": "N/m^3",
+    "load": "N",
+    "pressure": "Pa",
+}
+"""The properties that entries have, with their units in SI."""
+
+
+class Use(Enum):
+    """How a model takes an entry."""
+
+    MATERIAL = "materials: {NAME: {like: ENTRY}}"
+    LAY_UP = "layers: {like: ENTRY, of: MATERIAL}"
+    HANGERS = "parts: {NAME: {type: hangers, like: ENTRY, ..}}"
+    LAYER = "the stiffness of a foundation between two parts, per area"
+    FILL = "the fill of a cavity"
+    NUMBERS = "numbers to be taken by hand"
+
+
+@dataclass(frozen=True)
+class Source:
+    """A work that prints values. read : where they were read, if not in the work itself.
+
+    >>> str(Source("EN 338:2016, table 1", "read at a maker's page"))
+    "EN 338:2016, table 1 (read at a maker's page)"
+    """
+
+    work: str
+    read: str = ""
+
+    def __str__(self) -> str:
+        return f"{self.work} ({self.read})" if self.read else self.work
+
+
+@dataclass(frozen=True)
+class Fact:
+    """One property of an entry, in SI units.
+
+    value : what a model takes; several along the axes of an orthotropic material; None where only a range is printed,
+    and a model has to say it. between : the least and the largest that are printed. note : what the number is, where it
+    is not simply printed: derived, an estimate of the author.
+    """
+
+    key: str
+    value: float | tuple[float, ...] | None
+    source: Source
+    between: tuple[float, float] | None = None
+    note: str = ""
+
+    def __post_init__(self) -> None:
+        if self.key not in UNITS or (self.value is None and self.between is None):
+            raise FemstructError(f"library {self.key}", got="a fact without a number or a name", expected="both")
+
+    @property
+    def unit(self) -> str:
+        """Its unit in SI."""
+        return UNITS[self.key]
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A material or a product. layers : of a lay-up, thicknesses [m] with 0 or 90 degrees, from the lower face up."""
+
+    name: str
+    family: str
+    use: Use
+    what: str
+    facts: tuple[Fact, ...]
+    layers: tuple[tuple[float, int], ...] = ()
+
+    def fact(self, key: str) -> Fact | None:
+        """What is known of a property; None where no source gives it."""
+        return next((one for one in self.facts if one.key == key), None)
+
+    def value(self, key: str) -> float | tuple[float, ...] | None:
+        """The value that a model takes; None where there is none, and a model has to give it."""
+        found = self.fact(key)
+        return None if found is None else found.value
+
+    def number(self, key: str) -> float | None:
+        """`value` of a property that is one number."""
+        found = self.value(key)
+        return None if isinstance(found, tuple) else found
+
+    @property
+    def works(self) -> tuple[Source, ...]:
+        """The works behind it, each once."""
+        return tuple(dict.fromkeys(one.source for one in self.facts))
