@@ -103,6 +103,7 @@ if TYPE_CHECKING:
     from femstruct.model.imported.component import Component as Component
     from femstruct.model.imported.imported_mesh import ImportedMesh as ImportedMesh
     from femstruct.model.material import Material as Material
+    from femstruct.model.materials.edge_wall import EdgeWall as EdgeWall
     from femstruct.model.materials.lay_up import Laminate as Laminate
     from femstruct.model.materials.lay_up import Layer as Layer
     from femstruct.model.materials.lay_up import Smeared as Smeared
@@ -214,6 +215,7 @@ _NAMES = {
     "model.imported.imported_mesh": ("ImportedMesh",),
     "model.material": ("Material",),
     "model.materials.lay_up": ("Laminate", "Layer", "Smeared"),
+    "model.materials.edge_wall": ("EdgeWall",),
     "model.materials.loss_by_frequency": ("LossByFrequency", "laboratory_losses", "measured_losses"),
     "model.materials.orthotropic": ("Orthotropic",),
     "model.materials.plate_section": ("PlateSection",),

@@ -99,6 +99,7 @@ def assemble(model: Model) -> Assembly:
         momentum=np.asarray((mass @ dofs.translations).T @ solved.E),
         total_mass=sum(part_masses(model).values()),
         grounded=grounded(model),
+        growing={one.name: one.grows_from for one in model.elastics if one.grows_from is not None},
     )
 
 

@@ -72,7 +72,8 @@ class Assembly:
     loss_factors : eta of every part in part_stiffness [1].
     forces : of every spring, foundation, support and joint by name, and "ground": the sum of what reaches the ground.
     momentum [3, n_free] : r^T M of the rigid translations along x, y, z. total_mass [kg].
-    grounded : names of the forces that add up to "ground".
+    grounded : names of the forces that add up to "ground". growing : parts whose stiffness grows with the square root
+    of frequency, as walls at edges, and the frequency [Hz] at which K and part_stiffness have it.
 
     Its matrices are scipy's, for any other program; `given_matrices` makes one of those of another program:
 
@@ -96,6 +97,7 @@ class Assembly:
     momentum: Floats
     total_mass: float
     grounded: tuple[str, ...] = ()
+    growing: Mapping[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         n = self.dofs.T.shape[1]

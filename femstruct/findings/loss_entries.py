@@ -32,6 +32,23 @@ LOSSES: Final = (
         ),
     ),
     Entry(
+        "walls-damp-much",
+        "Walls at the edges of a plate damp its modes so much that a sum of real modes is inexact.",
+        LIMITS,
+        "the loss factor of a mode by the walls alone is at least the threshold",
+        "Frequencies and decays of modes are those of complex modes, each at its own frequency. For levels near the "
+        "lowest modes compare with direct responses, `femstruct frf --method direct`, which are exact at every line.",
+        (
+            Limit(
+                0.1,
+                "loss factor",
+                "the sum of modes of a strip lost 0.6 dB in third octaves at 0.23, 1.5 dB at 0.36",
+                "tests/analytic/test_edge_walls.py",
+                "edge_walls.STRONG",
+            ),
+        ),
+    ),
+    Entry(
         "losses-counted-twice",
         "A part has a total loss factor, and the model has losses that are in it.",
         LIMITS,

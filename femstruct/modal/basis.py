@@ -89,7 +89,8 @@ class ModalBasis:
         frequency. In time use `time_damping`, its viscous equivalent at each mode's own frequency.
     outputs : forces of springs, foundations, supports, joints and the ground, "NAME.x", "NAME.y", "NAME.z".
     grounded : names of the outputs that add up to "ground", where it has parts.
-    part_stiffness : phi^T K_part phi [k, k] of every part: its share of the strain energy.
+    part_stiffness : phi^T K_part phi [k, k] of every part: its share of the strain energy. Of structures with walls at
+        edges, each mode at its own frequency, without what couples modes where loss factors of parts are alike.
     loss_factors : eta of the parts [1].
     residual_norm [k] : ||K phi - omega^2 M phi|| / ||K phi||-like measure of convergence [1].
     complete_below_hz : no mode is missing below it (inertia count, or known in closed form).

@@ -23,7 +23,8 @@ from femstruct.arrays import Floats
 from femstruct.assembly.matrices import Assembly
 from femstruct.conventions import N_COMPONENTS
 from femstruct.errors import FemstructError, NotConverged
-from femstruct.modal.damping import Damping
+from femstruct.modal.by_frequency.varying import Varying, varying
+from femstruct.modal.damping import Damping, FromMaterials
 from femstruct.modal.frf import lossy_matrices
 from femstruct.sparse.patterns import aligned
 from femstruct.sparse.solvers import FASTEST, SOLVERS
@@ -39,6 +40,10 @@ OVERDAMPED: Final = 1e-6
 """Of |lambda|: with a smaller imaginary part a motion does not oscillate."""
 STILL: Final = 1e-12  # of the upper end: what is lower is a motion that no stiffness resists, exactly, and has no mode
 STRAINED: Final = 1e-6  # of a shape: what is less apart from all rigid-body motions is one of them, and rounding
+BEYOND: Final = 1.5  # of the upper end: modes of the middle frequency that may be lower at their own
+TURNS: Final = 25  # of the iteration to a mode's own frequency; three or four are enough
+SETTLED: Final = 1e-11  # relative change of an eigenvalue
+SAME: Final = 1e-8  # relative difference of two that are one
 CONVERGED: Final = 1e-8  # residual of the quadratic problem, relative to its terms
 
 
@@ -119,19 +124,90 @@ def complex_modes(assembly: Assembly, damping: Damping, up_to: float) -> Complex
     K, C = lossy_matrices(assembly, damping)
     M = assembly.M
     top = 2.0 * np.pi * up_to
+    parts = varying(assembly, isinstance(damping.base, FromMaterials))
+    if parts:
+        return _each_at_its_own(assembly, (K, C, M), parts, top)
+    values, vectors = _of_constant(K, C, M, top, 1.0)
+    residual = _residual(values, vectors, K, C, M)
+    return _told(assembly, values, vectors, residual)
+
+
+def _of_constant(K: csc_array, C: csc_array, M: csc_array, top: float, reach: float) -> tuple[Complex, Complex]:
+    """Eigenvalues up to a share `reach` of the upper end [rad/s], ascending, and shapes, of constant matrices."""
     pattern, (springs, losses, inertia) = aligned([K, C, M])
     shift = top / 2.0 * (1j * (1.0 + OFF_THE_AXIS) - OFF_THE_AXIS)
     analysis = SOLVERS[FASTEST](pattern)
     factor = analysis.factor(springs + shift * losses + shift**2 * inertia)
     values, vectors = _near(shift, top, M, C, lambda load: _complex(factor.solve(_complex(load))))
-    kept = (values.imag > OVERDAMPED * np.abs(values)) & (np.abs(values) <= top)
+    kept = (values.imag > OVERDAMPED * np.abs(values)) & (np.abs(values) <= reach * top)
     order = np.argsort(np.abs(values[kept]), kind="stable")
     values, vectors = values[kept][order], vectors[:, kept][:, order]
     for i, value in enumerate(values):
         values[i], vectors[:, i] = _refined(value, vectors[:, i], K, C, M)
     moves = np.abs(values) > STILL * top
-    values, vectors = values[moves], vectors[:, moves]
-    residual = _residual(values, vectors, K, C, M)
+    return values[moves], vectors[:, moves]
+
+
+def _each_at_its_own(
+    assembly: Assembly, matrices: tuple[csc_array, csc_array, csc_array], parts: tuple[Varying, ...], top: float
+) -> ComplexModes:
+    """Of matrices that depend on frequency: modes of those at the middle, each then followed to its own frequency."""
+    K, C, M = matrices
+    middle = _sum(K, parts, top / 2.0)
+    values, vectors = _of_constant(middle, C, M, top, BEYOND)
+    residual = np.zeros(len(values))
+    for i, value in enumerate(values):
+        values[i], vectors[:, i], residual[i] = _followed(complex(value), vectors[:, i], matrices, parts)
+    kept = np.flatnonzero(np.abs(values) <= top)
+    order = kept[np.argsort(np.abs(values[kept]), kind="stable")]
+    values, vectors, residual = values[order], vectors[:, order], residual[order]
+    size = np.linalg.norm(vectors, axis=0)
+    for i in range(1, len(values)):
+        alike = abs(np.vdot(vectors[:, i - 1], vectors[:, i])) / (size[i - 1] * size[i])
+        if abs(values[i] - values[i - 1]) < SAME * abs(values[i]) and alike > 1.0 - SAME:
+            hz = abs(values[i]) / (2.0 * np.pi)
+            raise NotConverged("complex modes", got=f"one mode twice, at {hz:.4g} Hz", do="use another --up-to")
+    return _told(assembly, values, vectors, residual)
+
+
+def _followed(
+    value: complex,
+    vector: Complex,
+    matrices: tuple[csc_array, csc_array, csc_array],
+    parts: tuple[Varying, ...],
+) -> tuple[complex, Complex, float]:
+    """An eigenvalue of matrices that depend on it, its shape and residual: inverse iteration, a factor each step."""
+    K, C, M = matrices
+    x = vector / np.linalg.norm(vector)
+    own = K
+    for _ in range(TURNS):
+        own = _sum(K, parts, value / 1j)
+        at = csc_array(own + value * C + value**2 * M)
+        pattern, (entries,) = aligned([at])
+        slope = _sum(csc_array(C + 2.0 * value * M), parts, value / 1j, slope=value)
+        y = _complex(SOLVERS[FASTEST](pattern).factor(entries).solve(_times(slope, x)))
+        step = complex(np.vdot(x, x) / np.vdot(x, y))
+        value, x = value - step, y / np.linalg.norm(y)
+        if abs(step) < SETTLED * abs(value):
+            break
+    own = _sum(K, parts, value / 1j)
+    return value, x, float(_residual(np.array([value]), x[:, None], own, C, M)[0])
+
+
+def _sum(matrix: csc_array, parts: tuple[Varying, ...], omega: complex, slope: complex = 0.0) -> csc_array:
+    """A matrix with the parts at a frequency, or with their derivative by the eigenvalue `slope`, of those that grow
+    with its square root; that of tables is left out, which costs a step or two."""
+    total = matrix
+    for part in parts:
+        factor = part.factor(omega)
+        if slope:
+            factor = factor / (2.0 * slope) if part.grows else 0.0
+        total = csc_array(total + factor * part.stiffness)
+    return total
+
+
+def _told(assembly: Assembly, values: Complex, vectors: Complex, residual: Floats) -> ComplexModes:
+    """The modes, if all are converged."""
     if residual.size and residual.max() > CONVERGED:
         raise NotConverged("complex modes", got=f"a residual of {residual.max():.1e}", expected=f"{CONVERGED:g}")
     nodal = _times(assembly.dofs.T, vectors).reshape(len(assembly.points), N_COMPONENTS, len(values))

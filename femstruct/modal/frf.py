@@ -12,6 +12,8 @@ from femstruct.arrays import Floats, frozen
 from femstruct.assembly.matrices import Assembly
 from femstruct.errors import InputError, NotConverged
 from femstruct.modal.basis import ForceRow, ModalBasis
+from femstruct.modal.by_frequency.edge_walls import without_walls
+from femstruct.modal.by_frequency.varying import varying
 from femstruct.modal.damping import Damping, FromMaterials, LossFactor, Rayleigh
 from femstruct.modal.outputs import AXES
 from femstruct.modal.superposition import Complex, amplitudes, of_force, of_motion, superposed
@@ -145,13 +147,13 @@ def direct_frf(
     Raises InputError for a damping or force it cannot have, NotConverged if a line keeps a residual above 1e-8.
     """
     omega = _omega(frequency_hz)
-    stiffness, dashpots, eta, law = _complex_stiffness(assembly, damping)
+    stiffness, dashpots, eta, law = _complex_stiffness(without_walls(assembly), damping)
     load = _dense_row(assembly, drive)
     through = _passed_on(assembly, response, drive) if isinstance(response, str) else 0.0
     _check_kind(response, kind)
-    tables = _tables(assembly, law)
-    pattern, (springs, losses, inertia, *tabled) = aligned(
-        [stiffness, dashpots, assembly.M, *(assembly.part_stiffness[part] for part in tables)]
+    parts = varying(assembly, isinstance(law, FromMaterials))
+    pattern, (springs, losses, inertia, *others) = aligned(
+        [stiffness, dashpots, assembly.M, *(part.stiffness for part in parts)]
     )
     analysis = SOLVERS[FASTEST](pattern)
     answers = np.empty(len(omega), dtype=np.complex128)
@@ -162,8 +164,8 @@ def direct_frf(
             else _dense_row(assembly, response).astype(np.complex128)
         )
         values = springs + 1j * w * losses - w**2 * inertia
-        for loss, part_springs in zip(tables.values(), tabled, strict=True):
-            values = values + 1j * loss.at(w / (2.0 * np.pi)) * part_springs
+        for part, part_springs in zip(parts, others, strict=True):
+            values = values + part.factor(w) * part_springs
         try:
             factor = analysis.factor(values)
         except ZeroPivot as error:
@@ -187,8 +189,9 @@ def _solve_line(A: csc_array, factor: Factored, load: Floats, omega: float) -> C
 
 
 def lossy_matrices(assembly: Assembly, damping: Damping) -> tuple[csc_array, csc_array]:
-    """K with its losses and C of an assembly with a law of damping; InputError for ratios and single modes."""
-    stiffness, dashpots, _, _ = _complex_stiffness(assembly, damping)
+    """K with its losses and C of an assembly with a law of damping, without what depends on frequency (`varying`);
+    InputError for ratios and single modes."""
+    stiffness, dashpots, _, _ = _complex_stiffness(without_walls(assembly), damping)
     return stiffness, dashpots
 
 
@@ -215,12 +218,6 @@ def _complex_stiffness(
         do = f"write loss_factor: {200.0 * law.value:g} %, the same at each natural frequency"
         raise InputError("damping.ratio", got="one damping ratio of all modes", expected=_LAWS, do=do)
     return csc_array(assembly.K.astype(np.complex128)), assembly.C, 0.0, None
-
-
-def _tables(assembly: Assembly, law: object) -> dict[str, LossByFrequency]:
-    """Parts whose loss factors depend on frequency, where the law asks for those of materials."""
-    found = assembly.loss_factors.items() if isinstance(law, FromMaterials) else ()
-    return {part: loss for part, loss in found if isinstance(loss, LossByFrequency)}
 
 
 def _force_row(

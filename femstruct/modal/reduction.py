@@ -10,9 +10,17 @@ from femstruct.arrays import Floats
 from femstruct.assembly.matrices import Assembly
 from femstruct.errors import Finding
 from femstruct.modal.basis import Kind, ModalBasis
+from femstruct.modal.by_frequency.edge_walls import (
+    complex_walls,
+    edge_vectors,
+    losses_alike,
+    referred,
+    wall_findings,
+)
+from femstruct.modal.by_frequency.own_modes import own_modes, wall_shares
 from femstruct.modal.outputs import AXES, convergence, force_rows, nodal_shapes, projected
 from femstruct.modal.residuals import residual_vectors
-from femstruct.modal.solve import modes
+from femstruct.modal.solve import Modes, modes
 from femstruct.model.probe import Probe
 
 _CAPTURED = 0.9  # of the mass: the share below which a direction counts as cut short
@@ -62,13 +70,20 @@ def modal_basis(
     >>> basis.frequency_hz.round(1)
     array([ 75.6, 164.1])
     """
+    assembly = _with_walls_near(assembly, up_to, count)
     found = modes(assembly.K, assembly.M, up_to_hz=up_to, count=count, labels=assembly.dofs.labels)
     moved = assembly.momentum[[AXES.index(axis) for axis in base]].T
     loads = np.concatenate([_loads(assembly, probes), moved, _dashpots(assembly)], axis=1)
     extra_values, extra_shapes = residual_vectors(assembly.K, assembly.M, found, loads)
     values = np.concatenate([found.eigenvalues, extra_values])
     shapes = np.concatenate([found.shapes, extra_shapes], axis=1)
-    n_modes, n_extra = len(found.eigenvalues), len(extra_values)
+    residual_norm = convergence(assembly.K, assembly.M, values, shapes)
+    n_modes = len(found.eigenvalues)
+    values, shapes, walls, of_walls = _at_own_frequencies(assembly, found, values, shapes)
+    n_extra, residual_norm = len(values) - n_modes, residual_norm[: len(values)]
+    parts = {name: projected(part, shapes) for name, part in assembly.part_stiffness.items()}
+    if walls and losses_alike(assembly):
+        parts = {name: np.diag(np.diag(part)) for name, part in parts.items()}
     rigid: tuple[Kind, ...] = ("rigid",)
     elastic: tuple[Kind, ...] = ("elastic",)
     extra: tuple[Kind, ...] = ("residual",)
@@ -84,15 +99,46 @@ def modal_basis(
         dashpots=dashpots,
         hysteretic=np.zeros((len(values), len(values))),
         outputs=force_rows(assembly.forces, shapes),
-        part_stiffness={name: projected(part, shapes) for name, part in assembly.part_stiffness.items()},
+        part_stiffness=parts | walls,
         loss_factors=dict(assembly.loss_factors),
-        residual_norm=convergence(assembly.K, assembly.M, values, shapes),
+        residual_norm=residual_norm,
         complete_below_hz=complete_below_hz,
         momentum=momentum,
         total_mass=assembly.total_mass,
-        findings=_truncation(assembly, momentum[:, :n_modes] ** 2, found.eigenvalues, complete_below_hz),
+        findings=_truncation(assembly, momentum[:, :n_modes] ** 2, values[:n_modes], complete_below_hz) + of_walls,
         grounded=assembly.grounded,
     )
+
+
+def _with_walls_near(assembly: Assembly, up_to: float | None, count: int | None) -> Assembly:
+    """The assembly with walls at its edges, if any, as they are at half the highest frequency: modes left out are
+    higher at their own frequencies than there."""
+    if not assembly.growing:
+        return assembly
+    if up_to is None:
+        found = modes(assembly.K, assembly.M, count=count, labels=assembly.dofs.labels)
+        up_to = float(np.sqrt(found.eigenvalues.max(initial=0.0))) / (2.0 * np.pi)
+    return referred(assembly, up_to / 2.0) if up_to > 0.0 else assembly
+
+
+def _at_own_frequencies(
+    assembly: Assembly, found: Modes, values: Floats, shapes: Floats
+) -> tuple[Floats, Floats, dict[str, Floats], tuple[Finding, ...]]:
+    """(omega^2, shapes, stiffness of walls at the edges, findings) with each mode at its own frequency, of structures
+    with such walls; as they are without."""
+    rigid, count, residual = found.n_rigid, len(found.eigenvalues), len(values) - len(found.eigenvalues)
+    if not assembly.growing or count <= rigid:
+        return values, shapes, {}, ()
+    spanned = np.concatenate([shapes, edge_vectors(assembly, found, shapes)], axis=1)
+    walls = complex_walls(assembly, spanned)
+    reference = next(iter(assembly.growing.values()))
+    own = own_modes(projected(assembly.K, spanned), list(walls.values()), reference, rigid, count, residual)
+    held = {
+        name: wall_shares(own, i, float(wall.imag.trace() / wall.real.trace()), wall.real, rigid)
+        for i, (name, wall) in enumerate(walls.items())
+    }
+    squared = np.concatenate([values[:rigid], own.omega**2, own.rest])
+    return squared, spanned @ own.turn, held, wall_findings(own, assembly.growing)
 
 
 def _loads(assembly: Assembly, probes: Sequence[Probe]) -> Floats:

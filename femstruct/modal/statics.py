@@ -13,6 +13,7 @@ from femstruct.arrays import Floats, freeze, frozen
 from femstruct.assembly.matrices import Assembly
 from femstruct.conventions import GRAVITY, N_COMPONENTS
 from femstruct.errors import InputError
+from femstruct.modal.by_frequency.edge_walls import without_walls
 from femstruct.modal.solve import modes
 from femstruct.model.facts import part_masses
 from femstruct.model.model import Model
@@ -76,6 +77,7 @@ def statics(model: Model, assembly: Assembly, forces: Sequence[tuple[Probe, floa
     >>> round(1e3 * rest.of(model.points["tip"].probe("z")), 2), round(float(rest.forces["wall"][2]), 2)
     (-1.38, -15.4)
     """
+    assembly = without_walls(assembly)
     _refuse_free(assembly)
     n = len(assembly.points) * N_COMPONENTS
     nodal = np.zeros(n)

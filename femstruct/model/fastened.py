@@ -18,6 +18,8 @@ class Elastic:
     rows [m, n_nodes * 7] : the displacements. stiffness, damping [m] : of each, area and length included [N/m].
     directions [m, 3] : global direction of the force each makes, zero for rotations. grounded : whether the force goes
     to the ground or to a second part. places [q, 3] : where they act [m], for pictures; none where nodes show it.
+    grows_from : frequency [Hz] at which it has this stiffness, where it grows with the square root of frequency, as
+    that of the edge of a semi-infinite plate does; None for a stiffness of all frequencies.
     """
 
     name: str
@@ -28,6 +30,7 @@ class Elastic:
     grounded: bool
     loss_factor: Loss = 0.0
     places: Floats = field(default_factory=lambda: np.zeros((0, 3)))
+    grows_from: float | None = None
 
     def __post_init__(self) -> None:
         m = self.rows.shape[0]

@@ -16,6 +16,7 @@ from femstruct.conventions import DIRECTIONS
 from femstruct.declared import checked
 from femstruct.errors import InputError
 from femstruct.model.equations.constraint import Constraint
+from femstruct.model.materials.edge_wall import EdgeWall
 from femstruct.model.materials.loss_by_frequency import Loss, check_loss
 from femstruct.model.part import Body, Part
 from femstruct.model.region import Pair, Region, Side
@@ -137,7 +138,7 @@ class Support:
     stiffness : of edges on springs, per length: "z" along the normal of the part [N/m^2], "about edge" against
     rotation about the edge [N m/rad/m]. Edges are those of a plate or a line on it, of a slab or shell its free edges
     in a set or box. fix is () then, or `simple` or `roller` beside "about edge" alone: a pinned edge. loss_factor : of
-    these springs [1].
+    these springs [1]. walls : at a pinned edge, each a semi-infinite plate (`EdgeWall`), in place of a stiffness.
 
     >>> Support("walls", "simple", on="floor", edge="all").fix, Support("foot", ("z",), at="corner").fix
     ('simple', ('z',))
@@ -155,29 +156,34 @@ class Support:
     region: Region | None = None
     stiffness: Mapping[str, float] = field(default_factory=dict)
     loss_factor: Loss = 0.0
+    walls: tuple[EdgeWall, ...] = ()
 
     def __post_init__(self) -> None:
         where = f"supports.{self.name}"
-        if (isinstance(self.fix, tuple) and not set(self.fix) <= set(DIRECTIONS)) or not (self.fix or self.stiffness):
+        springs = bool(self.stiffness) and not self.walls
+        if (isinstance(self.fix, tuple) and not set(self.fix) <= set(DIRECTIONS)) or not (self.fix or springs):
             raise InputError(f"{where}.fix", got=f"{self.fix!r}", expected=FIXED)
         check_loss(f"{where}.loss_factor", self.loss_factor)
         if self.loss_factor and not self.stiffness:
             raise InputError(f"{where}.loss_factor", got="a loss factor without springs", expected="a stiffness beside")
-        if not self.stiffness:
+        if not self.stiffness and not self.walls:
             return
         if self.on is None or (self.edge is None and self.line is None and self.region is None):
-            raise InputError(where, got="springs of no edge", expected="an edge, line, set or box of a part")
+            raise InputError(where, got="springs or walls of no edge", expected="an edge, line, set or box of a part")
         self._check_springs(where)
 
     def _check_springs(self, where: str) -> None:
-        """Raise InputError for springs in directions that are held."""
+        """Raise InputError for springs or walls in directions that are held, or of none."""
+        if self.stiffness and self.walls:
+            do = "walls resist the rotation about the edge themselves"
+            raise InputError(f"{where}.stiffness", got="a stiffness beside walls", expected="one of them", do=do)
         known = (ACROSS, ABOUT)
         for key, value in self.stiffness.items():
             if key not in known or not value > 0.0:
                 got, expected = f"{key}: {value:g}", f"positive stiffnesses of {' or '.join(map(repr, known))}"
                 raise InputError(f"{where}.stiffness", got=got, expected=expected)
         if self.fix and self.fix not in ("simple", "roller"):
-            got, expected = f"{self.fix} beside springs", "simple, roller or nothing"
+            got, expected = f"{self.fix} beside springs or walls", "simple, roller or nothing"
             raise InputError(f"{where}.fix", got=got, expected=expected)
         if self.fix and ACROSS in self.stiffness:
             do = "remove 'fix': the springs carry the edge"

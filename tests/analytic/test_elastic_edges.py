@@ -170,7 +170,7 @@ def test_losses_that_a_general_law_leaves_out_are_told() -> None:
         ({"stiffness": {"about edge": 1e6}, "fix": "clamped"}, "clamped beside springs"),
         ({"stiffness": {"rx": 1e6}}, "rx: 1e\\+06"),
         ({"stiffness": {"z": -1.0}}, "z: -1"),
-        ({"stiffness": {"z": 1.0}, "edge": None}, "springs of no edge"),
+        ({"stiffness": {"z": 1.0}, "edge": None}, "springs or walls of no edge"),
         ({"fix": "simple", "loss_factor": 0.2}, "a loss factor without springs"),
         ({"stiffness": {"z": 1.0}, "loss_factor": 2.0}, "loss_factor"),
     ],

@@ -53,6 +53,7 @@ NOUNS = [
     fs.PlaceOn("drop", "plate", at=((0.2, 0.1),), patch=(0.1, 0.1)),
     fs.SurfaceOn("top", "plate"),
     fs.Support("edges", "simple", on="plate", edge="all"),
+    fs.EdgeWall(STEEL, 0.2), fs.Support("pinned", "simple", on="plate", edge="x0", walls=(fs.EdgeWall(STEEL, 0.2),)),
     fs.Support("strip", on="plate", edge="x0", stiffness={"z": 5e6}, loss_factor=0.2),
     fs.Structure("a plate", (PLATE,)),
     fs.Block("block", 10.0, (0.0, 0.0, 0.0), (1.0, 1.0, 1.0), (0.5, 0.5, 0.5), (1.0, 1.0, 1.0)),

@@ -106,7 +106,8 @@ class ModelSpec(Spec):
         parts = here.each("parts", self.parts, lambda _, name, one: one.build(name, of))
         points = tuple(one.place_on(name, self.parts) for name, one in self.points.items())
         constraints = here.each("constraints", self.constraints, lambda _, name, one: one.noun(name=name))
-        groups = {group: getattr(self, group).items() for group in ("joints", "surfaces", "supports")}
+        supports = here.each("supports", self.supports, lambda _, name, one: one.of(name, materials))
+        groups = {group: getattr(self, group).items() for group in ("joints", "surfaces")}
         nouns: Any = {group: tuple(one.noun(name=name) for name, one in items) for group, items in groups.items()}
-        nouns["constraints"] = tuple(constraints.values())
+        nouns |= {"constraints": tuple(constraints.values()), "supports": tuple(supports.values())}
         return Structure(title, tuple(parts.values()), points=points, **nouns)

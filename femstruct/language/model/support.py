@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated, Any, Literal, get_args
+from typing import Annotated, Any, Final, Literal, get_args
 
-from pydantic import Field
+from pydantic import BeforeValidator, Field
 
 from femstruct.conventions import DIRECTIONS
-from femstruct.errors import shown_as
+from femstruct.errors import InputError, shown_as
 from femstruct.language.model.material import Losses
-from femstruct.language.parts.part import MESHED
+from femstruct.language.parts.part import MESHED, MaterialName
 from femstruct.language.yaml import (
     Here,
     PointName,
@@ -24,8 +24,14 @@ from femstruct.language.yaml import (
     read_by,
     refuse,
 )
+from femstruct.model.material import Material
+from femstruct.model.materials.edge_wall import EdgeWall
+from femstruct.model.materials.orthotropic import AnyMaterial
 from femstruct.model.region import Region
 from femstruct.model.structure import ABOUT, ACROSS, Edge, Fix, Support
+
+THICKEST: Final = 3.0  # m: no wall of a building is thicker
+MOST_WALLS: Final = 4  # two plates go on from an edge in each of two directions
 
 
 def _fix(value: object) -> object:
@@ -34,6 +40,14 @@ def _fix(value: object) -> object:
     if isinstance(value, list) and value:
         return tuple(only(DIRECTIONS)(one) for one in value)
     raise refuse(shown_as(value), "simple, roller, clamped or a list of x, y, z, rx, ry, rz", "write it like [z, rx]")
+
+
+def _walls(value: object) -> object:
+    if isinstance(value, bool) or not isinstance(value, int) or not 1 <= value <= MOST_WALLS:
+        raise refuse(
+            shown_as(value), f"1 to {MOST_WALLS}: how many walls stand at the edge", "write 2: above and below"
+        )
+    return value
 
 
 class EdgeStiffnessSpec(Spec):
@@ -49,13 +63,24 @@ class EdgeStiffnessSpec(Spec):
         return {key: value for key, value in both.items() if value is not None}
 
 
+class EdgeWallSpec(Spec):
+    """What walls at an edge are made of: an isotropic material and its thickness."""
+
+    material: MaterialName
+    thickness: Annotated[
+        float,
+        Quantity(("length",), above=0.0, most=THICKEST, too_large="a plain number is in metres: {number:g} mm?"),
+    ]
+
+
 class SupportSpec(Spec):
     """Held directions of an edge or line of a plate (a line: a wall under it), of a set or a box of a part that is a
-    mesh, of a point, or of a whole part; springs along an edge, with their loss factor."""
+    mesh, of a point, or of a whole part; springs along an edge with their loss factor; or walls: how many stand at a
+    pinned edge and take bending waves away, wall: of what."""
 
     one_of = (("on", "at"),)
-    at_most_one_of = (("edge", "line", "set", "box"),)
-    needs = (("loss_factor", ("stiffness",)),)
+    at_most_one_of = (("edge", "line", "set", "box"), ("stiffness", "walls"))
+    needs = (("loss_factor", ("stiffness",)), ("walls", ("wall",)), ("wall", ("walls",)))
 
     makes = Support
     fix: (
@@ -63,6 +88,8 @@ class SupportSpec(Spec):
     ) = None
     stiffness: EdgeStiffnessSpec | None = None
     loss_factor: Losses | None = None
+    walls: Annotated[int, BeforeValidator(_walls)] | None = None
+    wall: EdgeWallSpec | None = None
     on: Annotated[Text, Refers()] | None = None
     edge: Edge | None = None
     line: tuple[Position2, Position2] | None = None
@@ -72,7 +99,7 @@ class SupportSpec(Spec):
 
     @classmethod
     def refuse_keys(cls, given: Mapping[str, Any]) -> None:
-        springs = given.get("stiffness") is not None
+        springs = given.get("stiffness") is not None or given.get("walls") is not None
         if given.get("fix") is None and not springs:
             raise refuse(
                 "a support without 'fix'",
@@ -80,7 +107,8 @@ class SupportSpec(Spec):
                 "add 'fix: simple', or 'stiffness: {z: ..}'",
             )
         if springs and all(given.get(key) is None for key in ("edge", "line", "set", "box")):
-            raise refuse("a stiffness of no edge", "an edge of a plate, or a set or box of a mesh", "add 'edge: all'")
+            key = "a stiffness" if given.get("stiffness") is not None else "walls"
+            raise refuse(f"{key} of no edge", "an edge of a plate, or a set or box of a mesh", "add 'edge: all'")
 
     def check(self, here: Here) -> None:
         self._check_springs(here)
@@ -90,7 +118,7 @@ class SupportSpec(Spec):
             got = "a set or a box of a point" if among else "an edge or line of a point"
             here.need(not along and not among, got, "only a point, or 'on: PART' with an edge")
             return
-        if self.fix is None:
+        if self.fix is None and not self.walls:
             here.at("on").known(self.on, "plate" if along else MESHED)
             return
         if along and self.on in here.names.known[MESHED]:
@@ -109,29 +137,46 @@ class SupportSpec(Spec):
         )
 
     def _check_springs(self, here: Here) -> None:
-        """Springs are in directions that nothing holds."""
-        if self.stiffness is None:
+        """Springs are in directions that nothing holds, and walls at a pinned edge."""
+        if self.stiffness is None and self.walls is None:
             return
         there = here.at("fix")
         there.need(
             self.fix in (None, "simple", "roller"),
-            f"{shown_as(self.fix)} beside springs",
+            f"{shown_as(self.fix)} beside {'walls' if self.walls else 'springs'}",
             "simple, roller, or nothing",
             "what is clamped cannot turn; hold other directions by a support of their own",
         )
-        keys = self.stiffness.given()
-        here.at("stiffness").need(keys, "no stiffness", "z, about edge or both", "write {z: 5 MN/m^2}")
-        here.at("stiffness", "z").need(
-            self.fix is None or ACROSS not in keys,
-            f"a stiffness beside fix: {self.fix}, which holds z",
-            "one of them",
-            "remove 'fix': the springs carry the edge",
-            of_key=True,
-        )
+        if self.stiffness is not None:
+            keys = self.stiffness.given()
+            here.at("stiffness").need(keys, "no stiffness", "z, about edge or both", "write {z: 5 MN/m^2}")
+            here.at("stiffness", "z").need(
+                self.fix is None or ACROSS not in keys,
+                f"a stiffness beside fix: {self.fix}, which holds z",
+                "one of them",
+                "remove 'fix': the springs carry the edge",
+                of_key=True,
+            )
+
+    def of(self, name: str, materials: Mapping[str, AnyMaterial]) -> Support:
+        """The noun, of walls of the materials. Raises InputError for walls of an orthotropic one."""
+        walls: tuple[EdgeWall, ...] = ()
+        if self.wall is not None and self.walls:
+            material = materials[self.wall.material]
+            if not isinstance(material, Material):
+                where = f"supports.{name}.wall.material"
+                raise InputError(
+                    where, got=f"a wall of '{material.name}', orthotropic", expected="an isotropic material"
+                )
+            walls = (EdgeWall(material, self.wall.thickness),) * self.walls
+        made = self.noun(name=name, walls=walls)
+        assert isinstance(made, Support)
+        return made
 
     def given(self) -> dict[str, Any]:
         values = super().given()
-        values["fix"] = values["fix"] or ()
+        del values["wall"]
+        values["fix"] = values["fix"] or ("simple" if self.walls else ())
         values["stiffness"], values["loss_factor"] = values["stiffness"] or {}, values["loss_factor"] or 0.0
         named, box = values.pop("set"), values.pop("box")
         if named is not None or box is not None:

@@ -1,4 +1,4 @@
-"""Edges on springs: what resists along an edge of a plate, slab or shell, per length of it."""
+"""Edges on springs and edges with walls: what resists along an edge of a plate, slab or shell, per length of it."""
 
 from __future__ import annotations
 
@@ -8,21 +8,22 @@ from scipy.sparse import csr_array, vstack
 from femstruct.arrays import Floats
 from femstruct.errors import InputError, some_of
 from femstruct.model.fastened import Elastic
+from femstruct.model.materials.edge_wall import WALLS_AT
 from femstruct.model.meshed import EdgePoints
 from femstruct.model.model import Model
 from femstruct.model.rows import sparse_rows
 from femstruct.model.structure import ABOUT, ACROSS, Support
 
-SPRINGS = "springs"  # beside the name of a support that holds the edge, too: a part of their own
+SPRINGS, WALLS = "springs", "walls"  # beside the name of a support that holds the edge, too: a part of their own
 
 
 def elastic_edges(item: Support, model: Model, tolerance: float) -> tuple[Elastic, ...]:
     """Springs along the edges or the line of a support, at Gauss points: across the part, and about the edge.
 
-    A support that only has springs gives them its name; beside what it holds they are "NAME springs".
+    A support that only has springs gives them its name; beside what it holds they are "NAME springs" or "NAME walls".
     Raises InputError for a part without edges, and for a set or box without a free edge.
     """
-    if not item.stiffness:
+    if not item.stiffness and not item.walls:
         return ()
     name = item.on or ""
     if name not in model.parts:
@@ -30,6 +31,13 @@ def elastic_edges(item: Support, model: Model, tolerance: float) -> tuple[Elasti
         raise InputError(f"supports.{item.name}.on", got=f"'{name}'", expected=expected)
     points = model.parts[name].edge_points(item, tolerance)
     n_nodes = model.mesh.n_nodes
+    if item.walls:
+        about = sum(wall.stiffness(WALLS_AT) for wall in item.walls)
+        lost = sum(wall.stiffness(WALLS_AT) * wall.loss_factor for wall in item.walls)
+        rows, stiffness, directions = _turning(points, about, n_nodes)
+        none = np.zeros(stiffness.size)
+        own = f"{item.name} {WALLS}"
+        return (Elastic(own, rows, stiffness, none, directions, True, lost / about, grows_from=WALLS_AT),)
     found = []
     if ACROSS in item.stiffness:
         moved = np.einsum("pi,pikc->pkc", points.across, points.rows[:, :3])[:, None]

@@ -65,6 +65,9 @@ def exported(
             raise InputError(f"--to {to}", got=got, expected="a model with parts")
         tell("matrices")
         assembly = assemble(mesh_structure(source.structure))
+        if assembly.growing:
+            got = f"{', '.join(assembly.growing)}, whose stiffness depends on frequency"
+            raise InputError(f"--to {to}", got=got, expected="constant matrices", do="give the edge a stiffness")
     folder.mkdir(parents=True, exist_ok=True)
     return (write_npz if to == "npz" else write_mtx)(assembly, folder, name, _about(source, assembly, command))
 

@@ -79,6 +79,9 @@ def structure_findings_before(
         found += material_findings(Material("the rod", structure.E, 0.3, structure.rho))
     if isinstance(structure, Structure) and model is not None:
         found += plausibility_findings(structure.parts)
+        used = {material for part in structure.parts for material in part.materials()}
+        walls = dict.fromkeys(wall.material for support in structure.supports for wall in support.walls)
+        found += [one for material in walls if material not in used for one in material_findings(material)]
         found += unused_findings(structure)
         found += model_findings(model)
         found += layer_loss_findings(model)
