@@ -37,7 +37,8 @@ LOSSES: Final = (
         LIMITS,
         "the loss factor of a mode by the walls alone is at least the threshold",
         "Frequencies and decays of modes are those of complex modes, each at its own frequency. For levels near the "
-        "lowest modes compare with direct responses, `femstruct frf --method direct`, which are exact at every line.",
+        "lowest modes compare with direct responses, `femstruct frf --method direct`, which are exact at every line. "
+        "Walls are taken at normal incidence: modes with several half waves along an edge lose less.",
         (
             Limit(
                 0.1,

@@ -137,8 +137,9 @@ class Support:
 
     stiffness : of edges on springs, per length: "z" along the normal of the part [N/m^2], "about edge" against
     rotation about the edge [N m/rad/m]. Edges are those of a plate or a line on it, of a slab or shell its free edges
-    in a set or box. fix is () then, or `simple` or `roller` beside "about edge" alone: a pinned edge. loss_factor : of
-    these springs [1]. walls : at a pinned edge, each a semi-infinite plate (`EdgeWall`), in place of a stiffness.
+    in a set or box. fix is () then, or `simple`, `roller` or translations beside "about edge" alone: a pinned edge.
+    loss_factor : of these springs [1]. walls : at a pinned edge, each a semi-infinite plate (`EdgeWall`), in place of a
+    stiffness.
 
     >>> Support("walls", "simple", on="floor", edge="all").fix, Support("foot", ("z",), at="corner").fix
     ('simple', ('z',))
@@ -182,14 +183,23 @@ class Support:
             if key not in known or not value > 0.0:
                 got, expected = f"{key}: {value:g}", f"positive stiffnesses of {' or '.join(map(repr, known))}"
                 raise InputError(f"{where}.stiffness", got=got, expected=expected)
-        if self.fix and self.fix not in ("simple", "roller"):
-            got, expected = f"{self.fix} beside springs or walls", "simple, roller or nothing"
+        if self.fix and not pins(self.fix):
+            got, expected = f"{self.fix} beside springs or walls", "simple, roller, some of x, y, z, or nothing"
             raise InputError(f"{where}.fix", got=got, expected=expected)
         if self.fix and ACROSS in self.stiffness:
             do = "remove 'fix': the springs carry the edge"
             raise InputError(
                 f"{where}.stiffness.z", got=f"a stiffness beside {self.fix}", expected="one of them", do=do
             )
+
+
+def pins(fix: Fix | tuple[str, ...]) -> bool:
+    """Whether what is held of an edge leaves it free to turn.
+
+    >>> pins("simple"), pins(("z",)), pins("clamped"), pins(("z", "rx"))
+    (True, True, False, False)
+    """
+    return fix in ("simple", "roller") if isinstance(fix, str) else set(fix) <= set(DIRECTIONS[:3])
 
 
 @dataclass(frozen=True)

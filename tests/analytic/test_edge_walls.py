@@ -149,6 +149,17 @@ def test_a_wall_has_its_closed_form() -> None:
     assert lossy.stiffness(80.0) * (1 + 1j * lossy.loss_factor) == pytest.approx(expected, rel=1e-12)  # rounding
 
 
+@pytest.mark.parametrize(("q", "absorbed"), [(0.1, 0.16528926), (0.5, 0.44444444), (1.0, 0.5), (2.0, 0.44444444)])
+def test_walls_absorb_what_the_reflection_at_a_pinned_edge_leaves(q: float, absorbed: float) -> None:
+    """w = exp(-jkx) + r exp(jkx) + t exp(kx) where w = 0 and B w'' = -k_r w'; real_floors: 2 q / (1 + q)^2."""
+    wall = EdgeWall(CONCRETE, HEIGHT * q**0.4)
+    k = (MASS * (2 * np.pi * 63.0) ** 2 / BENDING) ** 0.25
+    spring = wall.stiffness(63.0) * (1 + 1j * wall.loss_factor) / (BENDING * k)
+    left = np.array([[1.0, 1.0], [-1.0 + 1j * spring, 1.0 + spring]])
+    r, _ = np.linalg.solve(left, np.array([-1.0, 1.0 + 1j * spring]))
+    assert 1.0 - abs(r) ** 2 == pytest.approx(absorbed, rel=1e-7)  # its digits
+
+
 def test_losses_of_walls_that_a_general_law_leaves_out_are_told() -> None:
     basis = with_damping(modal_basis(assemble(strip(1, 0.25)), up_to=100.0), Damping(LossFactor(0.02)))
     assert [one.message.partition(":")[0] for one in basis.findings if one.code == "loss-unused"] == [
@@ -218,7 +229,11 @@ def test_walls_are_read(tmp_path: Path) -> None:
         ("material: brick", "material: brik", r"wall\.material: got 'brik'.*did you mean 'brick'"),
         ("material: brick", "material: clt", r"supports\.edges: got a wall of 'clt', orthotropic, expected an iso"),
         ("175 mm", "175", r"wall\.thickness"),
-        ("walls: 2", "walls: 2, fix: clamped", r"edges\.fix: got 'clamped' beside walls, expected simple, roller"),
+        (
+            "walls: 2",
+            "walls: 2, fix: clamped",
+            r"edges\.fix: got 'clamped' beside walls, expected simple, roller",
+        ),
         ("walls: 2", "walls: 2, stiffness: {z: 5 MN/m^2}", r"both stiffness and walls"),
         ("on: slab, edge: all", "at: corner", r"walls of no edge"),
     ],

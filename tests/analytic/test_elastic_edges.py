@@ -200,6 +200,21 @@ def test_springs_of_an_edge_are_read(tmp_path: Path) -> None:
     )
 
 
+def test_a_rim_of_a_slab_takes_them_too(tmp_path: Path) -> None:
+    """A slab has sets in place of edges; of one that is written as a plate's the message says so."""
+    slab = MODEL.replace("type: plate", "type: slab").replace(
+        "origin: [0, 0, 0], size: [5, 4], mesh: [4, 3]", "outline: [[0, 0], [5, 0], [5, 4], [0, 4]], mesh: 0.5 m"
+    )
+    (tmp_path / "slab.yaml").write_text(slab, encoding="utf-8")
+    with pytest.raises(InputErrors, match=r"strip\.on: got 'slab'.*of a slab write 'set: rim'"):
+        read_model_file(tmp_path / "slab.yaml")
+    (tmp_path / "slab.yaml").write_text(slab.replace("edge: all", "set: rim"), encoding="utf-8")
+    structure = read_model_file(tmp_path / "slab.yaml").structure
+    assert isinstance(structure, Structure)
+    elastic = mesh_structure(structure).elastics[0]
+    assert elastic.stiffness.sum() == pytest.approx(18.0 * (5e6 + 40e3), rel=1e-12)  # per length of the rim; rounding
+
+
 @pytest.mark.parametrize(
     ("old", "new", "told"),
     [
@@ -215,7 +230,7 @@ def test_springs_of_an_edge_are_read(tmp_path: Path) -> None:
         (
             "edge: all,",
             "edge: all, fix: [rx],",
-            r"strip\.fix: got .*beside springs, expected simple, roller, or nothing",
+            r"strip\.fix: got .*beside springs, expected simple, roller, directions",
         ),
         ("edge: all, ", "", r"strip.*: got a stiffness of no edge, expected an edge of a plate"),
         (

@@ -28,7 +28,7 @@ from femstruct.model.material import Material
 from femstruct.model.materials.edge_wall import EdgeWall
 from femstruct.model.materials.orthotropic import AnyMaterial
 from femstruct.model.region import Region
-from femstruct.model.structure import ABOUT, ACROSS, Edge, Fix, Support
+from femstruct.model.structure import ABOUT, ACROSS, Edge, Fix, Support, pins
 
 THICKEST: Final = 3.0  # m: no wall of a building is thicker
 MOST_WALLS: Final = 4  # two plates go on from an edge in each of two directions
@@ -118,14 +118,13 @@ class SupportSpec(Spec):
             got = "a set or a box of a point" if among else "an edge or line of a point"
             here.need(not along and not among, got, "only a point, or 'on: PART' with an edge")
             return
-        if self.fix is None and not self.walls:
-            here.at("on").known(self.on, "plate" if along else MESHED)
-            return
         if along and self.on in here.names.known[MESHED]:
             do = "of a slab write 'set: rim' or 'set: side 1', of another mesh a set or a box of it"
             here.at("on").wrong(f"'{self.on}'", "the name of a plate", do)
             return
         here.at("on").known(self.on, "plate" if along else MESHED if among else "part")
+        if self.fix is None:
+            return
         here.at("fix").need(
             along or self.fix != "roller", "a roller that is no edge or line", "directions", "write [z]"
         )
@@ -142,9 +141,9 @@ class SupportSpec(Spec):
             return
         there = here.at("fix")
         there.need(
-            self.fix in (None, "simple", "roller"),
+            self.fix is None or pins(self.fix),
             f"{shown_as(self.fix)} beside {'walls' if self.walls else 'springs'}",
-            "simple, roller, or nothing",
+            "simple, roller, directions of x, y, z, or nothing",
             "what is clamped cannot turn; hold other directions by a support of their own",
         )
         if self.stiffness is not None:
