@@ -8,6 +8,7 @@ The way through this package, each step a pure function or a frozen noun::
     field.pressures(...) ->            sound at receivers, in time; `harmonic`   fields.sound_field
       RoomResponse                       in frequency
     pressure(...), cavity_pressure(...)    the formulas of one kind              rooms, meshed
+    Cavity, Wool, cavity_air(...)      air and wool between two surfaces         cavities
     sphere_pressures(...)              the sound of a striking ball itself       open_air.sphere
     sound_levels(...) -> Levels        peaks, maxima, exposures, bands           levels.sound_levels
     heavy_impact_level(...), ...       single numbers of the standards           levels.iso, levels.jis_ks
@@ -46,6 +47,9 @@ from acoustics.rooms.box_pressure import pressure
 from acoustics.source import SurfaceShapes, SurfaceVelocity, SurfaceVibration
 
 if TYPE_CHECKING:
+    from acoustics.cavities.cavity import Cavity
+    from acoustics.cavities.cavity_air import CavityAir, cavity_air
+    from acoustics.cavities.wool import Wool
     from acoustics.fields.half_space import HalfSpace
     from acoustics.fields.rectangular import Room
     from acoustics.fields.shaped import ShapedRoom
@@ -91,6 +95,9 @@ if TYPE_CHECKING:
 
 # What needs scipy.signal, scipy.linalg or scikit-fem is slow to import: it is fetched when first asked for (PEP 562).
 _FETCHED = {
+    "acoustics.cavities.cavity": ("Cavity",),
+    "acoustics.cavities.cavity_air": ("CavityAir", "cavity_air"),
+    "acoustics.cavities.wool": ("Wool",),
     "acoustics.fields.half_space": ("HalfSpace",),
     "acoustics.fields.rectangular": ("Room",),
     "acoustics.fields.shaped": ("ShapedRoom",),
@@ -139,6 +146,8 @@ __all__ = [
     "AcousticsError",
     "Advice",
     "Air",
+    "Cavity",
+    "CavityAir",
     "CavityMesh",
     "CavityModes",
     "Directivity",
@@ -162,10 +171,12 @@ __all__ = [
     "SurfaceVelocity",
     "SurfaceVibration",
     "Wall",
+    "Wool",
     "YieldingWall",
     "absorbing",
     "air_stiffness_ratio",
     "box_mesh",
+    "cavity_air",
     "cavity_modes",
     "cavity_pressure",
     "energy_average",

@@ -103,6 +103,9 @@ if TYPE_CHECKING:
     from femstruct.model.imported.component import Component as Component
     from femstruct.model.imported.imported_mesh import ImportedMesh as ImportedMesh
     from femstruct.model.material import Material as Material
+    from femstruct.model.materials.air_between import AirBetween as AirBetween
+    from femstruct.model.materials.air_between import Bays as Bays
+    from femstruct.model.materials.air_between import Fill as Fill
     from femstruct.model.materials.edge_wall import EdgeWall as EdgeWall
     from femstruct.model.materials.lay_up import Laminate as Laminate
     from femstruct.model.materials.lay_up import Layer as Layer
@@ -133,8 +136,11 @@ if TYPE_CHECKING:
     from femstruct.parts.solid import Solid as Solid
     from femstruct.parts.spring import Spring as Spring
     from femstruct.parts.substructure import Substructure as Substructure
+    from femstruct.sound.cavities import with_cavities as with_cavities
     from femstruct.sound.placed import Placed as Placed
     from femstruct.sound.placed import placed as placed
+    from femstruct.sound.placed_cavity import PlacedCavity as PlacedCavity
+    from femstruct.sound.placed_cavity import placed_cavities as placed_cavities
     from femstruct.sound.surface import surface_velocity as surface_velocity
     from femstruct.study.acting import InitialMotion as InitialMotion
     from femstruct.study.acting import PlacedBody as PlacedBody
@@ -207,6 +213,7 @@ _NAMES = {
     "modal.reduction": ("modal_basis",),
     "modal.steady.spectrum": ("Spectrum",),
     "modal.statics": ("AtRest", "statics"),
+    "model.materials.air_between": ("AirBetween", "Bays", "Fill"),
     "model.equations.average": ("Average",),
     "model.equations.equation": ("Equation",),
     "model.equations.rigid_link": ("RigidLink",),
@@ -236,7 +243,9 @@ _NAMES = {
     "parts.solid": ("Solid",),
     "parts.spring": ("Spring",),
     "parts.substructure": ("Substructure",),
+    "sound.cavities": ("with_cavities",),
     "sound.placed": ("Placed", "placed"),
+    "sound.placed_cavity": ("PlacedCavity", "placed_cavities"),
     "sound.surface": ("surface_velocity",),
     "study.counting": ("FatigueRequest",),
     "study.result": ("StudyResult",),

@@ -105,6 +105,7 @@ DIMENSIONS: Final = {
     "dissipation": _Dimension("a dissipation factor", "s/m", "0.3 s/m", _powers(m=-1, s=1)),
     "inertance": _Dimension("an inertance", "kg/m^4", "22 kg/m^4", _powers(kg=1, m=-4)),
     "flow resistance": _Dimension("a flow resistance", "Pa*s/m^3", "500 Pa*s/m^3", _powers(kg=1, m=-4, s=-1)),
+    "flow resistivity": _Dimension("a flow resistivity", "Pa*s/m^2", "10 kPa*s/m^2", _powers(kg=1, m=-3, s=-1)),
     "specific impedance": _Dimension("a specific impedance", "Pa*s/m", "8 kPa*s/m", _powers(kg=1, m=-2, s=-1)),
     "force psd": _Dimension("a spectral density of a force", "N^2/Hz", "2 N^2/Hz", _powers(2, 2, -3, 0, -1)),
     "moment psd": _Dimension("a spectral density of a moment", "N^2*m^2/Hz", "2 N^2*m^2/Hz", _powers(2, 4, -3, 0, -1)),

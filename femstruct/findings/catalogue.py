@@ -8,6 +8,7 @@ from types import MappingProxyType
 from typing import Final, Protocol, TypeVar
 
 from femstruct.errors import InputError
+from femstruct.findings.cavity_entries import CAVITIES
 from femstruct.findings.entry import FORBIDS, LIMITS, Entry, Rank
 from femstruct.findings.impact_entries import IMPACT
 from femstruct.findings.level_entries import LEVELS
@@ -25,6 +26,7 @@ SUBJECTS: Final[Mapping[str, tuple[Entry, ...]]] = MappingProxyType(
         "modes and mesh": MODES,
         "impact": IMPACT,
         "rooms": ROOMS,
+        "cavities": CAVITIES,
         "levels and sources": LEVELS,
         "open air": OPEN_AIR,
         "study": STUDY,

@@ -15,6 +15,7 @@ NAMESPACE: Final = (
     "constraints",
     "points",
     "surfaces",
+    "cavities",
     "supports",
     "bodies",
     "contacts",

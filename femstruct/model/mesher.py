@@ -13,6 +13,7 @@ from femstruct.model.equations.supports_and_joints import joint, support
 from femstruct.model.fastened import Elastic, Inert, Tie
 from femstruct.model.grid.in_plane import steadied
 from femstruct.model.grid.planning import planned
+from femstruct.model.materials.air_between import AirBetween
 from femstruct.model.mesh import Mesh
 from femstruct.model.meshed import Meshed
 from femstruct.model.model import Model
@@ -106,13 +107,14 @@ def _fastened(
 
 
 def _check_names(structure: Structure) -> None:
-    groups: dict[str, Sequence[Part | Joint | PlaceOn | SurfaceOn | Support | Constraint]] = {
+    groups: dict[str, Sequence[Part | Joint | PlaceOn | SurfaceOn | Support | Constraint | AirBetween]] = {
         "parts": structure.parts,
         "joints": structure.joints,
         "points": structure.points,
         "surfaces": structure.surfaces,
         "supports": structure.supports,
         "constraints": structure.constraints,
+        "cavities": structure.cavities,
     }
     seen: dict[str, str] = {"ground": "the ground"}
     for group, items in groups.items():

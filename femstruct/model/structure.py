@@ -16,6 +16,7 @@ from femstruct.conventions import DIRECTIONS
 from femstruct.declared import checked
 from femstruct.errors import InputError
 from femstruct.model.equations.constraint import Constraint
+from femstruct.model.materials.air_between import AirBetween
 from femstruct.model.materials.edge_wall import EdgeWall
 from femstruct.model.materials.loss_by_frequency import Loss, check_loss
 from femstruct.model.part import Body, Part
@@ -208,8 +209,8 @@ class Structure:
     """Everything a model file says about the structure, in SI units.
 
     parts : of the kinds in `femstruct.parts`. joints : where they move together. points, surfaces : named places.
-    supports : what is held. constraints : equations between places, of the kinds in `femstruct.model.equations`. Names
-    are unique over all of it; the mesher checks that they exist.
+    supports : what is held. constraints : equations between places, of the kinds in `femstruct.model.equations`.
+    cavities : air between two of the surfaces. Names are unique over all of it; the mesher checks that they exist.
 
     >>> from femstruct.model.material import Material
     >>> from femstruct.parts.plate import Plate
@@ -227,6 +228,7 @@ class Structure:
     surfaces: tuple[SurfaceOn, ...] = ()
     supports: tuple[Support, ...] = ()
     constraints: tuple[Constraint, ...] = ()
+    cavities: tuple[AirBetween, ...] = ()
 
 
 def extent(structure: Structure) -> float:

@@ -7,7 +7,6 @@ from math import isfinite
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import block_diag, eigh
 
 from acoustics.fields.sound_field import SoundField
@@ -15,17 +14,12 @@ from acoustics.rooms.box_two_way import CoupledAir, Leak
 from acoustics.source import SurfaceShapes, side_by_side
 from femstruct.arrays import Floats
 from femstruct.errors import Finding, InputError
-from femstruct.modal.basis import ForceRow, Holder, Kind, ModalBasis
+from femstruct.modal.basis import Holder, Kind, ModalBasis
 from femstruct.modal.solve import signed
+from femstruct.sound.coupled_modes import NEGLIGIBLE_DAMPING_COUPLING, Bools, padded, stray_share, turned_row
 from femstruct.sound.placed import Placed
 from femstruct.sound.two_way_findings import cut, what_it_did
 
-Bools = NDArray[np.bool_]
-NEGLIGIBLE_DAMPING_COUPLING: Final = (
-    1e-3  # of the structure's motion: damping between modes that makes less is left out
-)
-_LOADS: Final = 8
-_LIGHT: Final = 1e-6
 _NONE: Final = 1e-9  # share of a surface's motion below which it displaces no volume: rounding
 
 
@@ -97,7 +91,10 @@ def with_cavity(
     air = room.coupled_air(surfaces, reach)
     free = np.append(np.array([kind == "rigid" for kind in basis.kind], dtype=bool), [True] * (leak is not None))
     n_rigid = int(free.sum()) - _resisted(air.compression[0, : len(omega)] * free, side_by_side(surfaces), room)
-    coupled, turn = _coupled_modes(omega, air, n_rigid)
+    # what no force meets, as wool in a cavity of the structure, no room meets either
+    hidden = np.zeros(air.compression.shape[1], dtype=bool)
+    hidden[: len(basis.omega)] = ~basis.shapes.any(axis=(0, 1)) & (np.array(basis.kind) == "residual")
+    coupled, turn = _coupled_modes(omega, air, n_rigid, hidden)
     k, own = len(basis.omega), turn[: len(basis.omega)]
     residual = np.zeros(len(coupled), dtype=bool)
     n_residual = k - basis.modes.stop
@@ -106,15 +103,16 @@ def with_cavity(
     residual[:n_rigid] = False
     order = np.argsort(residual, kind="stable")
     coupled, turn, own, residual = coupled[order], turn[:, order], own[:, order], residual[order]
-    viscous = turn.T @ (_padded(viscous, len(turn)) + air.viscous) @ turn
-    hysteretic = turn.T @ (_padded(basis.hysteretic, len(turn)) + air.hysteretic) @ turn
+    viscous = turn.T @ (padded(viscous, len(turn)) + air.viscous) @ turn
+    hysteretic = turn.T @ (padded(basis.hysteretic, len(turn)) + air.hysteretic) @ turn
     rigid = np.arange(len(coupled)) < n_rigid
     hysteretic[rigid, :] = hysteretic[:, rigid] = 0.0
     scale = np.sqrt(np.outer(coupled, coupled))
     in_time = viscous + np.divide(hysteretic, scale, out=np.zeros_like(scale), where=scale > 0)
-    stray = _stray(in_time, coupled, own[basis.modes], ~residual)
+    stray = stray_share(in_time, coupled, own[basis.modes], ~residual)
     # The resistance of a leak or of a wall that yields is a dashpot, never a modal ratio.
     kept = stray >= NEGLIGIBLE_DAMPING_COUPLING or leak is not None or bool(basis.volumes) or air.resisted
+    kept = kept or bool(hidden.any())
     dashpots = own.T @ basis.dashpots @ own
     if not kept:
         viscous, hysteretic, dashpots = (np.diag(np.diag(losses)) for losses in (viscous, hysteretic, dashpots))
@@ -130,7 +128,7 @@ def with_cavity(
         viscous=0.5 * (viscous + viscous.T),
         hysteretic=0.5 * (hysteretic + hysteretic.T),
         dashpots=0.5 * (dashpots + dashpots.T),
-        outputs={key: _turned(row, basis.omega, coupled, own) for key, row in basis.outputs.items()},
+        outputs={key: turned_row(row, basis.omega, coupled, own) for key, row in basis.outputs.items()},
         part_stiffness={key: own.T @ part @ own for key, part in basis.part_stiffness.items()},
         residual_norm=_left_over(omega, air, coupled, turn),
         complete_below_hz=min(basis.complete_below_hz / np.sqrt(1.0 + heavier), air.complete_below_hz),
@@ -176,53 +174,20 @@ def _resisted(volume: Floats, moving: SurfaceShapes, room: SoundField) -> int:
     return int((np.abs(volume) > _NONE * largest).any())
 
 
-def _coupled_modes(omega: Floats, air: CoupledAir, n_rigid: int) -> tuple[Floats, Floats]:
-    """Circular frequencies and mass-normalised modes over [structure; leak; cavity]."""
+def _coupled_modes(omega: Floats, air: CoupledAir, n_rigid: int, hidden: Bools) -> tuple[Floats, Floats]:
+    """Circular frequencies and mass-normalised modes over [structure; leak; cavity]; what is hidden is last."""
     k, whole = len(omega), air.compression.shape[1]
     structure = np.concatenate([omega, np.zeros(whole - k)])
     mass = air.mass + np.diag(np.concatenate([np.ones(k), np.zeros(whole - k)]))
     stiffness = np.diag(structure**2) + air.compression.T @ air.compression
-    _, turn = eigh(stiffness, mass)
-    turn = signed(turn, np.ones(whole))
+    seen = np.flatnonzero(~hidden)
+    turn = np.zeros((whole, whole))
+    moving: Floats = eigh(stiffness[np.ix_(seen, seen)], mass[np.ix_(seen, seen)])[1]
+    turn[seen, : len(seen)] = signed(moving, np.ones(len(seen)))
+    turn[np.flatnonzero(hidden), len(seen) + np.arange(int(hidden.sum()))] = 1.0
     squared = ((structure[:, None] * turn) ** 2).sum(axis=0) + ((air.compression @ turn) ** 2).sum(axis=0)
     squared[:n_rigid] = 0.0
     return np.sqrt(squared), turn
-
-
-def _stray(damping: Floats, omega: Floats, structure: Floats, true: Bools) -> float:
-    """Share of the structure's motion that damping between modes makes: rms over the resonances, under broad loads.
-
-    damping [k, k] [rad/s]; omega [k]; structure [m, k] : motion of the structure in every mode; true [k] : has a
-    resonance that means something.
-
-    To first order: off the diagonal it drives a mode with what the others do.
-    """
-    between = damping - np.diag(np.diag(damping))
-    if not between.any():
-        return 0.0
-    loads = structure.T @ np.random.default_rng(1).standard_normal((len(structure), _LOADS))
-    at = omega[true & (omega > 0.0)][:, None]
-    own = np.maximum(np.diag(damping), _LIGHT * omega)  # a mode without damping: its peak stays finite
-    answer = 1.0 / (omega**2 - at**2 + 1j * at * own)
-    motion = answer[:, :, None] * loads
-    change = answer[:, :, None] * (at[:, :, None] * (between @ motion))
-    sizes = [float(np.linalg.norm(np.tensordot(structure, part, axes=(1, 1)))) for part in (change, motion)]
-    return sizes[0] / sizes[1] if sizes[1] > 0.0 else 0.0
-
-
-def _padded(matrix: Floats, size: int) -> Floats:
-    padded = np.zeros((size, size))
-    padded[: len(matrix), : len(matrix)] = matrix
-    return padded
-
-
-def _turned(row: ForceRow, before: Floats, after: Floats, own: Floats) -> ForceRow:
-    """A force in the new modes; its structural damping acts in time as at their frequencies."""
-    hysteretic = row.hysteretic @ own
-    at_own = np.divide(row.hysteretic, before, out=np.zeros_like(before), where=before > 0)
-    at_new = np.divide(hysteretic, after, out=np.zeros_like(after), where=after > 0)
-    damping = (row.damping - at_own) @ own + at_new
-    return ForceRow(row.stiffness @ own, damping, row.inertia @ own, hysteretic, row.direct, row.carried)
 
 
 def _left_over(omega: Floats, air: CoupledAir, coupled: Floats, turn: Floats) -> Floats:

@@ -52,6 +52,8 @@ NOUNS = [
     fs.Equation("alike", {"left.z": 1.0, "right.z": -1.0}),
     fs.PlaceOn("drop", "plate", at=((0.2, 0.1),), patch=(0.1, 0.1)),
     fs.SurfaceOn("top", "plate"),
+    fs.Fill(10e3, 40.0), fs.Bays("y", (0.6,)),
+    fs.AirBetween("void", "underside", "ceiling", 0.2, fill=fs.Fill(10e3, 40.0)),
     fs.Support("edges", "simple", on="plate", edge="all"),
     fs.EdgeWall(STEEL, 0.2), fs.Support("pinned", "simple", on="plate", edge="x0", walls=(fs.EdgeWall(STEEL, 0.2),)),
     fs.Support("strip", on="plate", edge="x0", stiffness={"z": 5e6}, loss_factor=0.2),

@@ -6,6 +6,7 @@ from typing import Any
 
 from pydantic import Field
 
+from femstruct.language.model.cavity import CavitySpec
 from femstruct.language.model.closed_form import GivenModesSpec, StructureSpec
 from femstruct.language.model.constraint import ConstraintSpec
 from femstruct.language.model.damping import DampingSpec
@@ -21,7 +22,7 @@ from femstruct.language.yaml import Here, Names, Spec, Text, check_references, m
 from femstruct.model.structure import Structure
 from femstruct.study.structures import StructureModel
 
-_OF_PARTS = ("parts", "joints", "supports", "constraints", "surfaces", "materials", "sections")
+_OF_PARTS = ("parts", "joints", "supports", "constraints", "surfaces", "cavities", "materials", "sections")
 
 
 class ModelSpec(Spec):
@@ -34,6 +35,7 @@ class ModelSpec(Spec):
     joints: dict[str, JointSpec] = Field(default_factory=dict)
     points: dict[str, PointSpec] = Field(default_factory=dict)
     surfaces: dict[str, SurfaceSpec] = Field(default_factory=dict)
+    cavities: dict[str, CavitySpec] = Field(default_factory=dict)
     supports: dict[str, SupportSpec] = Field(default_factory=dict)
     constraints: dict[str, ConstraintSpec] = Field(default_factory=dict)
     damping: DampingSpec = DampingSpec()
@@ -107,7 +109,7 @@ class ModelSpec(Spec):
         points = tuple(one.place_on(name, self.parts) for name, one in self.points.items())
         constraints = here.each("constraints", self.constraints, lambda _, name, one: one.noun(name=name))
         supports = here.each("supports", self.supports, lambda _, name, one: one.of(name, materials))
-        groups = {group: getattr(self, group).items() for group in ("joints", "surfaces")}
+        groups = {group: getattr(self, group).items() for group in ("joints", "surfaces", "cavities")}
         nouns: Any = {group: tuple(one.noun(name=name) for name, one in items) for group, items in groups.items()}
         nouns |= {"constraints": tuple(constraints.values()), "supports": tuple(supports.values())}
         return Structure(title, tuple(parts.values()), points=points, **nouns)

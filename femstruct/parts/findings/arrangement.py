@@ -41,9 +41,14 @@ def _names(piece: Piece) -> str:
 
 
 def _unjoined(model: Model, found: tuple[Piece, ...]) -> list[Finding]:
-    """A finding for every piece beside the heaviest; pieces of the same parts, as loose legs of a frame, share one."""
+    """A finding for every piece beside the heaviest; pieces of the same parts, as loose legs of a frame, share one. The
+    air of a cavity joins what is held."""
     alike: dict[tuple[str, ...], list[Piece]] = {}
+    of_surface = {surface.name: surface.on for surface in model.structure.surfaces}
+    in_air = {of_surface.get(name) for one in model.structure.cavities for name in (one.first, one.second)}
     for piece in found[1:]:
+        if in_air.intersection(piece.parts) and not len(piece.free):
+            continue
         alike.setdefault(piece.parts, []).append(piece)
     return [_loose(model, found, pieces_of) for pieces_of in alike.values()]
 

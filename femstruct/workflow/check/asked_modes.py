@@ -19,7 +19,7 @@ from femstruct.sparse.solvers import FASTEST
 from femstruct.study.asked import Extent
 from femstruct.units import quantity
 from femstruct.workflow.judgement.structure_findings import structure_findings
-from femstruct.workflow.stages.modal_bases import Solved, solve
+from femstruct.workflow.stages.modal_bases import Solved, shown_in_air, solve
 from femstruct.workflow.stages.positions import positioned
 
 DEFAULT_MODES = 30
@@ -54,7 +54,7 @@ def modes_of(path: Path, extent: Extent, overrides: tuple[str, ...] = ()) -> Tab
     source = read_model_file(path, overrides)
     with positioned(source):
         solved = solve(source.structure, extent)
-        basis = damped_as_far_as_solved(solved.basis, source.damping)
+        basis = shown_in_air(damped_as_far_as_solved(solved.basis, source.damping), solved)
     true = basis.modes
     return {
         "title": source.title,
@@ -82,6 +82,9 @@ def complex_modes_of(path: Path, extent: Extent, overrides: tuple[str, ...] = ()
     with positioned(source):
         if not isinstance(source.structure, Structure):
             raise InputError("--complex", got="a structure in closed form", expected="a model with parts")
+        if source.structure.cavities:
+            do = "leave out --complex, or remove the cavities"
+            raise InputError("--complex", got="a model with cavities", expected="a structure without air", do=do)
         real = solve(source.structure, extent).basis
         found = complex_modes(assemble(mesh_structure(source.structure)), source.damping, extent.up_to_hz)
     rigid = [i for i, kind in enumerate(real.kind) if kind == "rigid"]

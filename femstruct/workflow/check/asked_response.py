@@ -22,7 +22,7 @@ from femstruct.study.study import Study
 from femstruct.workflow.check.asked_modes import frequency_option
 from femstruct.workflow.check.asked_stress import STRESS, stress_response
 from femstruct.workflow.judgement.all_findings import all_findings
-from femstruct.workflow.stages.modal_bases import Solved, solve
+from femstruct.workflow.stages.modal_bases import Solved, in_air, solve
 from femstruct.workflow.stages.positions import positioned
 from femstruct.workflow.stages.responses import force_axis, frequency_response
 
@@ -58,7 +58,7 @@ def frf_of(
     with positioned(source):
         asking = Study(source.title, source.structure, source.damping, Extent(), frf=(request,))
         solved = solve(source.structure, Extent(up_to_hz=2.5 * request.band[1]), (asking,))
-        basis = with_damping(solved.basis, source.damping)
+        basis = in_air(with_damping(solved.basis, source.damping), solved)
         findings = all_findings(solved, basis, requests=(request,), up_to_hz=request.band[1])
         if request.response.what == STRESS:
             told, uneven = stress_response(request, solved, basis)
@@ -82,6 +82,9 @@ def _direct(request: FrfRequest, solved: Solved, damping: Damping, answer: Frf) 
         raise InputError(
             "--method", got="'direct' of a closed-form structure", expected="modal", do="it has no matrices"
         )
+    if solved.model.structure.cavities:
+        do = "it has the matrices of the structure alone"
+        raise InputError("--method", got="'direct' of a model with cavities", expected="modal", do=do)
     response: Probe | str = f"{request.response.name}.{force_axis(request.response)}"
     if not request.response.what.startswith("force"):
         response = solved.places.point(request.response.name, "--response").probe(request.response.what)

@@ -32,7 +32,7 @@ from femstruct.workflow.judgement.impact_findings import room_findings
 from femstruct.workflow.judgement.study_findings import study_findings
 from femstruct.workflow.run.provenance import Progress
 from femstruct.workflow.stages.channels import refuse_absent_forces
-from femstruct.workflow.stages.modal_bases import Meshed, Solved, key_of, meshed, solve
+from femstruct.workflow.stages.modal_bases import Meshed, Solved, key_of, meshed, shown_in_air, solve
 from femstruct.workflow.stages.places import Places
 from femstruct.workflow.stages.positions import positioned
 from femstruct.workflow.stages.responses import response_row
@@ -119,11 +119,12 @@ def inspect_file(path: Path, overrides: tuple[str, ...] = (), progress: Progress
     with positioned(source):
         extent = Extent(count=DEFAULT_MODES) if case is None else case.study.extent
         solved = solve(structure, extent, () if case is None else case.studies)
-        basis = damped_as_far_as_solved(solved.basis, damping)
+        vacuo = damped_as_far_as_solved(solved.basis, damping)
+        basis = shown_in_air(vacuo, solved)
         progress("judgement")
         told = _early(source, case, solved, basis)
     model = solved.model
-    under_weight = () if model is None else sags(model, basis)
+    under_weight = () if model is None else sags(model, vacuo)  # air leaks at rest
     return Inspection(
         title=title,
         plan=None if isinstance(source, ModelFile) else source,
@@ -135,7 +136,7 @@ def inspect_file(path: Path, overrides: tuple[str, ...] = (), progress: Progress
         damping=damping_sentences(damping, given=isinstance(structure, ModesModel)),
         rests=() if study is None else rest_states(study),
         sags=under_weight,
-        block_modes=() if model is None else block_modes(model, basis),
+        block_modes=() if model is None else block_modes(model, vacuo),
         rooms=() if study is None else study.rooms,
         drops=() if case is None else tuple(case.drops),
         findings=ranked((*told, *weight_findings(under_weight), *_left_blank(source, basis))),

@@ -25,7 +25,7 @@ from femstruct.workflow.check.asked_response import asked_for
 from femstruct.workflow.check.asked_stress import STRESS
 from femstruct.workflow.judgement.all_findings import all_findings
 from femstruct.workflow.run.provenance import provenance
-from femstruct.workflow.stages.modal_bases import Solved, solve
+from femstruct.workflow.stages.modal_bases import Solved, in_air, solve
 from femstruct.workflow.stages.positions import positioned
 from femstruct.workflow.stages.responses import response_row
 
@@ -55,7 +55,7 @@ def frfs_of(
     with positioned(source):
         asking = Study(source.title, source.structure, source.damping, Extent(), frf=tuple(requests))
         solved = solve(source.structure, Extent(up_to_hz=2.5 * top), (asking,))
-        basis = with_damping(solved.basis, source.damping)
+        basis = in_air(with_damping(solved.basis, source.damping), solved)
         findings = all_findings(
             solved, basis, requests=requests[:1], up_to_hz=top
         )  # they are of the band, not of places

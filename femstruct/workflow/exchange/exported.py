@@ -63,6 +63,9 @@ def exported(
         if not isinstance(source.structure, Structure):
             got = "a structure in closed form, which has no matrices"
             raise InputError(f"--to {to}", got=got, expected="a model with parts")
+        if source.structure.cavities:
+            do = "remove the cavities: what the air does is no matrix of the structure's nodes"
+            raise InputError(f"--to {to}", got="a model with cavities", expected="a structure without air", do=do)
         tell("matrices")
         assembly = assemble(mesh_structure(source.structure))
         if assembly.growing:

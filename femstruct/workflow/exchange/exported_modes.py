@@ -21,7 +21,7 @@ from femstruct.model.refine import Refined, refined
 from femstruct.study.asked import Extent
 from femstruct.workflow.check.asked_modes import damped_as_far_as_solved
 from femstruct.workflow.run.provenance import Progress
-from femstruct.workflow.stages.modal_bases import solve
+from femstruct.workflow.stages.modal_bases import shown_in_air, solve
 from femstruct.workflow.stages.positions import positioned
 
 
@@ -34,7 +34,7 @@ def write_modes(
     with positioned(source):
         tell("modes")
         solved = solve(source.structure, extent)
-        basis = damped_as_far_as_solved(solved.basis, source.damping)
+        basis = shown_in_air(damped_as_far_as_solved(solved.basis, source.damping), solved)
     return write_basis(basis, solved.model, source.title, to, folder, name, sets)
 
 

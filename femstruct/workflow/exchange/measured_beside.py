@@ -19,7 +19,7 @@ from femstruct.study.asked import Extent
 from femstruct.units import quantity
 from femstruct.workflow.check.asked_modes import damped_as_far_as_solved
 from femstruct.workflow.run.provenance import Progress
-from femstruct.workflow.stages.modal_bases import solve
+from femstruct.workflow.stages.modal_bases import shown_in_air, solve
 from femstruct.workflow.stages.positions import positioned
 
 BEYOND: Final = 1.5  # times the highest measured frequency: a model too stiff by a third still has its partner
@@ -62,7 +62,7 @@ def measured_beside(
         solved = solve(source.structure, extent or Extent(up_to_hz=highest))
         if solved.model is None:
             raise InputError(str(path), got="a structure in closed form", expected="a model with parts")
-        basis = damped_as_far_as_solved(solved.basis, source.damping)
+        basis = shown_in_air(damped_as_far_as_solved(solved.basis, source.damping), solved)
         found = correlation(measured, basis, refined(solved.model, DIVISIONS), width)
     return {
         "title": source.title,

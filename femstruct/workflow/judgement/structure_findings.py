@@ -32,6 +32,7 @@ from femstruct.parts.plausibility import material_findings, plausibility_finding
 from femstruct.study.structures import RodModel, StructureModel
 from femstruct.study.study import Study
 from femstruct.workflow.check.weight import falling, sags
+from femstruct.workflow.judgement.cavity_crossings import cavity_findings
 from femstruct.workflow.stages.modal_bases import Solved
 from femstruct.workflow.stages.rest import planned_contacts, weighs
 
@@ -94,6 +95,7 @@ def structure_findings_before(
         found += arched_findings(model)
         found += wide_rib_findings(model)
         found += constraint_findings(model)
+        found += cavity_findings(model)
         if up_to_hz is not None:
             found += _of_frequencies(model, up_to_hz)
     for study in studies:

@@ -21,7 +21,7 @@ from femstruct.workflow.run.needed_kernels import expected_units
 from femstruct.workflow.run.provenance import Progress, Stopwatch, provenance
 from femstruct.workflow.stages.coupled_air import coupled
 from femstruct.workflow.stages.fingerprint import fingerprint
-from femstruct.workflow.stages.modal_bases import Solved, changes_damping, key_of, solve_all
+from femstruct.workflow.stages.modal_bases import Solved, changes_damping, in_air, key_of, solve_all
 from femstruct.workflow.stages.peaks import change_findings
 from femstruct.workflow.stages.room_transfers import RoomTransfers
 
@@ -236,6 +236,6 @@ def _bases(finished: Mapping[str, CaseResult], solved: Mapping[str, Solved]) -> 
         key, own = result.basis_key, solved[name]
         if key in bases:
             continue
-        joined, _ = coupled(own.basis, result.case.study.rooms, own.places)
+        joined, _ = coupled(in_air(own.basis, own), result.case.study.rooms, own.places)
         bases[key] = replace(joined, findings=own.basis.findings)
     return bases

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 from femstruct.assembly.assemble import assemble
@@ -15,6 +15,8 @@ from femstruct.model.mesher import mesh_structure
 from femstruct.model.model import Model
 from femstruct.model.probe import Point, Probe
 from femstruct.model.structure import Structure
+from femstruct.sound.cavities import with_cavities
+from femstruct.sound.placed_cavity import placed_cavities
 from femstruct.study.asked import Extent
 from femstruct.study.structures import BeamModel, ModesModel, NoStructure, OscillatorModel, RodModel, StructureModel
 from femstruct.study.study import Case, Study
@@ -117,7 +119,7 @@ def _force_probes(study: Study, places: Places) -> dict[str, Probe]:
 
 
 def damped(case: Case, solved: Mapping[str, Solved], baseline: Case) -> ModalBasis:
-    """The basis of a case with its damping.
+    """The basis of a case with its damping and the air of its cavities.
 
     Notes
     -----
@@ -126,8 +128,26 @@ def damped(case: Case, solved: Mapping[str, Solved], baseline: Case) -> ModalBas
     """
     own, reference = solved[case.name], solved[baseline.name]
     if own.key == reference.key or changes_damping(case):
-        return with_damping(own.basis, case.study.damping)
-    return carry_damping(baseline.study.damping, reference.basis, own.basis)
+        return in_air(with_damping(own.basis, case.study.damping), own)
+    return in_air(carry_damping(baseline.study.damping, reference.basis, own.basis), own)
+
+
+def in_air(basis: ModalBasis, own: Solved) -> ModalBasis:
+    """The basis of a structure with the air of its cavities. basis : in vacuo, with its damping if it has one."""
+    cavities = own.structure.cavities if isinstance(own.structure, Structure) else ()
+    placed = [one for cavity in cavities for one in placed_cavities(cavity, own.places.surfaces)[0]]
+    return with_cavities(basis, placed)
+
+
+def shown_in_air(basis: ModalBasis, own: Solved) -> ModalBasis:
+    """The same for tables and files of modes: what lies beyond the modes of the structure completes a response only."""
+    joined = in_air(basis, own)
+    if joined is basis:
+        return basis
+    top = float(basis.omega[basis.modes].max(initial=0.0))
+    beyond = joined.omega > top
+    kinds = ("residual" if high and kind == "elastic" else kind for high, kind in zip(beyond, joined.kind, strict=True))
+    return replace(joined, kind=tuple(kinds))
 
 
 def changes_damping(case: Case) -> bool:

@@ -1,0 +1,1 @@
+"""Air between two surfaces of one structure: boxes, wool in them, layers."""

@@ -1,0 +1,154 @@
+"""Cavities that are written wrongly: one line each, at its place; and those that can be doubted."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+from femstruct.errors import FemstructError, InputErrors
+from femstruct.language import read_model_file
+from femstruct.study.asked import Extent
+from femstruct.workflow.check.asked_modes import complex_modes_of, modes_of
+from femstruct.workflow.check.asked_response import frf_of
+from femstruct.workflow.check.inspect import inspect_file
+from femstruct.workflow.exchange.exported import exported
+
+MODEL = """\
+title: two plates
+materials: {steel: {E: 210 GPa, nu: 0.3, rho: 7850}}
+parts:
+  upper: {type: plate, material: steel, thickness: 1 mm, origin: [0, 0, 0.1], size: [0.6, 0.5], mesh: [6, 5]}
+  lower: {type: plate, material: steel, thickness: 1 mm, origin: [0, 0, 0], size: [0.6, 0.5], mesh: [6, 5]}
+surfaces:
+  under: {on: upper, side: below}
+  top: {on: lower, side: above}
+  face: {on: lower, side: below}
+cavities:
+  void: {between: [under, top], depth: 100 mm, fill: {flow_resistivity: 10 kPa*s/m^2, density: 40 kg/m^3}}
+supports:
+  rim: {on: upper, edge: all, fix: simple}
+  edge: {on: lower, edge: all, fix: simple}
+points: {P: {on: upper, at: center}}
+damping: {loss_factor: 2 %}
+"""
+FILL = "{flow_resistivity: 10 kPa*s/m^2, density: 40 kg/m^3}"
+# what is replaced, by what, text whose position is told, what is said there
+WRITTEN = {
+    "unit": (
+        "10 kPa*s/m^2",
+        "10 kPa*s/m",
+        "10 kPa*s/m,",
+        r"flow_resistivity: .*expected a flow resistivity \[Pa\*s/m\^2\]",
+    ),
+    "thousand": ("10 kPa*s/m^2", "10", "10,", r"flow_resistivity: got 10, .*mineral wool has 5 to 30 kPa"),
+    "fibres": ("density: 40 kg", "density: 2500 kg", "2500 kg", r"density: .*not of its fibres"),
+    "frame": ("40 kg/m^3}", "40 kg/m^3, frame: rigid}", "rigid", r"frame: got 'rigid'.*limp"),
+    "surface": ("[under, top]", "[under, topp]", "topp", r"between\[1\]: got 'topp'.*'top'"),
+    "twice": ("[under, top]", "[top, top]", "[top, top]", r"between: got 'top' twice, expected two surfaces"),
+    "depth": ("depth: 100 mm, ", "", "void:", r"depth: got nothing, expected 'depth'"),
+    "negative": ("depth: 100 mm", "depth: -100 mm", "-100 mm", r"depth: got '-100 mm'"),
+    "thick": ("40 kg/m^3}", "40 kg/m^3, thickness: 20 cm}", "20 cm", r"thickness: got 0\.2 m of wool .* 0\.1 m deep"),
+    "law": (
+        FILL,
+        "{law: Delany-Bazley, flow_resistivity: 10 kPa*s/m^2, density: 40}",
+        "law:",
+        r"got the unknown key 'law'",
+    ),
+    "name": (
+        "  void:",
+        "  top:",
+        "top: {between",
+        r"cavities\.top: got 'top', which names one of the surfaces already",
+    ),
+    "axis": (FILL, FILL + ", bays: {across: z, at: 0.3}", "z,", r"bays\.across: got 'z'.*x.*y"),
+}
+PLACED = {
+    "behind": ("[under, top]", "[under, face]", r"'face' with normal .* not opposite to 'under'"),
+    "beside": ("origin: [0, 0, 0.1]", "origin: [0.5, 0, 0.1]", r"share 0\.1 x 0\.5 m .*one over the other"),
+    "far side": ("origin: [0, 0, 0.1]", "origin: [0, 0, -0.1]", r"'top' 0\.1 m behind 'under'"),
+    "outside": (FILL, FILL + ", bays: {across: x, at: [0.3, 0.7]}", r"bays\.at: got 0\.3 m, 0\.7 m, .* 0 and 0\.6 m"),
+    "broad": (FILL, FILL + ", bays: {across: x, at: 0.3, width: 0.7}", r"bays\.width: got 0\.7 m, expected less than"),
+    "narrow": (FILL, FILL + ", bays: {across: x, at: [0.30, 0.31]}", r"bays\.at: got a bay of 0\.01 x 0\.5 m without"),
+}
+DOUBTED = {
+    "cavity-depth": ("depth: 100 mm", "depth: 60 mm"),
+    "cavity-sizes-differ": ("[0, 0, 0], size: [0.6, 0.5]", "[0, 0, 0], size: [0.5, 0.5]"),
+    "wool-out-of-range": ("10 kPa*s/m^2", "60 kPa*s/m^2"),
+    "held-wool": ("40 kg/m^3}", "40 kg/m^3, frame: held}"),
+    "cavity-modes-few": (FILL, FILL + ", up_to: 60 Hz"),
+    "cavity-coupling": ("two plates", "two plates with wool"),
+}
+
+
+def written(tmp_path: Path, old: str = "", new: str = "") -> Path:
+    assert old in MODEL
+    file = tmp_path / "model.yaml"
+    file.write_text(MODEL.replace(old, new, 1), encoding="utf-8")
+    return file
+
+
+@pytest.mark.parametrize("mistake", WRITTEN)
+def test_a_mistake_is_told_at_its_place(tmp_path: Path, mistake: str) -> None:
+    old, new, at, says = WRITTEN[mistake]
+    file = written(tmp_path, old, new)
+    with pytest.raises(InputErrors) as caught:
+        read_model_file(file)
+    lines = str(caught.value).splitlines()
+    text = file.read_text(encoding="utf-8").splitlines()
+    number = next(i for i, line in enumerate(text) if at in line and "cavities" not in line and i > 9)
+    assert len(lines) == 1
+    assert lines[0].startswith(f"{file}:{number + 1}:{text[number].index(at) + 1}: ")
+    assert re.search(says, lines[0]), lines[0]
+
+
+@pytest.mark.parametrize("mistake", PLACED)
+def test_a_cavity_that_cannot_be_is_refused_at_its_line(tmp_path: Path, mistake: str) -> None:
+    old, new, says = PLACED[mistake]
+    with pytest.raises(FemstructError) as caught:
+        modes_of(written(tmp_path, old, new), Extent(count=3))
+    (line,) = str(caught.value).splitlines()
+    assert "model.yaml:11:" in line, line
+    assert re.search(says, line), line
+
+
+@pytest.mark.parametrize("code", DOUBTED)
+def test_a_cavity_that_can_be_doubted_is(tmp_path: Path, code: str) -> None:
+    told = {one.code for one in inspect_file(written(tmp_path, *DOUBTED[code])).findings}
+    assert code in told
+    clean = {one.code for one in inspect_file(written(tmp_path)).findings}
+    assert "parts-not-joined" not in clean  # the air joins them
+    assert code not in clean or code == "cavity-coupling"
+
+
+def test_joists_that_cross_a_cavity_are_found(tmp_path: Path) -> None:
+    """A frame under the upper plate, along its middle; with bays, or under its edge, nothing is said."""
+    frame = (
+        "  joist: {type: frame, material: steel, section: bar, lines: [[[0, Y, 0.1], [0.6, Y, 0.1]]], "
+        "offsets: {start: [0, 0, -30 mm], end: [0, 0, -30 mm]}, mesh: 0.1}\nsurfaces:"
+    )
+    for y, cavity, crossed in (
+        ("0.2", FILL, True),
+        ("0", FILL, False),
+        ("0.2", FILL + ", bays: {across: y, at: 0.2}", False),
+    ):
+        text = MODEL.replace("surfaces:", frame.replace("Y", y), 1).replace(FILL, cavity)
+        text = text.replace("parts:", "sections: {bar: {shape: rectangle, width: 10 mm, height: 60 mm}}\nparts:", 1)
+        text = text.replace("supports:", "joints: {weld: {connect: [joist, upper]}}\nsupports:", 1)
+        file = tmp_path / "model.yaml"
+        file.write_text(text, encoding="utf-8")
+        told = [one for one in inspect_file(file).findings if one.code == "cavity-crossed"]
+        assert bool(told) == crossed
+        assert not crossed or told[0].message.startswith("joist runs through the cavity void")
+
+
+def test_what_knows_the_structure_alone_refuses_its_air(tmp_path: Path) -> None:
+    file = written(tmp_path)
+    with pytest.raises(FemstructError, match=r"--complex: got a model with cavities"):
+        complex_modes_of(file, Extent(up_to_hz=100.0))
+    with pytest.raises(FemstructError, match=r"--method: got 'direct' of a model with cavities"):
+        frf_of(file, "P.z", "P.z", "10 Hz:20 Hz", "5 Hz", "", "direct")
+    for to in ("npz", "mtx"):
+        with pytest.raises(FemstructError, match=r"got a model with cavities, expected a structure without air"):
+            exported(file, to, tmp_path, None, (), "", lambda line: None)  # type: ignore[arg-type]
