@@ -49,7 +49,7 @@ from acoustics.source import SurfaceShapes, SurfaceVelocity, SurfaceVibration
 if TYPE_CHECKING:
     from acoustics.cavities.cavity import Cavity
     from acoustics.cavities.cavity_air import CavityAir, cavity_air
-    from acoustics.cavities.wool import Wool
+    from acoustics.cavities.equivalent_fluid import Wool
     from acoustics.fields.half_space import HalfSpace
     from acoustics.fields.rectangular import Room
     from acoustics.fields.shaped import ShapedRoom
@@ -97,7 +97,7 @@ if TYPE_CHECKING:
 _FETCHED = {
     "acoustics.cavities.cavity": ("Cavity",),
     "acoustics.cavities.cavity_air": ("CavityAir", "cavity_air"),
-    "acoustics.cavities.wool": ("Wool",),
+    "acoustics.cavities.equivalent_fluid": ("Wool",),
     "acoustics.fields.half_space": ("HalfSpace",),
     "acoustics.fields.rectangular": ("Room",),
     "acoustics.fields.shaped": ("ShapedRoom",),

@@ -9,7 +9,7 @@ import numpy as np
 
 from acoustics.air import Air
 from acoustics.arrays import Floats, freeze, frozen, positive
-from acoustics.cavities.wool import Wool
+from acoustics.cavities.equivalent_fluid import Wool
 from acoustics.errors import AcousticsError
 from acoustics.rooms.box import Box
 

@@ -25,8 +25,8 @@ from scipy.linalg import block_diag
 
 from acoustics.arrays import Floats, Integers
 from acoustics.cavities.cavity import Cavity, Layer
+from acoustics.cavities.equivalent_fluid import GAMMA
 from acoustics.cavities.layer_fields import LayerFields, layer_fields, multiplicity
-from acoustics.cavities.wool import GAMMA
 from acoustics.rooms.box import Box
 from acoustics.rooms.box_transfer import overlaps
 from acoustics.rooms.cosine_orders import resolved_orders

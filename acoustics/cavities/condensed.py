@@ -36,7 +36,7 @@ def condensed(air: CavityAir, omega: Floats, top_hz: float, allowed: float = ALL
 
     >>> from acoustics.cavities.cavity import Cavity
     >>> from acoustics.cavities.cavity_air import cavity_air
-    >>> from acoustics.cavities.wool import Wool
+    >>> from acoustics.cavities.equivalent_fluid import Wool
     >>> from acoustics.source import SurfaceShapes
     >>> one, other = (SurfaceShapes([[0.5, 0.5, 0]], [1.0], [row]) for row in ([0.1, 0.0], [0.0, 0.2]))
     >>> whole = cavity_air(Cavity([1.0, 1.0, 0.2], wool=Wool(10e3)), one, other, up_to_hz=3000.0)

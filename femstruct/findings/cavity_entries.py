@@ -45,9 +45,9 @@ CAVITIES: Final = (
                 "Pa*s/m^2 at least",
                 "within 6.5 % of Johnson-Champoux-Allard from there, 20 Hz to 1 kHz",
                 "tests/analytic/test_cavity_wool.py",
-                "wool.LEAST",
+                "equivalent_fluid.LEAST",
             ),
-            Limit(30e3, "Pa*s/m^2 at most", "the same", "tests/analytic/test_cavity_wool.py", "wool.MOST"),
+            Limit(30e3, "Pa*s/m^2 at most", "the same", "tests/analytic/test_cavity_wool.py", "equivalent_fluid.MOST"),
         ),
     ),
     Entry(

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from acoustics.cavities.cavity_air import CavityAir
-from acoustics.cavities.wool import LEAST, MOST, Wool
+from acoustics.cavities.equivalent_fluid import LEAST, MOST, Wool
 from femstruct.arrays import Floats
 from femstruct.errors import Finding
 from femstruct.modal.basis import ModalBasis

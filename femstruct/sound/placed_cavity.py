@@ -11,7 +11,7 @@ import numpy as np
 
 from acoustics.air import Air
 from acoustics.cavities.cavity import Cavity
-from acoustics.cavities.wool import Wool
+from acoustics.cavities.equivalent_fluid import Wool
 from acoustics.errors import AcousticsError
 from acoustics.source import SurfaceShapes
 from femstruct.arrays import Floats, Integers

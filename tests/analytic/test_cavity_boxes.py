@@ -15,7 +15,7 @@ from scipy.linalg import eigh
 from acoustics.cavities.cavity import Cavity
 from acoustics.cavities.cavity_air import cavity_air
 from acoustics.cavities.condensed import condensed
-from acoustics.cavities.wool import Wool
+from acoustics.cavities.equivalent_fluid import Wool
 from acoustics.source import SurfaceShapes
 from tests.data.cavities_by_hand import AIR, matrices
 

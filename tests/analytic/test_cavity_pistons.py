@@ -8,7 +8,7 @@ from scipy.linalg import eigh
 from scipy.optimize import brentq
 
 from acoustics.cavities.cavity import Cavity
-from acoustics.cavities.wool import Wool
+from acoustics.cavities.equivalent_fluid import Wool
 from tests.data.cavities_by_hand import AIR, P0, RHO, driven, exact, matrices, pistons, poles
 
 DEPTH = 0.2

@@ -118,6 +118,7 @@ MADE = {
     "Finding",
     "FrfTable",
     "Identification",
+    "PlacedCavity",
     "ImportedMesh",
     "MeasuredFrf",
     "MeasuredHistory",

@@ -69,7 +69,7 @@ ACOUSTICS = [
         "acoustics.rooms.pressure_maps",
         "acoustics.rooms.box_harmonic",
         "acoustics.rooms.box_two_way",
-        "acoustics.cavities.wool",
+        "acoustics.cavities.equivalent_fluid",
         "acoustics.cavities.cavity",
         "acoustics.cavities.layer_fields",
         "acoustics.cavities.cavity_air",
