@@ -26,6 +26,7 @@ from femstruct.impact.exact.exact_march import exact_march
 from femstruct.impact.result.blow_by_blow import blow_findings, blow_table
 from femstruct.impact.result.contact_findings import Measured, decay_findings, run_findings, sampling_findings
 from femstruct.impact.result.outcome import Endings, gain_of, outcomes_of
+from femstruct.impact.result.parted_energies import part_history
 from femstruct.impact.result.response import BodyHistory, ContactHistory, EnergyLedger, Event, Outcome, Response
 from femstruct.impact.scene.bodies import Clock, Scene
 from femstruct.modal.basis import ModalBasis
@@ -49,8 +50,9 @@ def simulate(basis: ModalBasis, scene: Scene, clock: Clock) -> Response:
 
     Notes: a contact is never missed: see `femstruct.impact.collocation.events` and `femstruct.impact.exact.roots`. A
     contact that touches without speed closes when the leading derivative of its indentation is positive. Damping of
-    the modes is `basis.time_damping`; off its diagonal collocation iterates it within each step, which costs sixty
-    times the diagonal case with 225 modes. Closings and openings within rounding are not reported
+    the modes is `basis.time_damping`. Modes that it couples move as the oscillators of their complex modes, exactly
+    (`femstruct.modal.coupled_damping`): these are made once for a basis, and a run then takes up to three times as long
+    as with modes that nothing couples. Closings and openings within rounding are not reported
     (`femstruct.impact.engine.closings`). The march runs beside the thread that waits
     for it, so that Ctrl-C ends it at once.
 
@@ -88,6 +90,7 @@ def simulate(basis: ModalBasis, scene: Scene, clock: Clock) -> Response:
             expected=f"to reach t = {clock.duration:g} s",
             do="check stiffnesses and masses there, or use a larger tolerance",
         )
+    part_history(compiled, record, n_history)
     history, events, event_rows = record.history[:n_history], record.events[:n_events], record.event_rows[:n_events]
     names = {a: name for name, rows in compiled.contacts.items() for a in rows}
     log = tuple(
@@ -99,13 +102,13 @@ def simulate(basis: ModalBasis, scene: Scene, clock: Clock) -> Response:
         record.peak[a] = record.strike_peak[record.strike_peak[:, a, 0].argmax(), a]
     separation = _separation(events, event_rows, clock)
     book = ledger(history, separation, float(record.totals[WORKED]), float(record.totals[DRIFT]), scene, compiled)
-    place, speed = (along(motion, what, system.rows[:m]) for what in (DISPLACEMENT, VELOCITY))
+    place, speed = (along(motion, what, compiled.rows[:m]) for what in (DISPLACEMENT, VELOCITY))
     forces, push = np.empty((m, nt)), np.empty((r, nt))
     feel(system, state, compiled.halvings, record, Felt(place, speed, forces, push))
     contacts = {
         name: _contact(name, rows, compiled, record, place, forces, log) for name, rows in compiled.contacts.items()
     }
-    blows = blow_table(record, motion, compiled, scene, clock, log)
+    blows = blow_table(record, motion, basis.omega, compiled, scene, clock, log)
     displacement, velocity = (
         coordinates(motion, what, k, len(system.omega)) / compiled.scale[k:, None] for what in (DISPLACEMENT, VELOCITY)
     )
@@ -119,7 +122,7 @@ def simulate(basis: ModalBasis, scene: Scene, clock: Clock) -> Response:
         clock=clock,
         t=np.arange(nt) / clock.sampling,
         motion=motion,
-        pushed=system.rows[:, :k],
+        pushed=compiled.rows[:, :k],
         pushes=push,
         bodies=bodies,
         contacts=contacts,
@@ -150,7 +153,8 @@ def _exactly(compiled: Compiled, clock: Clock, state: State, record: Record) -> 
         end / LEDGER_ROWS,
         MAX_STEPS,
     )
-    return Ended.of(how, record), sampled_motion(record.z[: record.kept[0]].T, record.v[: record.kept[0]].T)
+    kept = record.kept[0]
+    return Ended.of(how, record), sampled_motion(record.z[:kept].T, record.v[:kept].T, compiled.turn)
 
 
 def _by_collocation(compiled: Compiled, clock: Clock, state: State, record: Record) -> tuple[Ended, Motion]:
@@ -160,7 +164,7 @@ def _by_collocation(compiled: Compiled, clock: Clock, state: State, record: Reco
     ended = collocate(compiled, clock.tolerance, tables, state, record)
     if ended[0] != DONE:
         return ended, sampled_motion(record.z[:0].T, record.v[:0].T)
-    return ended, motion_of(record, system, compiled.halvings, collocation_rule(), tables)
+    return ended, motion_of(record, system, compiled.halvings, collocation_rule(), tables, compiled.turn)
 
 
 def _suspect(compiled: Compiled, state: State) -> str:
@@ -249,7 +253,7 @@ def _findings(
         lasting={name: float(min(record.shortest[a] for a in mine)) for name, mine in rows},
     )
     peaks = {name: contact.peak_force for name, contact in contacts.items()}
-    rings = compiled.system.damping.any()
+    rings = compiled.system.reach[1] > 0.0
     return (
         *run_findings(scene.contacts, run),
         *(decay_findings(float(book.structure.max()), book.end.structure, clock.duration) if rings else ()),

@@ -17,7 +17,7 @@ from femstruct.impact.compiled.byte_layout import Counts, Matrix, Vector
 from femstruct.impact.compiled.kernels import kernel, unit
 from femstruct.impact.engine.booking import DONE
 from femstruct.impact.engine.closings import CLOSES
-from femstruct.impact.engine.energy import TIME
+from femstruct.impact.engine.energy import TIME, part_energies
 from femstruct.impact.engine.gauss_points import POINTS, STAGES, Rule
 from femstruct.impact.engine.instant_forces import State, copy_to
 from femstruct.impact.engine.modal_tables import Tables
@@ -70,6 +70,7 @@ class Shared(NamedTuple):
     waits: Counts
     entries: Matrix
     over: Matrix
+    over_tilts: Matrix
     struck: Counts
     weight: int
     gravity: float
@@ -152,6 +153,7 @@ def run_many(frame: System, shared: Shared, tables: Tables, runs: Runs, marches:
             )  # fmt: skip
         rows, events = int(record.ended[ROWS]), int(record.ended[EVENTS])
         end = record.history[rows - 1 if marches.exact else rows]  # collocation counts it with samples only
+        record.totals[DRIFT] += abs(part_energies(frame, state, end))
         mass, row = runs.mass[i], out.rows[i]
         _measure(frame, state, record, status, events, end, mass, shared.gravity, marches.quiet, at, row)
     return len(out.rows)
@@ -167,11 +169,15 @@ def _weigh(frame: System, shared: Shared, tables: Tables, mass: Floats) -> None:
         for b in range(len(mass)):
             root = np.sqrt(mass[b])
             rows[a, k + b] = shared.entries[a, b] * (root if a >= shared.weight else 1.0 / root)
+            if len(frame.drives):
+                frame.drives[a, k + b] = rows[a, k + b]
             frame.mobility[a] += rows[a, k + b] ** 2
     for o in range(len(shared.struck)):
         root = np.sqrt(mass[shared.struck[o]])
         for j in range(len(frame.omega)):
             frame.over[o, j] = shared.over[o, j] * (root if j < k else root / np.sqrt(mass[j - k]))
+        for j in range(frame.over_tilts.shape[1]):
+            frame.over_tilts[o, j] = shared.over_tilts[o, j] * root
     for level in range(len(tables.flow)):
         for a in range(r):
             for p in range(POINTS):

@@ -11,7 +11,7 @@ from femstruct.errors import InputError
 from femstruct.impact.batch.batch_march import Columns, Marches, Out, Runs, Shared, columns, run_many
 from femstruct.impact.batch.vary import Variation
 from femstruct.impact.collocation.attempt import march_room
-from femstruct.impact.collocation.collocation_march import ERROR_BUDGET, longest_coupled
+from femstruct.impact.collocation.collocation_march import ERROR_BUDGET
 from femstruct.impact.engine.energy import ledger_width
 from femstruct.impact.engine.gauss_points import FINEST_HALVINGS, collocation_rule
 from femstruct.impact.engine.instant_forces import State
@@ -58,8 +58,7 @@ class Fleet:
         halvings = FINEST_HALVINGS if exact else _halvings(varied, compiled, window)
         compiled = compile_scene(basis, varied.scene, window, halvings)
         system, k = compiled.system, compiled.system.n_modes
-        top_level = longest_coupled(system, halvings)
-        levels = 0 if exact else top_level + 1
+        levels = 0 if exact else halvings + 1
         scene, scale = varied.scene, compiled.scale[k:]
         late, end = -1, 1 << compiled.halvings
         if scene.contacts and scene.gravity and any(body.falls for body in scene.bodies):
@@ -72,33 +71,34 @@ class Fleet:
         places = {body.name: i for i, body in enumerate(scene.bodies)}
         struck = np.array([places[blows.body] for blows in scene.blows], dtype=np.int64)
         waiting = {blows.body for blows in scene.blows if round(blows.first / system.tick) > 0}
-        of_modes = system.rows.copy()
-        of_modes[:, k:] = 0.0
-        modes = tabulated(system._replace(rows=of_modes), levels, collocation_rule())
+        of_modes, drives = system.rows.copy(), system.drives.copy()
+        of_modes[:, k:] = drives[:, k:] = 0.0
+        modes = tabulated(system._replace(rows=of_modes, drives=drives), levels, collocation_rule())
         unit = system._replace(
             omega=np.zeros(1),
             damping=np.zeros(1),
-            coupling=np.zeros((0, 0)),
             n_modes=0,
             rows=np.ones((1, 1)),
             sign=np.ones(1),
             mobility=np.ones(1),
+            energy_form=np.zeros((0, 0)),
         )
         shared = Shared(
             start=compiled.start[:, :k].copy(),
             waits=np.array([body.name in waiting for body in scene.bodies], dtype=np.int64),
             entries=entries,
             over=system.over * np.append(np.ones(k), scale) / scale[struck][:, None],
+            over_tilts=system.over_tilts / scale[struck][:, None] if system.over_tilts.size else system.over_tilts,
             struck=struck,
             weight=weight,
             gravity=scene.gravity,
-            mobility=(of_modes**2).sum(axis=1),
+            mobility=(compiled.rows[:, :k] ** 2).sum(axis=1),
             modes=modes,
             mass=tabulated(unit, levels, collocation_rule()),
         )
         width = ledger_width(system)
         at = columns(len(system.interfaces), len(varied.scene.bodies), width)
-        return Fleet(varied, window, compiled, shared, modes, exact, top_level, late, at)
+        return Fleet(varied, window, compiled, shared, modes, exact, halvings, late, at)
 
 
 def run_some(fleet: Fleet, first: int, out: Floats, stop: Integers) -> None:
@@ -112,6 +112,8 @@ def run_some(fleet: Fleet, first: int, out: Floats, stop: Integers) -> None:
             rows=system.rows.copy(),
             mobility=system.mobility.copy(),
             over=system.over.copy(),
+            over_tilts=system.over_tilts.copy(),
+            drives=system.drives.copy(),
             interfaces=system.interfaces.copy(),
             loads=system.loads.copy(),
             strikes=system.strikes.copy(),
@@ -213,7 +215,7 @@ def _hardest(varied: Variation, compiled: Compiled) -> System:
         for word in words:
             interfaces[word] = np.maximum(interfaces[word], runs.interfaces[word].max(axis=0))
     entries = system.rows[:, k:] * compiled.scale[k:]
-    mobility = (system.rows[:, :k] ** 2).sum(axis=1) + (entries**2 / lightest).sum(axis=1)
+    mobility = (compiled.rows[:, :k] ** 2).sum(axis=1) + (entries**2 / lightest).sum(axis=1)
     return system._replace(interfaces=interfaces, mobility=mobility)
 
 
@@ -226,15 +228,17 @@ def _halvings(varied: Variation, compiled: Compiled, window: Clock) -> int:
     """
     scene, system, k = varied.scene, compiled.system, compiled.system.n_modes
     simple = not (scene.loads or scene.gravity or scene.blows or any(link.release_at for link in scene.links))
+    start = 0.0 if scene.velocity is None else scene.velocity
+    structure = float(np.sum(np.square(start)))
     allowed, shortest = window.tolerance * ERROR_BUDGET, window.duration
     for first in range(0, varied.runs, SURVEYED):
         runs = numbers(varied, compiled, first, min(first + SURVEYED, varied.runs))
         if not simple or runs.interfaces["preload"].any():
             return FINEST_HALVINGS
-        energy = 0.5 * ((runs.mass * runs.velocity**2).sum(axis=1) + (compiled.start[1, :k] ** 2).sum())
+        energy = 0.5 * ((runs.mass * runs.velocity**2).sum(axis=1) + structure)
         for law, a in ((contact.law, a) for contact in scene.contacts for a in compiled.contacts[contact.name]):
             mine = runs.interfaces[:, a]
-            mobility = (system.rows[a, :k] ** 2).sum() + (
+            mobility = (compiled.rows[a, :k] ** 2).sum() + (
                 (system.rows[a, k:] * compiled.scale[k:]) ** 2 / runs.mass
             ).sum(axis=1)
             speed = np.sqrt(2.0 * energy * mobility)

@@ -9,6 +9,7 @@ import numpy as np
 from femstruct.impact.collocation.events import strays, watch
 from femstruct.impact.compiled.byte_layout import Matrix, Vector
 from femstruct.impact.compiled.kernels import unit
+from femstruct.impact.engine.energy import INTEGRATED
 from femstruct.impact.engine.gauss_points import STAGES, Rule
 from femstruct.impact.engine.instant_forces import State
 from femstruct.impact.engine.modal_tables import Tables
@@ -20,9 +21,9 @@ ERROR, PART = 0, 1  # columns of what is found
 
 
 class Room(NamedTuple):
-    """Work space of a march. trial : of its steps, with their work space. lost [m + 3] : dissipated by interfaces, by
-    modes; work; brought by blows. bounds [m, 4] : what interpolation can miss of an interface. work [s + 4, n]. loaded,
-    closed_at [m] : whether a contact counts as closed, and since when. place, rate [r] : of the rows.
+    """Work space of a march. trial : of its steps, with their work space. lost [m + INTEGRATED] : dissipated by
+    interfaces, by modes; work; brought by blows; given to coupled modes. bounds [m, 4] : what interpolation can miss of
+    an interface. work [s + 4, n]. loaded, closed_at [m] : whether a contact counts as closed, and since when. place, rate [r] : of the rows.
     found [2] : of a trial step: its error over what is allowed, and the part of it before the first change of status.
     """
 
@@ -42,7 +43,7 @@ def march_room(system: System) -> Room:
     n, r, m = len(system.omega), len(system.rows), len(system.interfaces)
     return Room(
         trial=trial_room(system),
-        lost=np.zeros(m + 3),
+        lost=np.zeros(m + INTEGRATED),
         bounds=np.zeros((m, 4)),
         work=np.zeros((STAGES + 4, n)),
         loaded=np.zeros(m),

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from femstruct.impact.collocation.attempt import march_room
-from femstruct.impact.collocation.collocation_march import ERROR_BUDGET, levels_for, longest_coupled, march
+from femstruct.impact.collocation.collocation_march import ERROR_BUDGET, levels_for, march
 from femstruct.impact.engine.gauss_points import collocation_rule
 from femstruct.impact.engine.instant_forces import State
 from femstruct.impact.engine.modal_tables import Tables
@@ -61,7 +61,7 @@ def collocate(
     finer : how often the longest step is halved, which a loose tolerance takes wherever it can.
     """
     system = compiled.system
-    top_level = longest_coupled(system, levels_for(compiled.halvings) - 1)
+    top_level = levels_for(compiled.halvings) - 1
     if finer:
         end = compiled.n_samples << compiled.halvings
         longest = 4 * max(end // LEDGER_ROWS, 1)  # as the march has it, for its ledger
@@ -88,5 +88,4 @@ def paced(system: System) -> int:
     One look takes some seconds, so that a run which gets nowhere does not take minutes to say so; a burst of collisions
     may still be that slow for a hundredth of the window or more.
     """
-    size = SELF + len(system.omega) + len(system.coupling) ** 2 // 2
-    return max(int(WORK_BETWEEN_CHECKS / size), STEPS_BETWEEN_CHECKS)
+    return max(int(WORK_BETWEEN_CHECKS / (SELF + len(system.omega))), STEPS_BETWEEN_CHECKS)

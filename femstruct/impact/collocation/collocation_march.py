@@ -20,11 +20,12 @@ from femstruct.impact.engine.booking import (
     TOO_MANY_EVENTS,
     balance_books,
     goes_on,
+    keep_row,
     log_changes,
     open_books,
 )
 from femstruct.impact.engine.closings import LIFTED, OPENS, confirm, log_event, settle_events
-from femstruct.impact.engine.energy import MODES, integrate_losses, take_stock
+from femstruct.impact.engine.energy import MODES, integrate_losses, part_energies, take_stock
 from femstruct.impact.engine.flow import advance
 from femstruct.impact.engine.gauss_points import LONGEST_DOUBLINGS, PLACES, Rule
 from femstruct.impact.engine.instant_forces import (
@@ -66,7 +67,7 @@ def march(system: System, state: State, rule: Rule, tables: Tables, room: Room, 
     initial = open_books(system, state, place, lost, record)
     n_history = 1
     peaks_at_start(system, state, place, rate, record)
-    n_events = log_changes(0.0, system, loaded, history[0], 0, record)
+    n_events = log_changes(0.0, system, state, loaded, history[0], 0, record)
     stride = max(end // 2048, 1)
     while samples > 0 and top_level > 0 and (1 << top_level) > 4 * stride:  # a ledger row is the end of a step
         top_level -= 1
@@ -121,7 +122,7 @@ def march(system: System, state: State, rule: Rule, tables: Tables, room: Room, 
         travels(h, system, state, rule, trial, record)
         _confirm_step(system, state, trial, bounds, record)
         integrate_losses(h, system, state, rule, trial, lost)
-        lost[m + MODES] += advance(level, system, tables, trial.forces, trial.modal, state.z, state.v, room.work)
+        lost[m + MODES] += advance(level, system, tables, trial.forces, state.z, state.v, room.work)
         t += ticks
         now = t * system.tick
         if 0 <= late <= t:
@@ -145,6 +146,7 @@ def march(system: System, state: State, rule: Rule, tables: Tables, room: Room, 
         struck = blow < len(system.strikes) and system.strikes[blow]["tick"] <= t
         if struck:
             take_stock(now, system, state, place, lost, history[n_history])
+            keep_row(n_history, state, record)
             n_history += 1
             while blow < len(system.strikes) and system.strikes[blow]["tick"] <= t:
                 strike(now, t, blow, system, state, place, rate, loaded, closed_at, lost, record)
@@ -154,6 +156,7 @@ def march(system: System, state: State, rule: Rule, tables: Tables, room: Room, 
                     if n_events == len(record.events):
                         return ended(record, TOO_MANY_EVENTS, now, n_history, n_events)
                     log_event(record, n_events, a, OPENS, LIFTED, history[n_history - 1])
+                    part_energies(system, state, record.event_rows[n_events])
                     n_events += 1
                     record.closed[a] = 0.0
             moment = now
@@ -167,11 +170,12 @@ def march(system: System, state: State, rule: Rule, tables: Tables, room: Room, 
             state.force[a] = net_force(system, state, a, place[a], rate[a]) if state.status[a] == CLOSED else 0.0
         if not balance_books(now, initial, system, state, place, lost, history[n_history], record):
             return ended(record, NO_FORCES, now, n_history, n_events)
-        n_events = log_changes(moment, system, loaded, history[n_history], n_events, record)
+        n_events = log_changes(moment, system, state, loaded, history[n_history], n_events, record)
         if n_events == FULL:
             return ended(record, TOO_MANY_EVENTS, now, n_history, len(record.events))
         busy = (acting or _total(loaded) > 0.0) and t - last >= per_sample
         if samples > 0 and (busy or struck or t - last >= stride or t == end):
+            keep_row(n_history, state, record)
             n_history += 1
             last = t
         record.totals[STEPS] += 1.0
@@ -258,12 +262,3 @@ def _confirm_step(system: System, state: State, trial: Trial, bounds: Floats, re
 def levels_for(halvings: int) -> int:
     """Number of step lengths: from a tick to the longest step."""
     return halvings + LONGEST_DOUBLINGS + 1
-
-
-def longest_coupled(system: System, top_level: int) -> int:
-    """Level of the longest step over which damping that couples the modes can be iterated, at most top_level."""
-    if system.coupling.size:
-        rate = float(np.linalg.norm(system.coupling, 2))
-        while top_level > 0 and rate * system.tick * 2.0**top_level > 1.0:
-            top_level -= 1
-    return top_level

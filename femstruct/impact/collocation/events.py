@@ -49,25 +49,27 @@ def strays(level: int, h: float, system: System, state: State, rule: Rule, table
             derivatives[a, STAGES] = max(derivatives[a, STAGES], 4.6 * abs(trial.forces[a, j]))
     place, rate, push = tables.stray[level, 0], tables.stray[level, 1], tables.stray_push[level]
     out[:] = 0.0
+    coupled = len(system.energy_form) > 0
     for i in range(len(system.omega)):
         z, v = abs(state.z[i]), abs(state.v[i])
         if z != 0.0 or v != 0.0:
             norm = system.omega[i] * z + v
             for a in range(len(out)):
                 row = abs(system.rows[a, i])
-                out[a, 0] += row * place[i] * norm
-                out[a, 1] += row * rate[i] * norm
                 out[a, 2] += row * z
                 out[a, 3] += row * v
-    if len(system.coupling):
-        for i in range(system.n_modes):
-            largest = 0.0
-            for j in range(STAGES):
-                largest = max(largest, 4.6 * abs(trial.modal[j, i]))
-            for a in range(len(out)):
-                row = abs(system.rows[a, i]) * (1.0 + rule.lebesgue) * largest * h
-                out[a, 0] += row * h * min(1.0, place[i] / h)
-                out[a, 1] += row * min(1.0, rate[i])
+                if coupled:
+                    tilt, squared = abs(system.tilts[a, i]), system.omega[i] * system.omega[i]
+                    out[a, 0] += tilt * rate[i] * norm
+                    out[a, 1] += tilt * squared * place[i] * norm
+                    out[a, 2] += tilt * v
+                    out[a, 3] += tilt * (squared * z + system.damping[i] * v)
+                    out[a, 0] += row * place[i] * norm
+                    row = abs(system.rows[a, i] - system.tilts[a, i] * system.damping[i])
+                    out[a, 1] += row * rate[i] * norm
+                else:
+                    out[a, 0] += row * place[i] * norm
+                    out[a, 1] += row * rate[i] * norm
     for a in range(len(out)):
         for b in range(r):
             for j in range(STAGES + 1):

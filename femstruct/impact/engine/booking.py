@@ -7,8 +7,8 @@ import numpy as np
 from femstruct.arrays import Floats
 from femstruct.impact.compiled.kernels import kernel
 from femstruct.impact.engine.closings import CERTAIN, CLOSES, DOUBTFUL, OPENS, log_event
-from femstruct.impact.engine.energy import BROUGHT, TIME, WORK, take_stock
-from femstruct.impact.engine.instant_forces import State
+from femstruct.impact.engine.energy import BROUGHT, GIVEN, TIME, WORK, modal_energies, part_energies, take_stock
+from femstruct.impact.engine.instant_forces import State, copy_to
 from femstruct.impact.engine.records import System
 from femstruct.impact.engine.sampling import DRIFT, TRIALS, WORKED, Record
 
@@ -27,7 +27,18 @@ FULL = -1  # in place of a number of events: the log has no room
 def open_books(system: System, state: State, place: Floats, lost: Floats, record: Record) -> float:
     """The first ledger row, and no event so far; returns the total that the others are held against."""
     record.closed[:], record.newest[:], record.size[:] = 0.0, -1, 0.0
+    if len(system.energy_form):
+        lost[len(system.interfaces) + GIVEN] = modal_energies(system, state)[1]
+        keep_row(0, state, record)
     return take_stock(0.0, system, state, place, lost, record.history[0])
+
+
+@kernel
+def keep_row(index: int, state: State, record: Record) -> None:
+    """Keep where coupled modes are at a ledger row: their energies are told from there when the run is over."""
+    if len(record.rows_z):
+        copy_to(record.rows_z[index], state.z[: record.rows_z.shape[1]])
+        copy_to(record.rows_v[index], state.v[: record.rows_v.shape[1]])
 
 
 @kernel
@@ -52,10 +63,12 @@ def balance_books(t: float, initial: float, system: System, state: State, place:
 
 
 @kernel
-def log_changes(moment: float, system: System, loaded: Floats, row: Floats, n_events: int, record: Record) -> int:
+def log_changes(moment: float, system: System, state: State, loaded: Floats, row: Floats, n_events: int,
+                record: Record) -> int:  # fmt: skip
     """Log the contacts that closed or opened at a moment; returns the number of events, FULL where they are too many.
 
-    loaded [m] : whether a contact counts as closed now; row : of the ledger.
+    loaded [m] : whether a contact counts as closed now; row : of the ledger. Openings may be the end of a collision:
+    there coupled modes part their energy.
     """
     for a in range(len(loaded)):
         if loaded[a] != record.closed[a]:
@@ -64,6 +77,8 @@ def log_changes(moment: float, system: System, loaded: Floats, row: Floats, n_ev
             counts = CERTAIN if system.interfaces[a]["preload"] > 0.0 else DOUBTFUL
             log_event(record, n_events, a, CLOSES if loaded[a] > 0.0 else OPENS, counts, row)
             record.event_rows[n_events, TIME] = moment
+            if loaded[a] == 0.0:
+                part_energies(system, state, record.event_rows[n_events])
             record.closed[a] = loaded[a]
             n_events += 1
     return n_events

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from femstruct.arrays import Floats
-from femstruct.impact.compiled.kernels import kernel
+from femstruct.impact.compiled.kernels import kernel, summing
 from femstruct.impact.engine.gauss_points import STAGES, Rule
 from femstruct.impact.engine.instant_forces import AWAY, CLAMPED, CLOSED, OPEN, State, law
 from femstruct.impact.engine.propagate import Trial
@@ -14,7 +14,8 @@ from femstruct.impact.result.response import EnergyBalance, EnergyLedger
 from femstruct.impact.scene.bodies import Scene
 
 TIME, STRUCTURE, BODIES = 0, 1, 2  # columns of a ledger row; then stored [i], lost in modes, lost [i], work, blows
-MODES, WORK, BROUGHT = 0, 1, 2  # of what is integrated, behind the interfaces: by modes; by loads; by blows
+MODES, WORK, BROUGHT, GIVEN = 0, 1, 2, 3  # of what is integrated, behind the interfaces: by modes; by loads; by blows;
+INTEGRATED = 4  # and what coupled modes had at the start and were given since
 
 
 def ledger_width(system: System) -> int:
@@ -49,12 +50,18 @@ def stored(system: System, state: State, a: int, displacement: float) -> float:
 
 @kernel
 def take_stock(t: float, system: System, state: State, place: Floats, lost: Floats, row: Floats) -> float:
-    """Fill a ledger row; lost [m + 3] holds what was integrated: by interface, then modes, work and what blows brought.
-    Returns the total: stored and dissipated less the work and the blows."""
+    """Fill a ledger row; lost [m + INTEGRATED] holds what was integrated: by interface, then modes, work, what blows
+    brought and what coupled modes were given. Returns the total: stored and dissipated less the work and the blows.
+
+    Of coupled modes the row has what they were given, stored and lost together, until `part_energies` or
+    `femstruct.impact.engine.modal_energies` parts it."""
     k, n, m = system.n_modes, len(system.omega), len(system.interfaces)
     structure = 0.0
-    for i in range(k):
-        structure += 0.5 * (state.v[i] ** 2 + (system.omega[i] * state.z[i]) ** 2)
+    if len(system.energy_form):
+        structure = lost[m + GIVEN]
+    else:
+        for i in range(k):
+            structure += 0.5 * (state.v[i] ** 2 + (system.omega[i] * state.z[i]) ** 2)
     row[TIME], row[STRUCTURE] = t, structure
     total = structure
     for i in range(k, n):
@@ -68,6 +75,33 @@ def take_stock(t: float, system: System, state: State, place: Floats, lost: Floa
     row[at + m] = lost[m + MODES]
     row[at + 2 * m + 1], row[at + 2 * m + 2] = lost[m + WORK], lost[m + BROUGHT]
     return float(total + lost[m + MODES] - lost[m + WORK] - lost[m + BROUGHT])
+
+
+@summing
+def modal_energies(system: System, state: State) -> tuple[float, float]:
+    """Energy of coupled modes as they are, and what they would lose from now on: the same, told in two ways."""
+    k, held, lasting = system.n_modes, 0.0, 0.0
+    for i in range(2 * k):
+        root, loss = 0.0, 0.0
+        for j in range(k):
+            root += system.energy_form[i, j] * state.z[j] + system.energy_form[i, k + j] * state.v[j]
+            loss += system.loss_form[i, j] * state.z[j] + system.loss_form[i, k + j] * state.v[j]
+        held += 0.5 * root * root
+        lasting += 0.5 * loss * (state.z[i] if i < k else state.v[i - k])
+    return held, lasting
+
+
+@kernel
+def part_energies(system: System, state: State, row: Floats) -> float:
+    """Part what coupled modes were given, in a ledger row, into what they have and what they lost; returns by how much
+    the row's total changes. Without coupled modes it is parted already."""
+    if len(system.energy_form) == 0:
+        return 0.0
+    held, lasting = modal_energies(system, state)
+    lost_at = BODIES + len(system.omega) - system.n_modes + len(system.interfaces)
+    row[lost_at] = row[STRUCTURE] - lasting
+    row[STRUCTURE] = held
+    return float(held - lasting)
 
 
 @kernel
@@ -88,9 +122,32 @@ def integrate_losses(h: float, system: System, state: State, rule: Rule, trial: 
     for a in range(m, len(system.rows)):
         for p in range(STAGES):
             lost[m + WORK] += h * rule.weights[p] * trial.forces[a, p] * trial.rate[a, p + 1]
-    for p in range(trial.modal.shape[0]):
-        for i in range(trial.modal.shape[1]):
-            lost[m + MODES] -= h * rule.weights[p] * trial.modal[p, i] * trial.speeds[p, i]
+    if len(system.energy_form):
+        lost[m + GIVEN] += _given(h, system, state, rule, trial)
+
+
+@kernel
+def _given(h: float, system: System, state: State, rule: Rule, trial: Trial) -> float:
+    """Work of all rows on the structure in a step: their forces times their velocities, less those of the bodies.
+
+    A body moves by itself: its velocity at a node is the integral of the forces until then.
+    """
+    total, k = 0.0, system.n_modes
+    for p in range(STAGES):
+        power = 0.0
+        for a in range(len(system.rows)):
+            power += system.sign[a] * trial.forces[a, p] * trial.rate[a, p + 1]
+        for i in range(k, len(system.omega)):
+            push, speed = 0.0, state.v[i]
+            for a in range(len(system.rows)):
+                weight = system.sign[a] * system.rows[a, i]
+                if weight != 0.0:
+                    push += weight * trial.forces[a, p]
+                    for s in range(STAGES):
+                        speed += h * rule.moments[0, p, s] * weight * trial.forces[a, s]
+            power -= push * speed
+        total += h * rule.weights[p] * power
+    return total
 
 
 def balance(row: Floats, scene: Scene, compiled: Compiled) -> EnergyBalance:

@@ -11,13 +11,17 @@ from femstruct.impact.engine.records import System
 
 
 @kernel
-def advance(level: int, system: System, tables: Tables, forces: Floats, modal: Floats, z: Floats, v: Floats,
+def advance(level: int, system: System, tables: Tables, forces: Floats, z: Floats, v: Floats,
             work: Floats) -> float:  # fmt: skip
-    """Move z, v over a step under forces at the nodes; returns the energy the diagonal damping took.
+    """Move z, v over a step under forces at the nodes; returns the energy the damping took, 0 of oscillators in place of
+    coupled modes, whose losses are told from where they are (`femstruct.impact.engine.energy`).
 
     work [STAGES + 4, n] : room; the modal forces at the nodes are left in its first STAGES rows.
     """
     n = len(z)
+    if len(system.energy_form):
+        _advance_oscillators(level, system, tables, forces, z, v, work)
+        return 0.0
     for j in range(STAGES):
         work[j] = 0.0
         for a in range(len(system.rows)):
@@ -25,8 +29,6 @@ def advance(level: int, system: System, tables: Tables, forces: Floats, modal: F
             if force != 0.0:
                 for i in range(n):
                     work[j, i] += system.rows[a, i] * force
-        for i in range(modal.shape[1]):
-            work[j, i] += modal[j, i]
     flow, push, loss = tables.flow[level], tables.push[level], tables.loss[level]
     basis = STAGES + 2
     for i in range(n):
@@ -50,3 +52,31 @@ def advance(level: int, system: System, tables: Tables, forces: Floats, modal: F
         taken += work[STAGES, i]
     move_to(z, v, work[basis], work[basis + 1])
     return taken
+
+
+@kernel
+def _advance_oscillators(level: int, system: System, tables: Tables, forces: Floats, z: Floats, v: Floats,
+                         work: Floats) -> None:  # fmt: skip
+    """The same where a force also acts on z': it gives v + c x in place of x, and -w^2 x in place of v."""
+    n, flow, push = len(z), tables.flow[level], tables.push[level]
+    place, rate, kick, drive = work[STAGES], work[STAGES + 1], work[STAGES + 2], work[STAGES + 3]
+    for i in range(n):
+        place[i] = flow[0, i] * z[i] + flow[1, i] * v[i]
+        rate[i] = flow[2, i] * z[i] + flow[3, i] * v[i]
+    for j in range(STAGES):
+        for i in range(n):
+            kick[i], drive[i] = 0.0, 0.0
+        acting = 0
+        for a in range(len(system.rows)):
+            force = system.sign[a] * forces[a, j]
+            if force != 0.0:
+                acting += 1
+                for i in range(n):
+                    kick[i] += system.kicks[a, i] * force
+                    drive[i] += system.drives[a, i] * force
+        if acting:
+            for i in range(n):
+                x, y = push[0, j, i], push[1, j, i]
+                place[i] += x * drive[i] + (y + system.damping[i] * x) * kick[i]
+                rate[i] += y * drive[i] - system.omega[i] * system.omega[i] * x * kick[i]
+    move_to(z, v, place, rate)

@@ -139,3 +139,33 @@ def rows_now(system: System, z: Floats, v: Floats, place: Floats, rate: Floats) 
     """Displacements and velocities of all rows."""
     for a in range(len(system.rows)):
         place[a], rate[a] = dot(system.rows[a], z), dot(system.rows[a], v)
+    for a in range(system.tilts.shape[0]):
+        tilted, swung = 0.0, 0.0
+        for i in range(len(z)):
+            tilted += system.tilts[a, i] * v[i]
+            swung += system.tilts[a, i] * (system.omega[i] * system.omega[i] * z[i] + system.damping[i] * v[i])
+        place[a] += tilted
+        rate[a] -= swung
+
+
+@summing
+def terms_of(system: System, a: int, z: Floats, v: Floats) -> float:
+    """Sum of the magnitudes that a row's displacement is summed from: what rounding is relative to."""
+    total = 0.0
+    for i in range(len(z)):
+        total += abs(system.rows[a, i] * z[i])
+    for i in range(system.tilts.shape[1]):
+        total += abs(system.tilts[a, i] * v[i])
+    return total
+
+
+@summing
+def terms_of_rate(system: System, a: int, z: Floats, v: Floats) -> float:
+    """The same of its velocity."""
+    total = 0.0
+    for i in range(len(z)):
+        total += abs(system.rows[a, i] * v[i])
+    for i in range(system.tilts.shape[1]):
+        turning = system.omega[i] * system.omega[i] * abs(z[i]) + system.damping[i] * abs(v[i])
+        total += abs(system.tilts[a, i]) * turning
+    return total

@@ -31,8 +31,6 @@ class Tables(NamedTuple):
     loss [level, FORMS, n] : the energy a mode's dashpot takes, a quadratic form in start and nodal forces.
     stray [level, 2, n], stray_push [level, 2, s, r, r] : bounds of what interpolation at PLACES can miss of a row's
     displacement and velocity, per modal energy norm and per force derivative (the last of s: per largest force).
-    mode_free [level, POINTS, 2, n], mode_forced [level, POINTS, s, n] : velocities of the modes at the points, and
-    mode_place : their displacements by force; for coupled damping only.
     """
 
     free: Floats4
@@ -42,9 +40,6 @@ class Tables(NamedTuple):
     loss: Cube
     stray: Cube
     stray_push: Floats5
-    mode_free: Floats4
-    mode_forced: Floats4
-    mode_place: Floats4
 
 
 def flows(omega: Floats, damping: Floats, t: Floats) -> Floats:
@@ -80,7 +75,6 @@ def flows(omega: Floats, damping: Floats, t: Floats) -> Floats:
 def tabulated(system: System, levels: int, rule: Rule) -> Tables:
     """The tables of all steps tick 2^level, level = 0 .. levels - 1."""
     n, r = len(system.omega), len(system.rows)
-    coupled = levels if system.coupling.size else 0
     tables = Tables(
         free=np.empty((levels, 2, n, r * POINTS * 2)),
         forced=np.zeros((levels, r, POINTS, 2, r, STAGES)),
@@ -89,9 +83,6 @@ def tabulated(system: System, levels: int, rule: Rule) -> Tables:
         loss=np.empty((levels, FORMS, n)),
         stray=np.empty((levels, 2, n)),
         stray_push=np.zeros((levels, 2, STAGES + 1, r, r)),
-        mode_free=np.empty((coupled, POINTS, 2, n)),
-        mode_forced=np.empty((coupled, POINTS, STAGES, n)),
-        mode_place=np.empty((coupled, POINTS, STAGES, n)),
     )
     for first in range(0, n, MODES_AT_ONCE):
         _fill(system, rule, tables, slice(first, min(first + MODES_AT_ONCE, n)))
@@ -100,7 +91,7 @@ def tabulated(system: System, levels: int, rule: Rule) -> Tables:
 
 def _fill(system: System, rule: Rule, tables: Tables, some: slice) -> None:
     """Fill in what some modes are, and add what they do to the rows."""
-    omega, damping, rows = system.omega[some], system.damping[some], system.rows[:, some]
+    omega, damping = system.omega[some], system.damping[some]
     below = _halvings_below(omega, damping, system.tick)
     short = _series(omega, damping, system.tick * 0.5**below, rule)
     for level in range(-below, len(tables.flow)):
@@ -112,7 +103,7 @@ def _fill(system: System, rule: Rule, tables: Tables, some: slice) -> None:
             for whole, part in zip(short, doubled, strict=True):
                 whole[long] = part
         if level >= 0:
-            _book(system, rule, tables, level, h, some, short, flows(omega, damping, rule.ends * h), rows)
+            _book(system, rule, tables, level, h, some, short, flows(omega, damping, rule.ends * h))
 
 
 def _halvings_below(omega: Floats, damping: Floats, tick: float) -> int:
@@ -171,32 +162,68 @@ def _doubled(omega: Floats, damping: Floats, h: float, rule: Rule, step: _Step) 
     )
 
 
-def _book(system: System, rule: Rule, tables: Tables, level: int, h: float, some: slice, step: _Step, flow: Floats,
-          rows: Floats) -> None:  # fmt: skip
+class _Rows(NamedTuple):
+    """What rows see of some coordinates, and how their forces act on these [r, n]: displacement = rows . z + tilts . v,
+    velocity = swings . z + rates . v; a force adds kicks to z' and drives to v'."""
+
+    rows: Floats
+    tilts: Floats
+    swings: Floats
+    rates: Floats
+    kicks: Floats
+    drives: Floats
+
+
+def _rows_of(system: System, some: slice) -> _Rows:
+    """Of some coordinates; without coupled damping a row sees a displacement and acts on a velocity."""
+    rows, none = system.rows[:, some], np.zeros((0, 0))
+    if not len(system.energy_form):
+        return _Rows(rows, none, none, rows, none, rows)
+    tilts = system.tilts[:, some]
+    swings, rates = -tilts * system.omega[some] ** 2, rows - tilts * system.damping[some]
+    return _Rows(rows, tilts, swings, rates, system.kicks[:, some], system.drives[:, some])
+
+
+def _book(system: System, rule: Rule, tables: Tables, level: int, h: float, some: slice, step: _Step,
+          flow: Floats) -> None:  # fmt: skip
     """Write what is known of a step of some modes into the tables."""
     x, v, form = step
-    n, r = len(x), len(rows)
+    n, r, seen = len(x), len(system.rows), _rows_of(system, some)
     tables.flow[level, :, some] = flow[:, :, STAGES]
     tables.push[level, 0, :, some], tables.push[level, 1, :, some] = x[:, STAGES].T, v[:, STAGES].T
     upper = np.triu_indices(STAGES + 2)
     tables.loss[level, :, some] = (form[:, upper[0], upper[1]] * np.where(upper[0] == upper[1], 1.0, 2.0)).T
     free = tables.free[level].reshape(2, len(system.omega), r, POINTS, 2)
     for start in range(2):  # from a displacement, from a velocity
-        for what in range(2):
-            np.multiply(rows.T[:, :, None], flow[2 * what + start][:, None], out=free[start, some, :, :, what])
-    pairs = (rows[:, None] * rows).reshape(r * r, n)
-    for what, response in enumerate((x, v)):
-        sums = (pairs @ response.reshape(n, -1)).reshape(r, r, POINTS, STAGES)
-        tables.forced[level, :, :, what] += np.moveaxis(sums * system.sign[:, None, None], 1, 2)
-    if len(tables.mode_free):
-        tables.mode_free[level, :, :, some] = np.moveaxis(flow[2:], 2, 0)
-        tables.mode_forced[level, :, :, some] = np.moveaxis(v, 0, 2)
-        tables.mode_place[level, :, :, some] = np.moveaxis(x, 0, 2)
-    _stray(system.omega[some], system.damping[some], h, rule, tables, level, some, np.abs(pairs))
+        np.multiply(seen.rows.T[:, :, None], flow[start][:, None], out=free[start, some, :, :, 0])
+        np.multiply(seen.rates.T[:, :, None], flow[2 + start][:, None], out=free[start, some, :, :, 1])
+        if len(seen.tilts):
+            free[start, some, :, :, 0] += seen.tilts.T[:, :, None] * flow[2 + start][:, None]
+            free[start, some, :, :, 1] += seen.swings.T[:, :, None] * flow[start][:, None]
+    omega, damping = system.omega[some], system.damping[some]
+    for what, (by_x, by_v) in enumerate(_responses(seen, omega, damping)):
+        for weights, response in ((by_x, x), (by_v, v)):
+            if weights is not None:
+                sums = (weights.reshape(r * r, n) @ response.reshape(n, -1)).reshape(r, r, POINTS, STAGES)
+                tables.forced[level, :, :, what] += np.moveaxis(sums * system.sign[:, None, None], 1, 2)
+    _stray(omega, damping, h, rule, tables, level, some, seen)
+
+
+def _responses(seen: _Rows, omega: Floats, damping: Floats) -> list[tuple[Floats | None, Floats | None]]:
+    """What rows see of the response to each other's forces, displacement and velocity: weights [r, r, n] of x and of v,
+    the displacement and velocity that a unit force gives an oscillator. A force on z' gives it v + c x and -w^2 x."""
+    pairs = seen.rows[:, None] * seen.rows
+    if not len(seen.tilts):
+        return [(pairs, None), (None, pairs)]
+    found: list[tuple[Floats | None, Floats | None]] = []
+    for at_z, at_v in ((seen.rows, seen.tilts), (seen.swings, seen.rates)):
+        by_x = at_z[:, None] * (seen.drives + damping * seen.kicks) - at_v[:, None] * (omega**2 * seen.kicks)
+        found.append((by_x, at_z[:, None] * seen.kicks + at_v[:, None] * seen.drives))
+    return found
 
 
 def _stray(omega: Floats, damping: Floats, h: float, rule: Rule, tables: Tables, level: int, some: slice,
-           sizes: Floats) -> None:  # fmt: skip
+           seen: _Rows) -> None:  # fmt: skip
     """What interpolation at the places can miss: its remainder for slow modes, its norm for fast ones."""
     lagrange, cap = rule.node_polynomial / factorial(PLACES), 1.0 + rule.lebesgue
     z = (omega + damping) * h
@@ -208,10 +235,11 @@ def _stray(omega: Floats, damping: Floats, h: float, rule: Rule, tables: Tables,
         tables.stray[level, 1, some] = np.minimum(remainder * z, cap)
     r = tables.stray_push.shape[-1]
     powers = np.where(slow, z, 0.0)[:, None] ** np.arange(STAGES + 1, 0, -1) * slow[:, None]
-    push = tables.stray_push[level]
-    sums = (sizes @ powers).T.reshape(STAGES + 1, r, r) * lagrange * h
-    push[0, :STAGES] += sums[1:] * h
-    push[1, :STAGES] += sums[:STAGES]
     fast = ~slow
-    push[0, STAGES] += cap * (sizes @ (fast * np.minimum(0.5 * h * h, 2.0 * period**2))).reshape(r, r)
-    push[1, STAGES] += cap * (sizes @ (fast * np.minimum(h, 2.0 * period))).reshape(r, r)
+    by_x = np.column_stack([lagrange * h * h * powers[:, 1:], cap * fast * np.minimum(0.5 * h * h, 2.0 * period**2)])
+    by_v = np.column_stack([lagrange * h * powers[:, :STAGES], cap * fast * np.minimum(h, 2.0 * period)])
+    push = tables.stray_push[level]
+    for what, weights in enumerate(_responses(seen, omega, damping)):
+        for sizes, bounds in zip(weights, (by_x, by_v), strict=True):
+            if sizes is not None:
+                push[what] += (np.abs(sizes).reshape(r * r, len(omega)) @ bounds).T.reshape(STAGES + 1, r, r)

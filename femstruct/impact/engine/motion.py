@@ -25,11 +25,13 @@ class Motion(NamedTuple):
     at [s] : sample at which each state is kept, from 0; doublings [s] : the step from there takes 2^d samples, and the
     next state follows it. z, v [s, n].
     acts [r, n] : rows that push; forces [l, r, STAGES] : their forces at the Gauss points of each step of more than one
-    sample, in their order; modal [l, STAGES, k] : those of coupled damping, [0, STAGES, 0] without.
-    pushed [l] : 1 where any of them is not zero.
+    sample, in their order. pushed [l] : 1 where any of them is not zero.
     free [2, 2, n, j] : displacement, velocity after j samples from unit displacement, velocity;
     forced [d, 2, STAGES, n, j] : from unit forces at the Gauss points of a step of 2^d samples.
     n_samples : of the record.
+    Of modes that damping couples all of this is told of the oscillators in their place: turn [4, k, k], their places,
+    tilts, swings and rates (`femstruct.modal.coupled_damping`), makes motions of modes of theirs; kicks [r, n] : what
+    acts on z'; omega, damping [n] : of the oscillators. All empty where nothing is coupled.
     """
 
     at: Integers
@@ -38,15 +40,18 @@ class Motion(NamedTuple):
     v: Floats
     acts: Floats
     forces: Floats
-    modal: Floats
     pushed: Integers
     free: Floats
     forced: Floats
     n_samples: int
+    turn: Floats
+    kicks: Floats
+    omega: Floats
+    damping: Floats
 
 
-def sampled_motion(z: Floats, v: Floats) -> Motion:
-    """The motion that is known at its samples: z, v [n, nt]."""
+def sampled_motion(z: Floats, v: Floats, turn: Floats | None = None) -> Motion:
+    """The motion that is known at its samples: z, v [n, nt]; turn : as the motion has it."""
     n, nt = z.shape
     return Motion(
         at=np.arange(nt),
@@ -55,29 +60,60 @@ def sampled_motion(z: Floats, v: Floats) -> Motion:
         v=np.ascontiguousarray(v.T),
         acts=np.zeros((0, n)),
         forces=np.zeros((0, 0, STAGES)),
-        modal=np.zeros((0, STAGES, 0)),
         pushed=np.zeros(0, dtype=np.int64),
         free=np.zeros((2, 2, n, 1)),
         forced=np.zeros((1, 2, STAGES, n, 1)),
         n_samples=nt,
+        turn=np.zeros((4, 0, 0)) if turn is None else turn,
+        kicks=np.zeros((0, 0)),
+        omega=np.zeros(0),
+        damping=np.zeros(0),
     )
 
 
 def only(motion: Motion, which: Integers) -> Motion:
-    """The motion of some coordinates, in the order given; with coupled damping, modes before bodies."""
-    modal = which[which < motion.modal.shape[2]]
+    """The motion of some coordinates that nothing couples, in the order given."""
     return motion._replace(
         z=np.ascontiguousarray(motion.z[:, which]),
         v=np.ascontiguousarray(motion.v[:, which]),
         acts=np.ascontiguousarray(motion.acts[:, which]),
-        modal=np.ascontiguousarray(motion.modal[:, :, modal]),
         free=np.ascontiguousarray(motion.free[:, :, which]),
         forced=np.ascontiguousarray(motion.forced[:, :, :, which]),
     )
 
 
+def modal_motion(motion: Motion, what: int, modes: Integers) -> Floats:
+    """Displacement or velocity of some modes at all samples [len(modes), nt]."""
+    if not motion.turn.size:
+        return coordinates(only(motion, modes), what, 0, len(modes))
+    rows = np.zeros((len(modes), motion.turn.shape[1]))
+    rows[np.arange(len(modes)), modes] = 1.0
+    return along(motion, what, rows)
+
+
+def modal_states(motion: Motion, what: int) -> Floats:
+    """Displacement or velocity of the modes at the starts of all steps [s, k]; with the bodies behind, if nothing is
+    coupled."""
+    if not motion.turn.size:
+        return motion.z if what == DISPLACEMENT else motion.v
+    at_z, at_v = motion.turn[2 * what : 2 * what + 2]
+    k = len(at_z)
+    states: Floats = motion.z[:, :k] @ at_z.T + motion.v[:, :k] @ at_v.T
+    return states
+
+
 def coordinates(motion: Motion, what: int, first: int, last: int) -> Floats:
-    """Displacement or velocity of the coordinates first .. last - 1 at all samples [last - first, nt]."""
+    """Displacement or velocity of the coordinates first .. last - 1 at all samples [last - first, nt]: modes, then
+    bodies."""
+    k = motion.turn.shape[1]
+    if first < k:
+        modes = modal_motion(motion, what, np.arange(first, min(last, k)))
+        return modes if last <= k else np.vstack([modes, _as_they_are(motion, what, k, last)])
+    return _as_they_are(motion, what, first, last)
+
+
+def _as_they_are(motion: Motion, what: int, first: int, last: int) -> Floats:
+    """The same of coordinates that nothing couples."""
     states = (motion.z if what == DISPLACEMENT else motion.v)[:, first:last]
     out = np.empty((last - first, motion.n_samples))
     for steps in _by_length(motion):
@@ -90,7 +126,7 @@ def coordinates(motion: Motion, what: int, first: int, last: int) -> Floats:
         samples += by_v[:, None] * motion.v[steps.states, first:last].T[:, :, None]
         acting = motion.pushed[steps.longs] > 0
         if acting.any():
-            push = _modal_forces(motion, steps.longs[acting], first, last)
+            push: Floats = np.tensordot(motion.acts[:, first:last], motion.forces[steps.longs[acting]], axes=(0, 1))
             forced = np.moveaxis(motion.forced[steps.doublings, what, :, first:last, :count], 1, 0)
             samples[:, acting] += push @ forced
         out[:, motion.at[steps.states][:, None] + np.arange(count)] = samples
@@ -101,23 +137,60 @@ def coordinates(motion: Motion, what: int, first: int, last: int) -> Floats:
 def along(motion: Motion, what: int, rows: Floats) -> Floats:
     """Displacement or velocity of weighted sums of the first k coordinates, rows [p, k], at all samples [p, nt]."""
     k = rows.shape[1]
-    states = (motion.z if what == DISPLACEMENT else motion.v)[:, :k]
+    at_z, at_v = _of_states(motion, what, rows)
     out = np.empty((len(rows), motion.n_samples))
     for steps in _by_length(motion):
+        z, v = motion.z[steps.states, :k], motion.v[steps.states, :k]
         if steps.doublings == 0:
-            out[:, motion.at[steps.states]] = rows @ states[steps.states].T
+            out[:, motion.at[steps.states]] = at_z @ z.T + at_v @ v.T if motion.turn.size else rows @ (z, v)[what].T
             continue
         count = 1 << steps.doublings
-        by_z, by_v = motion.free[what, :, :k, :count]
         places = motion.at[steps.states][:, None] + np.arange(count)
         acting = motion.pushed[steps.longs] > 0
-        forced = motion.forced[steps.doublings, what, :, :k, :count] if acting.any() else None
-        for p, row in enumerate(rows):
-            samples = (motion.z[steps.states, :k] * row) @ by_z + (motion.v[steps.states, :k] * row) @ by_v
-            if forced is not None:
-                samples[acting] += _pushed_along(motion, steps.longs[acting], row, forced)
+        forced = motion.forced[steps.doublings, :, :, :k, :count]
+        for p in range(len(rows)):
+            if motion.turn.size:
+                by_z, by_v = (
+                    at_z[p][:, None] * motion.free[0, of, :k, :count]
+                    + at_v[p][:, None] * motion.free[1, of, :k, :count]
+                    for of in (0, 1)
+                )
+                samples = z @ by_z + v @ by_v
+            else:
+                by_z, by_v = motion.free[what, :, :k, :count]
+                samples = (z * rows[p]) @ by_z + (v * rows[p]) @ by_v
+            if acting.any():
+                if motion.turn.size:
+                    by_force = _by_force(motion, at_z[p], at_v[p], forced)
+                else:
+                    by_force = motion.acts[:, :k] @ (rows[p][:, None] * forced[what])
+                forces = np.swapaxes(motion.forces[steps.longs[acting]], 1, 2).reshape(int(acting.sum()), -1)
+                samples[acting] += forces @ by_force.reshape(-1, count)
             out[p, places] = samples
     return out
+
+
+def _of_states(motion: Motion, what: int, rows: Floats) -> tuple[Floats, Floats]:
+    """What displacements and rates of coordinates add to weighted sums of displacements or velocities of modes."""
+    k, turned = rows.shape[1], motion.turn.shape[1]
+    if not turned:
+        return (rows, np.zeros_like(rows)) if what == DISPLACEMENT else (np.zeros_like(rows), rows)
+    at_z, at_v = (rows[:, :turned] @ part for part in motion.turn[2 * what : 2 * what + 2])
+    if k > turned:
+        own, none = rows[:, turned:], np.zeros_like(rows[:, turned:])
+        at_z = np.hstack([at_z, own if what == DISPLACEMENT else none])
+        at_v = np.hstack([at_v, none if what == DISPLACEMENT else own])
+    return at_z, at_v
+
+
+def _by_force(motion: Motion, at_z: Floats, at_v: Floats, forced: Floats) -> Floats:
+    """What unit forces of the rows at the nodes give a weighted sum of states of oscillators [STAGES, r, j]."""
+    k = len(at_z)
+    x, v = forced
+    w, c = motion.omega[:k, None] ** 2, motion.damping[:k, None]
+    driven: Floats = motion.acts[:, :k] @ (at_z[:, None] * x + at_v[:, None] * v)
+    kicked: Floats = motion.kicks[:, :k] @ (at_z[:, None] * (v + c * x) - at_v[:, None] * (w * x))
+    return driven + kicked
 
 
 class _Steps(NamedTuple):
@@ -142,30 +215,6 @@ def _by_length(motion: Motion) -> list[_Steps]:
     return found
 
 
-def _modal_forces(motion: Motion, longs: Integers, first: int, last: int) -> Floats:
-    """Forces on the coordinates first .. last - 1 at the nodes of long steps [last - first, steps, STAGES]."""
-    forces: Floats = np.tensordot(motion.acts[:, first:last], motion.forces[longs], axes=(0, 1))
-    coupled = motion.modal.shape[2]
-    if first < coupled:
-        own = motion.modal[longs, :, first : min(last, coupled)]
-        forces[: own.shape[2]] += np.moveaxis(own, 2, 0)
-    return forces
-
-
-def _pushed_along(motion: Motion, longs: Integers, row: Floats, forced: Floats) -> Floats:
-    """What the forces over long steps add to a weighted sum of coordinates [steps, j]."""
-    k, count = len(row), forced.shape[2]
-    weighted = row[:, None] * forced
-    by_force = motion.acts[:, :k] @ weighted  # [STAGES, r, j]
-    forces = np.swapaxes(motion.forces[longs], 1, 2).reshape(len(longs), -1)
-    out: Floats = forces @ by_force.reshape(-1, count)
-    coupled = min(motion.modal.shape[2], k)
-    if coupled:
-        own = motion.modal[longs, :, :coupled].reshape(len(longs), -1)
-        out += own @ weighted[:, :coupled].reshape(-1, count)
-    return out
-
-
 def inner_tables(
     system: System, halvings: int, rule: Rule, tables: Tables, used: Integers, pushed: Integers
 ) -> tuple[Floats, Floats]:
@@ -187,7 +236,7 @@ def inner_tables(
 
 
 def state_at(motion: Motion, what: int, sample: int) -> Floats:
-    """Displacement or velocity of all n coordinates at one sample [n]."""
+    """Displacement or velocity of all n coordinates at one sample [n]; those of oscillators are their z and v."""
     s = int(np.searchsorted(motion.at, sample, side="right")) - 1
     doublings, inside = int(motion.doublings[s]), sample - int(motion.at[s])
     if not inside:
@@ -197,7 +246,17 @@ def state_at(motion: Motion, what: int, sample: int) -> Floats:
     out: Floats = by_z * motion.z[s] + by_v * motion.v[s]
     long = int(np.count_nonzero(motion.doublings[:s]))
     if motion.pushed[long]:
-        forces = motion.forces[long].T @ motion.acts
-        forces[:, : motion.modal.shape[2]] += motion.modal[long]
-        out += (motion.forced[doublings, what, :, :, inside] * forces).sum(axis=0)
+        x, v = motion.forced[doublings, :, :, :, inside]
+        out += ((x, v)[what] * (motion.forces[long].T @ motion.acts)).sum(axis=0)
+        if motion.turn.size:
+            other = v + motion.damping * x if what == DISPLACEMENT else -(motion.omega**2) * x
+            out += (other * (motion.forces[long].T @ motion.kicks)).sum(axis=0)
     return out
+
+
+def modes_of(motion: Motion, z: Floats, v: Floats) -> tuple[Floats, Floats]:
+    """Displacements and velocities of the modes [k, ...] from the first k coordinates and their rates [k, ...]."""
+    if not motion.turn.size:
+        return z, v
+    places, tilts, swings, rates = motion.turn
+    return places @ z + tilts @ v, swings @ z + rates @ v

@@ -15,7 +15,16 @@ from femstruct.impact.compiled.byte_layout import Counts, Cube, Matrix, Vector
 from femstruct.impact.compiled.kernels import kernel
 from femstruct.impact.engine.dense import solve_dense
 from femstruct.impact.engine.gauss_points import PLACES, POINTS, STAGES, Rule
-from femstruct.impact.engine.instant_forces import CLOSED, DISPLACEMENT_ROUNDING, State, dot, law, load_at, net_force
+from femstruct.impact.engine.instant_forces import (
+    CLOSED,
+    DISPLACEMENT_ROUNDING,
+    State,
+    law,
+    load_at,
+    net_force,
+    terms_of,
+    terms_of_rate,
+)
 from femstruct.impact.engine.modal_tables import Tables
 from femstruct.impact.engine.records import HALF_SINE, LINK, System
 
@@ -23,22 +32,18 @@ NEWTON_STEPS = 12
 SOLVED = 2e-14  # of the largest force of an interface: what Newton's method leaves of it
 ROUGHLY = 1e-12  # what it may leave of it after its last step
 EXTRAPOLATED = 6.0  # norm of the extrapolation of a force from the nodes to an end of the step, and 1 for its law there
-PICARD_STEPS = 40
 LONGER = 2e-3  # of the error that is allowed: below it the next step may be longer
 
 
 class Trial(NamedTuple):
     """A step that was solved and may be kept. place, rate [r, PLACES] : displacement and velocity of the rows at start,
-    nodes, end. forces [r, s] : forces at the nodes as they act, less preloads. modal [s, k], speeds [s, k] : forces
-    and speeds of coupled damping. q : free motion. active [m], slope [m, s, 2], jacobian [m s, m s], residual [m s] :
+    nodes, end. forces [r, s] : forces at the nodes as they act, less preloads. q : free motion. active [m], slope [m, s, 2], jacobian [m s, m s], residual [m s] :
     of Newton's iteration; derivatives [r, s + 1], watched [PLACES] : of the watch over the contacts. Nothing is
     allocated in a step."""
 
     place: Matrix
     rate: Matrix
     forces: Matrix
-    modal: Matrix
-    speeds: Matrix
     q: Vector
     active: Counts
     slope: Cube
@@ -50,13 +55,11 @@ class Trial(NamedTuple):
 
 def trial_room(system: System) -> Trial:
     """Work space for one trial step."""
-    r, k, m = len(system.rows), len(system.coupling), len(system.interfaces)
+    r, m = len(system.rows), len(system.interfaces)
     return Trial(
         place=np.zeros((r, PLACES)),
         rate=np.zeros((r, PLACES)),
         forces=np.zeros((r, STAGES)),
-        modal=np.zeros((STAGES, k)),
-        speeds=np.zeros((STAGES, k)),
         q=np.zeros(r * POINTS * 2),
         active=np.zeros(m, dtype=np.int64),
         slope=np.empty((m, STAGES, 2)),
@@ -95,17 +98,7 @@ def try_step(t: float, level: int, h: float, system: System, state: State, rule:
     for i in range(r - m):
         for j in range(STAGES):
             trial.forces[m + i, j] = load_at(system, i, t + rule.nodes[j] * h)
-    if len(system.coupling):
-        trial.modal[:] = 0.0
-        for round_ in range(PICARD_STEPS):
-            if not _interface_forces(level, system, state, tables, trial, count):
-                return np.inf
-            change, size = _couple(level, system, state, tables, trial)
-            if change <= 1e-15 * size:
-                break
-            if round_ == PICARD_STEPS - 1:
-                return np.inf
-    elif not _interface_forces(level, system, state, tables, trial, count):
+    if not _interface_forces(level, system, state, tables, trial, count):
         return np.inf
     return _error(t, h, system, state, rule, trial, tolerance)
 
@@ -126,8 +119,6 @@ def _interface_forces(level: int, system: System, state: State, tables: Tables, 
                         x += forced[a, p, 0, b, j] * trial.forces[b, j]
                         v += forced[a, p, 1, b, j] * trial.forces[b, j]
                 place[a, p + 1], rate[a, p + 1] = x, v
-        if len(system.coupling):
-            _add_coupled(level, system, tables, trial)
         if count == 0:
             return True
         worst = 0.0
@@ -183,10 +174,8 @@ def _lost_in_rounding(h: float, system: System, state: State, trial: Trial, coun
 def _unknown(h: float, system: System, state: State, trial: Trial, a: int) -> float:
     """What rounding of displacement, speed and force leaves unknown of the force of an active interface in a step."""
     shift = -state.rest[a] if system.interfaces[a]["kind"] == LINK else system.interfaces[a]["offset"]
-    still, moving = abs(shift), 0.0
-    for i in range(len(state.z)):
-        still += abs(system.rows[a, i] * state.z[i])
-        moving += abs(system.rows[a, i] * state.v[i])
+    still = abs(shift) + terms_of(system, a, state.z, state.v)
+    moving = terms_of_rate(system, a, state.z, state.v)
     still, moving = DISPLACEMENT_ROUNDING * (still + h * moving), DISPLACEMENT_ROUNDING * moving
     largest, shaken = abs(system.interfaces[a]["preload"]), 0.0
     for p in range(PLACES):
@@ -197,47 +186,6 @@ def _unknown(h: float, system: System, state: State, trial: Trial, a: int) -> fl
         largest = max(largest, abs(force))
         shaken = max(shaken, abs(by_place) * still + abs(by_rate) * moving)
     return float(SOLVED * largest + shaken)
-
-
-@kernel
-def _couple(level: int, system: System, state: State, tables: Tables, trial: Trial) -> tuple[float, float]:
-    """Forces of the damping off the diagonal from the modes' speeds; returns the largest change and speed force."""
-    k, m = system.n_modes, len(system.rows)
-    speeds = trial.speeds
-    for p in range(STAGES):
-        for i in range(k):
-            speeds[p, i] = tables.mode_free[level, p, 0, i] * state.z[i] + tables.mode_free[level, p, 1, i] * state.v[i]
-        for j in range(STAGES):
-            for i in range(k):
-                speeds[p, i] += tables.mode_forced[level, p, j, i] * trial.modal[j, i]
-            for a in range(m):
-                force = system.sign[a] * trial.forces[a, j]
-                if force != 0.0:
-                    for i in range(k):
-                        speeds[p, i] += tables.mode_forced[level, p, j, i] * system.rows[a, i] * force
-    change, size = 0.0, 0.0
-    for p in range(STAGES):
-        for i in range(k):
-            force = -dot(system.coupling[i], speeds[p])
-            change, size = max(change, abs(force - trial.modal[p, i])), max(size, abs(force))
-            trial.modal[p, i] = force
-    return change, size
-
-
-@kernel
-def _add_coupled(level: int, system: System, tables: Tables, trial: Trial) -> None:
-    """Add what the coupled damping does to the rows; their responses are those of a unit force in each mode."""
-    k = system.n_modes
-    for a in range(len(system.rows)):
-        for p in range(POINTS):
-            x, v = 0.0, 0.0
-            for j in range(STAGES):
-                for i in range(k):
-                    force = system.rows[a, i] * trial.modal[j, i]
-                    x += tables.mode_place[level, p, j, i] * force
-                    v += tables.mode_forced[level, p, j, i] * force
-            trial.place[a, p + 1] += x
-            trial.rate[a, p + 1] += v
 
 
 @kernel
@@ -276,19 +224,4 @@ def _error(t: float, h: float, system: System, state: State, rule: Rule, trial: 
             miss = max(miss - EXTRAPOLATED * _unknown(h, system, state, trial, a), 0.0)
         if miss > 0.0:
             worst = max(worst, miss * speeds / (tolerance * pace)) if pace > 0.0 else np.inf
-    if len(system.coupling):
-        energy, tail = 0.0, 0.0
-        for i in range(system.n_modes):
-            energy += state.v[i] ** 2 + (system.omega[i] * state.z[i]) ** 2
-            top = 0.0
-            for j in range(STAGES):
-                top += rule.top[j] * trial.modal[j, i]
-            tail += top * top
-        if tail > 0.0:
-            fastest = 0.0
-            for p in range(STAGES):
-                for i in range(system.n_modes):
-                    fastest += trial.speeds[p, i] ** 2 / STAGES
-            fastest = np.sqrt(max(energy, fastest))
-            worst = max(worst, 0.1 * h * np.sqrt(tail) / (tolerance * fastest))
     return worst

@@ -59,9 +59,14 @@ ManyStrikes = Annotated[Records, (STRIKE, 2)]
 class System(NamedTuple):
     """What the kernels need to know. n coordinates of unit mass: k modes, then bodies as sqrt(m) x.
 
-    omega, damping [n]; coupling [k, k] : damping off the diagonal, empty without.
+    omega, damping [n] : z'' + damping z' + omega^2 z of each. Modes that damping couples are taken as the oscillators
+    that `femstruct.modal.coupled_damping` makes of them, for which z' is not the rate v, and which have the rest:
     rows [r, n] : contacts, links, then loads; displacement of a row is lower end less upper end (approach), its force
     acts as sign * row. mobility [r] : row . row, the inverse mass behind it at high frequency.
+    tilts, kicks, drives [r, n] : displacement = rows . z + tilts . v, its force adds sign * kicks to z' and sign *
+    drives to v'; over_tilts [b, n] : beside over. energy_form, loss_form [2 k, 2 k] : see `Oscillators`. All empty where
+    nothing couples: then tilts and kicks are zero and drives are the rows. reach [2] : no mode's squared frequency and
+    no damping of modes is larger, in their own coordinates.
     interfaces : laws of contacts and links (INTERFACE). kind : number of a contact's code in `laws.registry`, or LINK;
     factor : whether its dashpot is a factor of the spring, closing then chi; straight : whether its numbers are
     constants, so that the exact march may take it; indentation = displacement + offset; release in ticks, of a contact:
@@ -76,7 +81,6 @@ class System(NamedTuple):
 
     omega: Vector
     damping: Vector
-    coupling: Matrix
     n_modes: int
     rows: Matrix
     sign: Vector
@@ -89,3 +93,10 @@ class System(NamedTuple):
     over: Matrix
     kinks: Counts
     tick: float
+    tilts: Matrix
+    kicks: Matrix
+    drives: Matrix
+    over_tilts: Matrix
+    energy_form: Matrix
+    loss_form: Matrix
+    reach: Vector

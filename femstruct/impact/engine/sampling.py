@@ -26,8 +26,8 @@ class Record(NamedTuple):
     """What is kept of a run.
 
     at, doublings [s], z, v [s, n], status [s, m] : the states of the coordinates and interfaces at samples that are
-    starts of steps, and the steps' lengths: see `femstruct.impact.engine.motion`. forces, modal, pushed [l] : what
-    acts over the steps of more than one sample. kept : numbers of these states and steps. A record of no samples keeps
+    starts of steps, and the steps' lengths: see `femstruct.impact.engine.motion`. forces, pushed [l] : what acts
+    over the steps of more than one sample. kept : numbers of these states and steps. A record of no samples keeps
     none.
     peak [m, 2] : force and its time; deepest [m] : indentation; shortest [m] : least time from closing to
     opening [s].
@@ -39,6 +39,7 @@ class Record(NamedTuple):
     of the last blow of a body at an interface, -1 before any; strike_peak [s + 1, m, 2] : peaks after every blow, in
     the last row before any.
     late [n] : the rates at the end of the first step that reaches the tick late_at [1], negative for none.
+    rows_z, rows_v [rows, k] : where oscillators in place of coupled modes are at the ledger rows, else empty.
     stop [1] : not zero when the march shall end at once. ended : WHEN [s], ledger ROWS, EVENTS.
     """
 
@@ -48,7 +49,6 @@ class Record(NamedTuple):
     v: Matrix
     status: CountTable
     forces: Cube
-    modal: Cube
     pushed: Counts
     kept: Counts
     peak: Matrix
@@ -67,6 +67,8 @@ class Record(NamedTuple):
     strike_peak: Cube
     late_at: Counts
     late: Vector
+    rows_z: Matrix
+    rows_v: Matrix
     stop: Counts
     ended: Vector
 
@@ -78,7 +80,8 @@ def room_for(system: System, n_samples: int) -> Record:
     """
     blows = len(system.strikes)
     n, m, width = len(system.omega), len(system.interfaces), ledger_width(system)
-    longs, coupled = n_samples // 2 + 1, len(system.coupling)
+    longs, rows = n_samples // 2 + 1, n_samples + 2100 + 2 * blows
+    coupled = (rows, system.n_modes) if len(system.energy_form) else (0, 0)
     return Record(
         at=np.empty(n_samples, dtype=np.int64),
         doublings=np.empty(n_samples, dtype=np.int64),
@@ -86,7 +89,6 @@ def room_for(system: System, n_samples: int) -> Record:
         v=np.empty((n_samples, n)),
         status=np.empty((n_samples, m), dtype=np.int64),
         forces=np.empty((longs, len(system.rows), STAGES)),
-        modal=np.empty((longs, STAGES, coupled)),
         pushed=np.empty(longs, dtype=np.int64),
         kept=np.zeros(2, dtype=np.int64),
         peak=np.zeros((m, 2)),
@@ -95,7 +97,7 @@ def room_for(system: System, n_samples: int) -> Record:
         travel=np.zeros(n - system.n_modes),
         totals=np.zeros(4),
         closed=np.zeros(m),
-        history=np.empty((n_samples + 2100 + 2 * blows, width)),
+        history=np.empty((rows, width)),
         events=np.empty((MOST_EVENTS, 4), dtype=np.int64),
         event_rows=np.empty((MOST_EVENTS, width)),
         newest=np.full(m, -1, dtype=np.int64),
@@ -105,6 +107,8 @@ def room_for(system: System, n_samples: int) -> Record:
         strike_peak=np.zeros((blows + 1, m, 2)),
         late_at=np.full(1, -1, dtype=np.int64),
         late=np.zeros(n),
+        rows_z=np.empty(coupled),
+        rows_v=np.empty(coupled),
         stop=np.zeros(1, dtype=np.int64),
         ended=np.zeros(3),
     )
@@ -122,17 +126,18 @@ def keep(index: int, doublings: int, state: State, trial: Trial, record: Record)
     record.kept[0] += 1
     if doublings > 0:
         record.pushed[long] = 0
-        for acting, kept in ((trial.forces, record.forces[long]), (trial.modal, record.modal[long])):
-            for i in range(acting.shape[0]):
-                for j in range(acting.shape[1]):
-                    kept[i, j] = acting[i, j]
-                    if acting[i, j] != 0.0:
-                        record.pushed[long] = 1
+        for i in range(trial.forces.shape[0]):
+            for j in range(trial.forces.shape[1]):
+                record.forces[long, i, j] = trial.forces[i, j]
+                if trial.forces[i, j] != 0.0:
+                    record.pushed[long] = 1
         record.kept[1] += 1
 
 
-def motion_of(record: Record, system: System, halvings: int, rule: Rule, tables: Tables) -> Motion:
-    """The motion that a record holds."""
+def motion_of(
+    record: Record, system: System, halvings: int, rule: Rule, tables: Tables, turn: Floats | None = None
+) -> Motion:
+    """The motion that a record holds; turn : of coupled modes, as the motion has it."""
     states, longs = int(record.kept[0]), int(record.kept[1])
     doublings, pushed = record.doublings[:states].copy(), record.pushed[:longs].copy()
     free, forced = inner_tables(system, halvings, rule, tables, doublings[doublings > 0], pushed)
@@ -141,13 +146,16 @@ def motion_of(record: Record, system: System, halvings: int, rule: Rule, tables:
         doublings=doublings,
         z=record.z[:states].copy(),
         v=record.v[:states].copy(),
-        acts=system.sign[:, None] * system.rows,
+        acts=system.sign[:, None] * (system.drives if len(system.energy_form) else system.rows),
         forces=record.forces[:longs].copy(),
-        modal=record.modal[:longs].copy(),
         pushed=pushed,
         free=free,
         forced=forced,
         n_samples=len(record.at),
+        turn=np.zeros((4, 0, 0)) if turn is None else turn,
+        kicks=system.sign[:, None] * system.kicks if len(system.energy_form) else system.kicks,
+        omega=system.omega,
+        damping=system.damping,
     )
 
 

@@ -19,6 +19,7 @@ from femstruct.impact.engine.instant_forces import (
     law,
     net_force,
     rows_now,
+    terms_of,
 )
 from femstruct.impact.engine.records import LINK, System
 from femstruct.impact.engine.sampling import Record
@@ -77,7 +78,11 @@ def strike(now: float, t: int, number: int, system: System, state: State, place:
             record.peak[a] = 0.0
             record.latest[a] = number
     mine[MOMENTUM] = -state.v[i]
-    state.z[i] = dot(system.over[system.strikes[number]["over"]], state.z)
+    over = system.strikes[number]["over"]
+    below = dot(system.over[over], state.z)
+    if len(system.over_tilts):
+        below += dot(system.over_tilts[over], state.v)
+    state.z[i] = below
     state.v[i] = system.strikes[number]["velocity"]
     mine[MOMENTUM] += state.v[i]
     mine[ENERGY] += 0.5 * state.v[i] ** 2
@@ -85,10 +90,8 @@ def strike(now: float, t: int, number: int, system: System, state: State, place:
     for a in range(m):
         state.pace[a] = max(state.pace[a], abs(rate[a]))
         if system.rows[a, i] != 0.0 and system.interfaces[a]["kind"] != LINK and system.interfaces[a]["release"] <= t:
-            margin = 0.0
-            for j in range(len(state.z)):
-                margin += abs(system.rows[a, j] * state.z[j])
-            touch(system, state, a, place[a], rate[a], DISPLACEMENT_ROUNDING * margin)
+            margin = DISPLACEMENT_ROUNDING * terms_of(system, a, state.z, state.v)
+            touch(system, state, a, place[a], rate[a], margin)
             mine[ENERGY] += stored(system, state, a, place[a])
             loaded[a] = 1.0 if state.status[a] == CLOSED else 0.0
             if loaded[a] > 0.0:

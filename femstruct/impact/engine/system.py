@@ -24,8 +24,11 @@ from femstruct.impact.engine.records import (
 )
 from femstruct.impact.laws.law import Law
 from femstruct.impact.laws.registry import CODES
+from femstruct.impact.engine.uncoupled import uncoupled
 from femstruct.impact.scene.bodies import Clock, Contact, End, Ground, HalfSine, Link, Load, Scene
 from femstruct.modal.basis import ModalBasis
+from femstruct.modal.coupled_damping.kept import oscillators_of
+from femstruct.modal.coupled_damping.oscillators import Oscillators
 from femstruct.model.probe import Probe
 
 
@@ -33,7 +36,8 @@ from femstruct.model.probe import Probe
 class Compiled:
     """A System, the start of its coordinates, and which rows carry which name.
 
-    start [2, n]; scale [n] : coordinate over displacement (1 for modes, sqrt(m) for bodies).
+    start [2, n]; rows [r, n] : of the system, over modes and bodies
+    whatever couples them; oscillators : of modes that damping couples, None where it couples none. scale [n] : coordinate over displacement (1 for modes, sqrt(m) for bodies).
     contacts : rows of a contact by name (two for a stop); links : row of a link by name.
     """
 
@@ -44,6 +48,16 @@ class Compiled:
     links: Mapping[str, int]
     n_samples: int
     halvings: int
+    rows: Floats
+    oscillators: Oscillators | None
+
+    @property
+    def turn(self) -> Floats:
+        """Places, tilts, swings and rates of the oscillators [4, k, k], empty without."""
+        found = self.oscillators
+        if found is None:
+            return np.zeros((4, 0, 0))
+        return np.stack([found.places, found.tilts, found.swings, found.rates])
 
 
 def compile_scene(basis: ModalBasis, scene: Scene, clock: Clock, finest: int = FINEST_HALVINGS) -> Compiled:
@@ -70,12 +84,10 @@ def compile_scene(basis: ModalBasis, scene: Scene, clock: Clock, finest: int = F
     kinks = releases.union(weights, {int(strike["tick"]) for strike in strikes}, *bends)
 
     matrix = np.array(interfaces.rows + loads.rows).reshape(-1, len(on.scale))
-    time_damping = basis.time_damping
-    coupling = time_damping - np.diag(np.diag(time_damping))
+    damping = basis.time_damping
     system = System(
         omega=np.concatenate((basis.omega, np.zeros(len(bodies)))),
-        damping=np.concatenate((np.diag(time_damping), np.zeros(len(bodies)))),
-        coupling=np.ascontiguousarray(coupling) if coupling.any() else np.zeros((0, 0)),
+        damping=np.concatenate((np.diag(damping), np.zeros(len(bodies)))),
         n_modes=k,
         rows=np.ascontiguousarray(matrix),
         sign=np.concatenate((-np.ones(len(interfaces.rows)), np.ones(len(loads.rows)))),
@@ -88,8 +100,18 @@ def compile_scene(basis: ModalBasis, scene: Scene, clock: Clock, finest: int = F
         over=np.array(over, dtype=np.float64).reshape(-1, len(on.scale)),
         kinks=np.array(sorted(kink for kink in kinks if kink > 0), dtype=np.int64),
         tick=tick,
+        tilts=np.zeros((0, 0)),
+        kicks=np.zeros((0, 0)),
+        drives=np.zeros((0, 0)),
+        over_tilts=np.zeros((0, 0)),
+        energy_form=np.zeros((0, 0)),
+        loss_form=np.zeros((0, 0)),
+        reach=np.array([np.max(basis.omega, initial=0.0) ** 2, np.max(np.diag(damping), initial=0.0)]),
     )
-    return Compiled(system, _start(scene, on), on.scale, contact_rows, link_rows, n_samples, halvings)
+    start, found = _start(scene, on), oscillators_of(basis.omega, damping)
+    if found is not None:
+        system, start = uncoupled(system, start, found, damping)
+    return Compiled(system, start, on.scale, contact_rows, link_rows, n_samples, halvings, matrix, found)
 
 
 @dataclass(frozen=True, eq=False)

@@ -35,9 +35,8 @@ def takes_exact_march(system: System, duration: float) -> bool:
 def largest_rate(system: System) -> float:
     """Bound of the rates [1/s] with every law acting at once and every load."""
     law, mobility = system.interfaces, system.mobility[: len(system.interfaces)]
-    stiffness = np.max(system.omega, initial=0.0) ** 2 + law["stiffness"] @ mobility
-    damping = np.max(system.damping, initial=0.0) + np.maximum(law["closing"], law["opening"]) @ mobility
-    damping += np.abs(system.coupling).sum(axis=1).max(initial=0.0)
+    stiffness = system.reach[0] + law["stiffness"] @ mobility
+    damping = system.reach[1] + np.maximum(law["closing"], law["opening"]) @ mobility
     sines = system.loads[system.loads["kind"] == HALF_SINE]
     sine = 2.0 * np.pi * float(np.max(sines["frequency"], initial=0.0))
     return max(float(0.5 * (damping + np.sqrt(damping**2 + 4.0 * stiffness))), sine)

@@ -11,6 +11,7 @@ from numpy.polynomial import legendre
 
 from femstruct.arrays import Floats
 from femstruct.impact.compiled.byte_layout import Counts, CountTable, Matrix, Vector
+from femstruct.impact.engine.energy import INTEGRATED
 from femstruct.impact.engine.records import System
 
 ORDER = 26  # of the power series of a step
@@ -69,11 +70,13 @@ def _bernstein(degree: int) -> Floats:
 class ExactRoom(NamedTuple):
     """Work space of one march, used by every step: nothing is allocated on the way.
 
-    z [ORDER + 1, n] : power series of the coordinates over the step, in parts of it. place, rate, force [r, ORDER + 1]
+    z [ORDER + 1, n] : power series of the coordinates over the step, in parts of it; w : of the rates of oscillators in
+    place of coupled modes [1/s], else empty. place, rate, force [r, ORDER + 1]
     : of the rows' displacements, velocities [1/s] and forces as they act. spring, dash, held [m] : force of an
     interface in the present regime = spring place + dash rate + held. way [m] : sign of a link's speed. fresh [m, 3] :
     whether a contact's indentation, its force, a link's speed is zero by an event at this very instant. loaded [m] :
-    whether a contact has a force. lost [m + 3] : dissipated by interfaces, by modes; work; nothing by blows.
+    whether a contact has a force. lost [m + INTEGRATED] : dissipated by interfaces, by modes; work; nothing
+    by blows; given to coupled modes.
     here [r, 2] : displacement and velocity. watched [ORDER + 1] : a polynomial. boxes [DEPTH, ORDER + 1],
     spans [DEPTH, 2] : its Bernstein coefficients on parts of the step. terms [m, 3] : sizes of what the interfaces'
     displacements and velocities are summed from, and the roots of their mobilities. q, v [n] : coordinates and rates
@@ -81,6 +84,7 @@ class ExactRoom(NamedTuple):
     """
 
     z: Matrix
+    w: Matrix
     place: Matrix
     rate: Matrix
     force: Matrix
@@ -105,6 +109,7 @@ def exact_room(system: System) -> ExactRoom:
     n, r, m, size = len(system.omega), len(system.rows), len(system.interfaces), ORDER + 1
     return ExactRoom(
         z=np.zeros((size, n)),
+        w=np.zeros((size, n) if len(system.energy_form) else (0, 0)),
         place=np.zeros((r, size)),
         rate=np.zeros((r, size)),
         force=np.zeros((r, size)),
@@ -114,7 +119,7 @@ def exact_room(system: System) -> ExactRoom:
         way=np.zeros(m, dtype=np.int64),
         fresh=np.zeros((m, 3), dtype=np.int64),
         loaded=np.zeros(m),
-        lost=np.zeros(m + 3),
+        lost=np.zeros(m + INTEGRATED),
         here=np.zeros((r, 2)),
         watched=np.zeros(size),
         boxes=np.zeros((DEPTH, size)),

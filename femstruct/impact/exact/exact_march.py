@@ -13,6 +13,7 @@ from femstruct.impact.engine.booking import (
     TOO_MANY_EVENTS,
     balance_books,
     goes_on,
+    keep_row,
     log_changes,
     open_books,
 )
@@ -23,7 +24,7 @@ from femstruct.impact.engine.sampling import STEPS, Record, ended
 from femstruct.impact.exact.exact_constants import ORDER, PROBES, SHORT, THETA, ExactRoom, ExactRule
 from femstruct.impact.exact.ledger import integrate_step, peaks_of_step, travels_of_step
 from femstruct.impact.exact.next_event import switch, watch
-from femstruct.impact.exact.regime import coupling_bound, evaluate, expand, fastest, load_series, settle, shorten
+from femstruct.impact.exact.regime import evaluate, expand, fastest, load_series, settle, shorten
 from femstruct.impact.exact.roots import NEVER, value_of
 
 
@@ -36,7 +37,7 @@ def exact_march(system: System, state: State, rule: ExactRule, room: ExactRoom, 
     how far apart ledger rows may be otherwise. A record without samples keeps the first and the last ledger row only.
     """
     history, m, samples = record.history, len(system.interfaces), len(record.at)
-    coupling, damped = coupling_bound(system), len(system.coupling) > 0
+    damped = False
     for i in range(system.n_modes):
         damped = damped or system.damping[i] > 0.0
     _begin(system, state, room)
@@ -49,7 +50,7 @@ def exact_march(system: System, state: State, rule: ExactRule, room: ExactRoom, 
         if how != DONE:
             return ended(record, how, t, kept, n_events)
         settle(system, state, room)
-        bound, stiffness = fastest(system, room, coupling)
+        bound, stiffness = fastest(system, room)
         while kink < len(system.kinks) and system.kinks[kink] * system.tick <= t:
             kink += 1
         limit = end
@@ -122,11 +123,12 @@ def exact_march(system: System, state: State, rule: ExactRule, room: ExactRoom, 
         if told and not balance_books(t, initial, system, state, room.here[:, 0], room.lost, row, record):
             return ended(record, NO_FORCES, t, kept, n_events)
         record.totals[STEPS] += 1.0
-        n_events = log_changes(t, system, room.loaded, row, n_events, record)
+        n_events = log_changes(t, system, state, room.loaded, row, n_events, record)
         if n_events == FULL:
             return ended(record, TOO_MANY_EVENTS, t, kept, len(record.events))
         busy = (acting or touching > 0.0) and t - last >= interval * (1.0 - 1e-9)
         if t >= end or (samples and (busy or t - last >= 0.5 * longest)):
+            keep_row(kept, state, record)
             kept += 1
             last = t
     return ended(record, DONE, t, kept, settle_events(record, n_events, m))
@@ -162,6 +164,10 @@ def _look(system: System, state: State, room: ExactRoom) -> None:
         for i in range(len(state.z)):
             place += system.rows[a, i] * state.z[i]
             rate += system.rows[a, i] * state.v[i]
+        for i in range(system.tilts.shape[1]):
+            turning = system.omega[i] * system.omega[i] * state.z[i] + system.damping[i] * state.v[i]
+            place += system.tilts[a, i] * state.v[i]
+            rate -= system.tilts[a, i] * turning
         room.here[a, 0], room.here[a, 1] = place, rate
 
 

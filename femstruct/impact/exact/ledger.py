@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from femstruct.arrays import Floats
 from femstruct.impact.compiled.kernels import kernel
-from femstruct.impact.engine.energy import MODES, WORK
+from femstruct.impact.engine.energy import GIVEN, MODES, WORK
 from femstruct.impact.engine.instant_forces import CLAMPED, CLOSED, State
 from femstruct.impact.engine.records import LINK, System
 from femstruct.impact.engine.sampling import Record
@@ -34,6 +34,9 @@ def integrate_step(system: System, state: State, h: float, order: int, damped: b
             for g in range(GAUSS):
                 force = value_of(room.force[a], order, rule.at_nodes[g])
                 lost[m + WORK] += h * rule.weights[g] * force * value_of(room.rate[a], order, rule.at_nodes[g])
+    if len(system.energy_form):
+        _give(system, h, order, rule, room)
+        return
     if not damped:
         return
     for g in range(GAUSS):
@@ -45,12 +48,26 @@ def integrate_step(system: System, state: State, h: float, order: int, damped: b
         taken = 0.0
         for i in range(k_modes):
             taken += system.damping[i] * v[i] * v[i]
-        for i in range(len(system.coupling)):
-            total = 0.0
-            for j in range(len(system.coupling)):
-                total += system.coupling[i, j] * v[j]
-            taken += v[i] * total
         lost[m + MODES] += rule.weights[g] * taken / h
+
+
+@kernel
+def _give(system: System, h: float, order: int, rule: ExactRule, room: ExactRoom) -> None:
+    """Add the work of all rows on coupled modes: their forces times their velocities, less those of the bodies."""
+    m, k_modes, n = len(system.interfaces), system.n_modes, len(system.omega)
+    for g in range(GAUSS):
+        power = 0.0
+        for a in range(len(system.rows)):
+            force = system.sign[a] * value_of(room.force[a], order, rule.at_nodes[g])
+            if force != 0.0:
+                power += force * value_of(room.rate[a], order, rule.at_nodes[g])
+                for i in range(k_modes, n):
+                    if system.rows[a, i] != 0.0:
+                        speed = 0.0
+                        for k in range(order, -1, -1):
+                            speed = speed * rule.nodes[g] + room.w[k, i]
+                        power -= force * system.rows[a, i] * speed
+        room.lost[m + GIVEN] += h * rule.weights[g] * power
 
 
 @kernel

@@ -12,10 +12,9 @@ import numpy as np
 
 from femstruct.arrays import Floats
 from femstruct.impact.compiled.kernels import kernel
-from femstruct.impact.engine.instant_forces import CLAMPED, CLOSED, OPEN, PRELOAD, State
+from femstruct.impact.engine.instant_forces import CLAMPED, CLOSED, OPEN, PRELOAD, State, terms_of, terms_of_rate
 from femstruct.impact.engine.records import LINK, System
 from femstruct.impact.exact.exact_constants import ExactRoom, ExactRule
-from femstruct.impact.exact.regime import inner_product
 from femstruct.impact.exact.roots import NEVER, first_descent, magnitude, stays_positive
 
 INDENTATION, FORCE, SPEED, EXCESS = 0, 1, 2, 3  # what crossed zero; the first three are columns of fresh
@@ -76,7 +75,7 @@ def watch(system: System, state: State, order: int, h: float, before: float, sti
     c, boxes, spans = room.watched, room.boxes, room.spans
     shake = 0.0  # acceleration by the rounding of what springs and dashpots see: no contact closes or opens for it
     for a in range(len(system.interfaces)):
-        still, moving = inner_product(state.z, system.rows[a]), inner_product(state.v, system.rows[a])
+        still, moving = terms_of(system, a, state.z, state.v), terms_of_rate(system, a, state.z, state.v)
         room.terms[a, 0], room.terms[a, 1], room.terms[a, 2] = still, moving, np.sqrt(system.mobility[a])
         held = room.spring[a] * (still + max(h, before) * moving + abs(system.interfaces[a]["offset"]))
         lost = room.dash[a] * (moving + 2.0 * stiff * still)
@@ -146,7 +145,9 @@ def switch(system: System, state: State, room: ExactRoom, a: int, what: int, bef
     elif state.status[a] == CLOSED:
         depth = room.here[a, 0] + law["offset"]
         margin = DISPLACEMENT_ROUNDING * (
-            inner_product(state.z, system.rows[a]) + before * inner_product(state.v, system.rows[a]) + law["offset"]
+            terms_of(system, a, state.z, state.v)
+            + before * terms_of_rate(system, a, state.z, state.v)
+            + law["offset"]
         )
         state.status[a] = CLAMPED if depth > margin else OPEN
     else:

@@ -12,18 +12,6 @@ from femstruct.impact.exact.exact_constants import ExactRoom, ExactRule
 
 
 @kernel
-def coupling_bound(system: System) -> float:
-    """Largest row sum of the damping off the diagonal: no less than its norm, as it is symmetric."""
-    worst = 0.0
-    for i in range(len(system.coupling)):
-        total = 0.0
-        for j in range(len(system.coupling)):
-            total += abs(system.coupling[i, j])
-        worst = max(worst, total)
-    return worst
-
-
-@kernel
 def settle(system: System, state: State, room: ExactRoom) -> None:
     """Springs, dashpots and constant forces of the interfaces in the present regime."""
     for a in range(len(system.interfaces)):
@@ -43,18 +31,14 @@ def settle(system: System, state: State, room: ExactRoom) -> None:
 
 
 @kernel
-def fastest(system: System, room: ExactRoom, coupling: float) -> tuple[float, float]:
+def fastest(system: System, room: ExactRoom) -> tuple[float, float]:
     """Bound of the rates [1/s] of a regime, the positive root of x^2 = c x + w^2; and w^2 [1/s^2].
 
     w^2 and c bound the stiffness and the damping over the coordinates of unit mass: the largest of the modes, and k
     row.row, c row.row of every interface that acts. In the norm max(|z|, |v| / x) the system's matrix is no larger
     than x, so that term p of its power series is below (x h)^p / p!.
     """
-    stiffness, damping = 0.0, 0.0
-    for i in range(len(system.omega)):
-        stiffness = max(stiffness, system.omega[i] * system.omega[i])
-        damping = max(damping, system.damping[i])
-    damping += coupling
+    stiffness, damping = system.reach[0], system.reach[1]
     for a in range(len(system.interfaces)):
         stiffness += room.spring[a] * system.mobility[a]
         damping += room.dash[a] * system.mobility[a]
@@ -103,7 +87,10 @@ def expand(system: System, state: State, rule: ExactRule, room: ExactRoom, h: fl
     With y_k = k! z_k, the derivatives, no term is divided by anything: y_(k+2) = h^2 forces_k - (omega h)^2 y_k -
     damping h y_(k+1), and forces_k from the rows' own y_k and y_(k+1).
     """
-    n, m, r, k_modes = len(system.omega), len(system.interfaces), len(system.rows), len(system.coupling)
+    if len(system.energy_form):
+        _expand_oscillators(system, state, rule, room, h, order)
+        return
+    n, m, r = len(system.omega), len(system.interfaces), len(system.rows)
     z, place, force, rows, sway, drag = room.z, room.place, room.force, system.rows, room.q, room.v
     square = h * h
     for i in range(n):
@@ -118,11 +105,6 @@ def expand(system: System, state: State, rule: ExactRule, room: ExactRoom, h: fl
     for k in range(order - 1):
         for i in range(n):
             z[k + 2, i] = sway[i] * z[k, i] + drag[i] * z[k + 1, i]
-        for i in range(k_modes):
-            total = 0.0
-            for j in range(k_modes):
-                total += system.coupling[i, j] * z[k + 1, j]
-            z[k + 2, i] -= h * total
         for a in range(r):
             if a < m:
                 push = square * room.spring[a] * place[a, k] + h * room.dash[a] * place[a, k + 1]
@@ -140,6 +122,40 @@ def expand(system: System, state: State, rule: ExactRule, room: ExactRoom, h: fl
                 total += rows[a, i] * z[k + 2, i]
             place[a, k + 2] = total
     _from_derivatives(rule, room, m, 1.0 / h, order)
+
+
+@summing
+def _expand_oscillators(system: System, state: State, rule: ExactRule, room: ExactRoom, h: float, order: int) -> None:
+    """The same of oscillators in place of coupled modes, whose forces act on z' too: z and w = v are series alike."""
+    n, m, r = len(system.omega), len(system.interfaces), len(system.rows)
+    z, w, place, rate, force, rows, tilts = room.z, room.w, room.place, room.rate, room.force, system.rows, system.tilts
+    for i in range(n):
+        z[0, i], w[0, i] = state.z[i], state.v[i]
+    for k in range(order + 1):
+        for a in range(r):
+            here, speed = 0.0, 0.0
+            for i in range(n):
+                x, v = z[k, i], w[k, i]
+                here += rows[a, i] * x + tilts[a, i] * v
+                turning = system.omega[i] * system.omega[i] * x + system.damping[i] * v
+                speed += rows[a, i] * v - tilts[a, i] * turning
+            place[a, k], rate[a, k] = here, speed
+            if a < m:
+                force[a, k] = room.spring[a] * here + room.dash[a] * speed
+                if k == 0:
+                    force[a, 0] += room.held[a]
+        if k == order:
+            return
+        part = h * rule.factors[k + 1] / rule.factors[k]
+        for i in range(n):
+            z[k + 1, i] = part * w[k, i]
+            w[k + 1, i] = -part * (system.omega[i] * system.omega[i] * z[k, i] + system.damping[i] * w[k, i])
+        for a in range(r):
+            push = part * system.sign[a] * force[a, k]
+            if push != 0.0:
+                for i in range(n):
+                    z[k + 1, i] += system.kicks[a, i] * push
+                    w[k + 1, i] += system.drives[a, i] * push
 
 
 @kernel
@@ -169,6 +185,8 @@ def shorten(room: ExactRoom, order: int, part: float) -> None:
         power *= part
         for i in range(room.z.shape[1]):
             room.z[k, i] *= power
+        for i in range(room.w.shape[1]):
+            room.w[k, i] *= power
         for a in range(len(room.place)):
             room.place[a, k] *= power
             room.rate[a, k] *= power
@@ -178,7 +196,15 @@ def shorten(room: ExactRoom, order: int, part: float) -> None:
 @summing
 def evaluate(room: ExactRoom, h: float, order: int, theta: float) -> None:
     """Coordinates and rates at a part of the step, into room.q and room.v."""
-    z, q, v = room.z, room.q, room.v
+    z, w, q, v = room.z, room.w, room.q, room.v
+    if len(w):
+        for i in range(len(q)):
+            q[i], v[i] = z[order, i], w[order, i]
+        for k in range(order - 1, -1, -1):
+            for i in range(len(q)):
+                q[i] = q[i] * theta + z[k, i]
+                v[i] = v[i] * theta + w[k, i]
+        return
     for i in range(len(q)):
         q[i], v[i] = z[order, i], 0.0
     for k in range(order - 1, -1, -1):
@@ -188,11 +214,3 @@ def evaluate(room: ExactRoom, h: float, order: int, theta: float) -> None:
     for i in range(len(v)):
         v[i] /= h
 
-
-@summing
-def inner_product(values: Floats, row: Floats) -> float:
-    """Sum of magnitudes of the products: what rounding is relative to."""
-    total = 0.0
-    for i in range(len(row)):
-        total += abs(values[i] * row[i])
-    return float(total)

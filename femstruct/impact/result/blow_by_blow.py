@@ -20,14 +20,20 @@ AT_REST = 1e-2  # share of the largest energy after a blow that counts as rest
 
 
 def blow_table(
-    record: Record, motion: Motion, compiled: Compiled, scene: Scene, clock: Clock, log: Sequence[Event]
+    record: Record,
+    motion: Motion,
+    omega: Floats,
+    compiled: Compiled,
+    scene: Scene,
+    clock: Clock,
+    log: Sequence[Event],
 ) -> tuple[Blow, ...]:
-    """All blows of a run in the order of time."""
+    """All blows of a run in the order of time. omega [k] : of the modes [rad/s]."""
     system, end = compiled.system, compiled.n_samples / clock.sampling
     strikes, times = system.strikes, system.strikes["tick"] * system.tick
     if not len(strikes):
         return ()
-    energy = structure_energy(motion, system.omega[: system.n_modes])
+    energy = structure_energy(motion, omega)
     following = np.append(times, np.inf)[np.searchsorted(times, times, side="right")]
     found: list[Blow] = [None] * len(strikes)  # type: ignore[list-item]
     for over, plan in enumerate(scene.blows):

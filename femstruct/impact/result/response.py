@@ -11,7 +11,7 @@ import numpy as np
 
 from femstruct.arrays import Floats, Integers
 from femstruct.errors import Finding
-from femstruct.impact.engine.motion import DISPLACEMENT, VELOCITY, Motion, along, coordinates, only
+from femstruct.impact.engine.motion import DISPLACEMENT, VELOCITY, Motion, along, coordinates, modal_motion, modal_states
 from femstruct.impact.scene.bodies import Clock, Scene
 from femstruct.modal.basis import ModalBasis
 from femstruct.reported import Reported
@@ -244,12 +244,13 @@ class Response:
 
     def velocities(self, modes: Integers) -> Floats:
         """Velocities of some modes at all samples [len(modes), nt] [kg^.5 m/s]."""
-        return coordinates(only(self.motion, modes), VELOCITY, 0, len(modes))
+        return modal_motion(self.motion, VELOCITY, modes)
 
     def amplitudes(self) -> Floats:
         """Largest velocity that each mode's energy allows [k] [kg^.5 m/s], over the starts of all steps."""
         k = len(self.basis.omega)
-        speeds: Floats = np.hypot(self.motion.v[:, :k], self.basis.omega * self.motion.z[:, :k]).max(axis=0)
+        z, v = (modal_states(self.motion, what)[:, :k] for what in (DISPLACEMENT, VELOCITY))
+        speeds: Floats = np.hypot(v, self.basis.omega * z).max(axis=0)
         return speeds
 
     @property

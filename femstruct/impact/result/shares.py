@@ -10,7 +10,7 @@ import scipy
 
 from femstruct.arrays import Floats
 from femstruct.impact.engine.instant_forces import law, load_at
-from femstruct.impact.engine.motion import DISPLACEMENT, VELOCITY, state_at
+from femstruct.impact.engine.motion import DISPLACEMENT, VELOCITY, modes_of, state_at
 from femstruct.impact.engine.records import LINK, System
 from femstruct.impact.engine.system import Compiled, compile_scene
 from femstruct.impact.result.dashpots import dashpot_losses
@@ -79,10 +79,11 @@ def held_over_time(response: Response, t: Floats) -> dict[str, Floats]:
         return {}
     samples = np.clip(np.round(t * response.clock.sampling).astype(int), 0, len(response.t) - 1)
     k = len(response.basis.omega)
-    q, qd = (
+    z, v = (
         np.stack([state_at(response.motion, what, int(sample))[:k] for sample in samples], axis=1)
         for what in (DISPLACEMENT, VELOCITY)
     )
+    q, qd = modes_of(response.motion, z, v)
     return {name: holder.energy(q, qd) for name, holder in response.basis.holders.items()}
 
 
@@ -128,7 +129,7 @@ def modes_at(response: Response, compiled: Compiled, t: float) -> tuple[Floats, 
         now = then
         if now < t:
             _renew(system, rest, now, z, v)
-    return z[: system.n_modes], v[: system.n_modes]
+    return modes_of(response.motion, z[: system.n_modes], v[: system.n_modes])
 
 
 def _rests(response: Response, compiled: Compiled, sample: int, z: Floats, v: Floats) -> Floats:
@@ -138,7 +139,7 @@ def _rests(response: Response, compiled: Compiled, sample: int, z: Floats, v: Fl
     for name, a in compiled.links.items():
         link = system.interfaces[a]
         if 0 < link["release"] <= released and link["stiffness"] > 0.0:
-            place, rate = float(system.rows[a] @ z), float(system.rows[a] @ v)
+            place, rate = (float(seen[a]) for seen in _seen(system, z, v))
             damping = link["opening"] if rate < 0.0 else link["closing"]
             force = response.links[name][sample] - damping * rate - link["preload"]
             rest[a] = place - force / link["stiffness"]
@@ -155,9 +156,10 @@ def _breaks(system: System) -> list[float]:
 def _renew(system: System, rest: Floats, now: float, z: Floats, v: Floats) -> None:
     """Release the links and place the bodies whose time is now."""
     for a in np.flatnonzero((system.interfaces["kind"] == LINK) & (system.interfaces["release"] * system.tick == now)):
-        rest[a] = system.rows[a] @ z
+        rest[a] = _seen(system, z, v)[0][a]
     for blow in system.strikes[system.strikes["tick"] * system.tick == now]:
-        z[blow["coordinate"]] = system.over[blow["over"]] @ z
+        below = system.over[blow["over"]] @ z
+        z[blow["coordinate"]] = below + (system.over_tilts[blow["over"]] @ v if len(system.over_tilts) else 0.0)
         v[blow["coordinate"]] = blow["velocity"]
 
 
@@ -176,16 +178,23 @@ def _rates(t: float, y: Floats, system: System, rest: Floats) -> Floats:
     """Velocities and accelerations of all coordinates, from their values alone."""
     n, m = len(system.omega), len(system.interfaces)
     z, v = y[:n], y[n:]
-    place, rate = system.rows @ z, system.rows @ v
+    place, rate = _seen(system, z, v)
     force = np.array(
         [_force(t, system, rest, a, place[a], rate[a]) for a in range(m)]
         + [load_at(system, i, t) for i in range(len(system.loads))]
     )
-    acceleration = -(system.omega**2) * z - system.damping * v + (system.sign * force) @ system.rows
-    if len(system.coupling):
-        k = system.n_modes
-        acceleration[:k] -= system.coupling @ v[:k]
-    return np.concatenate((v, acceleration))
+    inner, push = -(system.omega**2) * z - system.damping * v, system.sign * force
+    if len(system.energy_form):
+        return np.concatenate((v + push @ system.kicks, inner + push @ system.drives))
+    return np.concatenate((v, inner + push @ system.rows))
+
+
+def _seen(system: System, z: Floats, v: Floats) -> tuple[Floats, Floats]:
+    """Displacements and velocities of all rows [r]."""
+    place, rate = system.rows @ z, system.rows @ v
+    if len(system.energy_form):
+        place, rate = place + system.tilts @ v, rate - system.tilts @ (system.omega**2 * z + system.damping * v)
+    return place, rate
 
 
 def _force(t: float, system: System, rest: Floats, a: int, place: float, rate: float) -> float:
