@@ -49,8 +49,8 @@ def with_cavity(
     without cancellation. A room without a leak takes away one rigid mode, if any of them displaces volume.
 
     Damping couples the new modes. Where that makes less than 1e-3 of the structure's motion, and there is no leak and
-    no resistance of a compliant wall, only the diagonal is kept, which costs less than a tenth in `simulate`; the
-    finding ``two-way-coupling`` says which, and gives frequencies in vacuo and coupled.
+    no resistance of a compliant wall, only the diagonal is kept, which halves the time of `simulate`; the finding
+    ``two-way-coupling`` says which, and gives frequencies in vacuo and coupled.
     The shapes are not orthonormal with the mass of the structure alone, but with that of structure and air; `holders`
     has what of their energy is the structure's, the air's (with the plug of a leak) and that of walls that yield.
 

@@ -164,20 +164,7 @@ def _weigh(frame: System, shared: Shared, tables: Tables, mass: Floats) -> None:
     """The rows, and all of the tables that depends on them, for these masses."""
     k, r, rows = frame.n_modes, len(frame.rows), frame.rows
     modes, unit = shared.modes, shared.mass
-    for a in range(r):
-        frame.mobility[a] = shared.mobility[a]
-        for b in range(len(mass)):
-            root = np.sqrt(mass[b])
-            rows[a, k + b] = shared.entries[a, b] * (root if a >= shared.weight else 1.0 / root)
-            if len(frame.drives):
-                frame.drives[a, k + b] = rows[a, k + b]
-            frame.mobility[a] += rows[a, k + b] ** 2
-    for o in range(len(shared.struck)):
-        root = np.sqrt(mass[shared.struck[o]])
-        for j in range(len(frame.omega)):
-            frame.over[o, j] = shared.over[o, j] * (root if j < k else root / np.sqrt(mass[j - k]))
-        for j in range(frame.over_tilts.shape[1]):
-            frame.over_tilts[o, j] = shared.over_tilts[o, j] * root
+    _weigh_rows(frame, shared, mass)
     for level in range(len(tables.flow)):
         for a in range(r):
             for p in range(POINTS):
@@ -208,6 +195,26 @@ def _weigh(frame: System, shared: Shared, tables: Tables, mass: Floats) -> None:
                     for x in range(2):
                         for s in range(STAGES + 1):
                             tables.stray_push[level, x, s, a, c] += abs(pair) * unit.stray_push[level, x, s, 0, 0]
+
+
+@kernel
+def _weigh_rows(frame: System, shared: Shared, mass: Floats) -> None:
+    """The rows, and what of the system depends on them."""
+    k, rows = frame.n_modes, frame.rows
+    for a in range(len(rows)):
+        frame.mobility[a] = shared.mobility[a]
+        for b in range(len(mass)):
+            root = np.sqrt(mass[b])
+            rows[a, k + b] = shared.entries[a, b] * (root if a >= shared.weight else 1.0 / root)
+            frame.mobility[a] += rows[a, k + b] ** 2
+            if len(frame.energy_form):
+                frame.drives[a, k + b] = rows[a, k + b]
+    for o in range(len(shared.struck)):
+        root = np.sqrt(mass[shared.struck[o]])
+        for j in range(len(frame.omega)):
+            frame.over[o, j] = shared.over[o, j] * (root if j < k else root / np.sqrt(mass[j - k]))
+        for j in range(frame.over_tilts.shape[1]):
+            frame.over_tilts[o, j] = shared.over_tilts[o, j] * root
 
 
 @kernel

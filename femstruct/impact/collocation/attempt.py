@@ -23,7 +23,8 @@ ERROR, PART = 0, 1  # columns of what is found
 class Room(NamedTuple):
     """Work space of a march. trial : of its steps, with their work space. lost [m + INTEGRATED] : dissipated by
     interfaces, by modes; work; brought by blows; given to coupled modes. bounds [m, 4] : what interpolation can miss of
-    an interface. work [s + 4, n]. loaded, closed_at [m] : whether a contact counts as closed, and since when. place, rate [r] : of the rows.
+    an interface. work [s + 4, n]. loaded, closed_at [m] : whether a contact counts as closed, and since when. place,
+    rate [r] : of the rows.
     found [2] : of a trial step: its error over what is allowed, and the part of it before the first change of status.
     """
 

@@ -6,8 +6,6 @@ which is the graded mesh that the onset of a contact (indentation^1.5, ^0.5) nee
 
 from __future__ import annotations
 
-import numpy as np
-
 from femstruct.arrays import Floats
 from femstruct.impact.collocation.attempt import ERROR, PART, REFUSED, Room, attempt
 from femstruct.impact.collocation.events import CHANGES, SHARP, UNCERTAIN, least_excess, switch

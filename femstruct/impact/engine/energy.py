@@ -80,15 +80,15 @@ def take_stock(t: float, system: System, state: State, place: Floats, lost: Floa
 @summing
 def modal_energies(system: System, state: State) -> tuple[float, float]:
     """Energy of coupled modes as they are, and what they would lose from now on: the same, told in two ways."""
-    k, held, lasting = system.n_modes, 0.0, 0.0
+    k, held, surplus = system.n_modes, 0.0, 0.0
     for i in range(2 * k):
-        root, loss = 0.0, 0.0
+        root, more = 0.0, 0.0
         for j in range(k):
             root += system.energy_form[i, j] * state.z[j] + system.energy_form[i, k + j] * state.v[j]
-            loss += system.loss_form[i, j] * state.z[j] + system.loss_form[i, k + j] * state.v[j]
+            more += system.surplus_form[i, j] * state.z[j] + system.surplus_form[i, k + j] * state.v[j]
         held += 0.5 * root * root
-        lasting += 0.5 * loss * (state.z[i] if i < k else state.v[i - k])
-    return held, lasting
+        surplus += 0.5 * more * (state.z[i] if i < k else state.v[i - k])
+    return held, held + surplus
 
 
 @kernel

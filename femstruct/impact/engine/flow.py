@@ -13,8 +13,10 @@ from femstruct.impact.engine.records import System
 @kernel
 def advance(level: int, system: System, tables: Tables, forces: Floats, z: Floats, v: Floats,
             work: Floats) -> float:  # fmt: skip
-    """Move z, v over a step under forces at the nodes; returns the energy the damping took, 0 of oscillators in place of
-    coupled modes, whose losses are told from where they are (`femstruct.impact.engine.energy`).
+    """Move z, v over a step under forces at the nodes; returns the energy the damping took.
+
+    Of oscillators in place of coupled modes it is 0: their losses follow from where they are
+    (`femstruct.impact.engine.energy.modal_energies`).
 
     work [STAGES + 4, n] : room; the modal forces at the nodes are left in its first STAGES rows.
     """

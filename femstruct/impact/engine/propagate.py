@@ -37,9 +37,9 @@ LONGER = 2e-3  # of the error that is allowed: below it the next step may be lon
 
 class Trial(NamedTuple):
     """A step that was solved and may be kept. place, rate [r, PLACES] : displacement and velocity of the rows at start,
-    nodes, end. forces [r, s] : forces at the nodes as they act, less preloads. q : free motion. active [m], slope [m, s, 2], jacobian [m s, m s], residual [m s] :
-    of Newton's iteration; derivatives [r, s + 1], watched [PLACES] : of the watch over the contacts. Nothing is
-    allocated in a step."""
+    nodes, end. forces [r, s] : forces at the nodes as they act, less preloads. q : free motion. active [m], slope
+    [m, s, 2], jacobian [m s, m s], residual [m s] : of Newton's iteration; derivatives [r, s + 1], watched [PLACES] :
+    of the watch over the contacts. Nothing is allocated in a step."""
 
     place: Matrix
     rate: Matrix

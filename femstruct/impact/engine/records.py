@@ -7,7 +7,9 @@ from typing import Annotated, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from femstruct.arrays import Floats
 from femstruct.impact.compiled.byte_layout import Counts, Matrix, Vector
+from femstruct.modal.coupled_damping.oscillators import Oscillators
 
 LINK = -1  # kind of an interface that is no contact
 CONSTANT, HALF_SINE, TABLE = 0, 1, 2  # kinds of loads
@@ -64,9 +66,9 @@ class System(NamedTuple):
     rows [r, n] : contacts, links, then loads; displacement of a row is lower end less upper end (approach), its force
     acts as sign * row. mobility [r] : row . row, the inverse mass behind it at high frequency.
     tilts, kicks, drives [r, n] : displacement = rows . z + tilts . v, its force adds sign * kicks to z' and sign *
-    drives to v'; over_tilts [b, n] : beside over. energy_form, loss_form [2 k, 2 k] : see `Oscillators`. All empty where
-    nothing couples: then tilts and kicks are zero and drives are the rows. reach [2] : no mode's squared frequency and
-    no damping of modes is larger, in their own coordinates.
+    drives to v'; over_tilts [b, n] : beside over. energy_form, surplus_form [2 k, 2 k] : see `Oscillators`. All empty
+    where nothing couples: then tilts and kicks are zero and drives are the rows. reach [2] : no mode's squared
+    frequency and no damping of modes is larger, in their own coordinates.
     interfaces : laws of contacts and links (INTERFACE). kind : number of a contact's code in `laws.registry`, or LINK;
     factor : whether its dashpot is a factor of the spring, closing then chi; straight : whether its numbers are
     constants, so that the exact march may take it; indentation = displacement + offset; release in ticks, of a contact:
@@ -98,5 +100,38 @@ class System(NamedTuple):
     drives: Matrix
     over_tilts: Matrix
     energy_form: Matrix
-    loss_form: Matrix
+    surplus_form: Matrix
     reach: Vector
+
+
+def uncoupled(system: System, start: Floats, found: Oscillators, damping: Floats) -> tuple[System, Floats]:
+    """The system and its start [2, n] with oscillators in place of its modes; bodies stay as they are.
+
+    damping [k, k] : of the modes, whose norm bounds the rates.
+    """
+    k, n = system.n_modes, len(system.omega)
+    rows, over = system.rows, system.over
+    omega, own = system.omega.copy(), system.damping.copy()
+    omega[:k], own[:k] = found.omega, found.damping
+    turned = start.copy()
+    turned[0, :k], turned[1, :k] = found.kicks @ start[1, :k], found.drives @ start[1, :k]
+    return system._replace(
+        omega=omega,
+        damping=own,
+        rows=_seen(rows, found.places, k),
+        tilts=_seen(rows, found.tilts, k, bodies=False),
+        kicks=_seen(rows, found.kicks.T, k, bodies=False),
+        drives=_seen(rows, found.drives.T, k),
+        over=_seen(over, found.places, k),
+        over_tilts=_seen(over, found.tilts, k, bodies=False),
+        energy_form=np.ascontiguousarray(found.energy),
+        surplus_form=np.ascontiguousarray(found.surplus),
+        reach=np.array([system.reach[0], float(np.linalg.norm(damping, 2))]),
+    ), turned.reshape(2, n)
+
+
+def _seen(rows: Floats, matrix: Floats, k: int, bodies: bool = True) -> Floats:
+    """Rows over [modes; bodies] through a matrix of the modes; 0 for bodies where they have no such part."""
+    out = rows.copy() if bodies else np.zeros_like(rows)
+    out[:, :k] = rows[:, :k] @ matrix
+    return np.ascontiguousarray(out)

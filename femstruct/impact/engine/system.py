@@ -21,10 +21,10 @@ from femstruct.impact.engine.records import (
     TABLE,
     Records,
     System,
+    uncoupled,
 )
 from femstruct.impact.laws.law import Law
 from femstruct.impact.laws.registry import CODES
-from femstruct.impact.engine.uncoupled import uncoupled
 from femstruct.impact.scene.bodies import Clock, Contact, End, Ground, HalfSine, Link, Load, Scene
 from femstruct.modal.basis import ModalBasis
 from femstruct.modal.coupled_damping.kept import oscillators_of
@@ -36,8 +36,8 @@ from femstruct.model.probe import Probe
 class Compiled:
     """A System, the start of its coordinates, and which rows carry which name.
 
-    start [2, n]; rows [r, n] : of the system, over modes and bodies
-    whatever couples them; oscillators : of modes that damping couples, None where it couples none. scale [n] : coordinate over displacement (1 for modes, sqrt(m) for bodies).
+    start [2, n]; scale [n] : coordinate over displacement (1 for modes, sqrt(m) for bodies). rows [r, n] : over modes
+    and bodies, whatever couples them; oscillators : of modes that damping couples, None where it couples none.
     contacts : rows of a contact by name (two for a stop); links : row of a link by name.
     """
 
@@ -105,7 +105,7 @@ def compile_scene(basis: ModalBasis, scene: Scene, clock: Clock, finest: int = F
         drives=np.zeros((0, 0)),
         over_tilts=np.zeros((0, 0)),
         energy_form=np.zeros((0, 0)),
-        loss_form=np.zeros((0, 0)),
+        surplus_form=np.zeros((0, 0)),
         reach=np.array([np.max(basis.omega, initial=0.0) ** 2, np.max(np.diag(damping), initial=0.0)]),
     )
     start, found = _start(scene, on), oscillators_of(basis.omega, damping)

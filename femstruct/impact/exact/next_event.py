@@ -145,9 +145,7 @@ def switch(system: System, state: State, room: ExactRoom, a: int, what: int, bef
     elif state.status[a] == CLOSED:
         depth = room.here[a, 0] + law["offset"]
         margin = DISPLACEMENT_ROUNDING * (
-            terms_of(system, a, state.z, state.v)
-            + before * terms_of_rate(system, a, state.z, state.v)
-            + law["offset"]
+            terms_of(system, a, state.z, state.v) + before * terms_of_rate(system, a, state.z, state.v) + law["offset"]
         )
         state.status[a] = CLAMPED if depth > margin else OPEN
     else:

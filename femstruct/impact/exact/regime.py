@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from femstruct.arrays import Floats
 from femstruct.impact.compiled.kernels import kernel, summing
 from femstruct.impact.engine.instant_forces import CLOSED, State
 from femstruct.impact.engine.records import CONSTANT, HALF_SINE, LINK, System
@@ -213,4 +212,3 @@ def evaluate(room: ExactRoom, h: float, order: int, theta: float) -> None:
             q[i] = q[i] * theta + z[k, i]
     for i in range(len(v)):
         v[i] /= h
-

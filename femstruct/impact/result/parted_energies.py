@@ -10,7 +10,7 @@ from femstruct.impact.engine.system import Compiled
 
 
 def part_history(compiled: Compiled, record: Record, rows: int) -> None:
-    """Part what coupled modes were given, in the first rows of a record's ledger, into what they have and what they lost.
+    """Part what coupled modes were given, in the first rows of a ledger, into what they have and what they lost.
 
     Notes: what they have is kinetic and elastic energy. What they lost is what they were given less what they would
     still lose if nothing acted on them any more: the integral of their damping over all of that time
@@ -23,7 +23,7 @@ def part_history(compiled: Compiled, record: Record, rows: int) -> None:
     history = record.history[:rows]
     states = np.hstack([record.rows_z[:rows], record.rows_v[:rows]])
     held = 0.5 * ((states @ found.energy.T) ** 2).sum(axis=1)
-    lasting = 0.5 * (states * (states @ found.losses)).sum(axis=1)
+    lasting = held + 0.5 * (states * (states @ found.surplus)).sum(axis=1)
     lost_at = BODIES + len(system.omega) - system.n_modes + len(system.interfaces)
     history[:, lost_at] = history[:, STRUCTURE] - lasting
     history[:, STRUCTURE] = held

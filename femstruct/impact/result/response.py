@@ -11,7 +11,15 @@ import numpy as np
 
 from femstruct.arrays import Floats, Integers
 from femstruct.errors import Finding
-from femstruct.impact.engine.motion import DISPLACEMENT, VELOCITY, Motion, along, coordinates, modal_motion, modal_states
+from femstruct.impact.engine.motion import (
+    DISPLACEMENT,
+    VELOCITY,
+    Motion,
+    along,
+    coordinates,
+    modal_motion,
+    modal_states,
+)
 from femstruct.impact.scene.bodies import Clock, Scene
 from femstruct.modal.basis import ModalBasis
 from femstruct.reported import Reported

@@ -20,23 +20,20 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy.linalg import LinAlgError, eig
 from scipy.optimize import linear_sum_assignment
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components
 
 from femstruct.arrays import Floats, Integers
 from femstruct.errors import NotConverged
-from femstruct.modal.coupled_damping.loss_form import loss_form
-from femstruct.modal.coupled_damping.refinement import refined
+from femstruct.modal.coupled_damping.eigenpairs import Complex, eigenpairs
+from femstruct.modal.coupled_damping.loss_form import loss_surplus
 
-Complex = NDArray[np.complex128]
 APART: Final = 1e-14  # of the root of both their own damping: what couples two modes less than that is rounding
-REAL: Final = 1e-12  # of an eigenvalue: what is imaginary of one that is real
-PROVEN: Final = 1e-9  # residual of the oscillators in the equation of motion: a thousandth of what a ledger may miss
+FREE: Final = 1e-13  # of the largest damping of modes without stiffness: one that is held by less is free
+UNDAMPED: Final = 1e-12  # of a frequency: a rate below zero that is rounding
+PROVEN: Final = 1e-9  # of what the oscillators miss of damping and stiffness: a thousandth of what a ledger may miss
 ADDED: Final = (0.0, 1e-12, 1e-10, 1e-9, 1e-8)  # shares of the damping that are added, until the residual is proven
-PARTS_AT_MOST: Final = 1e-7  # by which the loss form may differ from the energy: a tenth of what a ledger may miss
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,9 +42,10 @@ class Oscillators:
 
     omega, damping [k] : w and c of each. places, tilts [k, k] : q = places z + tilts v; swings, rates [k, k] : q' =
     swings z + rates v. kicks, drives [k, k] : z' = v + kicks u, v' = -w^2 z - c v + drives u under modal forces u.
-    energy [2 k, 2 k] : rows of root-energies, E = |energy y|^2 / 2 for y = [z, v]. losses [2 k, 2 k] : symmetric, by
-    the damping alone: free motion loses y . losses y / 2 from now on.
-    residual : of the equation of motion, relative to its terms [1]. added : share of the damping that was added [1].
+    energy [2 k, 2 k] : rows of root-energies, E = |energy y|^2 / 2 for y = [z, v]. surplus [2 k, 2 k] : symmetric; by
+    the damping alone free motion loses E + y . surplus y / 2 from now on: zero but for errors of the oscillators.
+    residual : what they miss of damping and stiffness, over the rates of the modes [1]. added : share of the damping
+    that was added [1].
     """
 
     omega: Floats
@@ -59,7 +57,7 @@ class Oscillators:
     kicks: Floats
     drives: Floats
     energy: Floats
-    losses: Floats
+    surplus: Floats
     residual: float
     added: float
 
@@ -77,41 +75,68 @@ def oscillators(omega: Floats, damping: Floats) -> Oscillators:
     >>> bool(pair.residual < 1e-12), bool((pair.damping > 2.0 * pair.omega).all())
     (True, True)
     """
-    k = len(omega)
-    root = np.sqrt(np.abs(np.diag(damping)))
-    linked = np.abs(damping) > APART * np.outer(root, root)
+    still = np.flatnonzero(omega == 0.0)
+    turn, whole = _apart(still, damping)
+    k, size = len(omega), np.sqrt(np.abs(np.diag(whole)))
+    linked = np.abs(whole) > APART * np.outer(size, size)
     np.fill_diagonal(linked, False)
-    count, group = connected_components(csr_array(linked), directed=False)
+    count, group = connected_components(csr_array(linked.astype(np.int8)), directed=False)
     groups = [np.flatnonzero(group == number) for number in range(count)]
     coupled = [one for one in groups if len(one) > 1]
-    own = np.setdiff1d(np.arange(k), np.concatenate(coupled) if coupled else np.array([], dtype=np.int64))
-    w, c = omega.copy(), np.diag(damping).copy()
+    own = np.array([one[0] for one in groups if len(one) == 1], dtype=np.int64)
+    whole = np.where(linked, whole, 0.0) + np.diag(np.diag(whole))
+    w, c = omega.copy(), np.diag(whole).copy()
     places, tilts, kicks, drives = (np.zeros((k, k)) for _ in range(4))
     places[own, own] = drives[own, own] = 1.0
     residual, added = 0.0, 0.0
-    whole = np.where(linked, damping, 0.0) + np.diag(c)
     for some in coupled:
         here = np.ix_(some, some)
-        for share in ADDED:
-            lossy = whole[here] + _more(whole[here], share)
-            found = _of_group(omega[some], lossy)
-            if found is not None:
-                break
-        else:
-            raise NotConverged(
-                "modes coupled by damping",
-                got=f"no complex modes of {len(some)} modes from {omega[some].min() / 2 / np.pi:.4g} Hz on",
-                expected=f"a residual below {PROVEN:g}",
-                do="check the damping of these modes",
-            )
+        found, lossy, share = _proven(omega[some], whole[here])
         whole[here] = lossy
         w[some], c[some] = found.omega, found.damping
         places[here], tilts[here], kicks[here], drives[here] = found.places, found.tilts, found.kicks, found.drives
         residual, added = max(residual, found.residual), max(added, share)
+    places, tilts, kicks, drives, whole = (
+        turn @ places, turn @ tilts, kicks @ turn.T, drives @ turn.T, turn @ whole @ turn.T
+    )  # fmt: skip
     swings, rates = -tilts * w**2, places - tilts * c
     energy = np.block([[omega[:, None] * places, omega[:, None] * tilts], [swings, rates]])
-    losses = loss_form(w, c, np.hstack([swings, rates]), whole, energy.T @ energy)
-    return Oscillators(w, c, places, tilts, swings, rates, kicks, drives, energy, losses, residual, added)
+    reach = np.maximum(np.linalg.norm(kicks, axis=1) * np.linalg.norm(energy[:, :k], axis=0),
+                       np.linalg.norm(drives, axis=1) * np.linalg.norm(energy[:, k:], axis=0))  # fmt: skip
+    surplus = loss_surplus(w, c, np.hstack([swings, rates]), whole, energy, reach)
+    return Oscillators(w, c, places, tilts, swings, rates, kicks, drives, energy, surplus, residual, added)
+
+
+def _apart(still: Integers, damping: Floats) -> tuple[Floats, Floats]:
+    """Modes without stiffness turned so that their damping couples none of them to another; and the damping so turned.
+
+    One that no damping holds then stands by itself: it would be a double root of zero.
+    """
+    turn = np.eye(len(damping))
+    if not still.size or not (damping[still] - np.diag(np.diag(damping))[still]).any():
+        return turn, damping
+    rates, turn[np.ix_(still, still)] = np.linalg.eigh(damping[np.ix_(still, still)])
+    whole = turn.T @ damping @ turn
+    whole[np.ix_(still, still)] = np.diag(rates)
+    free = still[rates <= FREE * max(float(rates.max()), 0.0)]
+    whole[free, :] = whole[:, free] = 0.0
+    return turn, whole
+
+
+def _proven(omega: Floats, damping: Floats) -> tuple[_Group, Floats, float]:
+    """Oscillators of modes that are all coupled, with the least that must be added to their damping; the damping they
+    have, and the share that was added."""
+    for share in ADDED:
+        lossy = damping + _more(damping, share)
+        found = _of_group(omega, lossy)
+        if found is not None:
+            return found, lossy, share
+    raise NotConverged(
+        "modes coupled by damping",
+        got=f"no complex modes of {len(omega)} modes from {omega.min() / 2 / np.pi:.4g} Hz on",
+        expected=f"a residual below {PROVEN:g}",
+        do="check the damping of these modes",
+    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,44 +160,51 @@ def _more(damping: Floats, share: float) -> Floats:
 
 def _of_group(omega: Floats, damping: Floats) -> _Group | None:
     """Oscillators of modes that are coupled; None where they do not satisfy the equation of motion."""
-    k = len(omega)
-    scale = np.where(omega > 0.0, omega, max(float(omega.max(initial=0.0)), float(np.abs(damping).max())))
-    state = np.block([[np.zeros((k, k)), np.diag(scale)], [-np.diag(omega**2 / scale), -damping]])
+    k, largest = len(omega), max(float(omega.max(initial=0.0)), float(np.abs(damping).max()))
+    scale = np.where(omega > 0.0, omega, largest)
     try:
-        values, vectors = refined(*eig(state, check_finite=False), scale, omega, damping)
-        shapes = vectors[:k] / scale[:, None]
-        first, second = _pairs(values, shapes)
+        values, shapes = eigenpairs(omega, damping)
+        first, second = _pairs(values, shapes, damping)
         w, c, places, tilts = _oscillators_of(values, shapes, first, second)
         swings, rates = -tilts * w**2, places - tilts * c
-        widths = np.concatenate([1.0 / np.maximum(w, 1e-3 * scale.min()), np.ones(k)])
+        widths = np.concatenate([1.0 / np.where(w > 0.0, w, largest), np.ones(k)])
         motion = np.block([[scale[:, None] * places, scale[:, None] * tilts], [swings, rates]]) * widths
-        inputs = widths[:, None] * np.linalg.solve(motion, np.vstack([np.zeros((k, k)), np.eye(k)]))
-    except (LinAlgError, np.linalg.LinAlgError):
+        inverse = widths[:, None] * np.linalg.inv(motion)
+    except np.linalg.LinAlgError:
         return None
-    kicks, drives = inputs[:k], inputs[k:]
-    miss = _residual(omega, damping, (w, c, places, tilts, swings, rates), kicks, drives, scale)
-    if not miss < PROVEN:
-        return None
-    return _Group(w, c, places, tilts, kicks, drives, miss)
+    kicks, drives = inverse[:k, k:], inverse[k:, k:]
+    moved = np.hstack([-rates * w**2, swings - rates * c])  # accelerations of free motion
+    missed = moved @ inverse
+    missed[:, k:] += damping
+    missed[:, :k] += np.diag(omega**2 / scale)
+    paces = np.sqrt(omega + np.maximum(np.diag(damping), 0.0))
+    miss = np.abs(missed) / np.outer(paces, np.concatenate([paces, paces]))
+    stays = scale[:, None] * (places @ kicks + tilts @ drives)
+    starts = swings @ kicks + rates @ drives - np.eye(k)
+    worst = float(max(miss.max(), np.abs(stays).max(), np.abs(starts).max()))
+    return _Group(w, c, places, tilts, kicks, drives, worst) if worst < PROVEN else None
 
 
-def _pairs(values: Complex, shapes: Complex) -> tuple[Integers, Integers]:
-    """Numbers of the eigenvalues of each pair, ascending by the product: complex ones with their conjugates, slow real
-    ones with the fast ones whose shape is most like theirs."""
-    real = np.abs(values.imag) <= REAL * np.abs(values)
-    upper = np.flatnonzero(~real & (values.imag > 0.0))
-    lower = np.flatnonzero(~real & (values.imag < 0.0))
-    lower = lower[np.lexsort((values[lower].real, -values[lower].imag))]
+def _pairs(values: Complex, shapes: Complex, damping: Floats) -> tuple[Integers, Integers]:
+    """Numbers of the eigenvalues of each pair, ascending by the product: complex ones with their conjugates; of real
+    ones those with phi (2 lambda + C) phi > 0, the slow root of a mode by itself, with the same number of those below
+    zero, with which they have most of their shape in common."""
+    real = values.imag == 0.0
+    upper, lower = np.flatnonzero(values.imag > 0.0), np.flatnonzero(values.imag < 0.0)
     upper = upper[np.lexsort((values[upper].real, values[upper].imag))]
+    lower = lower[np.lexsort((values[lower].real, -values[lower].imag))]
     alone = np.flatnonzero(real)
-    alone = alone[np.argsort(np.abs(values[alone]), kind="stable")]
     if len(alone) % 2 or len(upper) != len(lower):
-        raise LinAlgError("eigenvalues without partners")
-    slow, fast = alone[: len(alone) // 2], alone[len(alone) // 2 :]
-    unit = [part / np.linalg.norm(part, axis=0) for part in (shapes[:, slow].real, shapes[:, fast].real)]
-    slow_at, fast_at = linear_sum_assignment(-np.abs(unit[0].T @ unit[1]))
-    first = np.concatenate([upper, slow[slow_at]])
-    second = np.concatenate([lower, fast[fast_at]])
+        raise np.linalg.LinAlgError("eigenvalues without partners")
+    own = shapes[:, alone].real
+    own = own / np.linalg.norm(own, axis=0)
+    kind = 2.0 * values[alone].real + (own * (damping @ own)).sum(axis=0)
+    order = np.argsort(-kind, kind="stable")
+    half = len(alone) // 2
+    slow, fast = order[:half], order[half:]
+    slow_at, fast_at = linear_sum_assignment(-np.abs(own[:, slow].T @ own[:, fast]))
+    first = np.concatenate([upper, alone[slow[slow_at]]])
+    second = np.concatenate([lower, alone[fast[fast_at]]])
     order = np.argsort(np.abs(values[first] * values[second]), kind="stable")
     return first[order], second[order]
 
@@ -183,10 +215,10 @@ def _oscillators_of(
     """(w, c, places, tilts) of pairs of eigenvalues. With kappa = (lambda - mu)^-1/2 a mode that nothing couples has
     its own shape as its place and no tilt."""
     one, two = values[first], values[second]
-    conjugate = np.abs(one.imag) > REAL * np.abs(one)
+    conjugate = one.imag != 0.0
     w = np.where(conjugate, np.abs(one), np.sqrt(np.abs(one.real * two.real)))
     c = np.where(conjugate, -2.0 * one.real, -(one.real + two.real))
-    c = np.where(np.abs(c) <= REAL * w, np.maximum(c, 0.0), c)
+    c = np.where(np.abs(c) <= UNDAMPED * w, np.maximum(c, 0.0), c)
     size = np.maximum(np.abs(one), np.abs(two))
     turned = _in_phase(shapes[:, first])
     partner = np.where(conjugate, turned.conj(), shapes[:, second].real)
@@ -206,24 +238,3 @@ def _in_phase(shapes: Complex) -> Complex:
     turned = shapes * (turn / np.abs(turn))
     unit: Complex = turned / np.linalg.norm(turned, axis=0)
     return unit
-
-
-def _residual(
-    omega: Floats,
-    damping: Floats,
-    moves: tuple[Floats, Floats, Floats, Floats, Floats, Floats],
-    kicks: Floats,
-    drives: Floats,
-    scale: Floats,
-) -> float:
-    """What the oscillators miss: of the equation of motion in free vibration, and of what a force does at once."""
-    w, c, places, tilts, swings, rates = moves
-    worst = 0.0
-    for acceleration, speed, place in ((-rates * w**2, swings, places), (swings - rates * c, rates, tilts)):
-        terms = (acceleration, damping @ speed, omega[:, None] ** 2 * place)
-        size = sum(np.linalg.norm(term, axis=0) for term in terms)
-        left = np.linalg.norm(sum(terms), axis=0)
-        worst = max(worst, float(np.divide(left, size, out=np.zeros_like(left), where=size > 0.0).max()))
-    stays = scale[:, None] * (places @ kicks + tilts @ drives)
-    starts = swings @ kicks + rates @ drives - np.eye(len(omega))
-    return max(worst, float(np.abs(stays).max()), float(np.abs(starts).max()))
