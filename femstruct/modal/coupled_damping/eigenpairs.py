@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Final
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.linalg import eig
 
 from femstruct.arrays import Floats
 
@@ -51,7 +51,7 @@ def _refined(omega: Floats, moved: NDArray[np.int64], damping: Floats) -> tuple[
     state[np.arange(m), m + moved] = omega
     state[m + moved, np.arange(m)] = -omega
     state[m:, m:] = -damping
-    values, vectors = eig(state, check_finite=False)
+    values, vectors = scipy.linalg.eig(state, check_finite=False)
     place, rate = vectors[:m], vectors[m:]
     pulled = np.zeros_like(rate)
     pulled[moved] = -omega[:, None] * place

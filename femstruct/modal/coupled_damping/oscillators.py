@@ -20,9 +20,8 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from scipy.optimize import linear_sum_assignment
+import scipy
 from scipy.sparse import csr_array
-from scipy.sparse.csgraph import connected_components
 
 from femstruct.arrays import Floats, Integers
 from femstruct.errors import NotConverged
@@ -80,7 +79,7 @@ def oscillators(omega: Floats, damping: Floats) -> Oscillators:
     k, size = len(omega), np.sqrt(np.abs(np.diag(whole)))
     linked = np.abs(whole) > APART * np.outer(size, size)
     np.fill_diagonal(linked, False)
-    count, group = connected_components(csr_array(linked.astype(np.int8)), directed=False)
+    count, group = scipy.sparse.csgraph.connected_components(csr_array(linked.astype(np.int8)), directed=False)
     groups = [np.flatnonzero(group == number) for number in range(count)]
     coupled = [one for one in groups if len(one) > 1]
     own = np.array([one[0] for one in groups if len(one) == 1], dtype=np.int64)
@@ -202,7 +201,7 @@ def _pairs(values: Complex, shapes: Complex, damping: Floats) -> tuple[Integers,
     order = np.argsort(-kind, kind="stable")
     half = len(alone) // 2
     slow, fast = order[:half], order[half:]
-    slow_at, fast_at = linear_sum_assignment(-np.abs(own[:, slow].T @ own[:, fast]))
+    slow_at, fast_at = scipy.optimize.linear_sum_assignment(-np.abs(own[:, slow].T @ own[:, fast]))
     first = np.concatenate([upper, alone[slow[slow_at]]])
     second = np.concatenate([lower, alone[fast[fast_at]]])
     order = np.argsort(np.abs(values[first] * values[second]), kind="stable")
