@@ -93,6 +93,11 @@ if TYPE_CHECKING:
     from femstruct.modal.reduction import modal_basis as modal_basis
     from femstruct.modal.statics import AtRest as AtRest
     from femstruct.modal.statics import statics as statics
+    from femstruct.modal.steady.band_spectrum import BandSpectrum as BandSpectrum
+    from femstruct.modal.steady.source_mobility import BandMobility as BandMobility
+    from femstruct.modal.steady.source_mobility import ForceSource as ForceSource
+    from femstruct.modal.steady.source_mobility import MeasuredMobility as MeasuredMobility
+    from femstruct.modal.steady.source_mobility import RigidMass as RigidMass
     from femstruct.modal.steady.spectrum import Spectrum as Spectrum
     from femstruct.modal.substructures.craig_bampton import Reduced as Reduced
     from femstruct.modal.substructures.craig_bampton import craig_bampton as craig_bampton
@@ -161,6 +166,7 @@ if TYPE_CHECKING:
     from femstruct.study.asked import Spot as Spot
     from femstruct.study.asked import TimePlan as TimePlan
     from femstruct.study.counting import FatigueRequest as FatigueRequest
+    from femstruct.study.measured_source import MeasuredSource as MeasuredSource
     from femstruct.study.result import StudyResult as StudyResult
     from femstruct.study.steady_vibration import Vibration as Vibration
     from femstruct.study.structures import BeamModel as BeamModel
@@ -211,6 +217,8 @@ _NAMES = {
     "modal.measured.frf_table": ("FrfTable", "frf_table"),
     "modal.measured.measurement": ("MeasuredFrf", "MeasuredHistory", "MeasuredModes", "MeasuredPlace", "Measurement"),
     "modal.reduction": ("modal_basis",),
+    "modal.steady.band_spectrum": ("BandSpectrum",),
+    "modal.steady.source_mobility": ("BandMobility", "ForceSource", "MeasuredMobility", "RigidMass"),
     "modal.steady.spectrum": ("Spectrum",),
     "modal.statics": ("AtRest", "statics"),
     "model.materials.air_between": ("AirBetween", "Bays", "Fill"),
@@ -277,6 +285,7 @@ _NAMES = {
         "Plan",
         "Study",
     ),
+    "study.measured_source": ("MeasuredSource",),
     "study.steady_vibration": ("Vibration",),
     "workflow.identify.identify": ("Identification", "identify"),
     "workflow.run.run": ("run_study",),

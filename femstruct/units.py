@@ -98,6 +98,7 @@ DIMENSIONS: Final = {
     "rotational stiffness/length": _Dimension(
         "a rotational stiffness per length", "N*m/m", "40 kN*m/m", _powers(1, 1, -2, -1)
     ),
+    "mobility": _Dimension("a mobility", "m/s/N", "1e-5 m/s/N", _powers(kg=-1, s=1)),
     "damping": _Dimension("a damping constant", "N*s/m", "40 N*s/m", _powers(kg=1, s=-1)),
     "rotational damping": _Dimension("a rotational damping", "N*m*s/rad", "2 N*m*s/rad", _powers(1, 2, -1, -1)),
     "hertz stiffness": _Dimension("a Hertz stiffness", "N/m^1.5", "3.7e5 N/m^1.5", _powers(1, -0.5, -2)),
@@ -108,6 +109,9 @@ DIMENSIONS: Final = {
     "flow resistivity": _Dimension("a flow resistivity", "Pa*s/m^2", "10 kPa*s/m^2", _powers(kg=1, m=-3, s=-1)),
     "specific impedance": _Dimension("a specific impedance", "Pa*s/m", "8 kPa*s/m", _powers(kg=1, m=-2, s=-1)),
     "force psd": _Dimension("a spectral density of a force", "N^2/Hz", "2 N^2/Hz", _powers(2, 2, -3, 0, -1)),
+    "speed psd": _Dimension(
+        "a spectral density of a velocity", "m^2/s^2/Hz", "1e-9 m^2/s^2/Hz", _powers(0, 2, -1, 0, -1)
+    ),
     "moment psd": _Dimension("a spectral density of a moment", "N^2*m^2/Hz", "2 N^2*m^2/Hz", _powers(2, 4, -3, 0, -1)),
     "pressure psd": _Dimension("a spectral density of a pressure", "Pa^2/Hz", "4 Pa^2/Hz", _powers(2, -2, -3, 0, -1)),
     "acceleration psd": _Dimension(

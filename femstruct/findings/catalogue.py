@@ -16,6 +16,7 @@ from femstruct.findings.mesh_entries import MESHES
 from femstruct.findings.mode_entries import MODES
 from femstruct.findings.open_air_entries import OPEN_AIR
 from femstruct.findings.room_entries import ROOMS
+from femstruct.findings.source_entries import SOURCES
 from femstruct.findings.structure_entries import STRUCTURE
 from femstruct.findings.study_entries import STUDY
 
@@ -28,6 +29,7 @@ SUBJECTS: Final[Mapping[str, tuple[Entry, ...]]] = MappingProxyType(
         "rooms": ROOMS,
         "cavities": CAVITIES,
         "levels and sources": LEVELS,
+        "measured sources": SOURCES,
         "open air": OPEN_AIR,
         "study": STUDY,
     }

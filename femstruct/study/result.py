@@ -26,6 +26,7 @@ from femstruct.reported import Reported
 from femstruct.sound.power import PowerResponse, Radiated
 from femstruct.study.asked import FrfRequest
 from femstruct.study.machine import Machine, Verdict
+from femstruct.study.measured_source import InstalledSource
 from femstruct.study.study import Case, Plan
 
 NET_FORCE: Final = "net force on "  # begins the names of channels that no study asks for
@@ -178,7 +179,7 @@ class CaseResult:
     drops : by place ("drops.2"), where a source strikes several: response, channels, rooms, levels, shares and errors
     are those of the first, rated is of all. Empty for one place.
     shock : shock response spectra, by name. vibration : what came of harmonic and random excitations, by name.
-    fatigue : rainflow cycles and their damage, by name.
+    fatigue : rainflow cycles and their damage, by name. sources : what measured sources do in place, by name.
     """
 
     case: Case
@@ -200,6 +201,7 @@ class CaseResult:
     shock: Mapping[str, ShockSpectrum] = field(default_factory=dict)
     vibration: Mapping[str, Vibrated] = field(default_factory=dict)
     fatigue: Mapping[str, Fatigue] = field(default_factory=dict)
+    sources: Mapping[str, InstalledSource] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

@@ -24,6 +24,7 @@ from femstruct.study.asked import (
     TimePlan,
 )
 from femstruct.study.counting import FatigueRequest
+from femstruct.study.measured_source import MeasuredSource
 from femstruct.study.steady_vibration import Vibration
 from femstruct.study.structures import StructureModel
 
@@ -38,7 +39,7 @@ class Study:
     bodies, contacts, links, loads, walks, initial : what takes part, its initial state. records : histories to keep.
     time : the window, None when nothing is simulated. peaks : which peaks are reported. rooms : with their receivers.
     limits : what the verdicts of a case are about. save_modal : whether the modal coordinates go into the results
-    file. accuracy : None to use the modes asked for.
+    file. accuracy : None to use the modes asked for. sources : machines that were measured by themselves.
 
     A ball of 50 g strikes the middle of a steel plate with 1 m/s. What the run found is in `cases` of its result: the
     modes, the histories and, of every contact, the largest force [N] and when it first opens [ms here]. A rigid plate
@@ -89,6 +90,7 @@ class Study:
     shock_spectra: tuple[ShockRequest, ...] = ()
     vibration: tuple[Vibration, ...] = ()
     fatigue: tuple[FatigueRequest, ...] = ()
+    sources: tuple[MeasuredSource, ...] = ()
 
     def __post_init__(self) -> None:
         lowpass = self.peaks.lowpass_hz

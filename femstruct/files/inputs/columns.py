@@ -1,10 +1,10 @@
-"""Force histories and contact laws from CSV files of two columns."""
+"""Histories, spectra and contact laws from CSV files of two or three columns."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any, Final, TypeVar
+from typing import Final, TypeVar
 
 from femstruct.errors import FemstructError, InputError, InputErrors, sentence, shown_as
 from femstruct.files.inputs.grids import Grid, Row, read_grid, wrong_in
@@ -35,12 +35,17 @@ def read_measured(path: str | Path, what: str) -> Table:
         raise InputErrors((f"{path}: {sentence('', error.got, error.expected, error.do)}",)) from None
 
 
-_WORDS: Final = {"time": "time, value", "length": "indentation, force", "frequency": "frequency, value"}
+_COUNTS: Final = {2: "two", 3: "three"}
+_WORDS: Final = {
+    "time": {2: "time, value"},
+    "length": {2: "indentation, force"},
+    "frequency": {2: "frequency, value", 3: "frequency, real part, imaginary part"},
+}
 _DO: Final = "separate them by a semicolon, a tab or a comma; where a comma does, write decimals with a point"
 
 
-def read_columns(path: Path, dimensions: tuple[str, str], sources: dict[str, str], make: Callable[[Any, Any], T]) -> T:
-    """What is made of two columns in SI units.
+def read_columns(path: Path, dimensions: Sequence[str], sources: dict[str, str], make: Callable[..., T]) -> T:
+    """What is made of columns in SI units, one for each of their dimensions.
 
     Lines of words before the numbers are a head; a unit after a word in the last of them, as in ``time [ms], force
     [kN]``, ``t / ms`` or ``Kraft in kN``, scales its column. Lines that are empty or begin with # are skipped. See
@@ -50,28 +55,29 @@ def read_columns(path: Path, dimensions: tuple[str, str], sources: dict[str, str
 
     Raises InputError for a file that is no table, InputErrors with the line for what is wrong in it.
     """
-    grid = read_grid(path, sources)
-    pairs: list[list[float]] = []
+    grid, count = read_grid(path, sources), len(dimensions)
+    expected = f"{_COUNTS[count]}: {_WORDS[dimensions[0]][count]}"
+    lines: list[list[float]] = []
     head: list[Row] = []
     scales: list[Scale] = []
     for row in grid.rows:
         numbers = _numbers(grid, row)
-        if numbers is None and pairs and len(row.cells) == 2:
-            raise grid.wrong(row, shown_as(", ".join(row.cells)), "two numbers")
-        if numbers is None and not pairs:
+        if numbers is None and lines and len(row.cells) == count:
+            raise grid.wrong(row, shown_as(", ".join(row.cells)), f"{_COUNTS[count]} numbers")
+        if numbers is None and not lines:
             head.append(row)
             continue
         scales = scales or _scales(grid, head, dimensions)
-        if numbers is None or len(numbers) != 2:
-            raise grid.wrong(row, f"{len(row.cells)} columns", f"two: {_WORDS[dimensions[0]]}", _DO)
-        pairs.append([scale(value) for value, scale in zip(numbers, scales, strict=True)])
-    odd = next((row for row in head if len(row.cells) != 2), None)
-    if odd is not None and not pairs:
-        raise grid.wrong(odd, f"{len(odd.cells)} columns", f"two: {_WORDS[dimensions[0]]}", _DO)
-    if len(pairs) < 2:
-        raise InputError("", got=f"{len(pairs)} lines of numbers in '{path}'", expected="two or more")
+        if numbers is None or len(numbers) != count:
+            raise grid.wrong(row, f"{len(row.cells)} columns", expected, _DO)
+        lines.append([scale(value) for value, scale in zip(numbers, scales, strict=True)])
+    odd = next((row for row in head if len(row.cells) != count), None)
+    if odd is not None and not lines:
+        raise grid.wrong(odd, f"{len(odd.cells)} columns", expected, _DO)
+    if len(lines) < 2:
+        raise InputError("", got=f"{len(lines)} lines of numbers in '{path}'", expected="two or more")
     try:
-        return make([first for first, _ in pairs], [second for _, second in pairs])
+        return make(*([line[i] for line in lines] for i in range(count)))
     except FemstructError as error:
         raise InputErrors((f"{path}:1:1: {sentence('', error.got, error.expected, error.do)}",)) from None
 

@@ -46,6 +46,7 @@ from femstruct.files.tables.radiated_tables import write_power, write_radiated
 from femstruct.files.tables.study_tables import summary
 from femstruct.impact.result.response import Response
 from femstruct.study.machine import Verdict
+from femstruct.study.measured_source import InstalledSource
 from femstruct.study.result import CaseComparison, CaseResult, StudyResult
 
 if TYPE_CHECKING:  # slow to import, and most runs write no such file
@@ -174,6 +175,7 @@ def _write_case(cases: h5py.Group, name: str, case: CaseResult, verdicts: Sequen
             put(place, "response", frf.values, frf.unit, f"{request.kind}, exp(+j omega t)", (frequency,))
     if case.response is not None:
         _write_response(target, case, case.response)
+    _write_sources(target, case.sources)
     if case.shock:
         spectra = group(target, "shock_spectra", "Shock response spectra of recorded accelerations")
         for name, spectrum in case.shock.items():
@@ -213,6 +215,16 @@ def _write_case(cases: h5py.Group, name: str, case: CaseResult, verdicts: Sequen
                 write_levels(group(place, receiver, "Levels at one receiver"), level)
             for receiver, level in drop.total_levels.items():
                 write_levels(group(place, f"{receiver} total", "Levels of structure and bodies together"), level)
+
+
+def _write_sources(target: h5py.Group, sources: Mapping[str, InstalledSource]) -> None:
+    about = "Measured sources in place"
+    there = group(target, "sources", about) if sources else target
+    for label, source in sources.items():
+        place = group(there, label, "One measured source")
+        write_described(place, source)
+        for receiver, heard in source.levels.items():
+            write_described(group(place, receiver, "Levels at one receiver"), heard)
 
 
 def _write_response(target: h5py.Group, case: CaseResult, response: Response) -> None:

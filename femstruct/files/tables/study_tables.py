@@ -16,6 +16,7 @@ from femstruct.files.tables.radiated_tables import radiated_beside, radiated_tab
 from femstruct.impact.result.response import Blow, EnergyBalance, Response
 from femstruct.impact.result.shares import EnergyGroup, ModeEnergies
 from femstruct.modal.steady.answers import Vibrated
+from femstruct.study.measured_source import InstalledSource
 from femstruct.study.result import CaseComparison, CaseResult, Drop, StudyResult
 
 Table = dict[str, Any]
@@ -71,6 +72,7 @@ def _case(case: CaseResult) -> Table:
         "shock_spectra": {name: described(one) for name, one in case.shock.items()},
         "fatigue": {name: described(one) for name, one in case.fatigue.items()},
         "vibration": {name: _vibrated(one) for name, one in case.vibration.items()},
+        "sources": {name: _installed(one) for name, one in case.sources.items()},
         "levels": {name: described(levels) for name, levels in case.levels.items()},
         "sound_energy": {name: radiated_table(radiated) for name, radiated in case.radiated.items()},
         "own_levels": {name: described(levels) for name, levels in case.heard.own_levels.items()},
@@ -87,6 +89,11 @@ def _vibrated(one: Vibrated) -> Table:
     """One excitation: what it is, what answers it, and what of the structure a base moves."""
     base = None if one.base is None else described(one.base)
     return described(one) | {"answers": {name: described(answer) for name, answer in one.answers.items()}, "base": base}
+
+
+def _installed(one: InstalledSource) -> Table:
+    """A measured source in place, and its levels by receiver."""
+    return described(one) | {"levels": {name: described(levels) for name, levels in one.levels.items()}}
 
 
 def _blows(response: Response) -> Table:

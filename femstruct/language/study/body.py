@@ -13,7 +13,7 @@ from femstruct.impact.laws.law import Law
 from femstruct.impact.scene.impact_sources import HAMMERS, TAPPING_MACHINE
 from femstruct.language.laws.known_laws import AnyLaw
 from femstruct.language.laws.law import Ends, LawSpec, Site
-from femstruct.language.study.standard_source import SOURCES, UNCORRELATED, from_source, refuse_beside_source
+from femstruct.language.study.sources.standard_source import SOURCES, UNCORRELATED, from_source, refuse_beside_source
 from femstruct.language.yaml import (
     Count,
     Duration,

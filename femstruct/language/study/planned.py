@@ -40,6 +40,8 @@ def check_study(study: StudySpec, here: Here, model: ModelSpec) -> None:
         one.check_in(here.at("fatigue", name), study.record, study.time, random)
     for name, excitation in study.vibration.items():
         excitation.check_in(here.at("vibration", name), study.record, study.rooms)
+    for name, source in study.sources.items():
+        source.check_in(here.at("sources", name))
     sizes = array_sizes(study.bodies, here.names)
     ends = [*study.bodies, *bodies_of(sizes), "ground"]
     struck = [name for name, body in study.bodies.items() if body.blows is not None]
@@ -88,7 +90,7 @@ def check_study(study: StudySpec, here: Here, model: ModelSpec) -> None:
             "add 'record: {POINT.z: acceleration}'",
         )
     start = study.initial.velocity or study.initial.rigid
-    heard = any(request.kind in ("pressure", "power") for request in study.frf.values())
+    heard = study.sources or any(request.kind in ("pressure", "power") for request in study.frf.values())
     recorded = study.record and not study.vibration
     moving = study.bodies or study.loads or start or recorded or study.limits or (study.rooms and not heard)
     do = "add 'time: {duration: 1 s, sampling: 48 kHz}'"
@@ -137,6 +139,7 @@ def study_of(
     )
     links = here.each("links", study.links, lambda _, name, one: one.noun(name=name))
     loads = here.each("loads", study.loads, lambda there, name, one: one.build(there, name, sources)).values()
+    measured = here.each("sources", study.sources, lambda _, name, one: one.noun(name=name))
     rooms = here.each("rooms", study.rooms, lambda there, name, one: one.build(there, name, sources, shaped))
     extent = study.modes.noun() if study.modes is not None else Extent()
     known = here.at("modes").make(lambda: as_many(structure, extent))
@@ -164,4 +167,5 @@ def study_of(
         shock_spectra=tuple(one.noun(name=name) for name, one in study.shock_spectra.items()),
         vibration=tuple(one.noun(name=name) for name, one in study.vibration.items()),
         fatigue=tuple(one.noun(name=name) for name, one in study.fatigue.items()),
+        sources=tuple(measured.values()),
     )

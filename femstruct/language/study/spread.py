@@ -11,7 +11,7 @@ from femstruct.language.study.body_arrays import array_sizes, bodies_of, drop_co
 from femstruct.language.study.contact import ContactSpec
 from femstruct.language.study.link import LinkSpec
 from femstruct.language.study.load import LoadSpec
-from femstruct.language.study.standard_source import UNCORRELATED, turn
+from femstruct.language.study.sources.standard_source import UNCORRELATED, turn
 from femstruct.language.study.study import StudySpec
 from femstruct.language.yaml import Measured, Names
 

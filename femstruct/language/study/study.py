@@ -16,6 +16,7 @@ from femstruct.language.study.load import LoadSpec
 from femstruct.language.study.of_records import FatigueSpec, ShockSpec
 from femstruct.language.study.record import Recorded
 from femstruct.language.study.request import FrfSpec
+from femstruct.language.study.sources.measured_source import MeasuredSourceSpec
 from femstruct.language.study.start import InitialSpec
 from femstruct.language.study.vibration import VibrationSpec
 from femstruct.language.study.window import AccuracySpec, ModesSpec, PeaksSpec, TimeSpec
@@ -63,3 +64,4 @@ class StudySpec(Spec):
     shock_spectra: dict[str, ShockSpec] = Field(default_factory=dict)
     vibration: dict[str, VibrationSpec] = Field(default_factory=dict)
     fatigue: dict[str, FatigueSpec] = Field(default_factory=dict)
+    sources: dict[str, MeasuredSourceSpec] = Field(default_factory=dict)

@@ -5,7 +5,7 @@ A file of a noun finds here what it is written in.
 
 from __future__ import annotations
 
-from femstruct.language.yaml.bands import BandFile, by_band
+from femstruct.language.yaml.bands import BandFile, band_file, by_band, made_of_file
 from femstruct.language.yaml.here import Here, Names, members
 from femstruct.language.yaml.reader import parse_value, read_yaml
 from femstruct.language.yaml.references import check_references, found, references
@@ -92,11 +92,13 @@ __all__ = [
     "SurfaceName",
     "Text",
     "Tree",
+    "band_file",
     "by_band",
     "check_references",
     "dotted",
     "exactly_one",
     "found",
+    "made_of_file",
     "members",
     "near_name",
     "nearest",

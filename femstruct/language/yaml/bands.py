@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Final
+from pathlib import Path
+from typing import Any, Final, TypeVar
 
 from pydantic import ValidationInfo
 from pydantic_core import PydanticCustomError
@@ -15,6 +16,7 @@ from femstruct.files.inputs.grids import wrong_in
 from femstruct.files.inputs.opening import beside
 from femstruct.language.yaml.spec import FREQUENCY, Quantity, Spec, Text, refuse
 
+T = TypeVar("T")
 OF_FILE: Final = "of_file"  # a mistake that has its own place, in another file
 
 
@@ -51,19 +53,12 @@ def by_band(quantity: Quantity, expected: str, do: str) -> Callable[[object, Val
 
 def band_file(value: dict[str, Any], quantity: Quantity, info: ValidationInfo) -> dict[float, float]:
     """Values by band of a table {file: NAME, column: NAME}, each within the limits of its quantity."""
-    others = [key for key in value if key not in BandFile.model_fields]
-    if others:
-        raise refuse(f"the key '{others[0]}' beside 'file'", "'file' and 'column'", "remove it")
-    name, column, opened = value["file"], value.get("column") or "", info.context
-    if not isinstance(name, str) or not isinstance(column, str):
-        raise refuse(
-            shown_as(value), "the name of a file and of a column", "write it like {file: t60.csv, column: T20}"
-        )
-    if not isinstance(opened, Opened):
-        raise refuse(f"the file '{name}'", "values by band", "files are read where a YAML file names them")
-    try:
-        path = beside(opened.file, name)
-        found = read_bands(path, quantity.dimensions[0], opened.sources, column)
+    column = value.get("column") or ""
+    if not isinstance(column, str):
+        raise refuse(shown_as(value), "the name of a column", "write it like {file: t60.csv, column: T20}")
+
+    def made(path: Path, sources: dict[str, str]) -> dict[float, float]:
+        found = read_bands(path, quantity.dimensions[0], sources, column)
         for one in found.values():
             try:
                 quantity.read(one.value)
@@ -71,8 +66,28 @@ def band_file(value: dict[str, Any], quantity: Quantity, info: ValidationInfo) -
                 told = error.context or {}
                 wrong = InputError("", got=f"{one.value:g}", expected=told["expected"], do=told["do"])
                 raise wrong_in(path, one.line, wrong) from None
+        return {band: one.value for band, one in found.items()}
+
+    return made_of_file(value, info, made, ("file", "column"))
+
+
+def made_of_file(
+    value: dict[str, Any],
+    info: ValidationInfo,
+    maker: Callable[[Path, dict[str, str]], T],
+    keys: Sequence[str] = ("file",),
+) -> T:
+    """What `maker` makes of the path of {file: NAME} and the texts of files; its mistakes keep their own places."""
+    others, name, opened = [key for key in value if key not in keys], value.get("file"), info.context
+    if others:
+        raise refuse(f"the key '{others[0]}' beside 'file'", " and ".join(f"'{key}'" for key in keys), "remove it")
+    if not isinstance(name, str):
+        raise refuse(shown_as(name), "the name of a file", "write it like {file: t60.csv}")
+    if not isinstance(opened, Opened):
+        raise refuse(f"the file '{name}'", "values", "files are read where a YAML file names them")
+    try:
+        return maker(beside(opened.file, name), opened.sources)
     except InputErrors as errors:
         raise PydanticCustomError(OF_FILE, OF_FILE, {"lines": "\n".join(errors.errors)}) from None
     except FemstructError as error:
         raise refuse(error.got, error.expected, error.do) from None
-    return {band: one.value for band, one in found.items()}

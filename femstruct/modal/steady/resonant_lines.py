@@ -16,10 +16,13 @@ white noise is then within 1e-3 of its closed form."""
 MOST_LINES: Final = 1_000_000
 
 
-def resonant_lines(basis: ModalBasis, band: tuple[float, float], also: tuple[float, ...] = ()) -> Floats:
+def resonant_lines(
+    basis: ModalBasis, band: tuple[float, float], also: tuple[float, ...] = (), fineness: float = FINENESS
+) -> Floats:
     """Frequencies [nf] [Hz] that follow every resonance of a basis in a band, rising, both ends among them.
 
-    also : further frequencies in the band, such as the points of a spectrum.
+    also : further frequencies in the band, such as the points of a spectrum. fineness : of a mean square the error goes
+    with one over its square.
 
     Raises InputError where that would be more than a million, as with hardly any damping.
 
@@ -42,7 +45,7 @@ def resonant_lines(basis: ModalBasis, band: tuple[float, float], also: tuple[flo
     found, f = [low], low
     while f < high:
         nearest = float(np.sqrt((modes - f) ** 2 + half**2).min(initial=np.inf))
-        f += min(f, nearest) / FINENESS
+        f += min(f, nearest) / fineness
         found.append(f)
         if len(found) > MOST_LINES:
             got = f"more than {MOST_LINES:,} lines to follow its resonances from {low:g} to {high:g} Hz"

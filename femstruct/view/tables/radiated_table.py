@@ -1,8 +1,8 @@
-"""Sound energy into the open: a row for every case and half space."""
+"""Sound energy into the open, and what measured sources send into structures and rooms."""
 
 from __future__ import annotations
 
-from math import isfinite
+from math import isfinite, nan
 
 from femstruct.study.result import StudyResult
 from femstruct.view.tables.grid import Grid
@@ -46,6 +46,20 @@ def radiated(result: StudyResult) -> Grid:
             f"{100 * one.share:.2g} %" if isfinite(one.share) else "-",
             f"{max(bands, key=lambda band: bands[band]):g}" if energy.energy_j > 0 and bands else "-",
         )
+    return grid
+
+
+def installed(result: StudyResult) -> Grid:
+    """A row for every measured source, quantity and case: its bands, and the A-weighted level of a receiver."""
+    found = [(name, case, one) for case, own in result.cases.items() for name, one in own.sources.items()]
+    bands = sorted({band for _, _, one in found for band in one.power_db})
+    title = "measured sources: sound power into the structure [dB re 1 pW], levels [dB re 20 µPa] (-: beyond the modes)"
+    grid = Grid(title, ("source", "", "case", *(f"{band:g} Hz" for band in bands), "A"), keys=3)
+    for name, case, one in found:
+        grid.add(name, "L_Ws", case, *(_decibel(one.power_db.get(band, nan)) for band in bands), "")
+        for receiver, heard in one.levels.items():
+            levels = (_decibel(heard.bands_db.get(band, nan)) for band in bands)
+            grid.add(name, receiver, case, *levels, _decibel(heard.l_aeq_db))
     return grid
 
 

@@ -22,7 +22,7 @@ from femstruct.view.tables.energy_table import energies, energy_destinations
 from femstruct.view.tables.finding_lines import show_findings
 from femstruct.view.tables.grid import Grid
 from femstruct.view.tables.machine_table import limits, machine
-from femstruct.view.tables.radiated_table import radiated
+from femstruct.view.tables.radiated_table import installed, radiated
 from femstruct.view.tables.rated_table import add_totals, bands, first_drop, ratings
 from femstruct.view.tables.scales import ZEROS, digits, rounded, scaled
 
@@ -69,6 +69,7 @@ def asked_tables(result: StudyResult) -> tuple[Grid, ...]:
         limits(result),
         machine(result),
         _levels(result),
+        installed(result),
         _peaks(result),
         harmonic(result),
         random(result),

@@ -16,6 +16,7 @@ from femstruct.modal.basis import ModalBasis
 from femstruct.modal.steady.answers import Vibrated
 from femstruct.sound.power import Radiated
 from femstruct.sound.surface import coupling_findings
+from femstruct.study.measured_source import InstalledSource
 from femstruct.study.result import NO_OWN_SOUND, AccuracyCheck, CaseResult, Channel, Frf
 from femstruct.study.room_surfaces import placed_room
 from femstruct.study.study import Case, Study
@@ -31,6 +32,7 @@ from femstruct.workflow.run.provenance import Stopwatch
 from femstruct.workflow.run.struck import Struck, strike, told_once
 from femstruct.workflow.stages.channels import motion_rows, record, refuse_absent_forces
 from femstruct.workflow.stages.coupled_air import coupled, coupled_key, weight_on_air
+from femstruct.workflow.stages.measured.installed_sources import installed_sources
 from femstruct.workflow.stages.modal_bases import Solved, damped
 from femstruct.workflow.stages.peaks import damage_findings, fatigue_findings, fatigues, peak_findings, shock_spectra
 from femstruct.workflow.stages.places import Places
@@ -76,6 +78,11 @@ def run_case(
         with clock("vibration", case.name):
             vibrated, uneven = vibrations(study, own.places, basis)
             findings += uneven
+    installed = dict[str, InstalledSource]()
+    if study.sources:
+        with clock("sources", case.name):
+            installed, found_of_sources = installed_sources(study, own.places, basis)
+            told += found_of_sources
     whole: Struck | None = None
     radiated: dict[str, Radiated] = {}
     channels, shares, drops, rated, cycles = {}, None, {}, {}, dict[str, Fatigue]()
@@ -123,6 +130,7 @@ def run_case(
         shock=shock_spectra(study, channels),
         vibration=vibrated,
         fatigue=cycles,
+        sources=installed,
     )
 
 

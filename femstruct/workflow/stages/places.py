@@ -9,6 +9,7 @@ from femstruct.errors import InputError, some_of
 from femstruct.model.meshed import Meshed
 from femstruct.model.probe import Point, Probe, StressPlaces, Surface
 from femstruct.study.asked import Spot
+from femstruct.study.measured_source import MeasuredSource
 from femstruct.study.steady_vibration import Vibration
 
 
@@ -55,6 +56,12 @@ class Places:
             expected = f"a surface: {some_of(self.surfaces) or 'there is none'}"
             raise InputError(f"vibration.{one.name}.on", got=f"'{one.on}'", expected=expected)
         return self.surfaces[one.on].pressure()
+
+    def contacts(self, one: MeasuredSource) -> list[Probe]:
+        """Where a measured source stands, contact by contact. Raises InputError for a point that is not there."""
+        where = f"sources.{one.name}.at"
+        names = [(place, spot.what) for spot in one.at for place in self.of(spot.name, where)]
+        return [self.point(place, where).probe(what) for place, what in names]
 
     def of(self, name: str, asked_by: str) -> tuple[str, ...]:
         """The names of all places of a point, in their order.

@@ -87,6 +87,8 @@ def force_probes(study: Study, places: Places) -> dict[str, Probe]:
     for request in study.frf:
         asked_by = f"frf.{request.name}.drive" if request.name else "--drive"
         found[str(request.drive)] = places.point(request.drive.name, asked_by).probe(request.drive.what)
+    for source in study.sources:
+        found |= {f"source {source.name} {i}": probe for i, probe in enumerate(places.contacts(source), start=1)}
     excited = {f"vibration {one.name}": places.pushed(one) for one in study.vibration}
     return found | {address: probe for address, probe in excited.items() if probe is not None}
 

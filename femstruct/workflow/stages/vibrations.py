@@ -68,7 +68,7 @@ def excited(one: Vibration, places: Places, basis: ModalBasis) -> Excitation:
     Raises InputError for a place that is not there or cannot move, for a base that does not hold the structure, and for
     modes in the band that have no damping.
     """
-    _refuse_undamped(one, basis)
+    refuse_undamped(f"vibration.{one.name}", one.spectrum.band, basis)
     probe = places.pushed(one)
     if isinstance(one.on, Spot) and probe is not None and not moves(basis, probe):
         expected = "a direction in which the structure can move"
@@ -189,15 +189,15 @@ def _moved(basis: ModalBasis, axis: int) -> MovedMass:
     return MovedMass(AXES[axis], basis.frequency_hz[true], basis.modal_mass[axis, true], basis.total_mass)
 
 
-def _refuse_undamped(one: Vibration, basis: ModalBasis) -> None:
+def refuse_undamped(where: str, band: tuple[float, float], basis: ModalBasis) -> None:
     """Raise InputError where modes in the band of an excitation have no damping: they answer without limit."""
-    low, high = one.spectrum.band
+    low, high = band
     ratio, hz = basis.damping_ratio, basis.frequency_hz
     true = np.array([kind == "elastic" for kind in basis.kind], dtype=bool)
     bare = hz[true & (ratio <= 0.0) & (hz >= low) & (hz <= high)]
     if len(bare):
         raise InputError(
-            f"vibration.{one.name}",
+            where,
             got=f"{len(bare)} of the modes from {low:g} to {high:g} Hz without damping, the first at {bare[0]:.4g} Hz",
             expected="damping: without it they answer without limit",
             do="give the model a 'damping', or end the band below them",

@@ -1,0 +1,40 @@
+"""Findings on sources that were measured by themselves, and on coverings of floors."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from femstruct.findings.entry import CHOSEN, LIMITS, REMARK, Entry, Limit
+
+SOURCES: Final = (
+    Entry(
+        "source-beyond-modes",
+        "Bands of a measured source are blank, because the modes end below them.",
+        LIMITS,
+        "the upper edge of a band of the source lies above the last mode of the structure",
+        "Give 'modes: {up_to: F}' with the stated F.",
+    ),
+    Entry(
+        "source-phase-unknown",
+        "The mobility of a measured source has no phase, so its power is known within limits only.",
+        LIMITS,
+        "the mobility is given by magnitudes, and the phases of a passive source leave more than the threshold open",
+        "Give the complex mobility: 'mobility: {lines: FILE}'. EN 15657 and EN 12354-5 use magnitudes, as is done.",
+        (
+            Limit(
+                1.0,
+                "dB between the least and the largest power of a band",
+                "less is within what measurements of sources repeat",
+                CHOSEN,
+                "installed_sources.OPEN_DB",
+            ),
+        ),
+    ),
+    Entry(
+        "source-unrated",
+        "No standard of the room rates a measured source.",
+        REMARK,
+        "a room has 'levels' and the study has 'sources'",
+        "Nothing: levels by band and the A-weighted level stand beside the ratings of standard sources.",
+    ),
+)

@@ -1,0 +1,1 @@
+"""Sources as they are written: those of standards, and those that were measured."""

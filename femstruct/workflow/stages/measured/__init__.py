@@ -1,0 +1,1 @@
+"""What is known from measurements: structure-borne sources in place, coverings on floors."""
