@@ -147,6 +147,7 @@ if TYPE_CHECKING:
     from femstruct.sound.placed_cavity import PlacedCavity as PlacedCavity
     from femstruct.sound.placed_cavity import placed_cavities as placed_cavities
     from femstruct.sound.surface import surface_velocity as surface_velocity
+    from femstruct.study.acting import Covering as Covering
     from femstruct.study.acting import InitialMotion as InitialMotion
     from femstruct.study.acting import PlacedBody as PlacedBody
     from femstruct.study.acting import PlannedContact as PlannedContact
@@ -259,6 +260,7 @@ _NAMES = {
     "study.result": ("StudyResult",),
     "study.structures": ("BeamModel", "ModesModel", "NoStructure", "OscillatorModel", "RodModel"),
     "study.acting": (
+        "Covering",
         "InitialMotion",
         "PlacedBody",
         "PlannedContact",

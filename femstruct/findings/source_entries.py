@@ -37,4 +37,20 @@ SOURCES: Final = (
         "a room has 'levels' and the study has 'sources'",
         "Nothing: levels by band and the A-weighted level stand beside the ratings of standard sources.",
     ),
+    Entry(
+        "covering-in-ratings",
+        "The rated levels include the measured reduction of a covering; all else is of the bare floor.",
+        REMARK,
+        "a tapping machine has a 'covering'",
+        "Nothing. To compute sounds with the covering, give it as a contact law or as a layer of the model.",
+        (
+            Limit(
+                1.0,
+                "dB of the hammers' force that a heavy floor takes at most",
+                "a reduction is a ratio of forces on a floor of far lower mobility than a hammer",
+                CHOSEN,
+                "covered.HEAVY_DB",
+            ),
+        ),
+    ),
 )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
@@ -22,7 +23,8 @@ BodySide = Literal["above", "below", "before", "after"]
 class Repeat:
     """When something comes: `count` times, at first, first + every, first + 2 every, ... [s].
 
-    alone : whether blows of a machine are far enough apart for each to be a sound of its own.
+    alone : whether blows of a machine are far enough apart for each to be a sound of its own. late : how much later
+    each comes [s], none where all are in time; of bodies only.
 
     Ten blows a second, as those of a tapping machine, for a second:
 
@@ -34,6 +36,21 @@ class Repeat:
     every: NotNegative = 0.0
     first: NotNegative = 0.0
     alone: bool = False
+    late: tuple[float, ...] = ()
+
+
+@dataclass(frozen=True)
+@checked("covering")
+class Covering:
+    """A covering below a tapping machine, as a laboratory measured it: reduction_db : {nominal centre [Hz]: Delta L
+    [dB]}, on a heavy reference floor (ISO 10140-3), or on a light one (Delta L_t).
+
+    >>> Covering({500.0: 21.0, 630.0: 24.5}).measured_on
+    'heavy'
+    """
+
+    reduction_db: Mapping[float, float]
+    measured_on: Literal["heavy", "light"] = "heavy"
 
 
 @dataclass(frozen=True)
@@ -46,7 +63,7 @@ class PlacedBody:
     blows : when it is given this start again; None for a body that strikes once. See
     `femstruct.impact.scene.bodies.Blows`.
     source : the standard source it is, None for any other body. radius : of a rigid sphere with own sound [m], None for
-    a body without.
+    a body without. covering : below a tapping machine; its levels are lower by that.
 
     A ball of 54 g that is dropped from 0.23 m on a point, with its own contact:
 
@@ -66,6 +83,7 @@ class PlacedBody:
     blows: Repeat | None = None
     source: str | None = None
     radius: Positive | None = None
+    covering: Covering | None = None
 
 
 @dataclass(frozen=True)

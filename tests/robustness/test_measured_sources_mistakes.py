@@ -45,7 +45,7 @@ LINES = {
         r"got a free velocity of a source of infinite mobility",
     ),
     "an active source": (f"at: feet.z, {FORCE}, mobility: {{lines: active.csv}}", r"active\.csv:1:1: got a real part"),
-    "two columns": (f"at: feet.z, {FORCE}, mobility: {{lines: two.csv}}", r"two\.csv:2:1: got 2 columns, expected three"),
+    "two columns": (f"at: feet.z, {FORCE}, mobility: {{lines: two.csv}}", r"two\.csv:2:1: got 2 columns, expect"),
     "no file": ("at: feet.z, blocked_force: {file: none.csv}, mass: 1 kg", r"blocked_force: got no file '.*none\.csv'"),
     "different bands": (
         "at: feet.z, blocked_force: [{50 Hz: 1 N}, {63 Hz: 1 N}], mass: 1 kg",

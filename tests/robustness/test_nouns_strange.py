@@ -93,7 +93,7 @@ NOUNS = [
     fs.PlannedLink("hanger", ("damper", "slab"), 507.0),
     fs.PlannedLoad("kick", MIDDLE, "point", PUSH),
     fs.PlannedWalk("neighbour", ("middle",), fs.Walk(80.0, 2.0, 8, (0.4,))),
-    fs.Repeat(10, 0.1),
+    fs.Covering({500.0: 21.0}), fs.Repeat(10, 0.1),
     fs.RigidMotion("keel", (0.0, 0.0, -3.0), (0.0, 0.0, 0.0)),
     fs.AccuracyRule(0.01, (0.0, 500.0)),
     fs.Extent(up_to_hz=3000.0),

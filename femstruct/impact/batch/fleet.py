@@ -70,7 +70,7 @@ class Fleet:
         entries[weight:] = system.rows[weight:, k:] / scale
         places = {body.name: i for i, body in enumerate(scene.bodies)}
         struck = np.array([places[blows.body] for blows in scene.blows], dtype=np.int64)
-        waiting = {blows.body for blows in scene.blows if round(blows.first / system.tick) > 0}
+        waiting = {blows.body for blows in scene.blows if round(float(blows.times[0]) / system.tick) > 0}
         of_modes, drives = system.rows.copy(), system.drives.copy()
         of_modes[:, k:] = drives[:, k:] = 0.0
         modes = tabulated(system._replace(rows=of_modes, drives=drives), levels, collocation_rule())

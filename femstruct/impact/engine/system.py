@@ -150,7 +150,7 @@ def _coordinates(basis: ModalBasis, scene: Scene, tick: float) -> _Coordinates:
     if k + len(bodies) == 0:
         raise FemstructError("scene", got="no mode and no body", expected="something that moves")
     scale = np.concatenate((np.ones(k), np.sqrt([body.mass for body in scene.bodies])))
-    return _Coordinates(basis, bodies, scale, {b.body: round(b.first / tick) for b in scene.blows}, tick)
+    return _Coordinates(basis, bodies, scale, {b.body: round(float(b.times[0]) / tick) for b in scene.blows}, tick)
 
 
 def _start(scene: Scene, on: _Coordinates) -> Floats:
@@ -261,7 +261,7 @@ def _strikes(scene: Scene, bodies: Mapping[str, int], k: int, scale: Floats, tic
     for number, blows in enumerate(scene.blows):
         i = bodies[blows.body]
         velocity = scene.bodies[i].velocity * scale[k + i]
-        times = np.rint((blows.first + blows.every * np.arange(blows.count)) / tick).astype(np.int64)
+        times = np.rint(blows.times / tick).astype(np.int64)
         found += [(int(at), number, k + i, velocity) for at in times[times < end]]
     return np.array(sorted(found, key=lambda strike: strike[0]), dtype=STRIKE)
 

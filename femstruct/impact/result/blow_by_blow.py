@@ -103,7 +103,7 @@ def blow_findings(blows: Sequence[Blow], scene: Scene, clock: Clock) -> tuple[Fi
         held = [blow for blow in mine if blow.held_since is not None and not lies(blow.held_force, weight)]
         if held:
             first = held[0]
-            since = first.t + plan.every - (first.held_since or 0.0)
+            since = float(plan.times[first.number]) - (first.held_since or 0.0)
             found.append(lifted_finding(plan, len(held), first.number, first.held_force, since))
         if len(mine) < plan.count:
             found.append(left_out_finding(plan, len(mine), clock.duration))

@@ -194,7 +194,9 @@ class Blows:
     At every blow it is lifted off and given its starting state again: its displacement is that of `over`, what it is
     above (below, before, after), so that its gap to that is the one it started with, and its velocity is the one it
     started with, in space, not relative to what it strikes. In between it is free: it rebounds, flies on, falls back
-    under gravity. Until `first` it is held still, without contact and without weight.
+    under gravity. Until its first blow it is held still, without contact and without weight.
+
+    late : how much later each blow comes [s]; none where all are in time.
     """
 
     body: str
@@ -202,9 +204,22 @@ class Blows:
     every: float
     count: int
     first: float = 0.0
+    late: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
-        _refuse_timing(f"bodies.{self.body}.blows", self.first, self.every, self.count)
+        where = f"bodies.{self.body}.blows"
+        _refuse_timing(where, self.first, self.every, self.count)
+        if self.late and not (
+            len(self.late) == self.count and min(self.late) >= 0.0 and (np.diff(self.times) > 0).all()
+        ):
+            got, expected = f"{len(self.late)} delays of {self.count} blows", "one >= 0 each, one blow after the other"
+            raise InputError(f"{where}.late", got=got, expected=expected)
+
+    @property
+    def times(self) -> Floats:
+        """When it strikes [count] [s]."""
+        found = self.first + self.every * np.arange(self.count)
+        return np.asarray(found + np.array(self.late or 0.0), dtype=np.float64)
 
 
 @dataclass(frozen=True, eq=False)

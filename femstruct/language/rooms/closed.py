@@ -149,6 +149,15 @@ class ClosedSpec(RoomSpec):
         except AcousticsError as error:
             there.wrong(error.got, error.expected, error.do)
             return
+        for body in asked.bodies:
+            covering = body.covering if tapping else None
+            missing = covering.missing(method.bands_hz) if covering is not None else []
+            there.need(
+                not missing,
+                f"a covering without a reduction at {missing[0]:g} Hz" if missing else "",
+                f"one in every {method.bands} that is rated, {method.bands_hz[0]:g} to {method.bands_hz[-1]:g} Hz",
+                "add it to 'covering.reduction'",
+            )
         there.need(
             method.correct is None or self.losses is not None,
             f"{method.measured_by} in a room without losses",

@@ -10,10 +10,17 @@ from pydantic import ConfigDict
 
 from femstruct.conventions import GRAVITY
 from femstruct.impact.laws.law import Law
-from femstruct.impact.scene.impact_sources import HAMMERS, TAPPING_MACHINE
+from femstruct.impact.scene.impact_sources import BETWEEN_BLOWS, HAMMERS, TAPPING_MACHINE, scattered
 from femstruct.language.laws.known_laws import AnyLaw
 from femstruct.language.laws.law import Ends, LawSpec, Site
-from femstruct.language.study.sources.standard_source import SOURCES, UNCORRELATED, from_source, refuse_beside_source
+from femstruct.language.study.sources.covering import CoveringSpec
+from femstruct.language.study.sources.standard_source import (
+    SCATTERED,
+    SOURCES,
+    UNCORRELATED,
+    from_source,
+    refuse_beside_source,
+)
 from femstruct.language.yaml import (
     Count,
     Duration,
@@ -53,7 +60,9 @@ class BlowsSpec(Spec):
 
     timing: of a tapping machine. uncorrelated, if left out: each hammer strikes once, a fifth of the duration after the
     one before, and levels are those of ten such blows a second whose sounds add in energy, as those of a real machine
-    do; regular: `count` turns of blows exactly 0.1 s apart, to listen to, or for a machine measured to be so regular.
+    do; regular: `count` turns of blows exactly 0.1 s apart, to listen to, or for a machine measured to be so regular;
+    scattered: `count` turns of blows that come up to 10 ms early or late, within the tolerances of ISO 10140-5, and
+    alike for the same seed.
     """
 
     model_config = _optional("every", "count")
@@ -62,10 +71,21 @@ class BlowsSpec(Spec):
     count: Count
     every: Duration
     first: Instant = 0.0
-    timing: Literal["regular", "uncorrelated"] | None = None
+    timing: Literal["regular", "uncorrelated", "scattered"] | None = None
+    seed: Count | None = None
 
     def given(self) -> dict[str, Any]:
-        return {"count": self.count, "every": self.every, "first": self.first, "alone": self.timing == UNCORRELATED}
+        late: tuple[float, ...] = ()
+        if self.timing == SCATTERED:
+            hammer = round(self.first / BETWEEN_BLOWS) % HAMMERS
+            late = tuple(scattered(self.count, self.seed or 1)[:, hammer].tolist())
+        return {
+            "count": self.count,
+            "every": self.every,
+            "first": self.first,
+            "alone": self.timing == UNCORRELATED,
+            "late": late,
+        }
 
 
 class BodySpec(Spec):
@@ -92,6 +112,7 @@ class BodySpec(Spec):
     contact: AnyLaw | None = None
     radius: Length | None = None
     blows: BlowsSpec | None = None
+    covering: CoveringSpec | None = None
 
     @classmethod
     def refuse_keys(cls, given: Mapping[str, Any]) -> None:
@@ -129,6 +150,12 @@ class BodySpec(Spec):
         there.need(not machine or count == HAMMERS, told, expected, "100 mm apart, in a line")
         if here.names.points.get(self.target, 1) == 1:
             there.place(self.target, others)
+        here.at("covering").need(
+            machine or self.covering is None,
+            "a measured reduction below a body that is no tapping machine",
+            "a tapping machine: a Delta L is what a covering takes of the force of its hammers",
+            "give the covering as a contact law, or as a layer of the model",
+        )
         if self.blows is not None:
             there, moves = here.at("blows"), self.speed or self.drop_height
             there.need(moves, "no speed", "a body that strikes", "add 'speed:' or 'drop_height:'")
@@ -137,6 +164,12 @@ class BodySpec(Spec):
                 "a body that is no tapping machine",
                 "no timing: each body strikes at its given time",
                 "remove it",
+            )
+            there.at("seed").need(
+                self.blows.seed is None or self.blows.timing == SCATTERED,
+                "a seed of blows that are not scattered",
+                "'timing: scattered' beside it",
+                "add it, or remove 'seed'",
             )
         if self.radius is None or heard or any(law.takes_radius for law in laws):
             return
@@ -153,7 +186,17 @@ class BodySpec(Spec):
         """The body it describes; law : of its own contact, None where there is none."""
         blows, dropped = self.blows.noun() if self.blows is not None else None, self.drop_height is not None
         return PlacedBody(
-            name, self.mass, self.side, self.target, self.start_speed, dropped, law, blows, self.source, self.radius
+            name,
+            self.mass,
+            self.side,
+            self.target,
+            self.start_speed,
+            dropped,
+            law,
+            blows,
+            self.source,
+            self.radius,
+            self.covering.noun() if self.covering is not None else None,
         )
 
 

@@ -56,6 +56,12 @@ def check_study(study: StudySpec, here: Here, model: ModelSpec) -> None:
             laws,
             any(room.receivers and getattr(room, body.side, None) is not None for room in study.rooms.values()),
         )
+        here.at("bodies", name, "covering").need(
+            body.covering is None or any(room.standards for room in study.rooms.values()),
+            "a covering, and no room whose levels are rated",
+            "a room with 'levels'",
+            "add 'levels: [ISO 16283-2, ISO 717-2]' to it",
+        )
     for group in ("contacts", "links"):
         for name, one in getattr(study, group).items():
             one.check_ends(here.at(group, name), sizes, ends)

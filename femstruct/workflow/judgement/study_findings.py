@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-import numpy as np
-
 from acoustics.levels.exposure import LEAST_SAMPLING_HZ
 from femstruct.errors import Finding
 from femstruct.impact.result.blow_by_blow import left_out_finding
@@ -72,9 +70,9 @@ def _blows_left_out(study: Study, time: TimePlan) -> Iterator[Finding]:
         again = body.blows
         if again is None:
             continue
-        seen = int((again.first + again.every * np.arange(again.count) < time.duration).sum())
+        plan = Blows(body.name, body.target, again.every, again.count, again.first, again.late)
+        seen = int((plan.times < time.duration).sum())
         if seen < again.count:
-            plan = Blows(body.name, body.target, again.every, again.count, again.first)
             yield left_out_finding(plan, seen, time.duration)
 
 

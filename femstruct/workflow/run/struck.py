@@ -30,6 +30,7 @@ from femstruct.study.study import Study
 from femstruct.workflow.judgement.impact_findings import impact_findings, room_findings, sampled_findings
 from femstruct.workflow.judgement.source_findings import source_findings, walking_findings
 from femstruct.workflow.run.needed_kernels import units_of
+from femstruct.workflow.stages.measured.covered import reduced
 from femstruct.workflow.stages.places import Places
 from femstruct.workflow.stages.rated_rooms import band_levels, blows_of, method_for
 from femstruct.workflow.stages.room_transfers import RoomTransfers
@@ -107,12 +108,15 @@ def strike(
             own = {name: ended(one, ends[name]) for name, one in whole.items()}
             heard = levels_by_receiver(own, whole)
             bands = {
-                plan.name: band_levels(
+                plan.name: reduced(
                     study,
-                    method,
-                    whole[plan.name],
-                    ends[plan.name],
-                    [heard[f"{plan.name}.{one.name}"] for one in plan.receivers],
+                    band_levels(
+                        study,
+                        method,
+                        whole[plan.name],
+                        ends[plan.name],
+                        [heard[f"{plan.name}.{one.name}"] for one in plan.receivers],
+                    ),
                 )
                 for plan in study.rooms
                 if (method := method_for(plan, study)) is not None

@@ -231,7 +231,14 @@ class _Stage:
         planned = [(body, body.blows) for body in self.study.bodies if body.blows is not None]
         planned.sort(key=lambda pair: abs(self.height(pair[0].name, f"bodies.{pair[0].name}")[1]))
         return tuple(
-            Blows(body.name, self.end(body.target, f"bodies.{body.name}"), again.every, again.count, again.first)
+            Blows(
+                body.name,
+                self.end(body.target, f"bodies.{body.name}"),
+                again.every,
+                again.count,
+                again.first,
+                again.late,
+            )
             for body, again in planned
         )
 

@@ -19,6 +19,7 @@ from femstruct.language.yaml import refuse
 
 SOURCES: Final = (*DROPPED, TAPPING_MACHINE)
 UNCORRELATED: Final = "uncorrelated"
+SCATTERED: Final = "scattered"
 
 
 def refuse_beside_source(body: Mapping[str, Any], of_blows: Collection[str]) -> None:
@@ -54,7 +55,7 @@ def _refuse_blows(blows: Mapping[str, Any]) -> None:
         raise refuse(
             f"'blows.count' {blows['count']} of a tapping machine whose blows are uncorrelated",
             "no count: one blow of each hammer represents all",
-            "remove 'count'; or add 'timing: regular' for turns of blows exactly 0.1 s apart",
+            "remove 'count'; or add 'timing: regular', or scattered, for turns of blows 0.1 s apart",
         )
 
 
