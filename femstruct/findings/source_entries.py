@@ -53,4 +53,20 @@ SOURCES: Final = (
             ),
         ),
     ),
+    Entry(
+        "footstep-on-light-floor",
+        "The floor gives way to a foot, so a force recorded on a stiff plate is too large.",
+        LIMITS,
+        "the mobility of the floor takes more than the threshold of the force of a foot, between 20 and 100 Hz",
+        "Record the force on this floor, or quote differences between floors of alike mobility.",
+        (
+            Limit(
+                1.0,
+                "dB of the force",
+                "less is within what two steps differ by",
+                "mass of foot and shank, 6.1 % of 75 kg (Winter), as the stiffest foot",
+                "footsteps.TAKEN_DB",
+            ),
+        ),
+    ),
 )

@@ -130,6 +130,8 @@ class PlannedLink:
 class PlannedLoad:
     """A force history [N] on a point's direction or a body, or a pressure history [Pa] on a surface.
 
+    footstep : whether it is the force of a foot on a plate that did not move.
+
     A half sine of 300 N over 8 ms on a point, downwards:
 
     >>> from femstruct import HalfSine
@@ -142,6 +144,7 @@ class PlannedLoad:
     kind: Literal["point", "body", "surface"]
     history: HalfSine | Table
     repeat: Repeat = Repeat()
+    footstep: bool = False
 
 
 @dataclass(frozen=True)

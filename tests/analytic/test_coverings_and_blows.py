@@ -178,3 +178,51 @@ def test_scatter_takes_the_lines_out_of_the_spectrum() -> None:
     share = np.sinc(2 * f * 0.01) ** 2
     # 1/40 of power beside the lines; 200 seeds: a tenth of the rest
     assert left == pytest.approx(share + (1 - share) / 40, rel=0.15, abs=0.005)
+
+
+STEPS = """
+model: m.yaml
+modes: {up_to: 190 Hz}
+loads: {walker: {at: feet.1.z, footstep: step.csv, every: 0.5 s, count: 2}}
+record: {feet.1.z: velocity}
+time: {duration: 1.2 s, sampling: 2 kHz}
+"""
+STEP = "t [ms];F [N]\n0;0\n8,5;700\n20;900\n600;0\n"
+
+
+def stepped(folder: Path, sets: tuple[str, ...] = (), step: str = STEP) -> StudyResult:
+    written(folder)
+    (folder / "step.csv").write_text(step, encoding="utf-8")
+    (folder / "s.study.yaml").write_text(STEPS, encoding="utf-8")
+    return ran(folder / "s.study.yaml", sets)
+
+
+def test_recorded_footsteps_press_downwards(tmp_path: Path) -> None:
+    result = stepped(tmp_path)
+    (load,) = result.cases["as given"].case.study.loads
+    assert load.footstep and isinstance(load.history, fs.Table) and load.history.values.min() == -900.0
+    assert "footstep-on-light-floor" not in {
+        one.code for one in result.cases["as given"].findings
+    }  # 140 mm of concrete
+    light = {one.code: one for one in stepped(tmp_path, LIGHT).cases["as given"].findings}
+    found = light["footstep-on-light-floor"].values
+    assert found["foot"] == pytest.approx(
+        1 / (2 * np.pi * found["band_hz"] * 4.6), rel=0.02
+    )  # nominal and exact centres
+    assert 1.0 < found["taken_db"] < 15.0
+
+
+@pytest.mark.parametrize(
+    ("step", "told"),
+    [
+        ("t [ms];F [N]\n0;0\n8;-700\n600;0\n", r"step\.csv:1:1: got a force that is upwards on the average"),
+        ("t [ms];F [kg]\n0;0\n8;70\n600;0\n", r"step\.csv:1:1: got 'F \[kg\]', expected a force"),
+        ("t;F;G\n0;0;0\n8;70;0\n600;0;0\n", r"step\.csv:2:1: got 3 columns, expected two: time, value"),
+    ],
+)
+def test_footsteps_that_are_none(tmp_path: Path, step: str, told: str) -> None:
+    with pytest.raises(InputErrors, match=told):
+        stepped(tmp_path, step=step)
+    (tmp_path / "s.study.yaml").write_text(STEPS.replace("feet.1.z, foot", "feet.1.x, foot"), encoding="utf-8")
+    with pytest.raises(InputErrors, match=r"loads\.walker\.at: got a footstep along 'feet\.1\.x', expected POINT\.z"):
+        fs.read_study(tmp_path / "s.study.yaml")

@@ -6,6 +6,8 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Final, TypeVar
 
+import numpy as np
+
 from femstruct.errors import FemstructError, InputError, InputErrors, sentence, shown_as
 from femstruct.files.inputs.grids import Grid, Row, read_grid, wrong_in
 from femstruct.files.inputs.heads import Scale, head_of, scale_of
@@ -20,6 +22,22 @@ def read_history(path: Path, what: str, sources: dict[str, str]) -> Table:
     what : "force" or "pressure". sources : is given the text of the file under its name.
     """
     return read_columns(path, ("time", what), sources, Table)
+
+
+def read_footstep(path: Path, sources: dict[str, str]) -> Table:
+    """The force of a foot over time from a force plate, positive downwards in the file, along z in the table.
+
+    Raises as `read_columns`, and for a record that pulls at the floor on the average.
+    """
+
+    def downwards(times: list[float], forces: list[float]) -> Table:
+        table = Table(np.array(times), -np.array(forces))
+        if not float(np.trapezoid(table.values, table.times)) < 0.0:
+            got, do = "a force that is upwards on the average", "record it positive downwards, or change its sign"
+            raise InputError("", got=got, expected="the force of a foot on the floor", do=do)
+        return table
+
+    return read_columns(path, ("time", "force"), sources, downwards)
 
 
 def read_measured(path: str | Path, what: str) -> Table:

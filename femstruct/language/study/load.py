@@ -7,7 +7,7 @@ from typing import Annotated, Any
 
 from pydantic import Field, model_validator
 
-from femstruct.files.inputs.columns import read_history
+from femstruct.files.inputs.columns import read_footstep, read_history
 from femstruct.files.inputs.opening import beside
 from femstruct.impact.scene.bodies import HalfSine
 from femstruct.impact.scene.walking import PACES_HZ, Walk, design_harmonics
@@ -72,10 +72,11 @@ class WalkingSpec(Spec):
 class LoadSpec(Spec):
     """A force history on a point's direction or a body, or a pressure history on a surface; once or repeated. Or a
     person who walks along places. A force is positive along its direction: downwards it is negative. A file has two
-    columns, time and value, separated by a comma; what comes before t = 0 is left out."""
+    columns, time and value; what comes before t = 0 is left out. footstep: a file of the force of a foot, recorded with
+    a stiff force plate, positive downwards, at POINT.z."""
 
-    one_of = (("at", "body", "on", "along"), ("half_sine", "file", "walking"))
-    needs = (("along", ("walking",)), ("walking", ("along",)))
+    one_of = (("at", "body", "on", "along"), ("half_sine", "file", "walking", "footstep"))
+    needs = (("along", ("walking",)), ("walking", ("along",)), ("footstep", ("at",)))
 
     at: Text | None = None
     along: Annotated[tuple[PointName, ...] | None, read_by(several(lambda one: one), Text | list[Text])] = None
@@ -84,6 +85,7 @@ class LoadSpec(Spec):
     on: SurfaceName | None = None
     half_sine: HalfSineSpec | None = None
     file: Text | None = None
+    footstep: Text | None = None
     first: Instant = 0.0
     every: Duration | None = None
     count: Count | None = None
@@ -97,6 +99,8 @@ class LoadSpec(Spec):
         """Note what is wrong with it; bodies : names of all, those of arrays too."""
         if self.at is not None:
             here.at("at").spot(self.at)
+            vertical = self.footstep is None or self.at.endswith(".z")
+            here.at("at").need(vertical, f"a footstep along '{self.at}'", "POINT.z: feet press downwards")
         if self.body is not None and self.body not in bodies:
             here.at("body").known(self.body, "body", bodies)
         given, missing = ("count", "every") if self.every is None else ("every", "count")
@@ -120,6 +124,10 @@ class LoadSpec(Spec):
         on = spot_of(self.at) if self.at is not None else self.body or self.on or ""
         if self.half_sine is not None:
             return PlannedLoad(name, on, self.kind, self.half_sine.noun(), repeat)
+        if self.footstep is not None:
+            step = self.footstep
+            record = here.at("footstep").make(lambda: read_footstep(beside(here.tree.file, step), sources))
+            return None if record is None else PlannedLoad(name, on, "point", record, repeat, footstep=True)
         what, file = "pressure" if self.on is not None else "force", self.file or ""
         history = here.at("file").make(lambda: read_history(beside(here.tree.file, file), what, sources))
         return None if history is None else PlannedLoad(name, on, self.kind, history, repeat)

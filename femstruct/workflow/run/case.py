@@ -33,6 +33,7 @@ from femstruct.workflow.run.struck import Struck, strike, told_once
 from femstruct.workflow.stages.channels import motion_rows, record, refuse_absent_forces
 from femstruct.workflow.stages.coupled_air import coupled, coupled_key, weight_on_air
 from femstruct.workflow.stages.measured.covered import covered_floor
+from femstruct.workflow.stages.measured.footsteps import footstep_findings
 from femstruct.workflow.stages.measured.installed_sources import installed_sources
 from femstruct.workflow.stages.modal_bases import Solved, damped
 from femstruct.workflow.stages.peaks import damage_findings, fatigue_findings, fatigues, peak_findings, shock_spectra
@@ -66,7 +67,7 @@ def run_case(
             *coarse_sampling(study, last_mode_hz(basis), len(basis.omega)),
             *(accuracy_findings(accuracy) if accuracy is not None else ()),
         ]
-        findings += covered_floor(case.studies, own.places, basis)
+        findings += [*covered_floor(case.studies, own.places, basis), *footstep_findings(study, own.places, basis)]
     told: list[tuple[str, Advice | Finding]] = []
     vacuo, vibrated = basis, dict[str, Vibrated]()
     if any(plan.coupling == "two-way" for plan in study.rooms):
