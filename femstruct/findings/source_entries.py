@@ -32,7 +32,7 @@ SOURCES: Final = (
     ),
     Entry(
         "source-unrated",
-        "No standard of the room rates a measured source.",
+        "The standards of the room do not rate a measured source, so it has no single number.",
         REMARK,
         "a room has 'levels' and the study has 'sources'",
         "Nothing: levels by band and the A-weighted level stand beside the ratings of standard sources.",

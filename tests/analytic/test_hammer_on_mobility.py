@@ -87,7 +87,7 @@ def test_a_stiff_hammer_is_a_source_with_the_mobility_of_its_mass() -> None:
     assert np.abs(found * (1 + 2j * pi * hz * MASS / CHIPBOARD) - 1).max() < 1e-14  # rounding
     # of a spring of k the closed form is off by (w / w0)^2 (1 + ..): here 2e-6 at most
     limit = closed_form(1e15, CHIPBOARD, hz)[1]
-    assert MASS * SPEED * np.abs(found) == pytest.approx(limit, rel=1e-5)
+    assert MASS * SPEED * np.abs(found) == pytest.approx(limit, rel=1e-5)  # as said above
 
 
 def test_the_force_of_a_tapping_machine_in_bands() -> None:

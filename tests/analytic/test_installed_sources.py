@@ -75,7 +75,7 @@ def test_what_comes_in_is_what_the_structure_loses(source: fs.RigidMass) -> None
     # and what comes in is what the source gives: of F_b v, less what its own mobility takes
     velocity = np.einsum("abf,bif->aif", receiver_mobility(basis, feet, HZ), found.forces)
     given = np.einsum("aif,aif->if", found.forces.conj(), velocity).real
-    assert found.power == pytest.approx(given, rel=1e-9)
+    assert found.power == pytest.approx(given, rel=1e-9)  # rounding
 
 
 def test_without_phase_the_power_lies_between_its_bounds() -> None:
@@ -86,8 +86,8 @@ def test_without_phase_the_power_lies_between_its_bounds() -> None:
         phases = np.linspace(-np.pi / 2, np.pi / 2, 20001)
         powers = size**2 * 3e-4 / np.abs(size * np.exp(1j * phases) + receiver[0, 0, 0]) ** 2
         assert one.power[0, 0] == pytest.approx(size**2 * 3e-4 / (size**2 + 25e-8))
-        assert (one.power * one.least)[0, 0] <= powers.min() * (1 + 1e-9)
-        assert powers.max() <= (one.power * one.most)[0, 0] * (1 + 1e-9)
+        assert (one.power * one.least)[0, 0] <= powers.min() * (1 + 1e-9)  # rounding
+        assert powers.max() <= (one.power * one.most)[0, 0] * (1 + 1e-9)  # rounding
 
 
 OSCILLATOR = "structure: {type: oscillator, mass: 2 kg, frequency: 50 Hz}\npoints: {m: {}}\ndamping: {ratio: 2 %}\n"
@@ -131,7 +131,7 @@ def test_free_velocity_and_blocked_force_are_one_source(tmp_path: Path) -> None:
     (tmp_path / "l.csv").write_text("f;L [dB re 1 µN]\n50 Hz;120,0\n63 Hz;100,0\n", encoding="cp1252")
     one = run(tmp_path, f"{{at: m.z, mass: 3 kg, blocked_force: {levels}}}").sources["pump"]
     two = run(tmp_path, "{at: m.z, mass: 3 kg, blocked_force: {file: l.csv}}").sources["pump"]
-    assert dict(one.power_db) == pytest.approx(dict(two.power_db), abs=1e-9)
+    assert dict(one.power_db) == pytest.approx(dict(two.power_db), abs=1e-9)  # rounding
     assert one.what == "blocked force" and one.excited_by == "m.z"
 
 

@@ -64,7 +64,7 @@ RUNS = {
     "a held place": ("at: rim.z, blocked_force: {50 Hz: 1 N}, mass: 1 kg", r"'rim\.z', which no mode moves"),
     "no damping": (
         "at: feet.z, blocked_force: {100 Hz: 1 N}, mass: 1 kg",
-        r"1 of the modes from 89\.13 to 112\.2 Hz without damping",
+        r"1 of the modes from 89\.1\d+ to 112\.2\d* Hz without damping",
     ),
 }
 

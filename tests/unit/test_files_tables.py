@@ -34,6 +34,7 @@ def test_layout_is_the_documented_one(result):
         "drops",
         "shock_spectra",
         "vibration",
+        "sources",
         "fatigue",
         "stresses",
         "arrays",

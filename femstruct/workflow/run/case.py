@@ -61,13 +61,7 @@ def run_case(
     with clock("damping", case.name):
         basis = damped(case, solved, baseline)
     with clock("judgement", case.name):
-        findings = [
-            *all_findings(own, basis, case.studies, study.frf),
-            *study_findings(case, own.places),
-            *coarse_sampling(study, last_mode_hz(basis), len(basis.omega)),
-            *(accuracy_findings(accuracy) if accuracy is not None else ()),
-        ]
-        findings += [*covered_floor(case.studies, own.places, basis), *footstep_findings(study, own.places, basis)]
+        findings = _before(case, own, basis, accuracy)
     told: list[tuple[str, Advice | Finding]] = []
     vacuo, vibrated = basis, dict[str, Vibrated]()
     if any(plan.coupling == "two-way" for plan in study.rooms):
@@ -81,11 +75,8 @@ def run_case(
         with clock("vibration", case.name):
             vibrated, uneven = vibrations(study, own.places, basis)
             findings += uneven
-    installed = dict[str, InstalledSource]()
-    if study.sources:
-        with clock("sources", case.name):
-            installed, found_of_sources = installed_sources(study, own.places, basis)
-            told += found_of_sources
+    installed, found_of_sources = _sources(case, own.places, basis, clock)
+    told += found_of_sources
     whole: Struck | None = None
     radiated: dict[str, Radiated] = {}
     channels, shares, drops, rated, cycles = {}, None, {}, {}, dict[str, Fatigue]()
@@ -135,6 +126,28 @@ def run_case(
         fatigue=cycles,
         sources=installed,
     )
+
+
+def _before(case: Case, own: Solved, basis: ModalBasis, accuracy: AccuracyCheck | None) -> list[Finding]:
+    """What is to be known of a case before anything happens in it. basis : damped."""
+    return [
+        *all_findings(own, basis, case.studies, case.study.frf),
+        *study_findings(case, own.places),
+        *coarse_sampling(case.study, last_mode_hz(basis), len(basis.omega)),
+        *(accuracy_findings(accuracy) if accuracy is not None else ()),
+        *covered_floor(case.studies, own.places, basis),
+        *footstep_findings(case.study, own.places, basis),
+    ]
+
+
+def _sources(
+    case: Case, places: Places, basis: ModalBasis, clock: Stopwatch
+) -> tuple[dict[str, InstalledSource], list[tuple[str, Advice | Finding]]]:
+    """What measured sources do, by name, and what is to be known of it."""
+    if not case.study.sources:
+        return {}, []
+    with clock("sources", case.name):
+        return installed_sources(case.study, places, basis)
 
 
 def _responses(
