@@ -13,6 +13,7 @@ The way through this package, each step a pure function or a frozen noun::
     sound_levels(...) -> Levels        peaks, maxima, exposures, bands           levels.sound_levels
     heavy_impact_level(...), ...       single numbers of the standards           levels.iso, levels.jis_ks
     rate_room(...) -> RatedRoom        a room as the standards state it          levels.rated
+    steady_levels(...), largest_levels(...)  the same by statistical energies    statistical.energies
     radiated_energy(...) -> SoundEnergy    what goes into the open air           open_air.sound_energy
     force_exposure_levels(...)         how hard a source strikes                 levels.exposure
 
@@ -92,6 +93,15 @@ if TYPE_CHECKING:
     from acoustics.open_air.sound_energy import SoundEnergy, radiated_energy
     from acoustics.open_air.sphere import Sphere, sphere_pressures
     from acoustics.rooms.pressure_maps import PressureMap, pressure_map
+    from acoustics.statistical.diffuse_radiation import diffuse_radiation
+    from acoustics.statistical.energies import (
+        DiffuseRoom,
+        RadiatingPlate,
+        band_exposures,
+        largest_levels,
+        steady_levels,
+    )
+    from acoustics.statistical.infinite_plate import InfinitePlate, isotropic_plate
 
 # What needs scipy.signal, scipy.linalg or scikit-fem is slow to import: it is fetched when first asked for (PEP 562).
 _FETCHED = {
@@ -131,6 +141,8 @@ _FETCHED = {
     "acoustics.levels.iso": (
         "HeavyImpactRating",
         "ImpactRating",
+        "InfinitePlate",
+        "InfinitePlate",
         "energy_average",
         "heavy_impact_level",
         "normalised_impact_level",
@@ -140,6 +152,15 @@ _FETCHED = {
     ),
     "acoustics.open_air.sound_energy": ("SoundEnergy", "radiated_energy"),
     "acoustics.levels.weighting": ("frequency_weighting", "time_weighted", "weighted"),
+    "acoustics.statistical.diffuse_radiation": ("diffuse_radiation",),
+    "acoustics.statistical.energies": (
+        "DiffuseRoom",
+        "RadiatingPlate",
+        "band_exposures",
+        "largest_levels",
+        "steady_levels",
+    ),
+    "acoustics.statistical.infinite_plate": ("InfinitePlate", "isotropic_plate"),
 }
 
 __all__ = [
@@ -150,15 +171,18 @@ __all__ = [
     "CavityAir",
     "CavityMesh",
     "CavityModes",
+    "DiffuseRoom",
     "Directivity",
     "HalfSpace",
     "HeavyImpactRating",
     "ImpactGrade",
     "ImpactRating",
+    "InfinitePlate",
     "InverseALevel",
     "Levels",
     "Losses",
     "PressureMap",
+    "RadiatingPlate",
     "RatedRoom",
     "Receiver",
     "Room",
@@ -175,10 +199,12 @@ __all__ = [
     "YieldingWall",
     "absorbing",
     "air_stiffness_ratio",
+    "band_exposures",
     "box_mesh",
     "cavity_air",
     "cavity_modes",
     "cavity_pressure",
+    "diffuse_radiation",
     "energy_average",
     "equivalent_levels",
     "force_exposure_levels",
@@ -186,6 +212,8 @@ __all__ = [
     "heavy_impact_level",
     "impact_grade",
     "inverse_a_level",
+    "isotropic_plate",
+    "largest_levels",
     "level_history",
     "level_spectrum",
     "losses_from_beta",
@@ -211,6 +239,7 @@ __all__ = [
     "sphere_pressures",
     "standardised_impact_level",
     "standardised_maximum_level",
+    "steady_levels",
     "t60_of",
     "third_octave_bands",
     "time_weighted",

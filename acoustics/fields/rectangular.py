@@ -51,6 +51,11 @@ class Room(Box, SoundField):
     def identity(self) -> object:
         return self.size.tolist()
 
+    @property
+    def wall_area(self) -> float:
+        x, y, z = self.size.tolist()
+        return float(2.0 * (x * y + y * z + z * x))
+
     def described(self) -> dict[str, object]:
         return {"size_m": self.size.tolist(), **described_modes(self.losses, room_modes(self, TOLD_HZ)[0])}
 

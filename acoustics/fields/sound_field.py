@@ -78,6 +78,12 @@ class SoundField(ABC):
         """Volume of its air [m^3], infinite in the open."""
 
     @property
+    def wall_area(self) -> float:
+        """Area of its walls [m^2] where it is closed and has one reverberation time for all of them, as a diffuse field
+        needs; infinite for others."""
+        return inf
+
+    @property
     def complete_up_to_hz(self) -> float:
         """Frequency [Hz] up to which it answers with all it has, infinite for a closed form."""
         return inf

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from math import isfinite
 from types import MappingProxyType
@@ -20,6 +20,7 @@ from acoustics.levels.methods import FIELD, RATING, Blows, Method, method_of
 from acoustics.levels.single_number import Number, SingleNumber, single_number
 from acoustics.losses import t60_of
 from acoustics.reported import Axis, Reported
+from acoustics.statistical.statistical_bands import Agreement, StatisticalBands, agreement
 
 _OCTAVES: Final = frozenset(octave_bands(1e6))  # nominal centres [Hz] of all that is heard
 _DB: Final = "dB re 20 µPa"
@@ -33,6 +34,8 @@ class RatedRoom:
     method : how the standards rate these blows. measured_db : levels in the room [drops, receivers, b] [dB], nan in
     bands that are not known. correction_db : what standardising adds to them for the room's volume and reverberation
     time [b] [dB], 0 where nothing is standardised. t60_s : reverberation times {nominal centre [Hz]: [s]}.
+    statistical : levels of the same bands from statistical energies, which stand where levels are not known; None where
+    the floor is not one that they are for.
 
     Notes
     -----
@@ -47,6 +50,7 @@ class RatedRoom:
     ]
     correction_db: Annotated[Floats, Reported("dB", "What standardising adds", along=("band_hz",))]
     t60_s: Annotated[Mapping[float, float], Reported("s", "Reverberation time of the room", axis=_BAND)]
+    statistical: StatisticalBands | None = None
 
     def __post_init__(self) -> None:
         bands = len(self.bands_hz)
@@ -70,8 +74,41 @@ class RatedRoom:
     @property
     def blank_hz(self) -> Annotated[tuple[float, ...], Reported("Hz", "Bands that are not known")]:
         """Nominal centres [Hz] of the bands that are not known."""
-        unknown = np.isnan(self.measured_db.sum(axis=(0, 1)))
+        unknown = np.isnan(self._filled_db.sum(axis=(0, 1)))
         return tuple(self.bands_hz[i] for i in np.flatnonzero(unknown))
+
+    @property
+    def statistical_hz(self) -> Annotated[tuple[float, ...], Reported("Hz", "Bands that are statistical")]:
+        """Nominal centres [Hz] of the bands that no modes have and that are of statistical energies."""
+        unknown = np.isnan(self.measured_db.sum(axis=(0, 1)))
+        return tuple(self.bands_hz[i] for i in np.flatnonzero(unknown) if self.bands_hz[i] not in self.blank_hz)
+
+    @property
+    def bands_from(
+        self,
+    ) -> Annotated[Mapping[float, str], Reported("1", "What a band is from: modes or statistical", axis=_BAND)]:
+        """Where the levels by band come from {nominal centre [Hz]: "modes", "statistical" or "blank"}."""
+        others = dict.fromkeys(self.blank_hz, "blank") | dict.fromkeys(self.statistical_hz, "statistical")
+        return MappingProxyType({band: others.get(band, "modes") for band in self.bands_hz})
+
+    @cached_property
+    def agreement(self) -> Agreement | None:
+        """The bands that modes and statistical energies both have, side by side; None where there are none."""
+        if self.statistical is None:
+            return None
+        return agreement(
+            self.statistical, self._by_band(10 * np.log10(np.mean(10 ** (self.measured_db / 10), axis=(0, 1))))
+        )
+
+    @cached_property
+    def _filled_db(self) -> Floats:
+        """Levels in the room [drops, receivers, b] with statistical ones where they are not known."""
+        if self.statistical is None:
+            return self.measured_db
+        stated = self.statistical.stated_db
+        found = np.array([stated.get(band, np.nan) for band in self.bands_hz])
+        unknown = np.isnan(self.measured_db.sum(axis=(0, 1)))
+        return np.asarray(np.where(unknown, found, self.measured_db))
 
     @property
     def band_quantity(self) -> str:
@@ -93,7 +130,7 @@ class RatedRoom:
         self,
     ) -> Annotated[Mapping[float, float], Reported(_DB, "Mean over drops and receivers", axis=_BAND)]:
         """Averages over drops and receivers {nominal centre [Hz]: `band_quantity` [dB]}."""
-        places = energy_average(self.measured_db + self.correction_db, axis=1)
+        places = energy_average(self._filled_db + self.correction_db, axis=1)
         return self._by_band(self.method.average(places))
 
     @cached_property
@@ -107,7 +144,7 @@ class RatedRoom:
     def numbers(self) -> Mapping[str, SingleNumber]:
         """Single numbers by symbol, the first the one to state: of `bands_db`, then, where these are standardised, of
         the levels as they are in the room."""
-        return MappingProxyType({one.symbol: self._rated(one, self.measured_db) for one in self.method.numbers})
+        return MappingProxyType({one.symbol: self._rated(one, self._filled_db) for one in self.method.numbers})
 
     @cached_property
     def curves(self) -> Mapping[str, SingleNumber]:
@@ -130,7 +167,7 @@ class RatedRoom:
     @cached_property
     def receivers_spread_db(self) -> Mapping[str, float]:
         """Standard deviation over the receivers of their own single numbers, before rounding {symbol: [dB]}."""
-        return _deviations(self._own([one[:, None] for one in np.swapaxes(self.measured_db, 0, 1)]))
+        return _deviations(self._own([one[:, None] for one in np.swapaxes(self._filled_db, 0, 1)]))
 
     def above(self, other: RatedRoom) -> dict[str, float]:
         """What the numbers are above those of another room, before rounding {symbol: [dB]}; only those that both
@@ -153,12 +190,12 @@ class RatedRoom:
     @property
     def _at_drops(self) -> list[Floats]:
         """Levels of one drop each [1, receivers, b]."""
-        return [one[None] for one in self.measured_db]
+        return [one[None] for one in self._filled_db]
 
     def _rated(self, number: Number, levels_db: Floats) -> SingleNumber:
         """A number of levels [drops, receivers, b] in the room."""
         places = energy_average(levels_db + self.correction_db * number.standardised, axis=1)
-        return single_number(number, self.bands_hz, places)
+        return replace(single_number(number, self.bands_hz, places), statistical_hz=self.statistical_hz)
 
     def _own(self, parts: Sequence[Floats]) -> dict[str, Floats]:
         """Single numbers of parts of the levels, before rounding {symbol: [parts]}."""
@@ -175,6 +212,7 @@ def rate_room(
     room: SoundField,
     standards: Sequence[str] = (FIELD, RATING),
     blows: Blows = "heavy",
+    statistical: StatisticalBands | None = None,
 ) -> RatedRoom:
     """Impact sound levels of a room from those of every drop at every receiver, by the standards asked for.
 
@@ -183,6 +221,7 @@ def rate_room(
         machine; bands beyond those rated are not looked at. Octaves are not made of third octaves: maxima do not
         add. nan is a level that is not known: numbers that need it are lower bounds.
     standards : ISO 16283-2 and ISO 717-2, or JIS A 1419-2 and KS F 2863-2; see `acoustics.levels.methods`.
+    statistical : levels that stand where those of no drop or receiver are known.
 
     Raises AcousticsError: no receivers, standards that `acoustics.levels.methods.method_of` refuses, third
     octaves for octaves, bands missing (sampled too low), a room without losses where ISO 16283-2 needs its
@@ -228,6 +267,7 @@ def rate_room(
         measured_db=np.array([[[one[band] for band in bands] for one in drop] for drop in levels_db]),
         correction_db=np.array(list(correction.values())),
         t60_s=t60,
+        statistical=statistical,
     )
 
 

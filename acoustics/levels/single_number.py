@@ -36,6 +36,7 @@ class SingleNumber:
         default_factory=dict
     )
     blank_hz: tuple[float, ...] = ()
+    statistical_hz: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
         freeze(self, curve_db=MappingProxyType(dict(self.curve_db)), beside=MappingProxyType(dict(self.beside)))
@@ -44,6 +45,11 @@ class SingleNumber:
     def at_least(self) -> Annotated[bool, Reported("1", "Whether bands are blank and the number is a lower bound")]:
         """Whether it is but a lower bound."""
         return bool(self.blank_hz)
+
+    @property
+    def statistical(self) -> Annotated[bool, Reported("1", "Whether some of its bands are statistical")]:
+        """Whether bands that it is made of are of statistical energies."""
+        return bool(self.statistical_hz)
 
     @property
     def known_db(self) -> float:

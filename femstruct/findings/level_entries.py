@@ -23,6 +23,45 @@ LEVELS: Final = (
         "Give 'modes: {up_to: F}' with the stated F. Single numbers are lower bounds ('at least').",
     ),
     Entry(
+        "statistical-bands",
+        "Rated bands beyond the modes are from statistical energies.",
+        LIMITS,
+        "the floor is one bare plate, and the upper edge of a rated band lies above its last mode",
+        "Give 'modes: {up_to: F}' where a single floor matters; 'beyond_modes: blank' leaves these bands blank.",
+        (
+            Limit(
+                1.0,
+                "modes in a band from which on it is stated",
+                "with fewer its level is that of one mode beside it, or of none",
+                CHOSEN,
+                "statistical_bands.FEWEST",
+            ),
+            Limit(
+                4.0,
+                "modes in a band from which on it follows the statistics",
+                "ensembles of floors have the statistical mean from there on",
+                "tests/analytic/test_statistical_levels.py",
+                "statistical_bands.MANY",
+            ),
+        ),
+    ),
+    Entry(
+        "statistical-disagrees",
+        "The difference between modes and statistical energies is larger than scatter explains.",
+        LIMITS,
+        "the mean difference in bands that both have exceeds 1 dB and twice its standard deviation by scatter",
+        "Check the mesh, the loss factor and the reverberation time; use few bands beyond the modes.",
+        (
+            Limit(
+                1.0,
+                "dB that the mean may always be",
+                "edges and corners are in no infinite plate; 0.3 and 0.1 dB are seen",
+                "tests/analytic/test_statistical_levels.py",
+                "statistical_bands.SYSTEMATIC_DB",
+            ),
+        ),
+    ),
+    Entry(
         "rating-of-few-places",
         "The rating uses fewer source positions or microphones than the standard.",
         LIMITS,

@@ -194,6 +194,8 @@ class RoomPlan:
     t60_asked : reverberation times that its losses were made from {frequency [Hz]: [s]}, empty for other losses.
     levels : standards by which it is rated, of `acoustics.levels.methods.STANDARDS`.
     animate : frequencies [Hz] of which a moving picture is made, None for the pulse.
+    beyond_modes : what rated bands have that the modes do not reach: levels of statistical energies, of bare plates,
+    or nothing.
     directivity : frequencies [Hz] at which the directivity of a half space is shown, the loudest if empty.
 
     A bedroom below a floor, with a bed in it:
@@ -217,6 +219,7 @@ class RoomPlan:
     animate: tuple[float | None, ...] = ()
     directivity: tuple[float, ...] = ()
     walls: Mapping[str, str] = field(default_factory=dict)
+    beyond_modes: Literal["statistical", "blank"] = "statistical"
 
     def __post_init__(self) -> None:
         if self.coupling == "two-way" and not self.room.pushes_back:

@@ -17,6 +17,7 @@ class Verdict:
     at [s]. met : None where that is too short to tell. at : the place whose drop is the worst, where a source strikes
     several; "" for one. least : whether the value is a lower bound, of a rating some of whose bands are blank.
     converged : False where the verdict rests on a peak that changes with the modes left out or with the mesh.
+    statistical : whether bands of a rating are from statistical energies.
     """
 
     name: str
@@ -28,6 +29,8 @@ class Verdict:
     at: Annotated[str, Reported("1", "Place of the worst drop, where there are several")] = ""
     least: Annotated[bool, Reported("1", "Whether the value is a lower bound", "at_least")] = False
     converged: Annotated[bool, Reported("1", "Whether modes left out and the mesh change little of the value")] = True
+
+    statistical: Annotated[bool, Reported("1", "Whether bands of the rating are statistical")] = False
 
     @property
     def verdict(self) -> Annotated[str, Reported("1", "met, exceeded, not seen, not known")]:

@@ -98,6 +98,7 @@ ACOUSTICS = [
         "acoustics.levels.exposure",
         "acoustics.levels.single_number",
         "acoustics.levels.methods",
+        "acoustics.statistical",
         "acoustics.levels.rated",
         "acoustics.open_air.sound_energy",
     ],

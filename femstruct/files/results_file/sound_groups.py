@@ -67,3 +67,9 @@ def write_rated(target: h5py.Group, rated: RatedRoom) -> None:
     axis(target, "drop", np.arange(1, rated.drops + 1), "1", "Place of the source, in the order of the study")
     axis(target, "receiver", np.arange(1, rated.receivers + 1), "1", "Receiver, in the order of the room")
     write_described(target, rated)
+    if rated.statistical is not None:
+        beside = group(target, "statistical_bands", "The same bands by statistical energies of plate and room")
+        axis(beside, "band_hz", list(rated.bands_hz), "Hz", f"Nominal centre of the {rated.method.bands}")
+        write_described(beside, rated.statistical)
+        if rated.agreement is not None:
+            write_described(beside, rated.agreement)

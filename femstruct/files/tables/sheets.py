@@ -13,12 +13,12 @@ from femstruct.files.tables.study_tables import Table, summary
 from femstruct.study.result import StudyResult
 
 Cell = str | float | int | bool | None
-BANDS: Final = (  # sheet, table of the summary, what of it
+BANDS: Final[tuple[tuple[str, ...], ...]] = (  # sheet, table of the summary, what of it
     ("third octaves", "levels", "bands_db"),
     ("third octaves total", "total_levels", "bands_db"),
     ("octaves", "levels", "octaves_db"),
     ("exposures", "levels", "exposure_db"),
-    ("rated bands", "rated", "bands_db"),
+    ("rated bands", "rated", "bands_db", "bands_from"),
     ("sound energy bands", "sound_energy", "bands_db"),
 )
 ROWS: Final = (  # tables of the summary with a row for every name
@@ -72,12 +72,13 @@ def _named(cases: Mapping[str, Table], table: str) -> list[tuple[tuple[str, ...]
     return [((case, name), one) for case, own in cases.items() for name, one in own[table].items()]
 
 
-def _by_band(cases: Mapping[str, Table], name: str, table: str, what: str) -> Sheet:
-    """A row for every band of any case, a column for every case and place."""
-    columns = {f"{case}: {place}": one[what] for (case, place), one in _named(cases, table)}
+def _by_band(cases: Mapping[str, Table], name: str, table: str, *wanted: str) -> Sheet:
+    """A row for every band of any case, columns for every case and place."""
+    named = _named(cases, table)
+    columns = {f"{case}: {place} {what}": one[what] for (case, place), one in named for what in wanted}
     bands = sorted({band for values in columns.values() for band in values}, key=float)
     rows: list[tuple[Cell, ...]] = [(float(band), *(values.get(band) for values in columns.values())) for band in bands]
-    return Sheet(name, ("band_hz", *(f"{column} {what}" for column in columns)), rows)
+    return Sheet(name, ("band_hz", *columns), rows)
 
 
 def _rows(name: str, keys: tuple[str, ...], found: Sequence[tuple[tuple[str, ...], Table]]) -> Sheet:

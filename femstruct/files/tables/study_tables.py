@@ -194,7 +194,10 @@ def _rated(rated: RatedRoom) -> Table:
         symbol: described(one) | {name: number(spread[symbol]) for name, spread in spreads.items()}
         for symbol, one in rated.numbers.items()
     }
-    return described(rated.method) | described(rated) | {"numbers": numbers}
+    told = None if rated.statistical is None else described(rated.statistical)
+    beside = None if rated.agreement is None else described(rated.agreement)
+    statistical = {"statistical": told, "statistical_agreement": beside}
+    return described(rated.method) | described(rated) | statistical | {"numbers": numbers}
 
 
 def _rated_beside(

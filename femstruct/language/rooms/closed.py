@@ -82,6 +82,7 @@ class ClosedSpec(RoomSpec):
     leak: LeakSpec | None = None
     animate: Annotated[tuple[float | None, ...], read_by(_animated, _Animated | list[_Animated])] = ()
     levels: Annotated[tuple[str, ...], words_of(STANDARDS)] = ()
+    beyond_modes: Literal["statistical", "blank"] = "statistical"
 
     @classmethod
     def refuse_keys(cls, given: Mapping[str, Any]) -> None:
@@ -114,6 +115,13 @@ class ClosedSpec(RoomSpec):
         )
         if self.levels:
             self._check_levels(here, asked)
+        here.at("beyond_modes").need(
+            self.levels or self.beyond_modes == "statistical",
+            "'beyond_modes' in a room without levels",
+            "a room that is rated",
+            "add 'levels: [ISO 16283-2, ISO 717-2]'",
+            of_key=True,
+        )
         if self.coupling == "one-way":
             here.at("leak").need(
                 self.leak is None, "a leak with one-way coupling", "coupling: two-way", "add it", of_key=True
@@ -199,4 +207,4 @@ class ClosedSpec(RoomSpec):
         leak = self.leak.leak(self.air.rho) if self.leak is not None else None
         asked, heard = self.losses.asked if self.losses is not None else {}, tuple(receivers)
         plan = RoomPlan(name, room, self.under, heard, offset, self.coupling, leak, asked, self.levels, self.animate)
-        return replace(plan, walls=self.surfaces)
+        return replace(plan, walls=self.surfaces, beyond_modes=self.beyond_modes)

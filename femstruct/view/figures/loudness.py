@@ -80,7 +80,7 @@ def rated_bands(result: StudyResult, room: str) -> Figure | None:
 
     The curves belong to the baseline: reference curves shifted to a number, the curve of a grade, or the levels that
     would put equal parts into a sum, so that what exceeds them decides it; a number that is but a bound has none. Cases
-    with other bands are not drawn, nor are bands beyond the modes.
+    with other bands are not drawn, nor are bands beyond the modes; those of statistical energies are hatched.
     """
     rated = {name: case.rated[room] for name, case in result.cases.items() if room in case.rated}
     if no_rating(result, room):
@@ -101,10 +101,17 @@ def rated_bands(result: StudyResult, room: str) -> Figure | None:
         levels, spread = (np.array(list(values.values())) for values in (one.bands_db, one.spread_db))
         known = np.isfinite(levels)
         x, levels, spread = x[known], levels[known], spread[known]
-        bars = {"yerr": spread, "error_kw": {"ecolor": "0.45", "elinewidth": 0.8}} if np.isfinite(spread).all() else {}
-        axes.bar(x, levels - floor, width, bottom=floor, color=colours[name], label=_label(name, one), **bars)
-    drawn = {symbol: rating for symbol, rating in first.curves.items() if rating.curve_db}
-    for style, (symbol, rating) in zip(CURVES, drawn.items(), strict=False):
+        bars: dict[str, Any] = {}
+        if np.isfinite(spread).any():
+            spread = np.where(np.isfinite(spread), spread, 0.0)  # of what is statistical
+            bars = {"yerr": spread, "error_kw": {"ecolor": "0.45", "elinewidth": 0.8}}
+        bars |= {"bottom": floor, "color": colours[name]}
+        drawn = axes.bar(x, levels - floor, width, label=_label(name, one), **bars)
+        for band, bar in zip(np.array(one.bands_hz)[known].tolist(), drawn, strict=True):
+            if band in one.statistical_hz:
+                bar.set(hatch="///", edgecolor="white", linewidth=0.0)
+    compared = {symbol: rating for symbol, rating in first.curves.items() if rating.curve_db}
+    for style, (symbol, rating) in zip(CURVES, compared.items(), strict=False):
         curve, label = list(rating.curve_db.values()), f"baseline, {symbol}: {rating.curve}"
         outlined = [withStroke(linewidth=2.5, foreground="white")]  # or it is lost on dark bars
         look = {"color": "0.2", "linestyle": style, "linewidth": 1.1, "path_effects": outlined}
@@ -112,7 +119,8 @@ def rated_bands(result: StudyResult, room: str) -> Figure | None:
     axes.set_xticks(range(len(first.bands_hz)), [f"{band:g}" for band in first.bands_hz], fontsize=8)
     axes.set_xlim(-0.6, len(first.bands_hz) - 0.4)
     axes.set_ylim(floor, max(highest, *axes.get_ylim()) + 2.0)
-    finish(axes, f"{first.method.bands}, nominal centre in Hz", f"{first.band_quantity} in dB re 20 µPa")
+    hatched = "; hatched: statistical" if any(one.statistical_hz for one in shown.values()) else ""
+    finish(axes, f"{first.method.bands}, nominal centre in Hz{hatched}", f"{first.band_quantity} in dB re 20 µPa")
     legend_above(axes)
     axes.grid(False, axis="x")
     return figure

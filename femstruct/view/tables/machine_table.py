@@ -46,7 +46,7 @@ def _verdict(verdict: Verdict | None, with_limit: bool) -> str:
         return f"exceeded\n{seen}" if verdict.met is False else f"not seen\n{seen}"
     margin, mark = abs(verdict.limit - verdict.value), "" if verdict.converged else " ?"
     share = "" if verdict.unit == "dB" else f" ({100.0 * margin / verdict.limit:.3g} %)"  # of a level it means nothing
-    told = f"{_amount(verdict.value, verdict.unit)}{of}"
+    told = f"{_amount(verdict.value, verdict.unit)}{' (statistical bands)' if verdict.statistical else ''}{of}"
     if verdict.met is None:
         return f"not seen\n{told}"
     if verdict.met:

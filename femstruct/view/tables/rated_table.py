@@ -10,6 +10,7 @@ from femstruct.study.result import CaseResult, StudyResult
 from femstruct.view.tables.grid import Grid
 
 BLANK = "blank"  # of a band that reaches beyond the modes
+STATISTICAL = "statistical"  # of one that statistical energies fill
 ASSUMED = "only the floor radiates, no flanking; the room is rigid except for its reverberation time"
 
 
@@ -77,6 +78,8 @@ def bands(result: StudyResult) -> Grid:
     kinds = " and ".join(dict.fromkeys(method.bands for _, method in rated))
     blank = any(one.blank_hz for case in result.cases.values() for one in case.rated.values())
     why = f"; {BLANK}: beyond the modes" if blank else ""
+    if any(one.statistical_hz for case in result.cases.values() for one in case.rated.values()):
+        why += f"; {STATISTICAL}: beyond the modes, from statistical energies (deviation to expect of one floor)"
     about = f"impact sound by {kinds}, re 20 µPa: average over drops and receivers (spread){why}"
     grid = Grid(about, ("", *result.cases))
     for room, quantity, kind, band in dict.fromkeys(
@@ -94,7 +97,12 @@ def told(number: SingleNumber) -> str:
     '72 dB (C_I -11)'
     """
     beside = ", ".join(f"{name} {value:g}" for name, value in number.beside.items())
-    return f"{bounded(number)} dB" + (f" ({beside})" if beside else "")
+    least = "at least " if number.blank_hz and isfinite(number.value_db) else ""
+    value = f"{number.value_db:g}" if isfinite(number.value_db) else "-"
+    beside += (
+        f"{', ' if beside else ''}{STATISTICAL} from {number.statistical_hz[0]:g} Hz" if number.statistical else ""
+    )
+    return f"{least}{value} dB" + (f" ({beside})" if beside else "")
 
 
 def bounded(number: SingleNumber) -> str:
@@ -102,10 +110,13 @@ def bounded(number: SingleNumber) -> str:
 
     >>> bounded(SingleNumber(51.0, 51.2, 80.0, {}, "", blank_hz=(250.0, 315.0)))
     'at least 51'
+    >>> bounded(SingleNumber(55.0, 54.9, 315.0, {}, "", statistical_hz=(250.0, 315.0)))
+    '55 (statistical from 250 Hz)'
     """
     if not isfinite(number.value_db):
         return "-"
-    return f"{'at least ' if number.blank_hz else ''}{number.value_db:g}"
+    from_hz = f" ({STATISTICAL} from {number.statistical_hz[0]:g} Hz)" if number.statistical_hz else ""
+    return f"{'at least ' if number.blank_hz else ''}{number.value_db:g}{from_hz}"
 
 
 def _change(rated: RatedRoom, baseline: RatedRoom | None, symbol: str) -> str:
@@ -129,6 +140,8 @@ def _band(case: CaseResult, room: str, quantity: str, kind: str, band: float) ->
         return "-"
     if not isfinite(found.bands_db[band]):
         return BLANK
+    if found.statistical is not None and band in found.statistical_hz:
+        return f"{found.bands_db[band]:.1f} {STATISTICAL} ({found.statistical.scatter_db[band]:.1f})"
     spread = found.spread_db[band]
     return f"{found.bands_db[band]:.1f}" + (f" ({spread:.1f})" if isfinite(spread) else "")
 

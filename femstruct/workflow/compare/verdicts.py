@@ -102,7 +102,8 @@ def _rating(limit: Limit, room: RatedRoom) -> Verdict:
         return Verdict(limit.name, None, limit.value, "dB", None, least=True)
     value = room.rating.value_db
     if not room.rating.blank_hz:
-        return Verdict(limit.name, value, limit.value, "dB", value <= limit.value)
+        met, beyond = value <= limit.value, room.rating.statistical
+        return Verdict(limit.name, value, limit.value, "dB", met, statistical=beyond)
     least = value if isfinite(value) else None
     return Verdict(limit.name, least, limit.value, "dB", False if value > limit.value else None, least=True)
 

@@ -13,6 +13,7 @@ from acoustics.levels.methods import Method
 from femstruct.errors import Finding
 from femstruct.study.asked import RoomPlan
 from femstruct.study.study import Case, Study
+from femstruct.workflow.continuation.statistical_rooms import fillable, statistical_plate
 from femstruct.workflow.stages.rated_rooms import method_for
 
 _SOLVED: Final[Mapping[str, float]] = MappingProxyType({})
@@ -28,9 +29,13 @@ def blank_findings(plan: RoomPlan, study: Study, complete_below_hz: float) -> tu
     if method is None:
         return ()
     end = plan.heard_to_hz(complete_below_hz)
-    blank = blank_bands(method, end)
+    plate = statistical_plate(plan, study)
+    filled = () if isinstance(plate, str) else fillable(plate, study, method)
+    blank = tuple(band for band in blank_bands(method, end) if band not in filled)
     if not blank:
         return ()
+    why = plate if isinstance(plate, str) else "the plate has less than one mode in these bands"
+    instead = f". There are no statistical levels: {why}" if why else ""
     told = f"{blank[0]:g} Hz is" if len(blank) == 1 else f"{blank[0]:g} to {blank[-1]:g} Hz are"
     all_of_them = len(blank) == len(method.bands_hz)
     numbers = "there is no single number" if all_of_them else "single numbers are lower bounds ('at least')"
@@ -40,7 +45,7 @@ def blank_findings(plan: RoomPlan, study: Study, complete_below_hz: float) -> tu
             "rating-beyond-modes",
             f"the rated {method.bands}s go up to {method.highest_hz:.0f} Hz, the modes of the {whose} to {end:.0f} Hz: "
             f"{told} blank{f', and {numbers}' if method.numbers else ''}. Give the {whose} "
-            f"'modes: {{up_to: {10 * ceil(method.highest_hz / 10)} Hz}}'",
+            f"'modes: {{up_to: {10 * ceil(method.highest_hz / 10)} Hz}}'{instead}",
             {
                 "highest_hz": method.highest_hz,
                 "complete_below_hz": end,

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from functools import partial
 
 from acoustics.errors import Advice
+from acoustics.levels.rated import RatedRoom
 from femstruct.errors import Finding
 from femstruct.findings.catalogue import ranked
 from femstruct.impact.closer import last_mode_hz
@@ -21,6 +22,8 @@ from femstruct.study.result import NO_OWN_SOUND, AccuracyCheck, CaseResult, Chan
 from femstruct.study.room_surfaces import placed_room
 from femstruct.study.study import Case, Study
 from femstruct.workflow.compare.verdicts import judged
+from femstruct.workflow.continuation.statistical_findings import statistical_findings
+from femstruct.workflow.continuation.statistical_rooms import statistical_rooms
 from femstruct.workflow.judgement.all_findings import all_findings
 from femstruct.workflow.judgement.blank_bands import blank_findings
 from femstruct.workflow.judgement.coarse_sampling import coarse_sampling, missed_peaks, missed_pulses
@@ -99,7 +102,8 @@ def run_case(
                 radiated, found_of_sound = sound_energies(study, own.places, whole.response)
                 told += found_of_sound
         findings += told_once({place: one.findings for place, one in struck.items()})
-        rated = rate_rooms(study, [one.bands_db for one in struck.values()])
+        rated = _rated(study, list(struck.values()))
+        told += [(name, one) for name, room in rated.items() for one in statistical_findings(room)]
         told += weight_on_air(whole.response, vacuo, study.rooms)
         with clock("judgement", case.name):
             told += _of_rooms(study, own.places, basis, vacuo)
@@ -148,6 +152,11 @@ def _sources(
         return {}, []
     with clock("sources", case.name):
         return installed_sources(case.study, places, basis)
+
+
+def _rated(study: Study, struck: list[Struck]) -> dict[str, RatedRoom]:
+    """Every room that is to be rated, by name, from all drops."""
+    return rate_rooms(study, [one.bands_db for one in struck], statistical_rooms(study, len(struck)))
 
 
 def _responses(

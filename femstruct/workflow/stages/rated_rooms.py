@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from math import inf, isfinite, log, log10
+from types import MappingProxyType
 from typing import Final
 
 import numpy as np
@@ -16,6 +17,7 @@ from acoustics.levels.sound_levels import Levels, equivalent_levels
 from acoustics.losses import t60_of
 from acoustics.room_response import RoomResponse
 from acoustics.rooms.room_advice import t60_missed
+from acoustics.statistical.statistical_bands import StatisticalBands
 from femstruct.errors import Finding, some_of
 from femstruct.impact.scene.impact_sources import BETWEEN_BLOWS, HAMMERS, TAPPING_MACHINE
 from femstruct.modal.basis import ModalBasis
@@ -24,6 +26,7 @@ from femstruct.study.study import Study
 
 TURN_S: Final = HAMMERS * BETWEEN_BLOWS  # all hammers of a tapping machine once
 FALLEN_DB: Final = 40.0  # between blows that are to be heard alone
+NO_STATISTICS: Final[Mapping[str, StatisticalBands]] = MappingProxyType({})
 BUILT_UP_DB: Final = 0.2  # what may be missing of a tapping machine's level when averaging begins
 
 
@@ -78,16 +81,22 @@ def running(study: Study) -> tuple[float, float]:
     return (turns - max(1, turns // 2)) * TURN_S, turns * TURN_S
 
 
-def rate_rooms(study: Study, drops: Sequence[Mapping[str, Sequence[Mapping[float, float]]]]) -> dict[str, RatedRoom]:
+def rate_rooms(
+    study: Study,
+    drops: Sequence[Mapping[str, Sequence[Mapping[float, float]]]],
+    statistical: Mapping[str, StatisticalBands] = NO_STATISTICS,
+) -> dict[str, RatedRoom]:
     """Every room that is to be rated, by name, from the levels of its receivers {room: [receivers]} at every drop.
 
-    Of blows that the standards do not rate there are bands, and no single numbers.
+    Of blows that the standards do not rate there are bands, and no single numbers. statistical : levels by room that
+    stand where modes have none.
     """
     found = {}
     for plan in study.rooms:
         method = method_for(plan, study)
         if method is not None:
-            rated = rate_room([drop[plan.name] for drop in drops], plan.room, plan.levels, method.blows)
+            beyond = statistical.get(plan.name)
+            rated = rate_room([drop[plan.name] for drop in drops], plan.room, plan.levels, method.blows, beyond)
             other = bool(_other_blows(method, study))
             found[plan.name] = replace(rated, method=replace(rated.method, numbers=())) if other else rated
     return found

@@ -1,0 +1,1 @@
+"""Levels from statistical energies: infinite plates, their radiation, diffuse rooms; where modes are many."""
