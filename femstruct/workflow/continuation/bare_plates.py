@@ -104,7 +104,7 @@ def _not_bare(structure: object) -> str:
 
 def _held(support: Support) -> bool:
     """Whether a support holds and neither gives way nor takes energy."""
-    return not any(getattr(support, word, None) for word in ("stiffness", "walls", "loss_factor"))
+    return not any(getattr(support, word, None) for word in ("stiffness", "walls"))
 
 
 def _struck_otherwise(study: Study) -> str:
