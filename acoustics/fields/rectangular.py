@@ -23,6 +23,7 @@ from acoustics.rooms.box_two_way import CoupledAir, coupled_air
 from acoustics.rooms.kept_transfers import search
 from acoustics.rooms.pressure_maps import PressureMap, pressure_map
 from acoustics.rooms.receiver_grids import RoomGrid, box_grid, box_mode_shapes
+from acoustics.rooms.room_ways import room_ways
 from acoustics.source import SurfaceShapes, SurfaceVelocity, SurfaceVibration, side_by_side, together
 
 CEILING = "ceiling"
@@ -145,6 +146,15 @@ class Room(Box, SoundField):
 
     def grid(self) -> RoomGrid:
         return box_grid(self)
+
+    def varied(self, factors: Floats) -> Room:
+        return Room(self.size * factors, self.air, self.losses)
+
+    def ways(self, surface: SurfaceShapes, places: Floats, s: Complexes) -> Complexes:
+        """By cosines: see `acoustics.rooms.room_ways.room_ways`."""
+        inner = ((surface.points[:, :2] >= 0.0) & (surface.points[:, :2] <= self.size[:2])).all(axis=1)
+        within = SurfaceShapes(surface.points[inner], surface.weights[inner], surface.shapes[inner])
+        return room_ways(self, within, places, s)
 
     def mode_shapes(self, points: Floats, count: int) -> tuple[Floats, Floats]:
         return box_mode_shapes(self, points, count)

@@ -199,6 +199,17 @@ class SoundField(ABC):
         none = np.zeros(0)
         return ModesOnSurface(none, np.zeros((surfaces[0].shapes.shape[1], 0)), none, none)
 
+    # the same air in rooms of other sizes
+
+    def varied(self, factors: Floats) -> SoundField | None:
+        """The field with its sides times factors [3], losses and air as they are; None for a kind without sides."""
+        return None
+
+    def ways(self, surface: SurfaceShapes, places: Floats, s: Complexes) -> Complexes:
+        """Pressure over modal rate [r, k, nf] at places [r, 3], at complex frequencies s [nf] [1/s], for kinds that can
+        be varied; what of the surface lies beyond its wall moves no air."""
+        raise AcousticsError("ways", got=self.word, expected="a room with sides")
+
     # what is drawn
 
     @property

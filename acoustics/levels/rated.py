@@ -15,6 +15,7 @@ from acoustics.arrays import Floats, freeze, frozen
 from acoustics.errors import AcousticsError
 from acoustics.fields.sound_field import SoundField
 from acoustics.levels.bands import octave_bands
+from acoustics.levels.ensemble import Ensemble, Interval
 from acoustics.levels.iso import energy_average
 from acoustics.levels.methods import FIELD, RATING, Blows, Method, method_of
 from acoustics.levels.single_number import Number, SingleNumber, single_number
@@ -35,7 +36,8 @@ class RatedRoom:
     bands that are not known. correction_db : what standardising adds to them for the room's volume and reverberation
     time [b] [dB], 0 where nothing is standardised. t60_s : reverberation times {nominal centre [Hz]: [s]}.
     statistical : levels of the same bands from statistical energies, which stand where levels are not known; None where
-    the floor is not one that they are for.
+    the floor is not one that they are for. ensemble : low bands over rooms of nearly this size and places drawn anew;
+    None where that could not be had.
 
     Notes
     -----
@@ -51,6 +53,7 @@ class RatedRoom:
     correction_db: Annotated[Floats, Reported("dB", "What standardising adds", along=("band_hz",))]
     t60_s: Annotated[Mapping[float, float], Reported("s", "Reverberation time of the room", axis=_BAND)]
     statistical: StatisticalBands | None = None
+    ensemble: Ensemble | None = None
 
     def __post_init__(self) -> None:
         bands = len(self.bands_hz)
@@ -140,6 +143,35 @@ class RatedRoom:
         """Standard deviation of a band's levels over all drops and receivers {nominal centre [Hz]: [dB]}."""
         return self._by_band(_deviation(self.measured_db.reshape(-1, len(self.bands_hz))))
 
+    @property
+    def mean_db(self) -> Annotated[Mapping[float, float], Reported(_DB, "Mean over rooms and places", axis=_BAND)]:
+        """Over the ensemble {nominal centre [Hz]: [dB]}, nan where there is none."""
+        return self._by_band(np.array([one.mean for one in self.intervals]))
+
+    @property
+    def low_db(self) -> Annotated[Mapping[float, float], Reported(_DB, "Lower end of the 90 % interval", axis=_BAND)]:
+        """What one measurement of twenty is below {nominal centre [Hz]: [dB]}, nan where that is not known."""
+        return self._by_band(np.array([one.low for one in self.intervals]))
+
+    @property
+    def high_db(self) -> Annotated[Mapping[float, float], Reported(_DB, "Upper end of the 90 % interval", axis=_BAND)]:
+        """What one measurement of twenty is above {nominal centre [Hz]: [dB]}, nan where that is not known."""
+        return self._by_band(np.array([one.high for one in self.intervals]))
+
+    @property
+    def intervals(self) -> list[Interval]:
+        """Of every band over the ensemble, nan where there is none."""
+        return [Interval(np.nan, np.nan, np.nan)] * len(self.bands_hz) if not self.ensemble else self.ensemble.intervals
+
+    @cached_property
+    def number_intervals(self) -> Mapping[str, Interval]:
+        """Single numbers before rounding over the ensemble {symbol: interval}, the other bands as they are; empty
+        without an ensemble, or where a number is but a bound."""
+        if self.ensemble is None:
+            return MappingProxyType({})
+        others = self.method.average(energy_average(self._filled_db, axis=1))
+        return MappingProxyType(self.ensemble.numbers(self.method.numbers, self.bands_hz, others))
+
     @cached_property
     def numbers(self) -> Mapping[str, SingleNumber]:
         """Single numbers by symbol, the first the one to state: of `bands_db`, then, where these are standardised, of
@@ -213,6 +245,7 @@ def rate_room(
     standards: Sequence[str] = (FIELD, RATING),
     blows: Blows = "heavy",
     statistical: StatisticalBands | None = None,
+    ensemble: Ensemble | None = None,
 ) -> RatedRoom:
     """Impact sound levels of a room from those of every drop at every receiver, by the standards asked for.
 
@@ -221,7 +254,7 @@ def rate_room(
         machine; bands beyond those rated are not looked at. Octaves are not made of third octaves: maxima do not
         add. nan is a level that is not known: numbers that need it are lower bounds.
     standards : ISO 16283-2 and ISO 717-2, or JIS A 1419-2 and KS F 2863-2; see `acoustics.levels.methods`.
-    statistical : levels that stand where those of no drop or receiver are known.
+    statistical : levels that stand where those of no drop or receiver are known. ensemble : of low bands.
 
     Raises AcousticsError: no receivers, standards that `acoustics.levels.methods.method_of` refuses, third
     octaves for octaves, bands missing (sampled too low), a room without losses where ISO 16283-2 needs its
@@ -268,6 +301,7 @@ def rate_room(
         correction_db=np.array(list(correction.values())),
         t60_s=t60,
         statistical=statistical,
+        ensemble=ensemble,
     )
 
 

@@ -23,6 +23,22 @@ LEVELS: Final = (
         "Give 'modes: {up_to: F}' with the stated F. Single numbers are lower bounds ('at least').",
     ),
     Entry(
+        "band-of-one-room",
+        "Low bands of this room and these places are outside what rooms like it have.",
+        LIMITS,
+        "a rated band is outside the 90 % interval of rooms with sides within 5 % and of other places",
+        "Use the mean over rooms and places, and its interval.",
+        (
+            Limit(
+                1.0,
+                "dB beyond the interval",
+                "one band of ten is outside by itself",
+                CHOSEN,
+                "ensemble_findings.BEYOND_DB",
+            ),
+        ),
+    ),
+    Entry(
         "statistical-bands",
         "Rated bands beyond the modes are from statistical energies.",
         LIMITS,

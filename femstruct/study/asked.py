@@ -15,6 +15,7 @@ if TYPE_CHECKING:  # a model's modes need none of these
     from acoustics.receivers import Receiver
     from acoustics.rooms.box_two_way import Leak
 
+FEWEST_ROOMS: Final = 3  # whose spread means something
 SETTLED: Final = "settled"  # the limit of the time to rest
 FrfKind = Literal["receptance", "mobility", "accelerance", "transmissibility", "pressure", "power"]
 RecordedQuantity = Literal["displacement", "velocity", "acceleration", "force", "travel", "stress"]
@@ -195,7 +196,7 @@ class RoomPlan:
     levels : standards by which it is rated, of `acoustics.levels.methods.STANDARDS`.
     animate : frequencies [Hz] of which a moving picture is made, None for the pulse.
     beyond_modes : what rated bands have that the modes do not reach: levels of statistical energies, of bare plates,
-    or nothing.
+    or nothing. ensemble : rooms of nearly its size over which low rated bands are found, 0 for none.
     directivity : frequencies [Hz] at which the directivity of a half space is shown, the loudest if empty.
 
     A bedroom below a floor, with a bed in it:
@@ -220,8 +221,12 @@ class RoomPlan:
     directivity: tuple[float, ...] = ()
     walls: Mapping[str, str] = field(default_factory=dict)
     beyond_modes: Literal["statistical", "blank"] = "statistical"
+    ensemble: int = 10
 
     def __post_init__(self) -> None:
+        if 0 != self.ensemble < FEWEST_ROOMS:
+            expected = f"{FEWEST_ROOMS} rooms or more, or 0 for none"
+            raise InputError(f"rooms.{self.name}.ensemble", got=f"{self.ensemble}", expected=expected)
         if self.coupling == "two-way" and not self.room.pushes_back:
             raise InputError(f"rooms.{self.name}.coupling", got=f"two-way with {self.room.word}", expected="one-way")
 

@@ -37,6 +37,7 @@ rooms:
     receivers: {mic: [[1.0, 0.8, 1.2], [3.9, 1.0, 1.0]]}
     levels: [ISO 16283-2, ISO 717-2]
     beyond_modes: blank
+    ensemble: 0
 limits: {bedroom rating: LIMIT}
 cases: {all: {}, few: {modes.up_to: 250 Hz}, hardly any: {modes.up_to: 40 Hz}}
 compare: {baseline: all}

@@ -43,6 +43,8 @@ rooms:
     losses: {t60: 0.4 s}
     receivers: {mic: [[0.8, 0.7, 1.2], [2.1, 1.1, 1.5]]}
     levels: [ISO 16283-2, ISO 717-2]
+    beyond_modes: blank
+    ensemble: 0
 """
 FEET = "[[1, 1], [1.1, 1], [1.2, 1], [1.3, 1], [1.4, 1], [2, 0.5], [2, 0.6], [2, 0.7], [2, 0.8], [2, 0.9]]"
 TURNS = "blows: {count: 2, timing: regular}"

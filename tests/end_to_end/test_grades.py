@@ -40,6 +40,8 @@ rooms:
     losses: {t60: 0.5 s}
     receivers: {mic: [[0.8, 0.7, 1.2], [2.1, 1.1, 1.5]]}
     levels: [JIS A 1419-2, KS F 2863-2]
+    beyond_modes: blank
+    ensemble: 0
 limits: {bedroom rating: 55 dB}
 cases: {thin: {}, thick: {parts.slab.thickness: 0.2 m}}
 """

@@ -71,7 +71,9 @@ def test_blank_bands_are_filled_and_said_to_be(result: StudyResult) -> None:
     assert rated.statistical is not None
     correction = dict(zip(rated.bands_hz, rated.correction_db.tolist(), strict=True))
     for band in FILLED:
-        assert rated.bands_db[band] == pytest.approx(rated.statistical.levels_db[band] + correction[band], abs=1e-9)
+        assert rated.bands_db[band] == pytest.approx(
+            rated.statistical.levels_db[band] + correction[band], abs=1e-9
+        )  # sum
     assert rated.bands_from[200.0] == "modes" and rated.bands_from[250.0] == "statistical"
     number = rated.numbers[NUMBER]
     assert number.statistical and not number.at_least
@@ -166,6 +168,8 @@ def test_check_says_which_bands_stay_blank_and_why(tmp_path: Path) -> None:
             "beyond_modes: got 'guessed', expected one of statistical, blank",
         ),
         (("levels: [ISO 16283-2, ISO 717-2]", "beyond_modes: blank"), "'beyond_modes' in a room without levels"),
+        (("levels:", "ensemble: 2\n    levels:"), "ensemble: got 2 rooms, expected 3 or more, or 0 for none"),
+        (("levels:", "ensemble: many\n    levels:"), "ensemble"),
         (("levels:", "beyond_mode: blank\n    levels:"), "beyond_modes"),
     ],
 )

@@ -84,6 +84,7 @@ ACOUSTICS = [
         "acoustics.open_air.radiated_power",
         "acoustics.open_air.directivity",
         "acoustics.rooms.receiver_grids",
+        "acoustics.rooms.room_ways",
     ],
     ["acoustics.fields.sound_field", "acoustics.fields"],
     [
@@ -99,6 +100,8 @@ ACOUSTICS = [
         "acoustics.levels.single_number",
         "acoustics.levels.methods",
         "acoustics.statistical",
+        "acoustics.levels.line_levels",
+        "acoustics.levels.ensemble",
         "acoustics.levels.rated",
         "acoustics.open_air.sound_energy",
     ],

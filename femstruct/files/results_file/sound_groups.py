@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from acoustics.levels.ensemble import Interval
 from acoustics.levels.rated import RatedRoom
 from acoustics.levels.sound_levels import Levels
 from acoustics.room_response import RoomResponse
@@ -63,10 +64,20 @@ def write_rated(target: h5py.Group, rated: RatedRoom) -> None:
         for name, spreads in (("drops", rated.drops_spread_db), ("receivers", rated.receivers_spread_db)):
             told = f"Standard deviation of the number over {name}; nan for one"
             put(target, f"{name}_spread_db", list(spreads.values()), "dB", told, (symbol,))
+        blank = Interval(np.nan, np.nan, np.nan)
+        own = np.array([rated.number_intervals.get(one, blank) for one in rated.numbers])
+        for column, word in enumerate(("mean", "lower end of the 90 % interval", "upper end of it")):
+            name, told = f"number_{('mean', 'low', 'high')[column]}_db", f"Number over rooms and places: {word}"
+            put(target, name, own[:, column], "dB", told, (symbol,))
     axis(target, "band_hz", list(rated.bands_hz), "Hz", f"Nominal centre of the {rated.method.bands}")
     axis(target, "drop", np.arange(1, rated.drops + 1), "1", "Place of the source, in the order of the study")
     axis(target, "receiver", np.arange(1, rated.receivers + 1), "1", "Receiver, in the order of the room")
     write_described(target, rated)
+    if rated.ensemble is not None:
+        beside = group(target, "ensemble", "Low bands over rooms of nearly one size and places")
+        axis(beside, "band_hz", list(rated.bands_hz), "Hz", f"Nominal centre of the {rated.method.bands}")
+        axis(beside, "member", np.arange(1, len(rated.ensemble.members_db) + 1), "1", "Number of the member")
+        write_described(beside, rated.ensemble)
     if rated.statistical is not None:
         beside = group(target, "statistical_bands", "The same bands by statistical energies of plate and room")
         axis(beside, "band_hz", list(rated.bands_hz), "Hz", f"Nominal centre of the {rated.method.bands}")

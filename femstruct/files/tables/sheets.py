@@ -18,7 +18,7 @@ BANDS: Final[tuple[tuple[str, ...], ...]] = (  # sheet, table of the summary, wh
     ("third octaves total", "total_levels", "bands_db"),
     ("octaves", "levels", "octaves_db"),
     ("exposures", "levels", "exposure_db"),
-    ("rated bands", "rated", "bands_db", "bands_from"),
+    ("rated bands", "rated", "bands_db", "bands_from", "mean_db", "low_db", "high_db"),
     ("sound energy bands", "sound_energy", "bands_db"),
 )
 ROWS: Final = (  # tables of the summary with a row for every name

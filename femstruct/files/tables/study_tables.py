@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
+from acoustics.levels.ensemble import Interval
 from acoustics.levels.rated import RatedRoom
 from femstruct.files.tables.accuracy_tables import accuracy_table, error_table
 from femstruct.files.tables.array_tables import array_tables
@@ -191,13 +192,22 @@ def _rated(rated: RatedRoom) -> Table:
     """A room as the standards state it: its single numbers by symbol, the first the one to state, and its bands."""
     spreads = {"drops_spread_db": rated.drops_spread_db, "receivers_spread_db": rated.receivers_spread_db}
     numbers = {
-        symbol: described(one) | {name: number(spread[symbol]) for name, spread in spreads.items()}
+        symbol: described(one)
+        | {name: number(spread[symbol]) for name, spread in spreads.items()}
+        | _interval(rated.number_intervals.get(symbol))
         for symbol, one in rated.numbers.items()
     }
     told = None if rated.statistical is None else described(rated.statistical)
     beside = None if rated.agreement is None else described(rated.agreement)
     statistical = {"statistical": told, "statistical_agreement": beside}
+    statistical["ensemble"] = None if rated.ensemble is None else described(rated.ensemble)
     return described(rated.method) | described(rated) | statistical | {"numbers": numbers}
+
+
+def _interval(one: Interval | None) -> Table:
+    """Mean and 90 % interval of a number over rooms and places."""
+    found = (None, None, None) if one is None else one
+    return {name: number(value) for name, value in zip(("mean_db", "low_db", "high_db"), found, strict=True)}
 
 
 def _rated_beside(

@@ -35,7 +35,7 @@ from femstruct.language.yaml import (
     word_or,
     words_of,
 )
-from femstruct.study.asked import RoomPlan
+from femstruct.study.asked import FEWEST_ROOMS, RoomPlan
 
 _Animated = Frequency | Literal["pulse"]
 _animated = several(word_or({"pulse": None}, FREQUENCY))
@@ -83,6 +83,7 @@ class ClosedSpec(RoomSpec):
     animate: Annotated[tuple[float | None, ...], read_by(_animated, _Animated | list[_Animated])] = ()
     levels: Annotated[tuple[str, ...], words_of(STANDARDS)] = ()
     beyond_modes: Literal["statistical", "blank"] = "statistical"
+    ensemble: Annotated[int, Field(ge=0, le=100)] = 10
 
     @classmethod
     def refuse_keys(cls, given: Mapping[str, Any]) -> None:
@@ -115,6 +116,12 @@ class ClosedSpec(RoomSpec):
         )
         if self.levels:
             self._check_levels(here, asked)
+        here.at("ensemble").need(
+            self.ensemble == 0 or self.ensemble >= FEWEST_ROOMS,
+            f"{self.ensemble} rooms",
+            f"{FEWEST_ROOMS} or more, or 0 for none",
+            "leave 'ensemble' out for 10",
+        )
         here.at("beyond_modes").need(
             self.levels or self.beyond_modes == "statistical",
             "'beyond_modes' in a room without levels",
@@ -207,4 +214,4 @@ class ClosedSpec(RoomSpec):
         leak = self.leak.leak(self.air.rho) if self.leak is not None else None
         asked, heard = self.losses.asked if self.losses is not None else {}, tuple(receivers)
         plan = RoomPlan(name, room, self.under, heard, offset, self.coupling, leak, asked, self.levels, self.animate)
-        return replace(plan, walls=self.surfaces, beyond_modes=self.beyond_modes)
+        return replace(plan, walls=self.surfaces, beyond_modes=self.beyond_modes, ensemble=self.ensemble)

@@ -22,6 +22,8 @@ class BoxRoomSpec(ClosedSpec):
     coupling: one-way (the air does not react on the structure) or two-way.
     animate: a frequency, `pulse`, or a list of these: a moving picture of each.
     levels: standards for the levels of a standard source: ISO 16283-2 and ISO 717-2, or JIS A 1419-2 and KS F 2863-2.
+    ensemble: rooms with sides within 5 %, places of source and microphones drawn anew, over which low rated bands have
+        a mean and an interval; 0 for none.
     beyond_modes: what rated bands have that the modes do not reach: statistical (the default), levels of statistical
         energies, which a single bare plate has, or blank.
     """

@@ -110,6 +110,11 @@ def rated_bands(result: StudyResult, room: str) -> Figure | None:
         for band, bar in zip(np.array(one.bands_hz)[known].tolist(), drawn, strict=True):
             if band in one.statistical_hz:
                 bar.set(hatch="///", edgecolor="white", linewidth=0.0)
+        means = np.array(list(one.mean_db.values()))[known]
+        if np.isfinite(means).any():
+            low, high = (np.array(list(limits.values()))[known] for limits in (one.low_db, one.high_db))
+            look = {"fmt": "D", "markersize": 3.0, "color": "black", "elinewidth": 1.6, "capsize": 0.0}
+            axes.errorbar(x + 0.25 * width, means, yerr=[means - low, high - means], **look)
     compared = {symbol: rating for symbol, rating in first.curves.items() if rating.curve_db}
     for style, (symbol, rating) in zip(CURVES, compared.items(), strict=False):
         curve, label = list(rating.curve_db.values()), f"baseline, {symbol}: {rating.curve}"
@@ -120,6 +125,8 @@ def rated_bands(result: StudyResult, room: str) -> Figure | None:
     axes.set_xlim(-0.6, len(first.bands_hz) - 0.4)
     axes.set_ylim(floor, max(highest, *axes.get_ylim()) + 2.0)
     hatched = "; hatched: statistical" if any(one.statistical_hz for one in shown.values()) else ""
+    if any(one.ensemble for one in shown.values()):
+        hatched += "; diamonds: mean over rooms and places, 90 %"
     finish(axes, f"{first.method.bands}, nominal centre in Hz{hatched}", f"{first.band_quantity} in dB re 20 µPa")
     legend_above(axes)
     axes.grid(False, axis="x")

@@ -32,6 +32,7 @@ def ratings(result: StudyResult) -> Grid:
             "difference (its spread over drops) [dB]",
             "spread over drops [dB]",
             "over receivers [dB]",
+            "over rooms and places: mean [90 %]",
             "deciding band [Hz]",
         ),
         keys=3,
@@ -53,6 +54,7 @@ def ratings(result: StudyResult) -> Grid:
                 change,
                 f"{_number(one.drops_spread_db[symbol])} ({one.drops})",
                 f"{_number(one.receivers_spread_db[symbol])} ({one.receivers})",
+                _over_rooms(one, symbol),
                 f"{number.deciding_hz:g}" if isfinite(number.deciding_hz) else "-",
             )
     return grid
@@ -80,6 +82,8 @@ def bands(result: StudyResult) -> Grid:
     why = f"; {BLANK}: beyond the modes" if blank else ""
     if any(one.statistical_hz for case in result.cases.values() for one in case.rated.values()):
         why += f"; {STATISTICAL}: beyond the modes, from statistical energies (deviation to expect of one floor)"
+    if any(one.ensemble for case in result.cases.values() for one in case.rated.values()):
+        why += "; behind low bands their mean over rooms with sides within 5 % and places [90 % interval]"
     about = f"impact sound by {kinds}, re 20 µPa: average over drops and receivers (spread){why}"
     grid = Grid(about, ("", *result.cases))
     for room, quantity, kind, band in dict.fromkeys(
@@ -119,6 +123,14 @@ def bounded(number: SingleNumber) -> str:
     return f"{'at least ' if number.blank_hz else ''}{number.value_db:g}{from_hz}"
 
 
+def _over_rooms(rated: RatedRoom, symbol: str) -> str:
+    """A number over an ensemble, "-" without one."""
+    if symbol not in rated.number_intervals:
+        return "-"
+    one = rated.number_intervals[symbol]
+    return f"{one.mean:.1f} [{one.low:.1f}, {one.high:.1f}]"
+
+
 def _change(rated: RatedRoom, baseline: RatedRoom | None, symbol: str) -> str:
     """What a single number is above the baseline's, and what that spreads over the drops."""
     above = {} if baseline is None else rated.above(baseline)
@@ -143,7 +155,10 @@ def _band(case: CaseResult, room: str, quantity: str, kind: str, band: float) ->
     if found.statistical is not None and band in found.statistical_hz:
         return f"{found.bands_db[band]:.1f} {STATISTICAL} ({found.statistical.scatter_db[band]:.1f})"
     spread = found.spread_db[band]
-    return f"{found.bands_db[band]:.1f}" + (f" ({spread:.1f})" if isfinite(spread) else "")
+    own = f"{found.bands_db[band]:.1f}" + (f" ({spread:.1f})" if isfinite(spread) else "")
+    if not isfinite(found.mean_db[band]):
+        return own
+    return f"{own}; {found.mean_db[band]:.1f} [{found.low_db[band]:.1f}, {found.high_db[band]:.1f}]"
 
 
 def add_totals(grid: Grid, result: StudyResult) -> None:

@@ -22,6 +22,8 @@ from femstruct.study.result import NO_OWN_SOUND, AccuracyCheck, CaseResult, Chan
 from femstruct.study.room_surfaces import placed_room
 from femstruct.study.study import Case, Study
 from femstruct.workflow.compare.verdicts import judged
+from femstruct.workflow.continuation.ensemble_findings import ensemble_findings
+from femstruct.workflow.continuation.room_ensembles import Drops, room_ensembles
 from femstruct.workflow.continuation.statistical_findings import statistical_findings
 from femstruct.workflow.continuation.statistical_rooms import statistical_rooms
 from femstruct.workflow.judgement.all_findings import all_findings
@@ -102,9 +104,8 @@ def run_case(
                 radiated, found_of_sound = sound_energies(study, own.places, whole.response)
                 told += found_of_sound
         findings += told_once({place: one.findings for place, one in struck.items()})
-        rated = _rated(study, list(struck.values()))
-        told += [(name, one) for name, room in rated.items() for one in statistical_findings(room)]
-        told += weight_on_air(whole.response, vacuo, study.rooms)
+        rated = _rated(case, struck, own.places, vacuo, clock)
+        told += [*_of_bands(rated), *weight_on_air(whole.response, vacuo, study.rooms)]
         with clock("judgement", case.name):
             told += _of_rooms(study, own.places, basis, vacuo)
     cycles |= random_fatigues(study, vibrated, own.places, basis)
@@ -154,9 +155,22 @@ def _sources(
         return installed_sources(case.study, places, basis)
 
 
-def _rated(study: Study, struck: list[Struck]) -> dict[str, RatedRoom]:
-    """Every room that is to be rated, by name, from all drops."""
-    return rate_rooms(study, [one.bands_db for one in struck], statistical_rooms(study, len(struck)))
+def _rated(
+    case: Case, struck: Mapping[str, Struck], places: Places, vacuo: ModalBasis, clock: Stopwatch
+) -> dict[str, RatedRoom]:
+    """Every room that is to be rated, by name, from all drops; what is beyond the modes and over an ensemble."""
+    study, runs = case.study, list(struck.values())
+    drops = Drops(case.drops or {"": study}, {place: one.response for place, one in struck.items()})
+    with clock("ensemble", case.name):
+        ensembles = room_ensembles(drops, places, vacuo)
+    with clock("levels", case.name):
+        return rate_rooms(study, [one.bands_db for one in runs], statistical_rooms(study, len(runs)), ensembles)
+
+
+def _of_bands(rated: Mapping[str, RatedRoom]) -> list[tuple[str, Advice | Finding]]:
+    """What is to be known of bands beyond the modes and of low ones, by room."""
+    found = {name: (*statistical_findings(room), *ensemble_findings(room)) for name, room in rated.items()}
+    return [(name, one) for name, findings in found.items() for one in findings]
 
 
 def _responses(

@@ -11,6 +11,7 @@ from typing import Final
 import numpy as np
 
 from acoustics.errors import Advice
+from acoustics.levels.ensemble import Ensemble
 from acoustics.levels.methods import Blows, Method, method_of, rating_of
 from acoustics.levels.rated import RatedRoom, rate_room
 from acoustics.levels.sound_levels import Levels, equivalent_levels
@@ -27,6 +28,7 @@ from femstruct.study.study import Study
 TURN_S: Final = HAMMERS * BETWEEN_BLOWS  # all hammers of a tapping machine once
 FALLEN_DB: Final = 40.0  # between blows that are to be heard alone
 NO_STATISTICS: Final[Mapping[str, StatisticalBands]] = MappingProxyType({})
+NO_ENSEMBLES: Final[Mapping[str, Ensemble]] = MappingProxyType({})
 BUILT_UP_DB: Final = 0.2  # what may be missing of a tapping machine's level when averaging begins
 
 
@@ -85,18 +87,19 @@ def rate_rooms(
     study: Study,
     drops: Sequence[Mapping[str, Sequence[Mapping[float, float]]]],
     statistical: Mapping[str, StatisticalBands] = NO_STATISTICS,
+    ensembles: Mapping[str, Ensemble] = NO_ENSEMBLES,
 ) -> dict[str, RatedRoom]:
     """Every room that is to be rated, by name, from the levels of its receivers {room: [receivers]} at every drop.
 
     Of blows that the standards do not rate there are bands, and no single numbers. statistical : levels by room that
-    stand where modes have none.
+    stand where modes have none. ensembles : of low bands, by room.
     """
     found = {}
     for plan in study.rooms:
         method = method_for(plan, study)
         if method is not None:
-            beyond = statistical.get(plan.name)
-            rated = rate_room([drop[plan.name] for drop in drops], plan.room, plan.levels, method.blows, beyond)
+            beside = statistical.get(plan.name), ensembles.get(plan.name)
+            rated = rate_room([drop[plan.name] for drop in drops], plan.room, plan.levels, method.blows, *beside)
             other = bool(_other_blows(method, study))
             found[plan.name] = replace(rated, method=replace(rated.method, numbers=())) if other else rated
     return found
