@@ -133,6 +133,7 @@ if TYPE_CHECKING:
     from femstruct.parts.block import Block as Block
     from femstruct.parts.foundation import Foundation as Foundation
     from femstruct.parts.frame import Frame as Frame
+    from femstruct.parts.hangers import Hangers as Hangers
     from femstruct.parts.inertia import Inertia as Inertia
     from femstruct.parts.mass import Mass as Mass
     from femstruct.parts.plate import Plate as Plate
@@ -244,6 +245,7 @@ _NAMES = {
     "parts.block": ("Block",),
     "parts.foundation": ("Foundation",),
     "parts.frame": ("Frame",),
+    "parts.hangers": ("Hangers",),
     "parts.inertia": ("Inertia",),
     "parts.mass": ("Mass",),
     "parts.plate": ("Plate",),

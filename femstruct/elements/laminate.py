@@ -224,6 +224,23 @@ def free_to_stretch(A: ArrayLike, B: ArrayLike, D: ArrayLike) -> Floats:
     return (left + left.T) / 2.0
 
 
+def slipping(Q: ArrayLike, z: ArrayLike, bond: float) -> tuple[Floats, Floats, Floats]:
+    """Rigidities B [N], D [N m], each [3, 3], of layers that slip on each other, and the share [n] of every layer in
+    the energy of bending; each layer bends about its own middle. bond : share of the way to layers without slip [1].
+
+    >>> _, D, _ = slipping(np.array([12.0 * np.eye(3)] * 2), [-1.0, 0.0, 1.0], 0.0)
+    >>> float(D[0, 0]), float(slipping(np.array([12.0 * np.eye(3)] * 2), [-1.0, 0.0, 1.0], 1.0)[1][0, 0])  # 2 D, 8 D
+    (2.0, 8.0)
+    """
+    layers, low, high = _faces(Q, z)
+    alone = layers * ((high - low) ** 3 / 12.0)[:, None, None]
+    A, B, D = stiffness(layers, z)
+    mixed: Floats = bond * D + (1.0 - bond) * alone.sum(axis=0)
+    free = free_to_stretch(A, bond * B, mixed)
+    loose = (1.0 - bond) * np.trace(np.linalg.solve(free, alone), axis1=1, axis2=2) / 3.0
+    return bond * B, mixed, np.asarray(loose + (1.0 - loose.sum()) * bending_shares(layers, z))
+
+
 def bending_shares(Q: ArrayLike, z: ArrayLike) -> Floats:
     """Share [n] of every layer in the energy of bending, of a plate that nothing holds in its plane; they sum to 1.
 

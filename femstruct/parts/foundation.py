@@ -162,11 +162,11 @@ def glue_ratio(layer: Layer, shear: float, first: Plate, second: Plate) -> float
 def _layer_points(layer: Layer, region: Region, sides: Sequence[Meshed], tolerance: float) -> tuple[Floats, Floats]:
     """Gauss points [p, 2] of a layer in its coordinates [m] and weights [p]: between the grid lines of all its parts,
     where the motions of all are polynomials."""
-    grids = [_lines_across(layer, direction, sides, tolerance) for direction in (0, 1)]
+    grids = [lines_across(layer, direction, sides, tolerance) for direction in (0, 1)]
     return grid_points(grids[0], grids[1], region, layer.box, tolerance, ORDER)
 
 
-def _lines_across(layer: Layer, direction: int, sides: Sequence[Meshed], tolerance: float) -> Floats:
+def lines_across(layer: Layer, direction: int, sides: Sequence[Meshed], tolerance: float) -> Floats:
     """Ascending coordinates of the grid lines of all parts of a layer inside its region, and of the region's ends."""
     low, high = layer.box[2 * direction : 2 * direction + 2]
     lines = [side.lines_across(layer.axes[direction], layer.origin) for side in sides]

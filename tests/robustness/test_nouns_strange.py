@@ -61,6 +61,7 @@ NOUNS = [
     fs.Block("block", 10.0, (0.0, 0.0, 0.0), (1.0, 1.0, 1.0), (0.5, 0.5, 0.5), (1.0, 1.0, 1.0)),
     fs.Foundation("foam", "plate", fs.Region("whole"), 1e5),
     fs.Frame("leg", STEEL, TUBE, (((0.0, 0.0, 0.0), (0.0, 0.0, 1.0)),), 0.1, (1.0, 0.0, 0.0)),
+    fs.Hangers("clips", "floor", "ceiling", 2e4, spacing=(0.6, 0.9), mass=0.03),
     fs.Inertia("disc", "hub", 2.0, (0.01, 0.01, 0.02)),
     fs.Mass("box", 2.0, at="middle"),
     fs.Shell("tray", TRAY, STEEL, thickness=2e-3),

@@ -13,6 +13,7 @@ from femstruct.language.model.like import entry_for, told_of
 from femstruct.language.model.material import PlateLosses
 from femstruct.language.parts.part import MaterialName
 from femstruct.language.yaml import Length, Quantity, Spec, Text, read_by, refuse
+from femstruct.language.yaml.discovery import union_of
 from femstruct.model.library.all_entries import library
 from femstruct.model.library.library_entry import Use
 from femstruct.model.materials.lay_up import Laminate, Layer, LayUp, Smeared
@@ -56,21 +57,38 @@ class LaidSpec(Spec):
     of: MaterialName
 
 
-def _laid(value: Any) -> str:
-    return LaidSpec.__name__ if isinstance(value, dict | LaidSpec) else "list"
-
-
 if TYPE_CHECKING:
-    Layers = list[Written] | LaidSpec
+    _Listed = list[Written]
 else:
     _Listed = Annotated[
         list[Annotated[Written, read_by(_layer, list[Any])]], read_by(_some, list[Any]), Field(min_length=1)
     ]
-    Layers = Annotated[
-        Annotated[_Listed, Tag("list")] | Annotated[LaidSpec, Tag(LaidSpec.__name__)], Discriminator(_laid)
-    ]
-    """[material, thickness, angle] of every layer, from the lower face up, or a lay-up of the library; angle: from the
-    part's x to the material's."""
+
+
+class BoardsSpec(Spec):
+    """Boards on each other, from the lowest: bond 0 % where they slip, each bending alone (two equal ones: 2 D), 100 %
+    where they are glued (8 D); screwed ones lie between."""
+
+    boards: _Listed
+    bond: Annotated[float, Quantity(("ratio",), least=0.0, most=1.0)]
+
+
+def _laid(value: Any) -> str:
+    if isinstance(value, LaidSpec | BoardsSpec):
+        return type(value).__name__
+    if isinstance(value, dict):
+        return (BoardsSpec if {"boards", "bond"} & value.keys() else LaidSpec).__name__
+    return "list"
+
+
+if TYPE_CHECKING:
+    Layers = list[Written] | LaidSpec | BoardsSpec
+else:
+    _Kinds = (LaidSpec, BoardsSpec)
+    _Tagged = (Annotated[_Listed, Tag("list")], *(Annotated[kind, Tag(kind.__name__)] for kind in _Kinds))
+    Layers = Annotated[union_of(_Tagged), Discriminator(_laid)]
+    """[material, thickness, angle] of every layer, from the lower face up, a lay-up of the library, or boards with
+    their bond; angle: from the part's x to the material's."""
 
 
 class SmearedSpec(Spec):
@@ -86,7 +104,7 @@ class SmearedSpec(Spec):
 
 
 def lay_up(
-    layers: Sequence[tuple[str, float, float]] | LaidSpec | None,
+    layers: Sequence[tuple[str, float, float]] | LaidSpec | BoardsSpec | None,
     smeared: SmearedSpec | None,
     thickness: float | None,
     materials: Mapping[str, AnyMaterial],
@@ -100,4 +118,5 @@ def lay_up(
         entry = library()[layers.like]
         laid = tuple(Layer(materials[layers.of], each, radians(angle)) for each, angle in entry.layers)
         return Laminate(laid, told_of(layers.like))
-    return Laminate(tuple(Layer(materials[name], each, angle) for name, each, angle in layers or ()))
+    written, bond = (layers.boards, layers.bond) if isinstance(layers, BoardsSpec) else (layers or (), 1.0)
+    return Laminate(tuple(Layer(materials[name], each, angle) for name, each, angle in written), bond=bond)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from femstruct.language.parts.from_mesh import OfMeshSpec, unit_of_file
+from femstruct.language.model.from_mesh import OfMeshSpec, unit_of_file
 from femstruct.language.yaml import Text, read_by, words_of
 from femstruct.model.imported.attached import TAKEN
 from femstruct.parts.attachments import Attachments

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Annotated, Literal
 
-from femstruct.language.parts.part import PartSpec, Places, check_coordinates
+from femstruct.language.parts.part import FLOOR, PartSpec, Places, check_coordinates
 from femstruct.language.yaml import Here, Length, MassKg, Position3, Quantity
 from femstruct.parts.block import Block
 
@@ -16,7 +16,7 @@ class BlockSpec(PartSpec):
     """A rigid body: a box along the global axes from its lower corner; center and inertia where it is not uniform."""
 
     makes = Block
-    known_as = ("part", "plate, slab or block")
+    known_as = ("part", "plate, slab or block", FLOOR)
     type: Literal["block"]
     mass: MassKg
     origin: Position3

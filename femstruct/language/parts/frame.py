@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field
 
 from femstruct.elements.frame import FrameElement
-from femstruct.language.parts.part import STRESSED, MaterialName, PartSpec, SectionName
+from femstruct.language.parts.part import FLOOR, STRESSED, MaterialName, PartSpec, SectionName
 from femstruct.language.yaml import Direction3, Length, Position3, Spec
 from femstruct.parts.frame import Frame
 
@@ -24,7 +24,7 @@ class FrameSpec(PartSpec):
     timoshenko, which needs more of them where shear matters, and euler, which has neither shear nor rotary inertia."""
 
     makes = Frame
-    known_as = ("part", "plate or frame", STRESSED)
+    known_as = ("part", "plate or frame", STRESSED, FLOOR)
     type: Literal["frame"]
     material: MaterialName
     section: SectionName

@@ -8,7 +8,7 @@ from typing import Any, ClassVar, Literal
 from femstruct.errors import InputError, InputErrors
 from femstruct.files.inputs.matrices_input import read_component
 from femstruct.files.inputs.opening import beside
-from femstruct.language.parts.from_mesh import FILE_SCALE
+from femstruct.language.model.from_mesh import FILE_SCALE
 from femstruct.language.parts.part import MESHED, Library, PartSpec
 from femstruct.language.yaml import MaterialLossFactor, Position3, Spec, Text
 from femstruct.model.part import Part

@@ -18,6 +18,7 @@ Places = str | tuple[tuple[float, ...], ...]
 STRESSED: Final = "part with stresses"
 MaterialName = Annotated[Text, Refers("material")]
 MESHED: Final = "part that is a mesh"  # of a file: it has sets
+FLOOR, CEILING = "plate, slab, block or frame", "plate or slab"  # what hangers are between
 SectionName = Annotated[Text, Refers("section")]
 
 
@@ -37,8 +38,8 @@ class PartSpec(Spec):
 
     known_as : as what other names in the file find it: a part has nodes to join, hold and point at; on the edges and
     areas of a plate supports can be; surfaces are on a plate or shell; layers lie against a plate, slab or block;
-    masses are spread along or over a plate or frame; a part that is a mesh has named sets; stresses can be recorded of
-    a part with stresses.
+    hangers are between a plate, slab, block or frame and a plate or slab; masses are spread along or over a plate or
+    frame; a part that is a mesh has named sets; stresses can be recorded of a part with stresses.
     """
 
     known_as: ClassVar[tuple[str, ...]] = ()

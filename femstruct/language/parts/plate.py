@@ -8,7 +8,16 @@ from typing import Annotated, Any, Literal
 from femstruct.elements.plate import PlateElement
 from femstruct.errors import shown_as
 from femstruct.language.model.lay_up import Layers, SmearedSpec, lay_up
-from femstruct.language.parts.part import STRESSED, Library, MaterialName, PartSpec, Places, check_coordinates
+from femstruct.language.parts.part import (
+    CEILING,
+    FLOOR,
+    STRESSED,
+    Library,
+    MaterialName,
+    PartSpec,
+    Places,
+    check_coordinates,
+)
 from femstruct.language.yaml import LENGTH, Count, Direction3, Here, Length, Position3, SideLength, read_by, refuse
 from femstruct.model.part import Part
 from femstruct.parts.plate import InPlane, Plate
@@ -30,7 +39,7 @@ class PlateSpec(PartSpec):
     makes = Plate
     one_of = (("material", "layers", "smeared"),)
     at_most_one_of = (("layers", "thickness"),)
-    known_as = ("part", "plate", "plate, slab or block", "plate or frame", "plate or shell", STRESSED)
+    known_as = ("part", "plate", "plate, slab or block", "plate or frame", "plate or shell", STRESSED, FLOOR, CEILING)
     type: Literal["plate"]
     material: MaterialName | None = None
     layers: Layers | None = None

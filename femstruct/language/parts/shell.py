@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
+from femstruct.language.model.from_mesh import FromMeshSpec
 from femstruct.language.model.lay_up import Layers, lay_up
-from femstruct.language.parts.from_mesh import FromMeshSpec
 from femstruct.language.parts.part import MESHED, STRESSED, Library, MaterialName
 from femstruct.language.yaml import LENGTH, Coordinate, Direction3, Length, read_by
 from femstruct.model.part import Part

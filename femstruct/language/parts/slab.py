@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field
 
 from femstruct.language.model.lay_up import Layers, SmearedSpec, lay_up
-from femstruct.language.parts.part import MESHED, STRESSED, Library, MaterialName, PartSpec, Places
+from femstruct.language.parts.part import CEILING, FLOOR, MESHED, STRESSED, Library, MaterialName, PartSpec, Places
 from femstruct.language.yaml import Coordinate, Direction3, Here, Length, Position2, Position3, Spec
 from femstruct.model.part import Part
 from femstruct.parts.slab import Slab
@@ -27,7 +27,7 @@ class SlabSpec(PartSpec):
     makes = Slab
     one_of = (("material", "layers", "smeared"),)
     at_most_one_of = (("layers", "thickness"),)
-    known_as = ("part", "plate or shell", "plate or frame", "plate, slab or block", MESHED, STRESSED)
+    known_as = ("part", "plate or shell", "plate or frame", "plate, slab or block", MESHED, STRESSED, FLOOR, CEILING)
     type: Literal["slab"]
     material: MaterialName | None = None
     layers: Layers | None = None

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Literal
 
-from femstruct.language.parts.from_mesh import FromMeshSpec
+from femstruct.language.model.from_mesh import FromMeshSpec
 from femstruct.language.parts.part import MESHED, STRESSED, MaterialName
 from femstruct.language.yaml import Direction3
 from femstruct.parts.solid import Solid

@@ -45,8 +45,10 @@ class Laminate:
     """Layers from the lower face up, bonded without slip; stands where a plate takes a material.
 
     like : the entry of the library that they were taken from, with its source.
+    bond : 1 for glued layers, 0 for boards that slip on each other: each bends about its own middle, so that two equal
+    boards have 2 D, where glued ones have 8 D of one. Screwed boards lie between: rigidities are that share of the way.
 
-    A sandwich is skins and a soft core: the core shears. Nailed or dry boards slip: they are not bonded.
+    A sandwich is skins and a soft core: the core shears.
 
     >>> spruce = Orthotropic("spruce", E=(11e9, 370e6), G=(690e6, 50e6), nu=0.35, rho=420.0)
     >>> clt = Laminate(tuple(Layer(spruce, 0.04, angle) for angle in (0.0, np.pi / 2, 0.0, np.pi / 2, 0.0)))
@@ -57,10 +59,13 @@ class Laminate:
 
     layers: tuple[Layer, ...]
     like: str = ""
+    bond: float = 1.0
 
     def __post_init__(self) -> None:
         if not self.layers:
             raise InputError("laminate.layers", got="no layer", expected="one or more")
+        if not 0.0 <= self.bond <= 1.0:
+            raise InputError("laminate.bond", got=f"{self.bond:g}", expected="from 0 (slipping) to 1 (glued)")
 
     @property
     def thickness(self) -> float:
@@ -74,7 +79,8 @@ class Laminate:
             + (f" at {np.degrees(one.angle):.6g}°" if one.angle else "")
             for one in self.layers
         )
-        return (Given("layers", tuple(told)), *((Given("like", self.like),) if self.like else ()))
+        more = (Given("like", self.like),) if self.like else ()
+        return (Given("layers", tuple(told)), *more, *((Given("bond", self.bond),) if self.bond < 1.0 else ()))
 
     @property
     def materials(self) -> tuple[AnyMaterial, ...]:
@@ -87,27 +93,43 @@ class Laminate:
         stiff, soft, z = self._stiffnesses()
         axis = next((layer.angle for layer in self.layers if isinstance(layer.material, Orthotropic)), 0.0)
         losses = [layer.material.loss_factor for layer in self.layers]
+        (A, B, D), shear = laminate.stiffness(stiff, z), laminate.shear_stiffness(stiff, soft, z, axis)
+        bends, shears = laminate.bending_shares(stiff, z), laminate.shear_shares(stiff, soft, z, axis)
+        if self.bond < 1.0:
+            B, D, bends = laminate.slipping(stiff, z, self.bond)
+            alone = SHEAR_FACTOR * soft * np.diff(z)[:, None, None]
+            shear = self.bond * shear + (1.0 - self.bond) * alone.sum(axis=0)
+            slips = np.trace(alone, axis1=1, axis2=2) / np.trace(alone.sum(axis=0))
+            shears = self.bond * shears + (1.0 - self.bond) * slips
         return PlateSection(
-            *laminate.stiffness(stiff, z),
-            laminate.shear_stiffness(stiff, soft, z, axis),
+            A,
+            B,
+            D,
+            shear,
             *laminate.inertia([layer.material.rho for layer in self.layers], z),
             low=float(z[0]),
             high=float(z[-1]),
-            loss_factor=weighted(losses, laminate.bending_shares(stiff, z)),
-            shear_loss_factor=weighted(losses, laminate.shear_shares(stiff, soft, z, axis)),
+            loss_factor=weighted(losses, bends),
+            shear_loss_factor=weighted(losses, shears),
         )
 
     def stresses(self, N: ArrayLike, M: ArrayLike) -> Floats:
         """Stresses (sigma_x, sigma_y, tau_xy) [m, n, 2, 3] in Pa along the plate's axes at the lower and upper face of
         its n layers, from membrane forces N [m, 3] [N/m] and moments M [m, 3] [N] per length."""
         stiff, _, z = self._stiffnesses()
+        self._refuse_slipping()
         return laminate.layer_stresses(stiff, z, N, M)
 
     def shear_stresses(self, V: ArrayLike, share: ArrayLike = (0.0, 0.5, 1.0)) -> Floats:
         """Transverse shear stresses (tau_xz, tau_yz) [m, n, k, 2] in Pa in its n layers at shares [k] of their height,
         from shear forces V [m, 2] per length [N/m]."""
         stiff, _, z = self._stiffnesses()
+        self._refuse_slipping()
         return laminate.shear_stresses(stiff, z, V, share)
+
+    def _refuse_slipping(self) -> None:
+        if self.bond < 1.0:
+            raise InputError("stresses", got=f"boards with a bond of {self.bond:g}", expected="layers without slip")
 
     def _stiffnesses(self) -> tuple[Floats, Floats, Floats]:
         """In plane [n, 3, 3] and across [n, 2, 2] along the plate's axes [Pa], and the heights of the faces [m]."""

@@ -15,14 +15,16 @@ from femstruct.elements.frame import nodes_per_bar
 from femstruct.elements.quadrature import gauss_interval
 from femstruct.errors import InputError
 from femstruct.model.grid.geometry import distance_to_segments
+from femstruct.model.grid.layout import Segment
 from femstruct.model.grid.scatter import scattered
 from femstruct.model.materials.loss_by_frequency import Loss, refuse_laboratory
 from femstruct.model.meshed import Drawn, Meshed, OwnDofs, Spread, nodal_dofs, refuse_not_global, refuse_patch
 from femstruct.model.model import Model
 from femstruct.model.probe import Point, StressPlaces
 from femstruct.model.region import Region
-from femstruct.model.rows import flat_rows, sparse_rows
+from femstruct.model.rows import carried, flat_rows, sparse_rows
 from femstruct.model.structure import PlaceOn
+from femstruct.parts.of_frames.frame_lines import frame_segments
 
 if TYPE_CHECKING:
     from femstruct.parts.frame import Frame
@@ -157,6 +159,25 @@ class FrameMesh(Meshed):
         padded = np.zeros((*rows.shape[:2], k, N_COMPONENTS))
         padded[..., :6] = rows.reshape(*rows.shape[:2], k, 6)
         return padded
+
+    def pieces(self, tolerance: float) -> tuple[Segment, ...]:
+        """The straight pieces of its lines, each of one or more bars."""
+        return frame_segments(self.part, tolerance)
+
+    def reach(self, direction: Floats) -> float:
+        """How far sections reach from the axis of the bars along a direction [3] [m]; 0 without an outline."""
+        if not self.part.section.outline:
+            return 0.0
+        return float((self.axes[:, 1:] @ direction @ np.array(self.part.section.outline).T).max())
+
+    def motion_at(self, places: Floats, tolerance: float) -> tuple[Integers, Floats]:
+        """They move with the nearest place of its bars, through rigid arms."""
+        nearest = [distance_to_segments(place, self.start, self.end) for place in places]
+        bars = np.array([int(np.argmin(distances)) for distances, _ in nearest], dtype=np.int64)
+        shares = np.array([along[bar] for bar, (_, along) in zip(bars, nearest, strict=True)])
+        nodes, rows = self.rows(bars, shares)
+        feet = self.start[bars] + shares[:, None] * (self.end - self.start)[bars]
+        return nodes, carried(rows, places - feet)
 
     def section_forces(self, bars: Integers, shares: Floats) -> Floats:
         """Rows [p, 6, k, 7] of N Vy Vz [N] and T My Mz [N m] at places along bars, as
