@@ -10,7 +10,7 @@ from typing import ClassVar
 import numpy as np
 
 from acoustics.arrays import Complexes, Floats
-from acoustics.errors import Advice
+from acoustics.errors import AcousticsError, Advice
 from acoustics.fields.sound_field import FACING, SoundField, faces_out
 from acoustics.losses import Losses
 from acoustics.open_air.baffle import Baffle, in_front, on_plane
@@ -82,3 +82,8 @@ class HalfSpace(Baffle, SoundField):
     ) -> tuple[Complexes, tuple[Advice, ...]]:
         """By Rayleigh's integral: see `acoustics.open_air.rayleigh.harmonic_field`."""
         return harmonic_field(together(surfaces), self, receivers)
+
+    def powers(self, surfaces: Sequence[SurfaceVibration]) -> Floats:
+        """Refused: pressures on the plane itself are not computed; that of all surfaces together is
+        `acoustics.open_air.radiated_power.radiated_power`."""
+        raise AcousticsError("powers", got=f"powers by surface in {self.word}", expected="a closed room")

@@ -1,4 +1,4 @@
-"""The rectangular room: its ceiling in cosines, its height in closed form."""
+"""The rectangular room: each wall in cosines, the way across the room in closed form."""
 
 from __future__ import annotations
 
@@ -10,31 +10,29 @@ from typing import ClassVar
 
 import numpy as np
 
-from acoustics.arrays import Complexes, Floats
+from acoustics.arrays import Complexes, Floats, Integers
 from acoustics.errors import AcousticsError, Advice
 from acoustics.fields.sound_field import FACING, KeptTransfer, ModesOnSurface, SoundField, described_modes, faces_out
 from acoustics.receivers import Receiver, positions
 from acoustics.room_response import RoomResponse
 from acoustics.rooms.box import Box, inside, room_modes
-from acoustics.rooms.box_harmonic import harmonic_pressure
-from acoustics.rooms.box_pressure import pressures
 from acoustics.rooms.box_transfer import overlaps
-from acoustics.rooms.box_two_way import CoupledAir, coupled_air
-from acoustics.rooms.kept_transfers import search
-from acoustics.rooms.pressure_maps import PressureMap, pressure_map
+from acoustics.rooms.box_two_way import CoupledAir
+from acoustics.rooms.box_walls import ON, WALLS, Turn, by_wall, mode_overlaps
+from acoustics.rooms.pressure_maps import PressureMap
 from acoustics.rooms.receiver_grids import RoomGrid, box_grid, box_mode_shapes
 from acoustics.rooms.room_ways import room_ways
+from acoustics.rooms.wall_powers import wall_powers
+from acoustics.rooms.wall_sums import wall_harmonic, wall_map, wall_pressures
+from acoustics.rooms.walls_two_way import coupled_walls
 from acoustics.source import SurfaceShapes, SurfaceVelocity, SurfaceVibration, side_by_side, together
 
-CEILING = "ceiling"
-OTHERS = ("floor", "x0", "x1", "y0", "y1")
 TOLD_HZ = 1000.0  # up to which its first modes are looked for
-ON = 1e-6  # of the room's size, by which points may miss the ceiling
 
 
 @dataclass(frozen=True, eq=False)
 class Room(Box, SoundField):
-    """A rectangular room with rigid walls and floor; its ceiling, z = Lz, or parts of it move.
+    """A rectangular room, rigid where nothing moves: surfaces move its ceiling, its floor, its walls or parts of them.
 
     size : Lx, Ly, Lz [m]. Coordinates are measured from the lower corner, z up.
 
@@ -62,40 +60,73 @@ class Room(Box, SoundField):
 
     @property
     def movable(self) -> tuple[str, ...]:
-        return (CEILING,)
+        return WALLS
 
     @property
     def middle(self) -> Floats:
         """Middle of the ceiling [3] [m]."""
-        return np.array([self.size[0] / 2.0, self.size[1] / 2.0, self.size[2]])
+        return self.middle_of(WALLS[0])
 
-    def on_wall(self, wall: str) -> None:
-        """Its ceiling alone."""
-        if wall in OTHERS:
-            got, do = (
-                f"a surface on '{wall}' of {self.word}",
-                "give the room `walls` or a mesh: any wall may move then",
+    def middle_of(self, wall: str) -> Floats:
+        middle = self.size / 2.0
+        turn = Turn(wall)
+        middle[turn.axis] = self.size[turn.axis] if turn.at_end else 0.0
+        return np.asarray(middle)
+
+    def along(self, wall: str) -> list[int]:
+        return sorted(Turn(wall).axes[:2])
+
+    def placed_by(self, wall: str, along: Floats, normal: Floats) -> tuple[Floats, Floats]:
+        """Any wall places it, z being up; the floor, and the ceiling, with x along their first side."""
+        self.on_wall(wall)
+        if wall == WALLS[0]:
+            return super().placed_by(wall, along, normal)
+        turn, axes = Turn(wall), np.zeros((3, 3))
+        upright = abs(normal[2]) < 1.0 - FACING
+        if not (normal[2] >= FACING if turn.axis == 2 else upright):
+            raise AcousticsError(
+                "surface.normals",
+                got=f"a surface with normal ({normal[0]:.2g}, {normal[1]:.2g}, {normal[2]:.2g})",
+                expected=f"a normal that points {'up' if turn.axis == 2 else 'sideways'}, into the air of the room",
             )
-            raise AcousticsError("surface.wall", got=got, expected="surfaces on its ceiling", do=do)
-        if wall != CEILING:
-            got, expected = f"a surface on '{wall}' of {self.word}", f"one on {CEILING}"
-            do = f"there is no wall '{wall}': the walls are {', '.join((CEILING, *OTHERS))}"
-            raise AcousticsError("surface.wall", got=got, expected=expected, do=do)
+        if turn.axis == 2:
+            return np.stack([*along, normal]), self.middle_of(wall)
+        axes[2, 2] = 1.0
+        axes[turn.axis] = -normal if turn.at_end else normal
+        axes[1 - turn.axis] = np.cross(axes[2], axes[0]) if turn.axis == 0 else np.cross(axes[1], axes[2])
+        return axes, self.middle_of(wall)
 
     def accept(self, wall: str, points: Floats, normals: Floats) -> None:
-        """Refuse any surface that is not within the ceiling."""
+        """Refuse any surface that is not within its wall."""
         self.on_wall(wall)
-        if (normals[:, 2] > -FACING).any():
-            raise faces_out(wall)
+        turn = Turn(wall)
+        facing = normals @ turn.inward
+        if (facing < FACING).any():
+            if (facing <= -FACING).all():
+                raise faces_out(wall)
+            there = [round(float(part), 2) + 0.0 for part in normals[facing.argmin()]]
+            expected = f"one that faces along {turn.inward.astype(int).tolist()}"
+            got = f"a surface on '{wall}' that faces along {there} of the room"
+            raise AcousticsError("surface.normals", got=got, expected=expected)
         beyond = np.abs(points - self.size / 2.0) - self.size / 2.0
-        beyond[:, 2] = np.abs(points[:, 2] - self.size[2])
+        beyond[:, turn.axis] = turn.distance(self, points)
         worst = int(beyond.max(axis=1).argmax())
-        if beyond[worst].max() > 1e-9 + ON * self.size.max() * (beyond[worst].argmax() == 2):
+        across = bool(beyond[worst].argmax() == turn.axis)
+        if beyond[worst].max() > 1e-9 + ON * self.size.max() * across:
+            sides = " x ".join(f"{self.size[axis]:g}" for axis in sorted(turn.axes[:2]))
+            named = wall if wall in ("ceiling", "floor") else f"wall {wall}"
             raise AcousticsError(
                 "surface.points",
-                got=f"a surface that reaches {beyond[worst].max():.3g} m beyond the ceiling of {self.size[0]:g} x "
-                f"{self.size[1]:g} m, to {points[worst].round(6).tolist()} m",
-                expected="a surface within it",
+                got=f"a surface that lies {beyond[worst].max():.3g} m off the {named}, at "
+                f"{points[worst].round(6).tolist()} m"
+                if across
+                else f"a surface that reaches {beyond[worst].max():.3g} m beyond the {named} of {sides} m, to "
+                f"{points[worst].round(6).tolist()} m",
+                expected="a surface on it" if across else "a surface within it",
+                do=f"the {named} is {'xyz'[turn.axis]} = {self.middle_of(wall)[turn.axis]:g} m of the room, which "
+                "another surface places: compare the room's size with how far the parts are from each other"
+                if across
+                else "",
             )
 
     def places(self, receivers: Sequence[Receiver]) -> Floats:
@@ -106,36 +137,44 @@ class Room(Box, SoundField):
     def pressures(
         self, motions: Sequence[Sequence[SurfaceVelocity]], receivers: Sequence[Receiver], up_to_hz: float = inf
     ) -> list[RoomResponse]:
-        """By cosines: see `acoustics.rooms.box_pressure.pressure`."""
-        return pressures([together(motion) for motion in motions], self, receivers, up_to_hz=up_to_hz)
+        """By cosines of every wall: see `acoustics.rooms.box_pressure.pressure`."""
+        return self.pressures_to_keep(motions, receivers, up_to_hz)[0]
 
     def pressures_to_keep(
         self, motions: Sequence[Sequence[SurfaceVelocity]], receivers: Sequence[Receiver], up_to_hz: float = inf
     ) -> tuple[list[RoomResponse], KeptTransfer | None]:
         """The cosines that were found are kept."""
-        return search([together(motion) for motion in motions], self, receivers, up_to_hz)
+        return wall_pressures([together(motion) for motion in motions], self, receivers, up_to_hz)
 
     def harmonic(
         self, surfaces: Sequence[SurfaceVibration], receivers: Sequence[Receiver]
     ) -> tuple[Complexes, tuple[Advice, ...]]:
-        """By cosines: see `acoustics.rooms.box_harmonic.harmonic_pressure`."""
-        return harmonic_pressure(together(surfaces), self, receivers)
+        """By cosines of every wall: see `acoustics.rooms.box_harmonic.harmonic_pressure`."""
+        return wall_harmonic(together(surfaces), self, receivers)
 
     def coupled_air(self, surfaces: Sequence[SurfaceShapes], up_to_hz: float) -> CoupledAir:
-        """By its modes: see `acoustics.rooms.box_two_way.coupled_air`."""
-        return coupled_air(self, side_by_side(surfaces), up_to_hz)
+        """By its modes: see `acoustics.rooms.walls_two_way.coupled_walls`."""
+        return coupled_walls(self, side_by_side(surfaces), up_to_hz)
+
+    def powers(self, surfaces: Sequence[SurfaceVibration]) -> Floats:
+        """By its modes: see `acoustics.rooms.wall_powers.wall_powers`."""
+        return wall_powers(self, surfaces)
 
     def modes_on(self, surfaces: Sequence[SurfaceShapes], up_to_hz: float) -> ModesOnSurface:
-        moving = side_by_side(surfaces)
         frequency_hz, indices = room_modes(self, up_to_hz)
         squares = self.volume * np.where(indices > 0, 0.5, 1.0).prod(axis=1)
-        orders, at = np.unique(indices[:, :2], axis=0, return_inverse=True)  # on the ceiling many modes look alike
-        at, area = at.ravel(), moving.weights[:, None]
-        products = overlaps(self, orders, moving.points, area * moving.shapes).T
+        parts = by_wall(self, side_by_side(surfaces))
+        products: Floats = np.sum([mode_overlaps(self, indices, *part) for part in parts.items()], axis=0)
+        sizes = np.sum([self._squares(indices, *part) for part in parts.items()], axis=0)
+        return ModesOnSurface(frequency_hz, products.T, np.sqrt(sizes), squares)
+
+    def _squares(self, indices: Integers, turn: Turn, surface: SurfaceShapes) -> Floats:
+        """Integrals [n] of the squares of modes over a surface on a wall."""
+        box, there, area = turn.box(self), turn.surface(self, surface), surface.weights[:, None]
+        orders, at = np.unique(indices[:, list(turn.axes[:2])], axis=0, return_inverse=True)  # many modes look alike
         # cos^2 a cos^2 b = (1 + cos 2a + cos 2b + cos 2a cos 2b) / 4
-        doubled = [overlaps(self, orders * twice, moving.points, area)[:, 0] for twice in ([2, 0], [0, 2], [2, 2])]
-        sizes = np.sqrt(np.maximum(moving.weights.sum() + sum(doubled), 0.0) / 4.0)
-        return ModesOnSurface(frequency_hz, products[:, at], sizes[at], squares)
+        doubled = [overlaps(box, orders * twice, there.points, area)[:, 0] for twice in ([2, 0], [0, 2], [2, 2])]
+        return np.asarray(np.maximum(surface.weights.sum() + sum(doubled), 0.0)[at.ravel()] / 4.0)
 
     @property
     def outline(self) -> Floats:
@@ -169,4 +208,4 @@ class Room(Box, SoundField):
         divisions: tuple[int, int] = (48, 40),
     ) -> PressureMap:
         """By as many cosines as a picture needs: see `acoustics.rooms.pressure_maps.pressure_map`."""
-        return pressure_map(together(surfaces), self, frequencies_hz, normal=normal, at=at, divisions=divisions)
+        return wall_map(together(surfaces), self, frequencies_hz, normal=normal, at=at, divisions=divisions)

@@ -115,6 +115,14 @@ class SoundField(ABC):
     def middle(self) -> Floats:
         """Where on the first wall the centre of a surface comes to lie that is not placed otherwise [3]."""
 
+    def middle_of(self, wall: str) -> Floats:
+        """The same on another wall, where the kind can be placed by it."""
+        return self.middle
+
+    def along(self, wall: str) -> list[int]:
+        """The two of its axes that lie along a wall by which it can be placed."""
+        return [0, 1]
+
     @property
     def facing(self) -> Floats:
         """Direction, global axes [3], in which the surface that places it must face."""
@@ -124,6 +132,27 @@ class SoundField(ABC):
         """Its axes x, y, z as rows, global [3, 3], given the two sides [2, 3] and the normal [3] of the surface that
         places it: of a room below, x along the first side and z up."""
         return np.stack([*along, -normal])
+
+    def placed_by(self, wall: str, along: Floats, normal: Floats) -> tuple[Floats, Floats]:
+        """Its axes as of `axes`, and where on a wall the centre of a surface comes to lie that is not placed otherwise
+        [3], when the surface on that wall, of sides `along` [2, 3] and with that normal [3], places it.
+
+        Raises AcousticsError for a wall that cannot place it, and a normal that does not face into it.
+        """
+        first = self.movable[0]
+        self.on_wall(wall)
+        if wall != first:
+            got, expected = f"no surface on '{first}' of {self.word}", "one there, which places it"
+            raise AcousticsError("surfaces", got=got, expected=expected)
+        if normal @ self.facing < FACING:
+            towards = "up" if self.facing[2] > 0 else "down"
+            raise AcousticsError(
+                "surface.normals",
+                got=f"a surface with normal ({normal[0]:.2g}, {normal[1]:.2g}, {normal[2]:.2g})",
+                expected=f"a normal that points {towards}, into the air of the room",
+                do=f"use `side: {'above' if towards == 'up' else 'below'}` on a horizontal plate",
+            )
+        return self.axes(along, normal), self.middle_of(wall)
 
     def on_wall(self, wall: str) -> None:
         """Refuse a wall that surfaces cannot move, by an AcousticsError that names it."""
@@ -178,6 +207,18 @@ class SoundField(ABC):
         """
         receivers = [Receiver(str(number), place) for number, place in enumerate(points)]
         return self.harmonic([one.at(frequency_hz) for one in surfaces], receivers)[0]
+
+    def powers(self, surfaces: Sequence[SurfaceVibration]) -> Floats:
+        """Mean power [n_surfaces, nf] [W] that each surface gives the air: 1/2 Re of the integral over it of the total
+        pressure times the conjugate of its own velocity. They sum to what the air takes up.
+
+        Raises AcousticsError as `harmonic` does, and for a field without a boundary to which that can be related.
+        """
+        points = np.concatenate([one.points for one in surfaces])
+        p = self.harmonic(surfaces, [Receiver(str(number), place) for number, place in enumerate(points)])[0]
+        ends = np.cumsum([len(one.points) for one in surfaces])[:-1]
+        flows = zip(surfaces, np.split(p, ends), strict=True)
+        return np.array([0.5 * (one.weights @ (own * (one.shapes @ one.rates).conj()).real) for one, own in flows])
 
     # air that reacts on the structure, and its modes
 

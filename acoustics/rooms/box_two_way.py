@@ -36,6 +36,7 @@ MOST: Final = 300  # cavity modes kept: coordinates cost as much as modes of the
 SETTLED: Final = 1e-6  # largest mass the last cosines may add to a unit modal mass
 BEYOND: Final = 4  # cosines of a block beyond the last one
 FINEST: Final = 64  # cosines in one direction at most
+NO_END: Final = 1 << 30  # an order that no mode has
 
 
 @dataclass(frozen=True, eq=False)
@@ -131,12 +132,12 @@ def coupled_air(room: Box, surface: SurfaceShapes, up_to_hz: float) -> CoupledAi
     points = surface.points
     inside(room, "surface.points", points)
     finest = resolved_orders(room, points).clip(0, FINEST)
-    frequency_hz, indices, complete = _kept(room, positive("up_to_hz", up_to_hz, "Hz"), finest)
+    frequency_hz, indices, complete = kept_modes(room, up_to_hz, np.append(finest, NO_END))
     weighted = surface.weights[:, None] * surface.shapes
     flat, place = np.unique(indices[:, :2], axis=0, return_inverse=True)
-    integrals = np.sqrt(_multiplicity(indices))[:, None] * overlaps(room, flat, points, weighted)[place.ravel()]
+    integrals = np.sqrt(multiplicity(indices))[:, None] * overlaps(room, flat, points, weighted)[place.ravel()]
     displaced = np.vstack([weighted.sum(axis=0), integrals])
-    added = _added_mass(room, points, weighted, indices, finest)
+    added = added_mass(room, points, weighted, indices, finest)
     return joined(room.air, room.losses, room.volume, frequency_hz, displaced, added, complete_below_hz=complete)
 
 
@@ -179,10 +180,13 @@ def joined(
     )
 
 
-def _kept(room: Box, up_to_hz: float, finest: Integers) -> tuple[Floats, Integers, float]:
-    """Frequencies [n], indices [n, 3] of the cavity modes kept, and the frequency below which none is left out."""
-    frequency_hz, indices = room_modes(room, up_to_hz)
-    beyond = (np.arange(len(indices)) >= MOST) | (indices[:, :2] > finest).any(axis=1)
+def kept_modes(room: Box, up_to_hz: float, finest: Integers, most: int = MOST) -> tuple[Floats, Integers, float]:
+    """Frequencies [n], indices [n, 3] of the cavity modes kept, and the frequency below which none is left out.
+
+    finest [3] : highest order along every axis that what moves can tell.
+    """
+    frequency_hz, indices = room_modes(room, positive("up_to_hz", up_to_hz, "Hz"))
+    beyond = (np.arange(len(indices)) >= most) | (indices > finest).any(axis=1)
     if not beyond.any():
         return frequency_hz, indices, up_to_hz
     first = float(frequency_hz[beyond.argmax()])
@@ -190,14 +194,14 @@ def _kept(room: Box, up_to_hz: float, finest: Integers) -> tuple[Floats, Integer
     return frequency_hz[low], indices[low], first
 
 
-def _multiplicity(orders: Integers) -> Floats:
+def multiplicity(orders: Integers) -> Floats:
     """Product over the directions of 1 for order 0 and 2 for the others [n]: one over the mean of cos^2."""
     product: Floats = np.where(orders > 0, 2.0, 1.0).prod(axis=1)
     return product
 
 
-def _added_mass(room: Box, points: Floats, weighted: Floats, kept: Integers, finest: Integers) -> Floats:
-    """Mass [k, k] of the air in the cavity modes that are not kept."""
+def added_mass(room: Box, points: Floats, weighted: Floats, kept: Integers, finest: Integers) -> Floats:
+    """Mass [k, k] of the air in the cavity modes that are not kept, on a ceiling of weighted shapes [p, k]."""
     resolved = [int(order) + 1 for order in finest]
     size = [int(kept[:, axis].max(initial=0)) + 1 for axis in (0, 1)]
     mass = np.zeros((weighted.shape[1], weighted.shape[1]))
@@ -205,7 +209,7 @@ def _added_mass(room: Box, points: Floats, weighted: Floats, kept: Integers, fin
     while True:
         new = not_in(square(*size), done)
         integrals = overlaps(room, new, points, weighted)
-        factor = room.air.rho / room.ceiling_area * _multiplicity(new) * _left_out(room, new, kept)
+        factor = room.air.rho / room.ceiling_area * multiplicity(new) * _left_out(room, new, kept)
         part: Floats = (factor[:, None] * integrals).T @ integrals
         mass += part
         done = np.concatenate([done, new])

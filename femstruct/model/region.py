@@ -10,6 +10,7 @@ from femstruct.declared import checked
 Vector = tuple[float, float, float]
 Pair = tuple[float, float]
 Side = Literal["above", "below"]
+Facing = Literal["above", "below", "x", "-x", "y", "-y"]  # also of what stands upright: along global axes
 
 
 @dataclass(frozen=True)

@@ -20,7 +20,7 @@ from femstruct.model.materials.air_between import AirBetween
 from femstruct.model.materials.edge_wall import EdgeWall
 from femstruct.model.materials.loss_by_frequency import Loss, check_loss
 from femstruct.model.part import Body, Part
-from femstruct.model.region import Pair, Region, Side
+from femstruct.model.region import Facing, Pair, Region, Side
 
 Fix = Literal["simple", "clamped", "roller"]
 Edge = Literal["x0", "x1", "y0", "y1", "all"]
@@ -107,6 +107,8 @@ class PlaceOn:
 class SurfaceOn:
     """A named side of a region of a plate or shell, where it radiates or is pressed.
 
+    side : "above" or "below"; of what stands upright "x", "-x", "y" or "-y", the global direction in which it faces.
+
     The underside of a floor, which radiates into the room below; its area is the sum of its weights:
 
     >>> from femstruct import Material, Plate, mesh_structure
@@ -120,7 +122,7 @@ class SurfaceOn:
 
     name: str
     on: str
-    side: Side = "above"
+    side: Facing = "above"
     region: Region = WHOLE
 
 

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import combinations
+from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from acoustics.errors import AcousticsError
 from acoustics.fields.sound_field import FACING, SoundField
@@ -15,6 +18,8 @@ from femstruct.errors import InputError
 from femstruct.modal.basis import ModalBasis
 from femstruct.model.probe import Surface
 
+LEVEL: Final = 1e-6  # of the size of an outline, by which it may depart from flat
+FILLED: Final = 1e-3  # of its area, by which a surface may miss that of its outline
 WITHIN = "place its centre with `at`, or give it a `region: {rectangle: [..]}`"
 
 
@@ -66,15 +71,17 @@ def placed(
     surface: Surface,
     offset: tuple[float, float] = (0.0, 0.0),
     name: str = "room",
-    walls: Mapping[str, Surface] | None = None,
+    walls: Mapping[str, Surface | Sequence[Surface]] | None = None,
+    on: str = "",
 ) -> Placed:
     """A room under, over or beside surfaces of a structure.
 
-    surface : the one that places the room, on its ceiling or what stands for it. offset : of its centre from the middle
-    of that, room axes [m]. walls : further surfaces, by the wall of the room that they move.
+    surface : the one that places the room, on its ceiling or what stands for it, or on another wall that is named.
+    offset : of its centre from the middle of that, along the two axes of the room there [m]. walls : further surfaces,
+    by the wall of the room that they move. on : the wall of the first surface, where it is not the ceiling.
 
-    Raises InputError: a surface that faces elsewhere, reaches beyond its wall, or lies on a wall that this kind of room
-    cannot move.
+    Raises InputError: a surface that faces elsewhere, reaches beyond its wall, does not lie on it or covers another
+    one, or lies on a wall that this kind of room cannot move.
 
     A room of 4 x 3 m under a slab of 2 x 2 m, whose middle is 1 m from that of the ceiling:
 
@@ -86,20 +93,15 @@ def placed(
     >>> room.points[0].tolist(), room.from_room(np.zeros(3)).tolist()
     ([[3.0, 1.5, 2.5]], [-2.0, -0.5, 0.0])
     """
-    where = f"rooms.{name}"
-    if (surface.normals @ room.facing).min() < FACING:
-        towards = "up" if room.facing[2] > 0 else "down"
-        normal = surface.normal
-        raise InputError(
-            where,
-            got=f"a surface with normal ({normal[0]:.2g}, {normal[1]:.2g}, {normal[2]:.2g})",
-            expected=f"a normal that points {towards}, into the air of the room",
-            do=f"use `side: {'above' if towards == 'up' else 'below'}` on a horizontal plate",
-        )
-    axes = room.axes(surface.along, surface.normal)
-    middle = room.middle + np.array([*offset, 0.0])
-    own = [(room.movable[0], surface), *(walls or {}).items()]
-    points = []
+    where, first = f"rooms.{name}", on or room.movable[0]
+    try:
+        axes, middle = room.placed_by(first, surface.along, _furthest(room, first, surface))
+    except AcousticsError as error:
+        raise InputError(where, got=error.got, expected=error.expected, do=error.do) from error
+    middle = middle.copy()
+    middle[room.along(first)] += offset
+    own = [(first, surface), *_each(walls or {})]
+    points, outlines = [], []
     for wall, one in own:
         moved = (one.points - surface.centre) @ axes.T + middle
         corners = (one.outline - surface.centre) @ axes.T + middle
@@ -107,7 +109,79 @@ def placed(
         try:
             room.accept(wall, np.concatenate([moved, corners]), directions)
         except AcousticsError as error:
-            do = WITHIN if error.where == "surface.points" else error.do
-            raise InputError(where, got=error.got, expected=error.expected, do=do) from error
+            do = error.do or (WITHIN if error.where == "surface.points" else "")
+            told = f"{where}.surfaces.{wall}" if error.where == "surface.points" and one is not surface else where
+            raise InputError(told, got=error.got, expected=error.expected, do=do) from error
         points.append(moved)
+        outlines.append(corners)
+    _apart(where, own, points, outlines)
     return Placed(room, name, tuple(one for _, one in own), tuple(points), axes, surface.centre - middle @ axes)
+
+
+def _each(walls: Mapping[str, Surface | Sequence[Surface]]) -> list[tuple[str, Surface]]:
+    """Every further surface with its wall."""
+    return [(wall, one) for wall, some in walls.items() for one in ([some] if isinstance(some, Surface) else some)]
+
+
+def _furthest(room: SoundField, wall: str, surface: Surface) -> Floats:
+    """The normal of a surface: of one on the first wall, the one that faces least as it should."""
+    if wall != room.movable[0]:
+        return surface.normal
+    facing = surface.normals @ room.facing
+    return surface.normal if facing.min() >= FACING else surface.normals[facing.argmin()]
+
+
+def _apart(
+    where: str, own: Sequence[tuple[str, Surface]], points: Sequence[Floats], outlines: Sequence[Floats]
+) -> None:
+    """Refuse surfaces on one wall that cover each other: what moves there would be counted twice."""
+    for (i, (wall, one)), (j, (there, other)) in combinations(enumerate(own), 2):
+        if wall != there:
+            continue
+        inside = _covered((one, points[i], outlines[i]), (other, points[j], outlines[j]))
+        if inside > 0.0:
+            raise InputError(
+                f"{where}.surfaces.{wall}",
+                got=f"'{other.name}' over '{one.name}' on {inside:.3g} m^2 of it",
+                expected="surfaces beside each other",
+                do="give one of them a `region` without the other",
+            )
+
+
+def _covered(one: tuple[Surface, Floats, Floats], other: tuple[Surface, Floats, Floats]) -> float:
+    """Area [m^2] of one of two surfaces (each with its points and outline in the room) that lies within the other.
+
+    Of surfaces that do not fill their outlines only points in common tell.
+    """
+    size = float(np.ptp(np.concatenate([one[2], other[2]]), axis=0).max())
+    axes = [axis for axis in range(3) if np.ptp(one[2][:, axis]) > LEVEL * size]
+    found = 0.0
+    for (mine, points, _), (yours, others, corners) in ((one, other), (other, one)):
+        flat = corners[:, axes]
+        if len(axes) != 2 or abs(_area(flat) / yours.weights.sum() - 1) > FILLED:
+            grid = np.round(np.concatenate([points, others]) / (LEVEL * size)).astype(np.int64)
+            inside = np.isin(_numbers(grid)[: len(points)], _numbers(grid)[len(points) :])
+        else:
+            inside = _within(points[:, axes], flat)
+        found = max(found, float(mine.weights[inside].sum()))
+    return found
+
+
+def _numbers(grid: NDArray[np.int64]) -> NDArray[np.int64]:
+    return np.unique(grid, axis=0, return_inverse=True)[1].ravel().astype(np.int64)
+
+
+def _area(corners: Floats) -> float:
+    """Area of a polygon [n, 2] [m^2]."""
+    x, y = corners.T
+    return 0.5 * abs(float(x @ np.roll(y, -1) - y @ np.roll(x, -1)))
+
+
+def _within(points: Floats, corners: Floats) -> NDArray[np.bool_]:
+    """Which points [p, 2] lie within a polygon [n, 2], by how often a ray from them crosses its sides."""
+    low, high = corners, np.roll(corners, -1, axis=0)
+    x, y = points[:, :1], points[:, 1:]
+    spans = (low[:, 1] > y) != (high[:, 1] > y)
+    rise = np.where(high[:, 1] == low[:, 1], 1.0, high[:, 1] - low[:, 1])
+    crossing = low[:, 0] + (y - low[:, 1]) / rise * (high[:, 0] - low[:, 0])
+    return np.asarray((spans & (x < crossing)).sum(axis=1) % 2 == 1)

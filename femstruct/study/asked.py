@@ -189,8 +189,9 @@ class Limit:
 class RoomPlan:
     """A room under a radiating surface, or the half space beside it, and its receivers.
 
-    under : the surface that places it. walls : further surfaces, by the wall of the room that they move.
-    offset : of the surface's centre from the ceiling's centre [m], room axes.
+    under : the surface that places it; on : the wall that it lies on, where it is not the ceiling. walls : further
+    surfaces, one or several, by the wall of the room that they move.
+    offset : of the surface's centre from the middle of its wall [m], the two axes of the room along it.
     coupling : one-way, the air does not react on the structure, or two-way. leak : of a two-way room.
     t60_asked : reverberation times that its losses were made from {frequency [Hz]: [s]}, empty for other losses.
     levels : standards by which it is rated, of `acoustics.levels.methods.STANDARDS`.
@@ -219,9 +220,17 @@ class RoomPlan:
     levels: tuple[str, ...] = ()
     animate: tuple[float | None, ...] = ()
     directivity: tuple[float, ...] = ()
-    walls: Mapping[str, str] = field(default_factory=dict)
+    walls: Mapping[str, str | tuple[str, ...]] = field(default_factory=dict)
     beyond_modes: Literal["statistical", "blank"] = "statistical"
     ensemble: int = 10
+    on: str = ""
+
+    @property
+    def moved(self) -> tuple[tuple[str, str], ...]:
+        """All surfaces that move its air, (wall, surface), the one that places it first."""
+        further = ((wall, (some,) if isinstance(some, str) else some) for wall, some in self.walls.items())
+        first = (self.on or self.room.movable[0], self.under)
+        return (first, *((wall, name) for wall, names in further for name in names))
 
     def __post_init__(self) -> None:
         if 0 != self.ensemble < FEWEST_ROOMS:

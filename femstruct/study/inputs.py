@@ -230,7 +230,7 @@ def _room(plan: RoomPlan) -> Item:
     room = plan.room
     t60 = {f"{frequency:g} Hz": seconds for frequency, seconds in plan.t60_asked.items()}
     receivers = {one.name: plain(one.position) for one in plan.receivers}
-    given_here = [Given("under", plan.under), *(Given(wall, surface) for wall, surface in plan.walls.items())]
+    given_here = [Given(plan.on or "under", plan.under), *(Given(wall, name) for wall, name in plan.moved[1:])]
     given_here += [Given("reverberation time", t60, "s")] if t60 else []
     given_here += [Given("coupling", plan.coupling), *([] if plan.leak is None else given(plan.leak, LEAK))]
     given_here += [Given("rated by", plan.levels)] if plan.levels else []

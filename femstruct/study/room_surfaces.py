@@ -15,8 +15,11 @@ def placed_room(plan: RoomPlan, surfaces: Mapping[str, Surface]) -> Placed:
 
     Raises InputError when the structure has no such surface, and as `placed` does.
     """
-    for key, name in (("under", plan.under), *((f"walls.{wall}", name) for wall, name in plan.walls.items())):
+    others: dict[str, list[Surface]] = {}
+    for number, (wall, name) in enumerate(plan.moved):
+        key = f"surfaces.{wall}" if number or plan.on else "under"
         if name not in surfaces:
             raise InputError(f"rooms.{plan.name}.{key}", got=f"'{name}'", expected=some_of(surfaces) or "a surface")
-    others = {wall: surfaces[name] for wall, name in plan.walls.items()}
-    return placed(plan.room, surfaces[plan.under], plan.offset, plan.name, others)
+        if number:
+            others.setdefault(wall, []).append(surfaces[name])
+    return placed(plan.room, surfaces[plan.under], plan.offset, plan.name, others, plan.on)

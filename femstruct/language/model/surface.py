@@ -6,16 +6,17 @@ from typing import Annotated
 
 from femstruct.language.model.region import Region, RegionSpec
 from femstruct.language.yaml import Here, Refers, Spec, Text
-from femstruct.model.region import Side
+from femstruct.model.region import Facing
 from femstruct.model.structure import SurfaceOn
 
 
 class SurfaceSpec(Spec):
-    """A named side of a region of a plate, or of a set or all of a shell."""
+    """A named side of a region of a plate, or of a set or all of a shell. side: above or below; of a wall x, -x, y or
+    -y, the global direction in which it faces."""
 
     makes = SurfaceOn
     on: Annotated[Text, Refers("plate or shell")]
-    side: Side = "above"
+    side: Facing = "above"
     region: Region = RegionSpec()
 
     def check(self, here: Here) -> None:

@@ -17,6 +17,7 @@ from acoustics.levels.methods import STANDARDS, method_of, refuse_source
 from acoustics.losses import Losses
 from acoustics.receivers import Receiver
 from acoustics.rooms.box_two_way import Leak
+from femstruct.errors import shown_as
 from femstruct.impact.scene.impact_sources import BETWEEN_BLOWS, HAMMERS, TAPPING_MACHINE
 from femstruct.language.rooms.losses import LossesSpec
 from femstruct.language.rooms.room import Asked, RoomSpec
@@ -29,6 +30,7 @@ from femstruct.language.yaml import (
     Quantity,
     Spec,
     SurfaceName,
+    exactly_one,
     read_by,
     refuse,
     several,
@@ -37,6 +39,15 @@ from femstruct.language.yaml import (
 )
 from femstruct.study.asked import FEWEST_ROOMS, RoomPlan
 
+
+def _surface(value: object) -> object:
+    """The name of a surface."""
+    if not isinstance(value, str):
+        raise refuse(shown_as(value), "the name of a surface, or a list of them", "write it like x0: wall face")
+    return value
+
+
+SurfaceNames = Annotated[tuple[SurfaceName, ...], read_by(several(_surface), SurfaceName | list[SurfaceName])]
 _Animated = Frequency | Literal["pulse"]
 _animated = several(word_or({"pulse": None}, FREQUENCY))
 
@@ -67,14 +78,14 @@ class LeakSpec(Spec):
 
 
 class ClosedSpec(RoomSpec):
-    """A room under a surface."""
+    """A room under a surface, or among several."""
 
-    one_of = (("under", "above", "below"), ("size", "mesh"))
+    one_of = (("size", "mesh"),)
     needs = (("mesh", ("ceiling",)), ("ceiling", ("mesh",)))
     refused = ("directivity",)
 
-    under: SurfaceName
-    surfaces: dict[str, SurfaceName] = Field(default_factory=dict)
+    under: SurfaceName | None = None
+    surfaces: dict[str, SurfaceNames] = Field(default_factory=dict)
     at: Position2 | None = None
     losses: LossesSpec | None = None
     form: Literal["causal", "source"] = "causal"
@@ -89,11 +100,13 @@ class ClosedSpec(RoomSpec):
     def refuse_keys(cls, given: Mapping[str, Any]) -> None:
         if "directivity" in given:
             raise refuse("'directivity' beside 'under'", "open air, 'above' or 'below'", "a room reflects sound")
+        exactly_one(given, ("under", "above", "below"), or_none=bool(given.get("surfaces")))
 
     @property
     def moved(self) -> set[str]:
         """All surfaces that move its air."""
-        return {self.under, *self.surfaces.values()}
+        named = {name for names in self.surfaces.values() for name in names}
+        return named | ({self.under} if self.under is not None else set())
 
     @property
     def standards(self) -> tuple[str, ...]:
@@ -143,9 +156,11 @@ class ClosedSpec(RoomSpec):
         closed = {other: room for other, room in asked.rooms.items() if isinstance(room, ClosedSpec)}
         both = {other: room for other, room in closed.items() if room.coupling == "two-way"}
         others = [other for other, room in both.items() if room.moved & self.moved]
-        here.at("under").need(
-            others[0] == name,
-            f"'{self.under}', which '{others[0]}' with two-way coupling is under already",
+        if others[0] == name:
+            return
+        shared = sorted(both[others[0]].moved & self.moved)[0]
+        here.at("under" if shared == self.under else "surfaces").wrong(
+            f"'{shared}', which '{others[0]}' with two-way coupling is under already",
             "another surface",
             "one of the two can be one-way",
         )
@@ -209,9 +224,30 @@ class ClosedSpec(RoomSpec):
             return None
         for wall in self.surfaces:
             here.at("surfaces", wall).make(partial(room.on_wall, wall))
-        x, y, _ = room.middle.tolist()
-        offset = (self.at[0] - x, self.at[1] - y) if self.at is not None else (0.0, 0.0)
+        if not all(wall in room.movable for wall in self.surfaces):
+            return None
+        first, moved = self._placing(room)
+        offset = (0.0, 0.0)
+        if self.at is not None:
+            middle = room.middle_of(first)[room.along(first)].tolist()
+            offset = (self.at[0] - middle[0], self.at[1] - middle[1])
         leak = self.leak.leak(self.air.rho) if self.leak is not None else None
         asked, heard = self.losses.asked if self.losses is not None else {}, tuple(receivers)
-        plan = RoomPlan(name, room, self.under, heard, offset, self.coupling, leak, asked, self.levels, self.animate)
-        return replace(plan, walls=self.surfaces, beyond_modes=self.beyond_modes, ensemble=self.ensemble)
+        placing, *others = moved.pop(first) if self.under is None else (self.under,)
+        further = {first: tuple(others)} if others else {}
+        further |= {wall: further.get(wall, ()) + names for wall, names in moved.items()}
+        walls = {wall: names[0] if len(names) == 1 else names for wall, names in further.items()}
+        plan = RoomPlan(name, room, placing, heard, offset, self.coupling, leak, asked, self.levels, self.animate)
+        return replace(
+            plan,
+            walls=walls,
+            beyond_modes=self.beyond_modes,
+            ensemble=self.ensemble,
+            on=first if self.under is None and first != room.movable[0] else "",
+        )
+
+    def _placing(self, room: SoundField) -> tuple[str, dict[str, tuple[str, ...]]]:
+        """The wall whose first surface places the room, and all that `surfaces` names."""
+        ceiling = room.movable[0]
+        named = dict(self.surfaces)
+        return (ceiling if self.under is not None or ceiling in named else next(iter(named))), named

@@ -7,20 +7,40 @@ from typing import Final
 import numpy as np
 
 from femstruct.arrays import Floats, Integers
-from femstruct.model.region import Side
+from femstruct.model.region import Facing
 
 STEEP: Final = float(np.cos(np.radians(45.0)))  # from there on neither side is above or below
 LEVEL: Final = 1e-9  # sine of the angle to the horizontal
 STRAIGHT: Final = 1e-9  # sine of the angle between two edges of one straight line
 
 
-def outwards(normal: Floats, side: Side) -> Floats:
+def outwards(normal: Floats, side: Facing) -> Floats:
     """Unit normal out of the named side: above is up along global z; where neither side is up, that of the cells' own
-    normals."""
+    normals; x, -x, y and -y is the side that faces that way."""
     length = float(np.linalg.norm(normal))
     unit = normal / length if length > 0 else np.array([0.0, 0.0, 1.0])
+    if side not in ("above", "below"):
+        return np.asarray(unit * np.sign(unit @ towards(side)))
     up = 1.0 if unit[2] > 0 or abs(unit[2]) < STEEP - 1e-12 else -1.0
     return np.asarray(unit * (up if side == "above" else -up))
+
+
+def towards(side: Facing) -> Floats:
+    """The global direction [3] of a side that is named by one.
+
+    >>> towards("-y").tolist()
+    [0.0, -1.0, 0.0]
+    """
+    direction = np.zeros(3)
+    direction["xyz".index(side[-1])] = -1.0 if side.startswith("-") else 1.0
+    return direction
+
+
+def faces_towards(normal: Floats, side: Facing) -> bool:
+    """Whether a side of something with that normal is within 45 degrees of the direction that names it; always, of
+    above and below."""
+    length = float(np.linalg.norm(normal))
+    return side in ("above", "below") or abs(float(normal @ towards(side))) >= STEEP * length - 1e-12
 
 
 def frame_across(normal: Floats, places: Floats) -> tuple[Floats, Floats]:

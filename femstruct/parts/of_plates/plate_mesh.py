@@ -16,12 +16,13 @@ from femstruct.model.grid.geometry import distance_to_rectangle, from_rectangle,
 from femstruct.model.grid.lines import divided, snapped
 from femstruct.model.grid.regions import area_points, grid_points, region_box
 from femstruct.model.grid.scatter import interleaved, scattered, with_diagonal
+from femstruct.model.imported.facing import towards
 from femstruct.model.materials.lay_up import stresses_of_resultants
 from femstruct.model.materials.loss_by_frequency import Loss
 from femstruct.model.meshed import Drawn, EdgePoints, Meshed, OwnDofs, Spread
 from femstruct.model.model import Model
 from femstruct.model.probe import Point, StressPlaces, Surface
-from femstruct.model.region import Region, Side
+from femstruct.model.region import Facing, Region, Side
 from femstruct.model.rows import carried, flat_rows, mean_of_cells, sparse_rows
 from femstruct.model.structure import PlaceOn, Support, SurfaceOn
 from femstruct.parts.of_plates.patches import patch_points, patch_turning
@@ -202,6 +203,17 @@ class PlateMesh(Meshed):
         normal: Floats = self.axes[2] * (up if side == "above" else -up)
         return normal
 
+    def _facing(self, side: Facing, where: str) -> Floats:
+        """Unit normal out of a side that is named by where it faces."""
+        direction = towards(side) if side not in ("above", "below") else np.array([0.0, 0.0, 1.0])
+        across = float(direction @ self.axes[2])
+        if abs(across) < STEEP - 1e-12:
+            got = f"'{side}' of a plate at {np.degrees(np.arccos(min(abs(across), 1.0))):.0f} degrees"
+            do = "name the side of an upright plate by where it faces: x, -x, y or -y"
+            raise InputError(f"{where}.side", got=got, expected="at most 45 degrees", do=do)
+        flip = -1.0 if side == "below" else 1.0
+        return np.asarray(self.axes[2] * (flip if across > 0 else -flip))
+
     def point(self, name: str, place: PlaceOn, at: Floats, tolerance: float) -> Point:
         where, size = f"points.{name}", self.part.size
         if len(at) != 2:
@@ -222,15 +234,11 @@ class PlateMesh(Meshed):
         return Point(name, position, *flat_rows(nodes, rows, shares), normal=self.side_normal(place.side))
 
     def surface(self, item: SurfaceOn, n_nodes: int, tolerance: float) -> Surface:
-        """Raises InputError for a side steeper than 45 degrees, which is neither above nor below."""
+        """Raises InputError for a side more than 45 degrees away from the direction that names it."""
         where = f"surfaces.{item.name}"
         if item.region.kind not in ("whole", "rectangle"):
             raise InputError(f"{where}.region", got=item.region.kind, expected="whole or a rectangle")
-        if abs(self.axes[2, 2]) < STEEP - 1e-12:
-            angle = np.degrees(np.arccos(abs(self.axes[2, 2])))
-            got = f"'{item.side}' of a plate at {angle:.0f} degrees"
-            raise InputError(f"{where}.side", got=got, expected="at most 45 degrees")
-        normal = self.side_normal(item.side)
+        normal = self._facing(item.side, where)
         box = region_box(f"{where}.region", self.name, self.part.size, item.region, tolerance)
         local, weights = area_points(self.x, self.y, box, tolerance, SURFACE_ORDER)
         nodes, rows = self.rows(local)

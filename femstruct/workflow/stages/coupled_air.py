@@ -87,7 +87,8 @@ def coupled_key(key: str, rooms: Sequence[RoomPlan]) -> str:
     """The name of a basis joined to rooms: that of the structure alone where none is two-way."""
     joined = [
         (plan.name, plan.under, plan.offset, plan.room.identity, plan.room.air.c, plan.room.air.rho)
-        + tuple(sorted(plan.walls.items()))
+        + tuple(sorted(plan.moved[1:]))
+        + ((plan.on,) if plan.on else ())
         + (() if plan.leak is None else (plan.leak.inertance,))
         for plan in rooms
         if plan.coupling == "two-way"

@@ -81,9 +81,10 @@ def force_probes(study: Study, places: Places) -> dict[str, Probe]:
             found[f"load {load.name}"] = load.on
     for plan in study.rooms:
         if plan.coupling == "two-way":
-            moved = {"": plan.under} | {f" on {wall}": name for wall, name in plan.walls.items()}
-            known = {where: name for where, name in moved.items() if name in places.surfaces}
-            found |= {f"air of {plan.name}{at}": places.surfaces[name].pressure() for at, name in known.items()}
+            for number, (wall, name) in enumerate(plan.moved):
+                if name in places.surfaces:
+                    at = f" on {wall} by {name}" if number else ""
+                    found[f"air of {plan.name}{at}"] = places.surfaces[name].pressure()
     for request in study.frf:
         asked_by = f"frf.{request.name}.drive" if request.name else "--drive"
         found[str(request.drive)] = places.point(request.drive.name, asked_by).probe(request.drive.what)
