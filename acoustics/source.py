@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import pairwise
 from typing import Final, TypeVar
 
 import numpy as np
@@ -174,6 +175,25 @@ def together(surfaces: Sequence[Moving]) -> Moving:
         row, column = row + p, column + k
     rates = np.concatenate([one.rates for one in surfaces])
     return replace(first, points=points, weights=weights, shapes=shapes, rates=rates)
+
+
+def apart(surfaces: Sequence[SurfaceVibration]) -> tuple[list[SurfaceShapes], Complexes, list[slice]]:
+    """Vibrating surfaces with coordinates of their own, the same number for all; the rates of all [k, nf]; and which
+    of them are whose.
+
+    Raises AcousticsError: none, or vibrations of other frequencies.
+    """
+    _some(surfaces)
+    if any(one.axis != surfaces[0].axis for one in surfaces):
+        raise AcousticsError("surfaces", got="vibrations that differ", expected="the same frequencies of all")
+    ends = np.cumsum([0, *(one.shapes.shape[1] for one in surfaces)])
+    columns = [slice(int(a), int(b)) for a, b in pairwise(ends)]
+    alone = []
+    for one, own in zip(surfaces, columns, strict=True):
+        shapes = np.zeros((len(one.weights), int(ends[-1])))
+        shapes[:, own] = one.shapes
+        alone.append(SurfaceShapes(one.points, one.weights, shapes))
+    return alone, np.concatenate([one.rates for one in surfaces]), columns
 
 
 def _some(surfaces: Sequence[SurfaceShapes]) -> None:

@@ -73,6 +73,9 @@ class Room(Box, SoundField):
         middle[turn.axis] = self.size[turn.axis] if turn.at_end else 0.0
         return np.asarray(middle)
 
+    def wall_area(self, wall: str) -> float:
+        return float(np.prod(self.size[self.along(wall)]))
+
     def along(self, wall: str) -> list[int]:
         return sorted(Turn(wall).axes[:2])
 

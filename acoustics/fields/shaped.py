@@ -27,7 +27,7 @@ from acoustics.meshed.finite_elements import (
     off_boundary,
     probe,
 )
-from acoustics.meshed.meshed_pressure import cavity_pressures, harmonic_cavity_pressure
+from acoustics.meshed.meshed_pressure import cavity_powers, cavity_pressures, harmonic_cavity_pressure
 from acoustics.meshed.meshed_two_way import coupled_cavity
 from acoustics.meshed.walls import AnyWall, YieldingWall
 from acoustics.receivers import Receiver, positions
@@ -129,10 +129,17 @@ class ShapedRoom(SoundField):
         middle: Floats = (corners.min(axis=0) + corners.max(axis=0)) / 2
         return middle
 
+    def wall_area(self, wall: str) -> float:
+        return self.mesh.wall_area(wall)
+
     @property
     def extent(self) -> Floats:
         """Lower and upper corner of the box around the room [2, 3] [m]."""
         return np.stack([self.mesh.points.min(axis=0), self.mesh.points.max(axis=0)])
+
+    @property
+    def loses(self) -> bool:
+        return super().loses or bool(self.walls)
 
     @property
     def identity(self) -> object:
@@ -191,6 +198,10 @@ class ShapedRoom(SoundField):
         """By its modes: see `acoustics.meshed.meshed_pressure.harmonic_cavity_pressure`."""
         moving = together(surfaces)
         return harmonic_cavity_pressure(moving, self.modes, self.air, self.losses, receivers, self.walls)
+
+    def powers(self, surfaces: Sequence[SurfaceVibration]) -> Floats:
+        """By its modes: see `acoustics.meshed.meshed_pressure.cavity_powers`."""
+        return cavity_powers(surfaces, self.modes, self.air, self.losses, self.walls)
 
     def coupled_air(self, surfaces: Sequence[SurfaceShapes], up_to_hz: float) -> CoupledAir:
         """By its modes: see `acoustics.meshed.meshed_two_way.coupled_cavity`."""

@@ -89,6 +89,12 @@ class SoundField(ABC):
         return inf
 
     @property
+    def loses(self) -> bool:
+        """Whether its air takes up any energy."""
+        losses = self.losses
+        return bool(losses.relaxation_time or losses.decay_rate or losses.beta)
+
+    @property
     def identity(self) -> object:
         """What tells it from others of its kind with two-way coupling, except its air and losses: numbers and words."""
         return ()
@@ -118,6 +124,10 @@ class SoundField(ABC):
     def middle_of(self, wall: str) -> Floats:
         """The same on another wall, where the kind can be placed by it."""
         return self.middle
+
+    def wall_area(self, wall: str) -> float:
+        """Area of a wall that surfaces may move [m^2], infinite in the open."""
+        return inf
 
     def along(self, wall: str) -> list[int]:
         """The two of its axes that lie along a wall by which it can be placed."""

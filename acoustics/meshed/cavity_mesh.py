@@ -150,6 +150,21 @@ class CavityMesh:
             left = left[~inside]
         return found
 
+    def wall_area(self, wall: str) -> float:
+        """Area of a named wall of flat facets [m^2].
+
+        >>> round(box_mesh([4, 3, 2], [2, 2, 2]).wall_area("x0"), 12)
+        6.0
+        """
+        corners = self.points[self.walls[wall]]
+        if corners.shape[1] == 3:
+            pairs = [(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])]
+        else:  # in any order: of the three pairs of lines the diagonals span most
+            turns = ((0, 1, 2, 3), (0, 2, 1, 3), (0, 3, 1, 2))
+            pairs = [(corners[:, b] - corners[:, a], corners[:, d] - corners[:, c]) for a, b, c, d in turns]
+        spans = np.stack([np.linalg.norm(np.cross(*pair), axis=1) for pair in pairs])
+        return 0.5 * float(spans.max(axis=0).sum())
+
     def facets(self, wall: str) -> Integers:
         """Numbers of a wall's facets in scikit-fem's mesh.
 

@@ -21,7 +21,7 @@ from acoustics.receivers import Receiver, positions
 from acoustics.room_response import RoomResponse
 from acoustics.rooms.box_transfer import wavenumber_squared
 from acoustics.rooms.continuation import extended, source_bandwidth, transform_axis
-from acoustics.source import SurfaceShapes, SurfaceVelocity, SurfaceVibration, alike
+from acoustics.source import SurfaceShapes, SurfaceVelocity, SurfaceVibration, alike, apart, side_by_side
 
 _BATCH: Final = 1 << 23  # complex numbers of one batch
 
@@ -126,6 +126,29 @@ def harmonic_cavity_pressure(
     return p, (*_limits(float(hz.max()), modes, air), *way.advice)
 
 
+def cavity_powers(
+    surfaces: Sequence[SurfaceVibration],
+    modes: CavityModes,
+    air: Air,
+    losses: Losses,
+    walls: Mapping[str, AnyWall] | None = None,
+) -> Floats:
+    """Mean power [n_surfaces, nf] [W] that each surface gives the air of a room of any shape: 1/2 Re of the integral
+    over it of the total pressure times the conjugate of its own velocity.
+
+    The rest as `harmonic_cavity_pressure`, by whose pressure it is.
+    """
+    hz = surfaces[0].frequency_hz
+    shapes, rates, columns = apart(surfaces)
+    way = _way(modes, air, losses, walls or {}, side_by_side(shapes), None)
+    with np.errstate(divide="ignore", invalid="ignore"):  # a resonance without losses is refused just below
+        force = way.heard(np.asarray(2j * np.pi * hz), way.driving @ rates)
+    if not np.isfinite(force).all():
+        raise AcousticsError("frequency", got="a resonance of a room without losses", expected="losses")
+    flow = 0.5 * (rates.conj() * force).real
+    return np.array([flow[own].sum(axis=0) for own in columns])
+
+
 @dataclass(frozen=True, eq=False)
 class _Way:
     """From integrals of the modes over what moves, driving [n, k] times rates, to pressures of the receivers."""
@@ -152,11 +175,11 @@ def _way(
     losses: Losses,
     walls: Mapping[str, AnyWall],
     surface: SurfaceShapes,
-    places: Floats,
+    places: Floats | None,
 ) -> _Way:
-    """The transfer from what moves to places [r, 3], and advice on the walls."""
+    """The transfer from what moves to places [r, 3], or to the forces on its own shapes, and advice on the walls."""
     loads = drive(modes, surface)
-    listening = probe(modes.mesh, places)
+    listening = loads.T if places is None else probe(modes.mesh, places)
     coupled = coupling(modes, absorbed(modes, walls, air), air)
     resistive = {name: wall for name, wall in walls.items() if isinstance(wall, Wall)}
     constant = all(wall.constant for wall in resistive.values())

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Sequence
 from typing import Final
 
@@ -14,7 +13,7 @@ from acoustics.rooms.box import Box, room_modes
 from acoustics.rooms.box_transfer import wavenumber_squared
 from acoustics.rooms.box_walls import by_wall
 from acoustics.rooms.walls_two_way import displacements, finest_of, left_out_mass
-from acoustics.source import SurfaceShapes, SurfaceVibration, side_by_side
+from acoustics.source import SurfaceVibration, apart, side_by_side
 
 BEYOND: Final = 3.0  # of the highest frequency: modes of the room above it answer as at rest
 MOST: Final = 4000  # modes of the room
@@ -50,10 +49,8 @@ def wall_powers(room: Box, surfaces: Sequence[SurfaceVibration], up_to_hz: float
     (0.5941, 0.5941)
     """
     hz = surfaces[0].frequency_hz
-    if any(one.axis != surfaces[0].axis for one in surfaces):
-        raise AcousticsError("surfaces", got="vibrations that differ", expected="the same frequencies of all")
-    apart, rates, columns = _apart(surfaces)
-    parts = by_wall(room, side_by_side(apart))
+    shapes, rates, columns = apart(surfaces)
+    parts = by_wall(room, side_by_side(shapes))
     reach = BEYOND * float(hz.max()) if up_to_hz is None else up_to_hz
     indices = room_modes(room, reach)[1]
     indices = indices[(indices <= finest_of(room, parts)).all(axis=1)][:MOST]  # others the points do not tell
@@ -81,15 +78,3 @@ def wall_powers(room: Box, surfaces: Sequence[SurfaceVibration], up_to_hz: float
 def _flow(velocity: Complexes, pressure: Complexes) -> Floats:
     """Real part of conj(velocity) pressure, summed over the rows [nf]."""
     return np.asarray((velocity.conj() * pressure).real.sum(axis=0))
-
-
-def _apart(surfaces: Sequence[SurfaceVibration]) -> tuple[list[SurfaceShapes], Complexes, list[slice]]:
-    """Surfaces with coordinates of their own, side by side; the rates of all; and which are whose."""
-    ends = np.cumsum([0, *(one.shapes.shape[1] for one in surfaces)])
-    columns = [slice(int(a), int(b)) for a, b in itertools.pairwise(ends)]
-    apart = []
-    for one, own in zip(surfaces, columns, strict=True):
-        shapes = np.zeros((len(one.weights), int(ends[-1])))
-        shapes[:, own] = one.shapes
-        apart.append(SurfaceShapes(one.points, one.weights, shapes))
-    return apart, np.concatenate([one.rates for one in surfaces]), columns

@@ -24,6 +24,14 @@ ROOMS: Final = (
         ),
     ),
     Entry(
+        "flanking-incomplete",
+        "A room among several surfaces has walls that are rigid.",
+        REMARK,
+        "a room has two surfaces or more, and less than the threshold share of one of its walls moves",
+        "Give heavy walls parts and surfaces of their own where they matter; light linings and doors are never here.",
+        (Limit(0.95, "of each wall moves", "what is left is edges", CHOSEN, "flanking_findings.COVERED"),),
+    ),
+    Entry(
         "one-way-resonance",
         "A floor mode and a room mode exchange energy, so levels of one-way coupling are too high.",
         LIMITS,

@@ -28,7 +28,8 @@ class Placed:
     """A room, and the surfaces of a structure that move its air.
 
     room : the sound field. name : of the room; a basis that is coupled to it may have a leak of that name.
-    surfaces : the first one places the room. points : of each [p, 3], in the room's coordinates [m].
+    surfaces : the first one places the room. walls : those of the room that they move, in their order.
+    points : of each [p, 3], in the room's coordinates [m].
     axes [3, 3], origin [3] : of the room, global; axes as rows [m].
 
     `placed` makes one. The plane of a half space, the room's axes being those of the structure:
@@ -47,6 +48,7 @@ class Placed:
     points: tuple[Floats, ...]
     axes: Floats
     origin: Floats
+    walls: tuple[str, ...]
 
     @property
     def first(self) -> Surface:
@@ -115,7 +117,8 @@ def placed(
         points.append(moved)
         outlines.append(corners)
     _apart(where, own, points, outlines)
-    return Placed(room, name, tuple(one for _, one in own), tuple(points), axes, surface.centre - middle @ axes)
+    walls_moved, surfaces = zip(*own, strict=True)
+    return Placed(room, name, surfaces, tuple(points), axes, surface.centre - middle @ axes, walls_moved)
 
 
 def _each(walls: Mapping[str, Surface | Sequence[Surface]]) -> list[tuple[str, Surface]]:

@@ -23,6 +23,7 @@ from femstruct.modal.basis import ModalBasis
 from femstruct.modal.steady.answers import Vibrated
 from femstruct.model.model import Model
 from femstruct.reported import Reported
+from femstruct.sound.flanking import SurfaceShares
 from femstruct.sound.power import PowerResponse, Radiated
 from femstruct.study.asked import FrfRequest
 from femstruct.study.machine import Machine, Verdict
@@ -178,6 +179,7 @@ class CaseResult:
     None when nothing was simulated.
     drops : by place ("drops.2"), where a source strikes several: response, channels, rooms, levels, shares and errors
     are those of the first, rated is of all. Empty for one place.
+    by_surface : of rooms that several surfaces move, what each gives the air, by "ROOM".
     shock : shock response spectra, by name. vibration : what came of harmonic and random excitations, by name.
     fatigue : rainflow cycles and their damage, by name. sources : what measured sources do in place, by name.
     """
@@ -202,6 +204,7 @@ class CaseResult:
     vibration: Mapping[str, Vibrated] = field(default_factory=dict)
     fatigue: Mapping[str, Fatigue] = field(default_factory=dict)
     sources: Mapping[str, InstalledSource] = field(default_factory=dict)
+    by_surface: Mapping[str, SurfaceShares] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

@@ -42,7 +42,7 @@ from femstruct.files.tables.accuracy_tables import write_accuracy, write_errors
 from femstruct.files.tables.described import write_described, write_rows
 from femstruct.files.tables.finding_tables import finding_table, study_findings_table
 from femstruct.files.tables.machine_tables import write_verdicts
-from femstruct.files.tables.radiated_tables import write_power, write_radiated
+from femstruct.files.tables.radiated_tables import write_power, write_radiated, write_shares
 from femstruct.files.tables.study_tables import summary
 from femstruct.impact.result.response import Response
 from femstruct.study.machine import Verdict
@@ -197,10 +197,7 @@ def _write_case(cases: h5py.Group, name: str, case: CaseResult, verdicts: Sequen
             write_levels(group(levels, label, "Levels at one receiver"), level)
     if case.heard.total_levels:
         write_own_levels(target, case.heard)
-    if case.radiated:
-        sound = group(target, "sound_energy", "Sound energy into the open, ROOM")
-        for label, radiated in case.radiated.items():
-            write_radiated(group(sound, label, "One half space"), radiated)
+    _write_sound_energies(target, case)
     if case.rated:
         rated = group(target, "rated", "Rooms as the standards state them, over their receivers")
         for label, room_rated in case.rated.items():
@@ -225,6 +222,17 @@ def _write_sources(target: h5py.Group, sources: Mapping[str, InstalledSource]) -
         write_described(place, source)
         for receiver, heard in source.levels.items():
             write_described(group(place, receiver, "Levels at one receiver"), heard)
+
+
+def _write_sound_energies(target: h5py.Group, case: CaseResult) -> None:
+    if case.radiated:
+        sound = group(target, "sound_energy", "Sound energy into the open, ROOM")
+        for label, radiated in case.radiated.items():
+            write_radiated(group(sound, label, "One half space"), radiated)
+    if case.by_surface:
+        sound = group(target, "by_surface", "What each surface gives the air of a room, ROOM")
+        for label, shares in case.by_surface.items():
+            write_shares(group(sound, label, "One room"), shares)
 
 
 def _write_response(target: h5py.Group, case: CaseResult, response: Response) -> None:

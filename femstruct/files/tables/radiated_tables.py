@@ -6,9 +6,11 @@ from math import isfinite
 from typing import TYPE_CHECKING, Any
 
 from acoustics.open_air.directivity import Directivity
+from femstruct.arrays import Floats
 from femstruct.files.results_file.datasets import axis, group, put
 from femstruct.files.tables.described import described, write_described
 from femstruct.files.tables.json_numbers import label, number
+from femstruct.sound.flanking import SurfaceShares
 from femstruct.sound.power import PowerResponse, Radiated
 from femstruct.study.result import CaseResult
 
@@ -66,3 +68,29 @@ def write_pattern(target: h5py.Group, pattern: Directivity, unit: str) -> None:
     put(target, "pressure", pattern.pressure, unit, "|p| times the distance, far away", (frequency, side, angle))
     mean = "Root of its mean square over the half sphere"
     put(target, "half_sphere", pattern.half_sphere, unit, mean, (frequency,))
+
+
+def shares_table(shares: SurfaceShares) -> Table:
+    """What each surface gives the air of a room: by surface, by third octave; None where nothing is known."""
+    bands = [label(band) for band in shares.bands_hz]
+
+    def by_band(values: Floats) -> Table:
+        return {band: number(value) for band, value in zip(bands, values, strict=True)}
+
+    each = {
+        name: {
+            "wall": shares.walls[row],
+            "energy_j": by_band(shares.energy_j[row]),
+            "share": by_band(shares.share[row]),
+            "alone_db": by_band(shares.alone_db[row]),
+        }
+        for row, name in enumerate(shares.surfaces)
+    }
+    return {"surfaces": each, "total_j": by_band(shares.total_j), "together_db": by_band(shares.together_db)}
+
+
+def write_shares(target: h5py.Group, shares: SurfaceShares) -> None:
+    """The same in the results file."""
+    axis(target, "surface", list(shares.surfaces), "1", "Surface that moves the air")
+    put(target, "wall", list(shares.walls), "1", "Wall of the room that it moves", ("surface",))
+    write_described(target, shares)

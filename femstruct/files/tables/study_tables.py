@@ -13,7 +13,7 @@ from femstruct.files.tables.described import columns, described
 from femstruct.files.tables.finding_tables import finding_table, study_findings_table
 from femstruct.files.tables.json_numbers import label, number
 from femstruct.files.tables.machine_tables import machine_table, verdict_tables
-from femstruct.files.tables.radiated_tables import radiated_beside, radiated_table
+from femstruct.files.tables.radiated_tables import radiated_beside, radiated_table, shares_table
 from femstruct.impact.result.response import Blow, EnergyBalance, Response
 from femstruct.impact.result.shares import EnergyGroup, ModeEnergies
 from femstruct.modal.steady.answers import Vibrated
@@ -76,6 +76,7 @@ def _case(case: CaseResult) -> Table:
         "sources": {name: _installed(one) for name, one in case.sources.items()},
         "levels": {name: described(levels) for name, levels in case.levels.items()},
         "sound_energy": {name: radiated_table(radiated) for name, radiated in case.radiated.items()},
+        "by_surface": {name: shares_table(shares) for name, shares in case.by_surface.items()},
         "own_levels": {name: described(levels) for name, levels in case.heard.own_levels.items()},
         "total_levels": {name: described(levels) for name, levels in case.heard.total_levels.items()},
         "rated": {name: _rated(rated) for name, rated in case.rated.items()},

@@ -25,6 +25,7 @@ from femstruct.view.tables.machine_table import limits, machine
 from femstruct.view.tables.radiated_table import installed, radiated
 from femstruct.view.tables.rated_table import add_totals, bands, first_drop, ratings
 from femstruct.view.tables.scales import ZEROS, digits, rounded, scaled
+from femstruct.view.tables.shares_table import bands_by_surface, shares_by_surface
 
 SPOKEN_RECEIVERS = 2  # of a room
 SPOKEN_MODES = 12  # of a channel
@@ -88,6 +89,8 @@ def other_tables(result: StudyResult) -> tuple[Grid, ...]:
         energy_destinations(result),
         arrays(result),
         radiated(result),
+        shares_by_surface(result),
+        bands_by_surface(result),
         bands(result),
         _modes_db(result),
     )

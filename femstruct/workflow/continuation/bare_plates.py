@@ -120,7 +120,7 @@ def _other_air(plan: RoomPlan) -> str:
         return "the room has no reverberation time"
     if not plan.room.wall_area < inf:
         return f"{plan.room.word} has no diffuse field of one reverberation time"
-    return "several surfaces radiate into the room" if plan.walls else ""
+    return "several surfaces radiate into the room, or a wall of it" if plan.walls or plan.on else ""
 
 
 def _sides(surface: SurfaceOn, part: Plate | Slab) -> tuple[float, float] | None:

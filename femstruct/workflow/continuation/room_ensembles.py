@@ -62,8 +62,8 @@ def why_no_ensemble(plan: RoomPlan) -> str:
         return "the air reacts on the floor, which would have to be computed for every room"
     if plan.room.varied(np.ones(3)) is None:
         return f"{plan.room.word} has no sides that can be varied"
-    if plan.walls:
-        return "several surfaces radiate into the room"
+    if plan.walls or plan.on:
+        return "several surfaces radiate into the room, or a wall of it"
     return "" if plan.room.losses.kind != "none" else "the room has no reverberation time"
 
 

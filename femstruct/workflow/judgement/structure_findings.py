@@ -87,7 +87,7 @@ def structure_findings_before(
         found += model_findings(model)
         found += layer_loss_findings(model)
         rooms = [room for study in studies for room in study.rooms if room.coupling == "two-way"]
-        found += total_loss_findings(model, {room.under: room.name for room in rooms})
+        found += total_loss_findings(model, {surface: room.name for room in rooms for _, surface in room.moved})
         found += overhang_findings(model)
         found += twice_findings(structure)
         found += arrangement_findings(model, _joined(model, studies), any(weighs(study) for study in studies))

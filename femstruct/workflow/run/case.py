@@ -15,6 +15,7 @@ from femstruct.impact.result.response import Response
 from femstruct.impact.result.shares import mode_energies
 from femstruct.modal.basis import ModalBasis
 from femstruct.modal.steady.answers import Vibrated
+from femstruct.sound.flanking import SurfaceShares
 from femstruct.sound.power import Radiated
 from femstruct.sound.surface import coupling_findings
 from femstruct.study.measured_source import InstalledSource
@@ -46,7 +47,7 @@ from femstruct.workflow.stages.places import Places
 from femstruct.workflow.stages.rated_rooms import overlap_findings, rate_rooms
 from femstruct.workflow.stages.responses import frequency_response
 from femstruct.workflow.stages.room_transfers import RoomTransfers
-from femstruct.workflow.stages.sound_energies import sound_energies
+from femstruct.workflow.stages.sound_energies import shares_by_surface, sound_energies
 from femstruct.workflow.stages.stresses import stress_findings
 from femstruct.workflow.stages.vibrations import random_fatigues, vibrations
 
@@ -84,6 +85,7 @@ def run_case(
     told += found_of_sources
     whole: Struck | None = None
     radiated: dict[str, Radiated] = {}
+    by_surface: dict[str, SurfaceShares] = {}
     channels, shares, drops, rated, cycles = {}, None, {}, {}, dict[str, Fatigue]()
     if study.time is not None:
         refuse_absent_forces(study, basis)
@@ -103,6 +105,9 @@ def run_case(
             with clock("sound energy", case.name):
                 radiated, found_of_sound = sound_energies(study, own.places, whole.response)
                 told += found_of_sound
+        if any(len(plan.moved) > 1 for plan in study.rooms):
+            with clock("sound by surface", case.name):
+                by_surface = shares_by_surface(study, own.places, whole.response, basis.complete_below_hz)
         findings += told_once({place: one.findings for place, one in struck.items()})
         rated = _rated(case, struck, own.places, vacuo, clock)
         told += [*_of_bands(rated), *weight_on_air(whole.response, vacuo, study.rooms)]
@@ -130,6 +135,7 @@ def run_case(
         vibration=vibrated,
         fatigue=cycles,
         sources=installed,
+        by_surface=by_surface,
     )
 
 

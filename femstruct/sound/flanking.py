@@ -1,0 +1,163 @@
+"""Who makes which band in a room that several surfaces move: the active energy of each, and what is heard of each
+alone."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from math import inf, log10, nan
+from typing import Annotated, Final
+
+import numpy as np
+
+from acoustics.arrays import Complexes
+from acoustics.levels.bands import band_edges, third_octave_bands
+from acoustics.levels.ending import shown
+from acoustics.levels.sound_levels import REFERENCE_PA
+from acoustics.receivers import Receiver
+from acoustics.rooms.continuation import fast_length
+from acoustics.source import SurfaceVelocity, SurfaceVibration
+from femstruct.arrays import Floats, freeze, frozen
+from femstruct.reported import Reported
+from femstruct.sound.placed import Placed
+from femstruct.sound.surface import Motion
+
+REFERENCE_J: Final = 1e-12
+LINES_A_BAND: Final = 2.0  # lines of the record within a third octave from which on the band is shown
+PADDED: Final = 2.0  # length of the transform over that of the record
+_BAND: Final = ("band_hz", "Hz", "Nominal centre of the third octave")
+_SILENCE: Final = 1e-30
+
+
+@dataclass(frozen=True, eq=False)
+class SurfaceShares:
+    """What each surface of a room gives its air in a record, by third octaves, and what is heard of it alone.
+
+    surfaces : their names. walls : those of the room that they move. bands_hz [b] : nominal centres.
+    energy_j [s, b] : active energy: the total pressure on each surface times its own velocity, over its area and the
+    record. They sum to what the air takes up; a surface that the others push has a negative one, and there is no other
+    way to share out sounds that are coherent.
+    alone_db [s, b] : sound exposure level, mean over the receivers' energies, when this surface alone moves as it does.
+    They add up to `together_db` [b] in pressure, not in energy. nan where nobody listens, and beyond where the sound
+    ends.
+
+    >>> two = SurfaceShares(("slab", "wall"), ("ceiling", "x0"), [63.0], [[3e-9], [-1e-9]], [[60.0], [55.0]], [61.0])
+    >>> two.total_j.tolist(), two.share.ravel().tolist(), round(two.over_db(1), 1)
+    ([2e-09], [1.5, -0.5], 55.0)
+    """
+
+    surfaces: tuple[str, ...]
+    walls: tuple[str, ...]
+    bands_hz: Annotated[Floats, Reported("Hz", "Nominal centre of the third octave", along=("bands_hz",))]
+    energy_j: Annotated[Floats, Reported("J", "Total pressure times own velocity", along=("surface", "bands_hz"))]
+    alone_db: Annotated[
+        Floats, Reported("dB re 20 µPa", "Sound exposure level of a surface alone", along=("surface", "bands_hz"))
+    ]
+    together_db: Annotated[Floats, Reported("dB re 20 µPa", "Sound exposure level of all", along=("bands_hz",))]
+
+    def __post_init__(self) -> None:
+        bands = frozen("shares.bands_hz", self.bands_hz, (None,))
+        each = (len(self.surfaces), len(bands))
+        freeze(
+            self,
+            bands_hz=bands,
+            energy_j=frozen_or_nan("shares.energy_j", self.energy_j, each),
+            alone_db=frozen_or_nan("shares.alone_db", self.alone_db, each),
+            together_db=frozen_or_nan("shares.together_db", self.together_db, each[1:]),
+        )
+
+    @property
+    def total_j(self) -> Annotated[Floats, Reported("J", "What the room's air takes up", along=("bands_hz",))]:
+        """Sum of the energies [b] [J]."""
+        return np.asarray(self.energy_j.sum(axis=0))
+
+    @property
+    def share(self) -> Annotated[Floats, Reported("1", "Share of the energy", along=("surface", "bands_hz"))]:
+        """Of what the air takes up [s, b]: they sum to 1, and may be negative or above 1; nan in silence."""
+        total = self.total_j
+        return np.divide(self.energy_j, total, out=np.full_like(self.energy_j, nan), where=np.abs(total) > 0)
+
+    def over_db(self, surface: int) -> float:
+        """Sound exposure level of one surface alone over all bands that are shown [dB re 20 uPa]."""
+        return summed_db(self.alone_db[surface])
+
+
+def frozen_or_nan(name: str, values: Floats, shape: tuple[int, ...]) -> Floats:
+    """An array as `frozen` has it, which may have nan."""
+    found = np.array(values, dtype=np.float64)
+    frozen(name, np.nan_to_num(found), shape)
+    found.flags.writeable = False
+    return found
+
+
+def summed_db(levels_db: Floats) -> float:
+    """Level of the sum of the energies [dB]; nan where none is known."""
+    known = levels_db[~np.isnan(levels_db)]
+    return 10 * log10(max(float((10 ** (known / 10)).sum()), _SILENCE)) if len(known) else nan
+
+
+def surface_shares(
+    motion: Motion, room: Placed, receivers: Sequence[Receiver], end_hz: float = inf
+) -> SurfaceShares | None:
+    """What each surface of a closed room gives its air while all move as recorded; None where no band is complete.
+
+    motion : of all surfaces. end_hz : where the motion ends; bands above it are left out. Energies are nan in a room
+    without losses, which takes nothing up.
+
+    Notes
+    -----
+    Energy is the sum over the lines of the record of the active power spectrum; the structure stands still after its
+    end. Bands begin where a third octave has two lines, 4.3 / T.
+    """
+    first = motion[0]
+    length = fast_length(int(PADDED * first.rates.shape[1]))
+    step = 1.0 / (length * first.dt)
+    bands = {
+        nominal: exact
+        for nominal, exact in third_octave_bands(1.0 / first.dt, 10.0).items()
+        if np.subtract(*band_edges(exact)[::-1]) >= LINES_A_BAND / (first.rates.shape[1] * first.dt)
+        and shown(exact, end_hz)
+    }
+    if not bands:
+        return None
+    low, high = band_edges(next(iter(bands.values())))[0], band_edges([*bands.values()][-1])[1]
+    lines = np.asarray(step * np.arange(int(np.ceil(low / step)), int(high / step) + 1), dtype=np.float64)
+    energy = np.full((len(motion), len(bands)), nan)
+    if room.room.loses:
+        density = 4.0 * room.room.powers([_vibration(one, length, lines) for one in motion])  # both signs, 2 of 1/2
+        energy = step * _by_band(density, lines, bands)
+    alone, together = np.full(energy.shape, nan), np.full(len(bands), nan)
+    if receivers:
+        heard = [room.room.pressures([[one]], receivers, end_hz)[0] for one in motion]
+        spectra = [_spectra(one.p, first.dt, length, lines) for one in heard]
+        squares = [(np.abs(one) ** 2).mean(axis=0)[None] for one in (*spectra, sum(spectra))]
+        *each, whole = (_exposure_db(2.0 * step * _by_band(one, lines, bands)[0]) for one in squares)
+        alone, together = np.array(each), whole
+    names, walls = tuple(one.name for one in room.surfaces), tuple(room.walls)
+    return SurfaceShares(names, walls, np.array([*bands]), energy, alone, together)
+
+
+def _vibration(motion: SurfaceVelocity, length: int, lines: Floats) -> SurfaceVibration:
+    """A motion at some lines of a padded record: rates in m/s/Hz per unit of the shapes."""
+    return SurfaceVibration(
+        motion.points, motion.weights, motion.shapes, _spectra(motion.rates, motion.dt, length, lines), lines
+    )
+
+
+def _spectra(p: Floats, dt: float, length: int, lines: Floats) -> Complexes:
+    """Fourier transform of histories [r, nt] at some lines of a padded record [r, nf]."""
+    first = round(float(lines[0]) * length * dt)
+    return dt * np.fft.rfft(p, length, axis=1)[:, first : first + len(lines)]
+
+
+def _by_band(density: Floats, lines: Floats, bands: Mapping[float, float]) -> Floats:
+    """Sums [s, b] of densities [s, nf] over the lines of each band."""
+    edges = np.array([band_edges(exact)[0] for exact in bands.values()])
+    within = np.searchsorted(edges, lines, side="right") - 1
+    found = np.zeros((len(density), len(bands)))
+    np.add.at(found.T, within, density.T)
+    return found
+
+
+def _exposure_db(square: Floats) -> Floats:
+    return 10 * np.log10(np.maximum(square, _SILENCE) / REFERENCE_PA**2)
