@@ -67,7 +67,7 @@ class SurfaceShares:
         )
 
     @property
-    def total_j(self) -> Annotated[Floats, Reported("J", "What the room's air takes up", along=("bands_hz",))]:
+    def total_j(self) -> Annotated[Floats, Reported("J", "What the air of the room absorbs", along=("bands_hz",))]:
         """Sum of the energies [b] [J]."""
         return np.asarray(self.energy_j.sum(axis=0))
 

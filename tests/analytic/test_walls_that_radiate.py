@@ -186,7 +186,7 @@ def test_powers_sum_to_what_the_room_takes_up() -> None:
         q = rates[:, line] / (1j * omega)
         whole = np.concatenate([q, -np.linalg.solve(dynamic[k:, k:], dynamic[k:, :k] @ q)])
         taken.append(0.5 * omega**2 * float((whole.conj() @ air.viscous @ whole).real))
-    assert room.powers(surfaces).sum(axis=0) == pytest.approx(np.array(taken), rel=1e-9)
+    assert room.powers(surfaces).sum(axis=0) == pytest.approx(np.array(taken), rel=1e-9)  # rounding
 
 
 def test_the_air_pushes_back_between_walls_as_the_pressure_on_them() -> None:

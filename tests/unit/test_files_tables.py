@@ -41,6 +41,7 @@ def test_layout_is_the_documented_one(result):
         "energy",
         "error_estimate",
         "levels",
+        "by_surface",
         "own_levels",
         "total_levels",
         "sound_energy",

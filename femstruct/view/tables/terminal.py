@@ -22,10 +22,9 @@ from femstruct.view.tables.energy_table import energies, energy_destinations
 from femstruct.view.tables.finding_lines import show_findings
 from femstruct.view.tables.grid import Grid
 from femstruct.view.tables.machine_table import limits, machine
-from femstruct.view.tables.radiated_table import installed, radiated
+from femstruct.view.tables.radiated_table import bands_by_surface, installed, radiated, shares_by_surface
 from femstruct.view.tables.rated_table import add_totals, bands, first_drop, ratings
 from femstruct.view.tables.scales import ZEROS, digits, rounded, scaled
-from femstruct.view.tables.shares_table import bands_by_surface, shares_by_surface
 
 SPOKEN_RECEIVERS = 2  # of a room
 SPOKEN_MODES = 12  # of a channel

@@ -84,8 +84,7 @@ def run_case(
     installed, found_of_sources = _sources(case, own.places, basis, clock)
     told += found_of_sources
     whole: Struck | None = None
-    radiated: dict[str, Radiated] = {}
-    by_surface: dict[str, SurfaceShares] = {}
+    radiated, by_surface = dict[str, Radiated](), dict[str, SurfaceShares]()
     channels, shares, drops, rated, cycles = {}, None, {}, {}, dict[str, Fatigue]()
     if study.time is not None:
         refuse_absent_forces(study, basis)
@@ -101,13 +100,11 @@ def run_case(
             channels = record(study, own.places, whole.response, whole.rooms)
             cycles = fatigues(study, channels, own.places, whole.response)
             findings += _of_records(study, own.places, basis, whole.response, channels)
-        if any(plan.room.open_air is not None for plan in study.rooms):
+        if any(plan.room.open_air is not None or len(plan.moved) > 1 for plan in study.rooms):
             with clock("sound energy", case.name):
                 radiated, found_of_sound = sound_energies(study, own.places, whole.response)
-                told += found_of_sound
-        if any(len(plan.moved) > 1 for plan in study.rooms):
-            with clock("sound by surface", case.name):
                 by_surface = shares_by_surface(study, own.places, whole.response, basis.complete_below_hz)
+                told += found_of_sound
         findings += told_once({place: one.findings for place, one in struck.items()})
         rated = _rated(case, struck, own.places, vacuo, clock)
         told += [*_of_bands(rated), *weight_on_air(whole.response, vacuo, study.rooms)]
