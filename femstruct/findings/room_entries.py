@@ -28,7 +28,7 @@ ROOMS: Final = (
         "A room among several surfaces has walls that are rigid.",
         REMARK,
         "a room has two surfaces or more, and less than the threshold share of one of its walls moves",
-        "Give heavy walls parts and surfaces of their own where they matter; light linings and doors are never here.",
+        "Give walls that matter parts and surfaces of their own; flanking is never more complete than the model.",
         (Limit(0.95, "of each wall moves", "what is left is edges", CHOSEN, "flanking_findings.COVERED"),),
     ),
     Entry(

@@ -37,6 +37,7 @@ supports: {edges: {on: plate, edge: all, fix: simple}}
 SHORT = {
     "bang_machine": "60 ms",
     "bedroom": "60 ms",
+    "flanking_walls": "60 ms",
     "l_room": "60 ms",
     "lined_room": "60 ms",
     "slab_outdoors": "60 ms",
@@ -55,6 +56,7 @@ FEWER = {"tapping": ("modes.up_to=400 Hz", "time.duration=0.5 s")}  # its other 
 COLUMNS = 4 * 0.2 * np.pi / 4 * 0.0123**2 * 7850
 TUBE = np.pi / 4 * (0.060**2 - 0.054**2)
 UP_TO = {
+    "flanking_walls": 100.0,
     "clt_slab": 200.0,
     "joist_floor": 100.0,
     "ribbed_slab": 80.0,
@@ -70,6 +72,13 @@ MASS = {  # from the dimensions in the files [kg]
     "foam_hull": {"bottom": 0.45 * 0.1 * 0.04226 * 100, "sides": 2 * 0.45 * 1e-3 * 100, "ends": 2 * 0.1 * 1e-3 * 100},
     "lined_room": {"deck": 3.6 * 2.7 * 0.16 * 450},
     "bedroom": {"slab": 5 * 4 * 0.18 * 2400},
+    "flanking_walls": {
+        "slab": 5 * 4 * 0.18 * 2400,
+        "left": 4 * 2.5 * 0.175 * 1800,
+        "back": 5 * 2.5 * 0.175 * 1800,
+        "left above": 4 * 2.5 * 0.175 * 1800,
+        "back above": 5 * 2.5 * 0.175 * 1800,
+    },
     "tapping": {"slab": 4.2 * 3.1 * 0.14 * 2400},
     "small_plate": {"plate": 0.5 * 0.4 * 3e-3 * 7850},
     "click_plate": {"plate": 0.3 * 0.25 * 12e-3 * 7850},
