@@ -15,6 +15,9 @@ from acoustics.fields.sound_field import SoundField
 from acoustics.meshed.cut_box import cut_box
 from femstruct import assemble, modal_basis, read_model
 from femstruct.errors import InputError, InputErrors
+from femstruct.files.results_file.results import write_results
+from femstruct.files.results_file.stored import read_results
+from femstruct.files.tables.study_tables import summary
 from femstruct.language import read_study
 from femstruct.modal.damping import Damping, Ratio, with_damping
 from femstruct.modal.frf import modal_amplitudes
@@ -22,6 +25,7 @@ from femstruct.sound.flanking import SurfaceShares
 from femstruct.sound.placed import placed
 from femstruct.sound.surface import pressure_per_force
 from femstruct.sound.two_way import with_cavity
+from femstruct.view.tables.radiated_table import bands_by_surface, shares_by_surface
 from femstruct.workflow.run.run import run_study
 
 AIR, LOSSES = Air(343.0, 1.21), losses_from_t60(0.5)
@@ -143,6 +147,21 @@ def test_a_study_says_who_makes_which_band(ran) -> None:
         assert shares.together_db[shares.bands_hz.tolist().index(band)] == pytest.approx(
             mean, abs=0.5
         )  # slopes of filters
+
+
+def test_files_and_tables_have_it(ran, tmp_path: Path) -> None:
+    shares = ran.cases["as given"].by_surface["living"]
+    table = summary(ran)["cases"]["as given"]["by_surface"]["living"]
+    assert table["surfaces"]["face"]["wall"] == "x0" and [*table["total_j"]] == [
+        f"{band:g}" for band in shares.bands_hz
+    ]
+    assert sum(one["share"]["40"] for one in table["surfaces"].values()) == pytest.approx(1.0)
+    write_results(tmp_path / "results.h5", ran)
+    again = read_results(tmp_path / "results.h5").cases["as given"].by_surface["living"]
+    assert again.surfaces == shares.surfaces and np.array_equal(again.energy_j, shares.energy_j)
+    rows, bands = (grid(ran).rows for grid in (shares_by_surface, bands_by_surface))
+    assert [row[2:4] for row in rows] == [("under", "ceiling"), ("face", "x0")]
+    assert bands[0][:2] == ("living", "10") and len(bands) == len(shares.bands_hz)
 
 
 def test_energy_of_structure_and_room_closes(ran) -> None:
