@@ -18,13 +18,13 @@ from acoustics.room_response import RoomResponse
 from acoustics.rooms.box import Box, inside, room_modes
 from acoustics.rooms.box_transfer import overlaps
 from acoustics.rooms.box_two_way import CoupledAir
-from acoustics.rooms.box_walls import ON, WALLS, Turn, by_wall, mode_overlaps
+from acoustics.rooms.by_wall.box_walls import ON, WALLS, Turn, by_wall, mode_overlaps
+from acoustics.rooms.by_wall.wall_powers import wall_powers
+from acoustics.rooms.by_wall.wall_sums import wall_harmonic, wall_map, wall_pressures
+from acoustics.rooms.by_wall.walls_two_way import coupled_walls
 from acoustics.rooms.pressure_maps import PressureMap
 from acoustics.rooms.receiver_grids import RoomGrid, box_grid, box_mode_shapes
 from acoustics.rooms.room_ways import room_ways
-from acoustics.rooms.wall_powers import wall_powers
-from acoustics.rooms.wall_sums import wall_harmonic, wall_map, wall_pressures
-from acoustics.rooms.walls_two_way import coupled_walls
 from acoustics.source import SurfaceShapes, SurfaceVelocity, SurfaceVibration, side_by_side, together
 
 TOLD_HZ = 1000.0  # up to which its first modes are looked for
@@ -51,7 +51,7 @@ class Room(Box, SoundField):
         return self.size.tolist()
 
     @property
-    def wall_area(self) -> float:
+    def all_walls_area(self) -> float:
         x, y, z = self.size.tolist()
         return float(2.0 * (x * y + y * z + z * x))
 
@@ -156,11 +156,11 @@ class Room(Box, SoundField):
         return wall_harmonic(together(surfaces), self, receivers)
 
     def coupled_air(self, surfaces: Sequence[SurfaceShapes], up_to_hz: float) -> CoupledAir:
-        """By its modes: see `acoustics.rooms.walls_two_way.coupled_walls`."""
+        """By its modes: see `acoustics.rooms.by_wall.walls_two_way.coupled_walls`."""
         return coupled_walls(self, side_by_side(surfaces), up_to_hz)
 
     def powers(self, surfaces: Sequence[SurfaceVibration]) -> Floats:
-        """By its modes: see `acoustics.rooms.wall_powers.wall_powers`."""
+        """By its modes: see `acoustics.rooms.by_wall.wall_powers.wall_powers`."""
         return wall_powers(self, surfaces)
 
     def modes_on(self, surfaces: Sequence[SurfaceShapes], up_to_hz: float) -> ModesOnSurface:

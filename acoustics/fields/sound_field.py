@@ -78,7 +78,7 @@ class SoundField(ABC):
         """Volume of its air [m^3], infinite in the open."""
 
     @property
-    def wall_area(self) -> float:
+    def all_walls_area(self) -> float:
         """Area of its walls [m^2] where it is closed and has one reverberation time for all of them, as a diffuse field
         needs; infinite for others."""
         return inf

@@ -14,7 +14,7 @@ from acoustics.fields.shaped import ShapedRoom
 from acoustics.fields.sound_field import SoundField
 from acoustics.losses import Losses
 from acoustics.meshed.cavity_mesh import box_mesh
-from acoustics.rooms.box_walls import WALLS, Turn
+from acoustics.rooms.by_wall.box_walls import WALLS, Turn
 from acoustics.source import together
 
 AIR = Air(343.26, 1.204)

@@ -118,7 +118,7 @@ def _other_air(plan: RoomPlan) -> str:
     """Why a room is not one with a diffuse field of its own losses under one surface; "" where it is."""
     if plan.room.losses.kind == "none":
         return "the room has no reverberation time"
-    if not plan.room.wall_area < inf:
+    if not plan.room.all_walls_area < inf:
         return f"{plan.room.word} has no diffuse field of one reverberation time"
     return "several surfaces radiate into the room, or a wall of it" if plan.walls or plan.on else ""
 

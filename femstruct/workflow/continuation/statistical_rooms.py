@@ -58,7 +58,7 @@ def statistical_bands(plan: RoomPlan, study: Study, drops: int) -> StatisticalBa
         return None
     thirds = _thirds(method)
     exposure = blow_exposures(study.bodies, plate.plate, thirds)
-    room = DiffuseRoom(plan.room.volume, plan.room.wall_area, plan.room.losses, plan.room.air)
+    room = DiffuseRoom(plan.room.volume, plan.room.all_walls_area, plan.room.losses, plan.room.air)
     levels, beside = (_levels(one, room, exposure, method) for one in (plate, alike(plate, study)))
     modes, (centres, width) = _modes(alike(plate, study), method), _widths(method)
     t60 = np.array([t60_of(room.losses, centre) for centre in centres.tolist()])

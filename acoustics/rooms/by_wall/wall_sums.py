@@ -14,7 +14,7 @@ from acoustics.receivers import Receiver, positions
 from acoustics.room_response import RoomResponse
 from acoustics.rooms.box import Box
 from acoustics.rooms.box_harmonic import harmonic_pressure
-from acoustics.rooms.box_walls import Turn, by_wall
+from acoustics.rooms.by_wall.box_walls import Turn, by_wall
 from acoustics.rooms.kept_transfers import RoomTransfer, search
 from acoustics.rooms.pressure_maps import PressureMap, pressure_map
 from acoustics.source import SurfaceVelocity, SurfaceVibration, alike

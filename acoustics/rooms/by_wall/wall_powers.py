@@ -11,8 +11,8 @@ from acoustics.arrays import Complexes, Floats
 from acoustics.errors import AcousticsError
 from acoustics.rooms.box import Box, room_modes
 from acoustics.rooms.box_transfer import wavenumber_squared
-from acoustics.rooms.box_walls import by_wall
-from acoustics.rooms.walls_two_way import displacements, finest_of, left_out_mass
+from acoustics.rooms.by_wall.box_walls import by_wall
+from acoustics.rooms.by_wall.walls_two_way import displacements, finest_of, left_out_mass
 from acoustics.source import SurfaceVibration, apart, side_by_side
 
 BEYOND: Final = 3.0  # of the highest frequency: modes of the room above it answer as at rest

@@ -21,7 +21,7 @@ from acoustics.rooms.box_two_way import (
     kept_modes,
     multiplicity,
 )
-from acoustics.rooms.box_walls import CEILING, Turn, by_wall, mode_overlaps, signs_at
+from acoustics.rooms.by_wall.box_walls import CEILING, Turn, by_wall, mode_overlaps, signs_at
 from acoustics.rooms.cosine_orders import resolved_orders, square
 from acoustics.source import SurfaceShapes
 
