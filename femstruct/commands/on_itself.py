@@ -74,3 +74,31 @@ def materials(
 
         show_library(entries, bool(words))
     return GOOD
+
+
+@command
+def new(
+    kind: Annotated[
+        str, typer.Argument(metavar="[KIND]", help="what to start from; without it, all kinds are listed")
+    ] = "",
+    name: Annotated[str, typer.Argument(metavar="[NAME]", help="name of the new files, without .yaml")] = "",
+    as_json: AsJson = False,
+) -> int:
+    """Write a model and a study to start from. Into this folder, never over a file."""
+    from femstruct.files.templates.starting_files import KINDS, what_of, write_new
+
+    if not kind:
+        listed = {one: what_of(one) for one in KINDS}
+        if as_json:
+            print_json([{"kind": one, "what": what} for one, what in listed.items()])
+        else:
+            for one, what in listed.items():
+                print(f"{one:16}{what}")
+            print("femstruct new KIND [NAME] writes the files of one of them to this folder")
+        return GOOD
+    model, study = (path.name for path in write_new(kind, name))
+    if as_json:
+        print_json({"model": model, "study": study})
+    else:
+        print(f"{model} and {study} written; compute them with: femstruct run {study}")
+    return GOOD

@@ -89,6 +89,9 @@ class Hangers(Part):
     def identity(self, places: Mapping[str, object]) -> tuple[object, ...]:
         return "hangers", self.on, self.to, self.normal, self.shear, self.per, self.spacing, self.along, self.at
 
+    def bears(self) -> tuple[str, ...]:
+        return (self.to,)
+
     def fastened(self, model: Model, tolerance: float) -> tuple[Elastic | Inert, ...]:
         """Springs at their places, or at Gauss points of lines, and half of their mass with each side."""
         self._refuse_numbers()

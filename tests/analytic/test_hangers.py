@@ -21,6 +21,7 @@ from femstruct.model.structure import Joint, Structure, Support
 from femstruct.parts.frame import Frame
 from femstruct.parts.hangers import Hangers
 from femstruct.parts.plate import Plate
+from femstruct.parts.plausibility import plausibility_findings
 from femstruct.parts.slab import Slab
 
 ROUNDING = 1e-9  # rounding of rigid motions beside stiff plates: 2e-11 here
@@ -200,6 +201,13 @@ def test_slipping_boards_lose_by_their_own_shares_of_the_energy():
     thin, thick = replace(GYPSUM, name="thin", loss_factor=0.0), replace(GYPSUM, loss_factor=0.09)
     section = Laminate((Layer(thin, 0.01), Layer(thick, 0.02)), bond=0.0).section
     assert section.loss_factor == pytest.approx(0.08, rel=1e-12)  # rounding
+
+
+def test_a_hung_ceiling_does_not_span_from_edge_to_edge():
+    """Boards that would sag by a fifth of the span if they lay on their edges are plausible on hangers."""
+    thin = replace(CEILING, material=replace(GYPSUM, E=1.5e9), thickness=0.02)
+    alone, hung = ({one.code for one in plausibility_findings(parts)} for parts in ((thin,), (FLOOR, thin, HANGERS)))
+    assert "implausible-stiffness" in alone and "implausible-stiffness" not in hung
 
 
 TEXT = """

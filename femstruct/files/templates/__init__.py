@@ -1,0 +1,1 @@
+"""Files to start from, as `femstruct new` writes them, and the writing."""
