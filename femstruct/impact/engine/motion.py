@@ -17,6 +17,7 @@ from femstruct.impact.engine.records import System
 
 DISPLACEMENT, VELOCITY = 0, 1
 SAMPLES_AT_ONCE = 1 << 14  # of every coordinate: what is in hand at once stays small
+SAMPLES_OF_OSCILLATORS = 1 << 11  # the same of all oscillators together: 30 MB of 1000
 
 
 class Motion(NamedTuple):
@@ -86,9 +87,34 @@ def modal_motion(motion: Motion, what: int, modes: Integers) -> Floats:
     """Displacement or velocity of some modes at all samples [len(modes), nt]."""
     if not motion.turn.size:
         return coordinates(only(motion, modes), what, 0, len(modes))
-    rows = np.zeros((len(modes), motion.turn.shape[1]))
-    rows[np.arange(len(modes)), modes] = 1.0
-    return along(motion, what, rows)
+    k = motion.turn.shape[1]
+    at_z, at_v = motion.turn[2 * what : 2 * what + 2, modes]
+    out = np.empty((len(modes), motion.n_samples))
+    for steps in _by_length(motion, SAMPLES_OF_OSCILLATORS):
+        z, v = motion.z[steps.states, :k].T, motion.v[steps.states, :k].T
+        places = motion.at[steps.states]
+        if steps.doublings:
+            z, v = _inside(motion, steps, z, v)
+            places = (places[:, None] + np.arange(1 << steps.doublings)).ravel()
+        out[:, places] = at_z @ z + at_v @ v
+    out.flags.writeable = False
+    return out
+
+
+def _inside(motion: Motion, steps: _Steps, z: Floats, v: Floats) -> tuple[Floats, Floats]:
+    """Displacements and rates of the oscillators at all samples of long steps of one length [k, steps * samples], from
+    those at their starts [k, steps]."""
+    k, count, acting = len(z), 1 << steps.doublings, motion.pushed[steps.longs] > 0
+    free = motion.free[:, :, :k, None, :count]
+    found = free[:, 0] * z[None, :, :, None] + free[:, 1] * v[None, :, :, None]
+    if acting.any():
+        forces = motion.forces[steps.longs[acting]]
+        drive, kick = (np.tensordot(of[:, :k], forces, axes=(0, 1)) for of in (motion.acts, motion.kicks))
+        x, y = np.moveaxis(motion.forced[steps.doublings, :, :, :k, :count], 2, 1)
+        w, c = motion.omega[:k, None, None] ** 2, motion.damping[:k, None, None]
+        found[0][:, acting] += drive @ x + kick @ (y + c * x)
+        found[1][:, acting] += drive @ y - kick @ (w * x)
+    return found[0].reshape(k, -1), found[1].reshape(k, -1)
 
 
 def modal_states(motion: Motion, what: int) -> Floats:
@@ -202,13 +228,13 @@ class _Steps(NamedTuple):
     longs: Integers
 
 
-def _by_length(motion: Motion) -> list[_Steps]:
+def _by_length(motion: Motion, at_once: int = SAMPLES_AT_ONCE) -> list[_Steps]:
     """The steps by length, a bounded number of samples in each part."""
     number = np.cumsum(motion.doublings > 0) - 1
     found = []
     for doublings in np.unique(motion.doublings):
         states = np.flatnonzero(motion.doublings == doublings)
-        part = max(SAMPLES_AT_ONCE >> int(doublings), 1)
+        part = max(at_once >> int(doublings), 1)
         for first in range(0, len(states), part):
             some = states[first : first + part]
             found.append(_Steps(int(doublings), some, number[some]))
