@@ -104,11 +104,8 @@ class System(NamedTuple):
     reach: Vector
 
 
-def uncoupled(system: System, start: Floats, found: Oscillators, damping: Floats) -> tuple[System, Floats]:
-    """The system and its start [2, n] with oscillators in place of its modes; bodies stay as they are.
-
-    damping [k, k] : of the modes, whose norm bounds the rates.
-    """
+def uncoupled(system: System, start: Floats, found: Oscillators) -> tuple[System, Floats]:
+    """The system and its start [2, n] with oscillators in place of its modes; bodies stay as they are."""
     k, n = system.n_modes, len(system.omega)
     rows, over = system.rows, system.over
     omega, own = system.omega.copy(), system.damping.copy()
@@ -126,7 +123,7 @@ def uncoupled(system: System, start: Floats, found: Oscillators, damping: Floats
         over_tilts=_seen(over, found.tilts, k, bodies=False),
         energy_form=np.ascontiguousarray(found.energy),
         surplus_form=np.ascontiguousarray(found.surplus),
-        reach=np.array([system.reach[0], float(np.linalg.norm(damping, 2))]),
+        reach=np.array([system.reach[0], found.largest]),
     ), turned.reshape(2, n)
 
 

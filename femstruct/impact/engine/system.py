@@ -110,7 +110,7 @@ def compile_scene(basis: ModalBasis, scene: Scene, clock: Clock, finest: int = F
     )
     start, found = _start(scene, on), oscillators_of(basis.omega, damping)
     if found is not None:
-        system, start = uncoupled(system, start, found, damping)
+        system, start = uncoupled(system, start, found)
     return Compiled(system, start, on.scale, contact_rows, link_rows, n_samples, halvings, matrix, found)
 
 

@@ -44,7 +44,7 @@ class Oscillators:
     energy [2 k, 2 k] : rows of root-energies, E = |energy y|^2 / 2 for y = [z, v]. surplus [2 k, 2 k] : symmetric; by
     the damping alone free motion loses E + y . surplus y / 2 from now on: zero but for errors of the oscillators.
     residual : what they miss of damping and stiffness, over the rates of the modes [1]. added : share of the damping
-    that was added [1].
+    that was added [1]. largest : eigenvalue of the damping matrix [rad/s].
     """
 
     omega: Floats
@@ -59,6 +59,7 @@ class Oscillators:
     surplus: Floats
     residual: float
     added: float
+    largest: float
 
 
 def oscillators(omega: Floats, damping: Floats) -> Oscillators:
@@ -103,7 +104,8 @@ def oscillators(omega: Floats, damping: Floats) -> Oscillators:
     reach = np.maximum(np.linalg.norm(kicks, axis=1) * np.linalg.norm(energy[:, :k], axis=0),
                        np.linalg.norm(drives, axis=1) * np.linalg.norm(energy[:, k:], axis=0))  # fmt: skip
     surplus = loss_surplus(w, c, np.hstack([swings, rates]), whole, energy, reach)
-    return Oscillators(w, c, places, tilts, swings, rates, kicks, drives, energy, surplus, residual, added)
+    largest = float(np.abs(np.linalg.eigvalsh(whole)).max())
+    return Oscillators(w, c, places, tilts, swings, rates, kicks, drives, energy, surplus, residual, added, largest)
 
 
 def _apart(still: Integers, damping: Floats) -> tuple[Floats, Floats]:
