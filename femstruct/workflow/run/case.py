@@ -38,7 +38,7 @@ from femstruct.workflow.run.provenance import Stopwatch
 from femstruct.workflow.run.struck import Struck, strike, told_once
 from femstruct.workflow.stages.channels import motion_rows, record, refuse_absent_forces
 from femstruct.workflow.stages.coupled_air import coupled, coupled_key, weight_on_air
-from femstruct.workflow.stages.measured.covered import covered_floor
+from femstruct.workflow.stages.measured.covered import covered_floor, reduced_rooms
 from femstruct.workflow.stages.measured.footsteps import footstep_findings
 from femstruct.workflow.stages.measured.installed_sources import installed_sources
 from femstruct.workflow.stages.modal_bases import Solved, damped
@@ -167,7 +167,8 @@ def _rated(
     with clock("ensemble", case.name):
         ensembles = room_ensembles(drops, places, vacuo)
     with clock("levels", case.name):
-        return rate_rooms(study, [one.bands_db for one in runs], statistical_rooms(study, len(runs)), ensembles)
+        beside = reduced_rooms(study, statistical_rooms(study, len(runs)), ensembles)
+        return rate_rooms(study, [one.bands_db for one in runs], *beside)
 
 
 def _of_bands(rated: Mapping[str, RatedRoom]) -> list[tuple[str, Advice | Finding]]:

@@ -3,8 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Final
 
+import numpy as np
+
+from acoustics.levels.ensemble import Ensemble
+from acoustics.statistical.statistical_bands import StatisticalBands
 from femstruct.errors import Finding, InputError
 from femstruct.impact.scene.impact_sources import HAMMER_MASS, TAPPING_MACHINE
 from femstruct.modal.basis import ModalBasis
@@ -35,6 +40,30 @@ def reduced(study: Study, levels: Sequence[Mapping[float, float]]) -> list[Mappi
         return list(levels)
     less = covering.reduction_db
     return [{band: level - less.get(band, 0.0) for band, level in one.items()} for one in levels]
+
+
+def reduced_rooms(
+    study: Study, statistical: Mapping[str, StatisticalBands], ensembles: Mapping[str, Ensemble]
+) -> tuple[dict[str, StatisticalBands], dict[str, Ensemble]]:
+    """Statistical energies and ensembles of rated rooms, by name, less the reduction of a covering in every band."""
+    covering = covering_of(study)
+    if covering is None:
+        return dict(statistical), dict(ensembles)
+    less = covering.reduction_db
+    bands = {plan.name: method.bands_hz for plan in study.rooms if (method := method_for(plan, study)) is not None}
+    lower = {
+        name: replace(
+            one,
+            levels_db={band: level - less.get(band, 0.0) for band, level in one.levels_db.items()},
+            alike_db={band: level - less.get(band, 0.0) for band, level in one.alike_db.items()},
+        )
+        for name, one in statistical.items()
+    }
+    members = {
+        name: replace(one, members_db=one.members_db - np.array([less.get(band, 0.0) for band in bands[name]]))
+        for name, one in ensembles.items()
+    }
+    return lower, members
 
 
 def covered_floor(studies: Sequence[Study], places: Places, basis: ModalBasis) -> list[Finding]:
