@@ -19,7 +19,7 @@ from femstruct.sound.flanking import SurfaceShares
 from femstruct.sound.power import Radiated
 from femstruct.sound.surface import coupling_findings
 from femstruct.study.measured_source import InstalledSource
-from femstruct.study.result import NO_OWN_SOUND, AccuracyCheck, CaseResult, Channel, Frf
+from femstruct.study.result import NO_OWN_SOUND, AccuracyCheck, CaseResult, Channel, Drop, Frf
 from femstruct.study.room_surfaces import placed_room
 from femstruct.study.study import Case, Study
 from femstruct.workflow.compare.verdicts import judged
@@ -84,17 +84,14 @@ def run_case(
     installed, found_of_sources = _sources(case, own.places, basis, clock)
     told += found_of_sources
     whole: Struck | None = None
-    radiated, by_surface = dict[str, Radiated](), dict[str, SurfaceShares]()
-    channels, shares, drops, rated, cycles = {}, None, {}, {}, dict[str, Fatigue]()
+    radiated, by_surface, cycles = dict[str, Radiated](), dict[str, SurfaceShares](), dict[str, Fatigue]()
+    channels, shares, drops, rated = {}, None, dict[str, Drop](), {}
     if study.time is not None:
         refuse_absent_forces(study, basis)
         timed = partial(clock, case=case.name)
         struck = strike(case.drops or {"": study}, study.time, own.places, basis, vacuo, timed, transfers)
         whole = next(iter(struck.values()))  # of the other drops only numbers are kept
-        drops = {
-            place: struck[place].drop(judged(of_drop, own.places, struck[place].response))
-            for place, of_drop in case.drops.items()
-        }
+        drops = _drops(case, struck, own.places)
         with clock("levels", case.name):
             shares = mode_energies(whole.response)
             channels = record(study, own.places, whole.response, whole.rooms)
@@ -104,7 +101,7 @@ def run_case(
             with clock("sound energy", case.name):
                 radiated, found_of_sound = sound_energies(study, own.places, whole.response)
                 by_surface = shares_by_surface(study, own.places, whole.response, basis.complete_below_hz)
-                told += found_of_sound
+            told += found_of_sound
         findings += told_once({place: one.findings for place, one in struck.items()})
         rated = _rated(case, struck, own.places, vacuo, clock)
         told += [*_of_bands(rated), *weight_on_air(whole.response, vacuo, study.rooms)]
@@ -175,6 +172,12 @@ def _of_bands(rated: Mapping[str, RatedRoom]) -> list[tuple[str, Advice | Findin
     """What is to be known of bands beyond the modes and of low ones, by room."""
     found = {name: (*statistical_findings(room), *ensemble_findings(room)) for name, room in rated.items()}
     return [(name, one) for name, findings in found.items() for one in findings]
+
+
+def _drops(case: Case, struck: Mapping[str, Struck], places: Places) -> dict[str, Drop]:
+    """What is kept of every place that a source strikes, with the verdicts on it."""
+    found = ((place, struck[place], study) for place, study in case.drops.items())
+    return {place: one.drop(judged(study, places, one.response)) for place, one, study in found}
 
 
 def _responses(
