@@ -45,7 +45,7 @@ class Ensemble:
     @property
     def intervals(self) -> list[Interval]:
         """Of every band, standardised; nan where it is not low."""
-        return [interval(one.tolist(), self.rooms) for one in (self.members_db + self.correction_db).T]
+        return [interval(one.tolist()) for one in (self.members_db + self.correction_db).T]
 
     def numbers(self, numbers: Sequence[Number], bands_hz: Sequence[float], others_db: Floats) -> dict[str, Interval]:
         """Single numbers before rounding over the members {symbol: interval}, of those that are known.
@@ -57,21 +57,21 @@ class Ensemble:
             corrected = members + self.correction_db * one.standardised
             values = [single_number(one, bands_hz, row[None]).known_db for row in corrected]
             if np.isfinite(values).all():
-                found[one.symbol] = interval(values, self.rooms)
+                found[one.symbol] = interval(values)
         return found
 
 
-def interval(levels_db: Sequence[float], rooms: int) -> Interval:
+def interval(levels_db: Sequence[float]) -> Interval:
     """Mean and 90 % interval of one more member of an ensemble of levels [dB], nan where one is not known.
 
     Notes
     -----
-    Normal in decibels; the mean of some rooms is itself uncertain, by one part in their number of the variance.
+    Normal in decibels; the mean of some members is itself uncertain, by one part in their number of the variance.
 
-    >>> [round(one, 2) for one in interval([60.0, 62.0, 64.0, 62.0], 4)]
+    >>> [round(one, 2) for one in interval([60.0, 62.0, 64.0, 62.0])]
     [62.0, 59.0, 65.0]
     """
     levels = np.asarray(levels_db)
     mean = float(levels.mean())
-    half = TWO_SIDED_90 * float(levels.std(ddof=1)) * (1 + 1 / rooms) ** 0.5
+    half = TWO_SIDED_90 * float(levels.std(ddof=1)) * (1 + 1 / len(levels)) ** 0.5
     return Interval(mean, mean - half, mean + half)

@@ -5,8 +5,9 @@ Only rooms are evaluated again: with one-way coupling the floor's modes and the 
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import repeat
 from math import isfinite, log, sqrt
 from typing import Final
 
@@ -100,7 +101,7 @@ def _ensemble(
     (surface,) = placed.shapes(basis)
     modes = np.flatnonzero(basis.frequency_hz <= MODES_UP_TO * float(s[-1].imag) / (2 * np.pi))
     surface = SurfaceShapes(surface.points, surface.weights, surface.shapes[:, modes])
-    rates, moved = _rates(drops, places, basis, modes, s, rng)
+    motions, moved = _motions(drops, places, basis, modes, s, plan.ensemble * SETS, rng)
     members, corrections = [], []
     for factors in drawn_sides(plan.ensemble, rng):
         room = plan.room.varied(factors)
@@ -109,8 +110,8 @@ def _ensemble(
         t60 = {band: t60_of(room.losses, band) for band in method.bands_hz}
         flat = dict.fromkeys(method.bands_hz, 0.0)
         correction = flat if method.correct is None else method.correct(flat, room.volume, t60)
-        for receivers, motion in zip(ways, rates, strict=True):
-            members.append(_member(receivers, motion, s, bands, method))
+        for receivers in ways:
+            members.append(_member(receivers, next(motions), s, bands, method))
             corrections.append(list(correction.values()))
     whole = np.full((len(members), len(method.bands_hz)), np.nan)
     whole[:, [method.bands_hz.index(band) for band in bands]] = members
@@ -131,24 +132,32 @@ def _lines(plan: RoomPlan, method: Method, bands: Mapping[float, float], basis: 
     return np.asarray((FOLDED / lasts if heavy else 0.0) + 2j * np.pi * lines / lasts, dtype=np.complex128)
 
 
-def _rates(
-    drops: Drops, places: Places, basis: ModalBasis, modes: Integers, s: Complexes, rng: np.random.Generator
-) -> tuple[list[list[Complexes]], str]:
-    """For each set of places, for each drop, spectra of the modal rates of its blows [h, k, nf]; what is drawn anew."""
+def _motions(
+    drops: Drops,
+    places: Places,
+    basis: ModalBasis,
+    modes: Integers,
+    s: Complexes,
+    sets: int,
+    rng: np.random.Generator,
+) -> tuple[Iterator[list[Complexes]], str]:
+    """For every set of places, for each drop, spectra of the modal rates of its blows [h, k, nf], one set after the
+    other; what is drawn anew."""
     studies = list(drops.studies.values())
     runs = list(drops.responses.values())
-    rows = drawn_drops(studies, places, basis, modes, SETS, rng)
+    rows = drawn_drops(studies, places, basis, modes, sets, rng)
     if rows is None:
         stays = [_as_simulated(study, run, modes, s) for study, run in zip(studies, runs, strict=True)]
-        return [stays] * SETS, "microphones"
+        return repeat(stays, sets), "microphones"
     forces = [
         np.array([blow_spectrum(run, body, s, weighs=weighs(study)) for body in study.bodies])
         for study, run in zip(studies, runs, strict=True)
     ]
-    return [
+    found = (
         [driven_rates(basis, modes, own, force, s) for own, force in zip(of_set, forces, strict=True)]
         for of_set in rows
-    ], "places of the source, microphones"
+    )
+    return found, "places of the source, microphones"
 
 
 def _as_simulated(study: Study, run: Response, modes: Integers, s: Complexes) -> Complexes:
