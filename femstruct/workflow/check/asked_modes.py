@@ -5,6 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from femstruct.assembly.assemble import assemble
 from femstruct.errors import InputError
 from femstruct.files.tables.finding_tables import finding_table
@@ -12,6 +14,7 @@ from femstruct.files.tables.json_numbers import number
 from femstruct.language import read_model_file
 from femstruct.modal.basis import ModalBasis
 from femstruct.modal.complex_modes import complex_modes, elastic_ones
+from femstruct.modal.coupled_damping.damped_modes import damped_modes
 from femstruct.modal.damping import Damping, with_damping
 from femstruct.model.mesher import mesh_structure
 from femstruct.model.structure import Structure
@@ -55,19 +58,36 @@ def modes_of(path: Path, extent: Extent, overrides: tuple[str, ...] = ()) -> Tab
     with positioned(source):
         solved = solve(source.structure, extent)
         basis = shown_in_air(damped_as_far_as_solved(solved.basis, source.damping), solved)
-    true = basis.modes
     return {
         "title": source.title,
-        "frequency_hz": basis.frequency_hz[true].tolist(),
-        "damping_ratio": [number(ratio) for ratio in basis.damping_ratio[true]],
-        "kind": list(basis.kind[true]),
-        "modal_mass_kg": {axis: basis.modal_mass[i, true].tolist() for i, axis in enumerate("xyz")},
+        **_listed(source.structure, basis),
         "rigid_body_modes": basis.n_rigid,
         "complete_below_hz": number(basis.complete_below_hz),
         "solver": FASTEST,
         "rigid_in_plane": _rigid_in_plane(solved),
         "mass_kg": basis.total_mass,
         "findings": [finding_table(finding) for finding in structure_findings(solved, basis)],
+    }
+
+
+def _listed(structure: object, basis: ModalBasis) -> Table:
+    """Frequencies, damping ratios, kinds and effective masses; of structures over wool those of the damped modes."""
+    wool = isinstance(structure, Structure) and any(one.fill is not None for one in structure.cavities)
+    if (damped := damped_modes(basis) if wool else None) is not None:
+        still = np.arange(basis.n_rigid)
+        masses = np.hstack([basis.modal_mass[:, still], damped.modal_mass])
+        return {
+            "frequency_hz": [0.0] * basis.n_rigid + damped.frequency_hz.tolist(),
+            "damping_ratio": [None] * basis.n_rigid + damped.damping_ratio.tolist(),
+            "kind": ["rigid"] * basis.n_rigid + ["damped"] * len(damped.frequency_hz),
+            "modal_mass_kg": {axis: masses[i].tolist() for i, axis in enumerate("xyz")},
+        }
+    true = basis.modes
+    return {
+        "frequency_hz": basis.frequency_hz[true].tolist(),
+        "damping_ratio": [number(ratio) for ratio in basis.damping_ratio[true]],
+        "kind": list(basis.kind[true]),
+        "modal_mass_kg": {axis: basis.modal_mass[i, true].tolist() for i, axis in enumerate("xyz")},
     }
 
 

@@ -12,6 +12,7 @@ from femstruct.conventions import GRAVITY
 from femstruct.errors import Finding
 from femstruct.findings.catalogue import ranked
 from femstruct.modal.basis import ModalBasis
+from femstruct.modal.coupled_damping.damped_modes import damped_modes
 from femstruct.model.imported.unused import unused_findings
 from femstruct.model.material import Material
 from femstruct.model.model import Model
@@ -209,6 +210,8 @@ def _overdamped(basis: ModalBasis) -> list[Finding]:
     """A remark on damping that no structure has as a whole, as 1 for 1 %."""
     ratios = basis.damping_ratio[basis.modes]
     least = float(np.nanmin(ratios, initial=np.inf)) if np.isfinite(ratios).any() else 0.0
+    if least >= OVERDAMPED and (coupled := damped_modes(basis)) is not None:  # as wool does
+        least = float(coupled.damping_ratio.min(initial=0.0))
     if not least >= OVERDAMPED:
         return []
     return [
