@@ -234,3 +234,13 @@ def test_modes_that_do_not_move_the_ceiling_meet_nothing(tmp_path: Path) -> None
     assert met and not set(met) & set(pairs.floor_hz[still].tolist())
     _, alone, surface, bare = solved(tmp_path, "180 mm")
     assert met == pytest.approx(sorted({floor for floor, _, _ in meetings(pairs_of(alone, surface, bare))}))
+
+
+def test_modes_beyond_where_all_are_known_and_modes_that_do_not_ring_are_in_no_pair(tmp_path: Path) -> None:
+    """Air in a void adds modes above the last one that is known; wool makes the diagonal of the damping huge."""
+    _, room, surface, basis = solved(tmp_path, "180 mm")
+    every = pairs_of(room, surface, basis).floor_hz
+    some = pairs_of(room, surface, replace(basis, complete_below_hz=float(every[2]) + 0.1)).floor_hz
+    assert some.tolist() == every[:3].tolist()
+    drowned = replace(basis, viscous=basis.viscous + np.diag(4.0 * basis.omega))
+    assert not len(pairs_of(room, surface, drowned).floor_hz)

@@ -10,13 +10,13 @@ from femstruct.assembly.assemble import assemble
 from femstruct.errors import FemstructError, InputError
 from femstruct.model.facts import part_masses
 from femstruct.model.fastened import Elastic, Inert
+from femstruct.model.imported.imported_mesh import ImportedMesh
 from femstruct.model.material import Material
 from femstruct.model.meshed import Meshed
 from femstruct.model.mesher import mesh_structure
-from femstruct.model.section import rectangle
 from femstruct.model.structure import Structure
-from femstruct.parts.frame import Frame
 from femstruct.parts.plate import Plate
+from femstruct.parts.shell import Shell
 
 STEEL = Material("steel", 210e9, 0.3, 7850.0)
 PLATE = Plate("plate", STEEL, 0.003, (0.0, 0.0, 0.0), (0.5, 0.4), (2, 2))
@@ -69,9 +69,10 @@ def test_what_every_kind_must_have_is_asked_for_by_name() -> None:
 
 
 def test_a_part_without_a_face_says_so_in_words() -> None:
-    rod = Frame("rod", STEEL, rectangle("bar", 0.02, 0.02), (((0.0, 0.0, 0.0), (1.0, 0.0, 0.0)),))
-    part = mesh_structure(Structure("a", (rod,))).parts["rod"]
-    with pytest.raises(InputError, match=r"parts.rod: got no face that a layer can lie against, expected a plate or a"):
+    points = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
+    mesh = ImportedMesh("tray", points, np.arange(3), {"tri3": np.array([[0, 1, 2]])}, {"tri3": np.array([1])})
+    part = mesh_structure(Structure("a", (Shell("tray", mesh, STEEL, 0.01),))).parts["tray"]
+    with pytest.raises(InputError, match=r"parts.tray: got no face that a layer can lie against, expected a plate, s"):
         part.motion_at(np.zeros((1, 3)), 1e-6)
 
 

@@ -162,6 +162,7 @@ def test_tables_files_and_terminal(hammer: StudyResult, tmp_path: Path, capsys: 
         "at": None,
         "at_least": False,
         "converged": True,
+        "statistical": False,
     }
     assert set(table["machine"]) == {
         "ground_force", "travel_m", "sags", "block_modes", "rest", "companions", "energy", "energy_growth",

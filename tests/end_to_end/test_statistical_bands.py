@@ -142,7 +142,10 @@ def test_what_else_acts_or_radiates_takes_them_away(tmp_path: Path) -> None:
         study(tmp_path, ("limits:", "links: {spring: {between: [centre, ground], stiffness: 1 MN/m}}\nlimits:"))
     )
     assert bare_plate(plan, damper) == "'spring' acts on the floor"
-    assert bare_plate(replace(plan, walls={"x0": "ceiling"}), one) == "several surfaces radiate into the room"
+    assert (
+        bare_plate(replace(plan, walls={"x0": "ceiling"}), one)
+        == "several surfaces radiate into the room, or a wall of it"
+    )
     assert bare_plate(replace(plan, under="other"), one) == "'other' is no rectangle of it"
 
 

@@ -37,7 +37,7 @@ class EdgeWall:
 
     >>> wall = EdgeWall(Material("masonry", E=5e9, nu=0.2, rho=1400.0), 0.175)
     >>> round(wall.stiffness(100.0) / 1e6, 3), round(wall.loss_factor, 3)
-    (4.957, 1.0)
+    (5.907, 1.0)
     """
 
     material: Material

@@ -84,7 +84,7 @@ def meeting_findings(plan: RoomPlan, study: Study, placed: Placed, basis: ModalB
 
 
 def mode_pairs(placed: Placed, basis: ModalBasis) -> ModePairs:
-    """All modes of a floor and of the room below it up to the frequency above which a room's modes overlap.
+    """All modes of a floor, as far as none is missing, and of the room below it, up to where modes of the room overlap.
 
     That is 2000 sqrt(T60 / V) (M. R. Schroeder, J. Acoust. Soc. Am. 99, 3240 (1996), doi:10.1121/1.414868). No pairs in
     the open, in a room without losses, and in one that is not known by modes.
@@ -104,7 +104,9 @@ def mode_pairs(placed: Placed, basis: ModalBasis) -> ModePairs:
     if not isfinite(t60):
         return _no_pairs()
     top = SINGLE_MODES * sqrt(t60 / room.volume)
-    elastic = np.flatnonzero((np.array(basis.kind) == "elastic") & (basis.frequency_hz <= top))
+    known = min(top, basis.complete_below_hz) if basis.complete_below_hz > 0 else top  # air adds modes beyond
+    rings = np.nan_to_num(basis.damping_ratio) < 1.0  # over wool the diagonal of the damping is that of no motion
+    elastic = np.flatnonzero((np.array(basis.kind) == "elastic") & (basis.frequency_hz <= known) & rings)
     if not len(elastic):
         return _no_pairs()
     top = min(top, BESIDE * float(basis.frequency_hz[elastic].max()))
