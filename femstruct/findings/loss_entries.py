@@ -54,7 +54,8 @@ LOSSES: Final = (
         "A part has a total loss factor, and the model has losses that are in it.",
         LIMITS,
         "a loss factor is that of a laboratory or from reverberation times, and at the edges of the part are springs "
-        "with losses, or other plates are joined to it; or the air of a two-way room takes more than the threshold",
+        "with losses or walls, or other plates are joined to it; or the air of a two-way room takes more than the "
+        "threshold",
         "Give the part the internal loss factor of its material, 0.5 to 1 % for concrete, or leave out of the model "
         "what the total holds: it is no sum that can be taken apart.",
         (

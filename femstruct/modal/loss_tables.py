@@ -84,9 +84,15 @@ def beyond_tables(basis: ModalBasis) -> tuple[Finding, ...]:
             Finding(
                 "loss-beyond-table",
                 f"{part}: its loss factor is given from {low:g} to {high:g} Hz. {int(outside.sum())} of the "
-                f"{int(strained.sum())} modes that strain it are outside, from {first:.4g} to {last:.4g} Hz, and have "
+                f"{int(strained.sum())} modes that strain it are outside, {_told(first, last)}, and have "
                 "the value of the nearest frequency",
                 {"modes": float(outside.sum()), "lowest_hz": float(first), "highest_hz": float(last)},
             )
         )
     return tuple(found)
+
+
+def _told(first: float, last: float) -> str:
+    """A range of frequencies [Hz] in words, or the one there is."""
+    low, high = f"{first:.4g}", f"{last:.4g}"
+    return f"at {low} Hz" if low == high else f"from {low} to {high} Hz"

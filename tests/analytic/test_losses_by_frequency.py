@@ -18,6 +18,7 @@ from femstruct.modal.damping import Damping, FromMaterials, with_damping
 from femstruct.modal.frf import direct_frf, frf
 from femstruct.modal.reduction import modal_basis
 from femstruct.model.material import Material
+from femstruct.model.materials.edge_wall import EdgeWall
 from femstruct.model.materials.lay_up import Laminate, Layer
 from femstruct.model.materials.loss_by_frequency import (
     LossByFrequency,
@@ -130,6 +131,9 @@ def test_modes_outside_of_the_table_are_told() -> None:
     assert told["mat"].values["modes"] == (outside & strained).sum() < outside.sum()
     unused = with_damping(basis, Damping()).findings[len(basis.findings) :]
     assert [one.code for one in unused] == ["loss-unused"]  # of the mat, on the ground
+    first = frequency[frequency > 400 * 2**0.5][0]
+    alone = with_damping(solved(floor(), up_to=float(first) + 0.1)[1], MATERIALS).findings
+    assert any(f" are outside, at {first:.4g} Hz, and have" in one.message for one in alone)
     near = with_damping(solved(floor(), up_to=500.0)[1], MATERIALS).findings
     assert not [one for one in near if one.code == "loss-beyond-table"]
 
@@ -300,4 +304,10 @@ def test_losses_that_are_counted_twice_are_told() -> None:
     plain = replace(heavy, loss_factor=0.01)
     alone = mesh_structure(Structure("floor", (replace(slab, material=plain),), supports=(strip,)))
     assert not total_loss_findings(alone)
+    brick = EdgeWall(replace(plain, name="brick"), 0.175)
+    edges = Support("edges", "simple", on="slab", edge="all", walls=(brick, brick))
+    (once,) = total_loss_findings(
+        mesh_structure(Structure("floor", (replace(slab, thickness=0.2),), supports=(edges,)))
+    )
+    assert once.code == "losses-counted-twice" and ": edges (walls at the edge). " in once.message
     assert [one.code for one in structure_findings_before(model.structure, model)].count("losses-counted-twice") == 2

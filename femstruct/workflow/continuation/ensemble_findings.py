@@ -27,8 +27,8 @@ def ensemble_findings(rated: RatedRoom) -> tuple[Finding, ...]:
         Finding(
             "band-of-one-room",
             f"levels of this room and these places differ from the mean of {rated.ensemble.rooms} rooms with sides "
-            f"within 5 % and of other {rated.ensemble.moved}: {told}. Nine measurements of ten are nearer: use the "
-            "mean",
+            f"within 5 % and of other {rated.ensemble.moved}: {told}. Nine measurements of ten are nearer to that "
+            "mean: use it",
             {"bands": len(off), "worst_hz": worst, "worst_db": off[worst], "rooms": rated.ensemble.rooms},
         ),
     )

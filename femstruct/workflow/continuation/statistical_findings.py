@@ -26,13 +26,15 @@ def _filled(rated: RatedRoom, beside: Agreement | None) -> tuple[Finding, ...]:
     scatter = [statistical.scatter_db[band] for band in bands]
     few = [band for band in bands if statistical.modes[band] < MANY]
     told = f"; the plate has fewer than {MANY:g} modes in those up to {max(few):g} Hz" if few else ""
-    agreed = "no band with enough modes has both" if beside is None else _beside(beside)
+    agreed = "no comparison of modes and statistics is possible: no band has both with enough modes"
+    if beside is not None:
+        agreed = f"where modes and statistics can be compared: {_beside(beside)}"
     return (
         Finding(
             "statistical-bands",
             f"the rated {rated.method.bands}s {spelt(bands)} lie beyond the modes and are from statistical energies of "
             f"plate and room: a single floor differs from them by {min(scatter):.1f} to {max(scatter):.1f} dB "
-            f"(standard deviation){told}. Where modes and statistics can be compared: {agreed}",
+            f"(standard deviation){told}; {agreed}",
             {
                 "bands": len(bands),
                 "first_hz": bands[0],

@@ -67,10 +67,12 @@ def _radiation(name: str, model: Model, two_way: Mapping[str, str]) -> list[str]
 def _edges(name: str, model: Model, plates: Collection[str]) -> list[str]:
     """What takes vibration away from a part at its edges, in words."""
     structure = model.structure
-    edges = [one.name for one in structure.supports if one.on == name and one.loss_factor]
+    own = [one for one in structure.supports if one.on == name]
+    edges = [f"{one.name} (springs with losses)" for one in own if one.loss_factor]
+    walls = [f"{one.name} (walls at the edge)" for one in own if one.walls]
     joined = [
         f"{one.name} (joined to {one.b if one.a == name else one.a})"
         for one in structure.joints
         if name in (one.a, one.b) and {one.a, one.b} <= set(plates)
     ]
-    return [*(f"{one} (springs with losses)" for one in edges), *joined]
+    return [*edges, *walls, *joined]
