@@ -84,13 +84,10 @@ def statics(model: Model, assembly: Assembly, forces: Sequence[tuple[Probe, floa
     for probe, force in forces:
         nodal += force * probe.row(len(assembly.points)).toarray()[0]
     loads = csr_array(nodal[None])
-    pattern, (values,) = aligned([assembly.K])
-    factor = SOLVERS[FASTEST](pattern).factor(values)
     pushed = (loads @ assembly.dofs.T).toarray()[0]
     gravity = GRAVITY if weight else 0.0
     pushed -= gravity * assembly.momentum[UP]
-    moved = np.asarray(factor.solve(pushed), dtype=np.float64)
-    moved += np.asarray(factor.solve(pushed - assembly.K @ moved), dtype=np.float64)
+    moved = _moved(assembly, pushed)
     load = nodal.reshape(-1, N_COMPONENTS)[:, :3].sum(axis=0)
     load[UP] -= gravity * sum(part_masses(model).values())
     return AtRest(
@@ -104,10 +101,48 @@ def statics(model: Model, assembly: Assembly, forces: Sequence[tuple[Probe, floa
     )
 
 
+def sunk(assembly: Assembly) -> Floats | None:
+    """Displacements [n_nodes, 7] of a structure under its own weight [m, rad]; None for one that can move as a whole.
+
+    Notes
+    -----
+    One static solution, exact for the mesh: a sum over modes lacks what the modes beyond it carry, most of the weight
+    of a floor whose first modes are those of a light ceiling.
+
+    A block of 2 t on a spring of 1 MN/m that holds it every way sinks by m g / k:
+
+    >>> from femstruct import Block, PlaceOn, Spring, Structure, assemble, mesh_structure
+    >>> block = Block("block", 2000.0, origin=(0.0, 0.0, 0.0), size=(1.0, 1.0, 1.0))
+    >>> foot = PlaceOn("foot", "block", at=((0.5, 0.5, 0.0),))
+    >>> spring = Spring("spring", "foot", None, stiffness=(1e6,) * 6)
+    >>> moved = sunk(assemble(mesh_structure(Structure("a block", (block, spring), points=(foot,)))))
+    >>> round(-1e3 * float(moved[0, 2]), 2)
+    19.61
+    """
+    assembly = without_walls(assembly)
+    if _free(assembly):
+        return None
+    moved = _moved(assembly, -GRAVITY * assembly.momentum[UP])
+    return np.asarray((assembly.dofs.T @ moved).reshape(-1, N_COMPONENTS))
+
+
+def _moved(assembly: Assembly, pushed: Floats) -> Floats:
+    """Static displacements of free degrees of freedom [n_free] under forces on them [n_free] [N]."""
+    pattern, (values,) = aligned([assembly.K])
+    factor = SOLVERS[FASTEST](pattern).factor(values)
+    moved = np.asarray(factor.solve(pushed), dtype=np.float64)
+    moved += np.asarray(factor.solve(pushed - assembly.K @ moved), dtype=np.float64)
+    return moved
+
+
+def _free(assembly: Assembly) -> int:
+    """How many rigid modes there are."""
+    return modes(assembly.K, assembly.M, count=1, labels=assembly.dofs.labels).n_rigid
+
+
 def _refuse_free(assembly: Assembly) -> None:
     """Raise InputError for a structure with rigid modes."""
-    free = modes(assembly.K, assembly.M, count=1, labels=assembly.dofs.labels).n_rigid
-    if free:
+    if _free(assembly):
         raise InputError(
             "supports",
             got="a structure that can move as a whole",

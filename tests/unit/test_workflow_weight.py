@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 from typer.testing import CliRunner
 
+import femstruct as fs
 from femstruct.cli import app
+from femstruct.workflow.check.weight import sags
 
 ROUNDING = 1e-12  # rounding: 2e-15 here at most
 
@@ -80,3 +83,25 @@ def test_what_nothing_holds_up_has_no_sag(tmp_path: Path) -> None:
     table = told(path)
     assert table["sags"] == {}
     assert table["rigid_body_modes"] == 6
+
+
+def test_a_sag_does_not_depend_on_how_many_modes_there_are() -> None:
+    """A heavy block on stiff springs below a light one on soft springs: the first mode is of the light one alone."""
+    floor = fs.Block("floor", 1000.0, origin=(0.0, 0.0, 0.0), size=(1.0, 1.0, 1.0))
+    ceiling = fs.Block("ceiling", 1.0, origin=(0.0, 0.0, 2.0), size=(1.0, 1.0, 1.0))
+    points = tuple(
+        fs.PlaceOn(name, on, at=((0.5, 0.5, z),))
+        for name, on, z in (("foot", "floor", 0.0), ("top", "floor", 1.0), ("low", "ceiling", 0.0))
+    )
+    stiff = fs.Spring("stiff", "foot", None, stiffness=(1e7,) * 6)
+    soft = fs.Spring("soft", "low", "top", stiffness=(1e3,) * 6)
+    structure = fs.Structure("two", (floor, ceiling, stiff, soft), points=points)
+    model = fs.mesh_structure(structure)
+    found = {one.part: one.sag for one in sags(model, fs.modal_basis(fs.assemble(model), count=1))}
+    assert found["floor"] == pytest.approx(1001.0 * G / 1e7, rel=1e-9)  # rounding of stiffnesses 1e4 apart
+    assert found["ceiling"] == pytest.approx(1001.0 * G / 1e7 + G / 1e3, rel=1e-9)  # the same
+    free = replace(structure, parts=(floor, ceiling, replace(stiff, stiffness=(0.0, 0.0, 1e7, 0.0, 0.0, 0.0)), soft))
+    loose = fs.mesh_structure(free)
+    assert not sags(loose, fs.modal_basis(fs.assemble(loose), count=6))  # those at 0 Hz and of the ceiling
+    all_modes = sags(loose, fs.modal_basis(fs.assemble(loose), count=12))
+    assert {one.part: one.sag for one in all_modes}["floor"] == pytest.approx(1001.0 * G / 1e7, rel=1e-9)  # the same

@@ -53,7 +53,7 @@ def structure_findings(
     return ranked(
         (
             *structure_findings_before(solved.structure, solved.model, studies),
-            *structure_findings_after(solved.model, basis, studies, up_to_hz),
+            *structure_findings_after(solved.model, basis, studies, up_to_hz, solved.basis),
         )
     )
 
@@ -105,12 +105,17 @@ def structure_findings_before(
 
 
 def structure_findings_after(
-    model: Model | None, basis: ModalBasis, studies: Sequence[Study] = (), up_to_hz: float | None = None
+    model: Model | None,
+    basis: ModalBasis,
+    studies: Sequence[Study] = (),
+    up_to_hz: float | None = None,
+    vacuo: ModalBasis | None = None,
 ) -> tuple[Finding, ...]:
     """What the modes of a structure show of it, by rank: their own findings, whether the mesh carries
     them, whether parts slide or turn on each other, and whether springs sag by more than is meant.
 
     up_to_hz : the highest frequency that is looked at [Hz]; without it that to which the modes are complete.
+    vacuo : the basis without the air of cavities, which leaks at rest; without it that is `basis`.
     """
     found = list(basis.findings)
     if model is None:
@@ -126,7 +131,7 @@ def structure_findings_after(
     found += _overdamped(basis)
     found += _mechanisms(model, basis, studies, gravity)
     if gravity or not studies:
-        found += _far_sags(model, basis)
+        found += _far_sags(model, vacuo or basis)
     return ranked(found)
 
 
