@@ -30,6 +30,7 @@ from femstruct.parts.foundation import Foundation, lines_across
 from femstruct.parts.of_frames.frame_mesh import FrameMesh
 
 ORDER = 4  # Gauss points of a piece of a line: exact for products of two cubic deflections
+MILLIMETRES = 20.0  # m: hangers are that many millimetres apart at least
 MOST_PLACES = 100_000  # more is a slip of a unit
 _Places = tuple[Floats, Floats, Floats]
 """Where hangers act: places [p, 3] [m], the share of each [p] (1, or the length [m] it stands for), and axes [3, 3],
@@ -146,9 +147,18 @@ class Hangers(Part):
             raise InputError(f"parts.{self.name}.between", got=f"'{self.to}'", expected="a ceiling: a plate or slab")
         return found
 
-    def _spacings(self, count: tuple[int, ...], what: str) -> tuple[float, ...]:
-        """The spacing, of one of so many numbers. Raises InputError for others."""
+    def _spacings(self, count: tuple[int, ...], what: str, size: Pair) -> tuple[float, ...]:
+        """The spacing, of one of so many numbers. Raises InputError for others, and for one wider than the ceiling of
+        a size [m]: a slip of a unit, where one hanger in the middle would be all."""
         if len(self.spacing) in count:
+            for step in self.spacing:
+                if step > max(size):
+                    raise InputError(
+                        f"parts.{self.name}.spacing",
+                        got=f"{step:g} m on a ceiling of {size[0]:g} m x {size[1]:g} m",
+                        expected="a spacing within the ceiling",
+                        do=f"a plain number is in metres: did you mean {step:g} mm?" if step >= MILLIMETRES else "",
+                    )
             return self.spacing
         words = " or ".join(str(one) for one in count) if any(count) else "none"
         got = f"{len(self.spacing)} numbers" if self.spacing else "no spacing"
@@ -189,7 +199,7 @@ class Hangers(Part):
                     expected=f"x from {x0:g} m to {x1:g} m, y from {y0:g} m to {y1:g} m, in coordinates of {self.to}",
                 )
             return local, np.ones(len(local))
-        steps = self._spacings((1, 2), "pieces below a floor")
+        steps = self._spacings((1, 2), "pieces below a floor", (x1 - x0, y1 - y0))
         x = x0 + self._regular(x1 - x0, steps[0])
         y = y0 + self._regular(y1 - y0, steps[-1], len(x))
         local = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1).reshape(-1, 2)
@@ -197,10 +207,10 @@ class Hangers(Part):
 
     def _lines(self, layer: Layer, sides: Sequence[Meshed], tolerance: float) -> tuple[Floats, Floats]:
         """Gauss points [p, 2] and weights [p] (m) of lines along an axis of the ceiling."""
-        (step,) = self._spacings((1,), "lines below a floor")
+        x0, x1, y0, y1 = layer.box
+        (step,) = self._spacings((1,), "lines below a floor", (x1 - x0, y1 - y0))
         if self.along is None:
             raise InputError(f"parts.{self.name}.along", got="no direction of the lines", expected="x or y")
-        x0, x1, y0, y1 = layer.box
         cuts = [lines_across(layer, direction, sides, tolerance) for direction in (0, 1)]
         if self.along == "x":
             ends = [((x0, float(y)), (x1, float(y))) for y in y0 + self._regular(y1 - y0, step)]
@@ -215,13 +225,13 @@ class Hangers(Part):
             key, got = ("at", "places") if self.at else ("along", "a direction")
             expected = "a spacing along its bars" if self.per == "piece" else "lines along its bars"
             raise InputError(f"parts.{self.name}.{key}", got=f"{got} below a frame", expected=expected)
+        size = (float(body.size[0]), float(body.size[1]))
         if self.per == "length":
-            self._spacings((0,), "lines along bars")
+            self._spacings((0,), "lines along bars", size)
             runs = np.stack([frame.start, frame.end], axis=1)
         else:
-            self._spacings((1,), "pieces along bars")
+            self._spacings((1,), "pieces along bars", size)
             runs = np.stack([(one.start, one.end) for one in frame.pieces(tolerance)])
-        size = (float(body.size[0]), float(body.size[1]))
         # a plate lies in its mid-surface, its body's corner is on a face
         local = (runs - body.corner) @ body.axes.T
         heights, thick = local[..., 2], float(body.size[2])

@@ -17,6 +17,7 @@ from femstruct.model.structure import Structure
 from femstruct.parts.frame import Frame
 from femstruct.parts.hangers import Hangers
 from femstruct.parts.plate import Plate
+from femstruct.workflow.stages.positions import positioned
 
 TEXT = """\
 materials:
@@ -100,6 +101,17 @@ def test_without_mistakes_it_is_read(tmp_path: Path) -> None:
     assert len(read_model_file(tmp_path / "a.yaml").structure.parts) == 5  # type: ignore[union-attr]
 
 
+def test_a_spacing_in_metres_is_refused_where_it_is_written(tmp_path: Path) -> None:
+    (tmp_path / "a.yaml").write_text(TEXT.replace("[1 m, 0.6 m]", "[600, 900]", 1), encoding="utf-8")
+    source = read_model_file(tmp_path / "a.yaml")
+    assert isinstance(source.structure, Structure)
+    with (
+        pytest.raises(InputErrors, match=r"a\.yaml:10:\d+: parts\.clips\.spacing: got 600 m on .* did you mean 600 mm"),
+        positioned(source),
+    ):
+        mesh_structure(source.structure)
+
+
 BOARD = Material("board", E=3e9, nu=0.3, rho=800.0)
 FLOOR = Plate("floor", BOARD, 0.15, (0.0, 0.0, 0.4), (4.0, 3.0), 1.0)
 CEILING = Plate("ceiling", BOARD, 0.0125, (0.0, 0.0, 0.0), (4.0, 3.0), 1.0)
@@ -119,6 +131,10 @@ REFUSED = {
     "grids of hairs": (replace(HANGERS, spacing=(1e-3,)), CEILING, JOISTS, r"spacing: got .* expected at most 100000"),
     "three ways": (replace(HANGERS, spacing=(1.0, 1.0, 1.0)), CEILING, JOISTS, r"got 3 numbers, expected 1 or 2 for"),
     "no way": (replace(HANGERS, spacing=()), CEILING, JOISTS, r"got no spacing, expected 1 or 2 for pieces below"),
+    "metres for millimetres": (replace(HANGERS, spacing=(0.6, 900.0)), CEILING, JOISTS,
+        r"spacing: got 900 m on a ceiling of 4 m x 3 m, expected a spacing within the ceiling; .* did you mean 900 mm"),
+    "lines beyond": (replace(HANGERS, spacing=(4.5,), per="length", along="x"), CEILING, JOISTS, r"got 4.5 m on a cei"),
+    "bars in metres": (replace(BARS, spacing=(500.0,)), CEILING, JOISTS, r"got 500 m on a cei.* did you mean 500 mm"),
     "no direction": (replace(HANGERS, per="length"), CEILING, JOISTS, r"along: got no direction of the lines, exp"),
     "off": (replace(HANGERS, spacing=(), at=((5.0, 1.0),)), CEILING, JOISTS, r"at: got a place 1 m off, expected x f"),
     "beside": (HANGERS, replace(CEILING, origin=(9.0, 0.0, 0.0)), JOISTS, r"between: got .* which do not face each"),
