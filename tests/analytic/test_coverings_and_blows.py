@@ -138,6 +138,17 @@ WRONG = {
         {"1 MN/m}}": "1 MN/m}, covering: {reduction: {100 Hz: 1 mm}}}"},
         r"bodies\.hammer\.covering\.reduction: got '1 mm', which is a length, expected a level",
     ),
+    "a sign": (
+        {"1 MN/m}}": "1 MN/m}, covering: {reduction: {100 Hz: -30 dB}}}"},
+        r"bodies\.hammer\.covering\.reduction: got '-30 dB', expected a reduction of at least -20 dB; what a covering",
+    ),
+    "several places misspelt": (
+        {
+            "source: tapping machine, above: feet, contact: {type: linear, stiffness: 1 MN/m}": "source: rubber ball, "
+            "above: feett"
+        },
+        r"bodies\.hammer\.above: got 'feett', expected the name of a point.*; did you mean 'feet'\?",
+    ),
     "a seed without scatter": (
         {"1 MN/m}}": "1 MN/m}, blows: {count: 3, timing: regular, seed: 2}}"},
         r"bodies\.hammer\.blows\.seed: got a seed of blows that are not scattered",

@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 from acoustics.errors import AcousticsError
 from femstruct.conventions import DIRECTIONS
 from femstruct.errors import FemstructError, InputErrors
-from femstruct.language.yaml.tree import Mistakes, Position, Steps, Tree, dotted, nearest
+from femstruct.language.yaml.tree import Mistakes, Position, Steps, Tree, dotted, near_one, nearest
 
 T = TypeVar("T")
 POINT_DIRECTIONS = (*DIRECTIONS, "n")
@@ -121,7 +121,8 @@ class Here:
             self.wrong(f"'{name}', which has {several} places", "one place", f"write {name}.1 to {name}.{several}")
             return
         words = "point" if not also else "point, body or ground" if "ground" in also else "point or body"
-        self.wrong(f"'{name}'", f"the name of a {words}", nearest(name, known) or "there are no points: add 'points:'")
+        near = near_one(name, [*known, *self.names.points]) or nearest(name, known)
+        self.wrong(f"'{name}'", f"the name of a {words}", near or "there are no points: add 'points:'")
 
     def spot(self, text: str, forces: bool = False, of_key: bool = False) -> None:
         """Note what is no address: POINT.direction, or NAME.force where forces are allowed."""

@@ -129,7 +129,7 @@ class Quantity:
     """Annotation of a field that holds a quantity of one of these dimensions, within limits.
 
     too_small, too_large : what to do about a value beyond `least` or `most`; {number} in it is the value in SI units,
-    {thousandfold} a thousand times that.
+    {thousandfold} a thousand times that. words : what the quantity is where its dimension does not say it.
     """
 
     dimensions: tuple[str, ...]
@@ -140,6 +140,7 @@ class Quantity:
     which: bool = False
     too_small: str = "remove the sign"
     too_large: str = ""
+    words: str = ""
 
     def read(self, value: object) -> Any:
         """The value in SI units, or a Measured when `which` is set."""
@@ -155,7 +156,7 @@ class Quantity:
         if self.least is not None and not number >= self.least:
             raise refuse(
                 shown_as(value),
-                f"{named.words} of at least {self._shown(self.least)}",
+                f"{self.words or named.words} of at least {self._shown(self.least)}",
                 self.too_small.format(number=number, thousandfold=1e3 * number),
             )
         if self.below is not None and not number < self.below:
@@ -165,7 +166,7 @@ class Quantity:
         if self.most is not None and not number <= self.most:
             raise refuse(
                 shown_as(value),
-                f"{named.words} of at most {self._shown(self.most)}",
+                f"{self.words or named.words} of at most {self._shown(self.most)}",
                 self.too_large.format(number=number, thousandfold=1e3 * number),
             )
         largest = FARTHEST if named.unit == "m" else LARGEST

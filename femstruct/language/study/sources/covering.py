@@ -10,7 +10,14 @@ from femstruct.errors import shown_as
 from femstruct.language.yaml import BandFile, Quantity, Spec, by_band, read_by, refuse
 from femstruct.study.acting import Covering
 
-_DECIBEL = Quantity(("level",), least=-20.0, most=80.0, too_small="", too_large="coverings reach 40 dB or so")
+_DECIBEL = Quantity(
+    ("level",),
+    least=-20.0,
+    most=80.0,
+    too_small="what a covering takes off is positive",
+    too_large="coverings reach 40 dB or so",
+    words="a reduction",
+)
 _WORDS = ("a reduction for each band", "write it like {100 Hz: 2 dB, 125 Hz: 3 dB, ..} or {file: NAME}")
 _READ = by_band(_DECIBEL, *_WORDS)
 
