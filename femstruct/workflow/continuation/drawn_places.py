@@ -8,7 +8,7 @@ from typing import Final
 
 import numpy as np
 
-from femstruct.arrays import Floats, Integers
+from femstruct.arrays import Floats
 from femstruct.modal.basis import ModalBasis
 from femstruct.model.structure import PlaceOn, Structure
 from femstruct.parts.plate import Plate
@@ -50,9 +50,9 @@ def drawn_receivers(size: Floats, receivers: int, sets: int, rng: np.random.Gene
 
 
 def drawn_drops(
-    studies: Sequence[Study], places: Places, basis: ModalBasis, modes: Integers, sets: int, rng: np.random.Generator
+    studies: Sequence[Study], places: Places, basis: ModalBasis, sets: int, rng: np.random.Generator
 ) -> list[list[Floats]] | None:
-    """For each set, for each drop, rows [h, k] of the modes where its bodies strike a floor: each drop moved as it is,
+    """For each set, for each drop, rows [h, k] of all modes where its bodies strike a floor: each drop moved as it is,
     0.5 m from the edges of its rectangle; None where something else than these bodies acts, or the floor is no
     rectangle."""
     struck = [_struck(study) for study in studies]
@@ -69,7 +69,7 @@ def drawn_drops(
                 return None
             centre = edge + rng.random(2) * (size - 2.0 * edge)
             moved = at - (at.max(axis=0) + at.min(axis=0)) / 2.0 + centre
-            rows.append(_rows(place, part, moved, places, basis)[:, modes])
+            rows.append(_rows(place, part, moved, places, basis))
         found.append(rows)
     return found
 

@@ -27,10 +27,11 @@ from femstruct.arrays import Floats, Integers
 from femstruct.impact.result.response import Response
 from femstruct.impact.scene.impact_sources import BETWEEN_BLOWS
 from femstruct.modal.basis import ModalBasis
+from femstruct.modal.coupled_damping.oscillators import Oscillators
 from femstruct.study.asked import RoomPlan
 from femstruct.study.room_surfaces import placed_room
 from femstruct.study.study import Study
-from femstruct.workflow.continuation.blow_motions import blow_spectrum, driven_rates, simulated_rates
+from femstruct.workflow.continuation.blow_motions import blow_spectrum, coupled, driven_rates, simulated_rates
 from femstruct.workflow.continuation.drawn_places import drawn_drops, drawn_receivers, drawn_sides
 from femstruct.workflow.stages.places import Places
 from femstruct.workflow.stages.rated_rooms import apart, method_for
@@ -100,8 +101,11 @@ def _ensemble(
     s = _lines(plan, method, bands, basis)
     (surface,) = placed.shapes(basis)
     modes = np.flatnonzero(basis.frequency_hz <= MODES_UP_TO * float(s[-1].imag) / (2 * np.pi))
+    found = coupled(basis, modes)
+    if found is not None:  # air of cavities, frames of wool and their heat do not move the room's surface
+        modes = modes[surface.shapes[:, modes].any(axis=0)]
     surface = SurfaceShapes(surface.points, surface.weights, surface.shapes[:, modes])
-    motions, moved = _motions(drops, places, basis, modes, s, plan.ensemble * SETS, rng)
+    motions, moved = _motions(drops, places, basis, modes, found, s, plan.ensemble * SETS, rng)
     members, corrections = [], []
     for factors in drawn_sides(plan.ensemble, rng):
         room = plan.room.varied(factors)
@@ -137,6 +141,7 @@ def _motions(
     places: Places,
     basis: ModalBasis,
     modes: Integers,
+    found: Oscillators | None,
     s: Complexes,
     sets: int,
     rng: np.random.Generator,
@@ -145,7 +150,7 @@ def _motions(
     other; what is drawn anew."""
     studies = list(drops.studies.values())
     runs = list(drops.responses.values())
-    rows = drawn_drops(studies, places, basis, modes, sets, rng)
+    rows = drawn_drops(studies, places, basis, sets, rng)
     if rows is None:
         stays = [_as_simulated(study, run, modes, s) for study, run in zip(studies, runs, strict=True)]
         return repeat(stays, sets), "microphones"
@@ -153,11 +158,11 @@ def _motions(
         np.array([blow_spectrum(run, body, s, weighs=weighs(study)) for body in study.bodies])
         for study, run in zip(studies, runs, strict=True)
     ]
-    found = (
-        [driven_rates(basis, modes, own, force, s) for own, force in zip(of_set, forces, strict=True)]
-        for of_set in rows
+    pushes, ends = np.concatenate(forces), np.cumsum([len(force) for force in forces])[:-1]
+    motions = (
+        list(np.split(driven_rates(basis, modes, found, np.concatenate(of_set), pushes, s), ends)) for of_set in rows
     )
-    return found, "places of the source, microphones"
+    return motions, "places of the source, microphones"
 
 
 def _as_simulated(study: Study, run: Response, modes: Integers, s: Complexes) -> Complexes:
