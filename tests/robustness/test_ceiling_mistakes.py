@@ -7,7 +7,9 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from typer.testing import CliRunner
 
+from femstruct.cli import app
 from femstruct.errors import InputError, InputErrors
 from femstruct.language import read_model_file
 from femstruct.model.material import Material
@@ -110,6 +112,18 @@ def test_a_spacing_in_metres_is_refused_where_it_is_written(tmp_path: Path) -> N
         positioned(source),
     ):
         mesh_structure(source.structure)
+
+
+def test_check_tells_how_many_hangers_there_are_and_what_they_carry(tmp_path: Path) -> None:
+    """12 m^2 of 10 kg/m^2 on 4 x 5 hangers of 65 lb; and on 1 x 1."""
+    like = TEXT.replace("stiffness: {normal: 20 kN/m}, loss_factor: 0", "like: hanger ARH-1-20, loss_factor: 5 %")
+    (tmp_path / "a.yaml").write_text(like, encoding="utf-8")
+    answer = CliRunner().invoke(app, ["check", str(tmp_path / "a.yaml")])
+    told = " ".join(answer.output.split())
+    assert "clips: 20 hangers, each with 58.84 N of ceiling in the mean, of the 289.1 N that are recommended" in told
+    (tmp_path / "a.yaml").write_text(like.replace("[1 m, 0.6 m]", "4 m"), encoding="utf-8")
+    told = " ".join(CliRunner().invoke(app, ["check", str(tmp_path / "a.yaml")]).output.split())
+    assert "clips: 1 hanger, each with 1177 N of ceiling in the mean, more than the 289.1 N that" in told
 
 
 BOARD = Material("board", E=3e9, nu=0.3, rho=800.0)

@@ -159,6 +159,8 @@ def show_inspection(table: Row, picture: str = "", verbose: bool = False) -> Non
         low, high = table["box_m"]
         screen.print("box " + " x ".join(f"{b - a:.4g}" for a, b in zip(low, high, strict=True)) + " m")
         screen.print(", ".join(f"{count} {name}" for name, count in table["counts"].items()))
+    for name, one in table["hangers"].items():
+        screen.print(_hung_told(name, one))
     if table["degrees_of_freedom"] is not None:
         screen.print(f"{table['degrees_of_freedom']} degrees of freedom")
     screen.print(_modes_told(table))
@@ -270,3 +272,13 @@ def _range(modes: Sequence[int]) -> str:
     ('4', '2 to 4')
     """
     return str(modes[0]) if len(modes) == 1 else f"{modes[0]} to {modes[-1]}"
+
+
+def _hung_told(name: str, one: dict[str, Any]) -> str:
+    """A line on hangers: how many, and the mean load of each beside the largest that is recommended."""
+    load, most = one["mean_load_n"], one["largest_load_n"]
+    beside = ""
+    if most is not None:
+        beside = f", {'more than' if load > most else 'of'} the {most:.4g} N that are recommended at most"
+    pieces = "1 hanger" if one["count"] == 1 else f"{one['count']} hangers"
+    return f"{name}: {pieces}, each with {load:.4g} N of {one['ceiling']} in the mean{beside}"

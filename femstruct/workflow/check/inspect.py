@@ -24,6 +24,7 @@ from femstruct.study.room_surfaces import placed_room
 from femstruct.study.structures import ModesModel
 from femstruct.study.study import Case, Plan, Study
 from femstruct.workflow.check.asked_modes import DEFAULT_MODES, damped_as_far_as_solved
+from femstruct.workflow.check.hung import hung
 from femstruct.workflow.check.weight import block_modes, sags, weight_findings
 from femstruct.workflow.judgement.all_findings import all_findings, early_findings, of_cases
 from femstruct.workflow.judgement.blank_bands import blanks_before
@@ -77,6 +78,7 @@ class Inspection:
             "mass_kg": self.basis.total_mass,
             "box_m": None if facts is None else [facts.low.tolist(), facts.high.tolist()],
             "counts": {} if facts is None else facts.counts,
+            "hangers": {} if self.model is None else hung(self.model),
             "degrees_of_freedom": self.degrees_of_freedom,
             "rigid_body_modes": self.basis.n_rigid,
             "first_frequencies_hz": [float(f) for f in self.basis.frequency_hz[self.basis.modes]],
