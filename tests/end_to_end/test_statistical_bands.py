@@ -80,6 +80,9 @@ def test_blank_bands_are_filled_and_said_to_be(result: StudyResult) -> None:
     # 55.5 with all modes up to 1400 Hz and four drops, study of levels; the statistics scatter by 1.8 dB there
     assert number.unrounded_db == pytest.approx(55.5, abs=1.5)
     (found,) = (one for one in case.findings if one.code == "statistical-bands")
+    assert found.message.endswith(
+        "; no comparison of modes and statistics is possible: no band has both with enough modes"
+    )
     assert "250 to 630 Hz" in found.message and "fewer than 4 modes in those up to 315 Hz" in found.message
     assert not {one.code for one in case.findings} & {"rating-beyond-modes", "statistical-disagrees"}
 

@@ -13,6 +13,7 @@ from typer.testing import CliRunner
 import femstruct as fs
 from femstruct.cli import app
 from femstruct.workflow.check.weight import sags
+from femstruct.workflow.judgement.structure_findings import structure_findings_after
 
 ROUNDING = 1e-12  # rounding: 2e-15 here at most
 
@@ -105,3 +106,16 @@ def test_a_sag_does_not_depend_on_how_many_modes_there_are() -> None:
     assert not sags(loose, fs.modal_basis(fs.assemble(loose), count=6))  # those at 0 Hz and of the ceiling
     all_modes = sags(loose, fs.modal_basis(fs.assemble(loose), count=12))
     assert {one.part: one.sag for one in all_modes}["floor"] == pytest.approx(1001.0 * G / 1e7, rel=1e-9)  # the same
+
+
+def test_what_sags_far_is_judged_without_the_air_of_cavities() -> None:
+    """A block of 1 t on a spring of 1 kN/m sags by 9.8 m, whatever air holds while it vibrates; it is free to slide."""
+    block = fs.Block("block", 1000.0, origin=(0.0, 0.0, 0.0), size=(1.0, 1.0, 1.0))
+    foot = fs.PlaceOn("foot", "block", at=((0.5, 0.5, 0.0),))
+    spring = fs.Spring("spring", "foot", None, stiffness=(0.0, 0.0, 1e3, 1e9, 1e9, 1e9))
+    model = fs.mesh_structure(fs.Structure("one", (block, spring), points=(foot,)))
+    vacuo = fs.modal_basis(fs.assemble(model), count=6)
+    air = replace(vacuo, omega=100.0 * vacuo.omega)
+    told = structure_findings_after(model, air, vacuo=vacuo)
+    (far,) = [one for one in told if one.code == "sags-far"]
+    assert far.values["sag_m"] == pytest.approx(1000.0 * G / 1e3, rel=1e-6)  # rounding of stiffnesses 1e6 apart
