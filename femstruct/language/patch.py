@@ -14,7 +14,7 @@ from femstruct.language.yaml import Here, Mistakes, Spec, Steps, Tree, dotted, f
 
 MODEL_KEYS: Final = frozenset(ModelSpec.model_fields) - {"title"}
 _NAMED: Final = (  # top-level mappings from names: a new name is an addition, never a slip
-    "materials", "sections", "parts", "joints", "constraints", "points", "surfaces", "supports",
+    "materials", "sections", "parts", "joints", "constraints", "points", "surfaces", "supports", "cavities",
     "frf", "bodies", "contacts", "links", "loads", "rooms", "cases",
 )  # fmt: skip
 _NAMED_INSIDE: Final = (("damping", "modes"),)

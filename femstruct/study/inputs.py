@@ -9,6 +9,7 @@ from typing import Any, Final, NamedTuple
 
 from femstruct.conventions import GRAVITY
 from femstruct.model.given import Given, given, of_material, of_section, plain
+from femstruct.model.materials.air_between import AirBetween
 from femstruct.model.materials.lay_up import LayUp, materials_of
 from femstruct.model.materials.orthotropic import AnyMaterial
 from femstruct.model.section import Section
@@ -26,6 +27,11 @@ UNITS: Final = {  # of the fields of a study's nouns
     "band": "Hz", "step": "Hz", "up_to_hz": "Hz", "every": "s", "first": "s", "pace": "Hz", "velocity": "m/s",
     "spin": "rad/s", "alpha": "1/s", "beta": "s", "near_hz": "Hz", "relaxation_time": "s", "decay_rate": "1/s",
     "frequency": "Hz", "at": "m", "radius": "m", "times": "s", "slip": "N/m^2",
+}  # fmt: skip
+
+CAVITY: Final = {
+    "depth": "m", "c": "m/s", "rho": "kg/m^3", "up_to": "Hz", "flow_resistivity": "Pa s/m^2", "density": "kg/m^3",
+    "thickness": "m", "width": "m",
 }  # fmt: skip
 
 COUNTED: Final = {  # in the name of a channel: its unit
@@ -82,6 +88,7 @@ def inputs(study: Study) -> Inputs:
         groups["constraints"] = [_item(one, _word(one)) for one in structure.constraints]
         groups["points"] = [_item(one, "point") for one in structure.points]
         groups["surfaces"] = [_item(one, "surface") for one in structure.surfaces]
+        groups["cavities"] = [_cavity(one) for one in structure.cavities]
     else:
         groups["structure"] = [Item("structure", _word(structure).removesuffix(" model"), given(structure, UNITS))]
     groups["bodies"] = [_body(one) for one in study.bodies]
@@ -168,6 +175,13 @@ def _name_nouns(groups: dict[str, list[Item]]) -> None:
 def _joint(joint: Joint) -> Item:
     item = _item(joint, f"{joint.kind} joint", without=("kind", "a", "b"))
     return item._replace(given=(Given("between", (joint.a, joint.b)), *item.given))
+
+
+def _cavity(one: AirBetween) -> Item:
+    """Its air, its fill and its bays."""
+    nouns = [noun for noun in (one, one.fill, one.bays) if noun is not None]
+    found = [what for noun in nouns for what in given(noun, UNITS | CAVITY) if what.what not in ("fill", "bays")]
+    return Item(one.name, "cavity with wool" if one.fill else "cavity", tuple(found))
 
 
 def _body(body: PlacedBody) -> Item:

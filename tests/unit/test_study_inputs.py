@@ -29,6 +29,7 @@ WITHOUT_UNIT = {
     "ratio",
     "harmonics",
     "steps",
+    "bond",
     "count",
     "restitution",
     "exponent",
