@@ -126,6 +126,15 @@ STRUCTURE: Final = (
         "Add a support, layer or spring, or write 'gravity: false'.",
     ),
     Entry(
+        "edge-only-turned",
+        "The springs of an edge resist its rotation alone, and nothing holds the part along its normal.",
+        FORBIDS,
+        "a support has 'stiffness: {about edge: ..}' without 'z', and a shift of the part along its normal meets no "
+        "resistance of any support, layer or spring",
+        "Add 'z' to the stiffness, 'fix: simple', or another support: an edge that is held against rotation is held "
+        "against deflection, too.",
+    ),
+    Entry(
         "nothing-moves",
         "Supports hold every node of the part.",
         FORBIDS,

@@ -151,6 +151,31 @@ def test_a_body_on_one_spring_below_its_centre_of_mass_does_not_fall() -> None:
         assert (len(piece.free), piece.falls) == (5, falls)
 
 
+UP = replace(TOP, name="up", normal=(1.0, 0.0, 0.0), x_direction=(0.0, 1.0, 0.0))
+TURNED = Support("e", (), on="top", edge="all", stiffness={"about edge": 40e3})
+FOOT = Support("foot", ("z",), on="up", edge="y0")
+# what holds a plate, whether an edge that is only held against rotation is told without gravity, and what is told with it
+TURNING = {
+    "alone": (TOP, (TURNED,), ["edge-only-turned"], ["nothing-carries-weight"]),
+    "with springs across": (TOP, (replace(TURNED, stiffness={"about edge": 40e3, "z": 1e6}),), [], []),
+    "on a pinned edge": (TOP, (replace(TURNED, fix="simple"),), [], []),
+    "with another support": (TOP, (TURNED, Support("c", ("z",), at="corners")), [], []),
+    "sideways only": (
+        TOP, (TURNED, Support("s", ("x", "y"), on="top", edge="all")), ["edge-only-turned"], ["nothing-carries-weight"],
+    ),
+    "standing on its foot": (UP, (replace(TURNED, on="up"), FOOT), *(["edge-only-turned"],) * 2),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", TURNING)
+def test_an_edge_that_is_only_held_against_rotation_lets_its_part_move_away(name: str) -> None:
+    plate, supports, without, with_gravity = TURNING[name]
+    corners = PlaceOn("corners", plate.name, tuple(CORNERS))
+    structure = Structure("turned", (plate,), points=(corners,), supports=supports)
+    assert [one.code for one in told(structure, gravity=False) if one.severe] == without
+    assert [one.code for one in told(structure, gravity=True) if one.severe] == with_gravity
+
+
 def test_extra_masses_weigh_where_they_are() -> None:
     """A plate on a line of supports through its middle balances, and with a mass beside the line it does not."""
     line = Support("line", ("z",), on="top", line=((0.6, 0.0), (0.6, 0.8)))

@@ -3,7 +3,7 @@ does not fill."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 
 import numpy as np
 
@@ -13,7 +13,7 @@ from femstruct.model.facts import part_masses
 from femstruct.model.grid.layers import layer_of
 from femstruct.model.model import Model
 from femstruct.model.part import Body
-from femstruct.model.structure import bodies_of
+from femstruct.model.structure import ABOUT, ACROSS, bodies_of
 from femstruct.parts.findings.bars_beside import bars_beside
 from femstruct.parts.findings.connections import Piece, held_directions, pieces, place_of_touch
 from femstruct.parts.foundation import Foundation
@@ -33,7 +33,9 @@ def arrangement_findings(
     joined : pairs of points that contacts and links of a study hold together. gravity : whether it has gravity.
     """
     found = pieces(model, joined)
-    return (*_unjoined(model, found), *_falling(found, gravity), *_held(model), *_dominating(model))
+    falling = _falling(found, gravity)
+    told = {name for piece in found if gravity and piece.falls for name in piece.parts}
+    return (*_unjoined(model, found), *falling, *_turned(model, found, told), *_held(model), *_dominating(model))
 
 
 def _names(piece: Piece) -> str:
@@ -93,6 +95,30 @@ def _falling(found: tuple[Piece, ...], gravity: bool) -> list[Finding]:
         for piece in (found if gravity else ())
         if piece.falls
     ]
+
+
+def _turned(model: Model, found: tuple[Piece, ...], told: Collection[str]) -> list[Finding]:
+    """Edges whose springs only resist rotation, of parts that nothing holds along their normal. told : parts of which
+    it is said that they fall."""
+    raised = []
+    for item in model.structure.supports:
+        if ABOUT not in item.stiffness or ACROSS in item.stiffness or item.on is None or item.on in told:
+            continue
+        axes = model.parts[item.on].own_axes
+        normal = np.eye(3)[2] if axes is None else axes[2]
+        piece = next(one for one in found if item.on in one.parts)
+        if np.linalg.norm(piece.free[:, :3] @ normal) < 1.0 - HELD_ROUNDING:  # of a shift: one if nothing resists it
+            continue
+        raised.append(
+            Finding(
+                "edge-only-turned",
+                f"{item.name}: the springs of this edge resist its rotation alone, and nothing holds {item.on} along "
+                f"its normal: all {piece.mass:.4g} kg of it can move away. Add 'z' to the stiffness, or 'fix: simple'",
+                {"mass_kg": piece.mass, "free_motions": len(piece.free)},
+                severe=True,
+            )
+        )
+    return raised
 
 
 def _held(model: Model) -> list[Finding]:
