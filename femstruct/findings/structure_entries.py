@@ -129,10 +129,28 @@ STRUCTURE: Final = (
         "edge-only-turned",
         "The springs of an edge resist its rotation alone, and nothing holds the part along its normal.",
         FORBIDS,
-        "a support has 'stiffness: {about edge: ..}' without 'z', and a shift of the part along its normal meets no "
-        "resistance of any support, layer or spring",
+        "a support has 'stiffness: {about edge: ..}' without 'z', and no support, layer or spring resists a shift of "
+        "the part along its normal",
         "Add 'z' to the stiffness, 'fix: simple', or another support: an edge that is held against rotation is held "
         "against deflection, too.",
+    ),
+    Entry(
+        "hangers-overloaded",
+        "Hangers of a ceiling carry more than their maker recommends.",
+        LIMITS,
+        "the mass of the ceiling and of what is fastened to it, shared equally by its hangers, is more for each "
+        "than the largest load of their entry of the library; not where other parts carry the ceiling, too",
+        "Take more of them or stronger ones: beyond this load rubber is stiffer than its entry says. Hangers at edges "
+        "and below stiff joists carry more than the mean.",
+        (
+            Limit(
+                1.0,
+                "times the largest load of the entry",
+                "its stiffness is that up to this load",
+                "the makers' tables, `femstruct materials hanger`",
+                "hung.ALLOWED",
+            ),
+        ),
     ),
     Entry(
         "nothing-moves",

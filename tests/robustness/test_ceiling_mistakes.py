@@ -115,8 +115,12 @@ def test_a_spacing_in_metres_is_refused_where_it_is_written(tmp_path: Path) -> N
 
 
 def test_check_tells_how_many_hangers_there_are_and_what_they_carry(tmp_path: Path) -> None:
-    """12 m^2 of 10 kg/m^2 on 4 x 5 hangers of 65 lb; and on 1 x 1."""
-    like = TEXT.replace("stiffness: {normal: 20 kN/m}, loss_factor: 0", "like: hanger ARH-1-20, loss_factor: 5 %")
+    """12 m^2 of 10 kg/m^2 on 4 x 5 hangers of 65 lb; on 1 x 1; and on a layer, too."""
+    both = TEXT.replace("stiffness: {normal: 20 kN/m}, loss_factor: 0", "like: hanger ARH-1-20, loss_factor: 5 %")
+    (tmp_path / "a.yaml").write_text(both, encoding="utf-8")
+    answer = CliRunner().invoke(app, ["check", str(tmp_path / "a.yaml")])
+    assert "clips: 20 hangers; other parts or supports carry ceiling, too" in " ".join(answer.output.split())
+    like = "".join(line for line in both.splitlines(keepends=True) if not line.startswith("  mat:"))
     (tmp_path / "a.yaml").write_text(like, encoding="utf-8")
     answer = CliRunner().invoke(app, ["check", str(tmp_path / "a.yaml")])
     told = " ".join(answer.output.split())

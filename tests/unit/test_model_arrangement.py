@@ -154,7 +154,7 @@ def test_a_body_on_one_spring_below_its_centre_of_mass_does_not_fall() -> None:
 UP = replace(TOP, name="up", normal=(1.0, 0.0, 0.0), x_direction=(0.0, 1.0, 0.0))
 TURNED = Support("e", (), on="top", edge="all", stiffness={"about edge": 40e3})
 FOOT = Support("foot", ("z",), on="up", edge="y0")
-# what holds a plate, whether an edge that is only held against rotation is told without gravity, and what is told with it
+# what holds a plate, and what forbids trust without gravity and with it
 TURNING = {
     "alone": (TOP, (TURNED,), ["edge-only-turned"], ["nothing-carries-weight"]),
     "with springs across": (TOP, (replace(TURNED, stiffness={"about edge": 40e3, "z": 1e6}),), [], []),

@@ -277,8 +277,10 @@ def _range(modes: Sequence[int]) -> str:
 def _hung_told(name: str, one: dict[str, Any]) -> str:
     """A line on hangers: how many, and the mean load of each beside the largest that is recommended."""
     load, most = one["mean_load_n"], one["largest_load_n"]
+    pieces = "1 hanger" if one["count"] == 1 else f"{one['count']} hangers"
+    if load is None:
+        return f"{name}: {pieces}; other parts or supports carry {one['ceiling']}, too"
     beside = ""
     if most is not None:
         beside = f", {'more than' if load > most else 'of'} the {most:.4g} N that are recommended at most"
-    pieces = "1 hanger" if one["count"] == 1 else f"{one['count']} hangers"
     return f"{name}: {pieces}, each with {load:.4g} N of {one['ceiling']} in the mean{beside}"

@@ -32,6 +32,7 @@ from femstruct.parts.findings.wide_ribs import wide_rib_findings
 from femstruct.parts.plausibility import material_findings, plausibility_findings
 from femstruct.study.structures import RodModel, StructureModel
 from femstruct.study.study import Study
+from femstruct.workflow.check.hung import hanger_findings
 from femstruct.workflow.check.weight import falling, sags
 from femstruct.workflow.judgement.cavity_crossings import cavity_findings
 from femstruct.workflow.stages.modal_bases import Solved
@@ -97,6 +98,7 @@ def structure_findings_before(
         found += wide_rib_findings(model)
         found += constraint_findings(model)
         found += cavity_findings(model)
+        found += hanger_findings(model)
         if up_to_hz is not None:
             found += _of_frequencies(model, up_to_hz)
     for study in studies:
