@@ -121,7 +121,7 @@ class BodySpec(Spec):
 
     @classmethod
     def completed(cls, given: dict[str, Any]) -> dict[str, Any]:
-        return from_source(given) if given.get("source") in SOURCES else given
+        return given if given.get("source") is None else from_source(given)
 
     @property
     def side(self) -> BodySide:
@@ -146,8 +146,10 @@ class BodySpec(Spec):
         """
         there = here.at(self.side)
         expected = f"a point of {HAMMERS} places, or of {HAMMERS} for each position"
-        machine, told = self.source == TAPPING_MACHINE, f"{count} places for the {HAMMERS} hammers of a tapping machine"
-        there.need(not machine or count == HAMMERS, told, expected, "100 mm apart, in a line")
+        machine = self.source == TAPPING_MACHINE
+        if machine and self.target in (*here.names.points, *here.names.places, *others):  # else its name is wrong
+            told = f"{count} place{'s' if count > 1 else ''} for the {HAMMERS} hammers of a tapping machine"
+            there.need(count == HAMMERS, told, expected, "100 mm apart, in a line")
         if here.names.points.get(self.target, 1) == 1:
             there.place(self.target, others)
         here.at("covering").need(

@@ -60,8 +60,12 @@ def _refuse_blows(blows: Mapping[str, Any]) -> None:
 
 
 def from_source(body: Mapping[str, Any]) -> dict[str, Any]:
-    """The keys of a body whose `source` is given, with those that the source brings."""
+    """The keys of a body whose `source` is given, with those that the source brings; of one that is none, with those
+    that any would bring, so that it is one mistake."""
     name = str(body["source"])
+    if name not in SOURCES:
+        turns = {"blows": _turns(body["blows"])} if "blows" in body else {}
+        return {"mass": HAMMER_MASS, **body, **turns}
     if name != TAPPING_MACHINE:
         return {**body, **_dropped(name)}
     return {**body, "mass": HAMMER_MASS, "drop_height": HAMMER_DROP, "blows": _turns(body.get("blows", {}))}
