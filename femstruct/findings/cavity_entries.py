@@ -85,4 +85,14 @@ CAVITIES: Final = (
             Limit(0.5, "% of the depth", "joists reach beyond the mesh of a plate", CHOSEN, "cavity_crossings.DEEP"),
         ),
     ),
+    Entry(
+        "bays-beside-joists",
+        "Bays of a cavity end where no joist of the model lies.",
+        LIMITS,
+        "bars lie between the surfaces of a cavity with 'bays', and one of its 'at' is farther from all that run along "
+        "it than half its 'width' and the threshold",
+        "Check 'across', the axis along which the places are counted, across the joists, and 'at', from the corner of "
+        "the cavity. Leave it where the joists are no frames of the model.",
+        (Limit(0.02, "% of a side", "a tenth of a usual bay", CHOSEN, "cavity_crossings.WITHIN"),),
+    ),
 )

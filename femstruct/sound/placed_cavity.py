@@ -98,13 +98,24 @@ def placed_cavities(
     pair = surfaces[between.first], surfaces[between.second]
     distance = _distance(f"{where}.between", pair)
     local = [(one.points - pair[0].outline[0]) @ pair[0].along.T for one in pair]
-    corners = [(one.outline - pair[0].outline[0]) @ pair[0].along.T for one in pair]
-    low = np.max([corner.min(axis=0) for corner in corners], axis=0)
-    high = np.min([corner.max(axis=0) for corner in corners], axis=0)
+    corners = _corners(pair)
+    low, high = shared(pair)
     sides = [np.ptp(corner, axis=0) for corner in corners]
     _check_rectangles(f"{where}.between", pair, sides, high - low)
     findings = (*_sizes(between.name, sides, high - low), *_depths(between, distance))
     return tuple(_bays(between, pair, local, low, high)), findings
+
+
+def shared(pair: tuple[Surface, Surface]) -> tuple[Floats, Floats]:
+    """Corners [2], low and high [m], of what two surfaces share, along x and y of the first from its first corner."""
+    corners = _corners(pair)
+    low = np.max([corner.min(axis=0) for corner in corners], axis=0)
+    high = np.min([corner.max(axis=0) for corner in corners], axis=0)
+    return low, high
+
+
+def _corners(pair: tuple[Surface, Surface]) -> list[Floats]:
+    return [(one.outline - pair[0].outline[0]) @ pair[0].along.T for one in pair]
 
 
 def _distance(where: str, pair: tuple[Surface, Surface]) -> float:

@@ -9,11 +9,14 @@ import pytest
 
 from femstruct.errors import FemstructError, InputErrors
 from femstruct.language import read_model_file
+from femstruct.model.mesher import mesh_structure
+from femstruct.model.structure import Structure
 from femstruct.study.asked import Extent
 from femstruct.workflow.check.asked_modes import complex_modes_of, modes_of
 from femstruct.workflow.check.asked_response import frf_of
 from femstruct.workflow.check.inspect import inspect_file
 from femstruct.workflow.exchange.exported import exported
+from femstruct.workflow.judgement.structure_findings import structure_findings_before
 
 MODEL = """\
 title: two plates
@@ -122,25 +125,39 @@ def test_a_cavity_that_can_be_doubted_is(tmp_path: Path, code: str) -> None:
     assert code not in clean or code == "cavity-coupling"
 
 
-def test_joists_that_cross_a_cavity_are_found(tmp_path: Path) -> None:
-    """A frame under the upper plate, along its middle; with bays, or under its edge, nothing is said."""
+# where a frame runs, the bays of the cavity, and the finding
+JOISTS = {
+    "crosses": ("y", 0.2, "", "cavity-crossed", "joist runs through the cavity void"),
+    "at the edge": ("y", 0.0, "", "", ""),
+    "closes": ("y", 0.2, ", bays: {across: y, at: 0.2}", "", ""),
+    "closes with its width": ("y", 0.2, ", bays: {across: y, at: 0.22, width: 50 mm}", "", ""),
+    "beside": ("y", 0.2, ", bays: {across: y, at: [0.2, 0.3]}", "bays-beside-joists",
+        "void: no bar of joist lies where its bays end, at y = 0.3 m from the corner of the cavity; bars that close it "
+        "lie at y = 0.2 m. Is 'across' the other axis"),
+    "the other axis": ("y", 0.2, ", bays: {across: x, at: 0.2}", "bays-beside-joists", "; no bar closes it across x. "),
+    "another corner": ("x", 0.2, ", bays: {across: x, at: 0.4}", "bays-beside-joists", "lie at x = 0.2 m"),
+    "no bar there": ("y", 0.0, ", bays: {across: x, at: 0.2}", "", ""),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", JOISTS)
+def test_joists_that_cross_a_cavity_or_do_not_lie_at_its_bays_are_found(tmp_path: Path, name: str) -> None:
+    across, at, bays, code, says = JOISTS[name]
+    ends = f"[0, {at}, 0.1], [0.6, {at}, 0.1]" if across == "y" else f"[{at}, 0, 0.1], [{at}, 0.5, 0.1]"
     frame = (
-        "  joist: {type: frame, material: steel, section: bar, lines: [[[0, Y, 0.1], [0.6, Y, 0.1]]], "
+        f"  joist: {{type: frame, material: steel, section: bar, lines: [[{ends}]], "
         "offsets: {start: [0, 0, -30 mm], end: [0, 0, -30 mm]}, mesh: 0.1}\nsurfaces:"
     )
-    for y, cavity, crossed in (
-        ("0.2", FILL, True),
-        ("0", FILL, False),
-        ("0.2", FILL + ", bays: {across: y, at: 0.2}", False),
-    ):
-        text = MODEL.replace("surfaces:", frame.replace("Y", y), 1).replace(FILL, cavity)
-        text = text.replace("parts:", "sections: {bar: {shape: rectangle, width: 10 mm, height: 60 mm}}\nparts:", 1)
-        text = text.replace("supports:", "joints: {weld: {connect: [joist, upper]}}\nsupports:", 1)
-        file = tmp_path / "model.yaml"
-        file.write_text(text, encoding="utf-8")
-        told = [one for one in inspect_file(file).findings if one.code == "cavity-crossed"]
-        assert bool(told) == crossed
-        assert not crossed or told[0].message.startswith("joist runs through the cavity void")
+    text = MODEL.replace("surfaces:", frame, 1).replace(FILL, FILL + bays)
+    text = text.replace("parts:", "sections: {bar: {shape: rectangle, width: 10 mm, height: 60 mm}}\nparts:", 1)
+    text = text.replace("supports:", "joints: {weld: {connect: [joist, upper]}}\nsupports:", 1)
+    (tmp_path / "model.yaml").write_text(text, encoding="utf-8")
+    structure = read_model_file(tmp_path / "model.yaml").structure
+    assert isinstance(structure, Structure)
+    findings = structure_findings_before(structure, mesh_structure(structure))
+    told = {one.code: one.message for one in findings if one.code in ("cavity-crossed", "bays-beside-joists")}
+    assert list(told) == ([code] if code else [])
+    assert says in told.get(code, ""), told
 
 
 def test_what_knows_the_structure_alone_refuses_its_air(tmp_path: Path) -> None:
