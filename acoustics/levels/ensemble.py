@@ -12,6 +12,7 @@ from acoustics.arrays import Floats, freeze, frozen
 from acoustics.levels.single_number import Number, single_number
 from acoustics.reported import Reported
 
+_ROUNDING_DB: Final = 1e-9
 TWO_SIDED_90: Final = 1.645  # standard deviations of a normal variable that hold 90 %
 
 
@@ -48,16 +49,19 @@ class Ensemble:
         return [interval(one.tolist()) for one in (self.members_db + self.correction_db).T]
 
     def numbers(self, numbers: Sequence[Number], bands_hz: Sequence[float], others_db: Floats) -> dict[str, Interval]:
-        """Single numbers before rounding over the members {symbol: interval}, of those that are known.
+        """Single numbers before rounding over the members {symbol: interval}, of those that are known and that low
+        bands change: where others decide in every member, an interval would say nothing of rooms and places.
 
         bands_hz [b] : nominal centres [Hz]. others_db [b] : levels in the room of the bands that are not low [dB].
         """
         members, found = np.where(np.isnan(self.members_db), others_db, self.members_db), {}
         for one in numbers:
-            corrected = members + self.correction_db * one.standardised
-            values = [single_number(one, bands_hz, row[None]).known_db for row in corrected]
-            if np.isfinite(values).all():
-                found[one.symbol] = interval(values)
+            alike, own = (
+                [single_number(one, bands_hz, row[None]).known_db for row in members + correction * one.standardised]
+                for correction in (self.correction_db.mean(axis=0), self.correction_db)
+            )
+            if np.ptp(alike) > _ROUNDING_DB:
+                found[one.symbol] = interval(own)
         return found
 
 

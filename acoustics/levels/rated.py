@@ -166,7 +166,7 @@ class RatedRoom:
     @cached_property
     def number_intervals(self) -> Mapping[str, Interval]:
         """Single numbers before rounding over the ensemble {symbol: interval}, the other bands as they are; empty
-        without an ensemble, or where a number is but a bound."""
+        without an ensemble; without numbers that are but bounds, and those that no low band changes."""
         if self.ensemble is None:
             return MappingProxyType({})
         others = self.method.average(energy_average(self._filled_db, axis=1))

@@ -13,9 +13,13 @@ import numpy as np
 import pytest
 
 from acoustics.arrays import Complexes, Floats
+from acoustics.fields.rectangular import Room
+from acoustics.levels.ensemble import Ensemble, interval
 from acoustics.levels.line_levels import exposures, largest_fast
-from acoustics.levels.rated import RatedRoom
+from acoustics.levels.methods import method_of
+from acoustics.levels.rated import RatedRoom, rate_room
 from femstruct.language import read_study
+from femstruct.view.tables.rated_table import _over_rooms
 from femstruct.workflow.run.run import run_study
 
 MODEL = """
@@ -147,6 +151,24 @@ def test_the_interval_of_a_ball(tmp_path: Path) -> None:
     assert widths.mean() < 1.2, widths
     number = next(iter(room.number_intervals.values()))
     assert number.low < number.mean < number.high < number.low + 8.0
+
+
+@pytest.mark.parametrize(("high_db", "reason"), [(50.0, ""), (90.0, "- (1000 Hz decides, no low band)")])
+def test_a_number_that_no_low_band_changes_has_no_interval(high_db: float, reason: str) -> None:
+    """JIS A 1419-2, light: the octave that is farthest above the curve decides; the octave at 125 Hz is spread by
+    12 dB about 13 dB above it."""
+    method = method_of(["JIS A 1419-2"], "tapping")
+    levels = dict.fromkeys(method.bands_hz, 40.0) | {125.0: 76.0, 1000.0: high_db}
+    members = np.full((5, len(method.bands_hz)), np.nan)
+    members[:, method.bands_hz.index(125.0)] = 76.0 + np.linspace(-6.0, 6.0, 5)
+    drawn = Ensemble(members, np.zeros(members.shape), 5, "microphones")
+    room = rate_room([[levels]], Room([5.0, 4.0, 2.6]), ["JIS A 1419-2"], "tapping", ensemble=drawn)
+    (symbol,) = room.numbers
+    if reason:
+        assert not room.number_intervals and _over_rooms(room, symbol) == reason
+    else:
+        expected = interval((76.0 + np.linspace(-6.0, 6.0, 5) - 63.0 + 50.0).tolist())  # above the curve of grade 50
+        assert room.number_intervals[symbol] == pytest.approx(tuple(expected), abs=1e-9)  # rounding
 
 
 def test_a_room_that_is_the_mean_is_the_simulation(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

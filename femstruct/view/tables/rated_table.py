@@ -124,9 +124,10 @@ def bounded(number: SingleNumber) -> str:
 
 
 def _over_rooms(rated: RatedRoom, symbol: str) -> str:
-    """A number over an ensemble, "-" without one."""
+    """A number over an ensemble, "-" without one, with the reason where low bands do not change it."""
     if symbol not in rated.number_intervals:
-        return "-"
+        decides = rated.numbers[symbol].deciding_hz
+        return "-" if rated.ensemble is None or not isfinite(decides) else f"- ({decides:g} Hz decides, no low band)"
     one = rated.number_intervals[symbol]
     return f"{one.mean:.1f} [{one.low:.1f}, {one.high:.1f}]"
 
