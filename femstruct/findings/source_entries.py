@@ -40,9 +40,10 @@ SOURCES: Final = (
     Entry(
         "covering-in-ratings",
         "The rated levels include the measured reduction of a covering; all else is of the bare floor.",
-        REMARK,
+        LIMITS,
         "a tapping machine has a 'covering'",
-        "Nothing. To compute sounds with the covering, give it as a contact law or as a layer of the model.",
+        "Quote the rated levels; sound files, L_AFmax and histories are louder by what the covering takes off. To "
+        "compute them with the covering, give it as a contact law or as a layer of the model.",
         (
             Limit(
                 1.0,

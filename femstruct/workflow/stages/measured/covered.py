@@ -109,8 +109,9 @@ def covered_floor(studies: Sequence[Study], places: Places, basis: ModalBasis) -
     return [
         Finding(
             "covering-in-ratings",
-            f"rated levels are lower by the measured reduction of the covering; sounds, histories and other levels are "
-            f"those of the bare floor. The floor is {covering.measured_on} as that of the laboratory: {numbers}",
+            "rated levels are lower by the measured reduction of the covering; sound files, L_AFmax, histories and all "
+            f"other levels are those of the bare floor. The floor is {covering.measured_on} as that of the laboratory: "
+            f"{numbers}",
             {"taken_db": found.taken_db, "allowed_db": HEAVY_DB, "band_hz": found.band_hz},
         )
     ]
