@@ -141,8 +141,6 @@ _FETCHED = {
     "acoustics.levels.iso": (
         "HeavyImpactRating",
         "ImpactRating",
-        "InfinitePlate",
-        "InfinitePlate",
         "energy_average",
         "heavy_impact_level",
         "normalised_impact_level",

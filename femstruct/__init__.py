@@ -19,6 +19,7 @@ Each arrow is a pure function, each noun a frozen value; nothing points back::
     frf, simulate               ModalBasis, Scene     -> frequency response, Response
     placed                      a room, Surface       -> Placed, in the room's coordinates
     surface_velocity            Response, Placed      -> acoustics.SurfaceVelocity of each surface
+    velocity_per_source         ModalBasis, Placed    -> what a loudspeaker in a room moves
     run_study                   Plan                  -> StudyResult
     identify                    a study, a record     -> its numbers, with intervals
     write_results, read_results StudyResult           -> results.h5 and back
@@ -147,6 +148,7 @@ if TYPE_CHECKING:
     from femstruct.sound.placed import placed as placed
     from femstruct.sound.placed_cavity import PlacedCavity as PlacedCavity
     from femstruct.sound.placed_cavity import placed_cavities as placed_cavities
+    from femstruct.sound.room_source import velocity_per_source as velocity_per_source
     from femstruct.sound.surface import surface_velocity as surface_velocity
     from femstruct.study.acting import Covering as Covering
     from femstruct.study.acting import InitialMotion as InitialMotion
@@ -257,6 +259,7 @@ _NAMES = {
     "sound.cavities": ("with_cavities",),
     "sound.placed": ("Placed", "placed"),
     "sound.placed_cavity": ("PlacedCavity", "placed_cavities"),
+    "sound.room_source": ("velocity_per_source",),
     "sound.surface": ("surface_velocity",),
     "study.counting": ("FatigueRequest",),
     "study.result": ("StudyResult",),

@@ -14,10 +14,10 @@ from acoustics.errors import AcousticsError, Advice
 from acoustics.fields.sound_field import FACING, SoundField, faces_out
 from acoustics.losses import Losses
 from acoustics.open_air.baffle import Baffle, in_front, on_plane
-from acoustics.open_air.rayleigh import field_pressures, harmonic_field
+from acoustics.open_air.rayleigh import field_loads, field_pressures, harmonic_field
 from acoustics.receivers import Receiver
 from acoustics.room_response import RoomResponse
-from acoustics.source import SurfaceVelocity, SurfaceVibration, together
+from acoustics.source import SurfaceShapes, SurfaceVelocity, SurfaceVibration, side_by_side, together
 
 PLANE = "plane"
 
@@ -82,6 +82,12 @@ class HalfSpace(Baffle, SoundField):
     ) -> tuple[Complexes, tuple[Advice, ...]]:
         """By Rayleigh's integral: see `acoustics.open_air.rayleigh.harmonic_field`."""
         return harmonic_field(together(surfaces), self, receivers)
+
+    def loads(
+        self, surfaces: Sequence[SurfaceShapes], source: Receiver, frequency_hz: Floats
+    ) -> tuple[Complexes, tuple[Advice, ...]]:
+        """By the source and its image: see `acoustics.open_air.rayleigh.field_loads`."""
+        return field_loads(side_by_side(surfaces), self, source, frequency_hz)
 
     def powers(self, surfaces: Sequence[SurfaceVibration]) -> Floats:
         """Refused: pressures on the plane itself are not computed; that of all surfaces together is

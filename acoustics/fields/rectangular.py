@@ -19,6 +19,7 @@ from acoustics.rooms.box import Box, inside, room_modes
 from acoustics.rooms.box_transfer import overlaps
 from acoustics.rooms.box_two_way import CoupledAir
 from acoustics.rooms.by_wall.box_walls import ON, WALLS, Turn, by_wall, mode_overlaps
+from acoustics.rooms.by_wall.wall_loads import wall_loads
 from acoustics.rooms.by_wall.wall_powers import wall_powers
 from acoustics.rooms.by_wall.wall_sums import wall_harmonic, wall_map, wall_pressures
 from acoustics.rooms.by_wall.walls_two_way import coupled_walls
@@ -158,6 +159,12 @@ class Room(Box, SoundField):
     def coupled_air(self, surfaces: Sequence[SurfaceShapes], up_to_hz: float) -> CoupledAir:
         """By its modes: see `acoustics.rooms.by_wall.walls_two_way.coupled_walls`."""
         return coupled_walls(self, side_by_side(surfaces), up_to_hz)
+
+    def loads(
+        self, surfaces: Sequence[SurfaceShapes], source: Receiver, frequency_hz: Floats
+    ) -> tuple[Complexes, tuple[Advice, ...]]:
+        """By cosines of every wall: see `acoustics.rooms.by_wall.wall_loads.wall_loads`."""
+        return wall_loads(self, side_by_side(surfaces), self.places([source])[0], frequency_hz)
 
     def powers(self, surfaces: Sequence[SurfaceVibration]) -> Floats:
         """By its modes: see `acoustics.rooms.by_wall.wall_powers.wall_powers`."""

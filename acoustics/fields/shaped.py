@@ -27,7 +27,12 @@ from acoustics.meshed.finite_elements import (
     off_boundary,
     probe,
 )
-from acoustics.meshed.meshed_pressure import cavity_powers, cavity_pressures, harmonic_cavity_pressure
+from acoustics.meshed.meshed_pressure import (
+    cavity_loads,
+    cavity_powers,
+    cavity_pressures,
+    harmonic_cavity_pressure,
+)
 from acoustics.meshed.meshed_two_way import coupled_cavity
 from acoustics.meshed.walls import AnyWall, YieldingWall
 from acoustics.receivers import Receiver, positions
@@ -198,6 +203,13 @@ class ShapedRoom(SoundField):
         """By its modes: see `acoustics.meshed.meshed_pressure.harmonic_cavity_pressure`."""
         moving = together(surfaces)
         return harmonic_cavity_pressure(moving, self.modes, self.air, self.losses, receivers, self.walls)
+
+    def loads(
+        self, surfaces: Sequence[SurfaceShapes], source: Receiver, frequency_hz: Floats
+    ) -> tuple[Complexes, tuple[Advice, ...]]:
+        """By its modes: see `acoustics.meshed.meshed_pressure.cavity_loads`."""
+        moving = side_by_side(surfaces)
+        return cavity_loads(moving, self.modes, self.air, self.losses, source, frequency_hz, self.walls)
 
     def powers(self, surfaces: Sequence[SurfaceVibration]) -> Floats:
         """By its modes: see `acoustics.meshed.meshed_pressure.cavity_powers`."""

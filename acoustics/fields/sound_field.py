@@ -209,6 +209,13 @@ class SoundField(ABC):
     ) -> tuple[Complexes, tuple[Advice, ...]]:
         """Complex pressure [n_receivers, nf] [Pa] of surfaces that move with exp(+j omega t), and advice on it."""
 
+    @abstractmethod
+    def loads(
+        self, surfaces: Sequence[SurfaceShapes], source: Receiver, frequency_hz: Floats
+    ) -> tuple[Complexes, tuple[Advice, ...]]:
+        """Integrals [k, nf] over surfaces that are held, of a point source's pressure per volume velocity [Pa s/m^3],
+        times their shapes, in common coordinates; and advice. source : its place. frequency_hz [nf] : above 0 [Hz]."""
+
     def spectrum(self, surfaces: Sequence[SurfaceVelocity], frequency_hz: Floats, points: Floats) -> Complexes:
         """Fourier transform of the pressure [p, nf] [Pa/Hz] at points [p, 3]: of the record of the velocity, times the
         transfer at that frequency.

@@ -126,6 +126,30 @@ def harmonic_cavity_pressure(
     return p, (*_limits(float(hz.max()), modes, air), *way.advice)
 
 
+def cavity_loads(
+    surface: SurfaceShapes,
+    modes: CavityModes,
+    air: Air,
+    losses: Losses,
+    source: Receiver,
+    frequency_hz: Floats,
+    walls: Mapping[str, AnyWall] | None = None,
+) -> tuple[Complexes, tuple[Advice, ...]]:
+    """Integrals [k, nf] over a surface that is held, of the pressure that a point source in a room of any shape makes
+    per volume velocity, times its shapes; and advice on it.
+
+    The rest as `harmonic_cavity_pressure`: the source drives the modes by their values where it stands, and those left
+    out are the answers at rest to the shapes of the surface.
+    """
+    hz = np.asarray(frequency_hz, dtype=np.float64)
+    way = _way(modes, air, losses, walls or {}, surface, positions([source]), back=True)
+    with np.errstate(divide="ignore", invalid="ignore"):  # a resonance without losses is refused just below
+        found = way.heard(np.asarray(2j * np.pi * hz), np.repeat(way.driving, len(hz), axis=1))
+    if not np.isfinite(found).all():
+        raise AcousticsError("frequency", got="a resonance of a room without losses", expected="losses")
+    return found, (*_limits(float(hz.max()), modes, air), *way.advice)
+
+
 def cavity_powers(
     surfaces: Sequence[SurfaceVibration],
     modes: CavityModes,
@@ -176,8 +200,13 @@ def _way(
     walls: Mapping[str, AnyWall],
     surface: SurfaceShapes,
     places: Floats | None,
+    *,
+    back: bool = False,
 ) -> _Way:
-    """The transfer from what moves to places [r, 3], or to the forces on its own shapes, and advice on the walls."""
+    """The transfer from what moves to places [r, 3], or to the forces on its own shapes, and advice on the walls.
+
+    back : from sources at the places to the forces on the shapes instead.
+    """
     loads = drive(modes, surface)
     listening = loads.T if places is None else probe(modes.mesh, places)
     coupled = coupling(modes, absorbed(modes, walls, air), air)
@@ -193,8 +222,10 @@ def _way(
     else:
         left, right, term = _separate_modes(modes, air, losses, taken)
     advice = (coupled_walls(coupled),) if coupled > COUPLED and not constant else ()
-    hearing = np.asarray(listening @ modes.shapes)
-    return _Way(modes.shapes.T @ loads, hearing @ left, right, term, advice)
+    hearing, driving = np.asarray(listening @ modes.shapes), np.asarray(modes.shapes.T @ loads)
+    if back:
+        hearing, driving = driving.T, hearing.T
+    return _Way(driving, hearing @ left, right, term, advice)
 
 
 def _separate_modes(modes: CavityModes, air: Air, losses: Losses, absorbed: Floats) -> Answer:

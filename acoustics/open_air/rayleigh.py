@@ -14,7 +14,7 @@ from acoustics.receivers import Receiver
 from acoustics.room_response import RoomResponse
 from acoustics.rooms.box_pressure import NEGLIGIBLE
 from acoustics.rooms.continuation import PADDING, extended, fast_length, source_bandwidth
-from acoustics.source import SurfaceVelocity, SurfaceVibration, alike
+from acoustics.source import SurfaceShapes, SurfaceVelocity, SurfaceVibration, alike
 
 POINTS_PER_WAVE: Final = 6.0  # of the surface, to a wave in air
 NEAR: Final = 2.0  # distances between points within which a receiver hears the points one by one
@@ -51,6 +51,29 @@ def harmonic_field(
         sums = kernel @ ((surface.weights / far)[:, None] * surface.shapes)
         p[row] = space.air.rho * s / (2 * np.pi) * (sums * surface.rates.T).sum(axis=1)
     return p, spacing_advice(space, surface.points, surface.weights, places, float(surface.frequency_hz.max()))
+
+
+def field_loads(
+    surface: SurfaceShapes, space: Baffle, source: Receiver, frequency_hz: Floats
+) -> tuple[Complexes, tuple[Advice, ...]]:
+    """Integrals [k, nf] over a surface in the baffle that is held, of the pressure that a point source in front of it
+    makes per volume velocity, times its shapes; and advice as of `harmonic_field`.
+
+    Notes
+    -----
+    The source and its mirror image behind the baffle: p = 2 j omega rho exp(-j k R) / (4 pi R).
+
+    >>> loads, _ = field_loads(SurfaceShapes([[0, 0, 0]], [1e-4], [[1]]), Baffle(), Receiver("mic", [0, 0, 1]), [100.0])
+    >>> print(f"{abs(loads[0, 0]):.5f}")
+    0.01210
+    """
+    on_plane(space, surface.points)
+    places = in_front(space, [source])
+    hz = np.asarray(frequency_hz, dtype=np.float64)
+    wave, far = 2j * np.pi * hz, np.linalg.norm(surface.points - places, axis=1)
+    felt = (surface.weights / far)[:, None] * surface.shapes
+    loads: Complexes = space.air.rho * wave / (2 * np.pi) * (felt.T @ np.exp(-np.outer(far, wave / space.air.c)))
+    return loads, spacing_advice(space, surface.points, surface.weights, places, float(hz.max()))
 
 
 def field_pressures(

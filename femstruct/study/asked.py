@@ -16,6 +16,7 @@ if TYPE_CHECKING:  # a model's modes need none of these
     from acoustics.rooms.box_two_way import Leak
 
 FEWEST_ROOMS: Final = 3  # whose spread means something
+VOLUME_VELOCITY: Final = "volume_velocity"  # of a point source in a room
 SETTLED: Final = "settled"  # the limit of the time to rest
 FrfKind = Literal["receptance", "mobility", "accelerance", "transmissibility", "pressure", "power"]
 RecordedQuantity = Literal["displacement", "velocity", "acceleration", "force", "travel", "stress"]
@@ -27,7 +28,8 @@ class Spot:
     """A quantity with an address: a point's direction ("O_f", "z") or a force of the structure ("ground", "force").
 
     what : x y z rx ry rz n for a point; "force" (along z), "force_x", "force_y" or "force_z" for a spring,
-    foundation, support, joint or "ground"; "pressure" for a receiver, named ROOM.RECEIVER; "power" for an open room.
+    foundation, support, joint or "ground"; "pressure" for a receiver, named ROOM.RECEIVER; "power" for an open room; as
+    a drive, "volume_velocity" for a point source at a receiver's place.
 
     >>> str(Spot("middle", "z")), str(Spot("ground", "force")), str(Spot("room.bed", "pressure"))
     ('middle.z', 'ground.force', 'room.bed.pressure')
@@ -74,6 +76,11 @@ class FrfRequest:
 
     def __post_init__(self) -> None:
         _refuse_unless_rising(f"frf.{self.name}.band", self.band)
+
+    @property
+    def of_room(self) -> bool:
+        """Whether a receiver or a source in a room is one of its ends."""
+        return self.kind in ("pressure", "power") or self.drive.what == VOLUME_VELOCITY
 
 
 @dataclass(frozen=True)

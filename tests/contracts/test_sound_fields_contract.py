@@ -128,6 +128,20 @@ def test_harmonic_pressures_are_those_of_the_sum_over_surfaces(example: Example)
 
 
 @every_field
+def test_a_source_does_to_held_surfaces_what_they_do_to_its_place(example: Example) -> None:
+    """Reciprocity: its pressure on a shape is the pressure of that shape, moved with unit speed, where it stands."""
+    one, other = example.surfaces
+    for source in example.receivers:
+        loads, _ = example.field.loads(example.surfaces, source, HZ)
+        for row, rates in enumerate(((1.0, 0.0), (0.0, 1.0))):
+            heard = example.field.harmonic([vibrating(one, *rates), vibrating(other, *rates)], [source])[0][0]
+            # a box adds cosines until the last ones make 1e-5 of the pressure
+            assert np.abs(loads[row] - heard).max() < 1e-4 * np.abs(heard).max()
+    with pytest.raises(AcousticsError):
+        example.field.loads(example.surfaces, Receiver("far", [0.1, 0.1, -3.0]), HZ)
+
+
+@every_field
 def test_surfaces_of_one_structure_share_their_rates(example: Example) -> None:
     """Shapes one below the other in the same coordinates, or each surface with coordinates of its own: one motion."""
     one, other = (moving(surface, PULSE, np.roll(PULSE, 40)) for surface in example.surfaces)

@@ -78,6 +78,7 @@ ACOUSTICS = [
         "acoustics.cavities.condensed",
         "acoustics.cavities.several",
         "acoustics.rooms.by_wall.walls_two_way",
+        "acoustics.rooms.by_wall.wall_loads",
         "acoustics.rooms.by_wall.wall_powers",
         "acoustics.meshed.meshed_two_way",
         "acoustics.open_air.baffle",

@@ -96,7 +96,7 @@ def check_study(study: StudySpec, here: Here, model: ModelSpec) -> None:
             "add 'record: {POINT.z: acceleration}'",
         )
     start = study.initial.velocity or study.initial.rigid
-    heard = study.sources or any(request.kind in ("pressure", "power") for request in study.frf.values())
+    heard = study.sources or any(one.of_room for one in study.frf.values())
     recorded = study.record and not study.vibration
     moving = study.bodies or study.loads or start or recorded or study.limits or (study.rooms and not heard)
     do = "add 'time: {duration: 1 s, sampling: 48 kHz}'"

@@ -7,7 +7,7 @@ from typing import Any
 
 from femstruct.language.rooms.room import RoomSpec
 from femstruct.language.yaml import Band, Frequency, Here, Spec, Text, nearest
-from femstruct.study.asked import FrfKind, FrfRequest, Spot
+from femstruct.study.asked import VOLUME_VELOCITY, FrfKind, FrfRequest, Spot
 
 
 def spot_of(text: str) -> Spot:
@@ -22,7 +22,8 @@ def spot_of(text: str) -> Spot:
 
 class FrfSpec(Spec):
     """A frequency response; addresses are POINT.x, NAME.force, of kind pressure ROOM.RECEIVER.pressure, or of kind
-    power, sound power over the mean square of the force, ROOM.power."""
+    power, sound power over the mean square of the force, ROOM.power. As a drive ROOM.RECEIVER.volume_velocity is a
+    point source at that place; of kind mobility the response is velocity per volume velocity."""
 
     makes = FrfRequest
     drive: Text
@@ -36,9 +37,14 @@ class FrfSpec(Spec):
 
     def check_in(self, here: Here, rooms: Mapping[str, RoomSpec]) -> None:
         """Note what is wrong with its addresses, band and step."""
-        here.at("drive").spot(self.drive, forces=True)
         (low, high), there = self.band, here.at("response")
-        if self.kind == "power" or self.response.endswith(".power"):
+        if self.from_room:
+            self._check_source(here, rooms)
+        else:
+            here.at("drive").spot(self.drive, forces=True)
+        if self.from_room:
+            there.spot(self.response)
+        elif self.kind == "power" or self.response.endswith(".power"):
             self._check_heard(
                 here,
                 "power",
@@ -58,6 +64,30 @@ class FrfSpec(Spec):
             here.at("step").need(
                 ((high - low) / self.step) <= 1e6, f"{self.step:g} Hz", "at most a million lines", "take a wider step"
             )
+
+    @property
+    def from_room(self) -> bool:
+        """Whether a point source in a room drives."""
+        return self.drive.endswith(f".{VOLUME_VELOCITY}")
+
+    @property
+    def of_room(self) -> bool:
+        """Whether a receiver or a source in a room is one of its ends."""
+        return self.from_room or self.kind in ("pressure", "power")
+
+    def _check_source(self, here: Here, rooms: Mapping[str, RoomSpec]) -> None:
+        """A point source is at ROOM.RECEIVER; what it moves is a mobility, and never at 0 Hz."""
+        known = [f"{name}.{one}.{VOLUME_VELOCITY}" for name, room in rooms.items() for one in room.listeners]
+        here.at("drive").need(
+            self.drive in known,
+            f"'{self.drive}'",
+            f"ROOM.RECEIVER.{VOLUME_VELOCITY}",
+            nearest(self.drive, known) or "there are no receivers: add 'rooms:'",
+        )
+        here.at("kind").need(
+            self.kind == "mobility", f"'{self.kind}' of a volume velocity", "mobility", "write 'kind: mobility'"
+        )
+        here.at("band").need(self.band[0] > 0.0, "0 Hz", "a band above 0 Hz")
 
     def _check_heard(self, here: Here, kind: str, known: list[str], none: str) -> None:
         """A pressure is that at ROOM.RECEIVER, a power is that of an open room, ROOM.power; never at 0 Hz."""

@@ -18,6 +18,7 @@ from femstruct.modal.steady.answers import Vibrated
 from femstruct.sound.flanking import SurfaceShares
 from femstruct.sound.power import Radiated
 from femstruct.sound.surface import coupling_findings
+from femstruct.study.asked import VOLUME_VELOCITY
 from femstruct.study.measured_source import InstalledSource
 from femstruct.study.result import NO_OWN_SOUND, AccuracyCheck, CaseResult, Channel, Drop, Frf
 from femstruct.study.room_surfaces import placed_room
@@ -188,7 +189,8 @@ def _responses(
     told: list[tuple[str, Advice | Finding]] = []
     for request in study.frf:
         found[request.name], advised = frequency_response(request, places, basis, study.rooms)
-        told += [(request.response.name, advice) for advice in advised]
+        end = request.drive if request.drive.what == VOLUME_VELOCITY else request.response
+        told += [(end.name, advice) for advice in advised]
     return found, told
 
 

@@ -213,11 +213,9 @@ def _reused(modes: bool, cases: Sequence[str]) -> str:
 def without_rooms(plan: Plan) -> Plan:
     """The same plan, impacts only: nobody listens, but air that reacts on the structure still does."""
 
-    heard = ("pressure", "power")
-
     def deaf(study: Study) -> Study:
         rooms = tuple(replace(room, receivers=()) for room in study.rooms if room.coupling == "two-way")
-        frf = tuple(one for one in study.frf if one.kind not in heard)
+        frf = tuple(one for one in study.frf if not one.of_room)
         return replace(study, rooms=rooms, frf=frf, limits=tuple(limit for limit in study.limits if not limit.room))
 
     return replace(

@@ -7,14 +7,16 @@ from collections.abc import Sequence
 import numpy as np
 
 from acoustics.errors import Advice
+from acoustics.receivers import Receiver
 from femstruct.arrays import Floats
 from femstruct.errors import Finding, InputError, some_of
 from femstruct.modal.basis import ForceRow, ModalBasis
 from femstruct.modal.frf import frf, frf_unit, moves
 from femstruct.model.probe import Probe
 from femstruct.sound.power import power_per_force
+from femstruct.sound.room_source import velocity_per_source
 from femstruct.sound.surface import pressure_per_force
-from femstruct.study.asked import FrfRequest, RoomPlan, Spot
+from femstruct.study.asked import VOLUME_VELOCITY, FrfRequest, RoomPlan, Spot
 from femstruct.study.result import Frf
 from femstruct.study.room_surfaces import placed_room
 from femstruct.workflow.stages.places import Places
@@ -27,6 +29,8 @@ def frequency_response(
     start, stop = request.band
     lines = np.arange(int(np.floor((stop - start) / request.step + 1e-9)) + 1, dtype=np.float64)
     frequency = start + request.step * lines
+    if request.drive.what == VOLUME_VELOCITY:
+        return _from_source(request, places, basis, rooms, frequency)
     drive = places.point(request.drive.name, _asked(request, "drive")).probe(request.drive.what)
     if request.kind == "pressure":
         return _pressure(request, drive, places, basis, rooms, frequency)
@@ -74,16 +78,35 @@ def _pressure(
     request: FrfRequest, drive: Probe, places: Places, basis: ModalBasis, rooms: Sequence[RoomPlan], frequency: Floats
 ) -> tuple[Frf, tuple[Advice, ...]]:
     """Pressure at a receiver, ROOM.RECEIVER.pressure, per unit force."""
-    heard = {f"{plan.name}.{receiver.name}": (plan, receiver) for plan in rooms for receiver in plan.receivers}
-    if request.response.name not in heard:
-        raise InputError(
-            _asked(request, "response"), got=f"'{request.response}'", expected=" or ".join(heard) or "a room"
-        )
-    plan, receiver = heard[request.response.name]
+    plan, receiver = _receiver(request.response, rooms, _asked(request, "response"))
     room = placed_room(plan, places.surfaces)
     values, advice = pressure_per_force(basis, drive, room, [receiver], frequency)
     unit = "Pa/(N m)" if request.drive.what.startswith("r") else "Pa/N"
     return Frf(request, frequency, values[0], unit), advice
+
+
+def _from_source(
+    request: FrfRequest, places: Places, basis: ModalBasis, rooms: Sequence[RoomPlan], frequency: Floats
+) -> tuple[Frf, tuple[Advice, ...]]:
+    """Velocity per volume velocity of a point source at the place of a receiver."""
+    plan, source = _receiver(request.drive, rooms, _asked(request, "drive"))
+    where = _asked(request, "response")
+    response = places.point(request.response.name, where).probe(request.response.what)
+    if not moves(basis, response):
+        expected = "a direction in which the structure can move"
+        raise InputError(
+            where, got=f"'{request.response}', no mode moves along {request.response.what}", expected=expected
+        )
+    values, advice = velocity_per_source(basis, placed_room(plan, places.surfaces), source, response, frequency)
+    return Frf(request, frequency, values, "rad/m^3" if request.response.what.startswith("r") else "1/m^2"), advice
+
+
+def _receiver(spot: Spot, rooms: Sequence[RoomPlan], asked_by: str) -> tuple[RoomPlan, Receiver]:
+    """The room and the receiver of an address ROOM.RECEIVER."""
+    known = {f"{plan.name}.{receiver.name}": (plan, receiver) for plan in rooms for receiver in plan.receivers}
+    if spot.name not in known:
+        raise InputError(asked_by, got=f"'{spot}'", expected=" or ".join(known) or "a room")
+    return known[spot.name]
 
 
 def _power(

@@ -14,6 +14,7 @@ from femstruct.impact.scene.bodies import GROUND, Blows, Body, Contact, End, Lin
 from femstruct.modal.basis import ModalBasis
 from femstruct.model.probe import Probe
 from femstruct.study.acting import InitialMotion, PlacedBody, PlannedContact, PlannedLink
+from femstruct.study.asked import VOLUME_VELOCITY
 from femstruct.study.structures import ModesModel
 from femstruct.study.study import Study
 from femstruct.workflow.stages.places import Places
@@ -86,8 +87,12 @@ def force_probes(study: Study, places: Places) -> dict[str, Probe]:
                     at = f" on {wall} by {name}" if number else ""
                     found[f"air of {plan.name}{at}"] = places.surfaces[name].pressure()
     for request in study.frf:
-        asked_by = f"frf.{request.name}.drive" if request.name else "--drive"
-        found[str(request.drive)] = places.point(request.drive.name, asked_by).probe(request.drive.what)
+        # a source in a room pushes surfaces: what its response lacks at rest is what a force there would lack
+        end, spot = (
+            ("drive", request.drive) if request.drive.what != VOLUME_VELOCITY else ("response", request.response)
+        )
+        asked_by = f"frf.{request.name}.{end}" if request.name else f"--{end}"
+        found[str(spot)] = places.point(spot.name, asked_by).probe(spot.what)
     for source in study.sources:
         found |= {f"source {source.name} {i}": probe for i, probe in enumerate(places.contacts(source), start=1)}
     excited = {f"vibration {one.name}": places.pushed(one) for one in study.vibration}
