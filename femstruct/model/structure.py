@@ -140,7 +140,8 @@ class Support:
 
     stiffness : of edges on springs, per length: "z" along the normal of the part [N/m^2], "about edge" against
     rotation about the edge [N m/rad/m]. Edges are those of a plate or a line on it, of a slab or shell its free edges
-    in a set or box. fix is () then, or `simple`, `roller` or translations beside "about edge" alone: a pinned edge.
+    in a set or box. fix is () then, or translations that leave the motion along the normal free where "z" is given;
+    `simple`, `roller` or any translations beside "about edge" alone: a pinned edge.
     loss_factor : of these springs [1]. walls : at a pinned edge, each a semi-infinite plate (`EdgeWall`), in place of a
     stiffness.
 
@@ -189,7 +190,7 @@ class Support:
         if self.fix and not pins(self.fix):
             got, expected = f"{self.fix} beside springs or walls", "simple, roller, some of x, y, z, or nothing"
             raise InputError(f"{where}.fix", got=got, expected=expected)
-        if self.fix and ACROSS in self.stiffness:
+        if isinstance(self.fix, str) and ACROSS in self.stiffness:
             do = "remove 'fix': the springs carry the edge"
             raise InputError(
                 f"{where}.stiffness.z", got=f"a stiffness beside {self.fix}", expected="one of them", do=do

@@ -41,7 +41,7 @@ def strip(*supports: Support) -> Model:
     return mesh_structure(Structure("strip", (part,), supports=supports, points=points))
 
 
-def springs(fix: str, **stiffness: float) -> tuple[Support, ...]:
+def springs(fix: str | tuple[str, ...], **stiffness: float) -> tuple[Support, ...]:
     given = {key.replace("_", " "): value for key, value in stiffness.items()}
     return tuple(
         Support(end, fix or (), on="strip", edge=end, stiffness=given, loss_factor=0.2)  # type: ignore[arg-type]
@@ -118,6 +118,16 @@ def test_a_line_and_an_edge_carry_the_weight() -> None:
     forces = sum(rest.forces[name][2] for name in (*ENDS, "line"))
     assert forces == pytest.approx(-weight, rel=1e-9) == rest.forces["ground"][2]  # rounding
     assert rest.displacement[:, 2].mean() == pytest.approx(-weight / (3 * 1e3 * WIDTH), rel=2e-3)  # it bends a little
+
+
+def test_springs_across_an_edge_that_is_kept_in_the_plane() -> None:
+    """One support holds in the plane what two would, and its springs are those of an edge that is free there."""
+    kept = (Support(f"kept {end}", ("x", "y"), on="strip", edge=end) for end in ENDS)
+    one, two = (solved(strip(*some)) for some in (springs(("x", "y"), z=1e6), (*springs("", z=1e6), *kept)))
+    assert (one.n_rigid, two.n_rigid) == (0, 0)
+    assert one.omega == pytest.approx(two.omega, rel=1e-9)  # rounding
+    with pytest.raises(InputError, match=r"x0\.stiffness\.z: got .* fix: \[x, z\], which holds strip along its normal"):
+        strip(*springs(("x", "z"), z=1e6))
 
 
 def test_losses_of_edges_are_those_of_direct_responses_and_of_complex_modes() -> None:

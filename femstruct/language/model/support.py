@@ -150,7 +150,7 @@ class SupportSpec(Spec):
             keys = self.stiffness.given()
             here.at("stiffness").need(keys, "no stiffness", "z, about edge or both", "write {z: 5 MN/m^2}")
             here.at("stiffness", "z").need(
-                self.fix is None or ACROSS not in keys,
+                not isinstance(self.fix, str) or ACROSS not in keys,  # of directions the part's normal decides
                 f"a stiffness beside fix: {self.fix}, which holds z",
                 "one of them",
                 "remove 'fix': the springs carry the edge",

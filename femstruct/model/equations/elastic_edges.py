@@ -6,6 +6,7 @@ import numpy as np
 from scipy.sparse import csr_array, vstack
 
 from femstruct.arrays import Floats
+from femstruct.conventions import DIRECTIONS
 from femstruct.errors import InputError, some_of
 from femstruct.model.fastened import Elastic
 from femstruct.model.materials.edge_wall import WALLS_AT
@@ -14,6 +15,7 @@ from femstruct.model.model import Model
 from femstruct.model.rows import sparse_rows
 from femstruct.model.structure import ABOUT, ACROSS, Support
 
+_ALONG = 1.0 - 1e-9  # of a normal within the directions that are held
 SPRINGS, WALLS = "springs", "walls"  # beside the name of a support that holds the edge, too: a part of their own
 
 
@@ -21,7 +23,8 @@ def elastic_edges(item: Support, model: Model, tolerance: float) -> tuple[Elasti
     """Springs along the edges or the line of a support, at Gauss points: across the part, and about the edge.
 
     A support that only has springs gives them its name; beside what it holds they are "NAME springs" or "NAME walls".
-    Raises InputError for a part without edges, and for a set or box without a free edge.
+    Raises InputError for a part without edges, for a set or box without a free edge, and for springs across the part
+    where the support holds it along its normal.
     """
     if not item.stiffness and not item.walls:
         return ()
@@ -40,6 +43,7 @@ def elastic_edges(item: Support, model: Model, tolerance: float) -> tuple[Elasti
         return (Elastic(own, rows, stiffness, none, directions, True, lost / about, grows_from=WALLS_AT),)
     found = []
     if ACROSS in item.stiffness:
+        _refuse_held(item, points.across)
         moved = np.einsum("pi,pikc->pkc", points.across, points.rows[:, :3])[:, None]
         found.append(
             (sparse_rows(points.nodes, moved, n_nodes), item.stiffness[ACROSS] * points.weights, points.across)
@@ -50,6 +54,18 @@ def elastic_edges(item: Support, model: Model, tolerance: float) -> tuple[Elasti
     stiffness, directions = (np.concatenate([one[i] for one in found]) for i in (1, 2))
     own = f"{item.name} {SPRINGS}" if item.fix else item.name
     return (Elastic(own, rows, stiffness, np.zeros(stiffness.size), directions, True, item.loss_factor),)
+
+
+def _refuse_held(item: Support, across: Floats) -> None:
+    """Raise InputError where the directions that a support holds include the normal [p, 3] of its part."""
+    held = [DIRECTIONS.index(one) for one in item.fix if one in DIRECTIONS[:3]]
+    if held and np.linalg.norm(across[:, held], axis=1).max() > _ALONG:
+        raise InputError(
+            f"supports.{item.name}.stiffness.{ACROSS}",
+            got=f"a stiffness beside fix: [{', '.join(item.fix)}], which holds {item.on} along its normal",
+            expected="one of them",
+            do="remove the direction: the springs carry the edge",
+        )
 
 
 def _turning(points: EdgePoints, stiffness: float, n_nodes: int) -> tuple[csr_array, Floats, Floats]:
