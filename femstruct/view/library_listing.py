@@ -27,7 +27,7 @@ def show_library(entries: Sequence[Entry], asked: bool) -> None:
         return
     for family, some in groupby(entries, key=lambda entry: entry.family):
         family_table(family, tuple(some)).show(screen)
-    screen.print("`femstruct materials NAME` shows the source of every value; `like: NAME` in a model takes them")
+    screen.print("`femstruct materials NAME` shows the source of every value, and how a model takes it")
 
 
 def family_table(family: str, entries: Sequence[Entry]) -> Grid:

@@ -65,6 +65,9 @@ WRITTEN = {
         "top: {between",
         r"cavities\.top: got 'top', which names one of the surfaces already",
     ),
+    "wool": (FILL, "{like: glas wool 14 kg/m^3}", "glas", r"fill\.like: got 'glas wool.*did you mean 'glass wool 14"),
+    "no number": (FILL, "{like: hemp fibres}", "hemp", r"fill\.like: got 'hemp fibres'.*femstruct materials wool"),
+    "misspelt key": (FILL, "{lik: glass wool 14 kg/m^3}", "lik:", r"unknown key 'lik'.*did you mean 'like'"),
     "axis": (FILL, FILL + ", bays: {across: z, at: 0.3}", "z,", r"bays\.across: got 'z'.*x.*y"),
 }
 PLACED = {
@@ -158,6 +161,19 @@ def test_joists_that_cross_a_cavity_or_do_not_lie_at_its_bays_are_found(tmp_path
     told = {one.code: one.message for one in findings if one.code in ("cavity-crossed", "bays-beside-joists")}
     assert list(told) == ([code] if code else [])
     assert says in told.get(code, ""), told
+
+
+def test_wool_of_the_library_is_wool_with_its_numbers(tmp_path: Path) -> None:
+    """Isover Piano as the library has it; what is given besides stands in place of it."""
+    for fill, flow, density, thickness in (
+        ("{like: glass wool 14 kg/m^3}", 7e3, 14.0, None),
+        ("{like: glass wool 14 kg/m^3, density: 20, thickness: 50 mm}", 7e3, 20.0, 0.05),
+    ):
+        structure = read_model_file(written(tmp_path, FILL, fill)).structure
+        assert isinstance(structure, Structure)
+        wool = structure.cavities[0].fill
+        assert wool is not None and wool.like.startswith("glass wool 14 kg/m^3: Isover")
+        assert (wool.flow_resistivity, wool.density, wool.thickness, wool.frame) == (flow, density, thickness, "limp")
 
 
 def test_what_knows_the_structure_alone_refuses_its_air(tmp_path: Path) -> None:

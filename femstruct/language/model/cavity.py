@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Annotated, Any, Literal
 
 from femstruct.language.air import AirSpec
+from femstruct.language.model.like import entry_for, told_of
 from femstruct.language.yaml import (
     LENGTH,
     Frequency,
@@ -15,9 +16,13 @@ from femstruct.language.yaml import (
     SideLength,
     Spec,
     SurfaceName,
+    Text,
+    brought,
     read_by,
     several,
 )
+from femstruct.model.library.all_entries import library, names_for
+from femstruct.model.library.library_entry import Use
 from femstruct.model.materials.air_between import AirBetween, Bays, Fill
 
 Resistivity = Annotated[
@@ -47,13 +52,27 @@ Places = Annotated[tuple[float, ...], read_by(several(LENGTH.read), Length | lis
 
 class FillSpec(Spec):
     """Wool in a cavity, against its second surface: all of the depth, or a thickness. frame: limp for loose wool, held
-    for wool that is fixed."""
+    for wool that is fixed. like: one of the library, which brings what is not given."""
+
+    model_config = brought("flow_resistivity", "density")
 
     makes = Fill
+    like: Annotated[Text | None, entry_for(Use.FILL, "a wool of the library", "wool")] = None
     flow_resistivity: Resistivity
     density: Bulk
     thickness: SideLength | None = None
     frame: Literal["limp", "held"] = "limp"
+
+    @classmethod
+    def completed(cls, given: dict[str, Any]) -> dict[str, Any]:
+        like, known = given.get("like"), names_for(Use.FILL)
+        if like is None and given.keys() <= cls.keys():
+            return given
+        entry = library()[like if like in known else known[0]]  # a misspelt name or key is one mistake
+        return {"flow_resistivity": entry.number("flow_resistivity"), "density": entry.number("rho"), **given}
+
+    def given(self) -> dict[str, Any]:
+        return {**super().given(), "like": told_of(self.like)}
 
 
 class BaysSpec(Spec):

@@ -6,8 +6,6 @@ from collections.abc import Collection, Mapping
 from math import inf, sqrt
 from typing import Annotated, Any, Literal, get_args
 
-from pydantic import ConfigDict
-
 from femstruct.conventions import GRAVITY
 from femstruct.impact.laws.law import Law
 from femstruct.impact.scene.impact_sources import BETWEEN_BLOWS, HAMMERS, TAPPING_MACHINE, scattered
@@ -32,6 +30,7 @@ from femstruct.language.yaml import (
     Refers,
     Spec,
     Text,
+    brought,
     word_of,
 )
 from femstruct.study.acting import BodySide, PlacedBody, Repeat
@@ -45,15 +44,6 @@ DropHeight = Annotated[float, Quantity(("length",), least=0.0, most=100.0, too_l
 """It falls without air: a ball of 10 cm and 1 kg is 10 % slower than that after 100 m."""
 
 
-def _optional(*names: str) -> ConfigDict:
-    """The schema of a mapping whose keys a source may bring."""
-
-    def loosen(schema: dict[str, Any]) -> None:
-        schema["required"] = [name for name in schema["required"] if name not in names]
-
-    return ConfigDict(json_schema_extra=loosen)
-
-
 class BlowsSpec(Spec):
     """A body that strikes several times: at first, first + every, ... it is given its starting state again. A tapping
     machine brings its own every.
@@ -65,7 +55,7 @@ class BlowsSpec(Spec):
     alike for the same seed.
     """
 
-    model_config = _optional("every", "count")
+    model_config = brought("every", "count")
 
     makes = Repeat
     count: Count
@@ -99,7 +89,7 @@ class BodySpec(Spec):
 
     one_of = (SIDES,)
     at_most_one_of = (("drop_height", "speed"),)
-    model_config = _optional("mass")
+    model_config = brought("mass")
 
     source: Annotated[str, word_of(SOURCES)] | None = None
     mass: MassKg

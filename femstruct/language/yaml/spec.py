@@ -100,6 +100,15 @@ class Spec(BaseModel):
                 )
 
 
+def brought(*names: str) -> ConfigDict:
+    """The schema of a mapping of which another key may bring these: a source its mass, a wool its density."""
+
+    def loosen(schema: dict[str, Any]) -> None:
+        schema["required"] = [name for name in schema["required"] if name not in names]
+
+    return ConfigDict(json_schema_extra=loosen)
+
+
 @dataclass(frozen=True)
 class Refers:
     """Annotation of a text that is the name of something else in the files.

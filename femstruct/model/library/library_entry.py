@@ -32,8 +32,8 @@ class Use(Enum):
     MATERIAL = "materials: {NAME: {like: ENTRY}}"
     LAY_UP = "layers: {like: ENTRY, of: MATERIAL}"
     HANGERS = "parts: {NAME: {type: hangers, like: ENTRY, ..}}"
-    LAYER = "the stiffness of a foundation between two parts, per area"
-    FILL = "the fill of a cavity"
+    LAYER = "parts: {NAME: {type: foundation, like: ENTRY, ..}}"
+    FILL = "cavities: {NAME: {fill: {like: ENTRY}, ..}}"
     NUMBERS = "numbers to be taken by hand"
 
 

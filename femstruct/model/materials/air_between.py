@@ -15,7 +15,8 @@ class Fill:
     """Wool in a cavity, against its second surface.
 
     flow_resistivity [Pa s/m^2]; density : of the bulk [kg/m^3]; thickness : [m], all of the depth if left out. frame :
-    "limp", fibres that the air carries along, or "held", fibres at rest.
+    "limp", fibres that the air carries along, or "held", fibres at rest. like : the entry of the library, with its
+    source.
 
     >>> Fill(flow_resistivity=10e3, density=40.0, thickness=0.1).frame
     'limp'
@@ -25,6 +26,7 @@ class Fill:
     density: Positive
     thickness: Positive | None = None
     frame: Literal["limp", "held"] = "limp"
+    like: str = ""
 
 
 @dataclass(frozen=True)
