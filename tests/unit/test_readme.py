@@ -10,6 +10,8 @@ import typer.main
 from ruamel.yaml import YAML
 
 from femstruct.cli import app
+from femstruct.files.inputs.band_tables import read_bands
+from femstruct.files.inputs.columns import read_columns
 
 ROOT = Path(__file__).parents[2]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -47,6 +49,34 @@ def test_the_dampers_are_named_by_their_mass_over_that_of_the_floor() -> None:
         assert study["cases"][f"damper {ratio}"] == {"bodies.damper.mass": f"{damper} kg"}
         assert float(damper) == pytest.approx(float(ratio) * mass, rel=1e-9)  # rounding
     assert re.search(r"0\.6 and 1\.2 times the mass of the floor .* 0\.45 and 0\.90 kg", README)
+
+
+SOURCE_FILES = re.findall(r"^\| `([a-z_]+: .*?)` \| .* \| `(.*)`, `(.*)` \|$", README, re.MULTILINE)
+COLUMNS = {  # what the program reads there
+    "blocked_force: {file: ..}": ("force",),
+    "free_velocity: {file: ..}": ("speed",),
+    "mobility: {file: ..}": ("mobility",),
+    "mobility: {lines: ..}": ("frequency", "mobility", "mobility"),
+    "blocked_force: {psd: {file: ..}}": ("frequency", "force psd"),
+    "reduction: {file: ..}": ("level",),
+    "footstep: ..": ("time", "force"),
+}
+
+
+def test_files_of_sources_are_read_as_they_are_shown(tmp_path: Path) -> None:
+    assert [key for key, _, _ in SOURCE_FILES] == list(COLUMNS)
+    for key, head, row in SOURCE_FILES:
+        file = tmp_path / "a.csv"
+        first, *values = re.split(r"[;,] ", row)
+        second = f"{2 * float(first):g}"  # a band or a time later
+        rows = [head, row, row.replace(first, second, 1)]
+        file.write_text("\n".join(rows), encoding="utf-8")
+        dimensions = COLUMNS[key]
+        if len(dimensions) == 1:
+            assert list(read_bands(file, dimensions[0], {})) == [float(first), float(second)]
+        else:
+            columns = read_columns(file, dimensions, {}, lambda *found: found)
+            assert [column[0] for column in columns] == [float(one) for one in (first, *values)]
 
 
 def test_extras_are_those_of_the_clone() -> None:
