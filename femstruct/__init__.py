@@ -21,6 +21,7 @@ Each arrow is a pure function, each noun a frozen value; nothing points back::
     surface_velocity            Response, Placed      -> acoustics.SurfaceVelocity of each surface
     velocity_per_source         ModalBasis, Placed    -> what a loudspeaker in a room moves
     run_study                   Plan                  -> StudyResult
+    read_campaign, sweep        what varies in it     -> Swept: a row of numbers for every sample
     identify                    a study, a record     -> its numbers, with intervals
     write_results, read_results StudyResult           -> results.h5 and back
 
@@ -35,6 +36,7 @@ if TYPE_CHECKING:
     from femstruct.assembly.given_matrices import given_matrices as given_matrices
     from femstruct.assembly.matrices import Assembly as Assembly
     from femstruct.assembly.matrices import DofMap as DofMap
+    from femstruct.campaign.sweep import sweep as sweep
     from femstruct.errors import FemstructError as FemstructError
     from femstruct.errors import Finding as Finding
     from femstruct.errors import InputError as InputError
@@ -44,6 +46,8 @@ if TYPE_CHECKING:
     from femstruct.files.inputs.mesh_files.mesh_file import read_mesh_file as read_mesh_file
     from femstruct.files.results_file.results import write_results as write_results
     from femstruct.files.results_file.stored import read_results as read_results
+    from femstruct.files.results_file.swept_file import read_swept as read_swept
+    from femstruct.files.results_file.swept_file import write_swept as write_swept
     from femstruct.impact.batch.batch import simulate_batch as simulate_batch
     from femstruct.impact.batch.metrics import Batch as Batch
     from femstruct.impact.laws.cubic import Cubic as Cubic
@@ -69,6 +73,7 @@ if TYPE_CHECKING:
     from femstruct.impact.simulate import simulate as simulate
     from femstruct.language import read_model as read_model
     from femstruct.language import read_study as read_study
+    from femstruct.language.campaigns import read_campaign as read_campaign
     from femstruct.modal.analytic import beam as beam
     from femstruct.modal.analytic import given_modes as given_modes
     from femstruct.modal.analytic import oscillator as oscillator
@@ -169,6 +174,12 @@ if TYPE_CHECKING:
     from femstruct.study.asked import ShockRequest as ShockRequest
     from femstruct.study.asked import Spot as Spot
     from femstruct.study.asked import TimePlan as TimePlan
+    from femstruct.study.campaign.spread import spread as spread
+    from femstruct.study.campaign.swept import Swept as Swept
+    from femstruct.study.campaign.varied import Campaign as Campaign
+    from femstruct.study.campaign.varied import Listed as Listed
+    from femstruct.study.campaign.varied import Sampling as Sampling
+    from femstruct.study.campaign.varied import Scattered as Scattered
     from femstruct.study.counting import FatigueRequest as FatigueRequest
     from femstruct.study.measured_source import MeasuredSource as MeasuredSource
     from femstruct.study.result import StudyResult as StudyResult
@@ -186,6 +197,7 @@ if TYPE_CHECKING:
     from femstruct.workflow.run.run import run_study as run_study
 
 _NAMES = {
+    "campaign.sweep": ("sweep",),
     "assembly.assemble": ("assemble",),
     "assembly.given_matrices": ("given_matrices",),
     "assembly.matrices": ("Assembly", "DofMap"),
@@ -196,6 +208,7 @@ _NAMES = {
     "files.inputs.mesh_files.mesh_file": ("read_mesh_file",),
     "files.results_file.results": ("write_results",),
     "files.results_file.stored": ("read_results",),
+    "files.results_file.swept_file": ("read_swept", "write_swept"),
     "impact.batch.batch": ("simulate_batch",),
     "impact.scene.bodies": ("GROUND", "Body", "Clock", "Contact", "HalfSine", "Link", "Load", "Scene", "Table"),
     "impact.laws.cubic": ("Cubic",),
@@ -212,6 +225,7 @@ _NAMES = {
     "impact.simulate": ("simulate",),
     "impact.scene.walking": ("Walk",),
     "language": ("read_model", "read_study"),
+    "language.campaigns": ("read_campaign",),
     "modal.analytic": ("beam", "given_modes", "oscillator", "rod"),
     "modal.basis": ("ModalBasis",),
     "modal.complex_modes": ("ComplexModes", "complex_modes"),
@@ -292,6 +306,9 @@ _NAMES = {
         "Plan",
         "Study",
     ),
+    "study.campaign.spread": ("spread",),
+    "study.campaign.swept": ("Swept",),
+    "study.campaign.varied": ("Campaign", "Listed", "Sampling", "Scattered"),
     "study.measured_source": ("MeasuredSource",),
     "study.steady_vibration": ("Vibration",),
     "workflow.identify.identify": ("Identification", "identify"),

@@ -30,6 +30,18 @@ def frozen(name: str, values: ArrayLike, shape: tuple[int | None, ...]) -> Float
     return array
 
 
+def frozen_with_gaps(name: str, values: ArrayLike, shape: tuple[int | None, ...]) -> Floats:
+    """Read-only float64 copy of `values`, of which some may be nan: there is no number.
+
+    >>> frozen_with_gaps("levels", [1.0, np.nan], (2,)).tolist()
+    [1.0, nan]
+    """
+    array = _copied(name, values, np.float64)
+    _check_shape(name, array.shape, shape)
+    array.flags.writeable = False
+    return array
+
+
 def frozen_integers(name: str, values: ArrayLike, shape: tuple[int | None, ...]) -> Integers:
     """Read-only int64 copy of `values`; None in `shape` accepts any length."""
     array = _copied(name, values, np.int64)

@@ -113,7 +113,8 @@ def override(patch: Patch, overrides: Sequence[str]) -> None:
         is_one = equals and path
         there = Here(parse_value(value if is_one else "0", f"--set {text}", patch.mistakes), patch.mistakes)
         if there.need(is_one, "no PATH=VALUE", "--set bodies.ball.mass='60 g'"):
-            patch.assign(path, there.tree.value, there)
+            for one in patch.added_by_cases(path) or (path,):
+                patch.assign(one, there.tree.value, there)
             _refuse_if_set_again(patch, path, there)
 
 

@@ -189,6 +189,20 @@ class Patch:
             if any(end.rpartition(".")[0] in gone for end in ends):
                 study.drop(("frf", request))
 
+    def added_by_cases(self, path: str) -> tuple[str, ...]:
+        """Where cases add what a path names, if the files themselves do not have it.
+
+        >>> tree = Tree("s", {"cases": {"damped": {"add": {"bodies.damper": {"mass": "1 kg"}}}}}, {}, {}, "")
+        >>> Patch(tree, None, Mistakes()).added_by_cases("bodies.damper.mass")
+        ('cases.damped.add.bodies.damper.mass',)
+        """
+        draft = self.draft(path)
+        if draft is None or self.study is None or not _reach(draft.value, path)[1]:
+            return ()
+        cases = {name: case for name, case in _mapping(self.study.value, "cases").items() if isinstance(case, dict)}
+        found = (name for name, case in cases.items() if not _reach(_mapping(case, "add"), path)[1])
+        return tuple(f"cases.{name}.add.{path}" for name in found)
+
     def _find(self, draft: Draft | None, path: str, there: Here, may_be_new: bool = False) -> Steps | None:
         """The steps of a path; an unknown one is noted with the nearest key, and None returned."""
         if draft is None:

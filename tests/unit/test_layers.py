@@ -33,6 +33,7 @@ LAYERS = [
     ["femstruct.study"],
     ["femstruct.files.inputs", "femstruct.language.yaml", "femstruct.language", "femstruct.files", "femstruct.view"],
     ["femstruct.workflow"],
+    ["femstruct.campaign"],
     ["femstruct.exits", "femstruct.commands", "femstruct.cli"],
     ["femstruct.__main__"],
 ]
@@ -118,6 +119,7 @@ HEARS_ACOUSTICS = {
     "files",
     "view",
     "workflow",
+    "campaign",
     "exits",
     "commands",
 }

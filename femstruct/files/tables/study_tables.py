@@ -45,7 +45,7 @@ def summary(result: StudyResult) -> Table:
         for name, beside in result.comparison.cases.items()
     }
     cases = {
-        name: _case(case)
+        name: case_table(case)
         | {
             "limits": verdict_tables(result.verdicts.get(name, ())),
             "machine": machine_table(result.machine[name]) if name in result.machine else None,
@@ -55,7 +55,8 @@ def summary(result: StudyResult) -> Table:
     return {"cases": cases, "comparison": comparison, "findings": study_findings_table(result)}
 
 
-def _case(case: CaseResult) -> Table:
+def case_table(case: CaseResult) -> Table:
+    """The numbers of one case by itself, as `summary` has them."""
     response = case.response
     return {
         "outcome": None if response is None else response.outcome.value,

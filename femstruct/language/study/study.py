@@ -18,6 +18,7 @@ from femstruct.language.study.record import Recorded
 from femstruct.language.study.request import FrfSpec
 from femstruct.language.study.sources.measured_source import MeasuredSourceSpec
 from femstruct.language.study.start import InitialSpec
+from femstruct.language.study.vary import SamplesSpec, VarySpec
 from femstruct.language.study.vibration import VibrationSpec
 from femstruct.language.study.window import AccuracySpec, ModesSpec, PeaksSpec, TimeSpec
 from femstruct.language.yaml import Instant, Refers, Spec, Text, read_by, refuse
@@ -65,3 +66,5 @@ class StudySpec(Spec):
     vibration: dict[str, VibrationSpec] = Field(default_factory=dict)
     fatigue: dict[str, FatigueSpec] = Field(default_factory=dict)
     sources: dict[str, MeasuredSourceSpec] = Field(default_factory=dict)
+    vary: dict[str, VarySpec] = Field(default_factory=dict)
+    samples: SamplesSpec | None = None

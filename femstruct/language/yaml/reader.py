@@ -119,9 +119,9 @@ def _compose(text: str, file: str) -> Node:
     raise _refused(at, *told)
 
 
-@lru_cache(maxsize=2)
+@lru_cache(maxsize=16)
 def _composed(text: str) -> Node | None:
-    """The nodes of a text, which nobody changes; kept for a model whose study alone is changed and read again."""
+    """The nodes of a text, which nobody changes; kept for files that are read again and again with other overrides."""
     node: Node | None = YAML(typ="safe", pure=True).compose(text)
     return node
 

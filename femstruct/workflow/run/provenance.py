@@ -39,7 +39,7 @@ class Stopwatch:
     """CPU seconds by stage, told to a listener as each stage starts."""
 
     def __init__(self, progress: Progress) -> None:
-        self._progress = progress
+        self.tell = progress
         self._place = ""
         self.seconds: dict[str, float] = {}
 
@@ -52,7 +52,7 @@ class Stopwatch:
 
     @contextmanager
     def __call__(self, stage: str, case: str = "") -> Iterator[None]:
-        self._progress((f"{case}: {stage}" if case else stage) + self._place)
+        self.tell((f"{case}: {stage}" if case else stage) + self._place)
         begin = _cpu_seconds()
         try:
             yield

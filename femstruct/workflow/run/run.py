@@ -112,17 +112,8 @@ def run_again(
     [1.0, 1.333]
     """
     clock = Stopwatch(progress)
-    with compilation(expected_units(plan.cases)) as kernels:
-        with clock("modes"):
-            solved = solve_all(plan.cases, before.solved)
-        if kernels.units:
-            with clock("kernels"):
-                kernels.wait(progress)
+    solved, checks = _solved(plan, before.solved, clock)
     baseline = next(case for case in plan.cases if case.name == plan.baseline)
-    checks: dict[str, AccuracyCheck] = {}
-    if any(case.study.accuracy is not None for case in plan.cases):
-        with clock("accuracy"):
-            solved, checks = hold_accuracy(plan.cases, baseline, solved)
     order = sorted(plan.cases, key=lambda case: case.name != plan.baseline)
     made_from = {case.name: _made_from(case, baseline, solved[case.name]) for case in order if not checks}
     known = {name: before.cases[key] for name, key in made_from.items() if key in before.cases}
@@ -159,6 +150,41 @@ def run_again(
         machine=machine,
     )
     return result, left_behind
+
+
+def run_cases(plan: Plan, before: Sequence[Solved] = ()) -> tuple[dict[str, CaseResult], tuple[Solved, ...]]:
+    """The cases of a study as `run_study` has them, without their comparison, for who runs many studies.
+
+    before : bases of other studies, taken where they are of the same structure, as many modes and the same places.
+
+    Returns the cases by name, and their bases. Raises as `run_study` does.
+    """
+    clock = Stopwatch(lambda line: None)
+    solved, checks = _solved(plan, before, clock)
+    order = sorted(plan.cases, key=lambda case: case.name != plan.baseline)
+    rooms = RoomTransfers()
+    found = {
+        case.name: run_case(case, solved, order[0], clock, checks.get(case.name), transfers=rooms) for case in order
+    }
+    bases = tuple({id(one): one for one in solved.values()}.values())
+    return {case.name: found[case.name] for case in plan.cases}, bases
+
+
+def _solved(
+    plan: Plan, before: Sequence[Solved], clock: Stopwatch
+) -> tuple[dict[str, Solved], dict[str, AccuracyCheck]]:
+    """The bases of all cases, with as many modes as the accuracy takes that they ask for; kernels are ready then."""
+    with compilation(expected_units(plan.cases)) as kernels:
+        with clock("modes"):
+            solved = solve_all(plan.cases, before)
+        if kernels.units:
+            with clock("kernels"):
+                kernels.wait(clock.tell)
+    if all(case.study.accuracy is None for case in plan.cases):
+        return solved, {}
+    baseline = next(case for case in plan.cases if case.name == plan.baseline)
+    with clock("accuracy"):
+        return hold_accuracy(plan.cases, baseline, solved)
 
 
 def _results(

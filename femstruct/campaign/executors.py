@@ -1,0 +1,155 @@
+"""Who runs tasks: this process, several of this machine, or those of a Dask scheduler."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import signal
+import threading
+import time
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, ProcessPoolExecutor, wait
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
+from typing import Final
+
+from femstruct.campaign.journal import Row
+from femstruct.campaign.tasks import Task, rows_of, run_task
+from femstruct.errors import InputError
+
+THREADS: Final = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "LP_NUM_THREADS")
+AHEAD: Final = 2  # tasks handed out for each worker, so that none waits for the next
+LOOK: Final = 1.0  # seconds between two looks at what is done
+GONE: Final = "the process that ran it ended without an answer: it was killed, or there was not enough memory"
+Done = Callable[[list[Row]], None]
+Tick = Callable[[], None]
+
+
+def run_all(tasks: Sequence[Task], workers: int, cluster: str, done: Done, tick: Tick = lambda: None) -> None:
+    """All tasks, by one process for one worker, several for more, or the workers of a scheduler.
+
+    cluster : address of a Dask scheduler, "" for none. done : is given the rows as they come. tick : is called about
+    once a second.
+
+    Raises InputError where no scheduler answers. A KeyboardInterrupt ends the processes.
+    """
+    if cluster:
+        with _of_scheduler(cluster) as (executor, size):
+            for task in _hand_out(executor, list(tasks), AHEAD * size, done, tick):
+                done(_gone(task))
+    elif workers == 1:
+        for task in tasks:
+            for rows in rows_of(task):
+                done(rows)
+    else:
+        _in_processes(tasks, min(workers, len(tasks)), done, tick)
+
+
+def _in_processes(tasks: Sequence[Task], workers: int, done: Done, tick: Tick) -> None:
+    """Tasks in processes of this machine. Those under way when one dies are run again, one at a time; one that dies
+    again costs its own samples only."""
+    left, doubtful = list(tasks), list[Task]()
+    with _one_thread_each():
+        while left:
+            doubtful += _until_broken(left, workers, AHEAD * workers, done, tick)
+        while doubtful:
+            for task in _until_broken(doubtful, 1, 1, done, tick):
+                done(_gone(task))
+
+
+def _until_broken(tasks: list[Task], workers: int, ahead: int, done: Done, tick: Tick) -> list[Task]:
+    """Run tasks, taken from the list, until all are done or a process has died; those that were then under way."""
+    executor = _pool(workers)
+    try:
+        lost = _hand_out(executor, tasks, ahead, done, tick)
+    except BaseException:
+        executor.shutdown(wait=False, cancel_futures=True)
+        for child in multiprocessing.active_children():
+            child.kill()
+        raise
+    executor.shutdown()
+    return lost
+
+
+def _hand_out(executor: Executor, tasks: list[Task], ahead: int, done: Done, tick: Tick) -> list[Task]:
+    """Give tasks to an executor, taken from the list, a few ahead. Returns those under way when it broke."""
+    running = dict[Future[list[Row]], Task]()
+    while tasks or running:
+        while tasks and len(running) < ahead:
+            try:
+                running[executor.submit(run_task, tasks[0])] = tasks[0]
+            except BrokenProcessPool:
+                return list(running.values())
+            tasks.pop(0)
+        ready, _ = wait(running, timeout=LOOK, return_when=FIRST_COMPLETED)
+        tick()
+        for future in ready:
+            try:
+                rows = future.result()
+            except BrokenProcessPool:
+                return list(running.values())
+            except Exception as error:
+                if type(error).__name__ != "KilledWorker":  # of Dask, which has tried it several times
+                    raise
+                rows = _gone(running[future])
+            running.pop(future)
+            done(rows)
+    return []
+
+
+def _gone(task: Task) -> list[Row]:
+    return [Row(number, "", {}, trouble=GONE) for number, _ in task.samples]
+
+
+def _pool(workers: int) -> ProcessPoolExecutor:
+    context = multiprocessing.get_context("spawn")  # a fork would copy locks of threads
+    return ProcessPoolExecutor(workers, mp_context=context, initializer=_begin, initargs=(os.getpid(),))
+
+
+def _begin(parent: int) -> None:
+    """Of a process: Ctrl-C is for its parent, with which it ends."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+    def watch() -> None:
+        while os.getppid() == parent:
+            time.sleep(LOOK)
+        os._exit(1)
+
+    threading.Thread(target=watch, daemon=True).start()
+
+
+@contextmanager
+def _one_thread_each() -> Iterator[None]:
+    """One thread of linear algebra for each process that is started meanwhile."""
+    before = {name: os.environ.get(name) for name in THREADS}
+    os.environ.update(dict.fromkeys(THREADS, "1"))
+    try:
+        yield
+    finally:
+        for name, value in before.items():
+            if value is None:
+                del os.environ[name]
+            else:
+                os.environ[name] = value
+
+
+@contextmanager
+def _of_scheduler(address: str) -> Iterator[tuple[Executor, int]]:
+    """The executor of a Dask scheduler and how many tasks its workers run at a time."""
+    try:
+        from distributed import Client
+    except ImportError:
+        raise InputError(
+            "--cluster", got="no package 'distributed'", expected="it installed", do="pip install 'femstruct[cluster]'"
+        ) from None
+    try:
+        client = Client(address, timeout=10)
+    except (OSError, TimeoutError, ValueError) as error:
+        raise InputError(
+            f"--cluster {address}",
+            got=f"no answer ({error or type(error).__name__})",
+            expected="the address of a Dask scheduler",
+            do="write it like tcp://192.168.0.5:8786",
+        ) from None
+    with client:
+        yield client.get_executor(pure=False), max(sum(client.nthreads().values()), 1)

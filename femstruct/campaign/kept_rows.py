@@ -1,0 +1,57 @@
+"""What a campaign leaves behind, rows in a file, a table and a picture; and what it takes, told beforehand."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from femstruct.campaign.samples import samples_of
+from femstruct.campaign.tasks import split
+from femstruct.files.results_file.swept_file import SWEEP, TABLE, write_swept, write_table
+from femstruct.study.campaign.swept import Swept
+from femstruct.study.campaign.varied import Campaign
+from femstruct.workflow.run.provenance import Progress
+
+PICTURE = "sweep.png"
+
+
+def planned(campaign: Campaign, progress: Progress = lambda line: None) -> dict[str, int]:
+    """How much there is to compute, by kind. Every sample is read, nothing is solved.
+
+    Raises InputErrors where no sample can be read.
+    """
+    samples = samples_of(campaign)
+    parts = split(campaign, samples, progress)
+    return {
+        "samples": len(samples.texts),
+        "cases": len(parts.plan.cases),
+        "structures to solve": parts.structures,
+        "impacts to simulate": parts.impacts,
+        "samples that cannot be read": len(parts.refused),
+    }
+
+
+def write_rows(
+    rows: Swept,
+    folder: Path,
+    names: Sequence[str] = (),
+    progress: Progress = lambda line: None,
+    pictures: bool = True,
+) -> list[Path]:
+    """Write sweep.h5 with all numbers, sweep.csv and sweep.png with some; returns what was written.
+
+    names : of the numbers in the table and in the picture, the main ones if none.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    progress("writing the rows")
+    write_swept(folder / SWEEP, rows)
+    write_table(folder / TABLE, rows, names)
+    written = [folder / SWEEP, folder / TABLE]
+    if pictures:
+        from femstruct.view.campaigns.swept_figure import swept_figure
+        from femstruct.view.figures.drawing import save
+
+        progress("picture")
+        figure = swept_figure(rows, names or rows.main)
+        written += [] if figure is None else [save(figure, folder / PICTURE)]
+    return written

@@ -1,0 +1,98 @@
+"""The numbers of a case by name: those that are asked for first, in the words of `limits:`, then all others."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from math import isfinite, nan, pi
+from typing import Any, Final, NamedTuple
+
+from acoustics.levels.rated import RatedRoom
+from femstruct.files.tables.study_tables import case_table
+from femstruct.study.asked import SETTLED
+from femstruct.study.result import CaseResult
+from femstruct.workflow.compare.verdicts import verdicts
+
+MODES: Final = 10  # natural frequencies among the numbers
+APART: Final = " / "  # between the steps of a name
+_LEFT_OUT: Final = ("basis", "outcome", "findings", "error_estimate", "accuracy")
+_UNITS: Final = {
+    "hz": "Hz", "db": "dB", "n": "N", "s": "s", "m": "m", "j": "J", "pa": "Pa", "w": "W", "kg": "kg", "rad": "rad",
+    "percent": "%",
+}  # fmt: skip
+
+
+class Number(NamedTuple):
+    """A number and its unit; nan where it cannot be had, for a reason that the findings give."""
+
+    value: float
+    unit: str
+
+
+def numbers_of(case: CaseResult) -> dict[str, Number]:
+    """All numbers of a case by name.
+
+    The first are the main ones (`main_numbers`); the names of the others are their paths in summary.json, as in
+    "levels / living.middle / bands_db / 63".
+    """
+    own = dict(main_numbers(case))
+    for name, number in _flat({key: one for key, one in case_table(case).items() if key not in _LEFT_OUT}):
+        own.setdefault(name, number)
+    return own
+
+
+def main_numbers(case: CaseResult) -> Iterator[tuple[str, Number]]:
+    """What a limit can be set to, and what else is asked of a case first: the peaks of recorded channels in the whole
+    window, peak forces of contacts, ratings and levels of rooms, the time to rest where it is limited, natural
+    frequencies, the mass."""
+    for verdict in verdicts(case):
+        if verdict.name == SETTLED:
+            yield SETTLED, _number(verdict.value, "s")
+    for name, room in case.rated.items():
+        yield f"{name} rating", _rating(room)
+    for name, one in (case.heard.total_levels or case.levels).items():
+        yield f"{name} L_AFmax", _number(one.l_afmax_db, "dB")
+    for name, channel in case.channels.items():
+        yield name, _number(channel.whole, channel.unit)
+    if case.response is not None:
+        for name, contact in case.response.contacts.items():
+            if f"{name} force" in case.channels:
+                continue  # the same number
+            yield f"{name} peak force", _number(contact.peak_force, "N")
+    basis = case.basis
+    for number, omega in enumerate(basis.omega[basis.modes][:MODES], 1):
+        yield f"mode {number} frequency", _number(float(omega) / (2.0 * pi), "Hz")
+    yield "total mass", _number(basis.total_mass, "kg")
+
+
+def _rating(room: RatedRoom) -> Number:
+    """The number to state; none where bands are blank that it needs."""
+    rating = room.rating
+    return Number(nan, "dB") if rating is None or rating.blank_hz else _number(rating.value_db, "dB")
+
+
+def _number(value: float | None, unit: str) -> Number:
+    return Number(nan if value is None or not isfinite(value) else float(value), unit)
+
+
+def _flat(table: Mapping[str, Any], before: tuple[str, ...] = ()) -> Iterator[tuple[str, Number]]:
+    """Numbers of nested mappings, named by their path. A mapping's "unit" is that of the numbers beside it."""
+    told = table.get("unit")
+    for key, one in table.items():
+        steps = (*before, str(key))
+        if isinstance(one, Mapping):
+            yield from _flat(one, steps)
+        elif isinstance(one, int | float):
+            yield APART.join(steps), _number(float(one), told if isinstance(told, str) else _unit(steps))
+
+
+def _unit(steps: tuple[str, ...]) -> str:
+    """The unit that the last word of a key states, else that of a mapping around it.
+
+    >>> _unit(("levels", "a.b", "bands_db", "63")), _unit(("contacts", "a", "closings"))
+    ('dB', '')
+    """
+    for step in reversed(steps):
+        _, joined, last = step.rpartition("_")
+        if joined and last in _UNITS:
+            return _UNITS[last]
+    return ""

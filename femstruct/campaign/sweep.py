@@ -1,0 +1,207 @@
+"""A campaign, run: all its samples through all their cases, and a table of what came of them."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Callable, Sequence
+from contextlib import ExitStack
+from dataclasses import replace
+from itertools import count
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Final
+
+import numpy as np
+
+from femstruct.campaign.journal import Journal, Row, is_of, opened
+from femstruct.campaign.numbers import APART
+from femstruct.campaign.samples import Samples, samples_of
+from femstruct.campaign.tasks import Split, Task, split
+from femstruct.campaign.executors import run_all
+from femstruct.impact.compiled.workers import compilation
+from femstruct.study.campaign.swept import Swept
+from femstruct.study.campaign.varied import Campaign
+from femstruct.study.study import Plan
+from femstruct.workflow.run.needed_kernels import expected_units
+from femstruct.workflow.run.provenance import Progress, provenance
+from femstruct.workflow.stages.fingerprint import fingerprint
+
+ROWS: Final = "sweep.rows"  # where rows are kept as they come, until all are there
+
+
+def sweep(
+    campaign: Campaign,
+    folder: Path | None = None,
+    workers: int | None = None,
+    cluster: str = "",
+    progress: Progress = lambda line: None,
+    command: str = "",
+) -> Swept:
+    """Run a study once for every sample of what it varies.
+
+    folder : where rows are kept as they come; samples that are there already are not run again. None to keep nothing.
+    workers : processes, None for one a core; a script that asks for several must run under
+        ``if __name__ == "__main__":``. cluster : address of a Dask scheduler whose workers do the work instead; they
+        see the same files.
+
+    Returns the rows. After Ctrl-C those that are finished, if any; the others are not `done`.
+
+    Raises InputErrors where no sample can be read, before anything is computed; InputError for rows in the folder that
+    are of another campaign.
+
+    Notes
+    -----
+    A row is what `run_study` finds for the study with the values of the sample; a sample that fails has a row that
+    says why. Modes are solved once for each structure, as far as a process has them from one of the samples before.
+
+    A ball hits a mass on a soft spring, which takes over its speed where both are as heavy:
+
+    >>> import tempfile
+    >>> from femstruct import read_campaign
+    >>> model = "structure: {type: oscillator, mass: 1 kg, stiffness: 100 N/m}\\npoints: {m: {}}"
+    >>> study = '''
+    ... model: model.yaml
+    ... bodies: {ball: {mass: 1 kg, above: m, speed: 1 m/s, contact: {type: linear, stiffness: 1 MN/m}}}
+    ... record: {m.z: velocity}
+    ... time: {duration: 10 ms, sampling: 10 kHz}
+    ... vary: {bodies.ball.mass: {values: [0.5 kg, 1 kg, 2 kg]}}
+    ... '''
+    >>> with tempfile.TemporaryDirectory() as place:
+    ...     _ = Path(place, "model.yaml").write_text(model, encoding="utf-8")
+    ...     _ = Path(place, "hit.study.yaml").write_text(study, encoding="utf-8")
+    ...     rows = sweep(read_campaign(Path(place, "hit.study.yaml")), workers=1)
+    >>> rows.of("m.z velocity").round(3).tolist()  # 2 m v / (m + M)
+    [0.667, 1.0, 1.333]
+    """
+    samples = samples_of(campaign)
+    parts = split(campaign, samples, progress)
+    cores = workers or os.cpu_count() or 1
+    with ExitStack() as stack:
+        place = folder or Path(stack.enter_context(TemporaryDirectory()))
+        place.mkdir(parents=True, exist_ok=True)
+        journal = stack.enter_context(opened(place / ROWS, _name_of(campaign, samples, parts.plan)))
+        with compilation(expected_units(parts.plan.cases)) as kernels:
+            if kernels.units:
+                kernels.wait(progress)
+        known = {row.sample for row in journal.rows()}
+        _run(_left(parts.tasks, known), cores, cluster, journal, progress)
+        rows = journal.rows()
+    return swept(campaign, samples, parts, rows, command)
+
+
+def set_aside(campaign: Campaign, folder: Path) -> Path | None:
+    """Move a folder with the rows of another campaign to a name with a number; returns it, None where there are none.
+
+    Raises InputErrors where no sample can be read.
+    """
+    if not (folder / ROWS).exists():
+        return None
+    samples = samples_of(campaign)
+    if is_of(folder / ROWS, _name_of(campaign, samples, split(campaign, samples).plan)):
+        return None
+    numbered = (folder.with_name(f"{folder.name}.{number}") for number in count(1))
+    free = next(path for path in numbered if not path.exists())
+    folder.rename(free)
+    return free
+
+
+def _name_of(campaign: Campaign, samples: Samples, plan: Plan) -> str:
+    """A name for all that the rows hang on: the files, what is changed in them, and the program that reads them."""
+    kept = {key: value for key, value in provenance("").items() if key.endswith("_version")}
+    return fingerprint((dict(plan.sources), campaign.overrides, campaign.case, samples.paths, samples.texts, kept))
+
+
+def _left(tasks: Sequence[Task], known: set[int]) -> list[Task]:
+    """The tasks without the samples whose rows are known."""
+    cut = [replace(task, samples=tuple(one for one in task.samples if one[0] not in known)) for task in tasks]
+    return [task for task in cut if task.samples]
+
+
+def _run(tasks: Sequence[Task], workers: int, cluster: str, journal: Journal, progress: Progress) -> None:
+    """Run tasks and keep their rows; Ctrl-C ends it with what there is."""
+    tell = _counted(sum(len(task.samples) for task in tasks), progress)
+    done = 0
+
+    def keep(rows: list[Row]) -> None:
+        nonlocal done
+        journal.append(rows)
+        done += len({row.sample for row in rows})
+        tell(done)
+
+    try:
+        run_all(tasks, workers, cluster, keep, lambda: tell(done))
+    except KeyboardInterrupt:
+        if not journal.rows():
+            raise
+
+
+def _counted(of: int, progress: Progress) -> Callable[[int], None]:
+    """Tells how many samples are done, and about how long the others take."""
+    began = time.monotonic()
+
+    def tell(done: int) -> None:
+        elapsed = time.monotonic() - began
+        left = f", about {_duration(elapsed * (of - done) / done)} left" if done and elapsed > 1.0 else ""
+        progress(f"{done} of {of} samples{left}")
+
+    return tell
+
+
+def _duration(seconds: float) -> str:
+    """A time as it is told.
+
+    >>> _duration(8.2), _duration(100.0), _duration(7300.0)
+    ('9 s', '2 min', '2.0 h')
+    """
+    if seconds < 90.0:
+        return f"{int(seconds) + 1} s"
+    return f"{seconds / 60.0:.0f} min" if seconds < 5400.0 else f"{seconds / 3600.0:.1f} h"
+
+
+def swept(campaign: Campaign, samples: Samples, parts: Split, rows: Sequence[Row], command: str = "") -> Swept:
+    """The rows as one table."""
+    plan, n = parts.plan, len(samples.texts)
+    base = next(case for case in plan.cases if case.name == plan.baseline)
+    cases = tuple(case.name for case in plan.cases)
+    names: dict[str, str] = {}
+    for row in rows:  # the main numbers stand first in each
+        for name, one in row.numbers.items():
+            names.setdefault(name, one.unit)
+    place, at = {name: k for k, name in enumerate(names)}, {case: c for c, case in enumerate(cases)}
+    numbers = np.full((len(cases), n, len(names)), np.nan)
+    done, trouble = np.zeros(n, dtype=bool), [""] * n
+    findings: list[list[tuple[str, ...]]] = [[()] * n for _ in cases]
+    severe: list[list[tuple[str, ...]]] = [[()] * n for _ in cases]
+    for i, told in parts.refused.items():
+        done[i], trouble[i] = True, told
+    for row in rows:
+        done[row.sample] = True
+        if row.trouble:
+            trouble[row.sample] = row.trouble
+            continue
+        c = at[row.case]
+        findings[c][row.sample], severe[c][row.sample] = row.findings, row.severe
+        for name, one in row.numbers.items():
+            numbers[c, row.sample, place[name]] = one.value
+    return Swept(
+        title=campaign.title,
+        paths=samples.paths,
+        units=samples.units,
+        texts=samples.texts,
+        values=samples.numbers,
+        drawn=campaign.sampling.method != "grid",
+        cases=cases,
+        baseline=plan.baseline,
+        names=tuple(names),
+        number_units=tuple(names.values()),
+        main=tuple(name for name in names if APART not in name),
+        numbers=numbers,
+        done=done,
+        severe=tuple(map(tuple, severe)),
+        findings=tuple(map(tuple, findings)),
+        trouble=tuple(trouble),
+        limits={one.name: one.value for one in base.study.limits},
+        sources=plan.sources,
+        provenance=provenance(command),
+    )

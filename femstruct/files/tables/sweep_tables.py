@@ -1,0 +1,82 @@
+"""A campaign as a plain table, ready for JSON."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from typing import Any
+
+from femstruct.files.tables.json_numbers import number
+from femstruct.study.campaign.spread import Spread, spread
+from femstruct.study.campaign.swept import Swept
+
+Table = dict[str, Any]
+
+
+def sweep_table(rows: Swept, names: Sequence[str] = ()) -> Table:
+    """All rows with some of their numbers, and what they tell together. names : the main numbers if none; the others
+    are in the file."""
+    names = names or rows.main
+    return {
+        "title": rows.title,
+        "varied": [{"path": path, "unit": unit} for path, unit in zip(rows.paths, rows.units, strict=True)],
+        "cases": list(rows.cases),
+        "baseline": rows.baseline,
+        "units": {name: rows.unit_of(name) for name in names},
+        "samples": [_sample(rows, i, names) for i in range(len(rows.texts))],
+        "statistics": [statistics_table(one) for one in spreads(rows, names)],
+        "not_run": int((~rows.done).sum()),
+        "failed": sum(bool(one) for one in rows.trouble),
+        "severe": left_out(rows),
+    }
+
+
+def _sample(rows: Swept, i: int, names: Sequence[str]) -> Table:
+    cases = {
+        case: {
+            "numbers": {name: number(float(rows.of(name, case)[i])) for name in names},
+            "findings": list(rows.findings[c][i]),
+            "severe": list(rows.severe[c][i]),
+        }
+        for c, case in enumerate(rows.cases)
+    }
+    varied = dict(zip(rows.paths, rows.texts[i], strict=True))
+    return {"sample": i, "varied": varied, "done": bool(rows.done[i]), "trouble": rows.trouble[i], "cases": cases}
+
+
+def spreads(rows: Swept, names: Sequence[str]) -> list[Spread]:
+    """How the numbers of drawn samples scatter: of every case, and of its difference to the baseline. None of samples
+    that were chosen, which have no distribution."""
+    if not rows.drawn:
+        return []
+    others = [case for case in rows.cases if case != rows.baseline]
+    asked = [(name, case, "") for name in names for case in rows.cases]
+    asked += [(name, case, rows.baseline) for name in names for case in others]
+    found = (spread(rows, *one) for one in asked)
+    return [one for one in found if one is not None and one.deviation > 0.0]
+
+
+def statistics_table(one: Spread) -> Table:
+    """A distribution for JSON."""
+    return {
+        "number": one.name,
+        "unit": one.unit,
+        "case": one.case,
+        "above": one.above,
+        "count": one.count,
+        "left_out": one.left_out,
+        "mean": number(one.mean),
+        "deviation": number(one.deviation),
+        "quantiles": dict(zip(("5 %", "50 %", "95 %"), map(number, one.quantiles), strict=True)),
+        "follows": [number(share) for share in one.follows],
+        "limit": number(one.limit),
+        "limit_held": None if one.held is None else dict(zip(("share", "low", "high"), one.held, strict=True)),
+    }
+
+
+def left_out(rows: Swept) -> dict[str, int]:
+    """In how many samples a finding forbids trust, by its code, in any case."""
+    counts = Counter(
+        code for i in range(len(rows.texts)) for code in {code for case in rows.severe for code in case[i]}
+    )
+    return dict(counts.most_common())

@@ -1,0 +1,89 @@
+"""What a study file varies, read: paths with their values, and how they are combined."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, Final
+
+from femstruct.errors import InputError, InputErrors
+from femstruct.language.models import override, refuse_kind, title_of
+from femstruct.language.patch import MODEL_KEYS, Patch, study_keys
+from femstruct.language.study.vary import VariedSpec
+from femstruct.language.yaml import Here, Mistakes, Position, Tree, parse_value, read_yaml, validate
+from femstruct.study.campaign.varied import Campaign, Listed, Sampling, Scattered
+
+KEYS: Final = ("vary", "samples")
+SHORT: Final = "write it like 'bodies.damper.mass=50 g:1.5 kg:40:log' or 'parts.slab.thickness=180 mm,200 mm'"
+
+
+def read_campaign(
+    path: str | Path, vary: Sequence[str] = (), overrides: Sequence[str] = (), case: str = "", count: int | None = None
+) -> Campaign:
+    """What a study file varies under `vary:` and `samples:`.
+
+    vary : texts ``PATH=FROM:TO:STEPS``, ``PATH=FROM:TO:STEPS:log``, ``PATH=FROM:TO`` or ``PATH=VALUE,VALUE``, beside
+        what the file says or in place of it for the same path.
+    overrides : texts ``PATH=VALUE`` that change the files for all samples. case : the only one to run, "" for all.
+    count : of samples of a Latin hypercube, in place of what the file says.
+
+    Raises InputErrors: every mistake, on one line each; a file that varies nothing is one.
+
+    >>> import tempfile
+    >>> study = "model: m.yaml\\nvary: {bodies.ball.mass: {from: 1 kg, to: 2 kg, steps: 3}}"
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     _ = Path(folder, "hit.study.yaml").write_text(study, encoding="utf-8")
+    ...     read_campaign(Path(folder, "hit.study.yaml")).varied[0].texts
+    ('1.0 kg', '1.5 kg', '2.0 kg')
+    """
+    mistakes, tree = Mistakes(), read_yaml(path)
+    refuse_kind(tree, "study", study_keys(), lambda: MODEL_KEYS)
+    patch = Patch(tree, None, mistakes)
+    override(patch, [text for text in overrides if text.partition(".")[0].strip() in KEYS])
+    tree = patch.study.tree() if patch.study else tree
+    spec = _validated(tree, mistakes)
+    found = {one.path: one for one in _all(spec, Here(tree, mistakes))}
+    for text in vary:
+        there = Here(_short(text, mistakes), mistakes)
+        found |= {one.path: one for one in _all(_validated(there.tree, mistakes), there)}
+    mistakes.stop_if_any()
+    if not found:
+        do = "add 'vary: {PATH: {from: .., to: .., steps: ..}}' to it, or --vary"
+        raise InputErrors((f"{path}: vary: got a study that varies nothing, expected one or more paths; {do}",))
+    asked = spec.samples if spec is not None else None
+    sampling = Sampling("latin hypercube", count) if count is not None else asked.noun() if asked else Sampling()
+    mistakes.stop_if_any()
+    try:
+        return Campaign(str(path), tuple(found.values()), sampling, tuple(overrides), case, title_of(tree))
+    except InputError as error:
+        at = tree.keys.get(("vary", error.where.removeprefix("vary.")), Position(str(path)))
+        raise InputErrors((f"{at}: {error}",)) from None
+
+
+def _validated(tree: Tree, mistakes: Mistakes) -> VariedSpec | None:
+    own = {key: tree.value[key] for key in KEYS if tree.value.get(key) is not None}
+    return validate(VariedSpec, own, tree, mistakes)
+
+
+def _all(spec: VariedSpec | None, here: Here) -> list[Listed | Scattered]:
+    """The nouns of all paths; those refused are noted and left out."""
+    made = here.each("vary", spec.vary if spec else {}, lambda there, path, one: one.varied(path))
+    return list(made.values())
+
+
+def _short(text: str, mistakes: Mistakes) -> Tree:
+    """What the command line varies, as a file would say it."""
+    path, equals, written = (part.strip() for part in text.partition("="))
+    file, value = f"--vary {text}", dict[str, Any]()
+    ends, listed = [one.strip() for one in written.split(":")], written.split(",")
+    if not (equals and path and written and all(ends)) or len(ends) > 4:
+        mistakes.add(Position(file), "", got="no range and no list", expected="PATH=FROM:TO:STEPS", do=SHORT)
+    elif len(ends) == 1:
+        value = {"values": [parse_value(one, file, mistakes).value for one in listed]}
+    else:
+        start, to, *more = ends
+        value = {"from": start, "to": to}
+        value |= {"steps": parse_value(more[0], file, mistakes).value} if more else {}
+        value |= {"scale": more[1]} if len(more) > 1 else {}
+    whole = {"vary": {path: value}} if value else {}
+    return Tree(file, whole, dict.fromkeys(((), ("vary", path)), Position(file)), {}, text)

@@ -1,0 +1,153 @@
+"""What a study varies, as it is written: lists and steps of values, scatter, and how many samples are made of it."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Final, Literal
+
+import numpy as np
+from pydantic import Field
+
+from femstruct.errors import InputError, shown_as
+from femstruct.language.yaml import Count, Measured, Spec, read_by, refuse
+from femstruct.study.campaign.varied import Listed, Sampling, Scattered
+from femstruct.units import DIMENSIONS, QuantityError, quantity_of
+
+KINDS: Final = ("from", "values", "normal", "uniform")
+EXAMPLE: Final = "write it like 50 g"
+
+
+def _quantity(value: object) -> object:
+    """A number with any unit there is."""
+    if isinstance(value, Measured):
+        return value
+    try:
+        return Measured(*quantity_of(value, tuple(DIMENSIONS)))
+    except QuantityError as error:
+        got = error.got.partition(", which is")[0]
+        raise refuse(got, "a number with its unit", EXAMPLE) from None
+
+
+def _pair(value: object) -> object:
+    if not (isinstance(value, list | tuple) and len(value) == 2):
+        raise refuse(shown_as(value), "two numbers [from, to]", "write it like [25 GPa, 35 GPa]")
+    return tuple(_quantity(one) for one in value)
+
+
+def _values(value: object) -> object:
+    if not isinstance(value, list) or not value:
+        raise refuse(
+            "an empty list" if value == [] else shown_as(value), "a list of values", "write it like [180 mm, 200 mm]"
+        )
+    return value
+
+
+AnyQuantity = Annotated[Measured, read_by(_quantity, float | str)]
+Bounds = Annotated[tuple[Measured, Measured], read_by(_pair, list[float | str])]
+Values = Annotated[list[Any], read_by(_values, list[Any])]
+
+
+class NormalSpec(Spec):
+    """A normal distribution; a deviation in percent is of the mean."""
+
+    mean: AnyQuantity
+    sd: AnyQuantity
+
+    def scattered(self, path: str) -> Scattered:
+        """The noun. Raises InputError for a mean and a deviation of different dimensions."""
+        mean, sd = self.mean, self.sd
+        if sd.dimension == "ratio" and mean.dimension != "ratio":
+            return Scattered(path, "normal", mean.value, sd.value * abs(mean.value), _unit(f"vary.{path}", mean))
+        return Scattered(path, "normal", mean.value, sd.value, _unit(f"vary.{path}", mean, sd))
+
+
+class VarySpec(Spec):
+    """The values that a number of the files takes: in steps from one to another, a list, or a distribution."""
+
+    one_of = (KINDS,)
+    needs = (("from", ("to",)), ("to", ("from",)), ("steps", ("from",)), ("scale", ("from",)))
+    start: AnyQuantity | None = Field(default=None, alias="from")
+    to: AnyQuantity | None = None
+    steps: Count | None = None
+    scale: Literal["linear", "log"] | None = None
+    values: Values | None = None
+    normal: NormalSpec | None = None
+    uniform: Bounds | None = None
+
+    def varied(self, path: str) -> Listed | Scattered:
+        """The noun. Raises InputError for bounds of different dimensions, and what the noun refuses."""
+        where = f"vary.{path}"
+        if self.values is not None:
+            return _listed(path, self.values)
+        if self.normal is not None:
+            return self.normal.scattered(path)
+        if self.uniform is not None:
+            one, other = self.uniform
+            return Scattered(path, "uniform", one.value, other.value, _unit(where, one, other))
+        assert self.start is not None and self.to is not None
+        unit, log = _unit(where, self.start, self.to), self.scale == "log"
+        low, high = self.start.value, self.to.value
+        if self.steps is None:
+            return Scattered(path, "log-uniform" if log else "uniform", low, high, unit)
+        if log and not min(low, high) > 0.0:
+            raise InputError(where, got=f"{min(low, high):g} on a logarithmic scale", expected="a positive number")
+        between = np.geomspace(low, high, self.steps) if log else np.linspace(low, high, self.steps)
+        numbers = tuple(map(float, between))
+        return Listed(path, tuple(written(one, unit) for one in numbers), numbers, unit)
+
+
+class SamplesSpec(Spec):
+    """How many samples are made of what varies, and how. A grid has no count: it is each value with each."""
+
+    makes = Sampling
+    method: Literal["latin hypercube", "sobol"] = "latin hypercube"
+    count: Count
+    seed: Count = 1
+
+
+class VariedSpec(Spec):
+    """What of a study file concerns a campaign."""
+
+    vary: dict[str, VarySpec] = Field(default_factory=dict)
+    samples: SamplesSpec | None = None
+
+
+def written(number: float, unit: str) -> str:
+    """A number in SI units as a file writes it, to its last digit.
+
+    >>> written(0.05, "kg"), written(0.3, "1"), written(2.0, "")
+    ('0.05 kg', '0.3', '2.0')
+    """
+    return repr(number) if unit in ("", "1") else f"{number!r} {unit}"
+
+
+def _listed(path: str, values: list[Any]) -> Listed:
+    """Values as they stand; numbers, too, where all are of one dimension."""
+    texts = tuple(_text(one) for one in values)
+    try:
+        found = [Measured(*quantity_of(one, tuple(DIMENSIONS))) for one in values]
+        unit = _unit(path, *found)
+    except InputError:
+        return Listed(path, texts)
+    return Listed(path, texts, tuple(one.value for one in found), unit)
+
+
+def _text(value: Any) -> str:
+    """A value in the flow style of YAML.
+
+    >>> _text([2.0, "1.5 m"]), _text({"a": 1}), _text("50 g")
+    ('[2.0, 1.5 m]', '{a: 1}', '50 g')
+    """
+    if isinstance(value, list):
+        return f"[{', '.join(map(_text, value))}]"
+    if isinstance(value, dict):
+        return "{" + ", ".join(f"{key}: {_text(one)}" for key, one in value.items()) + "}"
+    return ("true" if value else "false") if isinstance(value, bool) else str(value)
+
+
+def _unit(where: str, *several: Measured) -> str:
+    """The unit of numbers that all have one dimension; plain ones have that of the others, or none."""
+    known = {one.dimension for one in several} - {None}
+    if len(known) > 1:
+        words = " and ".join(DIMENSIONS[one].words for one in sorted(filter(None, known)))
+        raise InputError(where, got=words, expected="numbers of one dimension", do="correct a unit")
+    return DIMENSIONS[known.pop() or ""].unit if known else ""

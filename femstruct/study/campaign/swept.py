@@ -1,0 +1,88 @@
+"""What came of a campaign: a row of numbers for every sample and case."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from femstruct.arrays import Floats, freeze, frozen_with_gaps
+from femstruct.errors import InputError
+
+Flags = NDArray[np.bool_]
+
+
+@dataclass(frozen=True, eq=False)
+class Swept:
+    """Rows of n samples and c cases, with k numbers each, in SI units and dB.
+
+    paths, units [p] : what varied. texts [n][p] : its values as a file writes them; values [n, p] : as numbers, nan for
+    words and lists. drawn : whether the samples are drawn from distributions, and not chosen.
+    cases [c], baseline. names, number_units [k] : of the numbers. main : how many of them, from the first on, are asked
+    for first. numbers [c, n, k] : nan where there is none.
+    done [n] : False for samples that were not run. severe [c][n], findings [c][n] : codes of those that forbid trust in
+    a row, and of all. trouble [n] : why a sample has no numbers, "" where it has.
+    limits : of the baseline, by the name of the number that should not exceed it. sources : the files of the study
+    verbatim, by name. provenance : of the campaign.
+
+    `xarray.open_dataset("sweep.h5", engine="h5netcdf")` is the same as a labelled table.
+    """
+
+    title: str
+    paths: tuple[str, ...]
+    units: tuple[str, ...]
+    texts: tuple[tuple[str, ...], ...]
+    values: Floats
+    drawn: bool
+    cases: tuple[str, ...]
+    baseline: str
+    names: tuple[str, ...]
+    number_units: tuple[str, ...]
+    main: tuple[str, ...]
+    numbers: Floats
+    done: Flags
+    severe: tuple[tuple[tuple[str, ...], ...], ...]
+    findings: tuple[tuple[tuple[str, ...], ...], ...]
+    trouble: tuple[str, ...]
+    limits: Mapping[str, float] = field(default_factory=dict)
+    sources: Mapping[str, str] = field(default_factory=dict)
+    provenance: Mapping[str, str] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        n, c = len(self.texts), len(self.cases)
+        freeze(
+            self,
+            values=frozen_with_gaps("sweep values", self.values, (n, len(self.paths))),
+            numbers=frozen_with_gaps("sweep numbers", self.numbers, (c, n, len(self.names))),
+        )
+
+    def of(self, name: str, case: str = "") -> Floats:
+        """A number of all samples [n] by its name, in the baseline or another case.
+
+        Raises InputError for a name or a case that is not there.
+        """
+        if name not in self.names:
+            raise InputError("results", got=f"'{name}'", expected="a number of the campaign", do=self._near(name))
+        case = case or self.baseline
+        if case not in self.cases:
+            raise InputError("case", got=f"'{case}'", expected=f"one of {', '.join(self.cases)}")
+        return self.numbers[self.cases.index(case), :, self.names.index(name)]
+
+    def trusted(self, case: str = "") -> Flags:
+        """Whether the row of a sample was run and has no finding that forbids trust [n]."""
+        at = self.cases.index(case or self.baseline)
+        sound = np.array([not codes for codes in self.severe[at]])
+        fine: Flags = self.done & sound & np.array([not one for one in self.trouble])
+        return fine
+
+    def unit_of(self, name: str) -> str:
+        """The unit of a number."""
+        return self.number_units[self.names.index(name)]
+
+    def _near(self, name: str) -> str:
+        import difflib
+
+        near = difflib.get_close_matches(name, self.names, n=1, cutoff=0.5)
+        return f"did you mean '{near[0]}'?" if near else f"known here: {', '.join(self.main)}"

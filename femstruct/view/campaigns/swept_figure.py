@@ -1,0 +1,130 @@
+"""Numbers of a campaign over what varied: curves over one path, maps over two, points over each of several."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, Final
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from femstruct.arrays import Floats
+from femstruct.study.campaign.swept import Flags, Swept
+from femstruct.view.figures.drawing import BASELINE, case_lines, finish, legend_above, new_figure, panels
+from femstruct.view.tables.scales import scaled
+
+MOST: Final = 6  # numbers in one picture
+WIDE: Final = 30.0  # largest over smallest value of a path, from which on its axis is logarithmic
+UNTRUSTED: Final[dict[str, Any]] = {"marker": "x", "linestyle": "none", "markersize": 5}
+
+
+def swept_figure(rows: Swept, names: Sequence[str], case: str = "") -> Figure | None:
+    """A picture of some numbers, the first six, over what varied; None where nothing that varied is a number.
+
+    One path: a curve for every case. Two paths of a grid: a map of one case. Otherwise: points of one case over each
+    path. Rows that findings forbid to trust are crosses. case : of a map or of points, the baseline if none.
+    """
+    drawn = [name for name in names if np.isfinite(rows.numbers[:, :, rows.names.index(name)]).any()][:MOST]
+    numeric = [j for j in range(len(rows.paths)) if np.isfinite(rows.values[:, j]).all()]
+    if not drawn or not numeric:
+        return None
+    if len(rows.paths) == 1:
+        return _curves(rows, drawn)
+    if len(numeric) == len(rows.paths) == 2 and not rows.drawn:
+        return _maps(rows, drawn, case or rows.baseline)
+    return _points(rows, drawn, numeric, case or rows.baseline)
+
+
+def _curves(rows: Swept, names: Sequence[str]) -> Figure:
+    figure = new_figure(9.0, 1.1 + 2.6 * len(names), rows.title)
+    axes = panels(figure, len(names), 1, between=0.55, top=0.75 + 0.16 * len(rows.cases), sharex=True)[:, 0]
+    order = np.argsort(rows.values[:, 0])
+    factor, unit = _shown(rows.units[0], rows.values[:, 0])
+    x = factor * rows.values[order, 0]
+    for number, (name, own) in enumerate(zip(names, axes, strict=True)):
+        scale, told = _shown(rows.unit_of(name), rows.numbers[:, :, rows.names.index(name)])
+        for case, line in case_lines(rows.cases, rows.baseline).items():
+            y, sound = scale * rows.of(name, case)[order], rows.trusted(case)[order]
+            own.plot(x, np.where(sound, y, np.nan), marker=".", label=case, **line)
+            _cross(own, x, y, sound, line["color"])
+        _limit(own, rows, name, scale)
+        _scale(own, x)
+        finish(own, _named(rows.paths[0], unit) if number == len(names) - 1 else "", _named(name, told))
+    if len(rows.cases) > 1 or rows.limits:
+        legend_above(axes[0])
+    return figure
+
+
+def _maps(rows: Swept, names: Sequence[str], case: str) -> Figure:
+    columns = min(2, len(names))
+    high = -(-len(names) // columns)
+    title = rows.title if len(rows.cases) == 1 else f"{rows.title}: {case}"
+    figure = new_figure(5.2 * columns + 0.6, 1.0 + 3.4 * high, title)
+    grid: list[Axes] = panels(figure, high, columns, between=0.85, top=0.8, right=0.5).ravel().tolist()
+    (xs, i), (ys, j) = (np.unique(rows.values[:, k], return_inverse=True) for k in (0, 1))
+    scales = [_shown(rows.units[k], rows.values[:, k]) for k in (0, 1)]
+    for own, name in zip(grid, names, strict=False):
+        scale, told = _shown(rows.unit_of(name), rows.of(name, case))
+        table = np.full((len(ys), len(xs)), np.nan)
+        table[j, i] = np.where(rows.trusted(case), scale * rows.of(name, case), np.nan)
+        x, y = (factor * one for (factor, _), one in zip(scales, (xs, ys), strict=True))
+        drawn = own.pcolormesh(x, y, table, shading="nearest", cmap="viridis")
+        bar = figure.colorbar(drawn, ax=own)
+        bar.set_label(_named(name, told), fontsize=9)
+        limit = rows.limits.get(name)
+        if limit is not None and np.isfinite(table).sum() == table.size and min(table.shape) > 1:
+            own.contour(x, y, table, levels=[scale * limit], colors="white", linewidths=1.2)
+        _scale(own, x)
+        _scale(own, y, vertical=True)
+        finish(own, _named(rows.paths[0], scales[0][1]), _named(rows.paths[1], scales[1][1]))
+    for own in grid[len(names) :]:
+        own.set_visible(False)
+    return figure
+
+
+def _points(rows: Swept, names: Sequence[str], numeric: Sequence[int], case: str) -> Figure:
+    title = rows.title if len(rows.cases) == 1 else f"{rows.title}: {case}"
+    figure = new_figure(1.3 + 3.0 * len(numeric), 1.1 + 2.4 * len(names), title)
+    grid = panels(figure, len(names), len(numeric), between=0.35, top=0.75, sharex="col", sharey="row")
+    sound = rows.trusted(case)
+    for row, name in enumerate(names):
+        scale, told = _shown(rows.unit_of(name), rows.of(name, case))
+        for column, k in enumerate(numeric):
+            own, (factor, unit) = grid[row, column], _shown(rows.units[k], rows.values[:, k])
+            x, y = factor * rows.values[:, k], scale * rows.of(name, case)
+            own.plot(x[sound], y[sound], ".", color=BASELINE, markersize=4)
+            _cross(own, x, y, sound, "#d55e00")
+            _limit(own, rows, name, scale)
+            _scale(own, x)
+            last = row == len(names) - 1
+            finish(own, _named(rows.paths[k], unit) if last else "", _named(name, told) if column == 0 else "")
+    return figure
+
+
+def _cross(axes: Axes, x: Floats, y: Floats, sound: Flags, colour: str) -> None:
+    """Rows that are not to be trusted."""
+    if not sound.all():
+        axes.plot(x[~sound], y[~sound], color=colour, **UNTRUSTED)
+
+
+def _limit(axes: Axes, rows: Swept, name: str, scale: float) -> None:
+    if name in rows.limits:
+        axes.axhline(scale * rows.limits[name], color="#d55e00", linewidth=0.9, linestyle="--", label="limit")
+
+
+def _scale(axes: Axes, values: Floats, *, vertical: bool = False) -> None:
+    """A logarithmic axis for values over more than a decade and a half."""
+    if values.min() > 0.0 and values.max() > WIDE * values.min():
+        (axes.set_yscale if vertical else axes.set_xscale)("log")
+
+
+def _shown(unit: str, values: Floats) -> tuple[float, str]:
+    """A factor and the unit that values are drawn in."""
+    if unit in ("", "1", "dB"):
+        return 1.0, "" if unit == "1" else unit
+    return scaled(unit, float(np.nanmax(np.abs(values), initial=0.0)))
+
+
+def _named(name: str, unit: str) -> str:
+    return f"{name} [{unit}]" if unit else name

@@ -1,0 +1,105 @@
+"""A campaign in the terminal: the extremes of chosen samples or the scatter of drawn ones, and what was left out."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Final
+
+import numpy as np
+from rich.console import Console
+
+from femstruct.errors import some_of
+from femstruct.files.tables.sweep_tables import left_out, spreads
+from femstruct.study.campaign.swept import Swept
+from femstruct.view.tables.console import console
+from femstruct.view.tables.grid import Grid
+from femstruct.view.tables.scales import digits, scaled
+
+TOLD: Final = 3  # samples without numbers whose reason is printed
+
+
+def show_swept(rows: Swept, names: Sequence[str] = ()) -> None:
+    """The main numbers, or those of these names, over all samples that are to be trusted."""
+    screen, names = console(), names or rows.main
+    cases = f" in {len(rows.cases)} cases" if len(rows.cases) > 1 else ""
+    screen.print(f"{rows.title}: {int(rows.done.sum())} of {len(rows.texts)} samples{cases}", soft_wrap=True)
+    (_scatter if rows.drawn else _extremes)(rows, names).show(screen)
+    if rows.drawn:
+        _followed(rows, names).show(screen)
+    _say_left_out(rows, screen)
+
+
+def _extremes(rows: Swept, names: Sequence[str]) -> Grid:
+    grid = Grid("smallest and largest", ("number", "case", "unit", "smallest", "at", "largest", "at"), keys=2)
+    for name in names:
+        factor, unit = _shown(rows, name)
+        for case in rows.cases:
+            own = np.where(rows.trusted(case), rows.of(name, case), np.nan)
+            if np.isfinite(own).any() and np.nanmin(own) < np.nanmax(own):
+                low, high = int(np.nanargmin(own)), int(np.nanargmax(own))
+                ends = (digits(factor * own[low]), _at(rows, low), digits(factor * own[high]), _at(rows, high))
+                grid.add(name, case, unit, *ends)
+    return grid
+
+
+def _scatter(rows: Swept, names: Sequence[str]) -> Grid:
+    head = ("number", "case", "unit", "mean", "deviation", "5 %", "median", "95 %", "samples", "within its limit")
+    grid = Grid("scatter over the samples", head, keys=2)
+    for one in spreads(rows, names):
+        factor, unit = _shown(rows, one.name)
+        case = f"{one.case} less {one.above}" if one.above else one.case
+        share, low, high = (100.0 * part for part in one.held or (0.0, 0.0, 0.0))
+        held = "" if one.held is None else f"{share:.0f} % ({low:.0f} .. {high:.0f})"
+        told = (one.mean, one.deviation, *one.quantiles)
+        grid.add(one.name, case, unit, *(digits(factor * value) for value in told), f"{one.count}", held)
+    return grid
+
+
+def _followed(rows: Swept, names: Sequence[str]) -> Grid:
+    title = "rank correlation with what varies: 1 or -1 where a number follows that alone"
+    grid = Grid(title, ("number", "case", *rows.paths), keys=2)
+    for one in spreads(rows, names):
+        if not one.above:
+            grid.add(one.name, one.case, *("" if np.isnan(share) else f"{share:+.2f}" for share in one.follows))
+    return grid
+
+
+def _say_left_out(rows: Swept, screen: Console) -> None:
+    """How many samples have no number or are not to be trusted, and why."""
+    n = len(rows.texts)
+    for code, count in left_out(rows).items():
+        told = f"Left out: {count} of {n} samples with the finding {code}, which forbids trust"
+        screen.print(f"{told}; femstruct explain {code}", soft_wrap=True)
+    failed = [(i, one) for i, one in enumerate(rows.trouble) if one]
+    for i, one in failed[:TOLD]:
+        screen.print(f"No result for sample {i} ({_at(rows, i)}): {one}", soft_wrap=True)
+    if len(failed) > TOLD:
+        screen.print(f"No result for {len(failed)} of {n} samples in all; the table has the reasons", soft_wrap=True)
+    if missing := int((~rows.done).sum()):
+        told = f"Interrupted: {missing} of {n} samples were not run. Run the command again to go on"
+        screen.print(told, soft_wrap=True)
+
+
+def _at(rows: Swept, i: int) -> str:
+    """What varied in a sample, in short."""
+    last = [path.rpartition(".")[2] for path in rows.paths]
+    named = last if len(set(last)) == len(last) else list(rows.paths)
+    if len(rows.paths) == 1:
+        named = [""]
+    return some_of([f"{name} {_value(rows, i, j)}".strip() for j, name in enumerate(named)], 4)
+
+
+def _value(rows: Swept, i: int, j: int) -> str:
+    if not np.isfinite(rows.values[i, j]):
+        return rows.texts[i][j]
+    unit = "" if rows.units[j] == "1" else rows.units[j]
+    factor, shown = scaled(unit, abs(float(rows.values[i, j]))) if unit else (1.0, "")
+    return f"{digits(factor * float(rows.values[i, j]))} {shown}".strip()
+
+
+def _shown(rows: Swept, name: str) -> tuple[float, str]:
+    unit, largest = (
+        rows.unit_of(name),
+        float(np.nanmax(np.abs(rows.numbers[:, :, rows.names.index(name)]), initial=0.0)),
+    )
+    return scaled(unit, largest) if unit not in ("", "dB") else (1.0, unit)

@@ -1,0 +1,252 @@
+"""A row of a campaign is the run of its own study, whoever runs it and whatever ended meanwhile."""
+
+import csv
+import json
+import multiprocessing
+import os
+import signal
+import subprocess
+import sys
+import time
+from concurrent.futures import Future, ThreadPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray
+
+from femstruct.campaign.journal import Row, is_of, opened
+from femstruct.campaign.kept_rows import planned, write_rows
+from femstruct.campaign.sweep import ROWS, set_aside, sweep
+from femstruct.campaign.tasks import Task
+from femstruct.campaign.executors import GONE
+from femstruct.errors import InputError, InputErrors
+from femstruct.files.results_file.swept_file import read_swept
+from femstruct.language import read_study
+from femstruct.language.campaigns import read_campaign
+from femstruct.workflow.run.run import run_study
+
+MODEL = "structure: {type: oscillator, mass: 1 kg, stiffness: 100 N/m}\npoints: {m: {}}\n"
+STUDY = """
+title: A hit
+model: model.yaml
+bodies: {ball: {mass: 1 kg, above: m, speed: 1 m/s, contact: {type: linear, stiffness: 1 MN/m}}}
+record: {m.z: velocity}
+limits: {m.z velocity: 1.2 m/s, settled: 0.5 s}
+time: {duration: 10 ms, sampling: 10 kHz}
+cases: {light: {}, heavy: {structure.mass: 4 kg}}
+vary:
+  bodies.ball.mass: {from: 0.5 kg, to: 2 kg, steps: 3, scale: log}
+  bodies.ball.speed: {values: [1 m/s, 2 m/s]}
+"""
+
+
+@pytest.fixture
+def study(tmp_path: Path) -> Path:
+    (tmp_path / "model.yaml").write_text(MODEL, encoding="utf-8")
+    path = tmp_path / "hit.study.yaml"
+    path.write_text(STUDY, encoding="utf-8")
+    return path
+
+
+def test_a_row_is_the_run_of_its_study(study: Path) -> None:
+    rows = sweep(read_campaign(study), workers=1)
+    assert rows.texts[3] == ("1.0 kg", "2 m/s") and rows.cases == ("light", "heavy")
+    masses, speeds = rows.values.T
+    for case, mass in (("light", 1.0), ("heavy", 4.0)):
+        given = 2.0 * masses * speeds / (masses + mass)  # what an elastic blow gives
+        np.testing.assert_allclose(rows.of("m.z velocity", case), given, rtol=1e-3)  # the soft spring turns within 2 ms
+    result = run_study(read_study(study, ("bodies.ball.mass=1 kg", "bodies.ball.speed=2 m/s")))
+    for case, found in result.cases.items():
+        assert rows.of("m.z velocity", case)[3] == found.channels["m.z velocity"].whole
+        assert rows.of("ball on m peak force", case)[3] == found.response.contacts["ball on m"].peak_force
+        ended = rows.of("energy / end / structure", case)[3]
+        assert ended == found.response.ledger.end.structure
+    assert rows.unit_of("m.z velocity") == "m/s" and rows.unit_of("energy / input_j") == "J"
+
+
+class Dying(ThreadPoolExecutor):
+    """Stands for processes, of which one dies whenever it is given a certain sample."""
+
+    deadly = 5
+    broken = False
+
+    def submit(self, work: object, task: Task) -> Future:  # type: ignore[override]
+        if self.broken:
+            raise BrokenProcessPool
+        if any(number == self.deadly for number, _ in task.samples):
+            self.broken = True
+            future: Future = Future()
+            future.set_exception(BrokenProcessPool())
+            return future
+        return super().submit(work, task)  # type: ignore[arg-type]
+
+
+def test_a_sample_that_kills_its_process_costs_its_task_only(study: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("femstruct.campaign.executors._pool", Dying)
+    campaign = read_campaign(study, ["bodies.ball.mass=0.5 kg:2 kg:6"], case="light")
+    rows = sweep(campaign, workers=2)
+    assert rows.done.all() and [i for i, told in enumerate(rows.trouble) if told] == [4, 5, 6, 7]
+    assert rows.trouble[5] == GONE
+    assert np.isfinite(rows.of("m.z velocity")[[0, 1, 2, 3, 8, 9, 10, 11]]).all()
+
+
+@pytest.mark.stress
+def test_rows_do_not_depend_on_who_runs_them_nor_on_who_is_killed(study: Path, tmp_path: Path) -> None:
+    campaign = read_campaign(study, ["bodies.ball.mass=0.5 kg:2 kg:12"])
+    alone, killed = sweep(campaign, workers=1), []
+
+    def kill_one(line: str) -> None:
+        children = multiprocessing.active_children()
+        if not killed and children and line.startswith("4 of"):
+            os.kill(children[0].pid or 0, signal.SIGKILL)
+            killed.append(children[0].pid)
+
+    together = sweep(campaign, tmp_path, workers=2, progress=kill_one)
+    assert killed and together.done.all()
+    np.testing.assert_array_equal(together.numbers, alone.numbers)
+
+
+def test_what_was_finished_is_not_run_again(study: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    campaign, whole = read_campaign(study), sweep(read_campaign(study), workers=1)
+
+    def stop(line: str) -> None:
+        if line.startswith("2 of"):
+            raise KeyboardInterrupt
+
+    part = sweep(campaign, tmp_path, workers=1, progress=stop)
+    assert part.done.tolist() == [True, True, False, False, False, False]
+    again: list[str] = []
+    rest = sweep(campaign, tmp_path, workers=1, progress=again.append)
+    assert again[-1].startswith("4 of 4 samples")
+    np.testing.assert_array_equal(rest.numbers, whole.numbers)
+    monkeypatch.setattr("femstruct.campaign.tasks.run_cases", None)
+    sweep(campaign, tmp_path, workers=1)  # nothing is left to run
+
+
+def test_rows_of_another_campaign_are_set_aside(study: Path, tmp_path: Path) -> None:
+    folder = tmp_path / "rows"
+    sweep(read_campaign(study), folder, workers=1)
+    other = read_campaign(study, ["bodies.ball.mass=1 kg,3 kg"])
+    with pytest.raises(InputError, match="rows of another campaign"):
+        sweep(other, folder, workers=1)
+    assert set_aside(read_campaign(study), folder) is None
+    assert set_aside(other, folder) == tmp_path / "rows.1" and not folder.exists()
+
+
+def test_a_sample_that_fails_says_why(study: Path, tmp_path: Path) -> None:
+    campaign = read_campaign(study, ["bodies.ball.mass=1 kg,-1 kg,2 kg"], case="light")
+    rows = sweep(campaign, tmp_path, workers=1)
+    assert [bool(one) for one in rows.trouble] == [False, False, True, True, False, False]
+    assert "vary bodies.ball.mass=-1 kg" in rows.trouble[2] and "positive" in rows.trouble[2]
+    assert np.isnan(rows.of("m.z velocity")[2]) and not rows.trusted()[2] and rows.trusted()[0]
+    write_rows(rows, tmp_path, pictures=False)
+    table = list(csv.reader((tmp_path / "sweep.csv").read_text(encoding="utf-8").splitlines()))
+    assert table[3][table[0].index("m.z velocity [m/s]")] == "" and "positive" in table[3][-1]
+    assert float(table[1][table[0].index("m.z velocity [m/s]")]) == rows.of("m.z velocity")[0]
+
+
+def test_where_no_sample_can_be_read_nothing_is_computed(study: Path) -> None:
+    with pytest.raises(InputErrors, match=r"vary bodies\.bal\.mass=1 kg: .*did you mean"):
+        sweep(read_campaign(study, ["bodies.bal.mass=1 kg,2 kg"]), workers=1)
+
+
+def test_what_it_takes_is_told_beforehand(study: Path) -> None:
+    told = planned(read_campaign(study, ["structure.mass=1 kg,2 kg"]))
+    # the heavy case sets its mass itself: one more structure
+    assert told["samples"] == 12 and told["structures to solve"] == 3 and told["impacts to simulate"] == 24
+
+
+def test_the_file_is_the_rows_and_opens_in_xarray(study: Path, tmp_path: Path) -> None:
+    rows = sweep(read_campaign(study), workers=1)
+    written = write_rows(rows, tmp_path)
+    assert [path.name for path in written] == ["sweep.h5", "sweep.csv", "sweep.png"]
+    read = read_swept(tmp_path)
+    for name in (
+        "title",
+        "paths",
+        "units",
+        "texts",
+        "cases",
+        "names",
+        "main",
+        "findings",
+        "severe",
+        "limits",
+        "sources",
+    ):
+        assert getattr(read, name) == getattr(rows, name), name
+    np.testing.assert_array_equal(read.numbers, rows.numbers)
+    with xarray.open_dataset(tmp_path / "sweep.h5", engine="h5netcdf") as table:
+        velocity = table["value"].sel(case="heavy", number="m.z velocity")
+        np.testing.assert_array_equal(velocity, rows.of("m.z velocity", "heavy"))
+        assert table["varied"].sel(parameter="bodies.ball.mass").values.tolist() == rows.values[:, 0].tolist()
+    image = bytearray((tmp_path / "sweep.h5").read_bytes())
+    image[len(image) // 2] ^= 1
+    (tmp_path / "sweep.h5").write_bytes(image)
+    with pytest.raises(InputError, match="damaged"):
+        read_swept(tmp_path)
+
+
+def test_what_a_case_adds_varies_too(study: Path) -> None:
+    text = STUDY.replace("heavy: {structure.mass: 4 kg}", "two: {add: {bodies.other: {mass: 1 kg, above: ground}}}")
+    study.write_text(text, encoding="utf-8")
+    plan = read_study(study, ("bodies.other.mass=3 kg",))
+    assert [body.mass for body in plan.cases[1].study.bodies] == [1.0, 3.0] and len(plan.cases[0].study.bodies) == 1
+
+
+def test_a_journal_keeps_what_it_was_given(tmp_path: Path) -> None:
+    row = Row(3, "a", {}, ("x",), ("x",), "why")
+    with opened(tmp_path / "j", "one") as journal:
+        journal.append([row])
+    with opened(tmp_path / "j", "one") as journal:
+        assert journal.rows() == [row]
+    assert is_of(tmp_path / "j", "one") and not is_of(tmp_path / "j", "two")
+    (tmp_path / "k").write_bytes(b"no database at all, but longer than a page header" * 40)
+    with pytest.raises(InputError, match="not a database"), opened(tmp_path / "k", "one"):
+        pass
+
+
+def test_the_command_prints_and_goes_on(study: Path, tmp_path: Path) -> None:
+    words = [sys.executable, "-m", "femstruct", "sweep", str(study), "-o", str(tmp_path / "out"), "--workers", "1"]
+    done = subprocess.run([*words, "--json", "--no-pictures"], capture_output=True, text=True, timeout=120)
+    table = json.loads(done.stdout)
+    assert done.returncode == 0 and not done.stderr
+    assert table["samples"][0]["cases"]["light"]["numbers"]["m.z velocity"] == pytest.approx(2.0 / 3.0, rel=1e-3)  # the spring
+
+
+@pytest.mark.stress
+def test_killed_twenty_times_the_table_is_the_same(study: Path, tmp_path: Path) -> None:
+    vary = "bodies.ball.mass=0.5 kg:2 kg:200"
+    whole = sweep(read_campaign(study, [vary]), workers=1)
+    words = [sys.executable, "-m", "femstruct", "sweep", str(study), "--vary", vary, "-o", str(tmp_path / "out")]
+    chance, seen = np.random.default_rng(1), []
+    for _ in range(20):
+        child = subprocess.Popen([*words, "--workers", "1"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        time.sleep(1.5 + 2.0 * chance.random())
+        child.kill()
+        child.wait()
+        kept = tmp_path / "out" / ROWS
+        seen.append(kept.stat().st_size if kept.exists() else 0)
+    subprocess.run([*words, "--no-pictures"], check=True, stdout=subprocess.DEVNULL, timeout=300)
+    np.testing.assert_array_equal(read_swept(tmp_path / "out").numbers, whole.numbers)
+    assert seen == sorted(seen)
+
+
+@pytest.mark.stress
+def test_a_cluster_gives_the_same_rows_and_survives_a_kill(study: Path) -> None:
+    from distributed import LocalCluster
+
+    campaign = read_campaign(study, ["bodies.ball.mass=0.5 kg:2 kg:30"])
+    with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:
+        killed: list[int] = []
+
+        def kill_one(line: str) -> None:
+            if not killed and not line.startswith(("0 of", "reading")):
+                killed.append(next(iter(cluster.workers.values())).pid)
+                os.kill(killed[0], signal.SIGKILL)
+
+        rows = sweep(campaign, cluster=cluster.scheduler_address, progress=kill_one)
+    assert killed
+    np.testing.assert_array_equal(rows.numbers, sweep(campaign, workers=1).numbers)

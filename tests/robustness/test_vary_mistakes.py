@@ -1,0 +1,62 @@
+"""Mistakes in what a study varies: one line each, where it is written."""
+
+from pathlib import Path
+
+import pytest
+
+from femstruct.errors import InputErrors
+from femstruct.language.campaigns import read_campaign
+
+IN_FILE = {
+    "{from: 1 kg, to: 2 kg, step: 3}": "vary.a.b.step: got the unknown key 'step'",
+    "{from: 1 kg, to: 2 m, steps: 3}": "3:8: vary.a.b: got a length and a mass, expected numbers of one dimension",
+    "{from: 0 kg, to: 2 kg, steps: 3, scale: log}": "3:8: vary.a.b: got 0 on a logarithmic scale",
+    "{from: 1 kg}": "got from without to",
+    "{values: []}": "3:17: vary.a.b.values: got an empty list, expected a list of values",
+    "{values: [1], uniform: [1, 2]}": "got both values and uniform",
+    "{uniform: [2, 1]}": "3:8: vary.a.b: got 2 to 1, expected rising bounds",
+    "{uniform: 3 kg}": "expected two numbers [from, to]",
+    "{normal: {mean: 30 GPa, sd: -5 %}}": "got a deviation of -1.5e+09, expected a positive one",
+    "{normal: {mean: 30 GPa}}": "vary.a.b.normal.sd: got nothing, expected 'sd'",
+    "{from: 1,5 kg, to: 2 kg}": "a comma begins the next item",
+    "{}": "got none of from, values, normal, uniform",
+    "3 kg": "3:8: vary.a.b: got '3 kg', expected a mapping",
+    "{uniform: [1, 2]}": "3:3: vary.a.b: got a range without steps in a grid",
+}
+
+
+@pytest.mark.parametrize("value", IN_FILE)
+def test_mistakes_of_a_file(value: str, tmp_path: Path) -> None:
+    path = tmp_path / "a.study.yaml"
+    path.write_text(f"model: m.yaml\nvary:\n  a.b: {value}\n", encoding="utf-8")
+    with pytest.raises(InputErrors) as caught:
+        read_campaign(path)
+    assert len(caught.value.errors) == 1 and IN_FILE[value] in caught.value.errors[0], caught.value.errors
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("a.b", "--vary a.b: got no range and no list, expected PATH=FROM:TO:STEPS"),
+        ("a.b=1:2:3:4:5", "got no range and no list"),
+        ("a.b=1:2:x", "vary.a.b.steps: got 'x', expected a whole number from 1 to 100000"),
+        ("a.b=1:2:3:lin", "did you mean 'linear'?"),
+        ("a.b=1 kgg:2:3", "got '1 kgg' with an unknown unit 'kgg', expected a number with its unit"),
+    ],
+)
+def test_mistakes_of_the_command_line(text: str, told: str, tmp_path: Path) -> None:
+    path = tmp_path / "a.study.yaml"
+    path.write_text("model: m.yaml\n", encoding="utf-8")
+    with pytest.raises(InputErrors) as caught:
+        read_campaign(path, [text])
+    assert len(caught.value.errors) == 1 and told in caught.value.errors[0], caught.value.errors
+
+
+def test_a_study_that_varies_nothing_is_told_what_to_add(tmp_path: Path) -> None:
+    path = tmp_path / "a.study.yaml"
+    path.write_text("model: m.yaml\nsamples: {method: sobl, count: 4}\n", encoding="utf-8")
+    with pytest.raises(InputErrors, match=r"2:19: samples\.method: got 'sobl'.*did you mean 'sobol'"):
+        read_campaign(path, ["a.b=1:2:3"])
+    path.write_text("model: m.yaml\n", encoding="utf-8")
+    with pytest.raises(InputErrors, match=r"got a study that varies nothing, .* add 'vary: "):
+        read_campaign(path)
