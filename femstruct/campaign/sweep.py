@@ -14,11 +14,11 @@ from typing import Final
 
 import numpy as np
 
+from femstruct.campaign.executors import run_all
 from femstruct.campaign.journal import Journal, Row, is_of, opened
 from femstruct.campaign.numbers import APART
 from femstruct.campaign.samples import Samples, samples_of
 from femstruct.campaign.tasks import Split, Task, split
-from femstruct.campaign.executors import run_all
 from femstruct.impact.compiled.workers import compilation
 from femstruct.study.campaign.swept import Swept
 from femstruct.study.campaign.varied import Campaign

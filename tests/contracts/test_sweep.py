@@ -16,11 +16,11 @@ import numpy as np
 import pytest
 import xarray
 
+from femstruct.campaign.executors import GONE
 from femstruct.campaign.journal import Row, is_of, opened
 from femstruct.campaign.kept_rows import planned, write_rows
 from femstruct.campaign.sweep import ROWS, set_aside, sweep
 from femstruct.campaign.tasks import Task
-from femstruct.campaign.executors import GONE
 from femstruct.errors import InputError, InputErrors
 from femstruct.files.results_file.swept_file import read_swept
 from femstruct.language import read_study
@@ -213,7 +213,9 @@ def test_the_command_prints_and_goes_on(study: Path, tmp_path: Path) -> None:
     done = subprocess.run([*words, "--json", "--no-pictures"], capture_output=True, text=True, timeout=120)
     table = json.loads(done.stdout)
     assert done.returncode == 0 and not done.stderr
-    assert table["samples"][0]["cases"]["light"]["numbers"]["m.z velocity"] == pytest.approx(2.0 / 3.0, rel=1e-3)  # the spring
+    assert table["samples"][0]["cases"]["light"]["numbers"]["m.z velocity"] == pytest.approx(
+        2.0 / 3.0, rel=1e-3
+    )  # the spring
 
 
 @pytest.mark.stress
