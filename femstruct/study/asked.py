@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Final, Literal
 
+import numpy as np
+
 from femstruct.declared import NotNegative, Positive, checked
 from femstruct.errors import InputError
 from femstruct.model.region import Pair
@@ -204,7 +206,8 @@ class RoomPlan:
     levels : standards by which it is rated, of `acoustics.levels.methods.STANDARDS`.
     animate : frequencies [Hz] of which a moving picture is made, None for the pulse.
     beyond_modes : what rated bands have that the modes do not reach: levels of statistical energies, of bare plates,
-    or nothing. ensemble : rooms of nearly its size over which low rated bands are found, 0 for none.
+    or nothing. ensemble : rooms of nearly its size over which low rated bands are found, 0 for none; it has none where
+    there is a `why_no_ensemble`.
     directivity : frequencies [Hz] at which the directivity of a half space is shown, the loudest if empty.
 
     A bedroom below a floor, with a bed in it:
@@ -245,6 +248,19 @@ class RoomPlan:
             raise InputError(f"rooms.{self.name}.ensemble", got=f"{self.ensemble}", expected=expected)
         if self.coupling == "two-way" and not self.room.pushes_back:
             raise InputError(f"rooms.{self.name}.coupling", got=f"two-way with {self.room.word}", expected="one-way")
+
+    @property
+    def why_no_ensemble(self) -> str:
+        """Why its low bands cannot be had over an ensemble; "" where they can."""
+        if not self.levels:
+            return "no standard rates the room"
+        if self.coupling != "one-way":
+            return "the air reacts on the floor, which would have to be computed for every room"
+        if self.room.varied(np.ones(3)) is None:
+            return f"{self.room.word} has no sides that can be varied"
+        if self.walls or self.on:
+            return "several surfaces radiate into the room, or a wall of it"
+        return "" if self.room.losses.kind != "none" else "the room has no reverberation time"
 
     def heard_to_hz(self, complete_below_hz: float) -> float:
         """Where the sound of a structure ends [Hz] whose modes are complete below a frequency."""

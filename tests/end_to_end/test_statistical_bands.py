@@ -175,7 +175,11 @@ def test_check_says_which_bands_stay_blank_and_why(tmp_path: Path) -> None:
         ),
         (("levels: [ISO 16283-2, ISO 717-2]", "beyond_modes: blank"), "'beyond_modes' in a room without levels"),
         (("levels:", "ensemble: 2\n    levels:"), "ensemble: got 2 rooms, expected 3 or more, or 0 for none"),
-        (("levels:", "ensemble: many\n    levels:"), "ensemble"),
+        (("levels:", "ensemble: many\n    levels:"), "ensemble: got 'many', expected a whole number of rooms"),
+        (("levels:", "ensemble: 200\n    levels:"), "ensemble: got 200 rooms, expected at most 100"),
+        (("levels:", "ensemble: true\n    levels:"), "ensemble: got true, expected a whole number of rooms"),
+        (("levels: [ISO 16283-2, ISO 717-2]", "ensemble: 20"), "ensemble: got an ensemble, and no standard rates"),
+        (("levels:", "coupling: two-way\n    ensemble: 20\n    levels:"), "ensemble, and the air reacts on the floor"),
         (("levels:", "beyond_mode: blank\n    levels:"), "beyond_modes"),
     ],
 )

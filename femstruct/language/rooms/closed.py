@@ -6,7 +6,7 @@ from abc import abstractmethod
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Final, Literal
 
 from pydantic import Field
 
@@ -38,6 +38,18 @@ from femstruct.language.yaml import (
     words_of,
 )
 from femstruct.study.asked import FEWEST_ROOMS, RoomPlan
+
+MOST_ROOMS: Final = 100  # each is half a second or so
+
+
+def _ensemble(value: object) -> object:
+    """A number of rooms: none, or so many that their spread means something."""
+    if isinstance(value, bool) or not isinstance(value, int):
+        raise refuse(shown_as(value), "a whole number of rooms", "leave 'ensemble' out for 10")
+    if value != 0 and not FEWEST_ROOMS <= value <= MOST_ROOMS:
+        expected = f"{FEWEST_ROOMS} or more, or 0 for none" if value < FEWEST_ROOMS else f"at most {MOST_ROOMS}"
+        raise refuse(f"{value} rooms", expected, "leave 'ensemble' out for 10")
+    return value
 
 
 def _surface(value: object) -> object:
@@ -94,7 +106,7 @@ class ClosedSpec(RoomSpec):
     animate: Annotated[tuple[float | None, ...], read_by(_animated, _Animated | list[_Animated])] = ()
     levels: Annotated[tuple[str, ...], words_of(STANDARDS)] = ()
     beyond_modes: Literal["statistical", "blank"] = "statistical"
-    ensemble: Annotated[int, Field(ge=0, le=100)] = 10
+    ensemble: Annotated[int, read_by(_ensemble, Annotated[int, Field(ge=0, le=MOST_ROOMS)])] = 10
 
     @classmethod
     def refuse_keys(cls, given: Mapping[str, Any]) -> None:
@@ -129,12 +141,6 @@ class ClosedSpec(RoomSpec):
         )
         if self.levels:
             self._check_levels(here, asked)
-        here.at("ensemble").need(
-            self.ensemble == 0 or self.ensemble >= FEWEST_ROOMS,
-            f"{self.ensemble} rooms",
-            f"{FEWEST_ROOMS} or more, or 0 for none",
-            "leave 'ensemble' out for 10",
-        )
         here.at("beyond_modes").need(
             self.levels or self.beyond_modes == "statistical",
             "'beyond_modes' in a room without levels",
@@ -238,13 +244,21 @@ class ClosedSpec(RoomSpec):
         further |= {wall: further.get(wall, ()) + names for wall, names in moved.items()}
         walls = {wall: names[0] if len(names) == 1 else names for wall, names in further.items()}
         plan = RoomPlan(name, room, placing, heard, offset, self.coupling, leak, asked, self.levels, self.animate)
-        return replace(
+        made = replace(
             plan,
             walls=walls,
             beyond_modes=self.beyond_modes,
             ensemble=self.ensemble,
             on=first if self.under is None and first != room.movable[0] else "",
         )
+        here.at("ensemble").need(
+            "ensemble" not in self.model_fields_set or not self.ensemble or not made.why_no_ensemble,
+            f"an ensemble, and {made.why_no_ensemble}",
+            "none",
+            "remove 'ensemble', or write 0",
+            of_key=True,
+        )
+        return made
 
     def _placing(self, room: SoundField) -> tuple[str, dict[str, tuple[str, ...]]]:
         """The wall whose first surface places the room, and all that `surfaces` names."""

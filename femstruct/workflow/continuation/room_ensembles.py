@@ -56,19 +56,6 @@ class Drops:
     responses: Mapping[str, Response]
 
 
-def why_no_ensemble(plan: RoomPlan) -> str:
-    """Why a room's low bands cannot be had over an ensemble; "" where they can."""
-    if plan.ensemble == 0:
-        return "none is asked for"
-    if plan.coupling != "one-way":
-        return "the air reacts on the floor, which would have to be computed for every room"
-    if plan.room.varied(np.ones(3)) is None:
-        return f"{plan.room.word} has no sides that can be varied"
-    if plan.walls or plan.on:
-        return "several surfaces radiate into the room, or a wall of it"
-    return "" if plan.room.losses.kind != "none" else "the room has no reverberation time"
-
-
 def low_bands(plan: RoomPlan, method: Method, end_hz: float) -> dict[float, float]:
     """Rated bands {nominal: exact centre} [Hz] of modes below an end, in which modes of the room stand alone."""
     every = octave_bands(_MOST_HZ) if method.fraction == 1 else third_octave_bands(_MOST_HZ)
@@ -85,7 +72,7 @@ def room_ensembles(drops: Drops, places: Places, basis: ModalBasis) -> dict[str,
     found = {}
     for plan in study.rooms:
         method = method_for(plan, study)
-        if method is None or why_no_ensemble(plan):
+        if method is None or plan.ensemble == 0 or plan.why_no_ensemble:
             continue
         bands = low_bands(plan, method, basis.complete_below_hz)
         if bands:
