@@ -222,7 +222,7 @@ def test_the_force_of_the_supports_carries_the_weight(tmp_path: Path) -> None:
 
 
 def test_attachments_are_nodes_of_others_and_sag_with_them(tmp_path: Path) -> None:
-    from femstruct.workflow.check.weight import sags
+    from femstruct.workflow.stages.sags import sags
 
     found = model(tmp_path, bulk(), PLATE + REST)
     basis = fs.modal_basis(fs.assemble(found), count=10)

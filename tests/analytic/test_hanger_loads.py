@@ -14,8 +14,8 @@ from femstruct.model.structure import PlaceOn, Structure, Support
 from femstruct.parts.hangers import Hangers
 from femstruct.parts.mass import Mass
 from femstruct.parts.plate import Plate
-from femstruct.workflow.check.hung import hung
 from femstruct.workflow.judgement.structure_findings import structure_findings_before
+from femstruct.workflow.stages.hung import hung
 
 STONE = Material("stone", E=30e9, nu=0.2, rho=2300.0)
 GYPSUM = Material("gypsum", E=3.0e9, nu=0.3, rho=800.0)

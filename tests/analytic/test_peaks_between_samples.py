@@ -17,7 +17,7 @@ from femstruct.language import read_study
 from femstruct.modal.analytic import given_modes, oscillator
 from femstruct.study.result import CaseResult
 from femstruct.workflow.run.run import run_study
-from femstruct.workflow.stages.channels import between
+from femstruct.workflow.stages.recorded.windowed_peaks import between
 
 LOW = 0.995  # two of 32 samples a period beside the top of a sine: 1 - (pi / 32)^2 / 2
 SWEEP = [500.0, 900.0, 1e3, 1.7e3, 2e3, 3.3e3, 5e3, 12e3, 31e3, 48e3]

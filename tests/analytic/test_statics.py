@@ -12,8 +12,8 @@ from femstruct.conventions import GRAVITY
 from femstruct.errors import InputError
 from femstruct.files.inputs.matrices_input import read_component
 from femstruct.model.section import rectangle, tube
-from femstruct.workflow.check.weight import sags
-from femstruct.workflow.stages.stresses import stress_at_rest, stress_findings
+from femstruct.workflow.stages.recorded.stresses import stress_at_rest, stress_findings
+from femstruct.workflow.stages.sags import sags
 
 STEEL = fs.Material("steel", E=210e9, nu=0.3, rho=7850.0)
 

@@ -17,7 +17,7 @@ from femstruct.study.result import CaseResult, StudyResult
 from femstruct.view.tables.terminal import show_study
 from femstruct.workflow.run.accuracy import acceleration_in_band
 from femstruct.workflow.run.run import run_study
-from femstruct.workflow.stages.channels import in_band
+from femstruct.workflow.stages.recorded.windowed_peaks import in_band
 
 ROD = """
 structure: {type: rod, length: 2 m, E: 200 GPa, rho: 7850, area: 314.16 mm2, modes: MODES}

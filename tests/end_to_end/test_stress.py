@@ -11,8 +11,8 @@ from femstruct.errors import InputErrors
 from femstruct.impact.closer import closer
 from femstruct.view.tables.answer_tables import stresses
 from femstruct.view.tables.machine_table import limits
-from femstruct.workflow.stages.channels import in_band
-from femstruct.workflow.stages.stresses import largest_stress, walked
+from femstruct.workflow.stages.recorded.stresses import largest_stress, walked
+from femstruct.workflow.stages.recorded.windowed_peaks import in_band
 
 MODEL = """
 materials: {steel: {E: 210 GPa, nu: 0.3, rho: 7850 kg/m^3, loss_factor: 1 %}}
@@ -73,7 +73,7 @@ def test_blocks_of_any_length_give_the_same(result, monkeypatch):
     (model,) = result.models.values()
     places, q = model.parts["leg"].stresses(model.mesh.n_nodes), case.response.q
     whole = walked(places, case.basis.shapes, q)
-    monkeypatch.setattr("femstruct.workflow.stages.stresses.AT_ONCE", 1000)
+    monkeypatch.setattr("femstruct.workflow.stages.recorded.stresses.AT_ONCE", 1000)
     for one, other in zip(whole, walked(places, case.basis.shapes, q), strict=True):
         np.testing.assert_allclose(one, other, rtol=1e-9)  # rounding of products of other shapes
 

@@ -12,8 +12,10 @@ from typer.testing import CliRunner
 
 import femstruct as fs
 from femstruct.cli import app
-from femstruct.workflow.check.weight import sags
-from femstruct.workflow.judgement.structure_findings import structure_findings_after
+from femstruct.workflow.judgement.structure_findings import structure_findings
+from femstruct.workflow.stages.modal_bases import Solved
+from femstruct.workflow.stages.places import Places
+from femstruct.workflow.stages.sags import sags
 
 ROUNDING = 1e-12  # rounding: 2e-15 here at most
 
@@ -113,9 +115,10 @@ def test_what_sags_far_is_judged_without_the_air_of_cavities() -> None:
     block = fs.Block("block", 1000.0, origin=(0.0, 0.0, 0.0), size=(1.0, 1.0, 1.0))
     foot = fs.PlaceOn("foot", "block", at=((0.5, 0.5, 0.0),))
     spring = fs.Spring("spring", "foot", None, stiffness=(0.0, 0.0, 1e3, 1e9, 1e9, 1e9))
-    model = fs.mesh_structure(fs.Structure("one", (block, spring), points=(foot,)))
+    structure = fs.Structure("one", (block, spring), points=(foot,))
+    model = fs.mesh_structure(structure)
     vacuo = fs.modal_basis(fs.assemble(model), count=6)
     air = replace(vacuo, omega=100.0 * vacuo.omega)
-    told = structure_findings_after(model, air, vacuo=vacuo)
+    told = structure_findings(Solved("one", structure, model, Places(model.points, {}), vacuo), air)
     (far,) = [one for one in told if one.code == "sags-far"]
     assert far.values["sag_m"] == pytest.approx(1000.0 * G / 1e3, rel=1e-6)  # rounding of stiffnesses 1e6 apart

@@ -15,7 +15,7 @@ from femstruct.model.probe import StressPlaces
 from femstruct.model.structure import Structure
 from femstruct.study.asked import FrfRequest
 from femstruct.workflow.stages.modal_bases import Solved
-from femstruct.workflow.stages.stresses import judged, orthotropic_findings, stress_findings
+from femstruct.workflow.stages.recorded.stresses import judged, orthotropic_findings, stress_findings
 
 STRESS: Final = "stress"
 KIND: Final = "equivalent stress (von Mises), largest of a cycle,"

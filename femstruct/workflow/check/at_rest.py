@@ -24,7 +24,7 @@ from femstruct.study.result import LargestStress
 from femstruct.units import quantity
 from femstruct.workflow.stages.places import Places
 from femstruct.workflow.stages.positions import positioned
-from femstruct.workflow.stages.stresses import orthotropic_findings, stress_at_rest, stress_findings
+from femstruct.workflow.stages.recorded.stresses import orthotropic_findings, stress_at_rest, stress_findings
 
 Table = dict[str, Any]
 _SOLVED: Final = 1e-6  # of the load, or of the stiffness: less is rounding of a file or a solution

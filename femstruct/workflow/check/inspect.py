@@ -24,18 +24,18 @@ from femstruct.study.room_surfaces import placed_room
 from femstruct.study.structures import ModesModel
 from femstruct.study.study import Case, Plan, Study
 from femstruct.workflow.check.asked_modes import DEFAULT_MODES, damped_as_far_as_solved
-from femstruct.workflow.check.hung import hung
-from femstruct.workflow.check.weight import block_modes, sags, weight_findings
+from femstruct.workflow.check.weight import block_modes, weight_findings
 from femstruct.workflow.judgement.all_findings import all_findings, early_findings, of_cases
 from femstruct.workflow.judgement.blank_bands import blanks_before
 from femstruct.workflow.judgement.coarse_sampling import coarse_sampling
 from femstruct.workflow.judgement.impact_findings import room_findings
 from femstruct.workflow.judgement.study_findings import study_findings
 from femstruct.workflow.run.provenance import Progress
-from femstruct.workflow.stages.channels import refuse_absent_forces
+from femstruct.workflow.stages.hung import hung
 from femstruct.workflow.stages.modal_bases import Meshed, Solved, key_of, meshed, shown_in_air, solve
 from femstruct.workflow.stages.places import Places
 from femstruct.workflow.stages.positions import positioned
+from femstruct.workflow.stages.recorded.channels import refuse_absent_forces
 from femstruct.workflow.stages.responses import response_row
 from femstruct.workflow.stages.rest import Rest, rest_states
 from femstruct.workflow.stages.staging import force_probes, scene
@@ -126,7 +126,6 @@ def inspect_file(path: Path, overrides: tuple[str, ...] = (), progress: Progress
         progress("judgement")
         told = _early(source, case, solved, basis)
     model = solved.model
-    under_weight = () if model is None else sags(model, vacuo)  # air leaks at rest
     return Inspection(
         title=title,
         plan=None if isinstance(source, ModelFile) else source,
@@ -137,11 +136,11 @@ def inspect_file(path: Path, overrides: tuple[str, ...] = (), progress: Progress
         positions=_positions(solved),
         damping=damping_sentences(damping, given=isinstance(structure, ModesModel)),
         rests=() if study is None else rest_states(study),
-        sags=under_weight,
+        sags=solved.under_weight,
         block_modes=() if model is None else block_modes(model, vacuo),
         rooms=() if study is None else study.rooms,
         drops=() if case is None else tuple(case.drops),
-        findings=ranked((*told, *weight_findings(under_weight), *_left_blank(source, basis))),
+        findings=ranked((*told, *weight_findings(solved.under_weight), *_left_blank(source, basis))),
     )
 
 

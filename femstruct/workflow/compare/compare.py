@@ -11,8 +11,8 @@ from femstruct.arrays import Floats
 from femstruct.modal.basis import ModalBasis
 from femstruct.modal.likeness import pairing
 from femstruct.study.result import NET_FORCE, CaseComparison, CaseResult, Channel, Comparison, PeakChange
-from femstruct.workflow.stages.channels import filter_sentence
-from femstruct.workflow.stages.peaks import agree, two_changes
+from femstruct.workflow.stages.recorded.peaks import agree, two_changes
+from femstruct.workflow.stages.recorded.windowed_peaks import filter_sentence
 
 NEAR = 0.02  # a spectral peak belongs to a mode within 2 % of its frequency
 FINENESS = 0.2  # Hz between spectral lines at most, so that 2 % of the lowest modes holds some, ...

@@ -17,11 +17,11 @@ from femstruct.impact.result.response import EnergyBalance, Response
 from femstruct.study.machine import Companion, EnergyShare, GroundForce, Machine, Rest
 from femstruct.study.result import CaseResult
 from femstruct.study.study import Study
-from femstruct.workflow.check.weight import block_modes, sags
+from femstruct.workflow.check.weight import block_modes
 from femstruct.workflow.compare.verdicts import settling
-from femstruct.workflow.stages.channels import histories, motion_of
 from femstruct.workflow.stages.modal_bases import Solved
 from femstruct.workflow.stages.places import Places
+from femstruct.workflow.stages.recorded.channels import histories, motion_of
 from femstruct.workflow.stages.rest import carried_bodies, lying_bodies, planned_contacts, weighs
 from femstruct.workflow.stages.staging import ordered
 
@@ -62,7 +62,7 @@ def _machine(case: CaseResult, response: Response, own: Solved, reference: float
             for name, channel in case.channels.items()
             if name.endswith(" displacement") and name.rpartition(" ")[0] not in response.bodies
         },
-        sags=() if model is None else sags(model, own.basis),  # in vacuo: no room is as tight as a weight is patient
+        sags=own.under_weight,
         modes=() if model is None else block_modes(model, case.basis),
         rest=Rest(max(afters) if len(afters) == len(waits) else None, min(i for _, i in waits)) if waits else None,
         companions={

@@ -18,9 +18,10 @@ from femstruct.study.asked import SETTLED, Limit
 from femstruct.study.machine import Verdict
 from femstruct.study.result import CaseResult, Channel, Drop
 from femstruct.study.study import Study
-from femstruct.workflow.stages.channels import closings, record
-from femstruct.workflow.stages.peaks import converged
 from femstruct.workflow.stages.places import Places
+from femstruct.workflow.stages.recorded.channels import record
+from femstruct.workflow.stages.recorded.peaks import converged
+from femstruct.workflow.stages.recorded.windowed_peaks import closings
 
 T = TypeVar("T")
 SAME = 1e-9  # relative rounding of an interval that is a difference of two times

@@ -27,9 +27,9 @@ from femstruct.workflow.identify.fit_findings import fit_findings
 from femstruct.workflow.run.case import run_case
 from femstruct.workflow.run.provenance import Progress, Stopwatch
 from femstruct.workflow.run.run import without_rooms
-from femstruct.workflow.stages.channels import UNITS
 from femstruct.workflow.stages.modal_bases import Solved, key_of, solve_all
 from femstruct.workflow.stages.positions import positioned
+from femstruct.workflow.stages.recorded.channels import UNITS
 from femstruct.workflow.stages.room_transfers import RoomTransfers
 
 DIMENSIONS: Final = {

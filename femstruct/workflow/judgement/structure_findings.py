@@ -32,11 +32,11 @@ from femstruct.parts.findings.wide_ribs import wide_rib_findings
 from femstruct.parts.plausibility import material_findings, plausibility_findings
 from femstruct.study.structures import RodModel, StructureModel
 from femstruct.study.study import Study
-from femstruct.workflow.check.hung import hanger_findings
-from femstruct.workflow.check.weight import falling, sags
 from femstruct.workflow.judgement.cavity_crossings import cavity_findings
+from femstruct.workflow.stages.hung import hanger_findings
 from femstruct.workflow.stages.modal_bases import Solved
 from femstruct.workflow.stages.rest import planned_contacts, weighs
+from femstruct.workflow.stages.sags import falling
 
 HIGH_DROP, FAST = 10.0, 50.0  # m and m/s: from here on air counts, or a unit was mistaken
 OVERDAMPED = 0.25  # damping ratio of all modes: earth dams in strong earthquakes reach it
@@ -54,7 +54,8 @@ def structure_findings(
     return ranked(
         (
             *structure_findings_before(solved.structure, solved.model, studies),
-            *structure_findings_after(solved.model, basis, studies, up_to_hz, solved.basis),
+            *structure_findings_after(solved.model, basis, studies, up_to_hz),
+            *(_far_sags(solved) if not studies or any(weighs(study) for study in studies) else ()),
         )
     )
 
@@ -111,13 +112,11 @@ def structure_findings_after(
     basis: ModalBasis,
     studies: Sequence[Study] = (),
     up_to_hz: float | None = None,
-    vacuo: ModalBasis | None = None,
 ) -> tuple[Finding, ...]:
-    """What the modes of a structure show of it, by rank: their own findings, whether the mesh carries
-    them, whether parts slide or turn on each other, and whether springs sag by more than is meant.
+    """What the modes of a structure show of it, by rank: their own findings, whether the mesh carries them, and whether
+    parts slide or turn on each other.
 
     up_to_hz : the highest frequency that is looked at [Hz]; without it that to which the modes are complete.
-    vacuo : the basis without the air of cavities, which leaks at rest; without it that is `basis`.
     """
     found = list(basis.findings)
     if model is None:
@@ -129,11 +128,8 @@ def structure_findings_after(
         of_modes = _of_frequencies(model, top)
         ends = f". {top:.4g} Hz is where the modes that are looked at end"
         found += of_modes if up_to_hz else [replace(one, message=one.message.rstrip(".") + ends) for one in of_modes]
-    gravity = any(weighs(study) for study in studies)
     found += _overdamped(basis)
-    found += _mechanisms(model, basis, studies, gravity)
-    if gravity or not studies:
-        found += _far_sags(model, vacuo or basis)
+    found += _mechanisms(model, basis, studies, any(weighs(study) for study in studies))
     return ranked(found)
 
 
@@ -231,9 +227,10 @@ def _overdamped(basis: ModalBasis) -> list[Finding]:
     ]
 
 
-def _far_sags(model: Model, basis: ModalBasis) -> list[Finding]:
-    under_weight = sags(model, basis)
-    if not under_weight:
+def _far_sags(solved: Solved) -> list[Finding]:
+    """A finding where springs sag by more than is meant."""
+    under_weight, model = solved.under_weight, solved.model
+    if not under_weight or model is None:
         return []
     size = float(np.ptp(model.mesh.points, axis=0).max())
     size = max([size, *(float(np.ptp(part.bounds, axis=0).max()) for part in model.parts.values() if part.rigid)])

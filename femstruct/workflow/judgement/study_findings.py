@@ -15,10 +15,10 @@ from femstruct.study.study import Case, Study
 from femstruct.workflow.judgement.flanking_findings import flanking_findings
 from femstruct.workflow.judgement.impact_findings import hammer_findings, load_findings, room_findings
 from femstruct.workflow.judgement.source_findings import source_unresolved
-from femstruct.workflow.stages.channels import STRESS
 from femstruct.workflow.stages.places import Places
 from femstruct.workflow.stages.rated_rooms import rated_findings
-from femstruct.workflow.stages.stresses import orthotropic_findings
+from femstruct.workflow.stages.recorded.channels import STRESS
+from femstruct.workflow.stages.recorded.stresses import orthotropic_findings
 
 SAMPLES_OF_A_LOAD = 10  # in the shortest load: the peak of a half sine between samples is then missed by 1 %
 

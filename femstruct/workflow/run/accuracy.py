@@ -26,11 +26,12 @@ from femstruct.study.result import AccuracyCheck, Deviation
 from femstruct.study.structures import BeamModel, RodModel
 from femstruct.study.study import Case
 from femstruct.units import readable
-from femstruct.workflow.stages.channels import STRESS, UNITS, closings, first_window, in_band, record
 from femstruct.workflow.stages.coupled_air import coupled
 from femstruct.workflow.stages.modal_bases import Solved, damped, key_of, solve
+from femstruct.workflow.stages.recorded.channels import STRESS, UNITS, record
+from femstruct.workflow.stages.recorded.stresses import walked
+from femstruct.workflow.stages.recorded.windowed_peaks import closings, first_window, in_band
 from femstruct.workflow.stages.staging import scene
-from femstruct.workflow.stages.stresses import walked
 
 GROWTH = 2  # in frequency, or in the number of modes of a closed-form structure
 MOST_GROWTHS = 6

@@ -37,19 +37,25 @@ from femstruct.workflow.judgement.study_findings import study_findings
 from femstruct.workflow.run.accuracy import accuracy_findings
 from femstruct.workflow.run.provenance import Stopwatch
 from femstruct.workflow.run.struck import Struck, strike, told_once
-from femstruct.workflow.stages.channels import motion_rows, record, refuse_absent_forces
 from femstruct.workflow.stages.coupled_air import coupled, coupled_key, weight_on_air
 from femstruct.workflow.stages.measured.covered import covered_floor, reduced_rooms
 from femstruct.workflow.stages.measured.footsteps import footstep_findings
 from femstruct.workflow.stages.measured.installed_sources import installed_sources
 from femstruct.workflow.stages.modal_bases import Solved, damped
-from femstruct.workflow.stages.peaks import damage_findings, fatigue_findings, fatigues, peak_findings, shock_spectra
 from femstruct.workflow.stages.places import Places
 from femstruct.workflow.stages.rated_rooms import overlap_findings, rate_rooms
+from femstruct.workflow.stages.recorded.channels import motion_rows, record, refuse_absent_forces
+from femstruct.workflow.stages.recorded.peaks import (
+    damage_findings,
+    fatigue_findings,
+    fatigues,
+    peak_findings,
+    shock_spectra,
+)
+from femstruct.workflow.stages.recorded.stresses import stress_findings
 from femstruct.workflow.stages.responses import frequency_response
 from femstruct.workflow.stages.room_transfers import RoomTransfers
 from femstruct.workflow.stages.sound_energies import shares_by_surface, sound_energies
-from femstruct.workflow.stages.stresses import stress_findings
 from femstruct.workflow.stages.vibrations import random_fatigues, vibrations
 
 

@@ -22,7 +22,7 @@ from femstruct.workflow.run.provenance import Progress, Stopwatch, provenance
 from femstruct.workflow.stages.coupled_air import coupled
 from femstruct.workflow.stages.fingerprint import fingerprint
 from femstruct.workflow.stages.modal_bases import Solved, changes_damping, in_air, key_of, solve_all
-from femstruct.workflow.stages.peaks import change_findings
+from femstruct.workflow.stages.recorded.peaks import change_findings
 from femstruct.workflow.stages.room_transfers import RoomTransfers
 
 

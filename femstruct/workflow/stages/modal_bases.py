@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Literal
 
 from femstruct.assembly.assemble import assemble
@@ -18,11 +19,13 @@ from femstruct.model.structure import Structure
 from femstruct.sound.cavities import with_cavities
 from femstruct.sound.placed_cavity import placed_cavities
 from femstruct.study.asked import Extent
+from femstruct.study.machine import Sag
 from femstruct.study.structures import BeamModel, ModesModel, NoStructure, OscillatorModel, RodModel, StructureModel
 from femstruct.study.study import Case, Study
 from femstruct.workflow.stages.fingerprint import fingerprint
 from femstruct.workflow.stages.places import Places
 from femstruct.workflow.stages.rest import axis_of
+from femstruct.workflow.stages.sags import sags
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,6 +33,7 @@ class Solved:
     """A structure with its undamped basis; model is None for closed-form structures.
 
     pushed : names of the places that its residual vectors are for, and axes along which its base moves.
+    under_weight : static sags of its parts, of the structure without air, which leaks at rest; solved for when asked.
     """
 
     key: str
@@ -38,6 +42,10 @@ class Solved:
     places: Places
     basis: ModalBasis
     pushed: frozenset[str] = frozenset()
+
+    @cached_property
+    def under_weight(self) -> tuple[Sag, ...]:
+        return () if self.model is None else sags(self.model, self.basis)
 
 
 @dataclass(frozen=True, eq=False)

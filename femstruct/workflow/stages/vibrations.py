@@ -24,9 +24,9 @@ from femstruct.study.asked import Spot
 from femstruct.study.result import LargestStress
 from femstruct.study.steady_vibration import Vibration
 from femstruct.study.study import Study
-from femstruct.workflow.stages.channels import MOTIONS, SIDEWAYS, STRESS, UNITS, refuse_absent_forces
 from femstruct.workflow.stages.places import Places
-from femstruct.workflow.stages.stresses import judged, stress_findings, uneven
+from femstruct.workflow.stages.recorded.channels import MOTIONS, SIDEWAYS, STRESS, UNITS, refuse_absent_forces
+from femstruct.workflow.stages.recorded.stresses import judged, stress_findings, uneven
 
 ON_THE_BASE: Final = " relative to the base"
 """Ends the names of answers that leave out the motion of the base."""

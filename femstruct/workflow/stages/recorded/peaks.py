@@ -20,9 +20,9 @@ from femstruct.study.counting import FatigueRequest
 from femstruct.study.result import Channel
 from femstruct.study.study import Study
 from femstruct.units import readable
-from femstruct.workflow.stages.channels import motion_rows, moved
 from femstruct.workflow.stages.places import Places
-from femstruct.workflow.stages.stresses import uneven
+from femstruct.workflow.stages.recorded.channels import motion_rows, moved
+from femstruct.workflow.stages.recorded.stresses import uneven
 
 CONVERGED = 0.05  # of a peak: what residual vectors may make of it
 MISSED = 0.02  # of a peak: what samples may miss of it before cycles are counted from them

@@ -1,0 +1,1 @@
+"""What is recorded of a run: histories, their peaks, stresses, cycles."""

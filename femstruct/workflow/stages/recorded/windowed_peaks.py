@@ -1,0 +1,105 @@
+"""Peaks of recorded histories: between the samples, in the first impact and in all, and what they are filtered with."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from math import nan
+
+import numpy as np
+import scipy
+
+from acoustics.rooms.continuation import extended, fast_length
+from femstruct.arrays import Floats
+from femstruct.impact.closer import CLOSER, ENOUGH, FOLDED, last_mode_hz
+from femstruct.impact.result.response import ContactHistory, Event, Response
+from femstruct.study.asked import PeakRule
+
+FILTER_ORDER = 4
+SETTLED = 10.0  # periods of a band's lowest edge after which a filter of order 4 has forgotten
+PEAK_NOISE_FLOOR = 1e-9  # share of the largest value below which a peak is rounding, or a filter's tail
+
+
+def filter_sentence(rule: PeakRule) -> str:
+    """What every peak went through."""
+    if rule.lowpass_hz is None:
+        return "no filter"
+    filtered = f"low-pass {rule.lowpass_hz:g} Hz (Butterworth, order {FILTER_ORDER}, forwards and backwards)"
+    return f"{filtered}; contact forces: no filter"
+
+
+def first_window(rule: PeakRule, response: Response) -> float:
+    """End of the first impact [s]: its window after the first closing, or until a contact closes again.
+
+    A preloaded contact is a clamp that may rattle: it neither begins nor ends an impact.
+    """
+    closed = closings(response)
+    start = min((event.t for event in closed), default=0.0)
+    if rule.first_impact is not None:
+        return start + rule.first_impact
+    seen: set[str] = set()
+    for event in closed:
+        if event.contact in seen:
+            return event.t
+        seen.add(event.contact)
+    return float(response.t[-1])
+
+
+def closings(response: Response) -> list[Event]:
+    """The closings that begin and end impacts: those of contacts without a preload."""
+    clamps = {contact.name for contact in response.scene.contacts if contact.preload > 0.0}
+    return [event for event in response.events if event.what == "closes" and event.contact not in clamps]
+
+
+def in_band(values: Floats, sampling: float, band: tuple[float, float]) -> Floats:
+    """Histories [.., nt] between two frequencies: Butterworth, order 4, forwards and backwards; low-pass if one is 0.
+
+    It goes on as it was before the start and after the end: a structure at rest has been at rest.
+    """
+    low, high = band
+    if low > 0.0:
+        sos = scipy.signal.butter(FILTER_ORDER, (low, high), "bandpass", fs=sampling, output="sos")
+    else:
+        sos = scipy.signal.butter(FILTER_ORDER, high, "lowpass", fs=sampling, output="sos")
+    padding = min(int(SETTLED * sampling / (low or high)), values.shape[-1] - 1)
+    filtered: Floats = scipy.signal.sosfiltfilt(sos, values, padtype="constant", padlen=padding)
+    return filtered
+
+
+@dataclass(frozen=True)
+class Peaks:
+    """How peaks are found: window : end of the first impact [s]."""
+
+    rule: PeakRule
+    sampling: float
+    window: float
+
+    def of(self, values: Floats) -> tuple[float, float]:
+        """Peaks of |values| in the first impact and in the whole record."""
+        if self.rule.lowpass_hz is not None:
+            values = in_band(values, self.sampling, (0.0, self.rule.lowpass_hz))
+        size = np.abs(values)
+        largest = float(size.max())
+        first = float(size[np.arange(len(size)) / self.sampling <= self.window].max(initial=0.0))
+        return first if first > PEAK_NOISE_FLOOR * largest else 0.0, largest
+
+    def of_contact(self, values: Floats, contact: ContactHistory) -> tuple[float, float]:
+        """The peaks of a contact's force, never filtered: its law is followed between the samples, and a low-pass
+        filter would hide what the contact has to carry."""
+        first, largest = replace(self, rule=replace(self.rule, lowpass_hz=None)).of(values)
+        whole = max(contact.peak_force, largest)
+        return whole if contact.peak_time <= self.window else first, whole
+
+
+def between(pressure: Floats, response: Response) -> tuple[Floats, int]:
+    """A pressure [nt] on a finer grid where its samples are coarse, and by what factor: it has nothing above the last
+    mode, so its samples say what lies between them; nan where they do not."""
+    last, sampling = last_mode_hz(response.basis), response.clock.sampling
+    if sampling >= ENOUGH * last:
+        return pressure, 1
+    if sampling < FOLDED * last:
+        return np.full_like(pressure, nan), 1
+    factor = int(np.ceil(CLOSER * last / sampling))
+    count = len(pressure)
+    length = fast_length(2 * count)
+    fine = scipy.fft.irfft(scipy.fft.rfft(extended(pressure[None], length)[0]), factor * length)[: factor * count]
+    return np.asarray(factor * fine, dtype=np.float64), factor
