@@ -76,6 +76,15 @@ class Holder:
         return Holder(modes.T @ self.inertia @ modes, modes.T @ self.stiffness @ modes)
 
 
+def in_time(viscous: Floats, hysteretic: Floats, omega: Floats) -> Floats:
+    """Viscous damping of coordinates [k, k] [rad/s] in time: a loss factor acts as at each one's own frequency.
+
+    viscous [k, k] [rad/s]; hysteretic [k, k] [rad^2/s^2]; omega [k] [rad/s], 0 of those without stiffness.
+    """
+    scale = np.sqrt(np.outer(omega, omega))
+    return viscous + np.divide(hysteretic, scale, out=np.zeros_like(scale), where=scale > 0)
+
+
 @dataclass(frozen=True, eq=False)
 class ModalBasis:
     """Mass-normalised modes and residual vectors: q_r'' + (viscous q')_r + omega_r^2 q_r = phi_r . f.
@@ -176,8 +185,7 @@ class ModalBasis:
     @property
     def time_damping(self) -> Floats:
         """Viscous damping for the time domain [rad/s]: a loss factor acts as at each mode's own frequency [k, k]."""
-        scale = np.sqrt(np.outer(self.omega, self.omega))
-        return self.viscous + np.divide(self.hysteretic, scale, out=np.zeros_like(scale), where=scale > 0)
+        return in_time(self.viscous, self.hysteretic, self.omega)
 
     @property
     def damping_ratio(self) -> Floats:

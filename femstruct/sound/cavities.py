@@ -15,10 +15,17 @@ from acoustics.cavities.several import together
 from acoustics.rooms.box import Box, room_modes
 from femstruct.arrays import Floats, Integers
 from femstruct.errors import InputError
-from femstruct.modal.basis import Holder, Kind, ModalBasis
+from femstruct.modal.basis import Holder, Kind, ModalBasis, in_time
 from femstruct.modal.solve import signed
 from femstruct.sound.cavity_findings import findings_of
-from femstruct.sound.coupled_modes import NEGLIGIBLE_DAMPING_COUPLING, padded, stray_share, turned_row
+from femstruct.sound.coupled_modes import (
+    NEGLIGIBLE_DAMPING_COUPLING,
+    completing,
+    in_new_modes,
+    left_over,
+    padded,
+    stray_share,
+)
 from femstruct.sound.placed_cavity import PlacedCavity
 
 ALONE: Final = 0.25  # of what may be left out of all cavities: what is left out of each before they are joined
@@ -99,26 +106,17 @@ def _coupled(basis: ModalBasis, air: CavityAir, *, woolly: bool) -> ModalBasis:
     hysteretic = own.T @ basis.hysteretic @ own
     still = omega == 0.0
     hysteretic[still, :] = hysteretic[:, still] = 0.0
-    dashpots = own.T @ basis.dashpots @ own
-    scale = np.sqrt(np.outer(omega, omega))
-    in_time = viscous + np.divide(hysteretic, scale, out=np.zeros_like(scale), where=scale > 0)
     true = np.array([kind != "residual" for kind in kinds], dtype=bool)
-    stray = 1.0 if woolly else stray_share(in_time, omega, own[basis.modes], true)
-    if stray < NEGLIGIBLE_DAMPING_COUPLING and not basis.volumes:
-        viscous, hysteretic, dashpots = (np.diag(np.diag(losses)) for losses in (viscous, hysteretic, dashpots))
-    return replace(
+    stray = 1.0 if woolly else stray_share(in_time(viscous, hysteretic, omega), omega, own[basis.modes], true)
+    return in_new_modes(
         basis,
-        omega=omega,
-        kind=kinds,
-        shapes=basis.shapes @ own,
-        viscous=0.5 * (viscous + viscous.T),
-        hysteretic=0.5 * (hysteretic + hysteretic.T),
-        dashpots=0.5 * (dashpots + dashpots.T),
-        outputs={key: turned_row(row, basis.omega, omega, own) for key, row in basis.outputs.items()},
-        part_stiffness={key: own.T @ part @ own for key, part in basis.part_stiffness.items()},
-        residual_norm=_left_over(basis, air, omega, turn),
+        omega,
+        kinds,
+        own,
+        (viscous, hysteretic),
+        coupled=stray >= NEGLIGIBLE_DAMPING_COUPLING or bool(basis.volumes),
+        residual_norm=left_over(basis.omega, air.mass, air.compression, omega, turn[: len(air.mass)]),
         complete_below_hz=min(basis.complete_below_hz / np.sqrt(1.0 + _heavier(basis, air)), air.complete_below_hz),
-        momentum=basis.momentum @ own,
         holders=_holders(basis, air, turn, own),
         volumes={key: row @ own for key, row in basis.volumes.items()},
     )
@@ -187,10 +185,7 @@ def _n_rigid(basis: ModalBasis, air: CavityAir) -> int:
 def _ordered(basis: ModalBasis, own: Floats, n_rigid: int, n_modes: int) -> tuple[tuple[Kind, ...], Integers]:
     """Kinds of the new coordinates in their order: modes, then residual vectors, then what only drag moves."""
     residual = np.ones(own.shape[1], dtype=bool)
-    residual[:n_modes] = False
-    share = (own[basis.modes.stop :, :n_modes] ** 2).sum(axis=0)
-    residual[np.argsort(-share, kind="stable")[: len(basis.omega) - basis.modes.stop]] = True
-    residual[:n_rigid] = False
+    residual[:n_modes] = completing(basis, own[:, :n_modes], n_rigid)
     rigid = np.arange(len(residual)) < n_rigid
     order = np.argsort(residual, kind="stable").astype(np.int64)
     kinds: tuple[Kind, ...] = tuple(
@@ -210,17 +205,3 @@ def _holders(basis: ModalBasis, air: CavityAir, turn: Floats, own: Floats) -> di
     if len(still):
         found[WOOL] = Holder(of_wool.T @ of_wool, (of_wool.T * still**2) @ of_wool)
     return found
-
-
-def _left_over(basis: ModalBasis, air: CavityAir, omega: Floats, turn: Floats) -> Floats:
-    """|K x - omega^2 M x| over the terms it is summed from, for every coordinate [n]."""
-    k, moving = len(basis.omega), len(air.mass)
-    x = turn[:moving]
-    structure = np.concatenate([basis.omega, np.zeros(moving - k)])[:, None] ** 2 * x
-    pressed = air.compression.T @ (air.compression @ x)
-    inertia = (air.mass @ x + np.concatenate([x[:k], np.zeros((moving - k, x.shape[1]))])) * omega**2
-    sizes = [np.linalg.norm(part, axis=0) for part in (structure, pressed, inertia)]
-    left: Floats = np.linalg.norm(structure + pressed - inertia, axis=0)
-    terms: Floats = np.sum(sizes, axis=0)
-    share: Floats = np.divide(left, terms, out=np.zeros_like(left), where=terms > 0)
-    return share

@@ -14,9 +14,17 @@ from acoustics.rooms.box_two_way import CoupledAir, Leak
 from acoustics.source import SurfaceShapes, side_by_side
 from femstruct.arrays import Floats
 from femstruct.errors import Finding, InputError
-from femstruct.modal.basis import Holder, Kind, ModalBasis
+from femstruct.modal.basis import Holder, Kind, ModalBasis, in_time
 from femstruct.modal.solve import signed
-from femstruct.sound.coupled_modes import NEGLIGIBLE_DAMPING_COUPLING, Bools, padded, stray_share, turned_row
+from femstruct.sound.coupled_modes import (
+    NEGLIGIBLE_DAMPING_COUPLING,
+    Bools,
+    completing,
+    in_new_modes,
+    left_over,
+    padded,
+    stray_share,
+)
 from femstruct.sound.placed import Placed
 from femstruct.sound.two_way_findings import cut, what_it_did
 
@@ -96,43 +104,30 @@ def with_cavity(
     hidden[: len(basis.omega)] = ~basis.shapes.any(axis=(0, 1)) & (np.array(basis.kind) == "residual")
     coupled, turn = _coupled_modes(omega, air, n_rigid, hidden)
     k, own = len(basis.omega), turn[: len(basis.omega)]
-    residual = np.zeros(len(coupled), dtype=bool)
-    n_residual = k - basis.modes.stop
-    share = (own[basis.modes.stop :] ** 2).sum(axis=0)
-    residual[np.argsort(-share, kind="stable")[:n_residual]] = True
-    residual[:n_rigid] = False
+    residual = completing(basis, own, n_rigid)
     order = np.argsort(residual, kind="stable")
     coupled, turn, own, residual = coupled[order], turn[:, order], own[:, order], residual[order]
     viscous = turn.T @ (padded(viscous, len(turn)) + air.viscous) @ turn
     hysteretic = turn.T @ (padded(basis.hysteretic, len(turn)) + air.hysteretic) @ turn
     rigid = np.arange(len(coupled)) < n_rigid
     hysteretic[rigid, :] = hysteretic[:, rigid] = 0.0
-    scale = np.sqrt(np.outer(coupled, coupled))
-    in_time = viscous + np.divide(hysteretic, scale, out=np.zeros_like(scale), where=scale > 0)
-    stray = stray_share(in_time, coupled, own[basis.modes], ~residual)
+    stray = stray_share(in_time(viscous, hysteretic, coupled), coupled, own[basis.modes], ~residual)
     # The resistance of a leak or of a wall that yields is a dashpot, never a modal ratio.
     kept = stray >= NEGLIGIBLE_DAMPING_COUPLING or leak is not None or bool(basis.volumes) or air.resisted
     kept = kept or bool(hidden.any())
-    dashpots = own.T @ basis.dashpots @ own
-    if not kept:
-        viscous, hysteretic, dashpots = (np.diag(np.diag(losses)) for losses in (viscous, hysteretic, dashpots))
     kinds: tuple[Kind, ...] = tuple(
         "rigid" if still else "residual" if pseudo else "elastic" for still, pseudo in zip(rigid, residual, strict=True)
     )
     heavier = float(np.linalg.eigvalsh(air.mass[:k, :k]).max(initial=0.0))  # lowers modes that the basis lacks
-    joined = replace(
+    joined = in_new_modes(
         basis,
-        omega=coupled,
-        kind=kinds,
-        shapes=basis.shapes @ own,
-        viscous=0.5 * (viscous + viscous.T),
-        hysteretic=0.5 * (hysteretic + hysteretic.T),
-        dashpots=0.5 * (dashpots + dashpots.T),
-        outputs={key: turned_row(row, basis.omega, coupled, own) for key, row in basis.outputs.items()},
-        part_stiffness={key: own.T @ part @ own for key, part in basis.part_stiffness.items()},
-        residual_norm=_left_over(omega, air, coupled, turn),
+        coupled,
+        kinds,
+        own,
+        (viscous, hysteretic),
+        coupled=kept,
+        residual_norm=left_over(omega, air.mass, air.compression, coupled, turn),
         complete_below_hz=min(basis.complete_below_hz / np.sqrt(1.0 + heavier), air.complete_below_hz),
-        momentum=basis.momentum @ own,
         holders=_holders(basis, air, turn, own, name, leak is not None),
         volumes={key: row @ own for key, row in basis.volumes.items()}
         | ({} if leak is None else {name: -turn[k] / np.sqrt(leak.inertance)}),
@@ -188,16 +183,3 @@ def _coupled_modes(omega: Floats, air: CoupledAir, n_rigid: int, hidden: Bools) 
     squared = ((structure[:, None] * turn) ** 2).sum(axis=0) + ((air.compression @ turn) ** 2).sum(axis=0)
     squared[:n_rigid] = 0.0
     return np.sqrt(squared), turn
-
-
-def _left_over(omega: Floats, air: CoupledAir, coupled: Floats, turn: Floats) -> Floats:
-    """|K x - omega^2 M x| over the terms it is summed from, for every mode [k]."""
-    k, whole = len(omega), len(turn)
-    structure = np.concatenate([omega, np.zeros(whole - k)])[:, None] ** 2 * turn
-    pressed = air.compression.T @ (air.compression @ turn)
-    inertia = (air.mass @ turn + np.concatenate([turn[:k], np.zeros((whole - k, whole))])) * coupled**2
-    sizes = [np.linalg.norm(part, axis=0) for part in (structure, pressed, inertia)]
-    left: Floats = np.linalg.norm(structure + pressed - inertia, axis=0)
-    terms: Floats = np.sum(sizes, axis=0)
-    share: Floats = np.divide(left, terms, out=np.zeros_like(left), where=terms > 0)
-    return share
