@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from math import inf, log, pi
+from math import inf, log, pi, sqrt
 from typing import Final, Literal
 
 import numpy as np
@@ -12,6 +12,7 @@ import numpy as np
 from acoustics.arrays import Floats, freeze, positive
 from acoustics.errors import AcousticsError
 
+_SINGLE_MODES: Final = 2000.0  # sqrt(m^3/s)/s, of T and V in SI units
 DECAY_OF_T60: Final = 3 * log(10)  # gamma T60: exp(-gamma T60) is -60 dB, which is 10^-3, hence ln(10^6) / 2 = 6.9078
 
 LossKind = Literal["none", "kelvin_voigt", "constant_decay", "decay_and_relaxation", "source"]
@@ -138,6 +139,21 @@ def losses_from_t60_bands(t60_s: Mapping[float, float]) -> Losses:
     if not gamma > 0:
         return Losses("kelvin_voigt", relaxation_time=tau)
     return Losses("decay_and_relaxation", relaxation_time=tau, decay_rate=gamma)
+
+
+def single_modes_hz(t60_s: float, volume: float) -> float:
+    """Up to where modes of a room stand alone [Hz]: above 2000 sqrt(T / V) three or more overlap.
+
+    t60_s : reverberation time [s]; volume [m^3].
+
+    References
+    ----------
+    M. R. Schroeder, J. Acoust. Soc. Am. 99, 3240 (1996), doi:10.1121/1.414868.
+
+    >>> single_modes_hz(0.5, 50.0)
+    200.0
+    """
+    return _SINGLE_MODES * sqrt(t60_s / volume)
 
 
 def t60_of(losses: Losses, frequency_hz: float) -> float:

@@ -15,7 +15,7 @@ from scipy.linalg import eigh
 from acoustics.cavities.cavity import Cavity
 from acoustics.cavities.cavity_air import cavity_air
 from acoustics.cavities.condensed import condensed
-from acoustics.cavities.equivalent_fluid import Wool
+from acoustics.cavities.equivalent_fluid import Frame, Wool
 from acoustics.source import SurfaceShapes
 from tests.data.cavities_by_hand import AIR, matrices
 
@@ -87,9 +87,9 @@ def test_two_plates_on_wool(kept_hz: int) -> None:
 
 @pytest.mark.parametrize("thickness", [None, 0.1])
 @pytest.mark.parametrize("frame", ["held", "limp"])
-def test_fewer_coordinates_move_the_ceiling_alike(frame: str, thickness: float | None) -> None:
+def test_fewer_coordinates_move_the_ceiling_alike(frame: Frame, thickness: float | None) -> None:
     first, second, omega, pushed, read = plates()
-    cavity = Cavity(SIZE, AIR, Wool(1e4, 40.0, frame), thickness)  # type: ignore[arg-type]
+    cavity = Cavity(SIZE, AIR, Wool(1e4, 40.0, frame), thickness)
     whole = cavity_air(cavity, first, second, 250.0)
     few = condensed(whole, omega, 120.0)
     assert len(few.viscous) <= len(whole.viscous) - 10 * (frame == "limp")

@@ -8,7 +8,7 @@ from scipy.linalg import eigh
 from scipy.optimize import brentq
 
 from acoustics.cavities.cavity import Cavity
-from acoustics.cavities.equivalent_fluid import Wool
+from acoustics.cavities.equivalent_fluid import Frame, Wool
 from tests.data.cavities_by_hand import AIR, P0, RHO, driven, exact, matrices, pistons, poles
 
 DEPTH = 0.2
@@ -101,9 +101,9 @@ def test_pistons_with_wool_and_three_modes(frame: str, hz: float, v2: complex) -
 @pytest.mark.parametrize("frame", ["held", "limp"])
 @pytest.mark.parametrize("rate", [0.0, 2866.0])
 @pytest.mark.parametrize("hz", [10.0, 31.5, 80.0, 125.0])
-def test_half_a_cavity_of_wool(frame: str, rate: float, hz: float) -> None:
+def test_half_a_cavity_of_wool(frame: Frame, rate: float, hz: float) -> None:
     """Wool against the second piston; the layers share one face."""
-    wool = Wool(1e4, 40.0, frame, thermal_rate=rate)  # type: ignore[arg-type]
+    wool = Wool(1e4, 40.0, frame, thermal_rate=rate)
     expected = exact([(DEPTH / 2, None), (DEPTH / 2, wool)], hz)
     found = driven(pistons(Cavity([1, 1, DEPTH], AIR, wool, 0.1), 2600.0), hz)
     for ours, theirs in zip(found, expected, strict=True):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 from femstruct.errors import InputError
 from femstruct.model.library.all_entries import library
@@ -51,9 +52,9 @@ def alike(
     if like in CLASSES and E is None and nu is None:
         return timber(name, like, G, rho, 0.0 if loss_factor is None else loss_factor)
     taken = {one.key: one for one in entry.facts if one.value is not None and one.key not in stated}
-    values = {key: one.value for key, one in taken.items() if key in given} | stated
+    values: dict[str, Any] = {key: one.value for key, one in taken.items() if key in given} | stated
     told = tuple(f"{_SYMBOLS.get(key, key)} of {like}: {taken[key].source.work}" for key in given if key in taken)
     if not several:
-        return Material(name, values["E"], values["nu"], values["rho"], values.get("loss_factor", 0.0), told)  # type: ignore[arg-type]
-    made = Orthotropic(name, values["E"], values["G"], values["nu"], values["rho"], values.get("loss_factor", 0.0))  # type: ignore[arg-type]
+        return Material(name, **values, completed=told)
+    made = Orthotropic(name, **values)
     return replace(made, completed=(*told, *made.completed))

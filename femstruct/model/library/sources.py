@@ -14,6 +14,21 @@ VIGRAN_MODULI: Final = Source("T. E. Vigran, Building Acoustics, Taylor & Franci
 ESTIMATE: Final = "an estimate of the author"
 
 
+def of_vigran(E: float, nu: float, rho: tuple[float, float], loss_factor: tuple[float, float]) -> tuple[Fact, ...]:
+    """A row of Vigran's table 3.1: E [Pa], and of density [kg/m^3] and loss factor the middle of what is printed.
+
+    >>> [one.value for one in of_vigran(3.8e9, 0.2, (650.0, 800.0), (0.01, 0.03))]
+    [3800000000.0, 0.2, 725.0, 0.02]
+    """
+    middle = "middle of the range"
+    return (
+        Fact("E", E, VIGRAN, note="dynamic"),
+        Fact("nu", nu, VIGRAN, note="approximate"),
+        Fact("rho", sum(rho) / 2.0, VIGRAN, rho, middle),
+        Fact("loss_factor", sum(loss_factor) / 2.0, VIGRAN, loss_factor, f"internal, {middle}"),
+    )
+
+
 def of_hopkins(
     speed: float,
     nu: float,

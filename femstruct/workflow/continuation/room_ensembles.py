@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import repeat
-from math import isfinite, log, sqrt
+from math import isfinite, log
 from typing import Final
 
 import numpy as np
@@ -21,7 +21,7 @@ from acoustics.levels.ensemble import Ensemble
 from acoustics.levels.iso import energy_average
 from acoustics.levels.line_levels import REFERENCE_SQUARED, exposures, largest_fast
 from acoustics.levels.methods import Method
-from acoustics.losses import t60_of
+from acoustics.losses import single_modes_hz, t60_of
 from acoustics.source import SurfaceShapes
 from femstruct.arrays import Floats, Integers
 from femstruct.impact.result.response import Response
@@ -38,7 +38,6 @@ from femstruct.workflow.stages.rated_rooms import apart, method_for
 from femstruct.workflow.stages.rest import weighs
 
 SETS: Final = 4  # of places in each room
-SINGLE_MODES: Final = 2000.0  # sqrt(m^3/s)/s: modes of a room overlap above 2000 sqrt(T / V) (Schroeder)
 HIGHEST_HZ: Final = 400.0  # of small rooms, too
 BESIDE: Final = 1.4  # of the last band's centre: lines that its filter lets through
 MODES_UP_TO: Final = 1.6  # of the highest line: modes above it hardly move at these
@@ -61,7 +60,7 @@ def low_bands(plan: RoomPlan, method: Method, end_hz: float) -> dict[float, floa
     every = octave_bands(_MOST_HZ) if method.fraction == 1 else third_octave_bands(_MOST_HZ)
     centres = {band: every[band] for band in method.bands_hz}
     t60 = t60_of(plan.room.losses, method.bands_hz[0])
-    top = min(HIGHEST_HZ * 10**0.01, SINGLE_MODES * sqrt(t60 / plan.room.volume)) if isfinite(t60) else 0.0
+    top = min(HIGHEST_HZ * 10**0.01, single_modes_hz(t60, plan.room.volume)) if isfinite(t60) else 0.0
     end = plan.heard_to_hz(end_hz)
     return {b: centre for b, centre in centres.items() if centre <= top and shown(centre, end, method.fraction)}
 

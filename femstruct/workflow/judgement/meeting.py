@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from acoustics.levels.methods import Method
-from acoustics.losses import modal_damping_ratios, t60_of
+from acoustics.losses import modal_damping_ratios, single_modes_hz, t60_of
 from femstruct.arrays import Floats
 from femstruct.errors import Finding
 from femstruct.modal.basis import ModalBasis
@@ -28,7 +28,6 @@ MOST_PAIRS_NAMED: Final = 5  # pairs that are named
 MIN_SHAPE_CORRELATION: Final = 0.3  # of two shapes on the ceiling from which on one drives the other
 MOVES: Final = 0.1  # rms motion of the ceiling, of the floor mode that moves it most, from which on a mode counts
 EXCHANGED: Final = 0.12  # kappa: 0.5 dB in a band, 1 dB at a line
-SINGLE_MODES: Final = 2000.0  # sqrt(m^3/s)/s: above 2000 sqrt(T / V) modes of a room overlap (Schroeder)
 BESIDE: Final = 1.5  # of the last mode of the floor: modes of the room above it exchange nothing with any
 DECAY_HZ: Final = 100.0  # where a room's reverberation time is taken to tell up to where its modes stand alone
 
@@ -86,8 +85,7 @@ def meeting_findings(plan: RoomPlan, study: Study, placed: Placed, basis: ModalB
 def mode_pairs(placed: Placed, basis: ModalBasis) -> ModePairs:
     """All modes of a floor, as far as none is missing, and of the room below it, up to where modes of the room overlap.
 
-    That is 2000 sqrt(T60 / V) (M. R. Schroeder, J. Acoust. Soc. Am. 99, 3240 (1996), doi:10.1121/1.414868). No pairs in
-    the open, in a room without losses, and in one that is not known by modes.
+    That is `single_modes_hz`. No pairs in the open, in a room without losses, and in one that is not known by modes.
 
     Notes
     -----
@@ -103,7 +101,7 @@ def mode_pairs(placed: Placed, basis: ModalBasis) -> ModePairs:
     t60 = t60_of(room.losses, DECAY_HZ)
     if not isfinite(t60):
         return _no_pairs()
-    top = SINGLE_MODES * sqrt(t60 / room.volume)
+    top = single_modes_hz(t60, room.volume)
     known = min(top, basis.complete_below_hz) if basis.complete_below_hz > 0 else top  # air adds modes beyond
     rings = np.nan_to_num(basis.damping_ratio) < 1.0  # over wool the diagonal of the damping is that of no motion
     elastic = np.flatnonzero((np.array(basis.kind) == "elastic") & (basis.frequency_hz <= known) & rings)

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Final
 
-from femstruct.model.library.library_entry import Entry, Fact, Use
-from femstruct.model.library.sources import VIGRAN, of_hopkins
+from femstruct.model.library.library_entry import Entry, Use
+from femstruct.model.library.sources import of_hopkins, of_vigran
 
 ENTRIES: Final = (
     Entry(
@@ -34,12 +34,7 @@ ENTRIES: Final = (
         "gypsum",
         Use.MATERIAL,
         "plasterboard by the largest modulus that a textbook prints",
-        (
-            Fact("E", 4.1e9, VIGRAN, note="dynamic"),
-            Fact("nu", 0.3, VIGRAN, note="approximate"),
-            Fact("rho", 850.0, VIGRAN, (800.0, 900.0), "middle of the range"),
-            Fact("loss_factor", 0.0125, VIGRAN, (0.01, 0.015), "internal, middle of the range"),
-        ),
+        of_vigran(4.1e9, 0.3, (800.0, 900.0), (0.01, 0.015)),
     ),
     Entry(
         "gypsum plaster",

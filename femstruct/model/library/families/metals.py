@@ -12,31 +12,21 @@ _CREMER: Final = Source(
     HOPKINS.read,
 )
 
+
+def _metal(name: str, E: float, nu: float, rho: float, losses: tuple[float, float]) -> Entry:
+    note = "of the material in bending: structures have far more"
+    facts = (
+        Fact("E", E, _CREMER),
+        Fact("nu", nu, _CREMER),
+        Fact("rho", rho, _CREMER),
+        Fact("loss_factor", None, _CREMER, losses, note),
+    )
+    return Entry(name, "metals and glass", Use.MATERIAL, name, facts)
+
+
 ENTRIES: Final = (
-    Entry(
-        "steel",
-        "metals and glass",
-        Use.MATERIAL,
-        "steel",
-        (
-            Fact("E", 210e9, _CREMER),
-            Fact("nu", 0.31, _CREMER),
-            Fact("rho", 7800.0, _CREMER),
-            Fact("loss_factor", None, _CREMER, (2e-5, 3e-4), "of the material in bending: structures have far more"),
-        ),
-    ),
-    Entry(
-        "aluminium",
-        "metals and glass",
-        Use.MATERIAL,
-        "aluminium",
-        (
-            Fact("E", 72e9, _CREMER),
-            Fact("nu", 0.34, _CREMER),
-            Fact("rho", 2700.0, _CREMER),
-            Fact("loss_factor", None, _CREMER, (3e-6, 1e-4), "of the material in bending: structures have far more"),
-        ),
-    ),
+    _metal("steel", 210e9, 0.31, 7800.0, (2e-5, 3e-4)),
+    _metal("aluminium", 72e9, 0.34, 2700.0, (3e-6, 1e-4)),
     Entry(
         "glass",
         "metals and glass",

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 from femstruct.model.library.library_entry import Entry, Fact, Source, Use
-from femstruct.model.library.sources import HOPKINS, VIGRAN, of_hopkins
+from femstruct.model.library.sources import HOPKINS, of_hopkins, of_vigran
 
 _OSB: Final = Source(
     "EN 12369-1:2001, OSB/2 and OSB/3 of 6 to 25 mm", "read in the technical brochure of Sonae Arauco for the UK, p. 63"
@@ -18,12 +18,7 @@ ENTRIES: Final = (
         "wood boards",
         Use.MATERIAL,
         "chipboard by the modulus of another textbook",
-        (
-            Fact("E", 3.8e9, VIGRAN, note="dynamic"),
-            Fact("nu", 0.2, VIGRAN, note="approximate"),
-            Fact("rho", 725.0, VIGRAN, (650.0, 800.0), "middle of the range"),
-            Fact("loss_factor", 0.02, VIGRAN, (0.01, 0.03), "internal, middle of the range"),
-        ),
+        of_vigran(3.8e9, 0.2, (650.0, 800.0), (0.01, 0.03)),
     ),
     Entry(
         "OSB",
