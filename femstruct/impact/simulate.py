@@ -17,7 +17,7 @@ from femstruct.impact.engine.energy import TIME, ledger
 from femstruct.impact.engine.gauss_points import collocation_rule
 from femstruct.impact.engine.instant_forces import State
 from femstruct.impact.engine.modal_tables import tabulated
-from femstruct.impact.engine.motion import DISPLACEMENT, VELOCITY, Motion, along, coordinates, sampled_motion
+from femstruct.impact.engine.motion import DISPLACEMENT, VELOCITY, Motion, coordinates, sampled_motion, seen
 from femstruct.impact.engine.sampling import DRIFT, WORKED, Felt, Record, feel, motion_of, room_for
 from femstruct.impact.engine.system import Compiled, compile_scene
 from femstruct.impact.exact.choice import takes_exact_march
@@ -70,7 +70,7 @@ def simulate(basis: ModalBasis, scene: Scene, clock: Clock) -> Response:
     """
     compiled = compile_scene(basis, scene, clock)
     system, nt = compiled.system, compiled.n_samples
-    m, r, k = len(system.interfaces), len(system.rows), system.n_modes
+    m, r, k, modes = len(system.interfaces), len(system.rows), system.n_modes, len(basis.omega)
     state = state_at_start(compiled)
     record = room_for(system, nt)
     exact = takes_exact_march(system, nt / clock.sampling)
@@ -102,7 +102,7 @@ def simulate(basis: ModalBasis, scene: Scene, clock: Clock) -> Response:
         record.peak[a] = record.strike_peak[record.strike_peak[:, a, 0].argmax(), a]
     separation = _separation(events, event_rows, clock)
     book = ledger(history, separation, float(record.totals[WORKED]), float(record.totals[DRIFT]), scene, compiled)
-    place, speed = (along(motion, what, compiled.rows[:m]) for what in (DISPLACEMENT, VELOCITY))
+    place, speed = (seen(motion, what, system.rows[:m], system.tilts[:m]) for what in (DISPLACEMENT, VELOCITY))
     forces, push = np.empty((m, nt)), np.empty((r, nt))
     feel(system, state, compiled.halvings, record, Felt(place, speed, forces, push))
     contacts = {
@@ -110,7 +110,8 @@ def simulate(basis: ModalBasis, scene: Scene, clock: Clock) -> Response:
     }
     blows = blow_table(record, motion, basis.omega, compiled, scene, clock, log)
     displacement, velocity = (
-        coordinates(motion, what, k, len(system.omega)) / compiled.scale[k:, None] for what in (DISPLACEMENT, VELOCITY)
+        coordinates(motion, what, modes, modes + len(scene.bodies)) / compiled.scale[k:, None]
+        for what in (DISPLACEMENT, VELOCITY)
     )
     last = state.v[k:] / compiled.scale[k:]
     bodies = {b.name: BodyHistory(displacement[i], velocity[i], float(last[i])) for i, b in enumerate(scene.bodies)}
@@ -122,7 +123,7 @@ def simulate(basis: ModalBasis, scene: Scene, clock: Clock) -> Response:
         clock=clock,
         t=np.arange(nt) / clock.sampling,
         motion=motion,
-        pushed=compiled.rows[:, :k],
+        pushed=compiled.pushed,
         pushes=push,
         bodies=bodies,
         contacts=contacts,
@@ -154,7 +155,7 @@ def _exactly(compiled: Compiled, clock: Clock, state: State, record: Record) -> 
         MAX_STEPS,
     )
     kept = record.kept[0]
-    return Ended.of(how, record), sampled_motion(record.z[:kept].T, record.v[:kept].T, compiled.turn)
+    return Ended.of(how, record), sampled_motion(record.z[:kept].T, record.v[:kept].T, system)
 
 
 def _by_collocation(compiled: Compiled, clock: Clock, state: State, record: Record) -> tuple[Ended, Motion]:

@@ -188,7 +188,13 @@ class ModalBasis:
         return in_time(self.viscous, self.hysteretic, self.omega)
 
     @property
+    def own_damping(self) -> Floats:
+        """What `time_damping` has on its diagonal, of every mode by itself [rad/s] [k]."""
+        structural, omega = np.diag(self.hysteretic), self.omega
+        return np.diag(self.viscous) + np.divide(structural, omega, out=np.zeros_like(omega), where=omega > 0)
+
+    @property
     def damping_ratio(self) -> Floats:
         """Damping ratio zeta of every mode [1]; nan for rigid modes, which have none."""
         with np.errstate(invalid="ignore", divide="ignore"):
-            return np.where(self.omega > 0, np.diag(self.time_damping) / (2.0 * self.omega), np.nan)
+            return np.where(self.omega > 0, self.own_damping / (2.0 * self.omega), np.nan)

@@ -207,7 +207,7 @@ def _weigh_rows(frame: System, shared: Shared, mass: Floats) -> None:
             root = np.sqrt(mass[b])
             rows[a, k + b] = shared.entries[a, b] * (root if a >= shared.weight else 1.0 / root)
             frame.mobility[a] += rows[a, k + b] ** 2
-            if len(frame.energy_form):
+            if len(frame.turn):
                 frame.drives[a, k + b] = rows[a, k + b]
     for o in range(len(shared.struck)):
         root = np.sqrt(mass[shared.struck[o]])

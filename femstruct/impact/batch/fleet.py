@@ -81,7 +81,7 @@ class Fleet:
             rows=np.ones((1, 1)),
             sign=np.ones(1),
             mobility=np.ones(1),
-            energy_form=np.zeros((0, 0)),
+            turn=np.zeros((0, 0, 0)),
         )
         shared = Shared(
             start=compiled.start[:, :k].copy(),
@@ -92,7 +92,7 @@ class Fleet:
             struck=struck,
             weight=weight,
             gravity=scene.gravity,
-            mobility=(compiled.rows[:, :k] ** 2).sum(axis=1),
+            mobility=(compiled.pushed**2).sum(axis=1),
             modes=modes,
             mass=tabulated(unit, levels, collocation_rule()),
         )
@@ -215,7 +215,7 @@ def _hardest(varied: Variation, compiled: Compiled) -> System:
         for word in words:
             interfaces[word] = np.maximum(interfaces[word], runs.interfaces[word].max(axis=0))
     entries = system.rows[:, k:] * compiled.scale[k:]
-    mobility = (compiled.rows[:, :k] ** 2).sum(axis=1) + (entries**2 / lightest).sum(axis=1)
+    mobility = (compiled.pushed**2).sum(axis=1) + (entries**2 / lightest).sum(axis=1)
     return system._replace(interfaces=interfaces, mobility=mobility)
 
 
@@ -238,7 +238,7 @@ def _halvings(varied: Variation, compiled: Compiled, window: Clock) -> int:
         energy = 0.5 * ((runs.mass * runs.velocity**2).sum(axis=1) + structure)
         for law, a in ((contact.law, a) for contact in scene.contacts for a in compiled.contacts[contact.name]):
             mine = runs.interfaces[:, a]
-            mobility = (compiled.rows[a, :k] ** 2).sum() + (
+            mobility = (compiled.pushed[a] ** 2).sum() + (
                 (system.rows[a, k:] * compiled.scale[k:]) ** 2 / runs.mass
             ).sum(axis=1)
             speed = np.sqrt(2.0 * energy * mobility)

@@ -49,7 +49,7 @@ def strays(level: int, h: float, system: System, state: State, rule: Rule, table
             derivatives[a, STAGES] = max(derivatives[a, STAGES], 4.6 * abs(trial.forces[a, j]))
     place, rate, push = tables.stray[level, 0], tables.stray[level, 1], tables.stray_push[level]
     out[:] = 0.0
-    coupled = len(system.energy_form) > 0
+    coupled = len(system.turn) > 0
     for i in range(len(system.omega)):
         z, v = abs(state.z[i]), abs(state.v[i])
         if z != 0.0 or v != 0.0:

@@ -27,7 +27,7 @@ FULL = -1  # in place of a number of events: the log has no room
 def open_books(system: System, state: State, place: Floats, lost: Floats, record: Record) -> float:
     """The first ledger row, and no event so far; returns the total that the others are held against."""
     record.closed[:], record.newest[:], record.size[:] = 0.0, -1, 0.0
-    if len(system.energy_form):
+    if len(system.turn):
         lost[len(system.interfaces) + GIVEN] = modal_energies(system, state)[1]
         keep_row(0, state, record)
     return take_stock(0.0, system, state, place, lost, record.history[0])

@@ -57,7 +57,7 @@ def take_stock(t: float, system: System, state: State, place: Floats, lost: Floa
     `femstruct.impact.engine.modal_energies` parts it."""
     k, n, m = system.n_modes, len(system.omega), len(system.interfaces)
     structure = 0.0
-    if len(system.energy_form):
+    if len(system.turn):
         structure = lost[m + GIVEN]
     else:
         for i in range(k):
@@ -80,13 +80,25 @@ def take_stock(t: float, system: System, state: State, place: Floats, lost: Floa
 @summing
 def modal_energies(system: System, state: State) -> tuple[float, float]:
     """Energy of coupled modes as they are, and what they would lose from now on: the same, told in two ways."""
-    k, held, surplus = system.n_modes, 0.0, 0.0
-    for i in range(2 * k):
-        root, more = 0.0, 0.0
+    k, held, surplus, moving = system.n_modes, 0.0, 0.0, 0
+    for j in range(k):
+        if state.z[j] != 0.0 or state.v[j] != 0.0:
+            moving += 1
+    if moving == 0:
+        return 0.0, 0.0
+    for i in range(len(system.modes)):
+        place, speed = 0.0, 0.0
         for j in range(k):
-            root += system.energy_form[i, j] * state.z[j] + system.energy_form[i, k + j] * state.v[j]
-            more += system.surplus_form[i, j] * state.z[j] + system.surplus_form[i, k + j] * state.v[j]
-        held += 0.5 * root * root
+            place += system.turn[0, i, j] * state.z[j] + system.turn[1, i, j] * state.v[j]
+            speed += system.turn[2, i, j] * state.z[j] + system.turn[3, i, j] * state.v[j]
+        held += 0.5 * ((system.modes[i] * place) ** 2 + speed * speed)
+    for i in range(2 * k):
+        if len(system.surplus) == 0:
+            surplus += 0.5 * (system.misses[i] * (state.z[i] if i < k else state.v[i - k])) ** 2
+            continue
+        more = 0.0
+        for j in range(k):
+            more += system.surplus[i, j] * state.z[j] + system.surplus[i, k + j] * state.v[j]
         surplus += 0.5 * more * (state.z[i] if i < k else state.v[i - k])
     return held, held + surplus
 
@@ -95,7 +107,7 @@ def modal_energies(system: System, state: State) -> tuple[float, float]:
 def part_energies(system: System, state: State, row: Floats) -> float:
     """Part what coupled modes were given, in a ledger row, into what they have and what they lost; returns by how much
     the row's total changes. Without coupled modes it is parted already."""
-    if len(system.energy_form) == 0:
+    if len(system.turn) == 0:
         return 0.0
     held, lasting = modal_energies(system, state)
     lost_at = BODIES + len(system.omega) - system.n_modes + len(system.interfaces)
@@ -122,7 +134,7 @@ def integrate_losses(h: float, system: System, state: State, rule: Rule, trial: 
     for a in range(m, len(system.rows)):
         for p in range(STAGES):
             lost[m + WORK] += h * rule.weights[p] * trial.forces[a, p] * trial.rate[a, p + 1]
-    if len(system.energy_form):
+    if len(system.turn):
         lost[m + GIVEN] += _given(h, system, state, rule, trial)
 
 

@@ -21,7 +21,7 @@ def advance(level: int, system: System, tables: Tables, forces: Floats, z: Float
     work [STAGES + 4, n] : room; the modal forces at the nodes are left in its first STAGES rows.
     """
     n = len(z)
-    if len(system.energy_form):
+    if len(system.turn):
         _advance_oscillators(level, system, tables, forces, z, v, work)
         return 0.0
     for j in range(STAGES):

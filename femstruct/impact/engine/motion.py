@@ -30,8 +30,8 @@ class Motion(NamedTuple):
     free [2, 2, n, j] : displacement, velocity after j samples from unit displacement, velocity;
     forced [d, 2, STAGES, n, j] : from unit forces at the Gauss points of a step of 2^d samples.
     n_samples : of the record.
-    Of modes that damping couples all of this is told of the oscillators in their place: turn [4, k, k], their places,
-    tilts, swings and rates (`femstruct.modal.coupled_damping`), makes motions of modes of theirs; kicks [r, n] : what
+    Of modes that damping couples all of this is told of the oscillators in their place: turn [4, K, k], their places,
+    tilts, swings and rates (`femstruct.modal.coupled_damping`), makes motions of K modes of theirs; kicks [r, n] : what
     acts on z'; omega, damping [n] : of the oscillators. All empty where nothing is coupled.
     """
 
@@ -51,8 +51,8 @@ class Motion(NamedTuple):
     damping: Floats
 
 
-def sampled_motion(z: Floats, v: Floats, turn: Floats | None = None) -> Motion:
-    """The motion that is known at its samples: z, v [n, nt]; turn : as the motion has it."""
+def sampled_motion(z: Floats, v: Floats, system: System | None = None) -> Motion:
+    """The motion that is known at its samples: z, v [n, nt]; system : where oscillators stand for coupled modes."""
     n, nt = z.shape
     return Motion(
         at=np.arange(nt),
@@ -65,10 +65,10 @@ def sampled_motion(z: Floats, v: Floats, turn: Floats | None = None) -> Motion:
         free=np.zeros((2, 2, n, 1)),
         forced=np.zeros((1, 2, STAGES, n, 1)),
         n_samples=nt,
-        turn=np.zeros((4, 0, 0)) if turn is None else turn,
+        turn=np.zeros((4, 0, 0)) if system is None or not len(system.turn) else system.turn,
         kicks=np.zeros((0, 0)),
-        omega=np.zeros(0),
-        damping=np.zeros(0),
+        omega=np.zeros(0) if system is None else system.omega,
+        damping=np.zeros(0) if system is None else system.damping,
     )
 
 
@@ -87,7 +87,7 @@ def modal_motion(motion: Motion, what: int, modes: Integers) -> Floats:
     """Displacement or velocity of some modes at all samples [len(modes), nt]."""
     if not motion.turn.size:
         return coordinates(only(motion, modes), what, 0, len(modes))
-    k = motion.turn.shape[1]
+    k = motion.turn.shape[2]
     at_z, at_v = motion.turn[2 * what : 2 * what + 2, modes]
     out = np.empty((len(modes), motion.n_samples))
     for steps in _by_length(motion, SAMPLES_OF_OSCILLATORS):
@@ -123,7 +123,7 @@ def modal_states(motion: Motion, what: int) -> Floats:
     if not motion.turn.size:
         return motion.z if what == DISPLACEMENT else motion.v
     at_z, at_v = motion.turn[2 * what : 2 * what + 2]
-    k = len(at_z)
+    k = motion.turn.shape[2]
     states: Floats = motion.z[:, :k] @ at_z.T + motion.v[:, :k] @ at_v.T
     return states
 
@@ -131,11 +131,11 @@ def modal_states(motion: Motion, what: int) -> Floats:
 def coordinates(motion: Motion, what: int, first: int, last: int) -> Floats:
     """Displacement or velocity of the coordinates first .. last - 1 at all samples [last - first, nt]: modes, then
     bodies."""
-    k = motion.turn.shape[1]
+    k, own = motion.turn.shape[1:]
     if first < k:
         modes = modal_motion(motion, what, np.arange(first, min(last, k)))
-        return modes if last <= k else np.vstack([modes, _as_they_are(motion, what, k, last)])
-    return _as_they_are(motion, what, first, last)
+        return modes if last <= k else np.vstack([modes, _as_they_are(motion, what, own, own + last - k)])
+    return _as_they_are(motion, what, own + first - k, own + last - k)
 
 
 def _as_they_are(motion: Motion, what: int, first: int, last: int) -> Floats:
@@ -161,9 +161,23 @@ def _as_they_are(motion: Motion, what: int, first: int, last: int) -> Floats:
 
 
 def along(motion: Motion, what: int, rows: Floats) -> Floats:
-    """Displacement or velocity of weighted sums of the first k coordinates, rows [p, k], at all samples [p, nt]."""
+    """Displacement or velocity of weighted sums of the first coordinates, modes, then bodies, rows [p, K], at all
+    samples [p, nt]."""
+    if not motion.turn.size:
+        return seen(motion, what, rows, rows[:0])
+    k = motion.turn.shape[1]
+    places, tilts = (rows[:, :k] @ part for part in motion.turn[:2])
+    own = rows[:, k:]
+    return seen(motion, what, np.hstack([places, own]), np.hstack([tilts, np.zeros_like(own)]))
+
+
+def seen(motion: Motion, what: int, rows: Floats, tilts: Floats) -> Floats:
+    """The same of rows over the coordinates of the motion [p, k], whose displacement is rows . z + tilts . v; without
+    tilts where nothing is coupled."""
+    at_z, at_v = rows, tilts
     k = rows.shape[1]
-    at_z, at_v = _of_states(motion, what, rows)
+    if what == VELOCITY and motion.turn.size:
+        at_z, at_v = -tilts * motion.omega[:k] ** 2, rows - tilts * motion.damping[:k]
     out = np.empty((len(rows), motion.n_samples))
     for steps in _by_length(motion):
         z, v = motion.z[steps.states, :k], motion.v[steps.states, :k]
@@ -194,19 +208,6 @@ def along(motion: Motion, what: int, rows: Floats) -> Floats:
                 samples[acting] += forces @ by_force.reshape(-1, count)
             out[p, places] = samples
     return out
-
-
-def _of_states(motion: Motion, what: int, rows: Floats) -> tuple[Floats, Floats]:
-    """What displacements and rates of coordinates add to weighted sums of displacements or velocities of modes."""
-    k, turned = rows.shape[1], motion.turn.shape[1]
-    if not turned:
-        return (rows, np.zeros_like(rows)) if what == DISPLACEMENT else (np.zeros_like(rows), rows)
-    at_z, at_v = (rows[:, :turned] @ part for part in motion.turn[2 * what : 2 * what + 2])
-    if k > turned:
-        own, none = rows[:, turned:], np.zeros_like(rows[:, turned:])
-        at_z = np.hstack([at_z, own if what == DISPLACEMENT else none])
-        at_v = np.hstack([at_v, none if what == DISPLACEMENT else own])
-    return at_z, at_v
 
 
 def _by_force(motion: Motion, at_z: Floats, at_v: Floats, forced: Floats) -> Floats:
@@ -245,11 +246,11 @@ def inner_tables(
     system: System, halvings: int, rule: Rule, tables: Tables, used: Integers, pushed: Integers
 ) -> tuple[Floats, Floats]:
     """free and forced of a Motion. used [l] : doublings of its long steps; pushed [l] : whether forces act on them."""
-    n, longest = len(system.omega), 1 << LONGEST_DOUBLINGS
+    n, longest = len(system.omega), 1 << int(used.max(initial=0))
     dt = system.tick * 2.0**halvings
-    times = np.array([dt * j for j in range(longest if len(used) else 1)])
+    times = np.array([dt * j for j in range(longest)])
     free = flows(system.omega, system.damping, times).reshape(2, 2, n, -1)
-    forced = np.zeros((LONGEST_DOUBLINGS + 1, 2, STAGES, n, longest if len(used) else 1))
+    forced = np.zeros((LONGEST_DOUBLINGS + 1, 2, STAGES, n, longest))
     flow, push = tables.flow[halvings], tables.push[halvings]
     for d in np.unique(used[pushed > 0]):
         x = np.zeros((STAGES, n))
@@ -281,7 +282,8 @@ def state_at(motion: Motion, what: int, sample: int) -> Floats:
 
 
 def modes_of(motion: Motion, z: Floats, v: Floats) -> tuple[Floats, Floats]:
-    """Displacements and velocities of the modes [k, ...] from the first k coordinates and their rates [k, ...]."""
+    """Displacements and velocities of the modes [K, ...] from the first coordinates and their rates [k, ...], of modes
+    or of the oscillators in their place."""
     if not motion.turn.size:
         return z, v
     places, tilts, swings, rates = motion.turn

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from femstruct.arrays import Floats
-from femstruct.impact.compiled.byte_layout import Counts, Matrix, Vector
-from femstruct.modal.coupled_damping.oscillators import Oscillators
+from femstruct.impact.compiled.byte_layout import Counts, Cube, Matrix, Vector
+from femstruct.modal.coupled_damping.oscillator_set import Oscillators
 
 LINK = -1  # kind of an interface that is no contact
 CONSTANT, HALF_SINE, TABLE = 0, 1, 2  # kinds of loads
@@ -66,9 +66,9 @@ class System(NamedTuple):
     rows [r, n] : contacts, links, then loads; displacement of a row is lower end less upper end (approach), its force
     acts as sign * row. mobility [r] : row . row, the inverse mass behind it at high frequency.
     tilts, kicks, drives [r, n] : displacement = rows . z + tilts . v, its force adds sign * kicks to z' and sign *
-    drives to v'; over_tilts [b, n] : beside over. energy_form, surplus_form [2 k, 2 k] : see `Oscillators`. All empty
-    where nothing couples: then tilts and kicks are zero and drives are the rows. reach [2] : no mode's squared
-    frequency and no damping of modes is larger, in their own coordinates.
+    drives to v'; over_tilts [b, n] : beside over. modes, turn, surplus, misses : see `Oscillators`. All empty where
+    nothing couples: then tilts and kicks are zero and drives are the rows. reach [2] : no mode's squared frequency and
+    no damping of modes is larger, in their own coordinates.
     interfaces : laws of contacts and links (INTERFACE). kind : number of a contact's code in `laws.registry`, or LINK;
     factor : whether its dashpot is a factor of the spring, closing then chi; straight : whether its numbers are
     constants, so that the exact march may take it; indentation = displacement + offset; release in ticks, of a contact:
@@ -99,36 +99,42 @@ class System(NamedTuple):
     kicks: Matrix
     drives: Matrix
     over_tilts: Matrix
-    energy_form: Matrix
-    surplus_form: Matrix
+    modes: Vector
+    turn: Cube
+    surplus: Matrix
+    misses: Vector
     reach: Vector
 
 
 def uncoupled(system: System, start: Floats, found: Oscillators) -> tuple[System, Floats]:
     """The system and its start [2, n] with oscillators in place of its modes; bodies stay as they are."""
-    k, n = system.n_modes, len(system.omega)
-    rows, over = system.rows, system.over
-    omega, own = system.omega.copy(), system.damping.copy()
-    omega[:k], own[:k] = found.omega, found.damping
-    turned = start.copy()
-    turned[0, :k], turned[1, :k] = found.kicks @ start[1, :k], found.drives @ start[1, :k]
+    k, m = system.n_modes, len(found.omega)
+    rows, over, strikes = system.rows, system.over, system.strikes.copy()
+    strikes["coordinate"] += m - k
+    turned = np.zeros((2, m + len(system.omega) - k))
+    turned[:, m:] = start[:, k:]
+    if start[1, :k].any():
+        turned[0, :m], turned[1, :m] = found.kicks @ start[1, :k], found.drives @ start[1, :k]
     return system._replace(
-        omega=omega,
-        damping=own,
+        omega=np.append(found.omega, system.omega[k:]),
+        damping=np.append(found.damping, system.damping[k:]),
+        n_modes=m,
         rows=_seen(rows, found.places, k),
         tilts=_seen(rows, found.tilts, k, bodies=False),
         kicks=_seen(rows, found.kicks.T, k, bodies=False),
         drives=_seen(rows, found.drives.T, k),
+        strikes=strikes,
         over=_seen(over, found.places, k),
         over_tilts=_seen(over, found.tilts, k, bodies=False),
-        energy_form=np.ascontiguousarray(found.energy),
-        surplus_form=np.ascontiguousarray(found.surplus),
+        modes=found.modes,
+        turn=found.turn,
+        surplus=found.surplus,
+        misses=found.misses,
         reach=np.array([system.reach[0], found.largest]),
-    ), turned.reshape(2, n)
+    ), turned
 
 
 def _seen(rows: Floats, matrix: Floats, k: int, bodies: bool = True) -> Floats:
     """Rows over [modes; bodies] through a matrix of the modes; 0 for bodies where they have no such part."""
-    out = rows.copy() if bodies else np.zeros_like(rows)
-    out[:, :k] = rows[:, :k] @ matrix
-    return np.ascontiguousarray(out)
+    own = rows[:, k:] if bodies else np.zeros_like(rows[:, k:])
+    return np.hstack([rows[:, :k] @ matrix, own])

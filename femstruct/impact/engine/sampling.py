@@ -81,7 +81,7 @@ def room_for(system: System, n_samples: int) -> Record:
     blows = len(system.strikes)
     n, m, width = len(system.omega), len(system.interfaces), ledger_width(system)
     longs, rows = n_samples // 2 + 1, n_samples + 2100 + 2 * blows
-    coupled = (rows, system.n_modes) if len(system.energy_form) else (0, 0)
+    coupled = (rows, system.n_modes) if len(system.turn) else (0, 0)
     return Record(
         at=np.empty(n_samples, dtype=np.int64),
         doublings=np.empty(n_samples, dtype=np.int64),
@@ -146,14 +146,14 @@ def motion_of(
         doublings=doublings,
         z=record.z[:states].copy(),
         v=record.v[:states].copy(),
-        acts=system.sign[:, None] * (system.drives if len(system.energy_form) else system.rows),
+        acts=system.sign[:, None] * (system.drives if len(system.turn) else system.rows),
         forces=record.forces[:longs].copy(),
         pushed=pushed,
         free=free,
         forced=forced,
         n_samples=len(record.at),
         turn=np.zeros((4, 0, 0)) if turn is None else turn,
-        kicks=system.sign[:, None] * system.kicks if len(system.energy_form) else system.kicks,
+        kicks=system.sign[:, None] * system.kicks if len(system.turn) else system.kicks,
         omega=system.omega,
         damping=system.damping,
     )

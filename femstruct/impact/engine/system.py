@@ -28,7 +28,7 @@ from femstruct.impact.laws.registry import CODES
 from femstruct.impact.scene.bodies import Clock, Contact, End, Ground, HalfSine, Link, Load, Scene
 from femstruct.modal.basis import ModalBasis
 from femstruct.modal.coupled_damping.kept import oscillators_of
-from femstruct.modal.coupled_damping.oscillators import Oscillators
+from femstruct.modal.coupled_damping.oscillator_set import Oscillators
 from femstruct.model.probe import Probe
 
 
@@ -36,8 +36,8 @@ from femstruct.model.probe import Probe
 class Compiled:
     """A System, the start of its coordinates, and which rows carry which name.
 
-    start [2, n]; scale [n] : coordinate over displacement (1 for modes, sqrt(m) for bodies). rows [r, n] : over modes
-    and bodies, whatever couples them; oscillators : of modes that damping couples, None where it couples none.
+    start [2, n]; scale [n] : coordinate over displacement (1 for modes, sqrt(m) for bodies). rows [r, K + b] : over
+    modes and bodies, whatever couples them; oscillators : of modes that damping couples, None where it couples none.
     contacts : rows of a contact by name (two for a stop); links : row of a link by name.
     """
 
@@ -52,12 +52,15 @@ class Compiled:
     oscillators: Oscillators | None
 
     @property
+    def pushed(self) -> Floats:
+        """The rows over the modes alone [r, K]."""
+        bodies = len(self.system.omega) - self.system.n_modes
+        return self.rows[:, : self.rows.shape[1] - bodies]
+
+    @property
     def turn(self) -> Floats:
-        """Places, tilts, swings and rates of the oscillators [4, k, k], empty without."""
-        found = self.oscillators
-        if found is None:
-            return np.zeros((4, 0, 0))
-        return np.stack([found.places, found.tilts, found.swings, found.rates])
+        """Places, tilts, swings and rates of the oscillators [4, K, k], empty without."""
+        return np.zeros((4, 0, 0)) if self.oscillators is None else self.oscillators.turn
 
 
 def compile_scene(basis: ModalBasis, scene: Scene, clock: Clock, finest: int = FINEST_HALVINGS) -> Compiled:
@@ -84,10 +87,10 @@ def compile_scene(basis: ModalBasis, scene: Scene, clock: Clock, finest: int = F
     kinks = releases.union(weights, {int(strike["tick"]) for strike in strikes}, *bends)
 
     matrix = np.array(interfaces.rows + loads.rows).reshape(-1, len(on.scale))
-    damping = basis.time_damping
+    damping = basis.own_damping
     system = System(
         omega=np.concatenate((basis.omega, np.zeros(len(bodies)))),
-        damping=np.concatenate((np.diag(damping), np.zeros(len(bodies)))),
+        damping=np.append(damping, np.zeros(len(bodies))),
         n_modes=k,
         rows=np.ascontiguousarray(matrix),
         sign=np.concatenate((-np.ones(len(interfaces.rows)), np.ones(len(loads.rows)))),
@@ -104,14 +107,17 @@ def compile_scene(basis: ModalBasis, scene: Scene, clock: Clock, finest: int = F
         kicks=np.zeros((0, 0)),
         drives=np.zeros((0, 0)),
         over_tilts=np.zeros((0, 0)),
-        energy_form=np.zeros((0, 0)),
-        surplus_form=np.zeros((0, 0)),
-        reach=np.array([np.max(basis.omega, initial=0.0) ** 2, np.max(np.diag(damping), initial=0.0)]),
+        modes=np.zeros(0),
+        turn=np.zeros((0, 0, 0)),
+        surplus=np.zeros((0, 0)),
+        misses=np.zeros(0),
+        reach=np.array([np.max(basis.omega, initial=0.0) ** 2, np.max(damping, initial=0.0)]),
     )
-    start, found = _start(scene, on), oscillators_of(basis.omega, damping)
+    start, scale, found = _start(scene, on), on.scale, oscillators_of(basis)
     if found is not None:
         system, start = uncoupled(system, start, found)
-    return Compiled(system, start, on.scale, contact_rows, link_rows, n_samples, halvings, matrix, found)
+        scale = np.append(np.ones(system.n_modes), on.scale[k:])
+    return Compiled(system, start, scale, contact_rows, link_rows, n_samples, halvings, matrix, found)
 
 
 @dataclass(frozen=True, eq=False)

@@ -109,7 +109,7 @@ def exact_room(system: System) -> ExactRoom:
     n, r, m, size = len(system.omega), len(system.rows), len(system.interfaces), ORDER + 1
     return ExactRoom(
         z=np.zeros((size, n)),
-        w=np.zeros((size, n) if len(system.energy_form) else (0, 0)),
+        w=np.zeros((size, n) if len(system.turn) else (0, 0)),
         place=np.zeros((r, size)),
         rate=np.zeros((r, size)),
         force=np.zeros((r, size)),

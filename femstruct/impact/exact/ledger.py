@@ -34,7 +34,7 @@ def integrate_step(system: System, state: State, h: float, order: int, damped: b
             for g in range(GAUSS):
                 force = value_of(room.force[a], order, rule.at_nodes[g])
                 lost[m + WORK] += h * rule.weights[g] * force * value_of(room.rate[a], order, rule.at_nodes[g])
-    if len(system.energy_form):
+    if len(system.turn):
         _give(system, h, order, rule, room)
         return
     if not damped:

@@ -86,7 +86,7 @@ def expand(system: System, state: State, rule: ExactRule, room: ExactRoom, h: fl
     With y_k = k! z_k, the derivatives, no term is divided by anything: y_(k+2) = h^2 forces_k - (omega h)^2 y_k -
     damping h y_(k+1), and forces_k from the rows' own y_k and y_(k+1).
     """
-    if len(system.energy_form):
+    if len(system.turn):
         _expand_oscillators(system, state, rule, room, h, order)
         return
     n, m, r = len(system.omega), len(system.interfaces), len(system.rows)

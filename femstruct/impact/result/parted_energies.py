@@ -7,6 +7,7 @@ import numpy as np
 from femstruct.impact.engine.energy import BODIES, STRUCTURE
 from femstruct.impact.engine.sampling import DRIFT, Record
 from femstruct.impact.engine.system import Compiled
+from femstruct.modal.coupled_damping.energies_of_states import energies_of_states
 
 
 def part_history(compiled: Compiled, record: Record, rows: int) -> None:
@@ -21,10 +22,11 @@ def part_history(compiled: Compiled, record: Record, rows: int) -> None:
     if found is None:
         return
     history = record.history[:rows]
-    states = np.hstack([record.rows_z[:rows], record.rows_v[:rows]])
-    held = 0.5 * ((states @ found.energy.T) ** 2).sum(axis=1)
-    lasting = held + 0.5 * (states * (states @ found.surplus)).sum(axis=1)
+    given = history[:, STRUCTURE]
+    held, surplus = energies_of_states(
+        found, record.rows_z[:rows], record.rows_v[:rows], float(np.abs(given).max(initial=0.0))
+    )
     lost_at = BODIES + len(system.omega) - system.n_modes + len(system.interfaces)
-    history[:, lost_at] = history[:, STRUCTURE] - lasting
+    history[:, lost_at] = given - (held + surplus)
     history[:, STRUCTURE] = held
-    record.totals[DRIFT] += np.abs(held - lasting).max(initial=0.0)
+    record.totals[DRIFT] += np.abs(surplus).max(initial=0.0)

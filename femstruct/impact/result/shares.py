@@ -78,7 +78,7 @@ def held_over_time(response: Response, t: Floats) -> dict[str, Floats]:
     if not response.basis.holders:
         return {}
     samples = np.clip(np.round(t * response.clock.sampling).astype(int), 0, len(response.t) - 1)
-    k = len(response.basis.omega)
+    k = response.motion.turn.shape[2] or len(response.basis.omega)
     z, v = (
         np.stack([state_at(response.motion, what, int(sample))[:k] for sample in samples], axis=1)
         for what in (DISPLACEMENT, VELOCITY)
@@ -184,7 +184,7 @@ def _rates(t: float, y: Floats, system: System, rest: Floats) -> Floats:
         + [load_at(system, i, t) for i in range(len(system.loads))]
     )
     inner, push = -(system.omega**2) * z - system.damping * v, system.sign * force
-    if len(system.energy_form):
+    if len(system.turn):
         return np.concatenate((v + push @ system.kicks, inner + push @ system.drives))
     return np.concatenate((v, inner + push @ system.rows))
 
@@ -192,7 +192,7 @@ def _rates(t: float, y: Floats, system: System, rest: Floats) -> Floats:
 def _seen(system: System, z: Floats, v: Floats) -> tuple[Floats, Floats]:
     """Displacements and velocities of all rows [r]."""
     place, rate = system.rows @ z, system.rows @ v
-    if len(system.energy_form):
+    if len(system.turn):
         place, rate = place + system.tilts @ v, rate - system.tilts @ (system.omega**2 * z + system.damping * v)
     return place, rate
 

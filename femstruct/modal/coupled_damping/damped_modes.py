@@ -32,7 +32,7 @@ def damped_modes(basis: ModalBasis) -> DampedModes | None:
     >>> damped_modes(basis) is None
     True
     """
-    found = oscillators_of(basis.omega, basis.time_damping)
+    found = oscillators_of(basis)
     if found is None:
         return None
     swings = (found.damping < 2.0 * found.omega) & (found.omega <= 2.0 * np.pi * basis.complete_below_hz)

@@ -48,21 +48,19 @@ def loss_form(omega: Floats, damping: Floats, taken: Floats) -> tuple[Floats, Fl
     return form, np.where(np.tile(lossy, (2, 2)), ROUNDING * (noise + np.abs(form)), np.inf)
 
 
-def loss_surplus(
-    omega: Floats, damping: Floats, speeds: Floats, matrix: Floats, energy: Floats, reach: Floats
-) -> Floats:
+def loss_surplus(omega: Floats, damping: Floats, speeds: Floats, matrix: Floats, gram: Floats, reach: Floats) -> Floats:
     """What free motion loses from now on, as a form of its state, less the energy [2 k, 2 k].
 
-    speeds [m, 2 k] : q' = speeds y; matrix [m, m] : damping, which takes q' . matrix q'. energy [2 k, 2 k] : E =
-    |energy y|^2 / 2. reach [k] : how much larger the energy of an oscillator may be than that of all of them.
+    speeds [m, 2 k] : q' = speeds y; matrix [m, m] : damping, which takes q' . matrix q'. gram [2 k, 2 k] : the energy
+    is y . gram y / 2. reach [k] : how much larger the energy of an oscillator may be than that of all of them.
 
     Zero where it is lost in rounding: for a rate of 1e9 1/s beside one of 1 1/s, and for oscillators of almost one
     shape, which carry large motions against each other.
     """
     k = len(omega)
     form, noise = loss_form(omega, damping, 2.0 * (speeds.T @ (matrix @ speeds)))
-    root = np.linalg.norm(energy, axis=0) / np.tile(np.maximum(reach, 1.0), 2)
+    root = np.sqrt(np.diag(gram)) / np.tile(np.maximum(reach, 1.0), 2)
     known = (noise <= KNOWN * np.outer(root, root)).reshape(2, k, 2, k).all(axis=(0, 2))
-    surplus = np.where(np.tile(known, (2, 2)), form - energy.T @ energy, 0.0)
+    surplus = np.where(np.tile(known, (2, 2)), form - gram, 0.0)
     symmetric: Floats = 0.5 * (surplus + surplus.T)
     return symmetric

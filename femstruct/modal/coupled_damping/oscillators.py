@@ -26,7 +26,7 @@ from scipy.sparse import csr_array
 from femstruct.arrays import Floats, Integers
 from femstruct.errors import NotConverged
 from femstruct.modal.coupled_damping.eigenpairs import Complex, eigenpairs
-from femstruct.modal.coupled_damping.loss_form import loss_surplus
+from femstruct.modal.coupled_damping.oscillator_set import Oscillators, in_order
 
 APART: Final = 1e-14  # of the root of both their own damping: what couples two modes less than that is rounding
 FREE: Final = 1e-13  # of the largest damping of modes without stiffness: one that is held by less is free
@@ -35,37 +35,12 @@ PROVEN: Final = 1e-9  # of what the oscillators miss of damping and stiffness: a
 ADDED: Final = (0.0, 1e-12, 1e-10, 1e-9, 1e-8)  # shares of the damping that are added, until the residual is proven
 
 
-@dataclass(frozen=True, eq=False)
-class Oscillators:
-    """Oscillators in place of k modes that damping couples; rates are in rad/s.
-
-    omega, damping [k] : w and c of each. places, tilts [k, k] : q = places z + tilts v; swings, rates [k, k] : q' =
-    swings z + rates v. kicks, drives [k, k] : z' = v + kicks u, v' = -w^2 z - c v + drives u under modal forces u.
-    energy [2 k, 2 k] : rows of root-energies, E = |energy y|^2 / 2 for y = [z, v]. surplus [2 k, 2 k] : symmetric; by
-    the damping alone free motion loses E + y . surplus y / 2 from now on: zero but for errors of the oscillators.
-    residual : what they miss of damping and stiffness, over the rates of the modes [1]. added : share of the damping
-    that was added [1]. largest : eigenvalue of the damping matrix [rad/s].
-    """
-
-    omega: Floats
-    damping: Floats
-    places: Floats
-    tilts: Floats
-    swings: Floats
-    rates: Floats
-    kicks: Floats
-    drives: Floats
-    energy: Floats
-    surplus: Floats
-    residual: float
-    added: float
-    largest: float
-
-
-def oscillators(omega: Floats, damping: Floats) -> Oscillators:
+def oscillators(omega: Floats, damping: Floats, resting: bool = True) -> Oscillators:
     """The oscillators of modes of these circular frequencies [k] [rad/s] and this damping matrix [k, k] [rad/s].
 
-    Modes that the matrix does not couple stay what they are, in their places.
+    Modes that the matrix does not couple stay what they are. resting : whether anybody asks where modes without
+    stiffness are. Where nobody does there is an oscillator less for every two of them, and they are told from where
+    they come to rest in the end.
 
     Raises NotConverged where no pairs are found whose residual is below 1e-9.
 
@@ -85,27 +60,23 @@ def oscillators(omega: Floats, damping: Floats) -> Oscillators:
     coupled = [one for one in groups if len(one) > 1]
     own = np.array([one[0] for one in groups if len(one) == 1], dtype=np.int64)
     whole = np.where(linked, whole, 0.0) + np.diag(np.diag(whole))
-    w, c = omega.copy(), np.diag(whole).copy()
+    w, c = [omega[own]], [np.diag(whole)[own]]
     places, tilts, kicks, drives = (np.zeros((k, k)) for _ in range(4))
-    places[own, own] = drives[own, own] = 1.0
-    residual, added = 0.0, 0.0
+    m, residual, added = len(own), 0.0, 0.0
+    places[own, np.arange(m)] = drives[np.arange(m), own] = 1.0
     for some in coupled:
         here = np.ix_(some, some)
-        found, lossy, share = _proven(omega[some], whole[here])
+        found, lossy, share = _proven(omega[some], whole[here], resting)
         whole[here] = lossy
-        w[some], c[some] = found.omega, found.damping
-        places[here], tilts[here], kicks[here], drives[here] = found.places, found.tilts, found.kicks, found.drives
+        w, c = [*w, found.omega], [*c, found.damping]
+        theirs = np.arange(m, m + len(found.omega))
+        m += len(theirs)
+        places[np.ix_(some, theirs)], tilts[np.ix_(some, theirs)] = found.places, found.tilts
+        kicks[np.ix_(theirs, some)], drives[np.ix_(theirs, some)] = found.kicks, found.drives
         residual, added = max(residual, found.residual), max(added, share)
-    places, tilts, kicks, drives, whole = (
-        turn @ places, turn @ tilts, kicks @ turn.T, drives @ turn.T, turn @ whole @ turn.T
-    )  # fmt: skip
-    swings, rates = -tilts * w**2, places - tilts * c
-    energy = np.block([[omega[:, None] * places, omega[:, None] * tilts], [swings, rates]])
-    reach = np.maximum(np.linalg.norm(kicks, axis=1) * np.linalg.norm(energy[:, :k], axis=0),
-                       np.linalg.norm(drives, axis=1) * np.linalg.norm(energy[:, k:], axis=0))  # fmt: skip
-    surplus = loss_surplus(w, c, np.hstack([swings, rates]), whole, energy, reach)
-    largest = float(np.abs(np.linalg.eigvalsh(whole)).max())
-    return Oscillators(w, c, places, tilts, swings, rates, kicks, drives, energy, surplus, residual, added, largest)
+    places, tilts = turn @ places[:, :m], turn @ tilts[:, :m]
+    kicks, drives, whole = kicks[:m] @ turn.T, drives[:m] @ turn.T, turn @ whole @ turn.T
+    return in_order(omega, np.concatenate(w), np.concatenate(c), (places, tilts, kicks, drives), whole, residual, added)
 
 
 def _apart(still: Integers, damping: Floats) -> tuple[Floats, Floats]:
@@ -124,12 +95,12 @@ def _apart(still: Integers, damping: Floats) -> tuple[Floats, Floats]:
     return turn, whole
 
 
-def _proven(omega: Floats, damping: Floats) -> tuple[_Group, Floats, float]:
+def _proven(omega: Floats, damping: Floats, resting: bool) -> tuple[_Group, Floats, float]:
     """Oscillators of modes that are all coupled, with the least that must be added to their damping; the damping they
     have, and the share that was added."""
     for share in ADDED:
         lossy = damping + _more(damping, share)
-        found = _of_group(omega, lossy)
+        found = _of_group(omega, lossy, resting)
         if found is not None:
             return found, lossy, share
     raise NotConverged(
@@ -159,37 +130,48 @@ def _more(damping: Floats, share: float) -> Floats:
     return more
 
 
-def _of_group(omega: Floats, damping: Floats) -> _Group | None:
-    """Oscillators of modes that are coupled; None where they do not satisfy the equation of motion."""
+def _of_group(omega: Floats, damping: Floats, resting: bool) -> _Group | None:
+    """Oscillators of modes that are coupled; None where they do not satisfy the equation of motion.
+
+    Where nobody asks where modes without stiffness rest, an even number of these displacements is left out, with the
+    eigenvalues zero whose shapes they are by themselves: nothing else depends on them.
+    """
+    still = np.flatnonzero(omega == 0.0)
+    out = 0 if resting else len(still) - len(still) % 2
+    told = np.delete(np.arange(len(omega)), still[:out])
     k, largest = len(omega), max(float(omega.max(initial=0.0)), float(np.abs(damping).max()))
     scale = np.where(omega > 0.0, omega, largest)
     try:
         values, shapes = eigenpairs(omega, damping)
-        first, second = _pairs(values, shapes, damping)
+        values, shapes = values[out:], shapes[:, out:]
+        first, second = _pairs(values, shapes, damping, alike=out == 0)
         w, c, places, tilts = _oscillators_of(values, shapes, first, second)
         swings, rates = -tilts * w**2, places - tilts * c
-        widths = np.concatenate([1.0 / np.where(w > 0.0, w, largest), np.ones(k)])
-        motion = np.block([[scale[:, None] * places, scale[:, None] * tilts], [swings, rates]]) * widths
+        widths = np.concatenate([1.0 / np.where(w > 0.0, w, largest), np.ones(len(w))])
+        still_told = np.hstack([scale[told, None] * places[told], scale[told, None] * tilts[told]])
+        motion = np.vstack([still_told, np.hstack([swings, rates])]) * widths
         inverse = widths[:, None] * np.linalg.inv(motion)
     except np.linalg.LinAlgError:
         return None
-    kicks, drives = inverse[:k, k:], inverse[k:, k:]
+    m, n = len(w), len(told)
+    kicks, drives = inverse[:m, n:], inverse[m:, n:]
     moved = np.hstack([-rates * w**2, swings - rates * c])  # accelerations of free motion
     missed = moved @ inverse
-    missed[:, k:] += damping
-    missed[:, :k] += np.diag(omega**2 / scale)
+    missed[:, n:] += damping
+    missed[told, np.arange(n)] += omega[told] ** 2 / scale[told]
     paces = np.sqrt(omega + np.maximum(np.diag(damping), 0.0))
-    miss = np.abs(missed) / np.outer(paces, np.concatenate([paces, paces]))
-    stays = scale[:, None] * (places @ kicks + tilts @ drives)
+    miss = np.abs(missed) / np.outer(paces, np.concatenate([paces[told], paces]))
+    stays = scale[told, None] * (places[told] @ kicks + tilts[told] @ drives)
     starts = swings @ kicks + rates @ drives - np.eye(k)
     worst = float(max(miss.max(), np.abs(stays).max(), np.abs(starts).max()))
     return _Group(w, c, places, tilts, kicks, drives, worst) if worst < PROVEN else None
 
 
-def _pairs(values: Complex, shapes: Complex, damping: Floats) -> tuple[Integers, Integers]:
+def _pairs(values: Complex, shapes: Complex, damping: Floats, alike: bool) -> tuple[Integers, Integers]:
     """Numbers of the eigenvalues of each pair, ascending by the product: complex ones with their conjugates; of real
     ones those with phi (2 lambda + C) phi > 0, the slow root of a mode by itself, with the same number of those below
-    zero, with which they have most of their shape in common."""
+    zero, with which they have most of their shape in common. Not `alike`: the slower half of them with the faster, so
+    that those of a pair are far apart."""
     real = values.imag == 0.0
     upper, lower = np.flatnonzero(values.imag > 0.0), np.flatnonzero(values.imag < 0.0)
     upper = upper[np.lexsort((values[upper].real, values[upper].imag))]
@@ -197,15 +179,21 @@ def _pairs(values: Complex, shapes: Complex, damping: Floats) -> tuple[Integers,
     alone = np.flatnonzero(real)
     if len(alone) % 2 or len(upper) != len(lower):
         raise np.linalg.LinAlgError("eigenvalues without partners")
+    half = len(alone) // 2
+    if not alike:
+        alone = alone[np.argsort(-values[alone].real, kind="stable")]
+        return _ascending(values, np.append(upper, alone[:half]), np.append(lower, alone[half:]))
     own = shapes[:, alone].real
     own = own / np.linalg.norm(own, axis=0)
     kind = 2.0 * values[alone].real + (own * (damping @ own)).sum(axis=0)
     order = np.argsort(-kind, kind="stable")
-    half = len(alone) // 2
     slow, fast = order[:half], order[half:]
     slow_at, fast_at = scipy.optimize.linear_sum_assignment(-np.abs(own[:, slow].T @ own[:, fast]))
-    first = np.concatenate([upper, alone[slow[slow_at]]])
-    second = np.concatenate([lower, alone[fast[fast_at]]])
+    return _ascending(values, np.append(upper, alone[slow[slow_at]]), np.append(lower, alone[fast[fast_at]]))
+
+
+def _ascending(values: Complex, first: Integers, second: Integers) -> tuple[Integers, Integers]:
+    """Pairs of eigenvalues by their product."""
     order = np.argsort(np.abs(values[first] * values[second]), kind="stable")
     return first[order], second[order]
 

@@ -12,7 +12,7 @@ from femstruct.conventions import GRAVITY
 from femstruct.impact.result.response import Response
 from femstruct.modal.basis import ModalBasis
 from femstruct.modal.coupled_damping.kept import oscillators_of
-from femstruct.modal.coupled_damping.oscillators import Oscillators
+from femstruct.modal.coupled_damping.oscillator_set import Oscillators
 from femstruct.study.acting import PlacedBody
 
 BLOW_S: Final = 0.25  # after its start, within which a blow is over
@@ -50,7 +50,7 @@ def coupled(basis: ModalBasis, modes: Integers) -> Oscillators | None:
     own = np.diag(among)
     if np.abs(among - np.diag(own)).max(initial=0.0) <= DIAGONAL * np.abs(own).max(initial=0.0):
         return None
-    return oscillators_of(basis.omega, damping)
+    return oscillators_of(basis)
 
 
 def driven_rates(

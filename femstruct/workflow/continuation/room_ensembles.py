@@ -27,7 +27,7 @@ from femstruct.arrays import Floats, Integers
 from femstruct.impact.result.response import Response
 from femstruct.impact.scene.impact_sources import BETWEEN_BLOWS
 from femstruct.modal.basis import ModalBasis
-from femstruct.modal.coupled_damping.oscillators import Oscillators
+from femstruct.modal.coupled_damping.oscillator_set import Oscillators
 from femstruct.study.asked import RoomPlan
 from femstruct.study.room_surfaces import placed_room
 from femstruct.study.study import Study
