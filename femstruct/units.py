@@ -13,112 +13,16 @@ from collections.abc import Collection, Mapping, Sequence
 from decimal import Decimal, DecimalException
 from fractions import Fraction
 from functools import lru_cache
-from typing import Final, NamedTuple
+from typing import Final
 
+from femstruct.dimensions import DIMENSIONS, UNITS, Dimension, Exponents, Unit, powers
 from femstruct.errors import InputError, shown_as
-
-Exponents = tuple[Fraction, ...]  # of kg, m, s, rad, cycle and decibel
 
 
 class QuantityError(InputError, ValueError):
     """A text or number that is not the quantity it should be."""
 
 
-class _Unit(NamedTuple):
-    factor: Decimal
-    exponents: Exponents
-
-
-class _Dimension(NamedTuple):
-    words: str
-    unit: str
-    example: str
-    exponents: Exponents
-
-
-def _powers(kg: float = 0, m: float = 0, s: float = 0, rad: float = 0, cycle: float = 0, db: float = 0) -> Exponents:
-    return tuple(Fraction(power) for power in (kg, m, s, rad, cycle, db))
-
-
-_PI: Final = Decimal("3.14159265358979323846264338327950288")
-_PREFIX: Final = {
-    "": Decimal(1), "n": Decimal("1e-9"), "u": Decimal("1e-6"), "µ": Decimal("1e-6"), "μ": Decimal("1e-6"),
-    "m": Decimal("1e-3"), "c": Decimal("1e-2"), "h": Decimal("1e2"), "k": Decimal("1e3"), "M": Decimal("1e6"),
-    "G": Decimal("1e9"),
-}  # fmt: skip
-_SYMBOLS: Final = {  # symbol: (its prefixes, factor, exponents)
-    "m": (("", "n", "u", "µ", "μ", "m", "c", "k"), Decimal(1), _powers(m=1)),
-    "g": (("", "u", "m", "k"), Decimal("1e-3"), _powers(kg=1)),
-    "t": (("",), Decimal(1000), _powers(kg=1)),
-    "s": (("", "n", "u", "µ", "μ", "m"), Decimal(1), _powers(s=1)),
-    "min": (("",), Decimal(60), _powers(s=1)),
-    "Hz": (("", "k", "M"), Decimal(1), _powers(s=-1, cycle=1)),
-    "rpm": (("",), 2 * _PI / 60, _powers(s=-1, rad=1)),
-    "rad": (("", "m"), Decimal(1), _powers(rad=1)),
-    "deg": (("",), _PI / 180, _powers(rad=1)),
-    "°": (("",), _PI / 180, _powers(rad=1)),
-    "N": (("", "u", "m", "k", "M", "G"), Decimal(1), _powers(kg=1, m=1, s=-2)),
-    "Pa": (("", "u", "m", "h", "k", "M", "G"), Decimal(1), _powers(kg=1, m=-1, s=-2)),
-    "bar": (("", "m"), Decimal(100000), _powers(kg=1, m=-1, s=-2)),
-    "J": (("", "m", "k"), Decimal(1), _powers(kg=1, m=2, s=-2)),
-    "%": (("",), Decimal("1e-2"), _powers()),
-    "dB": (("",), Decimal(1), _powers(db=1)),  # a number of its own: no ratio
-}  # fmt: skip
-_UNITS: Final = {
-    prefix + symbol: _Unit(_PREFIX[prefix] * factor, exponents)
-    for symbol, (prefixes, factor, exponents) in _SYMBOLS.items()
-    for prefix in prefixes
-}
-
-DIMENSIONS: Final = {
-    "ratio": _Dimension("a ratio", "1", "2 %", _powers()),
-    "length": _Dimension("a length", "m", "5 mm", _powers(m=1)),
-    "area": _Dimension("an area", "m^2", "3.14e-4 m^2", _powers(m=2)),
-    "second moment": _Dimension("a second moment of area", "m^4", "2.1e-8 m^4", _powers(m=4)),
-    "angle": _Dimension("an angle", "rad", "90 deg", _powers(rad=1)),
-    "mass": _Dimension("a mass", "kg", "54 g", _powers(kg=1)),
-    "mass/length": _Dimension("a mass per length", "kg/m", "1.2 kg/m", _powers(kg=1, m=-1)),
-    "mass/area": _Dimension("a mass per area", "kg/m^2", "5 kg/m^2", _powers(kg=1, m=-2)),
-    "inertia": _Dimension("a moment of inertia", "kg*m^2", "60 kg*m^2", _powers(kg=1, m=2)),
-    "density": _Dimension("a density", "kg/m^3", "7850 kg/m^3", _powers(kg=1, m=-3)),
-    "time": _Dimension("a time", "s", "20 ms", _powers(s=1)),
-    "level": _Dimension("a level", "dB", "53 dB", _powers(db=1)),
-    "rate": _Dimension("a rate", "1/s", "12 1/s", _powers(s=-1)),
-    "frequency": _Dimension("a frequency", "Hz", "19.9 Hz", _powers(s=-1, cycle=1)),
-    "angular speed": _Dimension("an angular speed", "rad/s", "3 rad/s", _powers(s=-1, rad=1)),
-    "speed": _Dimension("a speed", "m/s", "1.2 m/s", _powers(m=1, s=-1)),
-    "acceleration": _Dimension("an acceleration", "m/s^2", "9.81 m/s^2", _powers(m=1, s=-2)),
-    "force": _Dimension("a force", "N", "1.5 kN", _powers(kg=1, m=1, s=-2)),
-    "pressure": _Dimension("a pressure", "Pa", "5.9 GPa", _powers(kg=1, m=-1, s=-2)),
-    "moment": _Dimension("a moment", "N*m", "3 N*m", _powers(kg=1, m=2, s=-2)),
-    "stiffness": _Dimension("a stiffness", "N/m", "507 N/m", _powers(kg=1, s=-2)),
-    "stiffness/length": _Dimension("a stiffness per length", "N/m^2", "2.2e5 N/m^2", _powers(kg=1, m=-1, s=-2)),
-    "stiffness/area": _Dimension("a stiffness per area", "N/m^3", "10 MN/m^3", _powers(kg=1, m=-2, s=-2)),
-    "rotational stiffness": _Dimension("a rotational stiffness", "N*m/rad", "1 kN*m/rad", _powers(1, 2, -2, -1)),
-    "rotational stiffness/length": _Dimension(
-        "a rotational stiffness per length", "N*m/m", "40 kN*m/m", _powers(1, 1, -2, -1)
-    ),
-    "mobility": _Dimension("a mobility", "m/s/N", "1e-5 m/s/N", _powers(kg=-1, s=1)),
-    "damping": _Dimension("a damping constant", "N*s/m", "40 N*s/m", _powers(kg=1, s=-1)),
-    "rotational damping": _Dimension("a rotational damping", "N*m*s/rad", "2 N*m*s/rad", _powers(1, 2, -1, -1)),
-    "hertz stiffness": _Dimension("a Hertz stiffness", "N/m^1.5", "3.7e5 N/m^1.5", _powers(1, -0.5, -2)),
-    "hertz damping": _Dimension("a Hertz damping", "N*s/m^1.5", "150 N*s/m^1.5", _powers(1, -0.5, -1)),
-    "dissipation": _Dimension("a dissipation factor", "s/m", "0.3 s/m", _powers(m=-1, s=1)),
-    "inertance": _Dimension("an inertance", "kg/m^4", "22 kg/m^4", _powers(kg=1, m=-4)),
-    "flow resistance": _Dimension("a flow resistance", "Pa*s/m^3", "500 Pa*s/m^3", _powers(kg=1, m=-4, s=-1)),
-    "flow resistivity": _Dimension("a flow resistivity", "Pa*s/m^2", "10 kPa*s/m^2", _powers(kg=1, m=-3, s=-1)),
-    "specific impedance": _Dimension("a specific impedance", "Pa*s/m", "8 kPa*s/m", _powers(kg=1, m=-2, s=-1)),
-    "force psd": _Dimension("a spectral density of a force", "N^2/Hz", "2 N^2/Hz", _powers(2, 2, -3, 0, -1)),
-    "speed psd": _Dimension(
-        "a spectral density of a velocity", "m^2/s^2/Hz", "1e-9 m^2/s^2/Hz", _powers(0, 2, -1, 0, -1)
-    ),
-    "moment psd": _Dimension("a spectral density of a moment", "N^2*m^2/Hz", "2 N^2*m^2/Hz", _powers(2, 4, -3, 0, -1)),
-    "pressure psd": _Dimension("a spectral density of a pressure", "Pa^2/Hz", "4 Pa^2/Hz", _powers(2, -2, -3, 0, -1)),
-    "acceleration psd": _Dimension(
-        "a spectral density of an acceleration", "m^2/s^4/Hz", "1 m^2/s^4/Hz", _powers(0, 2, -3, 0, -1)
-    ),
-    "bending stiffness": _Dimension("a bending stiffness", "N*m^2", "25 N*m^2", _powers(kg=1, m=3, s=-2)),
-}  # fmt: skip
 _WITHOUT_RAD: Final = (
     "rotational stiffness",
     "rotational stiffness/length",
@@ -131,7 +35,7 @@ _COMMA: Final = re.compile(r"[+-]?\d+,\d[\d.,]*", re.ASCII)
 _FACTOR: Final = re.compile(r"([^\W\d_]+|%|°|1)\^?(-?\d+(?:\.\d+)?|\(-?\d+/[1-9]\d*\))?")
 _NEAR: Final = 0.75  # how alike an unknown unit and a known one are: kHzz and kHz; not dm and m
 _TWINS: Final = ("u", "\N{GREEK SMALL LETTER MU}")  # written as the micro sign
-_KINDS: Final = frozenset(unit.exponents for unit in _UNITS.values())
+_KINDS: Final = frozenset(unit.exponents for unit in UNITS.values())
 _STRESSES: Final = 1e4  # Pa
 _LONGEST: Final = 80  # characters; no quantity needs more
 
@@ -163,8 +67,8 @@ def power_stiffness(value: object, exponent: float) -> float:
     (7962.143411, 7962.143411)
     """
     unit = f"N/m^{exponent:g}" if exponent != 1.0 else "N/m"
-    powers = (Fraction(1), 1 - Fraction(str(float(exponent))), Fraction(-2), *_powers()[3:])
-    return _read(value, {"stiffness of a power": _Dimension("a stiffness", unit, f"1e6 {unit}", powers)})[0]
+    exponents = (Fraction(1), 1 - Fraction(str(float(exponent))), Fraction(-2), *powers()[3:])
+    return _read(value, {"stiffness of a power": Dimension("a stiffness", unit, f"1e6 {unit}", exponents)})[0]
 
 
 def readable(unit: str, largest: float) -> tuple[float, str]:
@@ -187,7 +91,7 @@ def quantity_of(value: object, dimensions: Sequence[str]) -> tuple[float, str | 
     return _read(value, {name: DIMENSIONS[name] for name in dimensions})
 
 
-def _read(value: object, dimensions: Mapping[str, _Dimension]) -> tuple[float, str | None]:
+def _read(value: object, dimensions: Mapping[str, Dimension]) -> tuple[float, str | None]:
     expected = " or ".join(f"{one.words} [{one.unit}]" for one in dimensions.values())
     sample = next(iter(dimensions.values())).example
     example = f"write it like {sample}"
@@ -233,7 +137,7 @@ def _finite(number: float, shown: str, expected: str) -> float:
 
 
 @lru_cache(maxsize=256)
-def _known_unit(text: str) -> _Unit | None:
+def _known_unit(text: str) -> Unit | None:
     """The unit of a text that has been read before or can be read; None for one that cannot, so that it is told."""
     try:
         return _unit(text, "", "", "", {})
@@ -241,10 +145,10 @@ def _known_unit(text: str) -> _Unit | None:
         return None
 
 
-def _unit(text: str, shown: str, expected: str, example: str, dimensions: Mapping[str, _Dimension]) -> _Unit:
+def _unit(text: str, shown: str, expected: str, example: str, dimensions: Mapping[str, Dimension]) -> Unit:
     """Factor and exponents of a unit such as ``N*s/m``, ``kg/m^3``, ``m2`` or ``Ns/m``. dimensions : it should have one
     of these, for what to do about an unknown one."""
-    factor, total = Decimal(1), _powers()
+    factor, total = Decimal(1), powers()
     divided = False
     for sign, token in re.findall(r"([*·/ ]?)([^*·/ ]*)", re.sub(r"\s*([*·/ ])\s*", r"\1", _protect(text)))[:-1]:
         if divided and sign != "/":
@@ -270,7 +174,7 @@ def _unit(text: str, shown: str, expected: str, example: str, dimensions: Mappin
         for unit in found:
             factor *= unit.factor ** (Decimal(power.numerator) / power.denominator)
             total = tuple(old + power * new for old, new in zip(total, unit.exponents, strict=True))
-    return _Unit(factor, total)
+    return Unit(factor, total)
 
 
 def _protect(text: str) -> str:
@@ -278,24 +182,24 @@ def _protect(text: str) -> str:
     return re.sub(r"\((-?\d+)/(\d+)\)", r"(\1|\2)", text.replace("**", "^").replace("²", "2").replace("³", "3"))
 
 
-def _symbol(symbol: str) -> tuple[_Unit, ...]:
+def _symbol(symbol: str) -> tuple[Unit, ...]:
     """The units that a symbol stands for, none for an unknown one."""
-    if symbol in _UNITS:
-        return (_UNITS[symbol],)
+    if symbol in UNITS:
+        return (UNITS[symbol],)
     if symbol == "1":
-        return (_Unit(Decimal(1), _powers()),)
+        return (Unit(Decimal(1), powers()),)
     joined = re.fullmatch(r"([kMm]?N)(s|m|mm)", symbol)  # Ns, Nm, kNm; Nms could be two things
     if joined:
-        return (_UNITS[joined[1]], _UNITS[joined[2]])
+        return (UNITS[joined[1]], UNITS[joined[2]])
     return ()
 
 
-def _instead(symbol: str, alone: bool, dimensions: Mapping[str, _Dimension]) -> str:
+def _instead(symbol: str, alone: bool, dimensions: Mapping[str, Dimension]) -> str:
     """What to write for an unknown unit: the same letters as capitals or small, a near one of the same dimension, or
     the known ones of that dimension. alone : whether it is the whole unit."""
     wanted = [one.exponents for one in dimensions.values()]
-    fitting = [name for name, unit in _UNITS.items() if unit.exponents in wanted]
-    folded = {name.lower(): name for name in (_UNITS if not alone else fitting)}
+    fitting = [name for name, unit in UNITS.items() if unit.exponents in wanted]
+    folded = {name.lower(): name for name in (UNITS if not alone else fitting)}
     near = difflib.get_close_matches(symbol.lower(), folded, n=1, cutoff=_NEAR if alone else 1.0)
     if near:
         return f"did you mean '{folded[near[0]]}'?"

@@ -12,7 +12,8 @@ import numpy as np
 
 from acoustics.arrays import Complexes, Floats, Integers
 from acoustics.errors import AcousticsError, Advice
-from acoustics.fields.sound_field import FACING, KeptTransfer, ModesOnSurface, SoundField, described_modes, faces_out
+from acoustics.fields.returned import KeptTransfer, ModesOnSurface
+from acoustics.fields.sound_field import FACING, SoundField, described_modes, faces_out
 from acoustics.receivers import Receiver, positions
 from acoustics.room_response import RoomResponse
 from acoustics.rooms.box import Box, inside, room_modes

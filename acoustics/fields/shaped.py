@@ -15,7 +15,8 @@ import numpy as np
 from acoustics.air import Air
 from acoustics.arrays import Complexes, Floats, freeze, positive
 from acoustics.errors import AcousticsError, Advice
-from acoustics.fields.sound_field import ModesOnSurface, SoundField, described_modes, faces_out
+from acoustics.fields.returned import ModesOnSurface
+from acoustics.fields.sound_field import SoundField, described_modes, faces_out
 from acoustics.losses import Losses
 from acoustics.meshed.absorbing_walls import two_way_absorption
 from acoustics.meshed.cavity_mesh import CavityMesh

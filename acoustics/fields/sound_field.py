@@ -10,13 +10,14 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from math import inf
-from typing import ClassVar, NamedTuple, Protocol
+from typing import ClassVar
 
 import numpy as np
 
 from acoustics.air import Air
 from acoustics.arrays import Complexes, Floats
 from acoustics.errors import AcousticsError, Advice
+from acoustics.fields.returned import KeptTransfer, ModesOnSurface
 from acoustics.losses import Losses, modal_damping_ratio
 from acoustics.open_air.baffle import Baffle
 from acoustics.receivers import Receiver
@@ -30,30 +31,6 @@ LOW_HZ = 20.0  # where hearing begins: a damping ratio is told there too
 FACING = 0.99  # least cosine of the angle between a surface and the way it should face
 DOWN = np.array([0.0, 0.0, -1.0])
 DOWN.flags.writeable = False
-
-
-class ModesOnSurface(NamedTuple):
-    """Modes of a field beside the shapes of what moves: frequencies [n] [Hz], without the uniform one; integrals over
-    the surface of their shapes times the shapes that move [k, n]; roots of those of their squares [n]; integrals of
-    their squares over the field [n] [m^3]."""
-
-    frequency_hz: Floats
-    products: Floats
-    sizes: Floats
-    squares: Floats
-
-
-class KeptTransfer(Protocol):
-    """What a first motion of surfaces found out, kept for motions to come."""
-
-    def of(self, surface: SurfaceVelocity, room: object, receivers: Sequence[Receiver], up_to_hz: float) -> bool:
-        """Whether a motion is one of its surfaces in its field, in a record of the same length and sampling."""
-
-    def prepare(self) -> None:
-        """Do now what the next motion would do."""
-
-    def pressures(self, surfaces: Sequence[SurfaceVelocity]) -> list[RoomResponse] | None:
-        """Pressures of other motions; None where they need another search."""
 
 
 class SoundField(ABC):

@@ -7,7 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from femstruct.units import DIMENSIONS, quantity
+from femstruct.dimensions import DIMENSIONS
+from femstruct.units import quantity
 
 REGISTRY = pint.UnitRegistry()
 CASES = [

@@ -20,6 +20,7 @@ LAYERS = [
         "femstruct.errors",
         "femstruct.findings",
         "femstruct.arrays",
+        "femstruct.dimensions",
         "femstruct.units",
         "femstruct.declared",
         "femstruct.reported",
@@ -92,7 +93,7 @@ ACOUSTICS = [
         "acoustics.rooms.receiver_grids",
         "acoustics.rooms.room_ways",
     ],
-    ["acoustics.fields.sound_field", "acoustics.fields"],
+    ["acoustics.fields.returned", "acoustics.fields.sound_field", "acoustics.fields"],
     [
         "acoustics.levels.bands",
         "acoustics.levels.ending",

@@ -7,8 +7,9 @@ import re
 from collections.abc import Callable, Sequence
 from typing import Final, NamedTuple
 
+from femstruct.dimensions import DIMENSIONS
 from femstruct.errors import InputError, shown_as
-from femstruct.units import DIMENSIONS, QuantityError, quantity
+from femstruct.units import QuantityError, quantity
 
 Scale = Callable[[float], float]
 _BRACKETS: Final = re.compile(r"(?P<name>.*?)\s*(?:\[(?P<unit>[^\]]*)\]|\((?P<round>.*)\))\s*")

@@ -6,11 +6,11 @@ from collections.abc import Collection, Mapping
 from typing import Annotated, Final
 
 from acoustics.levels.methods import FIELD, RATING
+from femstruct.dimensions import DIMENSIONS
 from femstruct.language.rooms.room import RoomSpec
 from femstruct.language.study.record import QUANTITIES
 from femstruct.language.yaml import Here, Measured, Quantity, nearest
 from femstruct.study.asked import SETTLED
-from femstruct.units import DIMENSIONS
 
 RATED: Final = "rating"  # ROOM rating
 _LINEAR: Final = {

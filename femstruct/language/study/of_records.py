@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping
 from typing import Annotated, Any, Final
 
+from femstruct.dimensions import DIMENSIONS
 from femstruct.impact.result.fatigue import SNLine
 from femstruct.impact.result.shock import SAMPLES
 from femstruct.language.study.limit import dimension_of
@@ -25,7 +26,6 @@ from femstruct.language.yaml import (
 )
 from femstruct.study.asked import ShockRequest
 from femstruct.study.counting import FatigueRequest
-from femstruct.units import DIMENSIONS
 
 OF_CATEGORIES: Final = 3.0  # slope m of EN 1993-1-9 up to five million cycles
 SUFFIX: Final = " acceleration"

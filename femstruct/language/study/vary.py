@@ -7,10 +7,11 @@ from typing import Annotated, Any, Final, Literal
 import numpy as np
 from pydantic import Field
 
+from femstruct.dimensions import DIMENSIONS
 from femstruct.errors import InputError, shown_as
 from femstruct.language.yaml import Count, Measured, Spec, read_by, refuse
 from femstruct.study.campaign.varied import Listed, Sampling, Scattered
-from femstruct.units import DIMENSIONS, QuantityError, quantity_of
+from femstruct.units import QuantityError, quantity_of
 
 KINDS: Final = ("from", "values", "normal", "uniform")
 EXAMPLE: Final = "write it like 50 g"

@@ -7,6 +7,7 @@ from collections.abc import Collection, Mapping
 from typing import Annotated, Any, Final, Literal, NamedTuple
 
 from femstruct.conventions import GRAVITY
+from femstruct.dimensions import DIMENSIONS
 from femstruct.errors import shown_as
 from femstruct.language.rooms.room import RoomSpec
 from femstruct.language.study.request import spot_of
@@ -25,7 +26,7 @@ from femstruct.language.yaml import (
 )
 from femstruct.modal.steady.spectrum import Spectrum
 from femstruct.study.steady_vibration import Vibration
-from femstruct.units import DIMENSIONS, QuantityError, quantity_of
+from femstruct.units import QuantityError, quantity_of
 
 _G: Final = re.compile(r"\s*([^\sA-Za-z]+(?:[eE][+-]?\d+)?)\s*g(\^2/Hz|²/Hz)?\s*")
 _AMPLITUDE: Final = ("force", "moment", "pressure", "acceleration")

@@ -16,11 +16,12 @@ from pydantic import (
 )
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
+from femstruct.dimensions import DIMENSIONS
 from femstruct.errors import shown_as
 from femstruct.language.yaml.here import Here
 from femstruct.language.yaml.tree import near_one
 from femstruct.model.materials.loss_by_frequency import MOST_LOSSES
-from femstruct.units import DIMENSIONS, QuantityError, quantity_of
+from femstruct.units import QuantityError, quantity_of
 
 SMALLEST, LARGEST = 1e-30, 1e20  # beyond them nothing is meant, and squares and cubes of it leave what numbers can hold
 FARTHEST = 1e6  # metres

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Final
 
-from acoustics.fields.sound_field import KeptTransfer, SoundField
+from acoustics.fields.returned import KeptTransfer
+from acoustics.fields.sound_field import SoundField
 from acoustics.receivers import Receiver
 from acoustics.room_response import RoomResponse
 from acoustics.source import together
