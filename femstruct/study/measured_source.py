@@ -31,6 +31,13 @@ class MeasuredSource:
     bands, or power spectral densities, of each contact, or one for all: forces [N] or velocities [m/s]. mobility : at
     each contact.
 
+    Raises InputError for no contact or no spectrum, for contacts in different bands, and for a free velocity without a
+    mobility.
+
+    Notes
+    -----
+    Contacts act as if they were not correlated: powers and mean squares of pressures add up (EN 15657, EN 12354-5).
+
     A pump on two feet of 2 kg:
 
     >>> from femstruct.modal.steady.source_mobility import RigidMass

@@ -4,6 +4,7 @@ the standard's scatter."""
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -112,6 +113,16 @@ def test_a_reduction_of_a_light_floor_is_for_light_ones(tmp_path: Path) -> None:
         FemstructError, match=r"measured on a light floor, on a heavy one: .*leave out 'measured_on: light'"
     ):
         ran(path)
+
+
+def test_a_covering_that_lacks_a_rated_band_is_refused_in_scripts_too(tmp_path: Path) -> None:
+    plan = fs.read_study(written(tmp_path, edits={"1 MN/m}}": "1 MN/m}, covering: {reduction: {file: dl.csv}}}"}))
+    (case,) = plan.cases
+    less = fs.Covering({100.0: 1.0})
+    bodies = tuple(replace(body, covering=less) for body in case.study.bodies)
+    short = replace(plan, cases=(replace(case, study=replace(case.study, bodies=bodies)),))
+    with pytest.raises(FemstructError, match=r"covering: got a covering without a reduction at 125 Hz"):
+        fs.run_study(short)
 
 
 WRONG = {

@@ -39,6 +39,10 @@ LINES = {
         "at: feet.z, bands: octave, blocked_force: {50 Hz: 1 N}, mass: 1 kg",
         r"a band at 50 Hz, expected nominal centres of octaves",
     ),
+    "a band twice": (
+        "at: feet.z, blocked_force: {50 Hz: 1 N, 50: 2 N}, mass: 1 kg",
+        r"blocked_force: got 50 Hz twice, expected each frequency once",
+    ),
     "one number": ("at: feet.z, blocked_force: 3 N, mass: 1 kg", r"got '3 N', expected values by band"),
     "velocity of infinite mobility": (
         "at: feet.z, free_velocity: {50 Hz: 1 mm/s}, mobility: infinite",

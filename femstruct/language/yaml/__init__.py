@@ -5,7 +5,7 @@ A file of a noun finds here what it is written in.
 
 from __future__ import annotations
 
-from femstruct.language.yaml.bands import BandFile, band_file, by_band, made_of_file
+from femstruct.language.yaml.bands import BandFile, band_file, by_band, each_band, made_of_file
 from femstruct.language.yaml.here import Here, Names, members
 from femstruct.language.yaml.reader import parse_value, read_yaml
 from femstruct.language.yaml.references import check_references, found, references
@@ -98,6 +98,7 @@ __all__ = [
     "by_band",
     "check_references",
     "dotted",
+    "each_band",
     "exactly_one",
     "found",
     "made_of_file",

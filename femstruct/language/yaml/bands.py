@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Final, TypeVar
@@ -46,9 +46,20 @@ def by_band(quantity: Quantity, expected: str, do: str) -> Callable[[object, Val
             raise refuse("no band", expected, do)
         if "file" in value:
             return band_file(value, quantity, info)
-        return {FREQUENCY.read(band): quantity.read(one) for band, one in value.items()}
+        return each_band(value, quantity.read)
 
     return read
+
+
+def each_band(value: Mapping[str, Any], read: Callable[[Any], T]) -> dict[float, T]:
+    """What `read` makes of the value at each frequency [Hz], each of them once."""
+    found: dict[float, T] = {}
+    for band, one in value.items():
+        frequency = FREQUENCY.read(band)
+        if frequency in found:
+            raise refuse(f"{frequency:g} Hz twice", "each frequency once", "remove one of them")
+        found[frequency] = read(one)
+    return found
 
 
 def band_file(value: dict[str, Any], quantity: Quantity, info: ValidationInfo) -> dict[float, float]:

@@ -19,8 +19,8 @@ Fraction = Literal[1, 3]
 @dataclass(frozen=True)
 @checked("spectrum")
 class BandSpectrum:
-    """Root mean squares in bands: values (nominal centre [Hz], rms), centres rising; fraction : 3 for third octaves, 1
-    for octaves.
+    """Root mean squares in bands: values (nominal centre [Hz], rms [N] of forces, [m/s] of velocities), centres rising;
+    fraction : 3 for third octaves, 1 for octaves.
 
     Within a band the power spectral density is taken to be the same at all frequencies; between bands that are not
     beside each other, and beyond the first and the last, there is nothing.

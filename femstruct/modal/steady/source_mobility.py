@@ -51,6 +51,8 @@ class ForceSource(SourceMobility):
 class RigidMass(SourceMobility):
     """A rigid mass at each contact [kg], as a hammer or a block without springs: Y = 1 / (j omega m).
 
+    Raises InputError for a mass that is not positive.
+
     >>> RigidMass(0.5).impedance(np.array([100.0])).round(2).tolist()
     [314.16j]
     """
@@ -67,6 +69,8 @@ class BandMobility(SourceMobility):
     """Magnitudes of the mobility by frequency, as EN 15657 states it for equivalent sources: values (frequency [Hz],
     magnitude [m/(N s)]), frequencies rising; between them straight in double logarithmic paper, beyond the first and
     the last by up to half an octave the same.
+
+    Raises InputError for fewer than two values, frequencies that do not rise, and magnitudes that are not positive.
 
     >>> BandMobility(((100.0, 1e-4), (400.0, 4e-4))).impedance(np.array([200.0])).real.round(6).tolist()
     [5000.0]

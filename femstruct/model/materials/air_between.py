@@ -53,7 +53,7 @@ class AirBetween:
 
     first, second : names of surfaces; wool lies against the second. depth [m]. c [m/s], rho [kg/m^3] : of the air.
     fill : wool; None for none. bays : where joists close it; None for one cavity. up_to : modes of the air up to it
-    are coordinates of their own [Hz]; None for as many as the modes of the structure need, 300 at most.
+    are coordinates of their own [Hz]; None for as many as the modes of the structure need, 400 at most.
 
     Raises InputError: numbers that are not positive, a surface beside itself, wool thicker than the cavity.
 

@@ -21,6 +21,7 @@ from femstruct.language.yaml import (
     Spec,
     Text,
     band_file,
+    each_band,
     made_of_file,
     read_by,
     refuse,
@@ -59,7 +60,7 @@ def _by_band(value: dict[str, Any], dimension: str, info: ValidationInfo) -> Ban
     if "file" in value:
         found = band_file(value, Quantity((dimension,), least=0.0), info)
     else:
-        found = {FREQUENCY.read(band): _amplitude(one, dimension) for band, one in value.items()}
+        found = each_band(value, lambda one: _amplitude(one, dimension))
     return tuple(sorted(found.items()))
 
 

@@ -69,7 +69,7 @@ def reduced_rooms(
 def covered_floor(studies: Sequence[Study], places: Places, basis: ModalBasis) -> list[Finding]:
     """What is to be known of a covering on this floor. basis : damped, with residual vectors for the hammers.
 
-    Raises InputError for one that was measured on a floor of another kind.
+    Raises InputError for one that was measured on a floor of another kind, and for one without all rated bands.
 
     Notes
     -----
@@ -82,6 +82,11 @@ def covered_floor(studies: Sequence[Study], places: Places, basis: ModalBasis) -
     struck = {one.target: one for study in studies for one in study.bodies if one.source == TAPPING_MACHINE}
     hammers = list(struck.values())
     methods = [method for plan in studies[0].rooms if (method := method_for(plan, studies[0])) is not None]
+    machine = hammers[0].name.rpartition(".")[0] or hammers[0].name
+    missing = [band for one in methods for band in one.bands_hz if band not in covering.reduction_db]
+    if missing:
+        got = f"a covering without a reduction at {missing[0]:g} Hz"
+        raise InputError(f"bodies.{machine}.covering", got=got, expected="one in every band that is rated")
     probes = [places.point(one.target, f"bodies.{one.name}").probe("z") for one in hammers]
     rated = (methods[0].bands_hz[0], methods[0].bands_hz[-1]) if methods else (0.0, 0.0)
     found = taken_force(basis, probes, HAMMER_MASS, rated, beyond=True)
@@ -93,7 +98,6 @@ def covered_floor(studies: Sequence[Study], places: Places, basis: ModalBasis) -
         f"force of the hammers is {found.taken_db:.1f} dB less than on a rigid floor"
     )
     if heavy != (covering.measured_on == "heavy"):
-        machine = hammers[0].name.rpartition(".")[0] or hammers[0].name
         here = "heavy" if heavy else "light"
         do = (
             "leave out 'measured_on: light', with the Delta L of a heavy floor"
