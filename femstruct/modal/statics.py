@@ -101,8 +101,10 @@ def statics(model: Model, assembly: Assembly, forces: Sequence[tuple[Probe, floa
     )
 
 
-def sunk(assembly: Assembly) -> Floats | None:
+def sunk(assembly: Assembly, *, held: bool = False) -> Floats | None:
     """Displacements [n_nodes, 7] of a structure under its own weight [m, rad]; None for one that can move as a whole.
+
+    held : whether its modes say that it cannot, which else takes a search for one. Walls at edges hold nothing at rest.
 
     Notes
     -----
@@ -119,8 +121,9 @@ def sunk(assembly: Assembly) -> Floats | None:
     >>> round(-1e3 * float(moved[0, 2]), 2)
     19.61
     """
+    known = held and not assembly.growing
     assembly = without_walls(assembly)
-    if _free(assembly):
+    if not known and _free(assembly):
         return None
     moved = _moved(assembly, -GRAVITY * assembly.momentum[UP])
     return np.asarray((assembly.dofs.T @ moved).reshape(-1, N_COMPONENTS))

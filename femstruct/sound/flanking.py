@@ -17,7 +17,7 @@ from acoustics.levels.sound_levels import REFERENCE_PA
 from acoustics.receivers import Receiver
 from acoustics.rooms.continuation import fast_length
 from acoustics.source import SurfaceVelocity, SurfaceVibration
-from femstruct.arrays import Floats, freeze, frozen
+from femstruct.arrays import Floats, freeze, frozen, frozen_with_gaps
 from femstruct.reported import Reported
 from femstruct.sound.placed import Placed
 from femstruct.sound.surface import Motion
@@ -61,9 +61,9 @@ class SurfaceShares:
         freeze(
             self,
             bands_hz=bands,
-            energy_j=frozen_or_nan("shares.energy_j", self.energy_j, each),
-            alone_db=frozen_or_nan("shares.alone_db", self.alone_db, each),
-            together_db=frozen_or_nan("shares.together_db", self.together_db, each[1:]),
+            energy_j=frozen_with_gaps("shares.energy_j", self.energy_j, each),
+            alone_db=frozen_with_gaps("shares.alone_db", self.alone_db, each),
+            together_db=frozen_with_gaps("shares.together_db", self.together_db, each[1:]),
         )
 
     @property
@@ -80,14 +80,6 @@ class SurfaceShares:
     def over_db(self, surface: int) -> float:
         """Sound exposure level of one surface alone over all bands that are shown [dB re 20 uPa]."""
         return summed_db(self.alone_db[surface])
-
-
-def frozen_or_nan(name: str, values: Floats, shape: tuple[int, ...]) -> Floats:
-    """An array as `frozen` has it, which may have nan."""
-    found = np.array(values, dtype=np.float64)
-    frozen(name, np.nan_to_num(found), shape)
-    found.flags.writeable = False
-    return found
 
 
 def summed_db(levels_db: Floats) -> float:

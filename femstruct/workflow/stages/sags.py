@@ -27,7 +27,7 @@ def sags(model: Model, basis: ModalBasis) -> tuple[Sag, ...]:
     One static solution (`sunk`). A structure that is free to slide or turn has none: then the sum over the modes of the
     basis, each by what of the weight it carries, and nothing where they carry less than `CARRIED` of it.
     """
-    moved = _slid(basis) if (basis.omega == 0.0).any() else sunk(assemble(model))
+    moved = _slid(basis) if (basis.omega == 0.0).any() else sunk(assemble(model), held=True)
     if moved is None:
         return ()
     found = []
