@@ -8,9 +8,10 @@ from dataclasses import dataclass, field
 from femstruct.errors import InputError, some_of
 from femstruct.model.meshed import Meshed
 from femstruct.model.probe import Point, Probe, StressPlaces, Surface
-from femstruct.study.asked import Spot
+from femstruct.study.asked import VOLUME_VELOCITY, Spot
 from femstruct.study.measured_source import MeasuredSource
 from femstruct.study.steady_vibration import Vibration
+from femstruct.study.study import Study
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,3 +71,25 @@ class Places:
         """
         several = [place for place in self.points if place.startswith(f"{name}.")]
         return tuple(several) if several and name not in self.points else (self.point(name, asked_by).name,)
+
+
+def pushed_otherwise(study: Study, places: Places) -> dict[str, Probe]:
+    """Where the air of two-way rooms, requests, measured sources and vibrations push a structure, by address."""
+    found: dict[str, Probe] = {}
+    for plan in study.rooms:
+        if plan.coupling == "two-way":
+            for number, (wall, name) in enumerate(plan.moved):
+                if name in places.surfaces:
+                    at = f" on {wall} by {name}" if number else ""
+                    found[f"air of {plan.name}{at}"] = places.surfaces[name].pressure()
+    for request in study.frf:
+        # a source in a room pushes surfaces: what its response lacks at rest is what a force there would lack
+        end, spot = (
+            ("drive", request.drive) if request.drive.what != VOLUME_VELOCITY else ("response", request.response)
+        )
+        asked_by = f"frf.{request.name}.{end}" if request.name else f"--{end}"
+        found[str(spot)] = places.point(spot.name, asked_by).probe(spot.what)
+    for source in study.sources:
+        found |= {f"source {source.name} {i}": probe for i, probe in enumerate(places.contacts(source), start=1)}
+    excited = {f"vibration {one.name}": places.pushed(one) for one in study.vibration}
+    return found | {address: probe for address, probe in excited.items() if probe is not None}

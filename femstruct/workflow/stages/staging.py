@@ -14,10 +14,9 @@ from femstruct.impact.scene.bodies import GROUND, Blows, Body, Contact, End, Lin
 from femstruct.modal.basis import ModalBasis
 from femstruct.model.probe import Probe
 from femstruct.study.acting import InitialMotion, PlacedBody, PlannedContact, PlannedLink
-from femstruct.study.asked import VOLUME_VELOCITY
 from femstruct.study.structures import ModesModel
 from femstruct.study.study import Study
-from femstruct.workflow.stages.places import Places
+from femstruct.workflow.stages.places import Places, pushed_otherwise
 from femstruct.workflow.stages.rest import (
     at_rest,
     axis_of,
@@ -80,23 +79,7 @@ def force_probes(study: Study, places: Places) -> dict[str, Probe]:
     for load in stage.loads():
         if isinstance(load.on, Probe):
             found[f"load {load.name}"] = load.on
-    for plan in study.rooms:
-        if plan.coupling == "two-way":
-            for number, (wall, name) in enumerate(plan.moved):
-                if name in places.surfaces:
-                    at = f" on {wall} by {name}" if number else ""
-                    found[f"air of {plan.name}{at}"] = places.surfaces[name].pressure()
-    for request in study.frf:
-        # a source in a room pushes surfaces: what its response lacks at rest is what a force there would lack
-        end, spot = (
-            ("drive", request.drive) if request.drive.what != VOLUME_VELOCITY else ("response", request.response)
-        )
-        asked_by = f"frf.{request.name}.{end}" if request.name else f"--{end}"
-        found[str(spot)] = places.point(spot.name, asked_by).probe(spot.what)
-    for source in study.sources:
-        found |= {f"source {source.name} {i}": probe for i, probe in enumerate(places.contacts(source), start=1)}
-    excited = {f"vibration {one.name}": places.pushed(one) for one in study.vibration}
-    return found | {address: probe for address, probe in excited.items() if probe is not None}
+    return found | pushed_otherwise(study, places)
 
 
 @dataclass(frozen=True)
