@@ -31,6 +31,8 @@ _TIMES: Final = 2000  # of a level's history
 class DiffuseRoom:
     """A room with a diffuse sound field: volume [m^3], surface of its walls [m^2], losses, air.
 
+    Raises AcousticsError: numbers that are not positive, a room without losses.
+
     >>> from acoustics.losses import losses_from_t60
     >>> room = DiffuseRoom(50.0, 85.0, losses_from_t60(0.5))
     >>> room.absorption(np.array([100.0, 1000.0])).round(2).tolist(), room.away_from_walls(np.array([100.0])).round(3)
@@ -70,6 +72,17 @@ class RadiatingPlate:
     plate : its waves. area : of the whole plate [m^2]. sides : of the rectangle of it that radiates into the room,
     along the plate's x and y [m]. loss_factor : of frequencies [nf] [Hz] -> [nf] [1], without what the plate radiates.
     patch_m : radius of the disc over which blows are spread [m].
+
+    Raises AcousticsError: lengths that are not positive, a rectangle larger than the plate.
+
+    A concrete slab with losses of its own of 2 %, and with what it radiates, rho c sigma / (w m):
+
+    >>> from acoustics.statistical.infinite_plate import isotropic_plate
+    >>> slab = isotropic_plate(30e9, 0.2, 2400.0, 0.14)
+    >>> floor = RadiatingPlate(slab, 12.0, (4.0, 3.0), lambda f: np.full(len(f), 0.02))
+    >>> sigma, loss = floor.losses(np.array([500.0]), Air(343.0, 1.21))
+    >>> loss.round(4).tolist(), (0.02 + 1.21 * 343.0 * sigma / (2 * pi * 500.0 * 336.0)).round(4).tolist()
+    ([0.0205], [0.0205])
     """
 
     plate: InfinitePlate
@@ -112,6 +125,8 @@ def steady_levels(plate: RadiatingPlate, room: DiffuseRoom, force_squared: Mappi
 
     force_squared : of a force that acts on the plate, as of a tapping machine whose blows are uncorrelated,
         `blow_forces`, or a measured blocked force.
+
+    Raises AcousticsError: bands that are no third octaves, a plate without losses.
 
     LAB of our studies, a tapping machine of 0.866 N s a blow on 140 mm of concrete:
 

@@ -56,6 +56,9 @@ class Hangers(Part):
     coordinates instead of a spacing [m].
     mass : of the hangers themselves, half with each side. like : the entry of the library, with its source.
 
+    Raises InputError, where it is meshed, for numbers that cannot be, sides that are not parallel or that overlap, and
+    places or a spacing beyond the ceiling.
+
     A ceiling of 4 m^2 and 20 kg/m^2 on 4 hangers of 20 kN/m below a floor that is held: f = sqrt(4 k / m) / 2 pi.
 
     >>> from femstruct import Material, Plate, Structure, Support, assemble, mesh_structure, modal_basis

@@ -18,6 +18,8 @@ class Fill:
     "limp", fibres that the air carries along, or "held", fibres at rest. like : the entry of the library, with its
     source.
 
+    Raises InputError: numbers that are not positive, another frame.
+
     >>> Fill(flow_resistivity=10e3, density=40.0, thickness=0.1).frame
     'limp'
     """
