@@ -11,7 +11,8 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
-from typing import Final
+from functools import partial
+from typing import Final, Protocol
 
 from femstruct.campaign.journal import Row
 from femstruct.campaign.tasks import Task, rows_of, run_task
@@ -25,50 +26,78 @@ Done = Callable[[list[Row]], None]
 Tick = Callable[[], None]
 
 
-def run_all(tasks: Sequence[Task], workers: int, cluster: str, done: Done, tick: Tick = lambda: None) -> None:
-    """All tasks, by one process for one worker, several for more, or the workers of a scheduler.
+class Crew(Protocol):
+    """Who runs tasks: they call `done` with the rows as they come, and `tick` about once a second."""
 
-    cluster : address of a Dask scheduler, "" for none. done : is given the rows as they come. tick : is called about
-    once a second.
+    def __call__(self, tasks: Sequence[Task], done: Done, tick: Tick = lambda: None, /) -> None: ...
 
-    Raises InputError where no scheduler answers. A KeyboardInterrupt ends the processes.
+
+@contextmanager
+def crew(workers: int, cluster: str = "") -> Iterator[Crew]:
+    """This process for one worker, several for more, or the workers of a scheduler; processes end with the block.
+
+    cluster : address of a Dask scheduler, "" for none.
+
+    Raises InputError where no scheduler answers.
     """
     if cluster:
         with _of_scheduler(cluster) as (executor, size):
-            for task in _hand_out(executor, list(tasks), AHEAD * size, done, tick):
-                done(_gone(task))
+            yield partial(_by_scheduler, executor, size)
     elif workers == 1:
-        for task in tasks:
-            for rows in rows_of(task):
-                done(rows)
+        yield _here
     else:
-        _in_processes(tasks, min(workers, len(tasks)), done, tick)
+        with _one_thread_each():
+            processes = _Processes(workers)
+            try:
+                yield processes
+            finally:
+                processes.end()
 
 
-def _in_processes(tasks: Sequence[Task], workers: int, done: Done, tick: Tick) -> None:
-    """Tasks in processes of this machine. Those under way when one dies are run again, one at a time; one that dies
-    again costs its own samples only."""
-    left, doubtful = list(tasks), list[Task]()
-    with _one_thread_each():
+def _here(tasks: Sequence[Task], done: Done, tick: Tick = lambda: None) -> None:
+    for task in tasks:
+        for rows in rows_of(task):
+            done(rows)
+            tick()
+
+
+def _by_scheduler(executor: Executor, size: int, tasks: Sequence[Task], done: Done, tick: Tick = lambda: None) -> None:
+    for task in _hand_out(executor, list(tasks), AHEAD * size, done, tick):
+        done(_gone(task))
+
+
+class _Processes:
+    """Processes of this machine, started when they are first needed, and anew when one has died."""
+
+    def __init__(self, workers: int) -> None:
+        self._workers = workers
+        self._executor: Executor | None = None
+
+    def __call__(self, tasks: Sequence[Task], done: Done, tick: Tick = lambda: None) -> None:
+        """Tasks under way when a process dies are run again, one at a time; one that dies again costs its own samples
+        only."""
+        left, doubtful = list(tasks), list[Task]()
         while left:
-            doubtful += _until_broken(left, workers, AHEAD * workers, done, tick)
+            doubtful += self._until_broken(left, AHEAD * self._workers, done, tick)
         while doubtful:
-            for task in _until_broken(doubtful, 1, 1, done, tick):
+            for task in self._until_broken(doubtful, 1, done, tick):
                 done(_gone(task))
 
+    def _until_broken(self, tasks: list[Task], ahead: int, done: Done, tick: Tick) -> list[Task]:
+        """Run tasks, taken from the list, until all are done or a process has died; those that were then under way."""
+        self._executor = self._executor or _pool(self._workers)
+        lost = _hand_out(self._executor, tasks, ahead, done, tick)
+        if lost:
+            self.end()
+        return lost
 
-def _until_broken(tasks: list[Task], workers: int, ahead: int, done: Done, tick: Tick) -> list[Task]:
-    """Run tasks, taken from the list, until all are done or a process has died; those that were then under way."""
-    executor = _pool(workers)
-    try:
-        lost = _hand_out(executor, tasks, ahead, done, tick)
-    except BaseException:
-        executor.shutdown(wait=False, cancel_futures=True)
-        for child in multiprocessing.active_children():
-            child.kill()
-        raise
-    executor.shutdown()
-    return lost
+    def end(self) -> None:
+        """End the processes, whatever they do."""
+        if self._executor is not None:
+            self._executor.shutdown(wait=False, cancel_futures=True)
+            for child in multiprocessing.active_children():
+                child.kill()
+        self._executor = None
 
 
 def _hand_out(executor: Executor, tasks: list[Task], ahead: int, done: Done, tick: Tick) -> list[Task]:

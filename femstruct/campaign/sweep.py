@@ -14,7 +14,7 @@ from typing import Final
 
 import numpy as np
 
-from femstruct.campaign.executors import run_all
+from femstruct.campaign.executors import Crew, crew
 from femstruct.campaign.journal import Journal, Row, is_of, opened
 from femstruct.campaign.numbers import APART
 from femstruct.campaign.samples import Samples, samples_of
@@ -85,7 +85,9 @@ def sweep(
             if kernels.units:
                 kernels.wait(progress)
         known = {row.sample for row in journal.rows()}
-        _run(_left(parts.tasks, known), cores, cluster, journal, progress)
+        left = _left(parts.tasks, known)
+        with crew(min(cores, max(len(left), 1)), cluster) as run:
+            _run(left, run, journal, progress)
         rows = journal.rows()
     return swept(campaign, samples, parts, rows, command)
 
@@ -118,7 +120,7 @@ def _left(tasks: Sequence[Task], known: set[int]) -> list[Task]:
     return [task for task in cut if task.samples]
 
 
-def _run(tasks: Sequence[Task], workers: int, cluster: str, journal: Journal, progress: Progress) -> None:
+def _run(tasks: Sequence[Task], run: Crew, journal: Journal, progress: Progress) -> None:
     """Run tasks and keep their rows; Ctrl-C ends it with what there is."""
     tell = _counted(sum(len(task.samples) for task in tasks), progress)
     done = 0
@@ -130,7 +132,7 @@ def _run(tasks: Sequence[Task], workers: int, cluster: str, journal: Journal, pr
         tell(done)
 
     try:
-        run_all(tasks, workers, cluster, keep, lambda: tell(done))
+        run(tasks, keep, lambda: tell(done))
     except KeyboardInterrupt:
         if not journal.rows():
             raise
