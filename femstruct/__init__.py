@@ -22,6 +22,7 @@ Each arrow is a pure function, each noun a frozen value; nothing points back::
     velocity_per_source         ModalBasis, Placed    -> what a loudspeaker in a room moves
     run_study                   Plan                  -> StudyResult
     read_campaign, sweep        what varies in it     -> Swept: a row of numbers for every sample
+    read_search, optimise       what may be chosen    -> Found: the best design
     identify                    a study, a record     -> its numbers, with intervals
     write_results, read_results StudyResult           -> results.h5 and back
 
@@ -36,6 +37,7 @@ if TYPE_CHECKING:
     from femstruct.assembly.given_matrices import given_matrices as given_matrices
     from femstruct.assembly.matrices import Assembly as Assembly
     from femstruct.assembly.matrices import DofMap as DofMap
+    from femstruct.campaign.optimise import optimise as optimise
     from femstruct.campaign.sweep import sweep as sweep
     from femstruct.errors import FemstructError as FemstructError
     from femstruct.errors import Finding as Finding
@@ -74,6 +76,7 @@ if TYPE_CHECKING:
     from femstruct.language import read_model as read_model
     from femstruct.language import read_study as read_study
     from femstruct.language.campaigns import read_campaign as read_campaign
+    from femstruct.language.searches import read_search as read_search
     from femstruct.modal.analytic import beam as beam
     from femstruct.modal.analytic import given_modes as given_modes
     from femstruct.modal.analytic import oscillator as oscillator
@@ -174,6 +177,8 @@ if TYPE_CHECKING:
     from femstruct.study.asked import ShockRequest as ShockRequest
     from femstruct.study.asked import Spot as Spot
     from femstruct.study.asked import TimePlan as TimePlan
+    from femstruct.study.campaign.sought import Found as Found
+    from femstruct.study.campaign.sought import Search as Search
     from femstruct.study.campaign.spread import spread as spread
     from femstruct.study.campaign.swept import Swept as Swept
     from femstruct.study.campaign.varied import Campaign as Campaign
@@ -197,6 +202,7 @@ if TYPE_CHECKING:
     from femstruct.workflow.run.run import run_study as run_study
 
 _NAMES = {
+    "campaign.optimise": ("optimise",),
     "campaign.sweep": ("sweep",),
     "assembly.assemble": ("assemble",),
     "assembly.given_matrices": ("given_matrices",),
@@ -226,6 +232,7 @@ _NAMES = {
     "impact.scene.walking": ("Walk",),
     "language": ("read_model", "read_study"),
     "language.campaigns": ("read_campaign",),
+    "language.searches": ("read_search",),
     "modal.analytic": ("beam", "given_modes", "oscillator", "rod"),
     "modal.basis": ("ModalBasis",),
     "modal.complex_modes": ("ComplexModes", "complex_modes"),
@@ -306,6 +313,7 @@ _NAMES = {
         "Plan",
         "Study",
     ),
+    "study.campaign.sought": ("Found", "Search"),
     "study.campaign.spread": ("spread",),
     "study.campaign.swept": ("Swept",),
     "study.campaign.varied": ("Campaign", "Listed", "Sampling", "Scattered"),

@@ -9,7 +9,7 @@ from typing import Annotated, Final
 import typer
 
 from femstruct.commands.exchanges import export, mac, reduce
-from femstruct.commands.on_campaigns import sweep
+from femstruct.commands.on_campaigns import optimise, sweep
 from femstruct.commands.on_itself import explain, materials, new, schema, warm_up
 from femstruct.commands.on_models import check, frf, modes, statics
 from femstruct.commands.on_results import plot, report
@@ -23,7 +23,7 @@ app: Final = typer.Typer(
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
 )
-_OF_STUDIES_AND_MODELS = (run, check, modes, statics, frf, impact, sound, identify, sweep)
+_OF_STUDIES_AND_MODELS = (run, check, modes, statics, frf, impact, sound, identify, sweep, optimise)
 _OF_FILES_AND_ITSELF = (report, plot, export, mac, reduce, new, materials, explain, schema, warm_up)
 for _one in (*_OF_STUDIES_AND_MODELS, *_OF_FILES_AND_ITSELF):
     app.command()(_one)

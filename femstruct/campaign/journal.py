@@ -8,6 +8,7 @@ import zlib
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
 from dataclasses import dataclass
+from itertools import count
 from math import isfinite, nan
 from pathlib import Path
 
@@ -94,6 +95,17 @@ def is_of(path: Path, campaign: str) -> bool:
             return True
     except InputError:
         return False
+
+
+def moved_aside(path: Path, campaign: str) -> Path | None:
+    """Give a folder with the rows of another campaign a name with a number; returns it, None where there are none."""
+    if not path.exists() or is_of(path, campaign):
+        return None
+    folder = path.parent
+    numbered = (folder.with_name(f"{folder.name}.{number}") for number in count(1))
+    free = next(one for one in numbered if not one.exists())
+    folder.rename(free)
+    return free
 
 
 def _packed(row: Row) -> bytes:

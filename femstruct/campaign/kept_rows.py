@@ -8,11 +8,13 @@ from pathlib import Path
 from femstruct.campaign.samples import samples_of
 from femstruct.campaign.tasks import split
 from femstruct.files.results_file.swept_file import SWEEP, TABLE, write_swept, write_table
+from femstruct.study.campaign.sought import Found
 from femstruct.study.campaign.swept import Swept
 from femstruct.study.campaign.varied import Campaign
 from femstruct.workflow.run.provenance import Progress
 
 PICTURE = "sweep.png"
+OPTIMUM = ("optimise.h5", "optimise.csv", "optimise.png")
 
 
 def planned(campaign: Campaign, progress: Progress = lambda line: None) -> dict[str, int]:
@@ -54,4 +56,23 @@ def write_rows(
         progress("picture")
         figure = swept_figure(rows, names or rows.main)
         written += [] if figure is None else [save(figure, folder / PICTURE)]
+    return written
+
+
+def write_optimum(
+    found: Found, folder: Path, progress: Progress = lambda line: None, pictures: bool = True
+) -> list[Path]:
+    """Write optimise.h5 with all numbers of all designs, optimise.csv and optimise.png; returns what was written."""
+    folder.mkdir(parents=True, exist_ok=True)
+    rows, table, picture = (folder / name for name in OPTIMUM)
+    progress("writing the rows")
+    write_swept(rows, found.rows)
+    write_table(table, found.rows, [found.search.goal, *found.search.limits])
+    written = [rows, table]
+    if pictures:
+        from femstruct.view.campaigns.optimum_figure import optimum_figure
+        from femstruct.view.figures.drawing import save
+
+        progress("picture")
+        written.append(save(optimum_figure(found), picture))
     return written

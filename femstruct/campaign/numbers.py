@@ -41,8 +41,9 @@ def numbers_of(case: CaseResult) -> dict[str, Number]:
 
 
 def main_numbers(case: CaseResult) -> Iterator[tuple[str, Number]]:
-    """What a limit can be set to, and what else is asked of a case first: the peaks of recorded channels in the whole
-    window, peak forces of contacts, ratings and levels of rooms, the time to rest where it is limited, natural
+    """What a limit can be set to, and what else is asked of a case first: the time to rest where it is limited, ratings
+    and levels of rooms, the peaks of recorded channels in the whole window, the energy in the structure when the
+    contacts have opened (at the end where they do not), peak forces of contacts, peaks of frequency responses, natural
     frequencies, the mass."""
     for verdict in verdicts(case):
         if verdict.name == SETTLED:
@@ -54,10 +55,14 @@ def main_numbers(case: CaseResult) -> Iterator[tuple[str, Number]]:
     for name, channel in case.channels.items():
         yield name, _number(channel.whole, channel.unit)
     if case.response is not None:
+        ledger = case.response.ledger
+        yield "structure energy", _number((ledger.at_separation or ledger.end).structure, "J")
         for name, contact in case.response.contacts.items():
             if f"{name} force" in case.channels:
                 continue  # the same number
             yield f"{name} peak force", _number(contact.peak_force, "N")
+    for name, response in case.frf.items():
+        yield f"{name} peak", _number(float(abs(response.values).max(initial=0.0)), response.unit)
     basis = case.basis
     for number, omega in enumerate(basis.omega[basis.modes][:MODES], 1):
         yield f"mode {number} frequency", _number(float(omega) / (2.0 * pi), "Hz")
@@ -95,4 +100,4 @@ def _unit(steps: tuple[str, ...]) -> str:
         _, joined, last = step.rpartition("_")
         if joined and last in _UNITS:
             return _UNITS[last]
-    return ""
+    return "J" if steps[0] == "energy" and steps[-1] != "ledger_residual" else ""

@@ -52,7 +52,7 @@ def samples_of(campaign: Campaign) -> Samples:
     else:
         assert sampling.count is not None
         unit = _points(sampling.method, sampling.count, len(varied), sampling.seed)
-        columns = [_at(one, unit[:, j]) for j, one in enumerate(varied)]
+        columns = [at(one, unit[:, j]) for j, one in enumerate(varied)]
     texts = tuple(zip(*(column[0] for column in columns), strict=True))
     numbers = np.column_stack([column[1] for column in columns])
     return Samples(tuple(one.path for one in varied), tuple(one.unit for one in varied), texts, numbers)
@@ -70,8 +70,8 @@ def _points(method: str, count: int, dimension: int, seed: int) -> Floats:
     return points
 
 
-def _at(one: Listed | Scattered, u: Floats) -> tuple[Sequence[str], Floats]:
-    """Texts and numbers at points of the unit interval."""
+def at(one: Listed | Scattered, u: Floats) -> tuple[Sequence[str], Floats]:
+    """Texts [n] and numbers [n] of a path at points of the unit interval [n]."""
     if isinstance(one, Listed):
         return _chosen(one, np.minimum((u * len(one.texts)).astype(int), len(one.texts) - 1).tolist())
     numbers = quantile(one, u)

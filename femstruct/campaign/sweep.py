@@ -7,23 +7,18 @@ import time
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
-from itertools import count
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Final
 
-import numpy as np
-
 from femstruct.campaign.executors import Crew, crew
-from femstruct.campaign.journal import Journal, Row, is_of, opened
-from femstruct.campaign.numbers import APART
+from femstruct.campaign.gathered import duration, gathered, make_ready
+from femstruct.campaign.journal import Journal, Row, moved_aside, opened
 from femstruct.campaign.samples import Samples, samples_of
-from femstruct.campaign.tasks import Split, Task, split
-from femstruct.impact.compiled.workers import compilation
+from femstruct.campaign.tasks import Task, split
 from femstruct.study.campaign.swept import Swept
 from femstruct.study.campaign.varied import Campaign
 from femstruct.study.study import Plan
-from femstruct.workflow.run.needed_kernels import expected_units
 from femstruct.workflow.run.provenance import Progress, provenance
 from femstruct.workflow.stages.fingerprint import fingerprint
 
@@ -81,15 +76,14 @@ def sweep(
         place = folder or Path(stack.enter_context(TemporaryDirectory()))
         place.mkdir(parents=True, exist_ok=True)
         journal = stack.enter_context(opened(place / ROWS, _name_of(campaign, samples, parts.plan)))
-        with compilation(expected_units(parts.plan.cases)) as kernels:
-            if kernels.units:
-                kernels.wait(progress)
+        make_ready(parts.plan, progress)
         known = {row.sample for row in journal.rows()}
         left = _left(parts.tasks, known)
         with crew(min(cores, max(len(left), 1)), cluster) as run:
             _run(left, run, journal, progress)
         rows = journal.rows()
-    return swept(campaign, samples, parts, rows, command)
+    drawn = campaign.sampling.method != "grid"
+    return gathered(campaign.title, parts.plan, samples, rows, parts.refused, drawn=drawn, command=command)
 
 
 def set_aside(campaign: Campaign, folder: Path) -> Path | None:
@@ -100,12 +94,7 @@ def set_aside(campaign: Campaign, folder: Path) -> Path | None:
     if not (folder / ROWS).exists():
         return None
     samples = samples_of(campaign)
-    if is_of(folder / ROWS, _name_of(campaign, samples, split(campaign, samples).plan)):
-        return None
-    numbered = (folder.with_name(f"{folder.name}.{number}") for number in count(1))
-    free = next(path for path in numbered if not path.exists())
-    folder.rename(free)
-    return free
+    return moved_aside(folder / ROWS, _name_of(campaign, samples, split(campaign, samples).plan))
 
 
 def _name_of(campaign: Campaign, samples: Samples, plan: Plan) -> str:
@@ -144,66 +133,7 @@ def _counted(of: int, progress: Progress) -> Callable[[int], None]:
 
     def tell(done: int) -> None:
         elapsed = time.monotonic() - began
-        left = f", about {_duration(elapsed * (of - done) / done)} left" if done and elapsed > 1.0 else ""
+        left = f", about {duration(elapsed * (of - done) / done)} left" if done and elapsed > 1.0 else ""
         progress(f"{done} of {of} samples{left}")
 
     return tell
-
-
-def _duration(seconds: float) -> str:
-    """A time as it is told.
-
-    >>> _duration(8.2), _duration(100.0), _duration(7300.0)
-    ('9 s', '2 min', '2.0 h')
-    """
-    if seconds < 90.0:
-        return f"{int(seconds) + 1} s"
-    return f"{seconds / 60.0:.0f} min" if seconds < 5400.0 else f"{seconds / 3600.0:.1f} h"
-
-
-def swept(campaign: Campaign, samples: Samples, parts: Split, rows: Sequence[Row], command: str = "") -> Swept:
-    """The rows as one table."""
-    plan, n = parts.plan, len(samples.texts)
-    base = next(case for case in plan.cases if case.name == plan.baseline)
-    cases = tuple(case.name for case in plan.cases)
-    names: dict[str, str] = {}
-    for row in rows:  # the main numbers stand first in each
-        for name, one in row.numbers.items():
-            names.setdefault(name, one.unit)
-    place, at = {name: k for k, name in enumerate(names)}, {case: c for c, case in enumerate(cases)}
-    numbers = np.full((len(cases), n, len(names)), np.nan)
-    done, trouble = np.zeros(n, dtype=bool), [""] * n
-    findings: list[list[tuple[str, ...]]] = [[()] * n for _ in cases]
-    severe: list[list[tuple[str, ...]]] = [[()] * n for _ in cases]
-    for i, told in parts.refused.items():
-        done[i], trouble[i] = True, told
-    for row in rows:
-        done[row.sample] = True
-        if row.trouble:
-            trouble[row.sample] = row.trouble
-            continue
-        c = at[row.case]
-        findings[c][row.sample], severe[c][row.sample] = row.findings, row.severe
-        for name, one in row.numbers.items():
-            numbers[c, row.sample, place[name]] = one.value
-    return Swept(
-        title=campaign.title,
-        paths=samples.paths,
-        units=samples.units,
-        texts=samples.texts,
-        values=samples.numbers,
-        drawn=campaign.sampling.method != "grid",
-        cases=cases,
-        baseline=plan.baseline,
-        names=tuple(names),
-        number_units=tuple(names.values()),
-        main=tuple(name for name in names if APART not in name),
-        numbers=numbers,
-        done=done,
-        severe=tuple(map(tuple, severe)),
-        findings=tuple(map(tuple, findings)),
-        trouble=tuple(trouble),
-        limits={one.name: one.value for one in base.study.limits},
-        sources=plan.sources,
-        provenance=provenance(command),
-    )

@@ -1,4 +1,4 @@
-"""Commands on many runs of a study: sweep what varies."""
+"""Commands on many runs of a study: sweep what varies, optimise what may be chosen."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def sweep(
             told = planned(asked, tell)
         print_json(told) if as_json else print("\n".join(f"{words}: {count}" for words, count in told.items()))
         return GOOD
-    folder = output or Path("results") / f"{study.name.removesuffix('.yaml').removesuffix('.study')}.sweep"
+    folder = output or _folder(study, "sweep")
     refuse_unwritable(folder)
     with progress() as tell:
         moved = set_aside(asked, folder)
@@ -69,3 +69,60 @@ def sweep(
     if not rows.done.all():
         return INTERRUPTED
     return GOOD if any(rows.trusted(one).any() for one in rows.cases) else NOT_TRUSTED
+
+
+@command
+def optimise(
+    study: StudyFile,
+    minimise: Annotated[str, typer.Option("--minimise", metavar="NAME", help="the number that is to be small")] = "",
+    maximise: Annotated[str, typer.Option("--maximise", metavar="NAME", help="the number that is to be large")] = "",
+    limit: Annotated[
+        list[str], typer.Option("--limit", metavar="NAME=VALUE", help="what a number should not exceed")
+    ] = NONE,
+    vary: Annotated[
+        list[str],
+        typer.Option("--vary", metavar="PATH=FROM:TO", help="what may be chosen; or FROM:TO:log, or VALUE,VALUE"),
+    ] = NONE,
+    runs: Annotated[int, typer.Option("--runs", metavar="N", help="of the study at most; default: 400")] = 0,
+    case: OnlyCase = "",
+    set_: Sets = NONE,
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", metavar="DIR", help="default: results/<study>.optimise/")
+    ] = None,
+    workers: Annotated[int, typer.Option("--workers", metavar="N", min=0, help="processes; default: one a core")] = 0,
+    cluster: Annotated[str, typer.Option("--cluster", metavar="ADDRESS", help="of a Dask scheduler")] = "",
+    no_pictures: Annotated[bool, typer.Option("--no-pictures", help="numbers and tables only")] = False,
+    as_json: AsJson = False,
+) -> int:
+    """Find the numbers of a study that make another one small or large. Goal, limits and what may be chosen stand in
+    the study under 'optimise:', or are given here. Rows are kept as they come; the same command goes on."""
+    from femstruct.campaign.kept_rows import write_optimum
+    from femstruct.campaign.optimise import optimise as optimised
+    from femstruct.campaign.optimise import set_aside
+    from femstruct.files.atomic import refuse_unwritable
+    from femstruct.files.tables.optimum_tables import optimum_table
+    from femstruct.language.searches import read_search
+    from femstruct.view.campaigns.optimum_table import show_optimum
+
+    goal = f"minimise {minimise}" if minimise else f"maximise {maximise}" if maximise else ""
+    search = read_search(study, goal, vary, limit, set_, case, runs or None)
+    folder = output or _folder(study, "optimise")
+    refuse_unwritable(folder)
+    with progress() as tell:
+        moved = set_aside(search, folder)
+        found = optimised(search, folder, workers or None, cluster, tell, " ".join(["femstruct", *sys.argv[1:]]))
+        written = write_optimum(found, folder, tell, pictures=not no_pictures)
+    if as_json:
+        print_json(optimum_table(found))
+    else:
+        show_optimum(found)
+        if moved is not None:
+            print(f"The rows of an earlier, different optimisation are now in {moved}")
+        print(f"written: {', '.join(map(str, written))}")
+    if found.interrupted:
+        return INTERRUPTED
+    return GOOD if found.left_out < found.designs else NOT_TRUSTED
+
+
+def _folder(study: Path, what: str) -> Path:
+    return Path("results") / f"{study.name.removesuffix('.yaml').removesuffix('.study')}.{what}"

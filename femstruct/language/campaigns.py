@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final
 
 from femstruct.errors import InputError, InputErrors
 from femstruct.language.models import override, refuse_kind, title_of
 from femstruct.language.patch import MODEL_KEYS, Patch, study_keys
-from femstruct.language.study.vary import VariedSpec
+from femstruct.language.study.vary import VariedSpec, VarySpec
 from femstruct.language.yaml import Here, Mistakes, Position, Tree, parse_value, read_yaml, validate
 from femstruct.study.campaign.varied import Campaign, Listed, Sampling, Scattered
 
@@ -42,10 +42,11 @@ def read_campaign(
     override(patch, [text for text in overrides if text.partition(".")[0].strip() in KEYS])
     tree = patch.study.tree() if patch.study else tree
     spec = _validated(tree, mistakes)
-    found = {one.path: one for one in _all(spec, Here(tree, mistakes))}
+    found = {one.path: one for one in nouns(spec.vary if spec else {}, Here(tree, mistakes))}
     for text in vary:
-        there = Here(_short(text, mistakes), mistakes)
-        found |= {one.path: one for one in _all(_validated(there.tree, mistakes), there)}
+        there = short(text, mistakes)
+        own = _validated(there, mistakes)
+        found |= {one.path: one for one in nouns(own.vary if own else {}, Here(there, mistakes))}
     mistakes.stop_if_any()
     if not found:
         do = "add 'vary: {PATH: {from: .., to: .., steps: ..}}' to it, or --vary"
@@ -65,14 +66,13 @@ def _validated(tree: Tree, mistakes: Mistakes) -> VariedSpec | None:
     return validate(VariedSpec, own, tree, mistakes)
 
 
-def _all(spec: VariedSpec | None, here: Here) -> list[Listed | Scattered]:
-    """The nouns of all paths; those refused are noted and left out."""
-    made = here.each("vary", spec.vary if spec else {}, lambda there, path, one: one.varied(path))
-    return list(made.values())
+def nouns(specs: Mapping[str, VarySpec], here: Here) -> list[Listed | Scattered]:
+    """The nouns of all paths under `vary:` of a mapping; those refused are noted and left out."""
+    return list(here.each("vary", specs, lambda there, path, one: one.varied(path)).values())
 
 
-def _short(text: str, mistakes: Mistakes) -> Tree:
-    """What the command line varies, as a file would say it."""
+def short(text: str, mistakes: Mistakes, *, ranges: bool = False) -> Tree:
+    """What the command line varies, as a file would say it. ranges : without steps, as in FROM:TO:log."""
     path, equals, written = (part.strip() for part in text.partition("="))
     file, value = f"--vary {text}", dict[str, Any]()
     ends, listed = [one.strip() for one in written.split(":")], written.split(",")
@@ -82,8 +82,9 @@ def _short(text: str, mistakes: Mistakes) -> Tree:
         value = {"values": [parse_value(one, file, mistakes).value for one in listed]}
     else:
         start, to, *more = ends
+        more = ["", *more] if ranges else more
         value = {"from": start, "to": to}
-        value |= {"steps": parse_value(more[0], file, mistakes).value} if more else {}
+        value |= {"steps": parse_value(more[0], file, mistakes).value} if more and more[0] else {}
         value |= {"scale": more[1]} if len(more) > 1 else {}
     whole = {"vary": {path: value}} if value else {}
     return Tree(file, whole, dict.fromkeys(((), ("vary", path)), Position(file)), {}, text)

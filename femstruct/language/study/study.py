@@ -14,6 +14,7 @@ from femstruct.language.study.limit import LimitValue
 from femstruct.language.study.link import LinkSpec
 from femstruct.language.study.load import LoadSpec
 from femstruct.language.study.of_records import FatigueSpec, ShockSpec
+from femstruct.language.study.optimise import OptimiseSpec
 from femstruct.language.study.record import Recorded
 from femstruct.language.study.request import FrfSpec
 from femstruct.language.study.sources.measured_source import MeasuredSourceSpec
@@ -68,3 +69,4 @@ class StudySpec(Spec):
     sources: dict[str, MeasuredSourceSpec] = Field(default_factory=dict)
     vary: dict[str, VarySpec] = Field(default_factory=dict)
     samples: SamplesSpec | None = None
+    optimise: OptimiseSpec | None = None

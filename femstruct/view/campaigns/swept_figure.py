@@ -11,8 +11,8 @@ from matplotlib.figure import Figure
 
 from femstruct.arrays import Floats
 from femstruct.study.campaign.swept import Flags, Swept
+from femstruct.view.campaigns.swept_table import in_unit
 from femstruct.view.figures.drawing import BASELINE, case_lines, finish, legend_above, new_figure, panels
-from femstruct.view.tables.scales import scaled
 
 MOST: Final = 6  # numbers in one picture
 WIDE: Final = 30.0  # largest over smallest value of a path, from which on its axis is logarithmic
@@ -40,16 +40,16 @@ def _curves(rows: Swept, names: Sequence[str]) -> Figure:
     figure = new_figure(9.0, 1.1 + 2.6 * len(names), rows.title)
     axes = panels(figure, len(names), 1, between=0.55, top=0.75 + 0.16 * len(rows.cases), sharex=True)[:, 0]
     order = np.argsort(rows.values[:, 0])
-    factor, unit = _shown(rows.units[0], rows.values[:, 0])
+    factor, unit = shown_unit(rows.units[0], rows.values[:, 0])
     x = factor * rows.values[order, 0]
     for number, (name, own) in enumerate(zip(names, axes, strict=True)):
-        scale, told = _shown(rows.unit_of(name), rows.numbers[:, :, rows.names.index(name)])
+        scale, told = shown_unit(rows.unit_of(name), rows.numbers[:, :, rows.names.index(name)])
         for case, line in case_lines(rows.cases, rows.baseline).items():
             y, sound = scale * rows.of(name, case)[order], rows.trusted(case)[order]
             own.plot(x, np.where(sound, y, np.nan), marker=".", label=case, **line)
             _cross(own, x, y, sound, line["color"])
         _limit(own, rows, name, scale)
-        _scale(own, x)
+        number_axis(own, x)
         finish(own, _named(rows.paths[0], unit) if number == len(names) - 1 else "", _named(name, told))
     if len(rows.cases) > 1 or rows.limits:
         legend_above(axes[0])
@@ -63,9 +63,9 @@ def _maps(rows: Swept, names: Sequence[str], case: str) -> Figure:
     figure = new_figure(5.2 * columns + 0.6, 1.0 + 3.4 * high, title)
     grid: list[Axes] = panels(figure, high, columns, between=0.85, top=0.8, right=0.5).ravel().tolist()
     (xs, i), (ys, j) = (np.unique(rows.values[:, k], return_inverse=True) for k in (0, 1))
-    scales = [_shown(rows.units[k], rows.values[:, k]) for k in (0, 1)]
+    scales = [shown_unit(rows.units[k], rows.values[:, k]) for k in (0, 1)]
     for own, name in zip(grid, names, strict=False):
-        scale, told = _shown(rows.unit_of(name), rows.of(name, case))
+        scale, told = shown_unit(rows.unit_of(name), rows.of(name, case))
         table = np.full((len(ys), len(xs)), np.nan)
         table[j, i] = np.where(rows.trusted(case), scale * rows.of(name, case), np.nan)
         x, y = (factor * one for (factor, _), one in zip(scales, (xs, ys), strict=True))
@@ -75,8 +75,8 @@ def _maps(rows: Swept, names: Sequence[str], case: str) -> Figure:
         limit = rows.limits.get(name)
         if limit is not None and np.isfinite(table).sum() == table.size and min(table.shape) > 1:
             own.contour(x, y, table, levels=[scale * limit], colors="white", linewidths=1.2)
-        _scale(own, x)
-        _scale(own, y, vertical=True)
+        number_axis(own, x)
+        number_axis(own, y, vertical=True)
         finish(own, _named(rows.paths[0], scales[0][1]), _named(rows.paths[1], scales[1][1]))
     for own in grid[len(names) :]:
         own.set_visible(False)
@@ -89,14 +89,14 @@ def _points(rows: Swept, names: Sequence[str], numeric: Sequence[int], case: str
     grid = panels(figure, len(names), len(numeric), between=0.35, top=0.75, sharex="col", sharey="row")
     sound = rows.trusted(case)
     for row, name in enumerate(names):
-        scale, told = _shown(rows.unit_of(name), rows.of(name, case))
+        scale, told = shown_unit(rows.unit_of(name), rows.of(name, case))
         for column, k in enumerate(numeric):
-            own, (factor, unit) = grid[row, column], _shown(rows.units[k], rows.values[:, k])
+            own, (factor, unit) = grid[row, column], shown_unit(rows.units[k], rows.values[:, k])
             x, y = factor * rows.values[:, k], scale * rows.of(name, case)
             own.plot(x[sound], y[sound], ".", color=BASELINE, markersize=4)
             _cross(own, x, y, sound, "#d55e00")
             _limit(own, rows, name, scale)
-            _scale(own, x)
+            number_axis(own, x)
             last = row == len(names) - 1
             finish(own, _named(rows.paths[k], unit) if last else "", _named(name, told) if column == 0 else "")
     return figure
@@ -113,17 +113,15 @@ def _limit(axes: Axes, rows: Swept, name: str, scale: float) -> None:
         axes.axhline(scale * rows.limits[name], color="#d55e00", linewidth=0.9, linestyle="--", label="limit")
 
 
-def _scale(axes: Axes, values: Floats, *, vertical: bool = False) -> None:
+def number_axis(axes: Axes, values: Floats, *, vertical: bool = False) -> None:
     """A logarithmic axis for values over more than a decade and a half."""
     if values.min() > 0.0 and values.max() > WIDE * values.min():
         (axes.set_yscale if vertical else axes.set_xscale)("log")
 
 
-def _shown(unit: str, values: Floats) -> tuple[float, str]:
+def shown_unit(unit: str, values: Floats) -> tuple[float, str]:
     """A factor and the unit that values are drawn in."""
-    if unit in ("", "1", "dB"):
-        return 1.0, "" if unit == "1" else unit
-    return scaled(unit, float(np.nanmax(np.abs(values), initial=0.0)))
+    return in_unit(unit, float(np.nanmax(np.abs(values), initial=0.0)))
 
 
 def _named(name: str, unit: str) -> str:

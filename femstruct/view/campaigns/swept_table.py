@@ -26,7 +26,7 @@ def show_swept(rows: Swept, names: Sequence[str] = ()) -> None:
     (_scatter if rows.drawn else _extremes)(rows, names).show(screen)
     if rows.drawn:
         _followed(rows, names).show(screen)
-    _say_left_out(rows, screen)
+    say_left_out(rows, screen)
 
 
 def _extremes(rows: Swept, names: Sequence[str]) -> Grid:
@@ -64,7 +64,7 @@ def _followed(rows: Swept, names: Sequence[str]) -> Grid:
     return grid
 
 
-def _say_left_out(rows: Swept, screen: Console) -> None:
+def say_left_out(rows: Swept, screen: Console) -> None:
     """How many samples have no number or are not to be trusted, and why."""
     n = len(rows.texts)
     for code, count in left_out(rows).items():
@@ -90,16 +90,26 @@ def _at(rows: Swept, i: int) -> str:
 
 
 def _value(rows: Swept, i: int, j: int) -> str:
-    if not np.isfinite(rows.values[i, j]):
-        return rows.texts[i][j]
-    unit = "" if rows.units[j] == "1" else rows.units[j]
-    factor, shown = scaled(unit, abs(float(rows.values[i, j]))) if unit else (1.0, "")
-    return f"{digits(factor * float(rows.values[i, j]))} {shown}".strip()
+    return written(float(rows.values[i, j]), rows.units[j], rows.texts[i][j])
+
+
+def written(value: float, unit: str, text: str) -> str:
+    """A value in a unit that is easy to read; what is no number as a file writes it.
+
+    >>> written(0.0042, "m", ""), written(float("nan"), "", "steel"), written(0.25, "1", "")
+    ('4.2 mm', 'steel', '0.25')
+    """
+    if not np.isfinite(value):
+        return text
+    factor, shown = in_unit(unit, abs(value))
+    return f"{digits(factor * value)} {shown}".strip()
+
+
+def in_unit(unit: str, largest: float) -> tuple[float, str]:
+    """A factor and the unit in which numbers are printed; levels and plain numbers as they are."""
+    return (1.0, "" if unit == "1" else unit) if unit in ("", "1", "dB") else scaled(unit, largest)
 
 
 def _shown(rows: Swept, name: str) -> tuple[float, str]:
-    unit, largest = (
-        rows.unit_of(name),
-        float(np.nanmax(np.abs(rows.numbers[:, :, rows.names.index(name)]), initial=0.0)),
-    )
-    return scaled(unit, largest) if unit not in ("", "dB") else (1.0, unit)
+    values = rows.numbers[:, :, rows.names.index(name)]
+    return in_unit(rows.unit_of(name), float(np.nanmax(np.abs(values), initial=0.0)))

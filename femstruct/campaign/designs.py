@@ -1,0 +1,164 @@
+"""Designs of an optimisation, each run for every sample of what scatters: goal and limits, and which to trust."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from femstruct.arrays import Floats
+from femstruct.campaign.executors import Crew
+from femstruct.campaign.journal import Journal, Row
+from femstruct.campaign.numbers import Number
+from femstruct.campaign.samples import Samples, at, samples_of
+from femstruct.campaign.tasks import Task
+from femstruct.errors import InputError, InputErrors
+from femstruct.language.yaml.tree import nearest
+from femstruct.study.campaign.sought import Search
+from femstruct.study.campaign.varied import Campaign, Sampling
+
+NEVER: Final = 1e30  # excess of a design without a number, or that is not to be trusted: it never wins
+
+
+class Spent(Exception):
+    """As many runs were made as are allowed."""
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What came of a design: the goal; the same with the sign with which it is to be small; what its limits are
+    exceeded by, as shares of them [m]; the values that are limited [m]; whether its rows are to be trusted and have
+    their numbers."""
+
+    goal: float
+    small: float
+    excess: tuple[float, ...]
+    limited: tuple[float, ...]
+    sound: bool
+
+    @property
+    def beyond(self) -> float:
+        """By how much all limits together are exceeded; of what is not sound, by more than of anything that is."""
+        return sum(max(one, 0.0) for one in self.excess) if self.sound else NEVER
+
+
+class Designs:
+    """All designs that were tried, in their order; what is tried again is not run again.
+
+    Notes
+    -----
+    The runs of design k are the samples k s to k s + s - 1 of the journal, s being those of the scatter. An
+    optimisation asks for the same designs in the same order whenever it is run, so that one that goes on finds them
+    there. kept_back : designs of those allowed that are left for the end.
+    """
+
+    def __init__(self, search: Search, case: str, journal: Journal, run: Crew, told: Callable[[int], None]) -> None:
+        self._search, self._case, self._journal, self._run, self._told = search, case, journal, run, told
+        self._scatter = _scatter(search)
+        self._rows = {row.sample: row for row in journal.rows()}
+        self._numbers: dict[tuple[str, ...], int] = {}
+        self.points: list[Floats] = []
+        self.outcomes: list[Outcome] = []
+        self.unit = ""
+        self.kept_back = 2 * len(search.designs)
+
+    def __call__(self, points: Floats) -> list[Outcome]:
+        """Outcomes of designs, points of the unit cube [n, d]. Raises Spent where they are more than are allowed;
+        InputErrors where none of the first can be run, InputError for names of numbers that there are not."""
+        texts = [self._texts(point) for point in points]
+        new = {text: point for text, point in zip(texts, points, strict=True) if text not in self._numbers}
+        if len(new) + self.kept_back > self._search.runs // self._search.samples - len(self.outcomes):
+            raise Spent
+        first, s = len(self.outcomes), self._search.samples
+        asked = {(first + k) * s + j: text + more for k, text in enumerate(new) for j, more in enumerate(self._scatter)}
+        self._finish([(number, self._changes(text)) for number, text in asked.items() if number not in self._rows])
+        for k, (text, point) in enumerate(new.items()):
+            rows = [self._rows[(first + k) * s + j] for j in range(s)]
+            self._numbers[text] = first + k
+            self.points.append(point)
+            self.outcomes.append(self._outcome(rows))
+        if not first and all(row.trouble for row in self._rows.values()):
+            raise InputErrors((self._rows[0].trouble,))
+        return [self.outcomes[self._numbers[text]] for text in texts]
+
+    def known(self, point: Floats) -> Outcome | None:
+        """The outcome of a design that was tried, else None."""
+        number = self._numbers.get(self._texts(point))
+        return None if number is None else self.outcomes[number]
+
+    def rank(self, k: int) -> tuple[float, float]:
+        """The least is the best: those that hold all limits first, by their goal."""
+        return self.outcomes[k].beyond, self.outcomes[k].small
+
+    @property
+    def best(self) -> int:
+        """Number of the best design."""
+        return min(range(len(self.outcomes)), key=self.rank)
+
+    def samples(self) -> Samples:
+        """All runs as samples: what was chosen, then what scatters."""
+        varied = (*self._search.designs, *self._search.over)
+        columns = [at(one, np.array([point[j] for point in self.points])) for j, one in enumerate(self._search.designs)]
+        s, scattered = self._search.samples, _samples(self._search)
+        texts = [own + more for own in zip(*(column[0] for column in columns), strict=True) for more in self._scatter]
+        chosen = np.repeat(np.column_stack([column[1] for column in columns]), s, axis=0)
+        beside = [] if scattered is None else [np.tile(scattered.numbers, (len(self.points), 1))]
+        numbers = np.column_stack([chosen, *beside])
+        return Samples(tuple(one.path for one in varied), tuple(one.unit for one in varied), tuple(texts), numbers)
+
+    def _texts(self, point: Floats) -> tuple[str, ...]:
+        return tuple(at(one, point[j : j + 1])[0][0] for j, one in enumerate(self._search.designs))
+
+    def _changes(self, texts: Sequence[str]) -> tuple[str, ...]:
+        varied = (*self._search.designs, *self._search.over)
+        return tuple(f"{one.path}={text}" for one, text in zip(varied, texts, strict=True))
+
+    def _finish(self, asked: Sequence[tuple[int, tuple[str, ...]]]) -> None:
+        """Run samples and keep their rows."""
+        tasks = [Task(self._search.file, self._search.overrides, self._case, (one,)) for one in asked]
+
+        def keep(rows: list[Row]) -> None:
+            self._journal.append(rows)
+            self._rows |= {row.sample: row for row in rows}
+            self._told(len(self._rows))
+
+        self._run(tasks, keep, lambda: self._told(len(self._rows)))
+
+    def _outcome(self, rows: Sequence[Row]) -> Outcome:
+        search = self._search
+        sign = 1.0 if search.sense == "minimise" else -1.0
+        small = self._quantile([sign * self._number(row, search.goal).value for row in rows])
+        limited = tuple(self._quantile([self._number(row, name).value for row in rows]) for name in search.limits)
+        pairs = zip(limited, search.limits.values(), strict=True)
+        excess = tuple((value - limit) / abs(limit or 1.0) for value, limit in pairs)
+        if any(row.severe or row.trouble for row in rows) or not np.isfinite((small, *excess)).all():
+            return Outcome(np.nan, NEVER, (NEVER,) * len(excess), limited, sound=False)
+        return Outcome(sign * small, small, excess, limited, sound=True)
+
+    def _quantile(self, values: Sequence[float]) -> float:
+        """Of what scatters, the value that the asked share of it does not exceed."""
+        return float(np.quantile(values, self._search.quantile)) if len(values) > 1 else values[0]
+
+    def _number(self, row: Row, name: str) -> Number:
+        if row.trouble:
+            return Number(np.nan, "")
+        if name not in row.numbers:
+            where = "optimise.limits" if name != self._search.goal else f"optimise.{self._search.sense}"
+            raise InputError(where, got=f"'{name}'", expected="a number of the study", do=nearest(name, row.numbers))
+        if name == self._search.goal:
+            self.unit = row.numbers[name].unit
+        return row.numbers[name]
+
+
+def _samples(search: Search) -> Samples | None:
+    """What scatters, the same for every design."""
+    if not search.over:
+        return None
+    return samples_of(Campaign(search.file, search.over, Sampling("latin hypercube", search.scatter, search.seed)))
+
+
+def _scatter(search: Search) -> tuple[tuple[str, ...], ...]:
+    found = _samples(search)
+    return ((),) if found is None else found.texts

@@ -1,0 +1,95 @@
+"""The rows of a campaign as one table; what all campaigns share before and while they run."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from femstruct.campaign.journal import Row
+from femstruct.campaign.numbers import APART
+from femstruct.campaign.samples import Samples
+from femstruct.impact.compiled.workers import compilation
+from femstruct.study.campaign.swept import Swept
+from femstruct.study.study import Plan
+from femstruct.workflow.run.needed_kernels import expected_units
+from femstruct.workflow.run.provenance import Progress, provenance
+
+
+def make_ready(plan: Plan, progress: Progress) -> None:
+    """Compile the kernels that the cases take, once for all processes."""
+    with compilation(expected_units(plan.cases)) as kernels:
+        if kernels.units:
+            kernels.wait(progress)
+
+
+def gathered(
+    title: str,
+    plan: Plan,
+    samples: Samples,
+    rows: Sequence[Row],
+    refused: Mapping[int, str],
+    *,
+    drawn: bool = False,
+    command: str = "",
+) -> Swept:
+    """The rows of a campaign as one table.
+
+    plan : one of its studies, for cases and limits. refused : samples that cannot be read, with the reason. drawn :
+    whether the samples are of distributions.
+    """
+    n = len(samples.texts)
+    base = next(case for case in plan.cases if case.name == plan.baseline)
+    cases = tuple(case.name for case in plan.cases)
+    names: dict[str, str] = {}
+    for row in rows:  # the main numbers stand first in each
+        for name, one in row.numbers.items():
+            names.setdefault(name, one.unit)
+    place, at = {name: k for k, name in enumerate(names)}, {case: c for c, case in enumerate(cases)}
+    numbers = np.full((len(cases), n, len(names)), np.nan)
+    done, trouble = np.zeros(n, dtype=bool), [""] * n
+    findings: list[list[tuple[str, ...]]] = [[()] * n for _ in cases]
+    severe: list[list[tuple[str, ...]]] = [[()] * n for _ in cases]
+    for i, told in refused.items():
+        done[i], trouble[i] = True, told
+    for row in rows:
+        done[row.sample] = True
+        if row.trouble:
+            trouble[row.sample] = row.trouble
+            continue
+        c = at[row.case]
+        findings[c][row.sample], severe[c][row.sample] = row.findings, row.severe
+        for name, one in row.numbers.items():
+            numbers[c, row.sample, place[name]] = one.value
+    return Swept(
+        title=title,
+        paths=samples.paths,
+        units=samples.units,
+        texts=samples.texts,
+        values=samples.numbers,
+        drawn=drawn,
+        cases=cases,
+        baseline=plan.baseline,
+        names=tuple(names),
+        number_units=tuple(names.values()),
+        main=tuple(name for name in names if APART not in name),
+        numbers=numbers,
+        done=done,
+        severe=tuple(map(tuple, severe)),
+        findings=tuple(map(tuple, findings)),
+        trouble=tuple(trouble),
+        limits={one.name: one.value for one in base.study.limits},
+        sources=plan.sources,
+        provenance=provenance(command),
+    )
+
+
+def duration(seconds: float) -> str:
+    """A time as it is told.
+
+    >>> duration(8.2), duration(100.0), duration(7300.0)
+    ('9 s', '2 min', '2.0 h')
+    """
+    if seconds < 90.0:
+        return f"{int(seconds) + 1} s"
+    return f"{seconds / 60.0:.0f} min" if seconds < 5400.0 else f"{seconds / 3600.0:.1f} h"

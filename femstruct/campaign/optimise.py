@@ -1,0 +1,278 @@
+"""The best design of a study: searched everywhere first, then near the best one, with what lies beside it."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Callable, Sequence
+from contextlib import ExitStack, suppress
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any, Final, Literal
+
+import numpy as np
+from scipy import optimize
+
+from femstruct.arrays import Floats
+from femstruct.campaign.designs import Designs, Outcome, Spent
+from femstruct.campaign.executors import crew
+from femstruct.campaign.gathered import duration, gathered, make_ready
+from femstruct.campaign.journal import moved_aside, opened
+from femstruct.language import read_study
+from femstruct.study.campaign.sought import Chosen, Found, Search
+from femstruct.study.campaign.swept import Swept
+from femstruct.study.campaign.varied import Listed
+from femstruct.study.study import Plan
+from femstruct.workflow.run.provenance import Progress, provenance
+from femstruct.workflow.stages.fingerprint import fingerprint
+
+scipy_optimize: Any = optimize  # its types know nothing of vectorised functions
+ROWS: Final = "optimise.rows"  # where rows are kept as they come
+EVERYWHERE: Final = 0.7  # of the runs, for the search in all of the ranges
+GENERATIONS: Final = 8  # of the search everywhere, about; a larger crowd sees more than a longer search
+CROWD: Final = (12, 100)  # designs of a generation, at least and at most
+BESIDE: Final = 0.01  # of a range, from the best design to those beside it
+AT_END: Final = 0.002  # of a range: so near to its end, a design lies at it
+HELD: Final = 1e-9  # share by which a limit may be exceeded: rounding
+FIRST: Final = 0.05  # of the ranges: radius at which the search near the best design begins
+LAST: Final = 1e-4  # and that at which it ends
+STARTS: Final = 3  # of that search, from the best designs of different valleys
+APART: Final = 0.15  # of the ranges, that these lie apart at least
+
+
+def optimise(
+    search: Search,
+    folder: Path | None = None,
+    workers: int | None = None,
+    cluster: str = "",
+    progress: Progress = lambda line: None,
+    command: str = "",
+) -> Found:
+    """The design with the least or largest goal that holds all limits.
+
+    folder, workers, cluster : as for `femstruct.sweep`; rows that are kept there are not run again.
+
+    Returns the best design, with those beside it. A design with a finding that forbids trust, or without one of its
+    numbers, never wins. After Ctrl-C the best so far.
+
+    Raises InputErrors where the files cannot be read, InputError for names of numbers that there are not, and where no
+    design of the first generation can be run.
+
+    Notes
+    -----
+    Differential evolution with feasibility rules in place of penalties (Lampinen 2002, as scipy has it), from a Latin
+    hypercube, in the first 70 % of the runs; then COBYQA, a trust region method without derivatives (Ragonneau 2022),
+    from the best design, lists as they are there. Where something scatters, goal and limits are their quantiles over
+    the same samples for every design. A global optimum is not proven: `seed` gives another course.
+
+    The lightest ball that gives a mass half a metre per second:
+
+    >>> import tempfile
+    >>> from femstruct import Scattered
+    >>> model = "structure: {type: oscillator, mass: 1 kg, stiffness: 100 N/m}\\npoints: {m: {}}"
+    >>> study = '''
+    ... model: model.yaml
+    ... bodies: {ball: {mass: 1 kg, above: m, speed: 1 m/s, contact: {type: linear, stiffness: 1 MN/m}}}
+    ... record: {m.z: velocity}
+    ... time: {duration: 10 ms, sampling: 10 kHz}
+    ... '''
+    >>> with tempfile.TemporaryDirectory() as place:
+    ...     _ = Path(place, "model.yaml").write_text(model, encoding="utf-8")
+    ...     _ = Path(place, "hit.study.yaml").write_text(study, encoding="utf-8")
+    ...     mass = Scattered("bodies.ball.mass", "uniform", 0.1, 2.0, "kg")
+    ...     file = str(Path(place, "hit.study.yaml"))
+    ...     search = Search(file, "m.z velocity", (mass,), "maximise", {"m.z velocity": 0.5}, runs=60)
+    ...     found = optimise(search, workers=1)
+    >>> round(found.chosen[0].number, 2), round(found.goal, 3), found.feasible  # 2 m / (m + M) = 0.5
+    (0.33, 0.5, True)
+    """
+    plan = read_study(search.file, search.overrides, only=search.case or None)
+    case = search.case or plan.baseline
+    with ExitStack() as stack:
+        place = folder or Path(stack.enter_context(TemporaryDirectory()))
+        place.mkdir(parents=True, exist_ok=True)
+        make_ready(plan, progress)
+        journal = stack.enter_context(opened(place / ROWS, name_of(search, plan)))
+        run = stack.enter_context(crew(workers or os.cpu_count() or 1, cluster))
+        designs = Designs(search, case, journal, run, _counted(search, progress))
+        interrupted = _searched(search, designs)
+        rows = journal.rows()
+    samples = designs.samples()
+    whole = read_study(search.file, search.overrides, only=case)
+    known = [row for row in rows if row.sample < len(samples.texts)]
+    table = gathered(search.title, whole, samples, known, {}, command=command)
+    return _found(search, designs, interrupted, table)
+
+
+def set_aside(search: Search, folder: Path) -> Path | None:
+    """Move a folder with the rows of another optimisation to a name with a number; returns it, None where there are
+    none."""
+    if not (folder / ROWS).exists():
+        return None
+    plan = read_study(search.file, search.overrides, only=search.case or None)
+    return moved_aside(folder / ROWS, name_of(search, plan))
+
+
+def name_of(search: Search, plan: Plan) -> str:
+    """A name for all that the rows of an optimisation hang on."""
+    kept = {key: value for key, value in provenance("").items() if key.endswith("_version")}
+    return fingerprint((dict(plan.sources), search, kept))
+
+
+def _searched(search: Search, designs: Designs) -> bool:
+    """Try designs until the runs are spent or nothing gets better; whether Ctrl-C ended it."""
+    try:
+        for stage in (_everywhere, _nearby):
+            with suppress(Spent):
+                stage(search, designs)
+        designs.kept_back = 0
+        _beside(search, designs)
+    except KeyboardInterrupt:
+        if not designs.outcomes:
+            raise
+        return True
+    return False
+
+
+def _everywhere(search: Search, designs: Designs) -> None:
+    """Differential evolution in all of the ranges."""
+    from scipy.stats import qmc
+
+    d, most = len(search.designs), search.runs // search.samples
+    crowd = min(max(int(EVERYWHERE * most) // GENERATIONS, 4 * d, CROWD[0]), CROWD[1])
+    start = qmc.LatinHypercube(d, rng=np.random.default_rng(search.seed)).random(crowd)
+    scipy_optimize.differential_evolution(
+        lambda x: np.array([one.small for one in designs(np.atleast_2d(x.T))]),
+        [(0.0, 1.0)] * d,
+        init=start,
+        rng=np.random.default_rng(search.seed),
+        constraints=_limits(search, lambda x: designs(np.atleast_2d(x.T))),
+        maxiter=max(int(EVERYWHERE * most) // crowd - 1, 1),
+        tol=1e-3,
+        polish=False,
+        vectorized=True,
+        updating="deferred",
+    )
+
+
+def _nearby(search: Search, designs: Designs) -> None:
+    """A trust region method from the best designs that lie apart; lists stay as they are there."""
+    free = [j for j, one in enumerate(search.designs) if not isinstance(one, Listed)]
+    if not free:
+        return
+    for start in _apart(designs):
+        _downhill(search, designs, start, free)
+
+
+def _apart(designs: Designs) -> list[Floats]:
+    """The best design, the best of those that are far from it, and so on."""
+    order = sorted((k for k, one in enumerate(designs.outcomes) if one.sound), key=designs.rank)
+    found: list[Floats] = []
+    for k in order:
+        if len(found) < STARTS and all(np.linalg.norm(designs.points[k] - one) > APART for one in found):
+            found.append(designs.points[k])
+    return found
+
+
+def _downhill(search: Search, designs: Designs, best: Floats, free: Sequence[int]) -> None:
+    """A trust region method from one design, along the paths that are no lists."""
+    scale = abs(designs.outcomes[designs.best].small) or 1.0
+
+    def at(x: Floats) -> Outcome:
+        point = best.copy()
+        point[free] = np.clip(x, 0.0, 1.0)
+        return designs(point[None])[0]
+
+    scipy_optimize.minimize(
+        lambda x: at(x).small / scale,
+        best[free],
+        method="COBYQA",
+        bounds=[(0.0, 1.0)] * len(free),
+        constraints=_limits(search, lambda x: [at(x)]),
+        options={"initial_tr_radius": FIRST, "final_tr_radius": LAST, "maxfev": search.runs},
+    )
+
+
+def _limits(search: Search, outcomes: Callable[[Floats], list[Outcome]]) -> tuple[Any, ...]:
+    """The limits of one design [d], or of several [d, n], for scipy."""
+    if not search.limits:
+        return ()
+
+    def excess(x: Floats) -> Floats:
+        table = np.array([one.excess for one in outcomes(x)]).T
+        return table if x.ndim == 2 else table[:, 0]
+
+    return (scipy_optimize.NonlinearConstraint(excess, -np.inf, 0.0),)
+
+
+def _beside(search: Search, designs: Designs) -> None:
+    """Designs on both sides of the best one, for what each path changes."""
+    best = designs.points[designs.best]
+    designs(np.array([point for j in range(len(best)) for point in beside(search, best, j)]).reshape(-1, len(best)))
+
+
+def beside(search: Search, best: Floats, j: int) -> list[Floats]:
+    """The points on both sides of a design along a range, as far as there are; none along a list."""
+    if isinstance(search.designs[j], Listed):
+        return []
+    found = []
+    for step in (-BESIDE, BESIDE):
+        point = best.copy()
+        point[j] = np.clip(point[j] + step, 0.0, 1.0)
+        if point[j] != best[j]:
+            found.append(point)
+    return found
+
+
+def _counted(search: Search, progress: Progress) -> Callable[[int], None]:
+    began = time.monotonic()
+
+    def tell(done: int) -> None:
+        elapsed = time.monotonic() - began
+        left = f", at most {duration(elapsed * (search.runs - done) / done)} left" if done and elapsed > 1.0 else ""
+        progress(f"{done} of at most {search.runs} runs{left}")
+
+    return tell
+
+
+def _found(search: Search, designs: Designs, interrupted: bool, rows: Swept) -> Found:
+    """The answer, from all that was tried."""
+    best, points, outcomes = designs.best, designs.points, designs.outcomes
+    own = outcomes[best]
+    held = [(k + 1, one) for k, one in enumerate(outcomes) if one.beyond <= HELD]
+    least = np.minimum.accumulate([one.small for _, one in held])
+    better = [i for i in range(len(held)) if i == 0 or least[i] < least[i - 1]]
+    return Found(
+        search=search,
+        unit=designs.unit,
+        goal=own.goal,
+        chosen=tuple(_chosen(search, designs, j, rows) for j in range(len(search.designs))),
+        limits=dict(zip(search.limits, own.limited, strict=True)),
+        feasible=own.beyond <= HELD,
+        best=best * search.samples,
+        runs=len(outcomes) * search.samples,
+        designs=len(points),
+        left_out=sum(not one.sound for one in outcomes),
+        history=tuple((held[i][0], held[i][1].goal) for i in better),
+        interrupted=interrupted,
+        rows=rows,
+    )
+
+
+def _chosen(search: Search, designs: Designs, j: int, rows: Swept) -> Chosen:
+    one, point, row = search.designs[j], designs.points[designs.best], designs.best * search.samples
+    end: Literal["", "lower", "upper"] = ""
+    if not isinstance(one, Listed):
+        end = "lower" if point[j] < AT_END else "upper" if point[j] > 1.0 - AT_END else ""
+    return Chosen(one.path, rows.texts[row][j], float(rows.values[row, j]), one.unit, end, _change(search, designs, j))
+
+
+def _change(search: Search, designs: Designs, j: int) -> float:
+    """What the goal changes for 1 % of a range, from the designs beside the best one; nan where they were not run."""
+    best = designs.points[designs.best]
+    around = [best, *beside(search, best, j)]
+    known = [(point[j], one) for point in around if (one := designs.known(point)) is not None and one.sound]
+    if len(known) < 2:
+        return float("nan")
+    (low, first), (high, last) = min(known, key=lambda pair: pair[0]), max(known, key=lambda pair: pair[0])
+    return float(0.01 * (last.goal - first.goal) / (high - low))

@@ -1,0 +1,60 @@
+"""The answer of an optimisation as a plain table, ready for JSON."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from femstruct.files.tables.json_numbers import number
+from femstruct.study.campaign.sought import Chosen, Found
+
+Table = dict[str, Any]
+
+
+def optimum_table(found: Found) -> Table:
+    """The best design, what it does, and how it was found."""
+    search = found.search
+    return {
+        "title": search.title,
+        "case": search.case,
+        search.sense: search.goal,
+        "value": number(found.goal),
+        "unit": found.unit,
+        "feasible": found.feasible,
+        "design": [_chosen(one) for one in found.chosen],
+        "limits": [
+            {"name": name, "limit": number(limit), "value": number(found.limits[name])}
+            for name, limit in search.limits.items()
+        ],
+        "robust": None if not search.over else {"over": [one.path for one in search.over], "quantile": search.quantile},
+        "runs": found.runs,
+        "designs": found.designs,
+        "left_out": found.left_out,
+        "interrupted": found.interrupted,
+        "history": [{"designs": count, "value": number(value)} for count, value in found.history],
+        "run_it": run_command(found),
+    }
+
+
+def run_command(found: Found) -> str:
+    """The command that runs the best design as a study of its own."""
+    search = found.search
+    words = ["femstruct", "run", search.file, *(("--case", search.case) if search.case else ())]
+    changes = (*search.overrides, *(f"{one.path}={one.text}" for one in found.chosen))
+    return " ".join([_quoted(word) for word in words] + [f"--set {_quoted(one)}" for one in changes])
+
+
+def _quoted(word: str) -> str:
+    import shlex
+
+    return shlex.quote(word)
+
+
+def _chosen(one: Chosen) -> Table:
+    return {
+        "path": one.path,
+        "text": one.text,
+        "value": number(one.number),
+        "unit": one.unit,
+        "at": one.at,
+        "change_per_percent": number(one.change),
+    }

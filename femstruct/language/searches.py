@@ -1,0 +1,126 @@
+"""What a study file optimises, read."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, Final
+
+from pydantic import Field
+
+from femstruct.errors import InputError, InputErrors
+from femstruct.language.campaigns import nouns, short
+from femstruct.language.models import override, refuse_kind, title_of
+from femstruct.language.patch import MODEL_KEYS, Patch, study_keys
+from femstruct.language.study.optimise import OptimiseSpec
+from femstruct.language.study.vary import VarySpec
+from femstruct.language.yaml import Here, Mistakes, Position, Spec, Tree, parse_value, read_yaml, validate
+from femstruct.study.campaign.sought import Search
+
+KEYS: Final = ("vary", "optimise")
+
+
+class SoughtSpec(Spec):
+    """What of a study file concerns an optimisation."""
+
+    vary: dict[str, VarySpec] = Field(default_factory=dict)
+    optimise: OptimiseSpec | None = None
+
+
+def read_search(
+    path: str | Path,
+    goal: str = "",
+    vary: Sequence[str] = (),
+    limits: Sequence[str] = (),
+    overrides: Sequence[str] = (),
+    case: str = "",
+    runs: int | None = None,
+) -> Search:
+    """What a study file optimises under `optimise:`.
+
+    goal : "minimise NAME" or "maximise NAME", in place of what the file says. vary : texts ``PATH=FROM:TO`` or
+    ``PATH=FROM:TO:log`` of what may be chosen, beside what the file says. limits : texts ``NAME=VALUE``.
+    overrides, case : as for `read_campaign`. runs : of the study at most.
+
+    Raises InputErrors: every mistake, on one line each; a file that optimises nothing is one.
+
+    >>> import tempfile
+    >>> study = "model: m.yaml\\noptimise: {minimise: ground force, vary: {bodies.damper.mass: {from: 1 kg, to: 9 kg}}}"
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     _ = Path(folder, "press.study.yaml").write_text(study, encoding="utf-8")
+    ...     search = read_search(Path(folder, "press.study.yaml"), limits=["damper travel=18 mm"])
+    >>> search.goal, search.designs[0].second, dict(search.limits)
+    ('ground force', 9.0, {'damper travel': 0.018})
+    """
+    mistakes, tree = Mistakes(), read_yaml(path)
+    refuse_kind(tree, "study", study_keys(), lambda: MODEL_KEYS)
+    patch = Patch(tree, None, mistakes)
+    override(patch, [text for text in overrides if text.partition(".")[0].strip() in KEYS])
+    tree = patch.study.tree() if patch.study else tree
+    trees = [tree, *(_asked(text, mistakes) for text in (goal,) if text)]
+    mistakes.stop_if_any()
+    block = dict(tree.value["optimise"]) if isinstance(tree.value.get("optimise"), dict) else {}
+    if goal:
+        block = {key: one for key, one in block.items() if key not in ("minimise", "maximise")}
+        block |= trees[-1].value["optimise"]
+    if not block:
+        do = "add 'optimise: {minimise: ground force, vary: {..}}' to it, or --minimise and --vary"
+        raise InputErrors((f"{path}: optimise: got a study that optimises nothing, expected a goal; {do}",))
+    block["limits"] = {**(block.get("limits") or {}), **_limits(limits, mistakes)}
+    own = {"optimise": block} | ({"vary": tree.value["vary"]} if tree.value.get("vary") else {})
+    spec = validate(SoughtSpec, own, tree, mistakes)
+    mistakes.stop_if_any()
+    assert spec is not None and spec.optimise is not None
+    designs = {one.path: one for one in nouns(spec.optimise.vary, Here(tree, mistakes).at("optimise"))}
+    for text in vary:
+        there = short(text, mistakes, ranges=True)
+        found = validate(SoughtSpec, there.value, there, mistakes)
+        designs |= {one.path: one for one in nouns(found.vary if found else {}, Here(there, mistakes))}
+    varied = {one.path: one for one in nouns(spec.vary, Here(tree, mistakes))}
+    mistakes.stop_if_any()
+    asked = spec.optimise
+    try:
+        return Search(
+            file=str(path),
+            goal=asked.minimise or asked.maximise or "",
+            designs=tuple(designs.values()),
+            sense="minimise" if asked.minimise else "maximise",
+            limits={name: one.value for name, one in asked.limits.items()},
+            over=asked.scattering(varied),
+            runs=runs or asked.runs,
+            seed=asked.seed,
+            case=case or asked.case or "",
+            overrides=tuple(overrides),
+            title=title_of(tree),
+            **asked.robustness(),
+        )
+    except InputError as error:
+        at = tree.position(_steps(error.where), of_key=True)
+        raise InputErrors((f"{at}: {error}",)) from None
+
+
+def _steps(where: str) -> tuple[str, ...]:
+    """The keys of a path in a message: what varies has dots in its name."""
+    for start in ("optimise.vary.", "vary."):
+        if where.startswith(start):
+            return (*start.rstrip(".").split("."), where.removeprefix(start))
+    return tuple(where.split("."))
+
+
+def _asked(text: str, mistakes: Mistakes) -> Tree:
+    """A goal of the command line, as a file would say it."""
+    sense, _, name = text.partition(" ")
+    return Tree(f"--{sense}", {"optimise": {sense: name}}, {(): Position(f"--{sense}")}, {}, text)
+
+
+def _limits(texts: Sequence[str], mistakes: Mistakes) -> dict[str, Any]:
+    """Limits of the command line."""
+    found: dict[str, Any] = {}
+    for text in texts:
+        name, equals, value = (part.strip() for part in text.partition("="))
+        if not (equals and name and value):
+            do = "write it like 'damper travel=18 mm'"
+            mistakes.add(Position(f"--limit {text}"), "", got="no NAME=VALUE", expected="a limit", do=do)
+            continue
+        found[name] = parse_value(value, f"--limit {text}", mistakes).value
+    return found

@@ -1,0 +1,109 @@
+"""What an optimisation is asked for, and what it found."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Literal
+
+from femstruct.declared import checked
+from femstruct.errors import InputError
+from femstruct.study.campaign.swept import Swept
+from femstruct.study.campaign.varied import Listed, Scattered
+
+FEWEST_RUNS = 20
+
+
+@dataclass(frozen=True)
+@checked("optimise")
+class Search:
+    """A number of a study that is to be small or large, by a choice of other numbers of its files.
+
+    file : of the study. goal : the number, by its name in a sweep, such as "ground force". designs : what may be
+    chosen, ranges (uniform or log-uniform) or lists. limits : what other numbers of the same case should not exceed, by
+    name, in SI units. case : "" for the baseline. overrides : texts ``PATH=VALUE`` for all.
+    over : what scatters and cannot be chosen; quantile : the share of the scatter for which goal and limits are to
+    hold; scatter : samples of it, the same for every design. runs : of the study at most, each sample counted.
+
+    The mass and the spring of a damper, for the least force on the ground:
+
+    >>> mass = Scattered("bodies.damper.mass", "uniform", 0.5, 12.0, "kg")
+    >>> Search("press.study.yaml", "ground force", (mass,), limits={"damper travel": 0.018}).sense
+    'minimise'
+    """
+
+    file: str
+    goal: str
+    designs: tuple[Listed | Scattered, ...]
+    sense: Literal["minimise", "maximise"] = "minimise"
+    limits: Mapping[str, float] = field(default_factory=dict)
+    over: tuple[Listed | Scattered, ...] = ()
+    quantile: float = 0.9
+    scatter: int = 8
+    runs: int = 400
+    seed: int = 1
+    case: str = ""
+    overrides: tuple[str, ...] = ()
+    title: str = ""
+
+    def __post_init__(self) -> None:
+        if not self.designs:
+            raise InputError("optimise.vary", got="nothing to choose", expected="one or more paths")
+        paths = [one.path for one in (*self.designs, *self.over)]
+        twice = next((path for path in paths if paths.count(path) > 1), None)
+        if twice is not None:
+            raise InputError(f"optimise.vary.{twice}", got="a path that varies twice", expected="each path once")
+        normal = next((one for one in self.designs if isinstance(one, Scattered) and one.law == "normal"), None)
+        if normal is not None:
+            expected = "a range {from, to} or a list of values"
+            raise InputError(f"optimise.vary.{normal.path}", got="a distribution", expected=expected)
+        if not 0.0 < self.quantile < 1.0:
+            raise InputError("optimise.robust.quantile", got=f"{self.quantile:g}", expected="between 0 and 1")
+        if self.runs < FEWEST_RUNS * self.samples:
+            expected = f"{FEWEST_RUNS * self.samples} or more, {FEWEST_RUNS} designs"
+            raise InputError("optimise.runs", got=f"{self.runs}", expected=expected)
+
+    @property
+    def samples(self) -> int:
+        """Runs of the study for one design."""
+        return self.scatter if self.over else 1
+
+
+@dataclass(frozen=True)
+class Chosen:
+    """What an optimisation found for one path. text : as a file writes it. number : in SI units, nan for words. at :
+    the end of its range that it lies at, "" inside. change : of the goal per 1 % of the range, from designs beside the
+    best one, nan for lists and where there is none."""
+
+    path: str
+    text: str
+    number: float
+    unit: str
+    at: Literal["", "lower", "upper"]
+    change: float
+
+
+@dataclass(frozen=True, eq=False)
+class Found:
+    """The best design of an optimisation.
+
+    goal : its value, in `unit`, of the quantile where something scatters. limits : the values that are limited, by
+    name. feasible : whether any design holds all limits; the best is else the one that exceeds them least. best : the
+    number of its first row. runs : of the study. designs : how many were tried; left_out : those with a finding that
+    forbids trust, or without a number. history : (designs tried, best goal until then), where it improved.
+    interrupted : whether it was stopped before its end. rows : of all designs, in their order.
+    """
+
+    search: Search
+    unit: str
+    goal: float
+    chosen: tuple[Chosen, ...]
+    limits: Mapping[str, float]
+    feasible: bool
+    best: int
+    runs: int
+    designs: int
+    left_out: int
+    history: tuple[tuple[int, float], ...]
+    interrupted: bool
+    rows: Swept

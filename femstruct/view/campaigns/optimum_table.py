@@ -1,0 +1,57 @@
+"""The answer of an optimisation in the terminal."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from femstruct.files.tables.optimum_tables import run_command
+from femstruct.study.campaign.sought import Chosen, Found
+from femstruct.view.campaigns.swept_table import in_unit, say_left_out, written
+from femstruct.view.tables.console import console
+from femstruct.view.tables.grid import Grid
+from femstruct.view.tables.scales import digits
+
+
+def show_optimum(found: Found) -> None:
+    """The best design with its limits, what lies beside it, and how it was found."""
+    screen, search = console(), found.search
+    factor, unit = in_unit(found.unit, abs(found.goal))
+    quantile = f", {100 * search.quantile:g} % quantile of {search.scatter} samples" if search.over else ""
+    word = "least" if search.sense == "minimise" else "largest"
+    value = f"{digits(factor * found.goal)} {unit}".strip()
+    screen.print(f"{search.title}: {word} {search.goal}: {value}{quantile}", soft_wrap=True)
+    head = ("chosen", "value", "at the end of its range", f"{search.goal} changes per 1 % of the range")
+    grid = Grid("the best design found", head)
+    for one in found.chosen:
+        grid.add(one.path, _value(one), one.at, _change(one, factor, unit))
+    grid.show(screen)
+    limits = Grid("its limits", ("number", "value", "limit"))
+    for name, limit in search.limits.items():
+        scale, told = in_unit(found.rows.unit_of(name), abs(limit))
+        limits.add(name, f"{digits(scale * found.limits[name])} {told}", f"{digits(scale * limit)} {told}")
+    limits.show(screen)
+    if not found.feasible:
+        screen.print("No design that was tried holds all limits: this one exceeds them least", soft_wrap=True)
+    for one in found.chosen:
+        if one.at:
+            screen.print(f"{one.path} is at the {one.at} end of its range: a wider range may give more", soft_wrap=True)
+    tried = f"{found.designs} designs, {found.runs} runs; the last improvement at design {_last(found)}"
+    screen.print(f"{tried}. Another 'seed' or more 'runs' may find a better one", soft_wrap=True)
+    if found.interrupted:
+        screen.print("Interrupted: the same command goes on", soft_wrap=True)
+    say_left_out(found.rows, screen)
+    screen.print(f"To run it: {run_command(found)}", soft_wrap=True)
+
+
+def _last(found: Found) -> str:
+    return str(found.history[-1][0]) if found.history else "-"
+
+
+def _value(one: Chosen) -> str:
+    return written(one.number, one.unit, one.text)
+
+
+def _change(one: Chosen, factor: float, unit: str) -> str:
+    if np.isnan(one.change):
+        return ""
+    return f"{factor * one.change:+.2g} {unit}".strip()
