@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from femstruct.arrays import Floats
-from femstruct.language.study.vary import written
+from femstruct.language.study.campaign.vary import written
 from femstruct.study.campaign.varied import Campaign, Listed, Scattered
 
 

@@ -9,7 +9,7 @@ from typing import Any, Final
 from femstruct.errors import InputError, InputErrors
 from femstruct.language.models import override, refuse_kind, title_of
 from femstruct.language.patch import MODEL_KEYS, Patch, study_keys
-from femstruct.language.study.vary import VariedSpec, VarySpec
+from femstruct.language.study.campaign.vary import VariedSpec, VarySpec
 from femstruct.language.yaml import Here, Mistakes, Position, Tree, parse_value, read_yaml, validate
 from femstruct.study.campaign.varied import Campaign, Listed, Sampling, Scattered
 

@@ -12,8 +12,8 @@ from femstruct.errors import InputError, InputErrors
 from femstruct.language.campaigns import nouns, short
 from femstruct.language.models import override, refuse_kind, title_of
 from femstruct.language.patch import MODEL_KEYS, Patch, study_keys
-from femstruct.language.study.optimise import OptimiseSpec
-from femstruct.language.study.vary import VarySpec
+from femstruct.language.study.campaign.optimise import OptimiseSpec
+from femstruct.language.study.campaign.vary import VarySpec
 from femstruct.language.yaml import Here, Mistakes, Position, Spec, Tree, parse_value, read_yaml, validate
 from femstruct.study.campaign.sought import Search
 

@@ -9,17 +9,17 @@ from pydantic import Field
 from femstruct.errors import shown_as
 from femstruct.language.rooms.known_rooms import AnyRoom
 from femstruct.language.study.body import BodySpec
+from femstruct.language.study.campaign.optimise import OptimiseSpec
+from femstruct.language.study.campaign.vary import SamplesSpec, VarySpec
 from femstruct.language.study.contact import ContactSpec
 from femstruct.language.study.limit import LimitValue
 from femstruct.language.study.link import LinkSpec
 from femstruct.language.study.load import LoadSpec
 from femstruct.language.study.of_records import FatigueSpec, ShockSpec
-from femstruct.language.study.optimise import OptimiseSpec
 from femstruct.language.study.record import Recorded
 from femstruct.language.study.request import FrfSpec
 from femstruct.language.study.sources.measured_source import MeasuredSourceSpec
 from femstruct.language.study.start import InitialSpec
-from femstruct.language.study.vary import SamplesSpec, VarySpec
 from femstruct.language.study.vibration import VibrationSpec
 from femstruct.language.study.window import AccuracySpec, ModesSpec, PeaksSpec, TimeSpec
 from femstruct.language.yaml import Instant, Refers, Spec, Text, read_by, refuse

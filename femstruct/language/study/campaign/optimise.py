@@ -8,7 +8,7 @@ from typing import Annotated, Any
 from pydantic import Field
 
 from femstruct.errors import InputError
-from femstruct.language.study.vary import AnyQuantity, VarySpec
+from femstruct.language.study.campaign.vary import AnyQuantity, VarySpec
 from femstruct.language.yaml import Count, Quantity, Spec, Text
 from femstruct.language.yaml.tree import nearest
 from femstruct.study.campaign.varied import Listed, Scattered

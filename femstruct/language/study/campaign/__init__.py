@@ -1,0 +1,1 @@
+"""What a campaign varies and optimises, as it is written."""
