@@ -30,13 +30,13 @@ def gathered(
     rows: Sequence[Row],
     refused: Mapping[int, str],
     *,
-    drawn: bool = False,
+    method: str = "grid",
     command: str = "",
 ) -> Swept:
     """The rows of a campaign as one table.
 
-    plan : one of its studies, for cases and limits. refused : samples that cannot be read, with the reason. drawn :
-    whether the samples are of distributions.
+    plan : one of its studies, for cases and limits. refused : samples that cannot be read, with the reason. method : of
+    sampling.
     """
     n = len(samples.texts)
     base = next(case for case in plan.cases if case.name == plan.baseline)
@@ -67,7 +67,7 @@ def gathered(
         units=samples.units,
         texts=samples.texts,
         values=samples.numbers,
-        drawn=drawn,
+        method=method,
         cases=cases,
         baseline=plan.baseline,
         names=tuple(names),

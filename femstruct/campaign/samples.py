@@ -11,7 +11,7 @@ import numpy as np
 
 from femstruct.arrays import Floats
 from femstruct.language.study.campaign.vary import written
-from femstruct.study.campaign.varied import Campaign, Listed, Scattered
+from femstruct.study.campaign.varied import INDICES, Campaign, Listed, Scattered
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,7 +38,7 @@ def samples_of(campaign: Campaign) -> Samples:
     -----
     Latin hypercube and scrambled Sobol sequence are those of scipy.stats.qmc. A point u of the unit interval takes the
     quantile of a distribution, or the listed value of number floor(u n). The numbers depend on the seed alone, not on
-    the machine.
+    the machine. For indices the samples are two tables A and B, then A with one column after the other from B.
 
     >>> two = Listed("a", ("1", "2"), (1.0, 2.0), "1"), Listed("b", ("x", "y"))
     >>> samples_of(Campaign("s.yaml", two)).texts
@@ -62,6 +62,11 @@ def _points(method: str, count: int, dimension: int, seed: int) -> Floats:
     """Points of the unit cube [count, dimension]."""
     from scipy.stats import qmc
 
+    if method == INDICES:
+        both = qmc.Sobol(2 * dimension, rng=np.random.default_rng(seed)).random(count)
+        a, b = both[:, :dimension], both[:, dimension:]
+        mixed = [np.where(np.arange(dimension) == j, b, a) for j in range(dimension)]
+        return np.concatenate([a, b, *mixed])
     kind: Any = qmc.LatinHypercube if method == "latin hypercube" else qmc.Sobol
     engine = kind(dimension, rng=np.random.default_rng(seed))
     # Sobol points are balanced in powers of two: of these the first are taken

@@ -82,8 +82,8 @@ def sweep(
         with crew(min(cores, max(len(left), 1)), cluster) as run:
             _run(left, run, journal, progress)
         rows = journal.rows()
-    drawn = campaign.sampling.method != "grid"
-    return gathered(campaign.title, parts.plan, samples, rows, parts.refused, drawn=drawn, command=command)
+    method = campaign.sampling.method
+    return gathered(campaign.title, parts.plan, samples, rows, parts.refused, method=method, command=command)
 
 
 def set_aside(campaign: Campaign, folder: Path) -> Path | None:

@@ -67,7 +67,7 @@ def rows(values: np.ndarray, numbers: np.ndarray) -> Swept:
         units=("kg",),
         texts=tuple((repr(float(one)),) for one in values),
         values=values[:, None],
-        drawn=True,
+        method="sobol",
         cases=("one", "two")[:c],
         baseline="one",
         names=("y",),
@@ -127,7 +127,7 @@ def test_a_number_of_another_name_is_refused() -> None:
         (lambda: Campaign("s", ()), "nothing that varies"),
         (lambda: Campaign("s", (Listed("a", ("1",)), Listed("a", ("1",)))), "varies twice"),
         (lambda: Campaign("s", (NORMAL,)), "a range without steps in a grid"),
-        (lambda: Campaign("s", tuple(Listed(f"{i}", ("1",) * 100) for i in range(3))), "a grid of 1e"),
+        (lambda: Campaign("s", tuple(Listed(f"{i}", ("1",) * 100) for i in range(3))), "1e.06 samples"),
     ],
 )
 def test_what_makes_no_samples_is_refused(make: object, told: str) -> None:

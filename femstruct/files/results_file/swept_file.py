@@ -52,7 +52,7 @@ def write_swept(path: str | Path, rows: Swept) -> None:
     ...     units=("kg",),
     ...     texts=(("1 kg",),),
     ...     values=[[1.0]],
-    ...     drawn=False,
+    ...     method="grid",
     ...     cases=("as given",),
     ...     baseline="as given",
     ...     names=("ball on m peak force",),
@@ -108,7 +108,7 @@ def read_swept(path: str | Path) -> Swept:
 def _write(file: h5py.File, rows: Swept) -> None:
     file.attrs.update(
         Conventions="CF-1.11", format=FORMAT, format_version=FORMAT_VERSION, title=rows.title, baseline=rows.baseline,
-        drawn=rows.drawn, limits=json.dumps(dict(rows.limits)),
+        method=rows.method, limits=json.dumps(dict(rows.limits)),
     )  # fmt: skip
     n = len(rows.texts)
     axis(file, "sample", np.arange(n), "1", "Number of the sample")
@@ -163,7 +163,7 @@ def _read(file: h5py.File) -> Swept:
         units=tuple(texts("varied_unit")),
         texts=tuple(map(tuple, texts("varied_text"))),
         values=file["varied"][()],
-        drawn=bool(file.attrs["drawn"]),
+        method=str(file.attrs["method"]),
         cases=tuple(texts("case")),
         baseline=str(file.attrs["baseline"]),
         names=tuple(names),

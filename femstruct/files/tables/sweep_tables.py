@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from femstruct.files.tables.json_numbers import number
+from femstruct.study.campaign.influence import influences
 from femstruct.study.campaign.spread import Spread, spread
 from femstruct.study.campaign.swept import Swept
 
@@ -24,6 +25,7 @@ def sweep_table(rows: Swept, names: Sequence[str] = ()) -> Table:
         "baseline": rows.baseline,
         "units": {name: rows.unit_of(name) for name in names},
         "samples": [_sample(rows, i, names) for i in range(len(rows.texts))],
+        "influence": [_influence(rows, name, case) for name in names for case in rows.cases],
         "statistics": [statistics_table(one) for one in spreads(rows, names)],
         "not_run": int((~rows.done).sum()),
         "failed": sum(bool(one) for one in rows.trouble),
@@ -54,6 +56,16 @@ def spreads(rows: Swept, names: Sequence[str]) -> list[Spread]:
     asked += [(name, case, rows.baseline) for name in names for case in others]
     found = (spread(rows, *one) for one in asked)
     return [one for one in found if one is not None and one.deviation > 0.0]
+
+
+def _influence(rows: Swept, name: str, case: str) -> Table:
+    """Shares of all paths in the variance of a number, with their 95 % intervals."""
+    words = ("value", "low", "high")
+    shares = {
+        one.path: {"alone": dict(zip(words, one.alone, strict=True)), "total": dict(zip(words, one.total, strict=True))}
+        for one in influences(rows, name, case)
+    }
+    return {"number": name, "case": case, "shares": shares}
 
 
 def statistics_table(one: Spread) -> Table:

@@ -9,7 +9,8 @@ from typing import Final
 import numpy as np
 
 from femstruct.arrays import Floats
-from femstruct.study.campaign.swept import Swept
+from femstruct.study.campaign.swept import Flags, Swept
+from femstruct.study.campaign.varied import INDICES
 
 LEVELS: Final = (0.05, 0.5, 0.95)  # of the quantiles that are told
 FEWEST: Final = 8  # samples, below which nothing is said of a distribution
@@ -78,7 +79,7 @@ def spread(rows: Swept, name: str, case: str = "", above: str = "") -> Spread | 
     values, sound = rows.of(name, case), rows.trusted(case)
     if above:
         values, sound = values - rows.of(name, above), sound & rows.trusted(above)
-    known = sound & np.isfinite(values)
+    known = sound & np.isfinite(values) & independent(rows)
     own = values[known]
     if len(own) < FEWEST:
         return None
@@ -90,7 +91,7 @@ def spread(rows: Swept, name: str, case: str = "", above: str = "") -> Spread | 
         case=case,
         above=above,
         count=len(own),
-        left_out=int(rows.done.sum()) - len(own),
+        left_out=int((rows.done & independent(rows)).sum()) - len(own),
         mean=float(own.mean()),
         deviation=float(own.std(ddof=1)),
         quantiles=(low, middle, high),
@@ -98,6 +99,12 @@ def spread(rows: Swept, name: str, case: str = "", above: str = "") -> Spread | 
         limit=limit,
         held=None if limit is None else wilson(int((own <= limit).sum()), len(own)),
     )
+
+
+def independent(rows: Swept) -> Flags:
+    """The samples that are independent of each other [n]: of those for indices the first two tables."""
+    n = len(rows.texts)
+    return np.arange(n) < (2 * n // (len(rows.paths) + 2) if rows.method == INDICES else n)
 
 
 def wilson(held: int, of: int) -> tuple[float, float, float]:

@@ -19,7 +19,7 @@ class Swept:
     """Rows of n samples and c cases, with k numbers each, in SI units and dB.
 
     paths, units [p] : what varied. texts [n][p] : its values as a file writes them; values [n, p] : as numbers, nan for
-    words and lists. drawn : whether the samples are drawn from distributions, and not chosen.
+    words and lists. method : how the samples were combined, as `Sampling` has it.
     cases [c], baseline. names, number_units [k] : of the numbers. main : how many of them, from the first on, are asked
     for first. numbers [c, n, k] : nan where there is none.
     done [n] : False for samples that were not run. severe [c][n], findings [c][n] : codes of those that forbid trust in
@@ -35,7 +35,7 @@ class Swept:
     units: tuple[str, ...]
     texts: tuple[tuple[str, ...], ...]
     values: Floats
-    drawn: bool
+    method: str
     cases: tuple[str, ...]
     baseline: str
     names: tuple[str, ...]
@@ -57,6 +57,11 @@ class Swept:
             values=frozen_with_gaps("sweep values", self.values, (n, len(self.paths))),
             numbers=frozen_with_gaps("sweep numbers", self.numbers, (c, n, len(self.names))),
         )
+
+    @property
+    def drawn(self) -> bool:
+        """Whether the samples are drawn from distributions, and not chosen."""
+        return self.method != "grid"
 
     def of(self, name: str, case: str = "") -> Floats:
         """A number of all samples [n] by its name, in the baseline or another case.

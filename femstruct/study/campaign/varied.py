@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Final, Literal
 
 from femstruct.declared import checked
 from femstruct.errors import InputError
 
-MOST_SAMPLES = 100_000
+MOST_SAMPLES: Final = 100_000
+INDICES: Final = "sobol indices"
 
 
 @dataclass(frozen=True)
@@ -75,13 +76,15 @@ class Sampling:
     """How the values of several paths are combined: each with each, or in as many samples as are asked for.
 
     method : "grid", each listed value with each; "latin hypercube" or "sobol" (scrambled), which fill the range of all
-    evenly. count : of samples, None for a grid. seed : the same one gives the same samples.
+    evenly; "sobol indices", samples from which the shares of all paths in the variance follow, count (p + 2) of them
+    for p paths. count : of samples, for the indices a power of two; None for a grid. seed : the same one gives the same
+    samples.
 
     >>> Sampling("latin hypercube", 64).seed
     1
     """
 
-    method: Literal["grid", "latin hypercube", "sobol"] = "grid"
+    method: Literal["grid", "latin hypercube", "sobol", "sobol indices"] = "grid"
     count: int | None = None
     seed: int = 1
 
@@ -91,6 +94,10 @@ class Sampling:
             raise InputError("samples.count", got=got, expected="a count for samples, none for a grid")
         if self.count is not None and not 0 < self.count <= MOST_SAMPLES:
             raise InputError("samples.count", got=f"{self.count}", expected=f"1 to {MOST_SAMPLES}")
+        if self.method == INDICES and self.count is not None and self.count & (self.count - 1):
+            near = 1 << self.count.bit_length()
+            got, expected = f"{self.count} for {INDICES}", "a power of two"
+            raise InputError("samples.count", got=got, expected=expected, do=f"write {near // 2} or {near}")
 
 
 @dataclass(frozen=True)
@@ -131,5 +138,7 @@ class Campaign:
         size = 1
         for one in self.varied:
             size *= len(one.texts) if isinstance(one, Listed) else 1
-        if self.sampling.method == "grid" and size > MOST_SAMPLES:
-            raise InputError("vary", got=f"a grid of {size:.3g} samples", expected=f"at most {MOST_SAMPLES}")
+        if self.sampling.method == INDICES and self.sampling.count is not None:
+            size = self.sampling.count * (len(self.varied) + 2)
+        if size > MOST_SAMPLES and self.sampling.method in ("grid", INDICES):
+            raise InputError("vary", got=f"{size:.3g} samples", expected=f"at most {MOST_SAMPLES}")

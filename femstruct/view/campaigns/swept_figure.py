@@ -10,7 +10,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from femstruct.arrays import Floats
+from femstruct.study.campaign.influence import influences
 from femstruct.study.campaign.swept import Flags, Swept
+from femstruct.study.campaign.varied import INDICES
 from femstruct.view.campaigns.swept_table import in_unit
 from femstruct.view.figures.drawing import BASELINE, case_lines, finish, legend_above, new_figure, panels
 
@@ -22,13 +24,16 @@ UNTRUSTED: Final[dict[str, Any]] = {"marker": "x", "linestyle": "none", "markers
 def swept_figure(rows: Swept, names: Sequence[str], case: str = "") -> Figure | None:
     """A picture of some numbers, the first six, over what varied; None where nothing that varied is a number.
 
-    One path: a curve for every case. Two paths of a grid: a map of one case. Otherwise: points of one case over each
-    path. Rows that findings forbid to trust are crosses. case : of a map or of points, the baseline if none.
+    Samples for indices: the shares of all paths in the variance. One path: a curve for every case. Two paths of a grid:
+    a map of one case. Otherwise: points of one case over each path. Rows that findings forbid to trust are crosses.
+    case : of what shows only one, the baseline if none.
     """
     drawn = [name for name in names if np.isfinite(rows.numbers[:, :, rows.names.index(name)]).any()][:MOST]
     numeric = [j for j in range(len(rows.paths)) if np.isfinite(rows.values[:, j]).all()]
     if not drawn or not numeric:
         return None
+    if rows.method == INDICES:
+        return _tornado(rows, drawn, case or rows.baseline)
     if len(rows.paths) == 1:
         return _curves(rows, drawn)
     if len(numeric) == len(rows.paths) == 2 and not rows.drawn:
@@ -99,6 +104,28 @@ def _points(rows: Swept, names: Sequence[str], numeric: Sequence[int], case: str
             number_axis(own, x)
             last = row == len(names) - 1
             finish(own, _named(rows.paths[k], unit) if last else "", _named(name, told) if column == 0 else "")
+    return figure
+
+
+def _tornado(rows: Swept, names: Sequence[str], case: str) -> Figure:
+    """Shares of all paths in the variance of each number, the largest above, with their intervals."""
+    title = rows.title if len(rows.cases) == 1 else f"{rows.title}: {case}"
+    high = 0.8 + 0.5 * len(rows.paths)
+    figure = new_figure(9.5, 1.4 + high * len(names), title)
+    grid = panels(figure, len(names), 1, between=0.75, top=1.0, left=3.2, sharex=True)[:, 0]
+    for own, name in zip(grid, names, strict=True):
+        found = sorted(influences(rows, name, case), key=lambda one: one.total[0])
+        for up, word, colour in ((0.2, "alone", BASELINE), (-0.2, "total", "#0072b2")):
+            shares = np.array([getattr(one, word) for one in found]).reshape(-1, 3) * 100.0
+            reach = np.abs(shares[:, 1:] - shares[:, :1]).T
+            label = "alone" if word == "alone" else "with all that it acts together with"
+            own.barh(
+                np.arange(len(found)) + up, shares[:, 0], 0.36, xerr=reach, color=colour, ecolor="0.5", label=label
+            )
+        own.set_yticks(range(len(found)), [one.path for one in found])
+        own.set_title(name if found else f"{name}: it does not vary", fontsize=10, loc="right")
+        finish(own, "share of the variance, and its 95 % interval [%]" if own is grid[-1] else "", "")
+    legend_above(grid[0])
     return figure
 
 

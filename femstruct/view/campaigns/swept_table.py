@@ -10,11 +10,14 @@ from rich.console import Console
 
 from femstruct.errors import some_of
 from femstruct.files.tables.sweep_tables import left_out, spreads
+from femstruct.study.campaign.influence import influences
 from femstruct.study.campaign.swept import Swept
+from femstruct.study.campaign.varied import INDICES
 from femstruct.view.tables.console import console
 from femstruct.view.tables.grid import Grid
 from femstruct.view.tables.scales import digits, scaled
 
+WIDE: Final = 0.3  # of the variance: an interval from which on more samples are asked for
 TOLD: Final = 3  # samples without numbers whose reason is printed
 
 
@@ -25,7 +28,10 @@ def show_swept(rows: Swept, names: Sequence[str] = ()) -> None:
     screen.print(f"{rows.title}: {int(rows.done.sum())} of {len(rows.texts)} samples{cases}", soft_wrap=True)
     (_scatter if rows.drawn else _extremes)(rows, names).show(screen)
     if rows.drawn:
-        _followed(rows, names).show(screen)
+        (_influence if rows.method == INDICES else _followed)(rows, names).show(screen)
+    if rows.method == INDICES and _unsure(rows, names):
+        told = "These shares have wide intervals: a larger 'count' under 'samples:' narrows them"
+        screen.print(told, soft_wrap=True)
     say_left_out(rows, screen)
 
 
@@ -62,6 +68,27 @@ def _followed(rows: Swept, names: Sequence[str]) -> Grid:
         if not one.above:
             grid.add(one.name, one.case, *("" if np.isnan(share) else f"{share:+.2f}" for share in one.follows))
     return grid
+
+
+def _influence(rows: Swept, names: Sequence[str]) -> Grid:
+    title = "share of the variance [%]: alone / with all that it acts together with (95 % interval)"
+    grid = Grid(title, ("number", "case", *rows.paths), keys=2)
+    for name in names:
+        for case in rows.cases:
+            found = influences(rows, name, case)
+            if found:
+                grid.add(name, case, *(f"{_share(one.alone)} / {_share(one.total)}" for one in found))
+    return grid
+
+
+def _unsure(rows: Swept, names: Sequence[str]) -> bool:
+    found = [one for name in names for case in rows.cases for one in influences(rows, name, case)]
+    return any(high - low > WIDE for one in found for _, low, high in (one.alone, one.total))
+
+
+def _share(ends: tuple[float, float, float]) -> str:
+    value, low, high = (100.0 * one for one in ends)
+    return f"{value:.0f} ({low:.0f} .. {high:.0f})"
 
 
 def say_left_out(rows: Swept, screen: Console) -> None:

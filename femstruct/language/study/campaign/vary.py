@@ -100,7 +100,7 @@ class SamplesSpec(Spec):
     """How many samples are made of what varies, and how. A grid has no count: it is each value with each."""
 
     makes = Sampling
-    method: Literal["latin hypercube", "sobol"] = "latin hypercube"
+    method: Literal["latin hypercube", "sobol", "sobol indices"] = "latin hypercube"
     count: Count
     seed: Count = 1
 
