@@ -114,7 +114,8 @@ def test_every_reader_copes(result: StudyResult, tmp_path: Path, capsys: pytest.
         stored = file["cases/few/rated/bedroom"]
         assert np.isnan(stored["bands_db"][-1]) and stored["at_least"][:].all()
         assert file["cases/few/rooms/bedroom"].attrs["complete_below_hz"] == pytest.approx(250.0)
-    assert rated_bands(result, "bedroom") is not None
+    drawn = rated_bands(result, "bedroom")
+    assert drawn is not None and "no bar: beyond the modes" in drawn.axes[0].get_xlabel()
     figure = sound(result, "bedroom.mic.1")
     assert figure is not None
     ends = [line.get_xdata().max() for line in figure.axes[0].lines if line.get_label() in ("few", "all")]

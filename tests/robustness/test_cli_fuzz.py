@@ -17,7 +17,7 @@ SECONDS, MEGABYTES = 60, 2000  # of one case, the memory beside what the program
 QUICK_MODELS, QUICK_STUDIES = 245, 55
 SLOW = ("bedroom", "dwelling_floor", "tapping", "floor_frame_slab", "bang_machine", "floor_acrylic_ball",
     "floor_tennis_ball", "floor_two_way", "l_room", "lined_room", "forging_hammer", "press_hard", "slab_outdoors",
-    "press", "long_floor", "portal", "joist_ceiling", "flanking_walls")  # fmt: skip
+    "press", "long_floor", "portal", "joist_ceiling", "flanking_walls", "clt_floor")  # fmt: skip
 WORKER = """
 import faulthandler, json, pathlib, runpy, sys
 mutations = runpy.run_path(sys.argv[1])

@@ -13,6 +13,8 @@ import numpy as np
 import pytest
 
 from femstruct.errors import Finding
+from femstruct.modal.basis import Holder
+from femstruct.sound.cavities import WOOL
 from femstruct.view.figures.loudness import levels_over_time, rated_bands
 from femstruct.view.page.html import table
 from femstruct.view.page.natural_frequencies import natural_frequencies
@@ -127,6 +129,28 @@ def test_modes_stand_beside_each_other_where_cases_have_their_own(result):
     apart = natural_frequencies(replace(result, cases={first: replace(case, basis=damped), **dict(others)}))
     assert apart.columns == ("mode", first, ", ".join(name for name, _ in others))
     assert apart.rows[1][1:] == ("19.90, 4 %", "19.90, 2 %")
+
+
+def test_over_wool_the_damped_modes_are_listed(result):
+    """Two modes that a strong dashpot couples: their eigenvalues, of which the diagonal (400 %) knows nothing."""
+    case = next(iter(result.cases.values()))
+    count, at = len(case.basis.omega), slice(case.basis.n_rigid, case.basis.n_rigid + 2)
+    pushed = np.zeros((count, count))
+    pushed[at, at] = 8.0 * case.basis.omega[at][0] * np.array([[1.0, 1.0], [1.0, 1.0]])
+    coupled = replace(case.basis, viscous=pushed, hysteretic=np.zeros((count, count)))
+    over_wool = replace(coupled, holders={WOOL: Holder(np.zeros((0, count)), np.zeros((0, count)))})
+    shown = [
+        natural_frequencies(replace(result, cases={"one": replace(case, basis=basis)})).rows
+        for basis in (coupled, over_wool)
+    ]
+    assert shown[0][case.basis.n_rigid][1].endswith(", 400 %")
+    state = np.block([[np.zeros((count, count)), np.eye(count)], [-np.diag(case.basis.omega**2), -pushed]])
+    values = np.linalg.eigvals(state)
+    swinging = np.sort_complex(values[values.imag > 1e-6 * case.basis.omega.max()])
+    swinging = swinging[np.argsort(np.abs(swinging))]
+    wanted = [f"{abs(s) / 2 / np.pi:.2f}, {-100 * s.real / abs(s):.3g} %" for s in swinging]
+    told = [row[1] for row in shown[1]][case.basis.n_rigid :]
+    assert told[0] == wanted[0] and not told[0].startswith(shown[0][case.basis.n_rigid][1][:4])
 
 
 def test_marks_in_names_and_findings_are_text(result, tmp_path):

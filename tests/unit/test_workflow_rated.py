@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 
+from femstruct.impact.scene.impact_sources import TAPPING_MACHINE
 from femstruct.language import read_study
 from femstruct.modal.analytic import given_modes
 from femstruct.study.study import Study
+from femstruct.workflow.judgement.source_findings import source_findings
 from femstruct.workflow.run.run import run_study, without_rooms
 from femstruct.workflow.stages.rated_rooms import overlap_findings, rated_findings, running
 
@@ -85,6 +89,24 @@ def test_what_hammers_keep_of_their_speed_is_told(tmp_path: Path) -> None:
     assert found["restitution"] == pytest.approx(wanted, abs=0.02)  # what the slab takes: 2 zeta_plate, m / Z T = 1 %
     assert found["lower_db"] + found["higher_db"] == pytest.approx(20 * np.log10(2))
     assert found["lower_db"] == pytest.approx(20 * np.log10(1 + found["restitution"]))
+
+
+@pytest.mark.parametrize(
+    ("after", "told"),
+    [(0.8, "5.1 dB lower to 0.9 dB higher"), (-0.05, "may give levels 0.4 dB to 6.5 dB higher")],
+)
+def test_a_floor_that_gives_way_to_a_hammer_has_no_level_lower_by_less_than_nothing(after: float, told: str) -> None:
+    """20 lg(1 + e) below and 20 lg(2 / (1 + e)) above; a hammer that still moves down when it is let go has e < 0."""
+    hammer = SimpleNamespace(name="h.1", target="feet.1", source=TAPPING_MACHINE, speed=2.0)
+    response: Any = SimpleNamespace(
+        contacts={"h.1 on feet.1": SimpleNamespace(first_open=0.1)},
+        clock=SimpleNamespace(sampling=10.0),
+        t=np.arange(3.0),
+        bodies={"h.1": SimpleNamespace(velocity=np.full(3, 2.0 * after))},
+    )
+    study: Any = SimpleNamespace(bodies=[hammer])
+    (found,) = source_findings(study, response)
+    assert found.message.endswith(told)
 
 
 @pytest.mark.parametrize(

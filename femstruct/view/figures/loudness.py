@@ -127,6 +127,8 @@ def rated_bands(result: StudyResult, room: str) -> Figure | None:
     hatched = "; hatched: statistical" if any(one.statistical_hz for one in shown.values()) else ""
     if any(one.ensemble for one in shown.values()):
         hatched += "; diamonds: mean over rooms and places, 90 %"
+    if not all(np.isfinite(list(one.bands_db.values())).all() for one in shown.values()):
+        hatched += "; no bar: beyond the modes"
     finish(axes, f"{first.method.bands}, nominal centre in Hz{hatched}", f"{first.band_quantity} in dB re 20 µPa")
     legend_above(axes)
     axes.grid(False, axis="x")

@@ -31,6 +31,7 @@ MEANING: Final = {
 TELLING: Final = (SUPPORT, JOINT, SPRING, MASS, ROOM, SURFACE, POINT)
 """Colours by how much they say of a place where several names meet."""
 SIZE: Final = 13  # of marks, in pixels
+MOST_MARKS: Final = 400  # of one name: more of them hide what they are on
 VIEW: Final = np.array([[-1.0, 1.0, 0.0], [-1.0, -1.0, 2.0]]) / np.sqrt([[2.0], [6.0]])
 """Isometric view: rows to the right and up, of unit length, as pyvista looks by `view_isometric`."""
 CHARACTER: Final = (0.016, 0.034)  # of the height of a picture's contents: width and height of a letter
@@ -165,12 +166,29 @@ def spokes(places: Floats, hubs: Integers, nodes: Integers) -> Floats:
     return np.asarray(ends[far].reshape(-1, 3))
 
 
+def thinned(places: Floats) -> Floats:
+    """Of places [m, 3] that are more than `MOST_MARKS` one in each cube, as large as it takes; else all of them.
+
+    >>> along = np.linspace(0.0, 1.0, 51)
+    >>> grid = np.stack(np.meshgrid(along, along, [0.0]), axis=-1).reshape(-1, 3)
+    >>> len(grid), 100 <= len(thinned(grid)) <= MOST_MARKS, len(thinned(grid[:400]))
+    (2601, True, 400)
+    """
+    low, side = places.min(axis=0), float(np.ptp(places, axis=0).max()) / MOST_MARKS
+    kept = places
+    while len(kept) > MOST_MARKS and side > 0.0:
+        side *= 1.5
+        cubes = np.floor((places - low) / side + 0.5).astype(np.int64)
+        kept = places[np.sort(np.unique(cubes, axis=0, return_index=True)[1])]
+    return kept
+
+
 def _marks(plotter: Any, places: Sequence[tuple[str, Floats]], colour: str) -> list[Label]:
-    """Dots at all places of each name; returns the name once, at the place farthest out in view."""
+    """Dots at the places of each name, thinned; returns the name once, at the place farthest out in view."""
     places = [(name, where) for name, where in places if len(where)]
     if not places:
         return []
-    dots = np.concatenate([where for _, where in places])
+    dots = np.concatenate([thinned(where) for _, where in places])
     plotter.add_points(dots, color=colour, point_size=SIZE, render_points_as_spheres=True)
     return [Label(name, where[(where @ np.array([1.0, 1.0, 1.0])).argmax()], colour) for name, where in places]
 

@@ -14,6 +14,7 @@ from femstruct.files.atomic import file_name, refuse_unwritable_file, replacing
 from femstruct.modal.basis import ModalBasis
 from femstruct.model.model import Model
 from femstruct.model.refine import Refined, refined
+from femstruct.sound.cavities import WOOL
 from femstruct.study.asked import RoomPlan
 from femstruct.study.result import StudyResult
 from femstruct.view.scenes.labels import add_labels
@@ -85,7 +86,8 @@ def picture_modes(model: Model, basis: ModalBasis, path: str | Path, title: str 
     """Draw the first elastic modes on one sheet: deformed, smooth between the nodes, coloured by displacement.
 
     Each is scaled to the same largest displacement and coloured, red up and blue down, by the global direction it
-    moves most in, which its title names beside number, frequency and damping ratio.
+    moves most in, which its title names beside number, frequency and damping ratio. Modes over wool are those without
+    losses, and have no ratio: damping couples them.
 
     Raises NoOpenGL where VTK cannot draw.
     """
@@ -117,8 +119,8 @@ def picture_modes(model: Model, basis: ModalBasis, path: str | Path, title: str 
     for place, mode in enumerate(modes):
         plotter.subplot(place // columns + 1, place % columns)
         direction = _draw_mode(plotter, fine, edges, moved[:, :, place])
-        ratio = 100.0 * basis.damping_ratio[mode]
-        words = f"{mode + 1}:  {basis.frequency_hz[mode]:.2f} Hz,  damping {ratio:.2g} %,  {direction}"
+        ratio = f"damping {100.0 * basis.damping_ratio[mode]:.2g} %" if WOOL not in basis.holders else "without losses"
+        words = f"{mode + 1}:  {basis.frequency_hz[mode]:.2f} Hz,  {ratio},  {direction}"
         plotter.add_text(words, position=(10, 8), font_size=10, color="black")
     plotter.set_background("white")
     save_scene(plotter, path, drawn=lambda image: draw_colours(image, title, meaning))

@@ -42,7 +42,8 @@ def _rebound(study: Study, response: Response) -> list[Finding]:
                 "hammers-rebound",
                 f"{machine}: the hammers rebound from this floor with a coefficient of restitution of {share:.2f}. For "
                 f"real machines 0 to 1 is reported (Acta Acustica 9, 14, 2025): a real machine may give levels "
-                f"{lower:.1f} dB lower to {higher:.1f} dB higher",
+                + (f"{lower:.1f} dB lower" if lower >= 0.0 else f"{-lower:.1f} dB")  # below 0: the floor gives way
+                + f" to {higher:.1f} dB higher",
                 {"restitution": share, "lower_db": lower, "higher_db": higher},
             )
         )
