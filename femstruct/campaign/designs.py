@@ -11,7 +11,7 @@ import numpy as np
 from femstruct.arrays import Floats
 from femstruct.campaign.executors import Crew
 from femstruct.campaign.journal import Journal, Row
-from femstruct.campaign.numbers import Number
+from femstruct.campaign.numbers import UNROUNDED, Number
 from femstruct.campaign.samples import Samples, at, samples_of
 from femstruct.campaign.tasks import Task
 from femstruct.errors import InputError, InputErrors
@@ -29,13 +29,14 @@ class Spent(Exception):
 @dataclass(frozen=True)
 class Outcome:
     """What came of a design: the goal; the same with the sign with which it is to be small; what its limits are
-    exceeded by, as shares of them [m]; the values that are limited [m]; whether its rows are to be trusted and have
-    their numbers."""
+    exceeded by, as shares of them [m]; the values that are limited [m]; the least and the largest goal over what
+    scatters; whether its rows are to be trusted and have their numbers."""
 
     goal: float
     small: float
     excess: tuple[float, ...]
     limited: tuple[float, ...]
+    ends: tuple[float, float]
     sound: bool
 
     @property
@@ -129,13 +130,14 @@ class Designs:
     def _outcome(self, rows: Sequence[Row]) -> Outcome:
         search = self._search
         sign = 1.0 if search.sense == "minimise" else -1.0
-        small = self._quantile([sign * self._number(row, search.goal).value for row in rows])
+        goals = [self._number(row, search.goal).value for row in rows]
+        small = self._quantile([sign * value for value in goals])
         limited = tuple(self._quantile([self._number(row, name).value for row in rows]) for name in search.limits)
         pairs = zip(limited, search.limits.values(), strict=True)
         excess = tuple((value - limit) / abs(limit or 1.0) for value, limit in pairs)
         if any(row.severe or row.trouble for row in rows) or not np.isfinite((small, *excess)).all():
-            return Outcome(np.nan, NEVER, (NEVER,) * len(excess), limited, sound=False)
-        return Outcome(sign * small, small, excess, limited, sound=True)
+            return Outcome(np.nan, NEVER, (NEVER,) * len(excess), limited, (np.nan, np.nan), sound=False)
+        return Outcome(sign * small, small, excess, limited, (min(goals), max(goals)), sound=True)
 
     def _quantile(self, values: Sequence[float]) -> float:
         """Of what scatters, the value that the asked share of it does not exceed."""
@@ -149,6 +151,7 @@ class Designs:
             raise InputError(where, got=f"'{name}'", expected="a number of the study", do=nearest(name, row.numbers))
         if name == self._search.goal:
             self.unit = row.numbers[name].unit
+            return row.numbers.get(name + UNROUNDED, row.numbers[name])  # a rounded one says nothing of small changes
         return row.numbers[name]
 
 

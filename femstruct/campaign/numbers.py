@@ -6,13 +6,13 @@ from collections.abc import Iterator, Mapping
 from math import isfinite, nan, pi
 from typing import Any, Final, NamedTuple
 
-from acoustics.levels.rated import RatedRoom
 from femstruct.files.tables.study_tables import case_table
 from femstruct.study.asked import SETTLED
 from femstruct.study.result import CaseResult
 from femstruct.workflow.compare.verdicts import verdicts
 
 MODES: Final = 10  # natural frequencies among the numbers
+UNROUNDED: Final = " before rounding"  # ends the name of a number of which the standard states a rounded one
 APART: Final = " / "  # between the steps of a name
 _LEFT_OUT: Final = ("basis", "outcome", "findings", "error_estimate", "accuracy")
 _UNITS: Final = {
@@ -44,12 +44,14 @@ def main_numbers(case: CaseResult) -> Iterator[tuple[str, Number]]:
     """What a limit can be set to, and what else is asked of a case first: the time to rest where it is limited, ratings
     and levels of rooms, the peaks of recorded channels in the whole window, the energy in the structure when the
     contacts have opened (at the end where they do not), peak forces of contacts, peaks of frequency responses, natural
-    frequencies, the mass."""
+    frequencies, the mass. There is no rating where bands are blank that it needs."""
     for verdict in verdicts(case):
         if verdict.name == SETTLED:
             yield SETTLED, _number(verdict.value, "s")
     for name, room in case.rated.items():
-        yield f"{name} rating", _rating(room)
+        known = None if room.rating is None or room.rating.blank_hz else room.rating
+        yield f"{name} rating", _number(None if known is None else known.value_db, "dB")
+        yield f"{name} rating{UNROUNDED}", _number(None if known is None else known.unrounded_db, "dB")
     for name, one in (case.heard.total_levels or case.levels).items():
         yield f"{name} L_AFmax", _number(one.l_afmax_db, "dB")
     for name, channel in case.channels.items():
@@ -67,12 +69,6 @@ def main_numbers(case: CaseResult) -> Iterator[tuple[str, Number]]:
     for number, omega in enumerate(basis.omega[basis.modes][:MODES], 1):
         yield f"mode {number} frequency", _number(float(omega) / (2.0 * pi), "Hz")
     yield "total mass", _number(basis.total_mass, "kg")
-
-
-def _rating(room: RatedRoom) -> Number:
-    """The number to state; none where bands are blank that it needs."""
-    rating = room.rating
-    return Number(nan, "dB") if rating is None or rating.blank_hz else _number(rating.value_db, "dB")
 
 
 def _number(value: float | None, unit: str) -> Number:

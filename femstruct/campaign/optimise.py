@@ -246,6 +246,7 @@ def _found(search: Search, designs: Designs, interrupted: bool, rows: Swept) -> 
         search=search,
         unit=designs.unit,
         goal=own.goal,
+        ends=own.ends,
         chosen=tuple(_chosen(search, designs, j, rows) for j in range(len(search.designs))),
         limits=dict(zip(search.limits, own.limited, strict=True)),
         feasible=own.beyond <= HELD,

@@ -19,6 +19,7 @@ def optimum_table(found: Found) -> Table:
         search.sense: search.goal,
         "value": number(found.goal),
         "unit": found.unit,
+        "over_the_scatter": [number(one) for one in found.ends],
         "feasible": found.feasible,
         "design": [_chosen(one) for one in found.chosen],
         "limits": [

@@ -87,7 +87,8 @@ class Chosen:
 class Found:
     """The best design of an optimisation.
 
-    goal : its value, in `unit`, of the quantile where something scatters. limits : the values that are limited, by
+    goal : its value, in `unit`, of the quantile where something scatters; of a rating that before rounding. ends : its
+    least and its largest over what scatters. limits : the values that are limited, by
     name. feasible : whether any design holds all limits; the best is else the one that exceeds them least. best : the
     number of its first row. runs : of the study. designs : how many were tried; left_out : those with a finding that
     forbids trust, or without a number. history : (designs tried, best goal until then), where it improved.
@@ -97,6 +98,7 @@ class Found:
     search: Search
     unit: str
     goal: float
+    ends: tuple[float, float]
     chosen: tuple[Chosen, ...]
     limits: Mapping[str, float]
     feasible: bool

@@ -20,6 +20,10 @@ def show_optimum(found: Found) -> None:
     word = "least" if search.sense == "minimise" else "largest"
     value = f"{digits(factor * found.goal)} {unit}".strip()
     screen.print(f"{search.title}: {word} {search.goal}: {value}{quantile}", soft_wrap=True)
+    if search.over:
+        low, high = (digits(factor * one) for one in found.ends)
+        paths = ", ".join(one.path for one in search.over)
+        screen.print(f"over the scatter of {paths} it lies between {low} and {high} {unit}", soft_wrap=True)
     head = ("chosen", "value", "at the end of its range", f"{search.goal} changes per 1 % of the range")
     grid = Grid("the best design found", head)
     for one in found.chosen:
