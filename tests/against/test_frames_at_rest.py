@@ -83,9 +83,9 @@ def test_a_blow_is_the_same_with_fewer(law: Hertz | Linear) -> None:
             (Contact("c", "ball", place, law),),
             loads=(Load("push", place, HalfSine(30.0, 120.0)),),
             gravity=9.81,
-            blows=(Blows("ball", place, 0.02, 2),),
+            blows=(Blows("ball", place, 0.015, 2),),
         )
-        runs.append(simulate(one, scene, Clock(0.05, 8e3)))
+        runs.append(simulate(one, scene, Clock(0.03, 8e3)))
     few, all_of_them = runs
     assert few.motion.z.shape[1] == all_of_them.motion.z.shape[1] - 3
     for name in ("structure", "lost_modes", "work"):

@@ -180,7 +180,7 @@ def seen(motion: Motion, what: int, rows: Floats, tilts: Floats) -> Floats:
         at_z, at_v = -tilts * motion.omega[:k] ** 2, rows - tilts * motion.damping[:k]
     out = np.empty((len(rows), motion.n_samples))
     for steps in _by_length(motion):
-        z, v = motion.z[steps.states, :k], motion.v[steps.states, :k]
+        z, v = (steps.of(part)[:, :k] for part in (motion.z, motion.v))
         if steps.doublings == 0:
             out[:, motion.at[steps.states]] = at_z @ z.T + at_v @ v.T if motion.turn.size else rows @ (z, v)[what].T
             continue
@@ -227,6 +227,11 @@ class _Steps(NamedTuple):
     doublings: int
     states: Integers
     longs: Integers
+
+    def of(self, values: Floats) -> Floats:
+        """Rows of values of all states; of one state after the other without a copy."""
+        first, last = int(self.states[0]), int(self.states[-1]) + 1
+        return values[first:last] if last - first == len(self.states) else values[self.states]
 
 
 def _by_length(motion: Motion, at_once: int = SAMPLES_AT_ONCE) -> list[_Steps]:

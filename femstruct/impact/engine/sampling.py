@@ -144,8 +144,8 @@ def motion_of(
     return Motion(
         at=record.at[:states].copy(),
         doublings=doublings,
-        z=record.z[:states].copy(),
-        v=record.v[:states].copy(),
+        z=record.z[:states],  # what is behind was never touched: it takes no memory
+        v=record.v[:states],
         acts=system.sign[:, None] * (system.drives if len(system.turn) else system.rows),
         forces=record.forces[:longs].copy(),
         pushed=pushed,

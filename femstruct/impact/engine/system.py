@@ -29,6 +29,7 @@ from femstruct.impact.scene.bodies import Clock, Contact, End, Ground, HalfSine,
 from femstruct.modal.basis import ModalBasis
 from femstruct.modal.coupled_damping.kept import oscillators_of
 from femstruct.modal.coupled_damping.oscillator_set import Oscillators
+from femstruct.modal.coupled_damping.under_forces import under_forces
 from femstruct.model.probe import Probe
 
 
@@ -115,6 +116,8 @@ def compile_scene(basis: ModalBasis, scene: Scene, clock: Clock, finest: int = F
     )
     start, scale, found = _start(scene, on), on.scale, oscillators_of(basis)
     if found is not None:
+        if not start[1, :k].any():
+            found = under_forces(found, matrix[:, :k])
         system, start = uncoupled(system, start, found)
         scale = np.append(np.ones(system.n_modes), on.scale[k:])
     return Compiled(system, start, scale, contact_rows, link_rows, n_samples, halvings, matrix, found)

@@ -38,15 +38,18 @@ def energies_of_states(found: Oscillators, z: Floats, v: Floats, scale: float) -
     for first in range(0, len(z), AT_ONCE):
         some = slice(first, first + AT_ONCE)
         parts = size[:k] * np.abs(z[some]).max(axis=0) + size[k:] * np.abs(v[some]).max(axis=0)
-        left = np.cumsum(parts[::-1])[::-1]  # what an oscillator and all behind it have at most
+        ring = parts[: found.ringing]
+        left = np.cumsum(ring[::-1])[::-1]  # what an oscillator that rings and those behind it have at most
         m = int((left > SEEN * np.sqrt(2.0 * scale)).sum())
-        x, y = z[some, :m], v[some, :m]
-        held[some] = _half(found.gram, x, y, k)
+        moving = [slice(at, at + size) for at, size in ((0, m), (found.ringing, k - found.ringing)) if size]
+        moving = [slice(one.start + at, one.stop + at) for at in (0, k) for one in moving]
+        states = np.hstack([z[some], v[some]])
+        held[some] = _half(found.gram, states, moving)
         if found.surplus.size:
-            surplus[some] = _half(found.surplus, x, y, k)
+            surplus[some] = _half(found.surplus, states, moving)
         else:
-            surplus[some] = 0.5 * (x**2 @ found.misses[:m] ** 2 + y**2 @ found.misses[k : k + m] ** 2)
-        doubtful[some] = left[:1] ** 2 > ALIKE * scale
+            surplus[some] = 0.5 * (states**2 @ found.misses**2)
+        doubtful[some] = parts.sum() ** 2 > ALIKE * scale
     if doubtful.any():
         x, y = z[doubtful].T, v[doubtful].T
         stored = (found.modes[:, None] * (found.places @ x + found.tilts @ y)) ** 2
@@ -54,10 +57,12 @@ def energies_of_states(found: Oscillators, z: Floats, v: Floats, scale: float) -
     return held, surplus
 
 
-def _half(form: Floats, z: Floats, v: Floats, k: int) -> Floats:
-    """y . form y / 2 of states y = [z, v] of the first oscillators [s, m]; form [2 k, 2 k], symmetric."""
-    m = z.shape[1]
-    both: Floats = (
-        z * (z @ form[:m, :m]) + v * (2.0 * (z @ form[:m, k : k + m]) + v @ form[k : k + m, k : k + m])
-    ).sum(axis=1)
-    return 0.5 * both
+def _half(form: Floats, states: Floats, moving: list[slice]) -> Floats:
+    """y . form y / 2 of states y [s, 2 k], of which only these parts move; form [2 k, 2 k], symmetric."""
+    total = np.zeros(len(states))
+    for number, one in enumerate(moving):
+        pushed = states[:, one] @ form[one, one]
+        for other in moving[number + 1 :]:
+            pushed += 2.0 * (states[:, other] @ form[other, one])
+        total += (states[:, one] * pushed).sum(axis=1)
+    return 0.5 * total

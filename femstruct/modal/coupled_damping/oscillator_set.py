@@ -9,13 +9,14 @@ import numpy as np
 
 from femstruct.arrays import Floats
 from femstruct.modal.coupled_damping.loss_form import loss_surplus
+from femstruct.modal.coupled_damping.relaxing import Relaxing, relaxing_of
 
 KNOWN: Final = 1e-9  # of an energy: losses that differ from it by less are not told state by state
 
 
 @dataclass(frozen=True, eq=False)
 class Oscillators:
-    """Oscillators in place of K modes that damping couples, those that ring longest first; rates are in rad/s.
+    """Oscillators in place of K modes that damping couples; rates are in rad/s.
 
     omega, damping [k] : w and c of each. modes [K] : circular frequencies of the modes. turn [4, K, k] : places, tilts,
     swings and rates; q = places z + tilts v and q' = swings z + rates v. kicks, drives [k, K] : z' = v + kicks u,
@@ -24,7 +25,8 @@ class Oscillators:
     [0, 0] where it is below |misses y|^2 / 2 and 1e-9 of the energies of all y; misses [2 k]. Both are zero but for
     errors of the oscillators.
     residual : what they miss of damping and stiffness, over the rates of the modes [1]. added : share of the damping
-    that was added [1]. largest : eigenvalue of the damping matrix [rad/s].
+    that was added [1]. largest : eigenvalue of the damping matrix [rad/s]. relaxing : sums of few exponentials for many
+    of them, None where there are none. ringing : the number of the others, which are first, the longest ringing ahead.
     """
 
     omega: Floats
@@ -39,6 +41,8 @@ class Oscillators:
     residual: float
     added: float
     largest: float
+    relaxing: Relaxing | None
+    ringing: int
 
     @property
     def places(self) -> Floats:
@@ -77,6 +81,8 @@ def in_order(
     """Oscillators w, c [k] with these places, tilts [K, k], kicks and drives [k, K] of modes with this damping [K, K],
     the longest ringing first."""
     order, k = np.argsort(_slowest(w, c), kind="stable"), len(w)
+    creeping, relaxing = relaxing_of(w[order], c[order])
+    order = np.append(np.delete(order, creeping), order[creeping])
     w, c = w[order], c[order]
     places, tilts, kicks, drives = parts[0][:, order], parts[1][:, order], parts[2][order], parts[3][order]
     turn = np.array([places, tilts, -tilts * w**2, places - tilts * c], order="C")
@@ -103,6 +109,8 @@ def in_order(
         residual=residual,
         added=added,
         largest=float(np.abs(np.linalg.eigvalsh(damping)).max()),
+        relaxing=relaxing,
+        ringing=k - len(creeping),
     )
 
 
