@@ -127,10 +127,10 @@ STRUCTURE: Final = (
     ),
     Entry(
         "edge-only-turned",
-        "The springs of an edge resist its rotation alone, and nothing holds the part along its normal.",
+        "The springs or walls of an edge resist its rotation alone, and nothing holds the part along its normal.",
         FORBIDS,
-        "a support has 'stiffness: {about edge: ..}' without 'z', and no support, layer or spring resists a shift of "
-        "the part along its normal",
+        "a support has 'walls', or 'stiffness: {about edge: ..}' without 'z', and no support, layer or spring resists "
+        "a shift of the part along its normal",
         "Add 'z' to the stiffness, 'fix: simple', or another support: an edge that is held against rotation is held "
         "against deflection, too.",
     ),

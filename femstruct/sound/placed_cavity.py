@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Final
@@ -25,6 +25,7 @@ OVERLAP: Final = 0.5  # of the sides of the larger surface that the two must sha
 SAME: Final = 0.01  # of a side: surfaces that differ less are one rectangle
 DEPTH: Final = 0.2  # of the distance of the surfaces: half the thickness of what has them may be taken off
 FILLED: Final = 0.02  # of a rectangle's area that its points may miss
+TWICE: Final = 0.5  # of what the smaller of two cavities has of a surface: neighbours share points of an edge
 _NEAR: Final = 1e-9
 
 
@@ -104,6 +105,35 @@ def placed_cavities(
     _check_rectangles(f"{where}.between", pair, sides, high - low)
     findings = (*_sizes(between.name, sides, high - low), *_depths(between, distance))
     return tuple(_bays(between, pair, local, low, high)), findings
+
+
+def all_cavities(
+    cavities: Sequence[AirBetween], surfaces: Mapping[str, Surface]
+) -> tuple[tuple[PlacedCavity, ...], tuple[Finding, ...]]:
+    """All cavities of a structure, their bays one by one, and what to know before believing them.
+
+    Raises InputError: as `placed_cavities`, and for two cavities on one part of a surface, whose air would count twice.
+    """
+    found: list[PlacedCavity] = []
+    told: list[Finding] = []
+    taken: dict[str, list[tuple[str, Integers]]] = {}
+    for between in cavities:
+        own, findings = placed_cavities(between, surfaces)
+        for side, name in enumerate((between.first, between.second)):
+            points = np.unique(np.concatenate([bay.own[side] for bay in own]))
+            for other, theirs in taken.setdefault(name, []):
+                both = surfaces[name].weights[np.intersect1d(points, theirs)].sum()
+                if both > TWICE * min(surfaces[name].weights[one].sum() for one in (points, theirs)):
+                    raise InputError(
+                        f"cavities.{between.name}.between",
+                        got=f"'{name}', {both:.3g} m^2 of which bound the air of '{other}' already",
+                        expected="air that is in one cavity",
+                        do="give each of them surfaces with a region of its own",
+                    )
+            taken[name].append((between.name, points))
+        found += own
+        told += findings
+    return tuple(found), tuple(told)
 
 
 def shared(pair: tuple[Surface, Surface]) -> tuple[Floats, Floats]:

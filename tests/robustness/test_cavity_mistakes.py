@@ -128,6 +128,22 @@ def test_a_cavity_that_can_be_doubted_is(tmp_path: Path, code: str) -> None:
     assert code not in clean or code == "cavity-coupling"
 
 
+def test_air_that_is_in_two_cavities_is_refused_and_neighbours_are_not(tmp_path: Path) -> None:
+    """One over all of another; and two halves, 40 mm of which are in common, over one surface."""
+    again = "  more: {between: [under, top], depth: 100 mm}\nsupports:"
+    told = r"12:\d+: cavities\.more\.between: got 'under', 0\.3 m\^2 .* of 'void' already"
+    with pytest.raises(InputErrors, match=told):
+        modes_of(written(tmp_path, "supports:", again), Extent(count=3))
+    halves = "".join(
+        f"  {name}: {{on: upper, side: below, region: {{rectangle: [0.32 m, 0.5 m], at: [{x} m, 0.25 m]}}}}\n"
+        for name, x in (("left", 0.16), ("right", 0.44))
+    )
+    text = MODEL.replace("cavities:", f"{halves}cavities:").replace("[under, top]", "[left, top]")
+    text = text.replace("supports:", "  more: {between: [right, top], depth: 100 mm}\nsupports:")
+    (tmp_path / "model.yaml").write_text(text, encoding="utf-8")
+    assert modes_of(tmp_path / "model.yaml", Extent(count=3))["frequency_hz"]
+
+
 # where a frame runs, the bays of the cavity, and the finding
 JOISTS = {
     "crosses": ("y", 0.2, "", "cavity-crossed", "joist runs through the cavity void"),

@@ -9,6 +9,7 @@ import pytest
 
 from femstruct.errors import Finding
 from femstruct.model.material import Material
+from femstruct.model.materials.edge_wall import EdgeWall
 from femstruct.model.mesher import mesh_structure
 from femstruct.model.part import Part
 from femstruct.model.region import Region
@@ -153,6 +154,7 @@ def test_a_body_on_one_spring_below_its_centre_of_mass_does_not_fall() -> None:
 
 UP = replace(TOP, name="up", normal=(1.0, 0.0, 0.0), x_direction=(0.0, 1.0, 0.0))
 TURNED = Support("e", (), on="top", edge="all", stiffness={"about edge": 40e3})
+BRICK = EdgeWall(Material("brick", E=5e9, nu=0.2, rho=1400.0), 0.175)
 FOOT = Support("foot", ("z",), on="up", edge="y0")
 # what holds a plate, and what forbids trust without gravity and with it
 TURNING = {
@@ -163,6 +165,11 @@ TURNING = {
     "sideways only": (
         TOP, (TURNED, Support("s", ("x", "y"), on="top", edge="all")), ["edge-only-turned"], ["nothing-carries-weight"],
     ),
+    "walls at an edge that is not pinned": (
+        TOP, (Support("w", ("x",), on="top", edge="all", walls=(BRICK,)),), ["edge-only-turned"],
+        ["nothing-carries-weight"],
+    ),
+    "walls at a pinned edge": (TOP, (Support("w", "simple", on="top", edge="all", walls=(BRICK,)),), [], []),
     "standing on its foot": (UP, (replace(TURNED, on="up"), FOOT), *(["edge-only-turned"],) * 2),
 }  # fmt: skip
 

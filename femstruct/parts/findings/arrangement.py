@@ -98,22 +98,25 @@ def _falling(found: tuple[Piece, ...], gravity: bool) -> list[Finding]:
 
 
 def _turned(model: Model, found: tuple[Piece, ...], told: Collection[str]) -> list[Finding]:
-    """Edges whose springs only resist rotation, of parts that nothing holds along their normal. told : parts of which
-    it is said that they fall."""
+    """Edges whose springs or walls only resist rotation, of parts that nothing holds along their normal. told : parts
+    of which it is said that they fall."""
     raised = []
     for item in model.structure.supports:
-        if ABOUT not in item.stiffness or ACROSS in item.stiffness or item.on is None or item.on in told:
+        turned = item.walls or (ABOUT in item.stiffness and ACROSS not in item.stiffness)
+        if not turned or item.on is None or item.on in told:
             continue
         axes = model.parts[item.on].own_axes
         normal = np.eye(3)[2] if axes is None else axes[2]
         piece = next(one for one in found if item.on in one.parts)
+        what, do = ("walls", "Write") if item.walls else ("springs", "Add 'z' to the stiffness, or write")
         if np.linalg.norm(piece.free[:, :3] @ normal) < 1.0 - HELD_ROUNDING:  # of a shift: one if nothing resists it
             continue
         raised.append(
             Finding(
                 "edge-only-turned",
-                f"{item.name}: the springs of this edge resist its rotation alone, and nothing holds {item.on} along "
-                f"its normal: all {piece.mass:.4g} kg of it can move away. Add 'z' to the stiffness, or 'fix: simple'",
+                f"{item.name}: the {what} of this edge resist its rotation alone, and "
+                f"nothing holds {item.on} along its normal: all {piece.mass:.4g} kg of it can move away. "
+                f"{do} 'fix: simple'",
                 {"mass_kg": piece.mass, "free_motions": len(piece.free)},
                 severe=True,
             )

@@ -10,7 +10,7 @@ from femstruct.arrays import Floats
 from femstruct.errors import Finding, some_of
 from femstruct.model.materials.air_between import AirBetween, Bays
 from femstruct.model.model import Model
-from femstruct.sound.placed_cavity import placed_cavities, shared
+from femstruct.sound.placed_cavity import all_cavities, shared
 
 DEEP: Final = 0.5  # of the depth that what crosses a cavity takes of it
 WITHIN: Final = 0.02  # of the sides: what lies nearer to them closes the cavity there
@@ -20,11 +20,10 @@ _STRAIGHT: Final = 0.1  # of its length that a bar runs aside and still lies alo
 def cavity_findings(model: Model) -> tuple[Finding, ...]:
     """Cavities whose depth or sides do not fit their surfaces, those that joists cross, and bays beside their joists.
 
-    Raises InputError: as `placed_cavities` does.
+    Raises InputError: as `all_cavities` does.
     """
-    found: list[Finding] = []
+    found = list(all_cavities(model.structure.cavities, model.surfaces)[1])
     for cavity in model.structure.cavities:
-        found += placed_cavities(cavity, model.surfaces)[1]
         bars, sides = _bars(model, cavity)
         found += _crossed(cavity, bars) if cavity.bays is None else _beside(cavity, cavity.bays, bars, sides)
     return tuple(found)

@@ -17,7 +17,7 @@ from femstruct.model.model import Model
 from femstruct.model.probe import Point, Probe
 from femstruct.model.structure import Structure
 from femstruct.sound.cavities import with_cavities
-from femstruct.sound.placed_cavity import placed_cavities
+from femstruct.sound.placed_cavity import all_cavities
 from femstruct.study.asked import Extent
 from femstruct.study.machine import Sag
 from femstruct.study.structures import BeamModel, ModesModel, NoStructure, OscillatorModel, RodModel, StructureModel
@@ -143,8 +143,7 @@ def damped(case: Case, solved: Mapping[str, Solved], baseline: Case) -> ModalBas
 def in_air(basis: ModalBasis, own: Solved) -> ModalBasis:
     """The basis of a structure with the air of its cavities. basis : in vacuo, with its damping if it has one."""
     cavities = own.structure.cavities if isinstance(own.structure, Structure) else ()
-    placed = [one for cavity in cavities for one in placed_cavities(cavity, own.places.surfaces)[0]]
-    return with_cavities(basis, placed)
+    return with_cavities(basis, all_cavities(cavities, own.places.surfaces)[0])
 
 
 def shown_in_air(basis: ModalBasis, own: Solved) -> ModalBasis:
