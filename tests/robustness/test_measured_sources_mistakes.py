@@ -61,6 +61,10 @@ RUNS = {
         "at: feet.z, blocked_force: [{50 Hz: 1 N}, {50 Hz: 1 N}, {50 Hz: 1 N}], mass: 1 kg",
         r"a\.study\.yaml:5:3: sources\.pump: got 3 spectra for 2 contacts, expected one for all, or one for each",
     ),
+    "a contact twice": (
+        "at: [feet.z, feet.2.z], blocked_force: {50 Hz: 1 N}, mass: 1 kg",
+        r"a\.study\.yaml:5:\d+: sources\.pump\.at: got 'feet\.2\.z' twice, expected each contact once",
+    ),
     "a mobility elsewhere": (
         "at: feet.z, blocked_force: {50 Hz: 1 N}, mobility: {200 Hz: 1e-4 m/s/N, 250 Hz: 1e-4 m/s/N}",
         r"a mobility from 141\.4 to 353\.6 Hz beside a band at 50 Hz",

@@ -53,7 +53,10 @@ def test_a_room_is_of_the_kind_that_its_keys_tell(tmp_path: Path, keys: str) -> 
 @pytest.mark.parametrize(
     ("keys", "told"),
     [
-        ("size: [1, 1, 1]", r"rooms\.bed: got none of under, above, below"),
+        (
+            "size: [1, 1, 1]",
+            r"rooms\.bed: got none of under, above, below, expected exactly one of .*, or surfaces",
+        ),
         ("size: [1, 1, 1], above: top", r"rooms\.bed: got 'size' beside 'above', expected air and receivers"),
         ("under: ceiling", r"rooms\.bed: got none of size, mesh, expected exactly one of size, mesh"),
         ("size: [1, 1, 1], under: ceiling, wals: {}", r"rooms\.bed\.wals: got the unknown key .*did you mean 'walls'"),

@@ -112,7 +112,10 @@ class ClosedSpec(RoomSpec):
     def refuse_keys(cls, given: Mapping[str, Any]) -> None:
         if "directivity" in given:
             raise refuse("'directivity' beside 'under'", "open air, 'above' or 'below'", "a room reflects sound")
-        exactly_one(given, ("under", "above", "below"), or_none=bool(given.get("surfaces")))
+        exactly_one(given, ("under", "above", "below"), or_none=True)
+        if not any(given.get(key) for key in ("under", "above", "below", "surfaces")):
+            expected = "exactly one of under, above, below, or surfaces"
+            raise refuse("none of under, above, below", expected, "add 'under: SURFACE'")
 
     @property
     def moved(self) -> set[str]:

@@ -59,9 +59,13 @@ class Places:
         return self.surfaces[one.on].pressure()
 
     def contacts(self, one: MeasuredSource) -> list[Probe]:
-        """Where a measured source stands, contact by contact. Raises InputError for a point that is not there."""
+        """Where a measured source stands, contact by contact. Raises InputError for a point that is not there, and for
+        a contact that is named twice."""
         where = f"sources.{one.name}.at"
         names = [(place, spot.what) for spot in one.at for place in self.of(spot.name, where)]
+        twice = next((f"{place}.{what}" for i, (place, what) in enumerate(names) if (place, what) in names[:i]), "")
+        if twice:
+            raise InputError(where, got=f"'{twice}' twice", expected="each contact once", do="remove one of them")
         return [self.point(place, where).probe(what) for place, what in names]
 
     def of(self, name: str, asked_by: str) -> tuple[str, ...]:
