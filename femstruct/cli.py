@@ -12,7 +12,7 @@ from femstruct.commands.exchanges import export, mac, reduce
 from femstruct.commands.on_campaigns import optimise, sweep
 from femstruct.commands.on_itself import explain, materials, new, schema, warm_up
 from femstruct.commands.on_models import check, frf, modes, statics
-from femstruct.commands.on_results import plot, report
+from femstruct.commands.on_results import compare, plot, report
 from femstruct.commands.on_studies import identify, impact, run, sound
 from femstruct.exits import GOOD, end, heed_signals, leave_with
 
@@ -24,7 +24,7 @@ app: Final = typer.Typer(
     rich_markup_mode=None,
 )
 _OF_STUDIES_AND_MODELS = (run, check, modes, statics, frf, impact, sound, identify, sweep, optimise)
-_OF_FILES_AND_ITSELF = (report, plot, export, mac, reduce, new, materials, explain, schema, warm_up)
+_OF_FILES_AND_ITSELF = (report, plot, compare, export, mac, reduce, new, materials, explain, schema, warm_up)
 for _one in (*_OF_STUDIES_AND_MODELS, *_OF_FILES_AND_ITSELF):
     app.command()(_one)
 

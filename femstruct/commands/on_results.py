@@ -1,4 +1,4 @@
-"""Commands on results: the page and the pictures again."""
+"""Commands on results: the page and the pictures again, and runs side by side."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import typer
 
 from femstruct.commands.shared import AsJson, Verbose, command
-from femstruct.commands.study_answers import print_json, progress, shown
+from femstruct.commands.study_answers import print_json, progress, shown, verdict
 from femstruct.exits import GOOD, INTERRUPTED, NOT_TRUSTED
 
 ResultsFile = Annotated[
@@ -77,3 +77,48 @@ def plot(
     else:
         print(*lines, sep="\n")
     return GOOD
+
+
+@command
+def compare(
+    results: Annotated[
+        list[Path],
+        typer.Argument(metavar="RESULTS RESULTS ..", help="results.h5 of two or more runs, or folders"),
+    ],
+    output: Annotated[
+        Path | None,
+        typer.Option("-o", "--output", metavar="DIR", help="also write page, tables, pictures there"),
+    ] = None,
+    no_pictures: Annotated[
+        bool, typer.Option("--no-pictures", help="numbers, tables and sound alone: half the time")
+    ] = False,
+    as_json: AsJson = False,
+    verbose: Verbose = False,
+) -> int:
+    """Print finished runs side by side, as cases of one study, and what differs in their input files. The baseline is
+    that of the first. Nothing is computed anew."""
+    import sys
+
+    from femstruct.errors import InputError
+    from femstruct.files.atomic import refuse_unwritable
+    from femstruct.files.results_file.stored import read_results, results_file
+    from femstruct.files.tables.study_tables import summary
+    from femstruct.workflow.compare.finished import beside, differences, names_of
+    from femstruct.workflow.run.output import write_all
+
+    if len(results) < 2:
+        raise InputError("compare", got="one run", expected="two or more", do="name another results.h5 or its folder")
+    if output is not None:
+        refuse_unwritable(output)
+    names = names_of(results)
+    with progress() as tell:
+        tell("reading")
+        runs = {name: read_results(results_file(path)) for name, path in zip(names, results, strict=True)}
+        whole = beside(runs, " ".join(["femstruct", *sys.argv[1:]]))
+        seconds, told = ({}, "") if output is None else write_all(whole, output, tell, pictures=not no_pictures)
+    changed = differences(runs)
+    if as_json:
+        print_json(summary(whole) | {"differences": changed})
+        return verdict(whole)
+    print("input files:", *changed, sep="\n  ")
+    return shown(whole, seconds, str(output or ""), as_json, verbose, told)

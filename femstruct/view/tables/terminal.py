@@ -248,4 +248,5 @@ def _in_cases(names: Sequence[str]) -> str:
 
 def _show_timings(screen: Console, seconds: Mapping[str, float]) -> None:
     told = ", ".join(f"{stage} {spent:.2f}" for stage, spent in seconds.items())
-    screen.print(f"CPU seconds: {told}", soft_wrap=True)
+    if told:
+        screen.print(f"CPU seconds: {told}", soft_wrap=True)
