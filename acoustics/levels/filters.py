@@ -17,7 +17,7 @@ import numpy as np
 
 from acoustics.arrays import Complexes, Floats
 from acoustics.levels.bands import Fraction, band_edges, octave_bands, ringing_time, third_octave_bands
-from acoustics.levels.ending import shown
+from acoustics.levels.ending import filtered
 from acoustics.rooms.continuation import fast_length
 
 FAINT: Final = 1e-8  # gain below which a line is left out
@@ -92,7 +92,7 @@ def band_passes(
     thinned : whether as few samples are kept as the band needs, else all.
     """
     every = octave_bands(sampling_hz) if fraction == 1 else third_octave_bands(sampling_hz)
-    centres = {nominal: centre for nominal, centre in every.items() if shown(centre, end_hz, fraction)}
+    centres = {nominal: centre for nominal, centre in every.items() if filtered(centre, end_hz, fraction)}
     tails = {nominal: ceil(ringing_time(centre, fraction) * sampling_hz) for nominal, centre in centres.items()}
     length = fast_length(nt + 2 * max(tails.values(), default=1))
     return MappingProxyType(

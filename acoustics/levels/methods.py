@@ -16,6 +16,7 @@ import numpy as np
 from acoustics.arrays import Floats
 from acoustics.errors import AcousticsError
 from acoustics.levels.bands import Fraction
+from acoustics.levels.ending import passed_by
 from acoustics.levels.iso import (
     A_THIRDS,
     CURVE_THIRDS,
@@ -103,6 +104,11 @@ class Method:
     def highest_hz(self) -> float:
         """Where the last band ends [Hz]: the upper edge beside its exact centre, 3162.28 Hz of the band 3150 Hz."""
         return self._last_exact * _half(self.fraction)
+
+    @property
+    def passed_hz(self) -> float:
+        """Up to where the filter of the last band passes what matters to its level [Hz]."""
+        return self._last_exact * passed_by(self.fraction)
 
     @property
     def _last_exact(self) -> float:

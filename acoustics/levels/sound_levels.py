@@ -39,8 +39,8 @@ class Levels:
     bands_db : {nominal centre [Hz]: largest Fast level in the third octave, L_Fmax}, what the impact-sound standards
         of heavy blows use. octaves_db : the same of octaves.
     exposure_db : {nominal centre [Hz]: unweighted sound exposure level in the third octave}.
-    findings : advice; reference_pa : p0 [Pa]. complete_below_hz : where the sound ends; bands with an upper edge above
-    it are nan, single numbers are of the sound below.
+    findings : advice; reference_pa : p0 [Pa]. complete_below_hz : where the sound ends; bands whose filters
+    pass more (`acoustics.levels.ending.filtered`) are nan, single numbers are of the sound below.
     """
 
     peak_pa: Annotated[float, Reported("Pa", "Largest |pressure|, unweighted")]
@@ -71,8 +71,8 @@ class Levels:
 def response_levels(response: RoomResponse, bands_of: RoomResponse | None = None) -> dict[str, Levels]:
     """Levels of every receiver of a room response, by name; see `sound_levels`.
 
-    bands_of : the same before it was ended at `response.complete_below_hz`: of a band whose upper edge lies just below,
-        what its filter hears from beyond the edge is up to 0.1 dB.
+    bands_of : the same before it was ended at `response.complete_below_hz`: of the last bands, what their filters pass
+        from beyond is up to 0.1 dB.
     """
     end = response.complete_below_hz
     rows = zip(response.receivers, response.p, (bands_of or response).p, strict=True)
@@ -160,7 +160,7 @@ def equivalent_levels(
     """Levels of the mean square in third octaves {nominal centre [Hz]: [dB re 20 uPa]} of `p` [nt] [Pa] from a time on.
 
     since_s : what comes before [s] runs through the filters and is not averaged: they start at rest. fraction : 3, or 1
-        for octaves. complete_below_hz : bands with an upper edge above it are nan.
+        for octaves. complete_below_hz : bands whose filters pass more are nan.
 
     Raises AcousticsError: a record that ends before.
 

@@ -19,7 +19,8 @@ LEVELS: Final = (
         "rating-beyond-modes",
         "Rated bands are blank, because the modes end below them.",
         LIMITS,
-        "the upper edge of a rated band lies above the last mode of the floor or of the room",
+        "the filter of a rated band passes what lies above the last mode of the floor or of the room: up to 1.25 times "
+        "the centre of a third octave, 1.76 times that of an octave; 10 dB more beyond change the level by 0.2 dB",
         "Give 'modes: {up_to: F}' with the stated F. Single numbers are lower bounds ('at least').",
     ),
     Entry(

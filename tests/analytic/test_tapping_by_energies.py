@@ -111,7 +111,7 @@ def test_a_bare_slab_at_two_positions(tmp_path: Path) -> None:
     text = (MODELS / "tapping.study.yaml").read_text(encoding="utf-8")
     for old, new in (
         ("sampling: 10 kHz", "sampling: 8 kHz"),
-        ("up_to: 3600 Hz", "up_to: 1500 Hz"),
+        ("up_to: 3960 Hz", "up_to: 1580 Hz"),
         ("[1.0, 0.8, 1.2], [3.3, 0.9, 1.0], [1.1, 2.3, 1.5], [3.0, 2.2, 1.2]", "[1, 0.8, 1.25], [3, 2.2, 1.25]"),
     ):
         assert old in text

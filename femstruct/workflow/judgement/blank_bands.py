@@ -8,7 +8,7 @@ from types import MappingProxyType
 from typing import Final
 
 from acoustics.levels.bands import octave_bands, third_octave_bands
-from acoustics.levels.ending import shown
+from acoustics.levels.ending import filtered
 from acoustics.levels.methods import Method
 from femstruct.errors import Finding
 from femstruct.study.asked import RoomPlan
@@ -43,11 +43,11 @@ def blank_findings(plan: RoomPlan, study: Study, complete_below_hz: float) -> tu
     return (
         Finding(
             "rating-beyond-modes",
-            f"the rated {method.bands}s go up to {method.highest_hz:.0f} Hz, the modes of the {whose} to {end:.0f} Hz: "
-            f"{told} blank{f', and {numbers}' if method.numbers else ''}. Give the {whose} "
-            f"'modes: {{up_to: {10 * ceil(method.highest_hz / 10)} Hz}}'{instead}",
+            f"the filters of the rated {method.bands}s pass what is below {method.passed_hz:.0f} Hz, the modes of the "
+            f"{whose} end at {end:.0f} Hz: {told} blank{f', and {numbers}' if method.numbers else ''}. Give the "
+            f"{whose} 'modes: {{up_to: {10 * ceil(method.passed_hz / 10)} Hz}}'{instead}",
             {
-                "highest_hz": method.highest_hz,
+                "highest_hz": method.passed_hz,
                 "complete_below_hz": end,
                 "blank_bands": len(blank),
                 "first_blank_hz": blank[0],
@@ -57,9 +57,9 @@ def blank_findings(plan: RoomPlan, study: Study, complete_below_hz: float) -> tu
 
 
 def blank_bands(method: Method, end_hz: float) -> tuple[float, ...]:
-    """Nominal centres [Hz] of the bands of a method whose upper edges lie above a frequency."""
+    """Nominal centres [Hz] of the bands of a method whose filters pass what lies above a frequency."""
     centres = octave_bands(_FAST_HZ) if method.fraction == 1 else third_octave_bands(_FAST_HZ)
-    return tuple(band for band in method.bands_hz if not shown(centres[band], end_hz, method.fraction))
+    return tuple(band for band in method.bands_hz if not filtered(centres[band], end_hz, method.fraction))
 
 
 def blanks_before(cases: Sequence[Case], solved: Mapping[str, float] = _SOLVED) -> list[tuple[str, Finding]]:
