@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import lru_cache
 from math import pi
 from typing import Final
 
@@ -25,11 +26,20 @@ def band_gain(s: Complexes, centre_hz: float, fraction: Fraction = 3) -> Complex
     >>> np.abs(band_gain(2j * pi * np.array([low, 1000.0, high]), 1000.0)).round(4).tolist()
     [0.7071, 1.0, 0.7071]
     """
+    return _gain(np.asarray(s, dtype=np.complex128).tobytes(), centre_hz, fraction)
+
+
+@lru_cache(maxsize=64)
+def _gain(lines: bytes, centre_hz: float, fraction: Fraction) -> Complexes:
+    """The same, kept for the next spectra at these lines."""
+    s = np.frombuffer(lines, dtype=np.complex128)
     low, high = (2 * pi * edge for edge in band_edges(centre_hz, fraction))
     with np.errstate(divide="ignore", invalid="ignore"):
         prototype = (s**2 + low * high) / (s * (high - low))
         gain = 1.0 / np.prod(prototype - _POLES[:, None], axis=0)
-    return np.asarray(np.where(s == 0, 0.0, gain))
+    gain = np.where(s == 0, 0.0, gain)
+    gain.flags.writeable = False
+    return gain
 
 
 def exposures(spectra: Complexes, s: Complexes, bands_hz: Mapping[float, float], fraction: Fraction = 3) -> Floats:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from math import erfc
 from typing import Final
 
@@ -26,6 +27,7 @@ def transform_axis(nt: int, dt: float, *, damped: bool = True) -> tuple[Complexe
     return s, np.exp(-decay * dt * np.arange(length))
 
 
+@lru_cache(maxsize=256)  # it is asked for every band of every record
 def fast_length(n: int) -> int:
     """Smallest even number >= `n` without prime factors above 5, at which Fourier transforms are fast.
 
