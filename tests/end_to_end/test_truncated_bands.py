@@ -114,7 +114,7 @@ def test_bands_of_shipped_floors(
 ) -> None:
     """Modes to 150, 250 and 450 Hz. The air of a void weighs on the floor, whose modes end 4 to 5 % lower with it.
 
-    Over a ceiling only the rated bands are held to 0.2 dB (0.1 with modes to 150 Hz): with these, one receiver of four is
+    Over a ceiling only rated bands are held to 0.2 dB (0.1 with modes to 150 Hz): with these, one receiver of four is
     0.6 dB off at 80 Hz, with modes to 250 Hz 0.04 dB. It is not what the filters pass, and not explained yet.
     """
     found = cut(tmp_path, study, case, ends)
