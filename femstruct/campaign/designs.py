@@ -11,14 +11,15 @@ import numpy as np
 from femstruct.arrays import Floats
 from femstruct.campaign.executors import Crew
 from femstruct.campaign.journal import Journal, Row
-from femstruct.campaign.numbers import UNROUNDED, Number
+from femstruct.campaign.numbers import APART, UNROUNDED, Number
 from femstruct.campaign.samples import Samples, at, samples_of
 from femstruct.campaign.tasks import Task
 from femstruct.errors import InputError, InputErrors
-from femstruct.language.yaml.tree import nearest
+from femstruct.language.yaml.tree import near_one
 from femstruct.study.campaign.sought import Search
 from femstruct.study.campaign.varied import Campaign, Sampling
 
+MOST: Final = 12  # names in a message
 NEVER: Final = 1e30  # excess of a design without a number, or that is not to be trusted: it never wins
 
 
@@ -63,7 +64,7 @@ class Designs:
         self.points: list[Floats] = []
         self.outcomes: list[Outcome] = []
         self.unit = ""
-        self.kept_back = 2 * len(search.designs)
+        self.kept_back = 4 * len(search.designs)
 
     def __call__(self, points: Floats) -> list[Outcome]:
         """Outcomes of designs, points of the unit cube [n, d]. Raises Spent where they are more than are allowed;
@@ -148,7 +149,10 @@ class Designs:
             return Number(np.nan, "")
         if name not in row.numbers:
             where = "optimise.limits" if name != self._search.goal else f"optimise.{self._search.sense}"
-            raise InputError(where, got=f"'{name}'", expected="a number of the study", do=nearest(name, row.numbers))
+            main = [one for one in row.numbers if APART not in one]
+            expected = f"a number of the case '{row.case}'"
+            do = near_one(name, row.numbers) or f"it has {', '.join(main[:MOST])}; --case chooses another case"
+            raise InputError(where, got=f"'{name}'", expected=expected, do=do)
         if name == self._search.goal:
             self.unit = row.numbers[name].unit
             return row.numbers.get(name + UNROUNDED, row.numbers[name])  # a rounded one says nothing of small changes

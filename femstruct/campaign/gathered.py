@@ -10,15 +10,17 @@ from femstruct.campaign.journal import Row
 from femstruct.campaign.numbers import APART
 from femstruct.campaign.samples import Samples
 from femstruct.impact.compiled.workers import compilation
+from femstruct.impact.engine.needed_units import BY_COLLOCATION, EXACTLY
 from femstruct.study.campaign.swept import Swept
 from femstruct.study.study import Plan
-from femstruct.workflow.run.needed_kernels import expected_units
 from femstruct.workflow.run.provenance import Progress, provenance
 
 
 def make_ready(plan: Plan, progress: Progress) -> None:
     """Compile the kernels that the cases take, once for all processes."""
-    with compilation(expected_units(plan.cases)) as kernels:
+    if not any(study.time is not None for case in plan.cases for study in case.studies):
+        return
+    with compilation((*EXACTLY, *BY_COLLOCATION)) as kernels:  # which of them is told by the modes of each sample
         if kernels.units:
             kernels.wait(progress)
 

@@ -52,6 +52,10 @@ class Journal:
                 str(self._path), got=f"{error} while writing", expected="room and permission to write", do="free space"
             ) from error
 
+    def remove(self) -> None:
+        """Take the file away, as if it had never been."""
+        self._path.unlink(missing_ok=True)
+
     def rows(self) -> list[Row]:
         """All that is kept, by sample."""
         found = self._connection.execute("select sample, case_name, packed from rows order by sample, rowid")

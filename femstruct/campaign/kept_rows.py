@@ -17,7 +17,7 @@ PICTURE = "sweep.png"
 OPTIMUM = ("optimise.h5", "optimise.csv", "optimise.png")
 
 
-def planned(campaign: Campaign, progress: Progress = lambda line: None) -> dict[str, int]:
+def planned(campaign: Campaign, progress: Progress = lambda line: None) -> dict[str, int | str]:
     """How much there is to compute, by kind. Every sample is read, nothing is solved.
 
     Raises InputErrors where no sample can be read.
@@ -29,7 +29,8 @@ def planned(campaign: Campaign, progress: Progress = lambda line: None) -> dict[
         "cases": len(parts.plan.cases),
         "structures to solve": parts.structures,
         "impacts to simulate": parts.impacts,
-        "samples that cannot be read": len(parts.refused),
+        "samples that are refused": len(parts.refused),
+        **({"the first of them": next(iter(parts.refused.values()))} if parts.refused else {}),
     }
 
 

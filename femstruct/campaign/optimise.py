@@ -31,6 +31,7 @@ ROWS: Final = "optimise.rows"  # where rows are kept as they come
 EVERYWHERE: Final = 0.7  # of the runs, for the search in all of the ranges
 GENERATIONS: Final = 8  # of the search everywhere, about; a larger crowd sees more than a longer search
 CROWD: Final = (12, 100)  # designs of a generation, at least and at most
+BESIDES: Final = 2  # times that these are tried
 BESIDE: Final = 0.01  # of a range, from the best design to those beside it
 AT_END: Final = 0.002  # of a range: so near to its end, a design lies at it
 HELD: Final = 1e-9  # share by which a limit may be exceeded: rounding
@@ -95,13 +96,13 @@ def optimise(
         journal = stack.enter_context(opened(place / ROWS, name_of(search, plan)))
         run = stack.enter_context(crew(workers or os.cpu_count() or 1, cluster))
         designs = Designs(search, case, journal, run, _counted(search, progress))
-        interrupted = _searched(search, designs)
+        spent, interrupted = _searched(search, designs)
         rows = journal.rows()
     samples = designs.samples()
     whole = read_study(search.file, search.overrides, only=case)
     known = [row for row in rows if row.sample < len(samples.texts)]
     table = gathered(search.title, whole, samples, known, {}, command=command)
-    return _found(search, designs, interrupted, table)
+    return _found(search, designs, (spent, interrupted), table)
 
 
 def set_aside(search: Search, folder: Path) -> Path | None:
@@ -119,19 +120,23 @@ def name_of(search: Search, plan: Plan) -> str:
     return fingerprint((dict(plan.sources), search, kept))
 
 
-def _searched(search: Search, designs: Designs) -> bool:
-    """Try designs until the runs are spent or nothing gets better; whether Ctrl-C ended it."""
+def _searched(search: Search, designs: Designs) -> tuple[bool, bool]:
+    """Try designs until the runs are spent or nothing gets better; which of them, and whether Ctrl-C ended it."""
+    spent = False
     try:
         for stage in (_everywhere, _nearby):
-            with suppress(Spent):
+            try:
                 stage(search, designs)
+            except Spent:
+                spent = True
         designs.kept_back = 0
-        _beside(search, designs)
+        with suppress(Spent):
+            _beside(search, designs)
     except KeyboardInterrupt:
         if not designs.outcomes:
             raise
-        return True
-    return False
+        return spent, True
+    return spent, False
 
 
 def _everywhere(search: Search, designs: Designs) -> None:
@@ -206,9 +211,13 @@ def _limits(search: Search, outcomes: Callable[[Floats], list[Outcome]]) -> tupl
 
 
 def _beside(search: Search, designs: Designs) -> None:
-    """Designs on both sides of the best one, for what each path changes."""
-    best = designs.points[designs.best]
-    designs(np.array([point for j in range(len(best)) for point in beside(search, best, j)]).reshape(-1, len(best)))
+    """Designs on both sides of the best one, for what each path changes; again where one of them is better."""
+    for _ in range(BESIDES):
+        number = designs.best
+        best = designs.points[number]
+        designs(np.array([point for j in range(len(best)) for point in beside(search, best, j)]).reshape(-1, len(best)))
+        if designs.best == number:
+            return
 
 
 def beside(search: Search, best: Floats, j: int) -> list[Floats]:
@@ -235,7 +244,7 @@ def _counted(search: Search, progress: Progress) -> Callable[[int], None]:
     return tell
 
 
-def _found(search: Search, designs: Designs, interrupted: bool, rows: Swept) -> Found:
+def _found(search: Search, designs: Designs, ended: tuple[bool, bool], rows: Swept) -> Found:
     """The answer, from all that was tried."""
     best, points, outcomes = designs.best, designs.points, designs.outcomes
     own = outcomes[best]
@@ -255,7 +264,10 @@ def _found(search: Search, designs: Designs, interrupted: bool, rows: Swept) -> 
         designs=len(points),
         left_out=sum(not one.sound for one in outcomes),
         history=tuple((held[i][0], held[i][1].goal) for i in better),
-        interrupted=interrupted,
+        goals=np.array([one.goal for one in outcomes]),
+        held=np.array([one.beyond <= HELD for one in outcomes]),
+        spent=ended[0],
+        interrupted=ended[1],
         rows=rows,
     )
 

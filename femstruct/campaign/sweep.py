@@ -124,6 +124,7 @@ def _run(tasks: Sequence[Task], run: Crew, journal: Journal, progress: Progress)
         run(tasks, keep, lambda: tell(done))
     except KeyboardInterrupt:
         if not journal.rows():
+            journal.remove()
             raise
 
 

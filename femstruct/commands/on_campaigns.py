@@ -18,7 +18,11 @@ def sweep(
     study: StudyFile,
     vary: Annotated[
         list[str],
-        typer.Option("--vary", metavar="PATH=FROM:TO:STEPS", help="or PATH=FROM:TO:STEPS:log, PATH=VALUE,VALUE"),
+        typer.Option(
+            "--vary",
+            metavar="PATH=FROM:TO:STEPS",
+            help="or FROM:TO:STEPS:log, VALUE,VALUE, normal(MEAN, SD)",
+        ),
     ] = NONE,
     samples: Annotated[int, typer.Option("--samples", metavar="N", help="of a Latin hypercube, instead of a grid")] = 0,
     results: Annotated[

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final
@@ -14,6 +15,7 @@ from femstruct.language.yaml import Here, Mistakes, Position, Tree, parse_value,
 from femstruct.study.campaign.varied import Campaign, Listed, Sampling, Scattered
 
 KEYS: Final = ("vary", "samples")
+DRAWN: Final = re.compile(r"(normal|uniform)\((.*)\)")
 SHORT: Final = "write it like 'bodies.damper.mass=50 g:1.5 kg:40:log' or 'parts.slab.thickness=180 mm,200 mm'"
 
 
@@ -22,8 +24,9 @@ def read_campaign(
 ) -> Campaign:
     """What a study file varies under `vary:` and `samples:`.
 
-    vary : texts ``PATH=FROM:TO:STEPS``, ``PATH=FROM:TO:STEPS:log``, ``PATH=FROM:TO`` or ``PATH=VALUE,VALUE``, beside
-        what the file says or in place of it for the same path.
+    vary : texts ``PATH=FROM:TO:STEPS``, ``PATH=FROM:TO:STEPS:log``, ``PATH=FROM:TO``, ``PATH=VALUE,VALUE``,
+        ``PATH=normal(MEAN, SD)`` or ``PATH=uniform(FROM, TO)``, beside what the file says or in place of it for the
+        same path.
     overrides : texts ``PATH=VALUE`` that change the files for all samples. case : the only one to run, "" for all.
     count : of samples of a Latin hypercube, in place of what the file says.
 
@@ -76,7 +79,13 @@ def short(text: str, mistakes: Mistakes, *, ranges: bool = False) -> Tree:
     path, equals, written = (part.strip() for part in text.partition("="))
     file, value = f"--vary {text}", dict[str, Any]()
     ends, listed = [one.strip() for one in written.split(":")], written.split(",")
-    if not (equals and path and written and all(ends)) or len(ends) > 4:
+    drawn = DRAWN.fullmatch(written)
+    if drawn is not None and equals and path:
+        pair = [one.strip() for one in drawn[2].split(",")]
+        value = (
+            {"uniform": pair} if drawn[1] == "uniform" else {"normal": dict(zip(("mean", "sd"), pair, strict=False))}
+        )
+    elif not (equals and path and written and all(ends)) or len(ends) > 4:
         mistakes.add(Position(file), "", got="no range and no list", expected="PATH=FROM:TO:STEPS", do=SHORT)
     elif len(ends) == 1:
         value = {"values": [parse_value(one, file, mistakes).value for one in listed]}

@@ -51,7 +51,7 @@ def searched(search: Search, row: Callable[[dict[str, str]], Row]) -> Iterator[D
 
     with opened(Path(":memory:"), "formula") as journal:
         designs = Designs(search, "a", journal, run, lambda done: None)
-        assert not _searched(search, designs)
+        assert not _searched(search, designs)[1]
         yield designs
 
 

@@ -14,7 +14,7 @@ IN_FILE = {
     "{minimise: f, vary: {a.b: {normal: {mean: 1, sd: 1}}}}": "optimise.vary.a.b: got a distribution, expected a range",
     "{minimise: f, vary: {a.b: {from: 2, to: 1}}}": "optimise.vary.a.b: got 2 to 1, expected rising bounds",
     "{minimise: f, vary: {a.b: {from: 1, to: 2}}, limits: {g: 3 mmm}}": "optimise.limits.g: got '3 mmm' with",
-    "{minimise: f, vary: {a.b: {from: 1, to: 2}}, runs: 5}": "optimise.runs: got 5, expected 20 or more",
+    "{minimise: f, vary: {a.b: {from: 1, to: 2}}, runs: 5}": "optimise.runs: got 5 runs, expected 20 or more",
     "{minimise: f, vary: {a.b: {from: 1, to: 2}}, robust: {over: [c.e]}}": "got 'c.e', expected a path under 'vary:'",
     "{minimise: f, vary: {a.b: {from: 1, to: 2}}, robust: {over: [c.d], quantile: 120 %}}": "below 1",
     "{minimize: f, vary: {a.b: {from: 1, to: 2}}}": "did you mean 'minimise'?",

@@ -21,7 +21,7 @@ IN_FILE = {
     "{from: 1,5 kg, to: 2 kg}": "a comma begins the next item",
     "{}": "got none of from, values, normal, uniform",
     "3 kg": "3:8: vary.a.b: got '3 kg', expected a mapping",
-    "{uniform: [1, 2]}": "3:3: vary.a.b: got a range without steps in a grid",
+    "{uniform: [1, 2]}": "3:3: vary.a.b: got a range without steps, expected steps, values or samples",
 }
 
 
@@ -41,6 +41,8 @@ def test_mistakes_of_a_file(value: str, tmp_path: Path) -> None:
         ("a.b=1:2:3:4:5", "got no range and no list"),
         ("a.b=1:2:x", "vary.a.b.steps: got 'x', expected a whole number from 1 to 100000"),
         ("a.b=1:2:3:lin", "did you mean 'linear'?"),
+        ("a.b=normal(3 kg)", "vary.a.b.normal.sd: got nothing, expected 'sd'"),
+        ("a.b=uniform(1 kg, 2 m)", "vary.a.b: got a length and a mass"),
         ("a.b=1 kgg:2:3", "got '1 kgg' with an unknown unit 'kgg', expected a number with its unit"),
     ],
 )

@@ -110,7 +110,7 @@ def test_samples_that_are_not_to_be_trusted_are_left_out() -> None:
 
 
 def test_a_number_of_another_name_is_refused() -> None:
-    with pytest.raises(InputError, match="expected a number of the campaign"):
+    with pytest.raises(InputError, match="expected a number of the study"):
         rows(np.arange(3.0), np.zeros((1, 3))).of("z")
 
 
@@ -126,7 +126,7 @@ def test_a_number_of_another_name_is_refused() -> None:
         (lambda: Sampling("sobol"), "no count"),
         (lambda: Campaign("s", ()), "nothing that varies"),
         (lambda: Campaign("s", (Listed("a", ("1",)), Listed("a", ("1",)))), "varies twice"),
-        (lambda: Campaign("s", (NORMAL,)), "a range without steps in a grid"),
+        (lambda: Campaign("s", (NORMAL,)), "a distribution without a number of samples"),
         (lambda: Campaign("s", tuple(Listed(f"{i}", ("1",) * 100) for i in range(3))), "1e.06 samples"),
     ],
 )

@@ -30,6 +30,8 @@ def optimum_table(found: Found) -> Table:
         "runs": found.runs,
         "designs": found.designs,
         "left_out": found.left_out,
+        "flat": found.flat,
+        "still_improving": found.still_improving,
         "interrupted": found.interrupted,
         "history": [{"designs": count, "value": number(value)} for count, value in found.history],
         "run_it": run_command(found),

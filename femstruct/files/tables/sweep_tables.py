@@ -4,14 +4,19 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, Final
+
+import numpy as np
 
 from femstruct.files.tables.json_numbers import number
+from femstruct.findings.catalogue import rank_of
+from femstruct.findings.entry import LIMITS
 from femstruct.study.campaign.influence import influences
 from femstruct.study.campaign.spread import Spread, spread
 from femstruct.study.campaign.swept import Swept
 
 Table = dict[str, Any]
+ROUNDING: Final = 1e-9  # of a number: differences below are none
 
 
 def sweep_table(rows: Swept, names: Sequence[str] = ()) -> Table:
@@ -30,6 +35,7 @@ def sweep_table(rows: Swept, names: Sequence[str] = ()) -> Table:
         "not_run": int((~rows.done).sum()),
         "failed": sum(bool(one) for one in rows.trouble),
         "severe": left_out(rows),
+        "limit_trust": limited(rows),
     }
 
 
@@ -55,7 +61,28 @@ def spreads(rows: Swept, names: Sequence[str]) -> list[Spread]:
     asked = [(name, case, "") for name in names for case in rows.cases]
     asked += [(name, case, rows.baseline) for name in names for case in others]
     found = (spread(rows, *one) for one in asked)
-    return [one for one in found if one is not None and one.deviation > 0.0]
+    return [one for one in found if one is not None and one.deviation > ROUNDING * max(map(abs, one.quantiles))]
+
+
+def unchanged(rows: Swept, names: Sequence[str]) -> list[str]:
+    """Numbers that are the same in all samples that are to be trusted, in every case."""
+
+    def spans(name: str, case: str) -> bool:
+        own = rows.of(name, case)[rows.trusted(case)]
+        known = own[np.isfinite(own)]
+        return bool(known.size and np.ptp(known) > ROUNDING * np.abs(known).max())
+
+    return [name for name in names if not any(spans(name, case) for case in rows.cases)]
+
+
+def limited(rows: Swept) -> dict[str, int]:
+    """In how many samples a finding limits trust, by its code, in any case."""
+    counts = Counter(
+        code
+        for i in range(len(rows.texts))
+        for code in {code for case in rows.findings for code in case[i] if rank_of(code, severe=False) == LIMITS}
+    )
+    return dict(counts.most_common())
 
 
 def _influence(rows: Swept, name: str, case: str) -> Table:

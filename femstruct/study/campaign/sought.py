@@ -4,14 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Final, Literal
 
+import numpy as np
+
+from femstruct.arrays import Floats
 from femstruct.declared import checked
 from femstruct.errors import InputError
-from femstruct.study.campaign.swept import Swept
+from femstruct.study.campaign.swept import Flags, Swept
 from femstruct.study.campaign.varied import Listed, Scattered
 
-FEWEST_RUNS = 20
+FEWEST_RUNS: Final = 20
+SAME: Final = 1e-9  # of a goal: differences below are rounding
+LATE: Final = 0.8  # of the designs
 
 
 @dataclass(frozen=True)
@@ -60,8 +65,9 @@ class Search:
         if not 0.0 < self.quantile < 1.0:
             raise InputError("optimise.robust.quantile", got=f"{self.quantile:g}", expected="between 0 and 1")
         if self.runs < FEWEST_RUNS * self.samples:
-            expected = f"{FEWEST_RUNS * self.samples} or more, {FEWEST_RUNS} designs"
-            raise InputError("optimise.runs", got=f"{self.runs}", expected=expected)
+            each = f", {self.samples} samples of the scatter for each (robust: samples)" if self.over else ""
+            expected = f"{FEWEST_RUNS * self.samples} or more: {FEWEST_RUNS} designs{each}"
+            raise InputError("optimise.runs", got=f"{self.runs} runs", expected=expected)
 
     @property
     def samples(self) -> int:
@@ -91,8 +97,9 @@ class Found:
     least and its largest over what scatters. limits : the values that are limited, by
     name. feasible : whether any design holds all limits; the best is else the one that exceeds them least. best : the
     number of its first row. runs : of the study. designs : how many were tried; left_out : those with a finding that
-    forbids trust, or without a number. history : (designs tried, best goal until then), where it improved.
-    interrupted : whether it was stopped before its end. rows : of all designs, in their order.
+    forbids trust, or without a number. goals [designs] : of all, nan for those. held [designs] : which hold all limits.
+    history : (designs tried, best goal until then), where it improved. spent : whether all runs were made; else nothing
+    got better any more. interrupted : whether it was stopped before its end. rows : of all designs, in their order.
     """
 
     search: Search
@@ -106,6 +113,20 @@ class Found:
     runs: int
     designs: int
     left_out: int
+    goals: Floats
+    held: Flags
     history: tuple[tuple[int, float], ...]
+    spent: bool
     interrupted: bool
     rows: Swept
+
+    @property
+    def flat(self) -> bool:
+        """Whether the goal is the same for all designs, so that none of them is better than the others."""
+        known = self.goals[np.isfinite(self.goals)]
+        return bool(len(known) > 1 and np.ptp(known) <= SAME * np.abs(known).max())
+
+    @property
+    def still_improving(self) -> bool:
+        """Whether the runs ended while the goal still got better: in the last fifth of the designs."""
+        return self.spent and bool(self.history) and self.history[-1][0] > LATE * self.designs

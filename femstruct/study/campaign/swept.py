@@ -69,7 +69,7 @@ class Swept:
         Raises InputError for a name or a case that is not there.
         """
         if name not in self.names:
-            raise InputError("results", got=f"'{name}'", expected="a number of the campaign", do=self._near(name))
+            raise InputError("results", got=f"'{name}'", expected="a number of the study", do=self._near(name))
         case = case or self.baseline
         if case not in self.cases:
             raise InputError("case", got=f"'{case}'", expected=f"one of {', '.join(self.cases)}")

@@ -129,12 +129,11 @@ class Campaign:
             raise InputError(f"vary.{twice}", got="a path that varies twice", expected="each path once")
         scattered = next((one for one in self.varied if isinstance(one, Scattered)), None)
         if self.sampling.method == "grid" and scattered is not None:
-            raise InputError(
-                f"vary.{scattered.path}",
-                got="a range without steps in a grid",
-                expected="a list of values, or samples",
-                do="add 'steps: 10', or 'samples: {count: 64}'",
-            )
+            normal = scattered.law == "normal"
+            got = "a distribution without a number of samples" if normal else "a range without steps"
+            steps = "" if normal else "'steps: 10' to it, or "
+            do = f"add {steps}'samples: {{count: 64}}' to the study"
+            raise InputError(f"vary.{scattered.path}", got=got, expected="steps, values or samples", do=do)
         size = 1
         for one in self.varied:
             size *= len(one.texts) if isinstance(one, Listed) else 1

@@ -13,16 +13,13 @@ HELD, EXCEEDED, BEST = "#0072b2", "#bbbbbb", "#d55e00"
 
 
 def optimum_figure(found: Found) -> Figure:
-    """Designs that hold all limits, those that exceed one, and the best; what scatters as its mean over the samples."""
-    rows, search = found.rows, found.search
+    """Designs that hold all limits, those that exceed one, and the best; of what scatters the quantile."""
+    rows, search, goal, held = found.rows, found.search, found.goals, found.held
     s = search.samples
-    goal = rows.of(search.goal)[::s] if s == 1 else np.nanmean(rows.of(search.goal).reshape(-1, s), axis=1)
-    held = rows.trusted().reshape(-1, s).all(axis=1)
-    for name, limit in search.limits.items():
-        held &= rows.of(name).reshape(-1, s).max(axis=1) <= limit * (1.0 + 1e-9)
     numeric = [j for j in range(len(search.designs)) if np.isfinite(rows.values[:, j]).all()]
     factor, unit = shown_unit(found.unit, goal)
     label = f"{search.goal} [{unit}]" if unit else search.goal
+    label += f"\n{100.0 * search.quantile:g} % quantile of {s} samples" if search.over else ""
     figure = new_figure(9.0, 3.6 + 2.7 * len(numeric), search.title)
     axes = panels(figure, 1 + len(numeric), 1, between=0.65, top=1.15)[:, 0]
     tried = np.arange(1, len(goal) + 1)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from femstruct.files.tables.optimum_tables import run_command
@@ -39,12 +41,27 @@ def show_optimum(found: Found) -> None:
     for one in found.chosen:
         if one.at:
             screen.print(f"{one.path} is at the {one.at} end of its range: a wider range may give more", soft_wrap=True)
-    tried = f"{found.designs} designs, {found.runs} runs; the last improvement at design {_last(found)}"
-    screen.print(f"{tried}. Another 'seed' or more 'runs' may find a better one", soft_wrap=True)
+    for line in _doubts(found):
+        screen.print(line, soft_wrap=True)
+    ended = "all runs were made" if found.spent else "it ended since nothing got better any more"
+    tried = f"{found.designs} designs, {found.runs} runs; the last improvement at design {_last(found)}; {ended}"
+    screen.print(f"{tried}. A global optimum is not proven: another 'seed' gives another search", soft_wrap=True)
     if found.interrupted:
         screen.print("Interrupted: the same command goes on", soft_wrap=True)
     say_left_out(found.rows, screen)
     screen.print(f"To run it: {run_command(found)}", soft_wrap=True)
+
+
+def _doubts(found: Found) -> Iterator[str]:
+    """Why the design is not to be taken for the best."""
+    search = found.search
+    if found.flat:
+        yield f"{search.goal} is the same for all designs that were tried: none of them is better than the others"
+    elif found.still_improving:
+        yield "The goal still got better when the runs ended: more 'runs' will find a better design"
+    if search.over and search.scatter * min(search.quantile, 1.0 - search.quantile) < 1.0:
+        share = f"{100.0 * search.quantile:g} %"
+        yield f"{search.scatter} samples say little of a quantile of {share}: more 'robust: {{samples: ..}}' say more"
 
 
 def _last(found: Found) -> str:

@@ -76,7 +76,8 @@ def _maps(rows: Swept, names: Sequence[str], case: str) -> Figure:
         x, y = (factor * one for (factor, _), one in zip(scales, (xs, ys), strict=True))
         drawn = own.pcolormesh(x, y, table, shading="nearest", cmap="viridis")
         bar = figure.colorbar(drawn, ax=own)
-        bar.set_label(_named(name, told), fontsize=9)
+        bar.ax.tick_params(labelsize=8)
+        own.set_title(_named(name, told), fontsize=10, loc="left")
         limit = rows.limits.get(name)
         if limit is not None and np.isfinite(table).sum() == table.size and min(table.shape) > 1:
             own.contour(x, y, table, levels=[scale * limit], colors="white", linewidths=1.2)
@@ -141,8 +142,10 @@ def _limit(axes: Axes, rows: Swept, name: str, scale: float) -> None:
 
 
 def number_axis(axes: Axes, values: Floats, *, vertical: bool = False) -> None:
-    """A logarithmic axis for values over more than a decade and a half."""
-    if values.min() > 0.0 and values.max() > WIDE * values.min():
+    """A logarithmic axis for values in logarithmic steps, or over more than a decade and a half."""
+    steps = np.unique(values)
+    even = len(steps) > 2 and steps[0] > 0.0 and np.allclose(np.diff(np.log(steps)), np.log(steps[1] / steps[0]))
+    if even or (values.min() > 0.0 and values.max() > WIDE * values.min()):
         (axes.set_yscale if vertical else axes.set_xscale)("log")
 
 

@@ -9,14 +9,16 @@ import numpy as np
 from rich.console import Console
 
 from femstruct.errors import some_of
-from femstruct.files.tables.sweep_tables import left_out, spreads
+from femstruct.files.tables.sweep_tables import left_out, limited, spreads, unchanged
 from femstruct.study.campaign.influence import influences
+from femstruct.study.campaign.spread import FEWEST
 from femstruct.study.campaign.swept import Swept
 from femstruct.study.campaign.varied import INDICES
 from femstruct.view.tables.console import console
 from femstruct.view.tables.grid import Grid
 from femstruct.view.tables.scales import digits, scaled
 
+SAME: Final = 6  # numbers that are named
 WIDE: Final = 0.3  # of the variance: an interval from which on more samples are asked for
 TOLD: Final = 3  # samples without numbers whose reason is printed
 
@@ -30,9 +32,11 @@ def show_swept(rows: Swept, names: Sequence[str] = ()) -> None:
     if rows.drawn:
         (_influence if rows.method == INDICES else _followed)(rows, names).show(screen)
     if rows.method == INDICES and _unsure(rows, names):
-        told = "These shares have wide intervals: a larger 'count' under 'samples:' narrows them"
+        told = (
+            "These shares are not to be used yet, their intervals are too wide: take a larger 'count' under 'samples:'"
+        )
         screen.print(told, soft_wrap=True)
-    say_left_out(rows, screen)
+    say_left_out(rows, screen, names)
 
 
 def _extremes(rows: Swept, names: Sequence[str]) -> Grid:
@@ -49,7 +53,18 @@ def _extremes(rows: Swept, names: Sequence[str]) -> Grid:
 
 
 def _scatter(rows: Swept, names: Sequence[str]) -> Grid:
-    head = ("number", "case", "unit", "mean", "deviation", "5 %", "median", "95 %", "samples", "within its limit")
+    head = (
+        "number",
+        "case",
+        "unit",
+        "mean",
+        "deviation",
+        "5 %",
+        "median",
+        "95 %",
+        "samples",
+        "within its limit (95 % interval)",
+    )
     grid = Grid("scatter over the samples", head, keys=2)
     for one in spreads(rows, names):
         factor, unit = _shown(rows, one.name)
@@ -91,9 +106,18 @@ def _share(ends: tuple[float, float, float]) -> str:
     return f"{value:.0f} ({low:.0f} .. {high:.0f})"
 
 
-def say_left_out(rows: Swept, screen: Console) -> None:
-    """How many samples have no number or are not to be trusted, and why."""
+def say_left_out(rows: Swept, screen: Console, names: Sequence[str] = ()) -> None:
+    """What does not change, how many samples have no number or are not to be trusted, and why."""
     n = len(rows.texts)
+    same = unchanged(rows, names)
+    if same:
+        screen.print(f"The same in all samples: {some_of(same, SAME)}", soft_wrap=True)
+    at_most = max((int(rows.trusted(case).sum()) for case in rows.cases), default=0)
+    if rows.drawn and at_most < FEWEST:
+        told = f"No statistics: {at_most} samples are to be trusted, and {FEWEST} or more are needed"
+        screen.print(told, soft_wrap=True)
+    for code, count in limited(rows).items():
+        screen.print(f"Limits trust: {code} in {count} of {n} samples; femstruct explain {code}", soft_wrap=True)
     for code, count in left_out(rows).items():
         told = f"Left out: {count} of {n} samples with the finding {code}, which forbids trust"
         screen.print(f"{told}; femstruct explain {code}", soft_wrap=True)
