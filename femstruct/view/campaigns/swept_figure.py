@@ -16,6 +16,7 @@ from femstruct.study.campaign.varied import INDICES
 from femstruct.view.campaigns.swept_table import in_unit
 from femstruct.view.figures.drawing import BASELINE, case_lines, finish, legend_above, new_figure, panels
 
+AS_GIVEN: Final = "as given"
 MOST: Final = 6  # numbers in one picture
 WIDE: Final = 30.0  # largest over smallest value of a path, from which on its axis is logarithmic
 UNTRUSTED: Final[dict[str, Any]] = {"marker": "x", "linestyle": "none", "markersize": 5}
@@ -29,24 +30,25 @@ def swept_figure(rows: Swept, names: Sequence[str], case: str = "") -> Figure | 
     case : of what shows only one, the baseline if none.
     """
     drawn = [name for name in names if np.isfinite(rows.numbers[:, :, rows.names.index(name)]).any()][:MOST]
-    numeric = [j for j in range(len(rows.paths)) if np.isfinite(rows.values[:, j]).all()]
+    several = [j for j in range(len(rows.paths)) if len({texts[j] for texts in rows.texts}) > 1]
+    numeric = [j for j in several if np.isfinite(rows.values[:, j]).all()]
     if not drawn or not numeric:
         return None
     if rows.method == INDICES:
         return _tornado(rows, drawn, case or rows.baseline)
-    if len(rows.paths) == 1:
-        return _curves(rows, drawn)
-    if len(numeric) == len(rows.paths) == 2 and not rows.drawn:
-        return _maps(rows, drawn, case or rows.baseline)
+    if len(several) == 1:
+        return _curves(rows, drawn, numeric[0])
+    if len(numeric) == len(several) == 2 and not rows.drawn:
+        return _maps(rows, drawn, numeric, case or rows.baseline)
     return _points(rows, drawn, numeric, case or rows.baseline)
 
 
-def _curves(rows: Swept, names: Sequence[str]) -> Figure:
+def _curves(rows: Swept, names: Sequence[str], k: int) -> Figure:
     figure = new_figure(9.0, 1.1 + 2.6 * len(names), rows.title)
     axes = panels(figure, len(names), 1, between=0.55, top=0.75 + 0.16 * len(rows.cases), sharex=True)[:, 0]
-    order = np.argsort(rows.values[:, 0])
-    factor, unit = shown_unit(rows.units[0], rows.values[:, 0])
-    x = factor * rows.values[order, 0]
+    order = np.argsort(rows.values[:, k])
+    factor, unit = shown_unit(rows.units[k], rows.values[:, k])
+    x = factor * rows.values[order, k]
     for number, (name, own) in enumerate(zip(names, axes, strict=True)):
         scale, told = shown_unit(rows.unit_of(name), rows.numbers[:, :, rows.names.index(name)])
         for case, line in case_lines(rows.cases, rows.baseline).items():
@@ -55,20 +57,20 @@ def _curves(rows: Swept, names: Sequence[str]) -> Figure:
             _cross(own, x, y, sound, line["color"])
         _limit(own, rows, name, scale)
         number_axis(own, x)
-        finish(own, _named(rows.paths[0], unit) if number == len(names) - 1 else "", _named(name, told))
+        finish(own, _named(rows.paths[k], unit) if number == len(names) - 1 else "", _named(name, told))
     if len(rows.cases) > 1 or rows.limits:
         legend_above(axes[0])
     return figure
 
 
-def _maps(rows: Swept, names: Sequence[str], case: str) -> Figure:
+def _maps(rows: Swept, names: Sequence[str], numeric: Sequence[int], case: str) -> Figure:
     columns = min(2, len(names))
     high = -(-len(names) // columns)
-    title = rows.title if len(rows.cases) == 1 else f"{rows.title}: {case}"
+    title = _titled(rows, case)
     figure = new_figure(5.2 * columns + 0.6, 1.0 + 3.4 * high, title)
     grid: list[Axes] = panels(figure, high, columns, between=0.85, top=0.8, right=0.5).ravel().tolist()
-    (xs, i), (ys, j) = (np.unique(rows.values[:, k], return_inverse=True) for k in (0, 1))
-    scales = [shown_unit(rows.units[k], rows.values[:, k]) for k in (0, 1)]
+    (xs, i), (ys, j) = (np.unique(rows.values[:, k], return_inverse=True) for k in numeric)
+    scales = [shown_unit(rows.units[k], rows.values[:, k]) for k in numeric]
     for own, name in zip(grid, names, strict=False):
         scale, told = shown_unit(rows.unit_of(name), rows.of(name, case))
         table = np.full((len(ys), len(xs)), np.nan)
@@ -83,14 +85,14 @@ def _maps(rows: Swept, names: Sequence[str], case: str) -> Figure:
             own.contour(x, y, table, levels=[scale * limit], colors="white", linewidths=1.2)
         number_axis(own, x)
         number_axis(own, y, vertical=True)
-        finish(own, _named(rows.paths[0], scales[0][1]), _named(rows.paths[1], scales[1][1]))
+        finish(own, *(_named(rows.paths[k], scale[1]) for k, scale in zip(numeric, scales, strict=True)))
     for own in grid[len(names) :]:
         own.set_visible(False)
     return figure
 
 
 def _points(rows: Swept, names: Sequence[str], numeric: Sequence[int], case: str) -> Figure:
-    title = rows.title if len(rows.cases) == 1 else f"{rows.title}: {case}"
+    title = _titled(rows, case)
     figure = new_figure(1.3 + 3.0 * len(numeric), 1.1 + 2.4 * len(names), title)
     grid = panels(figure, len(names), len(numeric), between=0.35, top=0.75, sharex="col", sharey="row")
     sound = rows.trusted(case)
@@ -110,7 +112,7 @@ def _points(rows: Swept, names: Sequence[str], numeric: Sequence[int], case: str
 
 def _tornado(rows: Swept, names: Sequence[str], case: str) -> Figure:
     """Shares of all paths in the variance of each number, the largest above, with their intervals."""
-    title = rows.title if len(rows.cases) == 1 else f"{rows.title}: {case}"
+    title = _titled(rows, case)
     high = 0.8 + 0.5 * len(rows.paths)
     figure = new_figure(9.5, 1.4 + high * len(names), title)
     grid = panels(figure, len(names), 1, between=0.75, top=1.0, left=3.2, sharex=True)[:, 0]
@@ -128,6 +130,11 @@ def _tornado(rows: Swept, names: Sequence[str], case: str) -> Figure:
         finish(own, "share of the variance, and its 95 % interval [%]" if own is grid[-1] else "", "")
     legend_above(grid[0])
     return figure
+
+
+def _titled(rows: Swept, case: str) -> str:
+    """The title of a picture of one case; a study without cases has one, as it is given."""
+    return rows.title if rows.cases == (AS_GIVEN,) else f"{rows.title}: {case}"
 
 
 def _cross(axes: Axes, x: Floats, y: Floats, sound: Flags, colour: str) -> None:
