@@ -98,7 +98,7 @@ def optimise(
     no_pictures: Annotated[bool, typer.Option("--no-pictures", help="numbers and tables only")] = False,
     as_json: AsJson = False,
 ) -> int:
-    """Find the numbers of a study that make another one small or large. Goal, limits and what may be chosen stand in
+    """Find the best design of a study. The number that is to be small or large, limits, and what may be chosen stand in
     the study under 'optimise:', or are given here. Rows are kept as they come; the same command goes on."""
     from femstruct.campaign.kept_rows import write_optimum
     from femstruct.campaign.optimise import optimise as optimised

@@ -95,8 +95,8 @@ def compare(
     as_json: AsJson = False,
     verbose: Verbose = False,
 ) -> int:
-    """Print finished runs side by side, as cases of one study, and what differs in their input files. The baseline is
-    that of the first. Nothing is computed anew."""
+    """Print finished runs side by side. Their cases stand as those of one study, beside the baseline of the first run,
+    after what differs in the input files. Nothing is computed anew."""
     import sys
 
     from femstruct.errors import InputError

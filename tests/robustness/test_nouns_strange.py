@@ -110,6 +110,11 @@ NOUNS = [
     fs.RodModel(1.0, 210e9, 7850.0, 1e-4, 50, {"tip": 0.0}),
     fs.Case("as given", STUDY),
     fs.Plan("a fall", (fs.Case("as given", STUDY),), "as given"),
+    fs.Campaign("fall.study.yaml", (fs.Listed("bodies.ball.mass", ("1 kg", "2 kg")),)),
+    fs.Listed("bodies.ball.mass", ("1 kg", "2 kg"), (1.0, 2.0), "kg"),
+    fs.Sampling("sobol", 8),
+    fs.Scattered("bodies.ball.mass", "uniform", 1.0, 2.0, "kg"),
+    fs.Search("fall.study.yaml", "ball peak force", (fs.Scattered("bodies.ball.mass", "uniform", 1.0, 2.0, "kg"),)),
 ]  # fmt: skip
 # made by functions, of what has been compared; or with nothing to compare; or checked by a contract of its own
 MADE = {
@@ -120,6 +125,7 @@ MADE = {
     "Component",
     "DofMap",
     "Finding",
+    "Found",
     "FrfTable",
     "Identification",
     "PlacedCavity",
@@ -135,6 +141,7 @@ MADE = {
     "PlateSection",
     "Reduced",
     "Response",
+    "Swept",
 }
 OTHERS = {"StudyResult", "FromMaterials", "NoStructure", "OwnLaw", "ForceSource"}
 
