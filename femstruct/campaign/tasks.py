@@ -85,7 +85,8 @@ def split(campaign: Campaign, samples: Samples, told: Callable[[str], None] = la
 def read_sample(campaign: Campaign | Task, changes: Sequence[str]) -> Plan:
     """The study with the values of a sample. Raises InputErrors in terms of what varies."""
     try:
-        return read_study(campaign.file, (*campaign.overrides, *changes), only=campaign.case or None)
+        texts = (*campaign.overrides, *changes)
+        return read_study(campaign.file, texts, only=campaign.case or None, others=not campaign.case)
     except InputErrors as errors:
         told = errors.errors
         for text in changes:

@@ -33,16 +33,19 @@ from femstruct.study.study import Case, Plan, Study
 AS_GIVEN = "as given"
 
 
-def read_study(path: str | Path, overrides: Sequence[str] = (), only: str | None = None) -> Plan:
+def read_study(
+    path: str | Path, overrides: Sequence[str] = (), only: str | None = None, *, others: bool = True
+) -> Plan:
     """A study file, its model and its cases, resolved and in SI units.
 
     overrides : texts ``PATH=VALUE`` that change the files before the cases do; paths of the study, its cases and its
         model.
-    only : run this case alone; it is then the baseline, too.
+    only : run this case alone; it is then the baseline, too. others : False to leave the other cases unread, for who
+        reads a study again and again.
 
     Returns a Plan: cases in the order of the file, without `cases:` one named "as given".
 
-    Raises InputErrors: every mistake of both files and all cases, each on one line
+    Raises InputErrors: every mistake of both files and all cases that are read, each on one line
     ``file:line:column: path: got, expected; do``.
 
     >>> import tempfile
@@ -70,7 +73,7 @@ def read_study(path: str | Path, overrides: Sequence[str] = (), only: str | None
         model = _model_tree(Here(base, mistakes).at("model"), base.value.get("model"))
     sources: dict[str, str] = {}
     as_given = _Resolved.of(base, model, patch.changes, mistakes, sources)
-    sound, patches = not mistakes.lines, _cases(base, model, mistakes)
+    sound, patches = not mistakes.lines, _cases(base, model, mistakes, None if others else only)
     cases: dict[str, _Resolved] = {}
     for name, one in patches.items() if sound and not mistakes.lines else ():
         drafts = [draft.tree() if draft is not None else None for draft in (one.study, one.model)]
@@ -133,10 +136,12 @@ class _Resolved:
         return cls(study, model, study_spec, model_spec, dict(changes))
 
 
-def _cases(study: Tree, model: Tree | None, mistakes: Mistakes) -> dict[str, Patch]:
-    """What every case of a study makes of both files."""
+def _cases(study: Tree, model: Tree | None, mistakes: Mistakes, only: str | None) -> dict[str, Patch]:
+    """What every case of a study makes of both files, or one of them."""
     listed, done = study.value.get("cases"), {}
     for name, changes in listed.items() if isinstance(listed, dict) else ():
+        if only is not None and name != only and only in listed:
+            continue
         there, own = Here(study, mistakes).at("cases", name), model
         if isinstance(changes, dict) and "model" in changes:
             own = _model_tree(there.at("model"), changes["model"])
