@@ -14,10 +14,12 @@ from femstruct.campaign.journal import Journal, Row
 from femstruct.campaign.numbers import APART, UNROUNDED, Number
 from femstruct.campaign.samples import Samples, at, samples_of
 from femstruct.campaign.tasks import Task
+from femstruct.dimensions import DIMENSIONS
 from femstruct.errors import InputError, InputErrors
 from femstruct.language.yaml.tree import near_one
 from femstruct.study.campaign.sought import Search
 from femstruct.study.campaign.varied import Campaign, Sampling
+from femstruct.units import QuantityError, quantity
 
 MOST: Final = 12  # names in a message
 NEVER: Final = 1e30  # excess of a design without a number, or that is not to be trusted: it never wins
@@ -63,6 +65,7 @@ class Designs:
         self._numbers: dict[tuple[str, ...], int] = {}
         self.points: list[Floats] = []
         self.outcomes: list[Outcome] = []
+        self._seen = set[str]()
         self.unit = ""
         self.kept_back = 4 * len(search.designs)
 
@@ -147,16 +150,34 @@ class Designs:
     def _number(self, row: Row, name: str) -> Number:
         if row.trouble:
             return Number(np.nan, "")
+        if name not in row.numbers and name in self._seen:
+            return Number(np.nan, "")  # this design has no such number, as of a mode that it has not
         if name not in row.numbers:
             where = "optimise.limits" if name != self._search.goal else f"optimise.{self._search.sense}"
             main = [one for one in row.numbers if APART not in one]
             expected = f"a number of the case '{row.case}'"
             do = near_one(name, row.numbers) or f"it has {', '.join(main[:MOST])}; --case chooses another case"
             raise InputError(where, got=f"'{name}'", expected=expected, do=do)
+        self._refuse_other_dimension(name, row.numbers[name].unit)
+        self._seen.add(name)
         if name == self._search.goal:
             self.unit = row.numbers[name].unit
             return row.numbers.get(name + UNROUNDED, row.numbers[name])  # a rounded one says nothing of small changes
         return row.numbers[name]
+
+    def _refuse_other_dimension(self, name: str, unit: str) -> None:
+        """A limit in kg of what is a length is a slip."""
+        written = self._search.limit_dimensions.get(name)
+        if written is None or name in self._seen:
+            return
+        try:
+            quantity(f"1 {unit}" if unit else 1.0, written)
+            fits = bool(unit) or written == "ratio"
+        except QuantityError:
+            fits = False
+        if not fits:
+            got, expected = DIMENSIONS[written].words, f"a number of '{name}' [{unit or '1'}]"
+            raise InputError(f"optimise.limits.{name}", got=got, expected=expected, do="correct its unit")
 
 
 def _samples(search: Search) -> Samples | None:

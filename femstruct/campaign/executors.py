@@ -12,7 +12,7 @@ from concurrent.futures import FIRST_COMPLETED, Executor, Future, ProcessPoolExe
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from functools import partial
-from typing import Final, Protocol
+from typing import Any, Final, Protocol
 
 from femstruct.campaign.journal import Row
 from femstruct.campaign.tasks import Task, rows_of, run_task
@@ -62,7 +62,9 @@ def _here(tasks: Sequence[Task], done: Done, tick: Tick = lambda: None) -> None:
 
 
 def _by_scheduler(executor: Executor, size: int, tasks: Sequence[Task], done: Done, tick: Tick = lambda: None) -> None:
-    for task in _hand_out(executor, list(tasks), AHEAD * size, done, tick):
+    from distributed import KilledWorker
+
+    for task in _hand_out(executor, list(tasks), AHEAD * size, done, tick, (KilledWorker,)):
         done(_gone(task))
 
 
@@ -72,6 +74,7 @@ class _Processes:
     def __init__(self, workers: int) -> None:
         self._workers = workers
         self._executor: Executor | None = None
+        self._others = set[Any]()
 
     def __call__(self, tasks: Sequence[Task], done: Done, tick: Tick = lambda: None) -> None:
         """Tasks under way when a process dies are run again, one at a time; one that dies again costs its own samples
@@ -85,23 +88,35 @@ class _Processes:
 
     def _until_broken(self, tasks: list[Task], ahead: int, done: Done, tick: Tick) -> list[Task]:
         """Run tasks, taken from the list, until all are done or a process has died; those that were then under way."""
-        self._executor = self._executor or _pool(self._workers)
+        if self._executor is None:
+            self._others = set(multiprocessing.active_children())
+            self._executor = _pool(self._workers)
         lost = _hand_out(self._executor, tasks, ahead, done, tick)
         if lost:
             self.end()
         return lost
 
     def end(self) -> None:
-        """End the processes, whatever they do."""
+        """End the processes, whatever they do; not those that somebody else had started before."""
         if self._executor is not None:
             self._executor.shutdown(wait=False, cancel_futures=True)
-            for child in multiprocessing.active_children():
+            for child in set(multiprocessing.active_children()) - self._others:
                 child.kill()
         self._executor = None
 
 
-def _hand_out(executor: Executor, tasks: list[Task], ahead: int, done: Done, tick: Tick) -> list[Task]:
-    """Give tasks to an executor, taken from the list, a few ahead. Returns those under way when it broke."""
+def _hand_out(
+    executor: Executor,
+    tasks: list[Task],
+    ahead: int,
+    done: Done,
+    tick: Tick,
+    given_up: tuple[type[Exception], ...] = (),
+) -> list[Task]:
+    """Give tasks to an executor, taken from the list, a few ahead. Returns those under way when it broke.
+
+    given_up : what an executor raises for a task that it has tried several times, whose workers died.
+    """
     running = dict[Future[list[Row]], Task]()
     while tasks or running:
         while tasks and len(running) < ahead:
@@ -117,9 +132,7 @@ def _hand_out(executor: Executor, tasks: list[Task], ahead: int, done: Done, tic
                 rows = future.result()
             except BrokenProcessPool:
                 return list(running.values())
-            except Exception as error:
-                if type(error).__name__ != "KilledWorker":  # of Dask, which has tried it several times
-                    raise
+            except given_up:
                 rows = _gone(running[future])
             running.pop(future)
             done(rows)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import time
+from collections.abc import Callable, Mapping, Sequence
+from typing import Final
 
 import numpy as np
 
@@ -14,6 +16,8 @@ from femstruct.impact.engine.needed_units import BY_COLLOCATION, EXACTLY
 from femstruct.study.campaign.swept import Swept
 from femstruct.study.study import Plan
 from femstruct.workflow.run.provenance import Progress, provenance
+
+SOON: Final = 1.0  # seconds, before which nothing is said of what is left
 
 
 def make_ready(plan: Plan, progress: Progress) -> None:
@@ -84,6 +88,24 @@ def gathered(
         sources=plan.sources,
         provenance=provenance(command),
     )
+
+
+def versions() -> dict[str, str]:
+    """Of the program and of what it computes with: rows of others are not gone on with."""
+    return {key: value for key, value in provenance("").items() if key.endswith("_version")}
+
+
+def counted(of: int, what: str, progress: Progress, *, most: bool = False) -> Callable[[int], None]:
+    """Tells how many of so many are done, and about how long the others take. most : fewer may do."""
+    began = time.monotonic()
+    words = ("at most ", "at most ") if most else ("", "about ")
+
+    def tell(done: int) -> None:
+        elapsed = time.monotonic() - began
+        left = f", {words[1]}{duration(elapsed * (of - done) / done)} left" if done and elapsed > SOON else ""
+        progress(f"{done} of {words[0]}{of} {what}{left}")
+
+    return tell
 
 
 def duration(seconds: float) -> str:

@@ -11,9 +11,12 @@ from dataclasses import dataclass
 from itertools import count
 from math import isfinite, nan
 from pathlib import Path
+from typing import Final
 
 from femstruct.campaign.numbers import Number
 from femstruct.errors import FemstructError, InputError
+
+BESIDE: Final = (".h5", ".csv", ".png")  # suffixes of what stands beside the rows
 
 
 @dataclass(frozen=True)
@@ -102,14 +105,19 @@ def is_of(path: Path, campaign: str) -> bool:
 
 
 def moved_aside(path: Path, campaign: str) -> Path | None:
-    """Give a folder with the rows of another campaign a name with a number; returns it, None where there are none."""
+    """Give the files of another campaign names with a number, as sweep.1.h5; returns that of its rows, None where there
+    are none. What else is in the folder stays as it is."""
     if not path.exists() or is_of(path, campaign):
         return None
-    folder = path.parent
-    numbered = (folder.with_name(f"{folder.name}.{number}") for number in count(1))
-    free = next(one for one in numbered if not one.exists())
-    folder.rename(free)
-    return free
+    own = [path.with_suffix(suffix) for suffix in (path.suffix, *BESIDE)]
+    for number in count(1):
+        new = [one.with_name(f"{one.stem}.{number}{one.suffix}") for one in own]
+        if not any(one.exists() for one in new):
+            break
+    for old, other in zip(own, new, strict=True):
+        if old.exists():
+            old.rename(other)
+    return new[0]
 
 
 def _packed(row: Row) -> bytes:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
+from femstruct.campaign.numbers import UNROUNDED
 from femstruct.campaign.samples import samples_of
 from femstruct.campaign.tasks import split
 from femstruct.files.results_file.swept_file import SWEEP, TABLE, write_swept, write_table
@@ -68,7 +69,8 @@ def write_optimum(
     rows, table, picture = (folder / name for name in OPTIMUM)
     progress("writing the rows")
     write_swept(rows, found.rows)
-    write_table(table, found.rows, [found.search.goal, *found.search.limits])
+    finer = [name for name in (found.search.goal + UNROUNDED,) if name in found.rows.names]
+    write_table(table, found.rows, [found.search.goal, *finer, *found.search.limits])
     written = [rows, table]
     if pictures:
         from femstruct.view.campaigns.optimum_figure import optimum_figure

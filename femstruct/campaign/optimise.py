@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import time
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack, suppress
 from pathlib import Path
@@ -16,14 +15,14 @@ from scipy import optimize
 from femstruct.arrays import Floats
 from femstruct.campaign.designs import Designs, Outcome, Spent
 from femstruct.campaign.executors import crew
-from femstruct.campaign.gathered import duration, gathered, make_ready
+from femstruct.campaign.gathered import counted, gathered, make_ready, versions
 from femstruct.campaign.journal import moved_aside, opened
 from femstruct.language import read_study
 from femstruct.study.campaign.sought import Chosen, Found, Search
 from femstruct.study.campaign.swept import Swept
 from femstruct.study.campaign.varied import Listed
 from femstruct.study.study import Plan
-from femstruct.workflow.run.provenance import Progress, provenance
+from femstruct.workflow.run.provenance import Progress
 from femstruct.workflow.stages.fingerprint import fingerprint
 
 scipy_optimize: Any = optimize  # its types know nothing of vectorised functions
@@ -38,7 +37,7 @@ HELD: Final = 1e-9  # share by which a limit may be exceeded: rounding
 FIRST: Final = 0.05  # of the ranges: radius at which the search near the best design begins
 LAST: Final = 1e-4  # and that at which it ends
 STARTS: Final = 3  # of that search, from the best designs of different valleys
-APART: Final = 0.15  # of the ranges, that these lie apart at least
+VALLEYS: Final = 0.15  # of the ranges, that these lie apart at least
 
 
 def optimise(
@@ -95,8 +94,14 @@ def optimise(
         make_ready(plan, progress)
         journal = stack.enter_context(opened(place / ROWS, name_of(search, plan)))
         run = stack.enter_context(crew(workers or os.cpu_count() or 1, cluster))
-        designs = Designs(search, case, journal, run, _counted(search, progress))
-        spent, interrupted = _searched(search, designs)
+        told = counted(search.runs, "runs", progress, most=True)
+        designs = Designs(search, case, journal, run, told)
+        try:
+            spent, interrupted = _searched(search, designs)
+        except KeyboardInterrupt:
+            if not journal.rows():
+                journal.remove()
+            raise
         rows = journal.rows()
     samples = designs.samples()
     whole = read_study(search.file, search.overrides, only=case)
@@ -106,8 +111,8 @@ def optimise(
 
 
 def set_aside(search: Search, folder: Path) -> Path | None:
-    """Move a folder with the rows of another optimisation to a name with a number; returns it, None where there are
-    none."""
+    """Give the files of another optimisation in a folder names with a number; returns that of its rows, None where
+    there are none."""
     if not (folder / ROWS).exists():
         return None
     plan = read_study(search.file, search.overrides, only=search.case or None)
@@ -116,8 +121,7 @@ def set_aside(search: Search, folder: Path) -> Path | None:
 
 def name_of(search: Search, plan: Plan) -> str:
     """A name for all that the rows of an optimisation hang on."""
-    kept = {key: value for key, value in provenance("").items() if key.endswith("_version")}
-    return fingerprint((dict(plan.sources), search, kept))
+    return fingerprint((dict(plan.sources), search, versions()))
 
 
 def _searched(search: Search, designs: Designs) -> tuple[bool, bool]:
@@ -174,7 +178,7 @@ def _apart(designs: Designs) -> list[Floats]:
     order = sorted((k for k, one in enumerate(designs.outcomes) if one.sound), key=designs.rank)
     found: list[Floats] = []
     for k in order:
-        if len(found) < STARTS and all(np.linalg.norm(designs.points[k] - one) > APART for one in found):
+        if len(found) < STARTS and all(np.linalg.norm(designs.points[k] - one) > VALLEYS for one in found):
             found.append(designs.points[k])
     return found
 
@@ -231,17 +235,6 @@ def beside(search: Search, best: Floats, j: int) -> list[Floats]:
         if point[j] != best[j]:
             found.append(point)
     return found
-
-
-def _counted(search: Search, progress: Progress) -> Callable[[int], None]:
-    began = time.monotonic()
-
-    def tell(done: int) -> None:
-        elapsed = time.monotonic() - began
-        left = f", at most {duration(elapsed * (search.runs - done) / done)} left" if done and elapsed > 1.0 else ""
-        progress(f"{done} of at most {search.runs} runs{left}")
-
-    return tell
 
 
 def _found(search: Search, designs: Designs, ended: tuple[bool, bool], rows: Swept) -> Found:

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import os
-import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
@@ -12,14 +11,14 @@ from tempfile import TemporaryDirectory
 from typing import Final
 
 from femstruct.campaign.executors import Crew, crew
-from femstruct.campaign.gathered import duration, gathered, make_ready
+from femstruct.campaign.gathered import counted, gathered, make_ready, versions
 from femstruct.campaign.journal import Journal, Row, moved_aside, opened
 from femstruct.campaign.samples import Samples, samples_of
 from femstruct.campaign.tasks import Task, split
 from femstruct.study.campaign.swept import Swept
 from femstruct.study.campaign.varied import Campaign
 from femstruct.study.study import Plan
-from femstruct.workflow.run.provenance import Progress, provenance
+from femstruct.workflow.run.provenance import Progress
 from femstruct.workflow.stages.fingerprint import fingerprint
 
 ROWS: Final = "sweep.rows"  # where rows are kept as they come, until all are there
@@ -87,7 +86,8 @@ def sweep(
 
 
 def set_aside(campaign: Campaign, folder: Path) -> Path | None:
-    """Move a folder with the rows of another campaign to a name with a number; returns it, None where there are none.
+    """Give the files of another campaign in a folder names with a number; returns that of its rows, None where there
+    are none.
 
     Raises InputErrors where no sample can be read.
     """
@@ -99,8 +99,8 @@ def set_aside(campaign: Campaign, folder: Path) -> Path | None:
 
 def _name_of(campaign: Campaign, samples: Samples, plan: Plan) -> str:
     """A name for all that the rows hang on: the files, what is changed in them, and the program that reads them."""
-    kept = {key: value for key, value in provenance("").items() if key.endswith("_version")}
-    return fingerprint((dict(plan.sources), campaign.overrides, campaign.case, samples.paths, samples.texts, kept))
+    said = (campaign.overrides, campaign.case, samples.paths, samples.texts)
+    return fingerprint((dict(plan.sources), *said, versions()))
 
 
 def _left(tasks: Sequence[Task], known: set[int]) -> list[Task]:
@@ -111,7 +111,7 @@ def _left(tasks: Sequence[Task], known: set[int]) -> list[Task]:
 
 def _run(tasks: Sequence[Task], run: Crew, journal: Journal, progress: Progress) -> None:
     """Run tasks and keep their rows; Ctrl-C ends it with what there is."""
-    tell = _counted(sum(len(task.samples) for task in tasks), progress)
+    tell = counted(sum(len(task.samples) for task in tasks), "samples", progress)
     done = 0
 
     def keep(rows: list[Row]) -> None:
@@ -126,15 +126,3 @@ def _run(tasks: Sequence[Task], run: Crew, journal: Journal, progress: Progress)
         if not journal.rows():
             journal.remove()
             raise
-
-
-def _counted(of: int, progress: Progress) -> Callable[[int], None]:
-    """Tells how many samples are done, and about how long the others take."""
-    began = time.monotonic()
-
-    def tell(done: int) -> None:
-        elapsed = time.monotonic() - began
-        left = f", about {duration(elapsed * (of - done) / done)} left" if done and elapsed > 1.0 else ""
-        progress(f"{done} of {of} samples{left}")
-
-    return tell

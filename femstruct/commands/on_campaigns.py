@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated
 
@@ -42,7 +44,7 @@ def sweep(
     """Run a study for many values of its numbers. They stand in the study under 'vary:', or are given by --vary. Rows
     are kept as they come; the same command goes on where it was interrupted."""
     from femstruct.campaign.kept_rows import planned, write_rows
-    from femstruct.campaign.sweep import set_aside
+    from femstruct.campaign.sweep import ROWS, set_aside
     from femstruct.campaign.sweep import sweep as swept
     from femstruct.files.atomic import refuse_unwritable
     from femstruct.language.campaigns import read_campaign
@@ -56,7 +58,7 @@ def sweep(
         return GOOD
     folder = output or _folder(study, "sweep")
     refuse_unwritable(folder)
-    with progress() as tell:
+    with _interruptible(folder / ROWS), progress() as tell:
         moved = set_aside(asked, folder)
         rows = swept(asked, folder, workers or None, cluster, tell, " ".join(["femstruct", *sys.argv[1:]]))
         names = [name for name in results if rows.of(name) is not None]
@@ -69,7 +71,7 @@ def sweep(
         show_swept(rows, names)
         if moved is not None:
             print(f"The rows of an earlier, different sweep are now in {moved}")
-        print(f"written: {', '.join(map(str, written))}")
+        print(f"Written: {', '.join(map(str, written))}")
     if not rows.done.all():
         return INTERRUPTED
     return GOOD if any(rows.trusted(one).any() for one in rows.cases) else NOT_TRUSTED
@@ -101,8 +103,8 @@ def optimise(
     """Find the best design of a study. The number that is to be small or large, limits, and what may be chosen stand in
     the study under 'optimise:', or are given here. Rows are kept as they come; the same command goes on."""
     from femstruct.campaign.kept_rows import write_optimum
+    from femstruct.campaign.optimise import ROWS, set_aside
     from femstruct.campaign.optimise import optimise as optimised
-    from femstruct.campaign.optimise import set_aside
     from femstruct.files.atomic import refuse_unwritable
     from femstruct.files.tables.optimum_tables import optimum_table
     from femstruct.language.searches import read_search
@@ -112,7 +114,7 @@ def optimise(
     search = read_search(study, goal, vary, limit, set_, case, runs or None)
     folder = output or _folder(study, "optimise")
     refuse_unwritable(folder)
-    with progress() as tell:
+    with _interruptible(folder / ROWS), progress() as tell:
         moved = set_aside(search, folder)
         found = optimised(search, folder, workers or None, cluster, tell, " ".join(["femstruct", *sys.argv[1:]]))
         written = write_optimum(found, folder, tell, pictures=not no_pictures)
@@ -122,10 +124,22 @@ def optimise(
         show_optimum(found)
         if moved is not None:
             print(f"The rows of an earlier, different optimisation are now in {moved}")
-        print(f"written: {', '.join(map(str, written))}")
+        print(f"Written: {', '.join(map(str, written))}")
     if found.interrupted:
         return INTERRUPTED
     return GOOD if found.left_out < found.designs else NOT_TRUSTED
+
+
+@contextmanager
+def _interruptible(rows: Path) -> Iterator[None]:
+    """Ctrl-C before there is an answer: what is finished is kept."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        if not rows.exists():
+            raise
+        print(f"Interrupted. Finished runs are kept in {rows}; the same command goes on", file=sys.stderr)
+        raise typer.Exit(INTERRUPTED) from None
 
 
 def _folder(study: Path, what: str) -> Path:

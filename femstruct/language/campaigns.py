@@ -55,12 +55,12 @@ def read_campaign(
         do = "add 'vary: {PATH: {from: .., to: .., steps: ..}}' to it, or --vary"
         raise InputErrors((f"{path}: vary: got a study that varies nothing, expected one or more paths; {do}",))
     asked = spec.samples if spec is not None else None
-    sampling = Sampling("latin hypercube", count) if count is not None else asked.noun() if asked else Sampling()
-    mistakes.stop_if_any()
     try:
+        sampling = Sampling("latin hypercube", count) if count is not None else asked.noun() if asked else Sampling()
         return Campaign(str(path), tuple(found.values()), sampling, tuple(overrides), case, title_of(tree))
     except InputError as error:
-        at = tree.keys.get(("vary", error.where.removeprefix("vary.")), Position(str(path)))
+        steps = ("vary", error.where.removeprefix("vary.")) if error.where.startswith("vary.") else ("samples", "count")
+        at = tree.keys.get(steps, Position(str(path)))
         raise InputErrors((f"{at}: {error}",)) from None
 
 

@@ -67,6 +67,8 @@ def read_study(
     refuse_kind(study, "study", study_keys(), lambda: MODEL_KEYS)
     patch = Patch(study, _model_tree(Here(study, mistakes).at("model"), study.value.get("model")), mistakes)
     override(patch, overrides)
+    for group in (("vary",), ("optimise", "vary")):
+        patch.refuse_unknown_in(group)
     base = patch.study.tree() if patch.study else study
     model = patch.model.tree() if patch.model else None
     if base.value.get("model") != study.value.get("model"):

@@ -203,6 +203,18 @@ class Patch:
         found = (name for name, case in cases.items() if not _reach(_mapping(case, "add"), path)[1])
         return tuple(f"cases.{name}.add.{path}" for name in found)
 
+    def refuse_unknown_in(self, group: Steps) -> None:
+        """Note paths of a group that is named by paths, such as `vary:`, that neither the files nor cases have."""
+        if self.study is None:
+            return
+        tree = self.study.tree()
+        listed: Any = tree.value
+        for step in group:
+            listed = listed.get(step) if isinstance(listed, dict) else None
+        for path in listed if isinstance(listed, dict) else ():
+            if not self.added_by_cases(path):
+                self._find(self.draft(path), path, Here(tree, self.mistakes).at(*group, path), may_be_new=True)
+
     def _find(self, draft: Draft | None, path: str, there: Here, may_be_new: bool = False) -> Steps | None:
         """The steps of a path; an unknown one is noted with the nearest key, and None returned."""
         if draft is None:

@@ -86,6 +86,7 @@ def read_search(
             designs=tuple(designs.values()),
             sense="minimise" if asked.minimise else "maximise",
             limits={name: one.value for name, one in asked.limits.items()},
+            limit_dimensions={name: one.dimension for name, one in asked.limits.items() if one.dimension},
             over=asked.scattering(varied),
             runs=runs or asked.runs,
             seed=asked.seed,

@@ -134,6 +134,21 @@ def test_an_unknown_number_is_refused_with_the_nearest(study: Path) -> None:
         optimise(search, workers=1)
 
 
+def test_a_limit_in_another_unit_is_refused(study: Path) -> None:
+    ranges = ["bodies.ball.mass=1 kg:2 kg"]
+    with pytest.raises(InputError, match=r"optimise\.limits\.m\.z velocity: got a length, expected .* \[m/s\]"):
+        optimise(read_search(study, "minimise m.z velocity", ranges, ["m.z velocity=5 mm"], runs=30), workers=1)
+
+
+def test_a_design_without_the_number_never_wins() -> None:
+    def row(texts: dict[str, str]) -> Row:
+        x = number(texts, "x")
+        return numbers(f=x, g=1.0) if x > -1.0 else numbers(g=1.0)
+
+    with searched(Search("", "f", (X,), runs=60), row) as found:
+        assert -1.0 < found.outcomes[found.best].goal < -0.98
+
+
 def test_an_interrupted_optimisation_goes_on_to_the_same_end(study: Path, tmp_path: Path) -> None:
     ranges = ["bodies.ball.mass=0.1 kg:2 kg"]
     search = read_search(study, "maximise m.z velocity", ranges, ["m.z velocity=0.5 m/s"], runs=40)
@@ -154,7 +169,7 @@ def test_an_interrupted_optimisation_goes_on_to_the_same_end(study: Path, tmp_pa
     table = optimum_table(rest)
     assert table["maximise"] == "m.z velocity" and table["design"][0]["text"] in run_command(rest)
     assert set_aside(search, folder) is None
-    assert set_aside(replace(search, runs=50), folder) == tmp_path / "kept.1"
+    assert set_aside(replace(search, runs=50), folder) == folder / "optimise.1.rows"
 
 
 @pytest.mark.stress

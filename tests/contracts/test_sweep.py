@@ -132,7 +132,11 @@ def test_rows_of_another_campaign_are_set_aside(study: Path, tmp_path: Path) -> 
     with pytest.raises(InputError, match="rows of another campaign"):
         sweep(other, folder, workers=1)
     assert set_aside(read_campaign(study), folder) is None
-    assert set_aside(other, folder) == tmp_path / "rows.1" and not folder.exists()
+    (folder / "mine.txt").write_text("whoever else put a file here")
+    write_rows(sweep(read_campaign(study), folder, workers=1), folder, pictures=False)
+    assert set_aside(other, folder) == folder / "sweep.1.rows"
+    names = sorted(path.name for path in folder.iterdir())
+    assert names == ["mine.txt", "sweep.1.csv", "sweep.1.h5", "sweep.1.rows"]
 
 
 def test_a_sample_that_fails_says_why(study: Path, tmp_path: Path) -> None:

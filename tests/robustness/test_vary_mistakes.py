@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 
 from femstruct.errors import InputErrors
+from femstruct.language import read_study
 from femstruct.language.campaigns import read_campaign
 
 IN_FILE = {
@@ -52,6 +53,36 @@ def test_mistakes_of_the_command_line(text: str, told: str, tmp_path: Path) -> N
     with pytest.raises(InputErrors) as caught:
         read_campaign(path, [text])
     assert len(caught.value.errors) == 1 and told in caught.value.errors[0], caught.value.errors
+
+
+def test_a_study_is_read_with_what_it_varies(tmp_path: Path) -> None:
+    """So `check` and `run` tell, too, not only a sweep."""
+    model = "structure: {type: oscillator, mass: 1 kg, stiffness: 100 N/m}\npoints: {m: {}}\n"
+    (tmp_path / "m.yaml").write_text(model, encoding="utf-8")
+    study = """model: m.yaml
+bodies: {ball: {mass: 1 kg, above: m, speed: 1 m/s, contact: {type: linear, stiffness: 1 MN/m}}}
+time: {duration: 10 ms, sampling: 10 kHz}
+cases: {one: {}, two: {add: {bodies.other: {mass: 1 kg, above: ground}}}}
+vary:
+  bodies.other.mass: {from: 1 kg, to: 2 kg}
+  bodies.bal.mass: {from: 1 kg, to: 2 kg}
+optimise:
+  minimise: ball on m peak force
+  vary: {bodies.bll.mass: {from: 1 kg, to: 2 kg}}
+  robust: {over: [bodies.ball.mass]}
+"""
+    (tmp_path / "a.study.yaml").write_text(study, encoding="utf-8")
+    with pytest.raises(InputErrors) as caught:
+        read_study(tmp_path / "a.study.yaml")
+    told = caught.value.errors
+    assert len(told) == 3, told
+    assert ":7:3: " in told[0] and "the path 'bodies.bal.mass', which does not exist" in told[0]
+    assert ":10:10: " in told[1] and "did you mean 'ball'" in told[1]
+    assert ":11:18: " in told[2] and "expected a path under 'vary:'" in told[2]
+    indices = "model: m.yaml\nvary: {structure.mass: {uniform: [1, 2]}}\nsamples: {method: sobol indices, count: 100}\n"
+    (tmp_path / "b.study.yaml").write_text(indices, encoding="utf-8")
+    with pytest.raises(InputErrors, match=r"b\.study\.yaml:3:34: .*write 64 or 128"):
+        read_campaign(tmp_path / "b.study.yaml")
 
 
 def test_a_study_that_varies_nothing_is_told_what_to_add(tmp_path: Path) -> None:

@@ -21,19 +21,17 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
-from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from femstruct.errors import Finding
-from femstruct.files.atomic import replacing
 from femstruct.files.results_file.basis_groups import write_basis, write_damping
 from femstruct.files.results_file.blow_groups import write_blows
 from femstruct.files.results_file.datasets import axis, group, put, put_text
 from femstruct.files.results_file.energy_groups import write_energy
-from femstruct.files.results_file.seal import seal
+from femstruct.files.results_file.seal import write_sealed
 from femstruct.files.results_file.sound_groups import write_levels, write_own, write_own_levels, write_rated, write_room
 from femstruct.files.results_file.vibration_groups import write_fatigue, write_vibration
 from femstruct.files.results_file.vtkhdf import write_vtkhdf
@@ -54,7 +52,6 @@ if TYPE_CHECKING:  # slow to import, and most runs write no such file
 
 FORMAT: Final = "femstruct results"
 FORMAT_VERSION: Final = 3
-LIBVER: Final = ("earliest", "v110")  # what the HDF5 of ParaView, VTK and older viewers can read
 
 
 def write_results(path: str | Path, result: StudyResult) -> None:
@@ -87,16 +84,7 @@ def write_results(path: str | Path, result: StudyResult) -> None:
     >>> case.response.outcome.value, case.channels["m.z velocity"].unit, case.channels["m.z velocity"].values.shape
     ('All contacts opened and stayed open to the end.', 'm/s', (100,))
     """
-    image = BytesIO()
-    import h5py
-
-    with h5py.File(image, "w", libver=LIBVER) as file:
-        _write(file, result)
-        file.flush()
-        file.attrs["complete"] = True
-    with replacing(path) as temporary, temporary.open("wb") as written:
-        written.write(image.getbuffer())
-        written.write(seal(image.getbuffer()))
+    write_sealed(path, lambda file: _write(file, result))
 
 
 def _write(file: h5py.File, result: StudyResult) -> None:

@@ -3,11 +3,18 @@
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Callable
+from io import BytesIO
 from pathlib import Path
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 from femstruct.errors import InputError
+from femstruct.files.atomic import replacing
 
+if TYPE_CHECKING:  # slow to import, and most runs write no such file
+    import h5py
+
+LIBVER: Final = ("earliest", "v110")  # what the HDF5 of ParaView, VTK and older viewers can read
 _MARK: Final = b"\nfemstruct sha256 "
 LENGTH: Final = len(_MARK) + 64 + 1
 _AT_ONCE: Final = 2**20
@@ -20,6 +27,28 @@ def seal(image: memoryview) -> bytes:
     b'\nfemstruct sha256 ba7816bf'
     """
     return _MARK + hashlib.sha256(image).hexdigest().encode() + b"\n"
+
+
+def write_sealed(path: str | Path, write: Callable[[h5py.File], None]) -> None:
+    """Write an HDF5 file that is, at every instant, complete or not there. write : fills it.
+
+    Raises FemstructError when the disk is full or refuses; the file that was there before is then untouched.
+
+    Notes
+    -----
+    Made in memory, `complete = True` last: a disk that fills up while HDF5 itself writes leaves its library in a state
+    that crashes the process; the price is the size of the file in memory.
+    """
+    import h5py
+
+    image = BytesIO()
+    with h5py.File(image, "w", libver=LIBVER) as file:
+        write(file)
+        file.flush()
+        file.attrs["complete"] = True
+    with replacing(path) as temporary, temporary.open("wb") as written:
+        written.write(image.getbuffer())
+        written.write(seal(image.getbuffer()))
 
 
 def refuse_broken_seal(path: Path) -> None:

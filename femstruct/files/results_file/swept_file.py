@@ -15,7 +15,6 @@ from __future__ import annotations
 import csv
 import json
 from collections.abc import Sequence
-from io import BytesIO
 from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
@@ -25,8 +24,7 @@ import numpy as np
 from femstruct.errors import FemstructError, InputError
 from femstruct.files.atomic import replacing
 from femstruct.files.results_file.datasets import axis, group, put, put_text
-from femstruct.files.results_file.results import LIBVER
-from femstruct.files.results_file.seal import refuse_broken_seal, seal
+from femstruct.files.results_file.seal import refuse_broken_seal, write_sealed
 from femstruct.study.campaign.swept import Swept
 
 if TYPE_CHECKING:  # slow to import
@@ -69,16 +67,7 @@ def write_swept(path: str | Path, rows: Swept) -> None:
     ...     read_swept(folder).of("ball on m peak force").tolist()
     [5.0]
     """
-    image = BytesIO()
-    import h5py
-
-    with h5py.File(image, "w", libver=LIBVER) as file:
-        _write(file, rows)
-        file.flush()
-        file.attrs["complete"] = True
-    with replacing(path) as temporary, temporary.open("wb") as written:
-        written.write(image.getbuffer())
-        written.write(seal(image.getbuffer()))
+    write_sealed(path, lambda file: _write(file, rows))
 
 
 def read_swept(path: str | Path) -> Swept:

@@ -42,6 +42,7 @@ def check_study(study: StudySpec, here: Here, model: ModelSpec) -> None:
         excitation.check_in(here.at("vibration", name), study.record, study.rooms)
     for name, source in study.sources.items():
         source.check_in(here.at("sources", name))
+    study.check_campaign(here)
     sizes = array_sizes(study.bodies, here.names)
     ends = [*study.bodies, *bodies_of(sizes), "ground"]
     struck = [name for name, body in study.bodies.items() if body.blows is not None]

@@ -22,7 +22,7 @@ from femstruct.language.study.sources.measured_source import MeasuredSourceSpec
 from femstruct.language.study.start import InitialSpec
 from femstruct.language.study.vibration import VibrationSpec
 from femstruct.language.study.window import AccuracySpec, ModesSpec, PeaksSpec, TimeSpec
-from femstruct.language.yaml import Instant, Refers, Spec, Text, read_by, refuse
+from femstruct.language.yaml import Here, Instant, Refers, Spec, Text, read_by, refuse
 
 
 def _changes(value: object) -> object:
@@ -70,3 +70,11 @@ class StudySpec(Spec):
     vary: dict[str, VarySpec] = Field(default_factory=dict)
     samples: SamplesSpec | None = None
     optimise: OptimiseSpec | None = None
+
+    def check_campaign(self, here: Here) -> None:
+        """Note what cannot vary as it is written."""
+        varied = here.each("vary", self.vary, lambda there, path, one: one.varied(path))
+        if self.optimise is not None:
+            asked, there = self.optimise, here.at("optimise")
+            there.each("vary", asked.vary, lambda at, path, one: one.varied(path))
+            there.at("robust", "over").make(lambda: asked.scattering(varied))

@@ -26,9 +26,13 @@ class Search:
 
     file : of the study. goal : the number, by its name in a sweep, such as "ground force". designs : what may be
     chosen, ranges (uniform or log-uniform) or lists. limits : what other numbers of the same case should not exceed, by
-    name, in SI units. case : "" for the baseline. overrides : texts ``PATH=VALUE`` for all.
+    name, in SI units; limit_dimensions : of those that were written with a unit. case : "" for the baseline.
+    overrides : texts ``PATH=VALUE`` for all.
     over : what scatters and cannot be chosen; quantile : the share of the scatter for which goal and limits are to
-    hold; scatter : samples of it, the same for every design. runs : of the study at most, each sample counted.
+    hold; scatter : samples of it, the same for every design. runs : of the study at most, each sample counted. seed :
+    another one searches otherwise.
+
+    Raises InputError where nothing can be chosen, for distributions among what may be, and too few runs.
 
     The mass and the spring of a damper, for the least force on the ground:
 
@@ -50,6 +54,7 @@ class Search:
     case: str = ""
     overrides: tuple[str, ...] = ()
     title: str = ""
+    limit_dimensions: Mapping[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         if not self.designs:
