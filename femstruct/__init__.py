@@ -23,6 +23,7 @@ Each arrow is a pure function, each noun a frozen value; nothing points back::
     run_study                   Plan                  -> StudyResult
     read_campaign, sweep        what varies in it     -> Swept: a row of numbers for every sample
     read_search, optimise       what may be chosen    -> Found: the best design
+    pareto_front                likewise, two goals   -> Front: designs of which none is better in all
     identify                    a study, a record     -> its numbers, with intervals
     write_results, read_results StudyResult           -> results.h5 and back
 
@@ -37,6 +38,7 @@ if TYPE_CHECKING:
     from femstruct.assembly.given_matrices import given_matrices as given_matrices
     from femstruct.assembly.matrices import Assembly as Assembly
     from femstruct.assembly.matrices import DofMap as DofMap
+    from femstruct.campaign.front_search import pareto_front as pareto_front
     from femstruct.campaign.optimise import optimise as optimise
     from femstruct.campaign.sweep import sweep as sweep
     from femstruct.errors import FemstructError as FemstructError
@@ -46,6 +48,8 @@ if TYPE_CHECKING:
     from femstruct.files.exchange.uff_writing import write_uff as write_uff
     from femstruct.files.inputs.matrices_input import read_matrices as read_matrices
     from femstruct.files.inputs.mesh_files.mesh_file import read_mesh_file as read_mesh_file
+    from femstruct.files.results_file.found_file import read_found as read_found
+    from femstruct.files.results_file.found_file import write_found as write_found
     from femstruct.files.results_file.results import write_results as write_results
     from femstruct.files.results_file.stored import read_results as read_results
     from femstruct.files.results_file.swept_file import read_swept as read_swept
@@ -177,7 +181,9 @@ if TYPE_CHECKING:
     from femstruct.study.asked import ShockRequest as ShockRequest
     from femstruct.study.asked import Spot as Spot
     from femstruct.study.asked import TimePlan as TimePlan
+    from femstruct.study.campaign.front import Front as Front
     from femstruct.study.campaign.sought import Found as Found
+    from femstruct.study.campaign.sought import Goal as Goal
     from femstruct.study.campaign.sought import Search as Search
     from femstruct.study.campaign.spread import spread as spread
     from femstruct.study.campaign.swept import Swept as Swept
@@ -202,6 +208,7 @@ if TYPE_CHECKING:
     from femstruct.workflow.run.run import run_study as run_study
 
 _NAMES = {
+    "campaign.front_search": ("pareto_front",),
     "campaign.optimise": ("optimise",),
     "campaign.sweep": ("sweep",),
     "assembly.assemble": ("assemble",),
@@ -213,6 +220,7 @@ _NAMES = {
     "files.inputs.matrices_input": ("read_matrices",),
     "files.inputs.mesh_files.mesh_file": ("read_mesh_file",),
     "files.results_file.results": ("write_results",),
+    "files.results_file.found_file": ("read_found", "write_found"),
     "files.results_file.stored": ("read_results",),
     "files.results_file.swept_file": ("read_swept", "write_swept"),
     "impact.batch.batch": ("simulate_batch",),
@@ -313,7 +321,8 @@ _NAMES = {
         "Plan",
         "Study",
     ),
-    "study.campaign.sought": ("Found", "Search"),
+    "study.campaign.front": ("Front",),
+    "study.campaign.sought": ("Found", "Goal", "Search"),
     "study.campaign.spread": ("spread",),
     "study.campaign.swept": ("Swept",),
     "study.campaign.varied": ("Campaign", "Listed", "Sampling", "Scattered"),

@@ -31,16 +31,31 @@ class Spent(Exception):
 
 @dataclass(frozen=True)
 class Outcome:
-    """What came of a design: the goal; the same with the sign with which it is to be small; what its limits are
-    exceeded by, as shares of them [m]; the values that are limited [m]; the least and the largest goal over what
-    scatters; whether its rows are to be trusted and have their numbers."""
+    """What came of a design: its goals [g]; the same with the sign with which they are to be small; what its limits are
+    exceeded by, as shares of them [m]; the values that are limited [m]; the least and the largest of each goal over
+    what scatters; whether its rows are to be trusted and have their numbers."""
 
-    goal: float
-    small: float
+    goals: tuple[float, ...]
+    smalls: tuple[float, ...]
     excess: tuple[float, ...]
     limited: tuple[float, ...]
-    ends: tuple[float, float]
+    spans: tuple[tuple[float, float], ...]
     sound: bool
+
+    @property
+    def goal(self) -> float:
+        """The first goal, of most searches the only one."""
+        return self.goals[0]
+
+    @property
+    def small(self) -> float:
+        """The first goal with the sign with which it is to be small."""
+        return self.smalls[0]
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        """The least and the largest first goal over what scatters."""
+        return self.spans[0]
 
     @property
     def beyond(self) -> float:
@@ -66,7 +81,7 @@ class Designs:
         self.points: list[Floats] = []
         self.outcomes: list[Outcome] = []
         self._seen = set[str]()
-        self.unit = ""
+        self._units = dict[str, str]()
         self.kept_back = 4 * len(search.designs)
 
     def __call__(self, points: Floats) -> list[Outcome]:
@@ -74,7 +89,7 @@ class Designs:
         InputErrors where none of the first can be run, InputError for names of numbers that there are not."""
         texts = [self._texts(point) for point in points]
         new = {text: point for text, point in zip(texts, points, strict=True) if text not in self._numbers}
-        if len(new) + self.kept_back > self._search.runs // self._search.samples - len(self.outcomes):
+        if len(new) > self.left:
             raise Spent
         first, s = len(self.outcomes), self._search.samples
         asked = {(first + k) * s + j: text + more for k, text in enumerate(new) for j, more in enumerate(self._scatter)}
@@ -87,6 +102,16 @@ class Designs:
         if not first and all(row.trouble for row in self._rows.values()):
             raise InputErrors((self._rows[0].trouble,))
         return [self.outcomes[self._numbers[text]] for text in texts]
+
+    @property
+    def units(self) -> tuple[str, ...]:
+        """Of the goals; "" before any design has a number."""
+        return tuple(self._units.get(one.name, "") for one in self._search.goals)
+
+    @property
+    def left(self) -> int:
+        """How many more designs may be tried."""
+        return self._search.runs // self._search.samples - len(self.outcomes) - self.kept_back
 
     def known(self, point: Floats) -> Outcome | None:
         """The outcome of a design that was tried, else None."""
@@ -132,16 +157,21 @@ class Designs:
         self._run(tasks, keep, lambda: self._told(len(self._rows)))
 
     def _outcome(self, rows: Sequence[Row]) -> Outcome:
-        search = self._search
-        sign = 1.0 if search.sense == "minimise" else -1.0
-        goals = [self._number(row, search.goal).value for row in rows]
-        small = self._quantile([sign * value for value in goals])
+        search, goals = self._search, self._search.goals
+        table = [[self._number(row, one.name).value for row in rows] for one in goals]
+        smalls = tuple(
+            self._quantile([one.sign * value for value in own]) for one, own in zip(goals, table, strict=True)
+        )
         limited = tuple(self._quantile([self._number(row, name).value for row in rows]) for name in search.limits)
         pairs = zip(limited, search.limits.values(), strict=True)
         excess = tuple((value - limit) / abs(limit or 1.0) for value, limit in pairs)
-        if any(row.severe or row.trouble for row in rows) or not np.isfinite((small, *excess)).all():
-            return Outcome(np.nan, NEVER, (NEVER,) * len(excess), limited, (np.nan, np.nan), sound=False)
-        return Outcome(sign * small, small, excess, limited, (min(goals), max(goals)), sound=True)
+        none, m = (np.nan,) * len(goals), len(excess)
+        if any(row.severe or row.trouble for row in rows) or not np.isfinite((*smalls, *excess)).all():
+            return Outcome(
+                none, (NEVER,) * len(goals), (NEVER,) * m, limited, tuple(zip(none, none, strict=True)), False
+            )
+        signed = tuple(one.sign * small for one, small in zip(goals, smalls, strict=True))
+        return Outcome(signed, smalls, excess, limited, tuple((min(own), max(own)) for own in table), sound=True)
 
     def _quantile(self, values: Sequence[float]) -> float:
         """Of what scatters, the value that the asked share of it does not exceed."""
@@ -153,15 +183,16 @@ class Designs:
         if name not in row.numbers and name in self._seen:
             return Number(np.nan, "")  # this design has no such number, as of a mode that it has not
         if name not in row.numbers:
-            where = "optimise.limits" if name != self._search.goal else f"optimise.{self._search.sense}"
+            goal = next((one for one in self._search.goals if one.name == name), None)
+            where = "optimise.limits" if goal is None else f"optimise.{goal.sense}"
             main = [one for one in row.numbers if APART not in one]
             expected = f"a number of the case '{row.case}'"
             do = near_one(name, row.numbers) or f"it has {', '.join(main[:MOST])}; --case chooses another case"
             raise InputError(where, got=f"'{name}'", expected=expected, do=do)
         self._refuse_other_dimension(name, row.numbers[name].unit)
         self._seen.add(name)
-        if name == self._search.goal:
-            self.unit = row.numbers[name].unit
+        if name in (one.name for one in self._search.goals):
+            self._units[name] = row.numbers[name].unit
             return row.numbers.get(name + UNROUNDED, row.numbers[name])  # a rounded one says nothing of small changes
         return row.numbers[name]
 

@@ -8,7 +8,9 @@ from pathlib import Path
 from femstruct.campaign.numbers import UNROUNDED
 from femstruct.campaign.samples import samples_of
 from femstruct.campaign.tasks import split
+from femstruct.files.results_file.found_file import write_found, write_front_table
 from femstruct.files.results_file.swept_file import SWEEP, TABLE, write_swept, write_table
+from femstruct.study.campaign.front import Front
 from femstruct.study.campaign.sought import Found
 from femstruct.study.campaign.swept import Swept
 from femstruct.study.campaign.varied import Campaign
@@ -16,6 +18,7 @@ from femstruct.workflow.run.provenance import Progress
 
 PICTURE = "sweep.png"
 OPTIMUM = ("optimise.h5", "optimise.csv", "optimise.png")
+FRONT = "optimise.front.csv"
 
 
 def planned(campaign: Campaign, progress: Progress = lambda line: None) -> dict[str, int | str]:
@@ -62,20 +65,29 @@ def write_rows(
 
 
 def write_optimum(
-    found: Found, folder: Path, progress: Progress = lambda line: None, pictures: bool = True
+    found: Found | Front, folder: Path, progress: Progress = lambda line: None, pictures: bool = True
 ) -> list[Path]:
-    """Write optimise.h5 with all numbers of all designs, optimise.csv and optimise.png; returns what was written."""
+    """Write optimise.h5 with the answer and all numbers of all designs, optimise.csv, optimise.png, of a front
+    optimise.front.csv too; returns what was written."""
     folder.mkdir(parents=True, exist_ok=True)
-    rows, table, picture = (folder / name for name in OPTIMUM)
+    answer, table, picture = (folder / name for name in OPTIMUM)
     progress("writing the rows")
-    write_swept(rows, found.rows)
-    finer = [name for name in (found.search.goal + UNROUNDED,) if name in found.rows.names]
-    write_table(table, found.rows, [found.search.goal, *finer, *found.search.limits])
-    written = [rows, table]
+    write_found(answer, found)
+    goals = [one.name for one in found.search.goals]
+    finer = [name + UNROUNDED for name in goals if name + UNROUNDED in found.rows.names]
+    write_table(
+        table, found.rows, [name for name in (*goals, *finer, *found.search.limits) if name in found.rows.names]
+    )
+    written = [answer, table]
+    if isinstance(found, Front):
+        write_front_table(folder / FRONT, found)
+        written.append(folder / FRONT)
     if pictures:
+        from femstruct.view.campaigns.front_figure import front_figure
         from femstruct.view.campaigns.optimum_figure import optimum_figure
         from femstruct.view.figures.drawing import save
 
         progress("picture")
-        written.append(save(optimum_figure(found), picture))
+        figure = front_figure(found) if isinstance(found, Front) else optimum_figure(found)
+        written.append(save(figure, picture))
     return written

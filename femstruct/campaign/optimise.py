@@ -2,38 +2,29 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Sequence
-from contextlib import ExitStack, suppress
+from contextlib import suppress
 from pathlib import Path
-from tempfile import TemporaryDirectory
-from typing import Any, Final, Literal
+from typing import Any, Final
 
 import numpy as np
 from scipy import optimize
 
 from femstruct.arrays import Floats
 from femstruct.campaign.designs import Designs, Outcome, Spent
-from femstruct.campaign.executors import crew
-from femstruct.campaign.gathered import counted, gathered, make_ready, versions
-from femstruct.campaign.journal import moved_aside, opened
-from femstruct.language import read_study
+from femstruct.campaign.searching import HELD, designs_of, ends_of, table_of
+from femstruct.errors import InputError
 from femstruct.study.campaign.sought import Chosen, Found, Search
 from femstruct.study.campaign.swept import Swept
 from femstruct.study.campaign.varied import Listed
-from femstruct.study.study import Plan
 from femstruct.workflow.run.provenance import Progress
-from femstruct.workflow.stages.fingerprint import fingerprint
 
 scipy_optimize: Any = optimize  # its types know nothing of vectorised functions
-ROWS: Final = "optimise.rows"  # where rows are kept as they come
 EVERYWHERE: Final = 0.7  # of the runs, for the search in all of the ranges
 GENERATIONS: Final = 8  # of the search everywhere, about; a larger crowd sees more than a longer search
 CROWD: Final = (12, 100)  # designs of a generation, at least and at most
 BESIDES: Final = 2  # times that these are tried
 BESIDE: Final = 0.01  # of a range, from the best design to those beside it
-AT_END: Final = 0.002  # of a range: so near to its end, a design lies at it
-HELD: Final = 1e-9  # share by which a limit may be exceeded: rounding
 FIRST: Final = 0.05  # of the ranges: radius at which the search near the best design begins
 LAST: Final = 1e-4  # and that at which it ends
 STARTS: Final = 3  # of that search, from the best designs of different valleys
@@ -86,42 +77,13 @@ def optimise(
     >>> round(found.chosen[0].number, 2), round(found.goal, 3), found.feasible  # 2 m / (m + M) = 0.5
     (0.33, 0.5, True)
     """
-    plan = read_study(search.file, search.overrides, only=search.case or None)
-    case = search.case or plan.baseline
-    with ExitStack() as stack:
-        place = folder or Path(stack.enter_context(TemporaryDirectory()))
-        place.mkdir(parents=True, exist_ok=True)
-        make_ready(plan, progress)
-        journal = stack.enter_context(opened(place / ROWS, name_of(search, plan)))
-        run = stack.enter_context(crew(workers or os.cpu_count() or 1, cluster))
-        told = counted(search.runs, "runs", progress, most=True)
-        designs = Designs(search, case, journal, run, told)
-        try:
-            spent, interrupted = _searched(search, designs)
-        except KeyboardInterrupt:
-            if not journal.rows():
-                journal.remove()
-            raise
-        rows = journal.rows()
-    samples = designs.samples()
-    whole = read_study(search.file, search.overrides, only=case)
-    known = [row for row in rows if row.sample < len(samples.texts)]
-    table = gathered(search.title, whole, samples, known, {}, command=command)
-    return _found(search, designs, (spent, interrupted), table)
-
-
-def set_aside(search: Search, folder: Path) -> Path | None:
-    """Give the files of another optimisation in a folder names with a number; returns that of its rows, None where
-    there are none."""
-    if not (folder / ROWS).exists():
-        return None
-    plan = read_study(search.file, search.overrides, only=search.case or None)
-    return moved_aside(folder / ROWS, name_of(search, plan))
-
-
-def name_of(search: Search, plan: Plan) -> str:
-    """A name for all that the rows of an optimisation hang on."""
-    return fingerprint((dict(plan.sources), search, versions()))
+    if search.also:
+        expected = "one; femstruct.pareto_front finds designs for several"
+        raise InputError("optimise", got=f"{len(search.goals)} goals", expected=expected)
+    with designs_of(search, folder, workers, cluster, progress) as (designs, journal):
+        ended = _searched(search, designs)
+        table = table_of(search, designs, journal, command)
+    return _found(search, designs, ended, table)
 
 
 def _searched(search: Search, designs: Designs) -> tuple[bool, bool]:
@@ -246,7 +208,7 @@ def _found(search: Search, designs: Designs, ended: tuple[bool, bool], rows: Swe
     better = [i for i in range(len(held)) if i == 0 or least[i] < least[i - 1]]
     return Found(
         search=search,
-        unit=designs.unit,
+        unit=designs.units[0],
         goal=own.goal,
         ends=own.ends,
         chosen=tuple(_chosen(search, designs, j, rows) for j in range(len(search.designs))),
@@ -266,10 +228,8 @@ def _found(search: Search, designs: Designs, ended: tuple[bool, bool], rows: Swe
 
 
 def _chosen(search: Search, designs: Designs, j: int, rows: Swept) -> Chosen:
-    one, point, row = search.designs[j], designs.points[designs.best], designs.best * search.samples
-    end: Literal["", "lower", "upper"] = ""
-    if not isinstance(one, Listed):
-        end = "lower" if point[j] < AT_END else "upper" if point[j] > 1.0 - AT_END else ""
+    one, row = search.designs[j], designs.best * search.samples
+    end = ends_of(search, designs.points[designs.best])[j]
     return Chosen(one.path, rows.texts[row][j], float(rows.values[row, j]), one.unit, end, _change(search, designs, j))
 
 

@@ -80,8 +80,12 @@ def sweep(
 @command
 def optimise(
     study: StudyFile,
-    minimise: Annotated[str, typer.Option("--minimise", metavar="NAME", help="the number that is to be small")] = "",
-    maximise: Annotated[str, typer.Option("--maximise", metavar="NAME", help="the number that is to be large")] = "",
+    minimise: Annotated[
+        list[str], typer.Option("--minimise", metavar="NAME", help="the number that is to be small; several: a front")
+    ] = NONE,
+    maximise: Annotated[
+        list[str], typer.Option("--maximise", metavar="NAME", help="the number that is to be large; several: a front")
+    ] = NONE,
     limit: Annotated[
         list[str], typer.Option("--limit", metavar="NAME=VALUE", help="what a number should not exceed")
     ] = NONE,
@@ -100,28 +104,35 @@ def optimise(
     no_pictures: Annotated[bool, typer.Option("--no-pictures", help="numbers and tables only")] = False,
     as_json: AsJson = False,
 ) -> int:
-    """Find the best design of a study. The number that is to be small or large, limits, and what may be chosen stand in
-    the study under 'optimise:', or are given here. Rows are kept as they come; the same command goes on."""
+    """Find the best design of a study, or for two or three goals those of which none is better in all. Goals, limits,
+    and what may be chosen stand in the study under 'optimise:', or are given here. Rows are kept as they come; the same
+    command goes on."""
+    from femstruct.campaign.front_search import pareto_front
     from femstruct.campaign.kept_rows import write_optimum
-    from femstruct.campaign.optimise import ROWS, set_aside
     from femstruct.campaign.optimise import optimise as optimised
+    from femstruct.campaign.searching import ROWS, set_aside
     from femstruct.files.atomic import refuse_unwritable
+    from femstruct.files.tables.front_tables import front_table
     from femstruct.files.tables.optimum_tables import optimum_table
     from femstruct.language.searches import read_search
+    from femstruct.study.campaign.front import Front
+    from femstruct.view.campaigns.front_table import show_front
     from femstruct.view.campaigns.optimum_table import show_optimum
 
-    goal = f"minimise {minimise}" if minimise else f"maximise {maximise}" if maximise else ""
-    search = read_search(study, goal, vary, limit, set_, case, runs or None)
+    goals = [f"minimise {one}" for one in minimise] + [f"maximise {one}" for one in maximise]
+    search = read_search(study, goals, vary, limit, set_, case, runs or None)
     folder = output or _folder(study, "optimise")
     refuse_unwritable(folder)
     with _interruptible(folder / ROWS), progress() as tell:
         moved = set_aside(search, folder)
-        found = optimised(search, folder, workers or None, cluster, tell, " ".join(["femstruct", *sys.argv[1:]]))
+        words = " ".join(["femstruct", *sys.argv[1:]])
+        answer = pareto_front if search.also else optimised
+        found = answer(search, folder, workers or None, cluster, tell, words)
         written = write_optimum(found, folder, tell, pictures=not no_pictures)
     if as_json:
-        print_json(optimum_table(found))
+        print_json(front_table(found) if isinstance(found, Front) else optimum_table(found))
     else:
-        show_optimum(found)
+        show_front(found) if isinstance(found, Front) else show_optimum(found)
         if moved is not None:
             print(f"The rows of an earlier, different optimisation are now in {moved}")
         print(f"Written: {', '.join(map(str, written))}")

@@ -14,7 +14,7 @@ from femstruct.language.models import override, refuse_kind, title_of
 from femstruct.language.patch import MODEL_KEYS, Patch, study_keys
 from femstruct.language.study.campaign.optimise import OptimiseSpec
 from femstruct.language.study.campaign.vary import VarySpec
-from femstruct.language.yaml import Here, Mistakes, Position, Spec, Tree, parse_value, read_yaml, validate
+from femstruct.language.yaml import Here, Mistakes, Position, Spec, parse_value, read_yaml, validate
 from femstruct.study.campaign.sought import Search
 
 KEYS: Final = ("vary", "optimise")
@@ -29,7 +29,7 @@ class SoughtSpec(Spec):
 
 def read_search(
     path: str | Path,
-    goal: str = "",
+    goal: str | Sequence[str] = "",
     vary: Sequence[str] = (),
     limits: Sequence[str] = (),
     overrides: Sequence[str] = (),
@@ -38,9 +38,9 @@ def read_search(
 ) -> Search:
     """What a study file optimises under `optimise:`.
 
-    goal : "minimise NAME" or "maximise NAME", in place of what the file says. vary : texts ``PATH=FROM:TO`` or
-    ``PATH=FROM:TO:log`` of what may be chosen, beside what the file says. limits : texts ``NAME=VALUE``.
-    overrides, case : as for `read_campaign`. runs : of the study at most.
+    goal : "minimise NAME" or "maximise NAME", or several, in place of what the file says. vary : texts
+    ``PATH=FROM:TO`` or ``PATH=FROM:TO:log`` of what may be chosen, beside what the file says. limits : texts
+    ``NAME=VALUE``. overrides, case : as for `read_campaign`. runs : of the study at most.
 
     Raises InputErrors: every mistake, on one line each; a file that optimises nothing is one.
 
@@ -57,12 +57,10 @@ def read_search(
     patch = Patch(tree, None, mistakes)
     override(patch, [text for text in overrides if text.partition(".")[0].strip() in KEYS])
     tree = patch.study.tree() if patch.study else tree
-    trees = [tree, *(_asked(text, mistakes) for text in (goal,) if text)]
-    mistakes.stop_if_any()
+    asked_for = _goals([goal] if isinstance(goal, str) else goal)
     block = dict(tree.value["optimise"]) if isinstance(tree.value.get("optimise"), dict) else {}
-    if goal:
-        block = {key: one for key, one in block.items() if key not in ("minimise", "maximise")}
-        block |= trees[-1].value["optimise"]
+    if asked_for:
+        block = {key: one for key, one in block.items() if key not in ("minimise", "maximise")} | asked_for
     if not block:
         do = "add 'optimise: {minimise: ground force, vary: {..}}' to it, or --minimise and --vary"
         raise InputErrors((f"{path}: optimise: got a study that optimises nothing, expected a goal; {do}",))
@@ -80,11 +78,13 @@ def read_search(
     mistakes.stop_if_any()
     asked = spec.optimise
     try:
+        first, *others = asked.goals()
         return Search(
             file=str(path),
-            goal=asked.minimise or asked.maximise or "",
+            goal=first.name,
             designs=tuple(designs.values()),
-            sense="minimise" if asked.minimise else "maximise",
+            sense=first.sense,
+            also=tuple(others),
             limits={name: one.value for name, one in asked.limits.items()},
             limit_dimensions={name: one.dimension for name, one in asked.limits.items() if one.dimension},
             over=asked.scattering(varied),
@@ -108,10 +108,16 @@ def _steps(where: str) -> tuple[str, ...]:
     return tuple(where.split("."))
 
 
-def _asked(text: str, mistakes: Mistakes) -> Tree:
-    """A goal of the command line, as a file would say it."""
-    sense, _, name = text.partition(" ")
-    return Tree(f"--{sense}", {"optimise": {sense: name}}, {(): Position(f"--{sense}")}, {}, text)
+def _goals(texts: Sequence[str]) -> dict[str, list[str]]:
+    """Goals of the command line, as a file would say them.
+
+    >>> _goals(["minimise total mass", "maximise mode 1 frequency"])
+    {'minimise': ['total mass'], 'maximise': ['mode 1 frequency']}
+    """
+    found: dict[str, list[str]] = {}
+    for sense, _, name in (text.partition(" ") for text in texts if text):
+        found.setdefault(sense, []).append(name)
+    return found
 
 
 def _limits(texts: Sequence[str], mistakes: Mistakes) -> dict[str, Any]:

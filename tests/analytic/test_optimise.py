@@ -12,7 +12,8 @@ from femstruct.campaign.designs import Designs
 from femstruct.campaign.journal import Row, opened
 from femstruct.campaign.kept_rows import write_optimum
 from femstruct.campaign.numbers import Number
-from femstruct.campaign.optimise import _searched, optimise, set_aside
+from femstruct.campaign.optimise import _searched, optimise
+from femstruct.campaign.searching import set_aside
 from femstruct.campaign.tasks import Task, rows_of
 from femstruct.errors import InputError, InputErrors
 from femstruct.files.tables.optimum_tables import optimum_table, run_command

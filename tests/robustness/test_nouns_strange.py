@@ -114,6 +114,7 @@ NOUNS = [
     fs.Listed("bodies.ball.mass", ("1 kg", "2 kg"), (1.0, 2.0), "kg"),
     fs.Sampling("sobol", 8),
     fs.Scattered("bodies.ball.mass", "uniform", 1.0, 2.0, "kg"),
+    fs.Goal("ball peak force"),
     fs.Search("fall.study.yaml", "ball peak force", (fs.Scattered("bodies.ball.mass", "uniform", 1.0, 2.0, "kg"),)),
 ]  # fmt: skip
 # made by functions, of what has been compared; or with nothing to compare; or checked by a contract of its own
@@ -126,6 +127,7 @@ MADE = {
     "DofMap",
     "Finding",
     "Found",
+    "Front",
     "FrfTable",
     "Identification",
     "PlacedCavity",

@@ -9,7 +9,12 @@ from femstruct.language.searches import read_search
 
 IN_FILE = {
     "{vary: {a.b: {from: 1, to: 2}}}": "got none of minimise, maximise",
-    "{minimise: f, maximise: g, vary: {a.b: {from: 1, to: 2}}}": "got both minimise and maximise",
+    "{minimise: [f, f], vary: {a.b: {from: 1, to: 2}}}": "optimise.minimise: got 'f' twice, expected each goal once",
+    "{minimise: f, maximise: [g, f], vary: {a.b: {from: 1, to: 2}}}": "got 'f' twice",
+    "{minimise: [f, g, h], maximise: k, vary: {a.b: {from: 1, to: 2}}}": "got 4 goals, expected one to three",
+    "{minimise: [], vary: {a.b: {from: 1, to: 2}}}": "got none of minimise, maximise",
+    "{minimise: [f, 3], vary: {a.b: {from: 1, to: 2}}}": "optimise.minimise[1]: got 3, expected",
+    "{minimise: {f: 1}, vary: {a.b: {from: 1, to: 2}}}": "got a mapping {f: 1}, expected the name of a number, or",
     "{minimise: f}": "optimise.vary: got nothing to choose",
     "{minimise: f, vary: {a.b: {normal: {mean: 1, sd: 1}}}}": "optimise.vary.a.b: got a distribution, expected a range",
     "{minimise: f, vary: {a.b: {from: 2, to: 1}}}": "optimise.vary.a.b: got 2 to 1, expected rising bounds",
@@ -44,3 +49,5 @@ def test_mistakes_of_the_command_line(tmp_path: Path) -> None:
     found = read_search(path, "maximise f", ["a.b=1 kg:2 kg:log", "c=1,2"], ["g=3 mm"])
     assert [getattr(one, "law", "list") for one in found.designs] == ["log-uniform", "list"]
     assert found.sense == "maximise" and dict(found.limits) == {"g": 0.003}
+    several = read_search(path, ["minimise f", "maximise g"], ["a.b=1:2"])
+    assert [(one.name, one.sense) for one in several.goals] == [("f", "minimise"), ("g", "maximise")]

@@ -88,7 +88,8 @@ def read_results(path: str | Path) -> StudyResult:
 
         with h5py.File(path, "r") as file:
             _check(path, file)
-            return read_whole(file)
+            found: StudyResult = read_whole(file)
+            return found
     except InputError:
         raise
     except _UNREADABLE as error:

@@ -67,7 +67,7 @@ def write_swept(path: str | Path, rows: Swept) -> None:
     ...     read_swept(folder).of("ball on m peak force").tolist()
     [5.0]
     """
-    write_sealed(path, lambda file: _write(file, rows))
+    write_sealed(path, lambda file: write_rows(file, rows))
 
 
 def read_swept(path: str | Path) -> Swept:
@@ -94,7 +94,8 @@ def read_swept(path: str | Path) -> Swept:
         raise InputError(str(path), got=f"a file that cannot be read ({error})", expected=expected) from error
 
 
-def _write(file: h5py.File, rows: Swept) -> None:
+def write_rows(file: h5py.File, rows: Swept) -> None:
+    """Put the rows of a campaign into an open file."""
     file.attrs.update(
         Conventions="CF-1.11", format=FORMAT, format_version=FORMAT_VERSION, title=rows.title, baseline=rows.baseline,
         method=rows.method, limits=json.dumps(dict(rows.limits)),
@@ -179,8 +180,8 @@ def write_table(path: str | Path, rows: Swept, names: Sequence[str] = ()) -> Non
     columns = [rows.of(name, case) for case in rows.cases for name in names]
     with replacing(path) as temporary, temporary.open("w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
-        units = [_headed(path, unit) for path, unit in zip(rows.paths, rows.units, strict=True)]
-        numbers = [_headed(name, rows.unit_of(name)) for name in names]
+        units = [headed(path, unit) for path, unit in zip(rows.paths, rows.units, strict=True)]
+        numbers = [headed(name, rows.unit_of(name)) for name in names]
         writer.writerow(["sample", "case", *units, *numbers, "severe findings", "trouble"])
         for i, texts in enumerate(rows.texts):
             varied = [_cell(value) or text for value, text in zip(rows.values[i], texts, strict=True)]
@@ -193,7 +194,8 @@ def _why(rows: Swept, i: int) -> str:
     return rows.trouble[i] or ("" if rows.done[i] else "not run")
 
 
-def _headed(name: str, unit: str) -> str:
+def headed(name: str, unit: str) -> str:
+    """The head of a column: a name with its unit."""
     return f"{name} [{unit}]" if unit else name
 
 

@@ -15,8 +15,6 @@ from femstruct.files.results_file.nouns import Stored, restored, stored
 if TYPE_CHECKING:  # slow to import, and most runs write no such file
     import h5py
 
-    from femstruct.study.result import StudyResult
-
 Array = NDArray[Any]
 Place = tuple[str, int | None]  # a dataset, and the row of it that is meant, None for all of it
 NOUNS: Final = "nouns"
@@ -25,13 +23,13 @@ SAMPLED: Final = 64  # numbers that arrays are told apart by at first sight
 LEAST: Final = 4096  # bytes of an array that is looked for among the tables
 
 
-def write_whole(file: h5py.File, result: StudyResult) -> None:
-    """Add the nouns of a study to its file; of their arrays only those that no table has yet, each once."""
+def write_whole(file: h5py.File, result: object) -> None:
+    """Add the nouns of what was found to its file; of their arrays only those that no table has yet, each once."""
     put_text(file, NOUNS, json.dumps(stored(result, _shelf(file)), allow_nan=False), "The results as nouns (JSON)")
 
 
-def read_whole(file: h5py.File) -> StudyResult:
-    """The nouns of a study, as they were written."""
+def read_whole(file: h5py.File) -> Any:
+    """The nouns of what was found, as they were written."""
     read: dict[str, Array] = {}
 
     def fetch(place: Place) -> Array:
@@ -41,8 +39,7 @@ def read_whole(file: h5py.File) -> StudyResult:
             read[name].flags.writeable = False
         return read[name] if row is None else read[name][row]
 
-    found: StudyResult = restored(Stored(*json.loads(file[NOUNS].asstr()[()])), fetch)
-    return found
+    return restored(Stored(*json.loads(file[NOUNS].asstr()[()])), fetch)
 
 
 def _shelf(file: h5py.File) -> Callable[[Array], Place]:

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 from femstruct.files.tables.json_numbers import number
-from femstruct.study.campaign.sought import Chosen, Found
+from femstruct.study.campaign.sought import Chosen, Found, Search
 
 Table = dict[str, Any]
 
@@ -40,9 +41,13 @@ def optimum_table(found: Found) -> Table:
 
 def run_command(found: Found) -> str:
     """The command that runs the best design as a study of its own."""
-    search = found.search
+    return command_of(found.search, {one.path: one.text for one in found.chosen})
+
+
+def command_of(search: Search, texts: Mapping[str, str]) -> str:
+    """The command that runs a design, texts by path, as a study of its own."""
     words = ["femstruct", "run", search.file, *(("--case", search.case) if search.case else ())]
-    changes = (*search.overrides, *(f"{one.path}={one.text}" for one in found.chosen))
+    changes = (*search.overrides, *(f"{path}={text}" for path, text in texts.items()))
     return " ".join([_quoted(word) for word in words] + [f"--set {_quoted(one)}" for one in changes])
 
 

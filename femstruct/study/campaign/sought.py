@@ -17,6 +17,26 @@ from femstruct.study.campaign.varied import Listed, Scattered
 FEWEST_RUNS: Final = 20
 SAME: Final = 1e-9  # of a goal: differences below are rounding
 LATE: Final = 0.8  # of the designs
+MOST_GOALS: Final = 3  # of four and more NSGA-II finds nearly all designs to be on the front
+Sense = Literal["minimise", "maximise"]
+
+
+@dataclass(frozen=True)
+@checked("optimise")
+class Goal:
+    """A number of a study that is to be small or large, by its name in a sweep.
+
+    >>> Goal("total mass").sense
+    'minimise'
+    """
+
+    name: str
+    sense: Sense = "minimise"
+
+    @property
+    def sign(self) -> float:
+        """1 of what is to be small, -1 of what is to be large."""
+        return 1.0 if self.sense == "minimise" else -1.0
 
 
 @dataclass(frozen=True)
@@ -24,15 +44,16 @@ LATE: Final = 0.8  # of the designs
 class Search:
     """A number of a study that is to be small or large, by a choice of other numbers of its files.
 
-    file : of the study. goal : the number, by its name in a sweep, such as "ground force". designs : what may be
-    chosen, ranges (uniform or log-uniform) or lists. limits : what other numbers of the same case should not exceed, by
-    name, in SI units; limit_dimensions : of those that were written with a unit. case : "" for the baseline.
-    overrides : texts ``PATH=VALUE`` for all.
+    file : of the study. goal : the number, by its name in a sweep, such as "ground force". also : one or two more
+    goals, which make it a search for a front. designs : what may be chosen, ranges (uniform or log-uniform) or lists.
+    limits : what other numbers of the same case should not exceed, by name, in SI units; limit_dimensions : of those
+    that were written with a unit. case : "" for the baseline. overrides : texts ``PATH=VALUE`` for all.
     over : what scatters and cannot be chosen; quantile : the share of the scatter for which goal and limits are to
     hold; scatter : samples of it, the same for every design. runs : of the study at most, each sample counted. seed :
     another one searches otherwise.
 
-    Raises InputError where nothing can be chosen, for distributions among what may be, and too few runs.
+    Raises InputError where nothing can be chosen, for distributions among what may be, too few runs, more than three
+    goals, and one that is asked for twice.
 
     The mass and the spring of a damper, for the least force on the ground:
 
@@ -44,7 +65,7 @@ class Search:
     file: str
     goal: str
     designs: tuple[Listed | Scattered, ...]
-    sense: Literal["minimise", "maximise"] = "minimise"
+    sense: Sense = "minimise"
     limits: Mapping[str, float] = field(default_factory=dict)
     over: tuple[Listed | Scattered, ...] = ()
     quantile: float = 0.9
@@ -55,8 +76,16 @@ class Search:
     overrides: tuple[str, ...] = ()
     title: str = ""
     limit_dimensions: Mapping[str, str] = field(default_factory=dict)
+    also: tuple[Goal, ...] = ()
 
     def __post_init__(self) -> None:
+        names = [one.name for one in self.goals]
+        again = next((one for one in self.goals if names.count(one.name) > 1), None)
+        if again is not None:
+            raise InputError(f"optimise.{again.sense}", got=f"'{again.name}' twice", expected="each goal once")
+        if len(names) > MOST_GOALS:
+            do = "set limits to the others"
+            raise InputError(f"optimise.{self.sense}", got=f"{len(names)} goals", expected="one to three", do=do)
         if not self.designs:
             raise InputError("optimise.vary", got="nothing to choose", expected="one or more paths")
         paths = [one.path for one in (*self.designs, *self.over)]
@@ -73,6 +102,11 @@ class Search:
             each = f", {self.samples} samples of the scatter for each (robust: samples)" if self.over else ""
             expected = f"{FEWEST_RUNS * self.samples} or more: {FEWEST_RUNS} designs{each}"
             raise InputError("optimise.runs", got=f"{self.runs} runs", expected=expected)
+
+    @property
+    def goals(self) -> tuple[Goal, ...]:
+        """All goals, one of most searches."""
+        return (Goal(self.goal, self.sense), *self.also)
 
     @property
     def samples(self) -> int:

@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Annotated, Any
 
-from pydantic import Field
+from pydantic import BeforeValidator, Field
 
-from femstruct.errors import InputError
+from femstruct.errors import InputError, shown_as
 from femstruct.language.study.campaign.vary import AnyQuantity, VarySpec
-from femstruct.language.yaml import Count, Quantity, Spec, Text
+from femstruct.language.yaml import Count, Quantity, Spec, Text, refuse
 from femstruct.language.yaml.tree import nearest
+from femstruct.study.campaign.sought import Goal
 from femstruct.study.campaign.varied import Listed, Scattered
 
 Quantile = Annotated[float, Quantity(("ratio",), above=0.0, below=1.0)]
@@ -25,18 +26,43 @@ class RobustSpec(Spec):
     samples: Count = 8
 
 
-class OptimiseSpec(Spec):
-    """A number that is to be small or large, what may be chosen for it, and what other numbers should not exceed."""
+def _names(value: object) -> object:
+    """One name as a list of one."""
+    if not isinstance(value, str | list):
+        raise refuse(
+            shown_as(value), "the name of a number, or a list of names", "write it like [total mass, ground force]"
+        )
+    return [value] if isinstance(value, str) else value
 
-    one_of = (("minimise", "maximise"),)
-    minimise: Text | None = None
-    maximise: Text | None = None
+
+Names = Annotated[list[Text], BeforeValidator(_names, json_schema_input_type=str | list[str])]
+
+
+class OptimiseSpec(Spec):
+    """A number that is to be small or large, or up to three, what may be chosen for it, and what other numbers should
+    not exceed."""
+
+    minimise: Names = Field(default_factory=list)
+    maximise: Names = Field(default_factory=list)
     vary: dict[str, VarySpec] = Field(default_factory=dict)
     limits: dict[str, AnyQuantity] = Field(default_factory=dict)
     robust: RobustSpec | None = None
     case: Text | None = None
     runs: Count = 400
     seed: Count = 1
+
+    def goals(self) -> tuple[Goal, ...]:
+        """All goals, those that are to be small first. Raises InputError where there is none."""
+        found = tuple(Goal(name, "minimise") for name in self.minimise)
+        found += tuple(Goal(name, "maximise") for name in self.maximise)
+        if not found:
+            raise InputError(
+                "optimise",
+                got="none of minimise, maximise",
+                expected="one or both of them",
+                do="write it like 'minimise: ground force' or 'minimise: [total mass, ground force]'",
+            )
+        return found
 
     def scattering(self, varied: Mapping[str, Listed | Scattered]) -> tuple[Listed | Scattered, ...]:
         """What scatters, of all that varies. Raises InputError for a path that does not."""

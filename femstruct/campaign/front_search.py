@@ -1,0 +1,139 @@
+"""The front of a study with two or three goals, by NSGA-II: designs of which none is better than another in all."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import isqrt
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+
+from femstruct.arrays import Floats
+from femstruct.campaign.designs import NEVER, Designs, Outcome
+from femstruct.campaign.evolution import Evolution
+from femstruct.campaign.searching import HELD, designs_of, ends_of, table_of
+from femstruct.errors import InputError
+from femstruct.study.campaign.front import Front, convergence_of, members_of
+from femstruct.study.campaign.sought import Search
+from femstruct.study.campaign.swept import Swept
+from femstruct.study.campaign.varied import Listed
+from femstruct.workflow.run.provenance import Progress
+
+CROWD: Final = (24, 100)  # designs of a generation, at least and at most
+IDLE: Final = 10  # generations in a row without a design that was not tried before, after which there are none left
+
+
+def pareto_front(
+    search: Search,
+    folder: Path | None = None,
+    workers: int | None = None,
+    cluster: str = "",
+    progress: Progress = lambda line: None,
+    command: str = "",
+) -> Front:
+    """The designs that hold all limits and of which none is better than another in all of two or three goals.
+
+    folder, workers, cluster : as for `femstruct.sweep`; rows that are kept there are not run again.
+
+    A design with a finding that forbids trust, or without one of its numbers, is never on the front. After Ctrl-C the
+    front so far.
+
+    Raises InputErrors and InputError as `femstruct.optimise`; InputError also for a search with one goal, and without
+    the package pymoo.
+
+    Notes
+    -----
+    NSGA-II (Deb and others 2002, IEEE Trans. Evol. Comput. 6, 182) as pymoo has it: designs that hold all limits come
+    before those that do not, lists are choices, the first generation is a Latin hypercube. What scatters is treated as
+    for one goal. The same seed gives the same designs, whoever runs them. That the front is the true one is not proven.
+
+    A ball and what it gives a mass; the lighter the ball, the less it gives, so that each is on the front:
+
+    >>> import tempfile
+    >>> from femstruct import Goal, Scattered
+    >>> model = "structure: {type: oscillator, mass: 1 kg, stiffness: 100 N/m}\\npoints: {m: {}}"
+    >>> study = '''
+    ... model: model.yaml
+    ... bodies: {ball: {mass: 1 kg, above: m, speed: 1 m/s, contact: {type: linear, stiffness: 1 MN/m}}}
+    ... record: {m.z: velocity}
+    ... time: {duration: 10 ms, sampling: 10 kHz}
+    ... '''
+    >>> with tempfile.TemporaryDirectory() as place:
+    ...     _ = Path(place, "model.yaml").write_text(model, encoding="utf-8")
+    ...     _ = Path(place, "hit.study.yaml").write_text(study, encoding="utf-8")
+    ...     mass = Scattered("bodies.ball.mass", "uniform", 0.1, 2.0, "kg")
+    ...     also = (Goal("ball on m peak force", "maximise"),)
+    ...     search = Search(str(Path(place, "hit.study.yaml")), "m.z velocity", (mass,), also=also, runs=25)
+    ...     found = pareto_front(search, workers=1)
+    >>> len(found.members), found.designs
+    (25, 25)
+    """
+    if not search.also:
+        raise InputError("optimise", got="one goal", expected="two or three", do="femstruct.optimise takes one")
+    course = evolution(search)  # before anything is run
+    with designs_of(search, folder, workers, cluster, progress) as (designs, journal):
+        generations, spent, interrupted = searched(designs, course)
+        rows = table_of(search, designs, journal, command)
+    return _found(search, designs, generations, (spent, interrupted), rows)
+
+
+def evolution(search: Search) -> Evolution:
+    """The course of a search, from a Latin hypercube. Raises InputError without pymoo."""
+    from scipy.stats import qmc
+
+    d, most = len(search.designs), search.runs // search.samples
+    crowd = min(max(isqrt(most) * (len(search.goals) - 1), CROWD[0]), CROWD[1])
+    start = qmc.LatinHypercube(d, rng=np.random.default_rng(search.seed)).random(min(crowd, most))
+    choices = tuple(len(one.texts) if isinstance(one, Listed) else 0 for one in search.designs)
+    return Evolution(start, choices, len(search.goals), len(search.limits) + 1, search.seed)
+
+
+def searched(designs: Designs, course: Evolution) -> tuple[tuple[int, ...], bool, bool]:
+    """Try generations until the runs are spent or no new design comes up: how many designs were tried after each,
+    whether the runs were spent, and whether Ctrl-C ended it."""
+    designs.kept_back, idle = 0, 0
+    generations: list[int] = []
+    try:
+        while designs.left and idle < IDLE:
+            points, before = course.ask(designs.left), len(designs.outcomes)
+            if not len(points):
+                break
+            outcomes = designs(points)
+            course.tell(np.array([one.smalls for one in outcomes]), _excess(outcomes))
+            idle = 0 if len(designs.outcomes) > before else idle + 1
+            generations += [] if idle else [len(designs.outcomes)]
+    except KeyboardInterrupt:
+        if not designs.outcomes:
+            raise
+        return tuple(generations), False, True
+    return tuple(generations), not designs.left, False
+
+
+def _excess(outcomes: Sequence[Outcome]) -> Floats:
+    """By how much limits are exceeded [n, m + 1]; the last of them is that a design is to be trusted."""
+    told = np.array([(*one.excess, 0.0 if one.sound else NEVER) for one in outcomes])
+    return np.where(told <= HELD, 0.0, told)
+
+
+def _found(
+    search: Search, designs: Designs, generations: tuple[int, ...], ended: tuple[bool, bool], rows: Swept
+) -> Front:
+    goals = np.array([one.goals for one in designs.outcomes])
+    held = np.array([one.beyond <= HELD for one in designs.outcomes])
+    small = goals * [one.sign for one in search.goals]
+    members = members_of(small, held)
+    return Front(
+        search=search,
+        units=designs.units,
+        goals=goals,
+        limited=np.array([one.limited for one in designs.outcomes]).reshape(len(goals), -1),
+        held=held,
+        at=tuple(ends_of(search, point) for point in designs.points),
+        members=members,
+        convergence=convergence_of(small, held, members, [count for count in generations if count <= len(goals)]),
+        runs=len(designs.outcomes) * search.samples,
+        spent=ended[0],
+        interrupted=ended[1],
+        rows=rows,
+    )
