@@ -15,7 +15,7 @@ from functools import partial
 from typing import Any, Final, Protocol
 
 from femstruct.campaign.journal import Row
-from femstruct.campaign.tasks import Task, rows_of, run_task
+from femstruct.campaign.tasks import Work, run_task
 from femstruct.errors import InputError
 
 THREADS: Final = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "LP_NUM_THREADS")
@@ -29,7 +29,7 @@ Tick = Callable[[], None]
 class Crew(Protocol):
     """Who runs tasks: they call `done` with the rows as they come, and `tick` about once a second."""
 
-    def __call__(self, tasks: Sequence[Task], done: Done, tick: Tick = lambda: None, /) -> None: ...
+    def __call__(self, tasks: Sequence[Work], done: Done, tick: Tick = lambda: None, /) -> None: ...
 
 
 @contextmanager
@@ -54,14 +54,14 @@ def crew(workers: int, cluster: str = "") -> Iterator[Crew]:
                 processes.end()
 
 
-def _here(tasks: Sequence[Task], done: Done, tick: Tick = lambda: None) -> None:
+def _here(tasks: Sequence[Work], done: Done, tick: Tick = lambda: None) -> None:
     for task in tasks:
-        for rows in rows_of(task):
+        for rows in task.rows():
             done(rows)
             tick()
 
 
-def _by_scheduler(executor: Executor, size: int, tasks: Sequence[Task], done: Done, tick: Tick = lambda: None) -> None:
+def _by_scheduler(executor: Executor, size: int, tasks: Sequence[Work], done: Done, tick: Tick = lambda: None) -> None:
     from distributed import KilledWorker
 
     for task in _hand_out(executor, list(tasks), AHEAD * size, done, tick, (KilledWorker,)):
@@ -76,17 +76,17 @@ class _Processes:
         self._executor: Executor | None = None
         self._others = set[Any]()
 
-    def __call__(self, tasks: Sequence[Task], done: Done, tick: Tick = lambda: None) -> None:
+    def __call__(self, tasks: Sequence[Work], done: Done, tick: Tick = lambda: None) -> None:
         """Tasks under way when a process dies are run again, one at a time; one that dies again costs its own samples
         only."""
-        left, doubtful = list(tasks), list[Task]()
+        left, doubtful = list(tasks), list[Work]()
         while left:
             doubtful += self._until_broken(left, AHEAD * self._workers, done, tick)
         while doubtful:
             for task in self._until_broken(doubtful, 1, done, tick):
                 done(_gone(task))
 
-    def _until_broken(self, tasks: list[Task], ahead: int, done: Done, tick: Tick) -> list[Task]:
+    def _until_broken(self, tasks: list[Work], ahead: int, done: Done, tick: Tick) -> list[Work]:
         """Run tasks, taken from the list, until all are done or a process has died; those that were then under way."""
         if self._executor is None:
             self._others = set(multiprocessing.active_children())
@@ -107,17 +107,17 @@ class _Processes:
 
 def _hand_out(
     executor: Executor,
-    tasks: list[Task],
+    tasks: list[Work],
     ahead: int,
     done: Done,
     tick: Tick,
     given_up: tuple[type[Exception], ...] = (),
-) -> list[Task]:
+) -> list[Work]:
     """Give tasks to an executor, taken from the list, a few ahead. Returns those under way when it broke.
 
     given_up : what an executor raises for a task that it has tried several times, whose workers died.
     """
-    running = dict[Future[list[Row]], Task]()
+    running = dict[Future[list[Row]], Work]()
     while tasks or running:
         while tasks and len(running) < ahead:
             try:
@@ -139,8 +139,8 @@ def _hand_out(
     return []
 
 
-def _gone(task: Task) -> list[Row]:
-    return [Row(number, "", {}, trouble=GONE) for number, _ in task.samples]
+def _gone(task: Work) -> list[Row]:
+    return [Row(number, "", {}, trouble=GONE) for number in task.numbers]
 
 
 def _pool(workers: int) -> ProcessPoolExecutor:

@@ -38,6 +38,8 @@ def gathered(
     *,
     method: str = "grid",
     command: str = "",
+    made: str = "",
+    only: Sequence[str] = (),
 ) -> Swept:
     """The rows of a campaign as one table.
 
@@ -78,7 +80,7 @@ def gathered(
         baseline=plan.baseline,
         names=tuple(names),
         number_units=tuple(names.values()),
-        main=tuple(name for name in names if APART not in name),
+        main=tuple(name for name in names if only or APART not in name),
         numbers=numbers,
         done=done,
         severe=tuple(map(tuple, severe)),
@@ -87,6 +89,7 @@ def gathered(
         limits={one.name: one.value for one in base.study.limits},
         sources=plan.sources,
         provenance=provenance(command),
+        made=made,
     )
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
+from femstruct.campaign.batch_rows import BY_BATCH, batch_tasks
 from femstruct.campaign.numbers import UNROUNDED
 from femstruct.campaign.samples import samples_of
 from femstruct.campaign.tasks import split
@@ -22,17 +23,19 @@ FRONT = "optimise.front.csv"
 
 
 def planned(campaign: Campaign, progress: Progress = lambda line: None) -> dict[str, int | str]:
-    """How much there is to compute, by kind. Every sample is read, nothing is solved.
+    """How much there is to compute, by kind, and how. Nothing is run; modes are solved where the batch engine may do.
 
     Raises InputErrors where no sample can be read.
     """
     samples = samples_of(campaign)
-    parts = split(campaign, samples, progress)
+    batch = batch_tasks(campaign, samples, 1)
+    parts = split(campaign, samples, progress) if isinstance(batch, str) else batch
     return {
         "samples": len(samples.texts),
         "cases": len(parts.plan.cases),
         "structures to solve": parts.structures,
         "impacts to simulate": parts.impacts,
+        "rows": f"full runs: {batch}" if isinstance(batch, str) else BY_BATCH,
         "samples that are refused": len(parts.refused),
         **({"the first of them": next(iter(parts.refused.values()))} if parts.refused else {}),
     }

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
+from difflib import get_close_matches
 from math import isfinite, nan, pi
 from typing import Any, Final, NamedTuple
 
+from femstruct.errors import InputError
 from femstruct.files.tables.study_tables import case_table
 from femstruct.study.asked import SETTLED
 from femstruct.study.result import CaseResult
@@ -38,6 +40,24 @@ def numbers_of(case: CaseResult) -> dict[str, Number]:
     for name, number in _flat({key: one for key, one in case_table(case).items() if key not in _LEFT_OUT}):
         own.setdefault(name, number)
     return own
+
+
+def only_numbers(numbers: Mapping[str, Number], only: Sequence[str]) -> dict[str, Number]:
+    """The numbers of these names. One of a table may be missing where there is none, such as a time of separation.
+
+    Raises InputError for a name of no number.
+
+    >>> only_numbers({"mode 1 frequency": Number(5.0, "Hz"), "total mass": Number(2.0, "kg")}, ["total mass"])
+    {'total mass': Number(value=2.0, unit='kg')}
+    """
+    tables = {name.partition(APART)[0] for name in numbers if APART in name}
+    for name in only:
+        table, apart, _ = name.partition(APART)
+        if name not in numbers and not (apart and table in tables):
+            near = get_close_matches(name, numbers, n=1, cutoff=0.5)
+            do = f"did you mean '{near[0]}'?" if near else "femstruct sweep without it lists them"
+            raise InputError("samples.only", got=f"'{name}'", expected="a number of the study", do=do)
+    return {name: numbers[name] for name in only if name in numbers}
 
 
 def main_numbers(case: CaseResult) -> Iterator[tuple[str, Number]]:

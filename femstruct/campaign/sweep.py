@@ -5,16 +5,16 @@ from __future__ import annotations
 import os
 from collections.abc import Sequence
 from contextlib import ExitStack
-from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Final
 
+from femstruct.campaign.batch_rows import BY_BATCH, batch_tasks
 from femstruct.campaign.executors import Crew, crew
 from femstruct.campaign.gathered import counted, gathered, make_ready, versions
 from femstruct.campaign.journal import Journal, Row, moved_aside, opened
 from femstruct.campaign.samples import Samples, samples_of
-from femstruct.campaign.tasks import Task, split
+from femstruct.campaign.tasks import Work, first_read, split
 from femstruct.study.campaign.swept import Swept
 from femstruct.study.campaign.varied import Campaign
 from femstruct.study.study import Plan
@@ -68,21 +68,31 @@ def sweep(
     >>> rows.of("m.z velocity").round(3).tolist()  # 2 m v / (m + M)
     [0.667, 1.0, 1.333]
     """
-    samples = samples_of(campaign)
-    parts = split(campaign, samples, progress)
-    cores = workers or os.cpu_count() or 1
+    samples, cores = samples_of(campaign), workers or os.cpu_count() or 1
+    batch = batch_tasks(campaign, samples, 1 if cluster else cores)
+    by_batch = not isinstance(batch, str)
+    parts = split(campaign, samples, progress) if isinstance(batch, str) else batch
     with ExitStack() as stack:
         place = folder or Path(stack.enter_context(TemporaryDirectory()))
         place.mkdir(parents=True, exist_ok=True)
         journal = stack.enter_context(opened(place / ROWS, _name_of(campaign, samples, parts.plan)))
         make_ready(parts.plan, progress)
         known = {row.sample for row in journal.rows()}
-        left = _left(parts.tasks, known)
-        with crew(min(cores, max(len(left), 1)), cluster) as run:
+        left = [task for one in parts.tasks if (task := one.left(known)) is not None]
+        with crew(1 if by_batch else min(cores, max(len(left), 1)), cluster) as run:  # a batch has threads
             _run(left, run, journal, progress)
         rows = journal.rows()
-    method = campaign.sampling.method
-    return gathered(campaign.title, parts.plan, samples, rows, parts.refused, method=method, command=command)
+    return gathered(
+        campaign.title,
+        parts.plan,
+        samples,
+        rows,
+        parts.refused,
+        method=campaign.sampling.method,
+        command=command,
+        made=BY_BATCH if by_batch else "",
+        only=campaign.only,
+    )
 
 
 def set_aside(campaign: Campaign, folder: Path) -> Path | None:
@@ -94,24 +104,18 @@ def set_aside(campaign: Campaign, folder: Path) -> Path | None:
     if not (folder / ROWS).exists():
         return None
     samples = samples_of(campaign)
-    return moved_aside(folder / ROWS, _name_of(campaign, samples, split(campaign, samples).plan))
+    return moved_aside(folder / ROWS, _name_of(campaign, samples, first_read(campaign, samples)))
 
 
 def _name_of(campaign: Campaign, samples: Samples, plan: Plan) -> str:
     """A name for all that the rows hang on: the files, what is changed in them, and the program that reads them."""
-    said = (campaign.overrides, campaign.case, samples.paths, samples.texts)
+    said = (campaign.overrides, campaign.case, campaign.only, samples.paths, samples.texts)
     return fingerprint((dict(plan.sources), *said, versions()))
 
 
-def _left(tasks: Sequence[Task], known: set[int]) -> list[Task]:
-    """The tasks without the samples whose rows are known."""
-    cut = [replace(task, samples=tuple(one for one in task.samples if one[0] not in known)) for task in tasks]
-    return [task for task in cut if task.samples]
-
-
-def _run(tasks: Sequence[Task], run: Crew, journal: Journal, progress: Progress) -> None:
+def _run(tasks: Sequence[Work], run: Crew, journal: Journal, progress: Progress) -> None:
     """Run tasks and keep their rows; Ctrl-C ends it with what there is."""
-    tell = counted(sum(len(task.samples) for task in tasks), "samples", progress)
+    tell = counted(sum(len(task.numbers) for task in tasks), "samples", progress)
     done = 0
 
     def keep(rows: list[Row]) -> None:

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
-from typing import Final
+from dataclasses import dataclass, replace
+from typing import Final, Protocol
 
 from femstruct.campaign.journal import Row
-from femstruct.campaign.numbers import numbers_of
+from femstruct.campaign.numbers import numbers_of, only_numbers
 from femstruct.campaign.samples import Samples
 from femstruct.errors import FemstructError, InputErrors
 from femstruct.language import read_study, with_position
@@ -21,14 +21,44 @@ AT_ONCE: Final = 4  # samples of a task at most: what a kill costs
 BASES: Final = 4  # kept by a process
 
 
+class Work(Protocol):
+    """Samples to run together. numbers : of them."""
+
+    @property
+    def numbers(self) -> tuple[int, ...]: ...
+    def left(self, known: set[int], /) -> Work | None:
+        """What is left where the rows of some samples are known."""
+
+    def rows(self) -> Iterator[list[Row]]:
+        """The rows, as many samples at a time as are kept together."""
+
+
 @dataclass(frozen=True)
 class Task:
-    """Samples to run, (number, texts ``PATH=VALUE``), of the cases of a study."""
+    """Samples to run in full, (number, texts ``PATH=VALUE``), of the cases of a study.
+
+    only : numbers that a row holds, all if none.
+    """
 
     file: str
     overrides: tuple[str, ...]
     case: str
     samples: tuple[tuple[int, tuple[str, ...]], ...]
+    only: tuple[str, ...] = ()
+
+    @property
+    def numbers(self) -> tuple[int, ...]:
+        """Numbers of the samples."""
+        return tuple(number for number, _ in self.samples)
+
+    def left(self, known: set[int]) -> Task | None:
+        """The task without the samples whose rows are known, None where that is all of them."""
+        left = tuple(one for one in self.samples if one[0] not in known)
+        return replace(self, samples=left) if left else None
+
+    def rows(self) -> Iterator[list[Row]]:
+        """The rows of one sample after the other."""
+        return rows_of(self)
 
 
 @dataclass(frozen=True)
@@ -36,7 +66,7 @@ class Split:
     """The tasks of a campaign; one of its studies, read; samples whose files cannot be read, with the reason; how many
     structures are to be solved, and impacts to be simulated."""
 
-    tasks: tuple[Task, ...]
+    tasks: tuple[Work, ...]
     plan: Plan
     refused: dict[int, str]
     structures: int
@@ -75,11 +105,21 @@ def split(campaign: Campaign, samples: Samples, told: Callable[[str], None] = la
         assert first is not None
         raise first
     tasks = [
-        Task(campaign.file, campaign.overrides, campaign.case, tuple(members[start : start + AT_ONCE]))
+        Task(campaign.file, campaign.overrides, campaign.case, tuple(members[start : start + AT_ONCE]), campaign.only)
         for members in groups.values()
         for start in range(0, len(members), AT_ONCE)
     ]
     return Split(tuple(tasks), one, refused, len(frozenset().union(*groups)), impacts)
+
+
+def first_read(campaign: Campaign, samples: Samples) -> Plan:
+    """The study with the values of the first sample that can be read. Raises InputErrors where none can."""
+    for i in range(1, len(samples.texts)):
+        try:
+            return read_sample(campaign, samples.changes(i - 1))
+        except InputErrors:
+            continue
+    return read_sample(campaign, samples.changes(len(samples.texts) - 1))
 
 
 def read_sample(campaign: Campaign | Task, changes: Sequence[str]) -> Plan:
@@ -94,13 +134,15 @@ def read_sample(campaign: Campaign | Task, changes: Sequence[str]) -> Plan:
         raise InputErrors(told) from None
 
 
-def run_task(task: Task) -> list[Row]:
+def run_task(task: Work) -> list[Row]:
     """The rows of all samples of a task, by sample and case."""
-    return [row for rows in rows_of(task) for row in rows]
+    return [row for rows in task.rows() for row in rows]
 
 
 def rows_of(task: Task) -> Iterator[list[Row]]:
     """The rows of a task, one sample after the other. A sample that fails has a row that says why.
+
+    Raises InputError for a number to keep that no study has.
 
     Notes
     -----
@@ -119,13 +161,14 @@ def rows_of(task: Task) -> Iterator[list[Row]]:
             yield [Row(number, "", {}, trouble=with_position(plan, error))]
             continue
         _SOLVED[:] = [*(one for one in _SOLVED if one not in solved), *solved][-BASES:]
-        yield [_row(number, name, case) for name, case in found.items()]
+        yield [_row(number, name, case, task.only) for name, case in found.items()]
 
 
-def _row(number: int, name: str, case: CaseResult) -> Row:
+def _row(number: int, name: str, case: CaseResult, only: Sequence[str]) -> Row:
     codes = dict.fromkeys(one.code for one in case.findings)
     severe = dict.fromkeys(one.code for one in case.findings if one.severe)
-    return Row(number, name, numbers_of(case), tuple(codes), tuple(severe))
+    numbers = numbers_of(case)
+    return Row(number, name, only_numbers(numbers, only) if only else numbers, tuple(codes), tuple(severe))
 
 
 _SOLVED: Final[list[Solved]] = []  # of this process, the latest last: tasks of one structure follow each other

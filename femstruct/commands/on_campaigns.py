@@ -30,6 +30,10 @@ def sweep(
     results: Annotated[
         list[str], typer.Option("--result", metavar="NAME", help="numbers to print and draw; without it the main ones")
     ] = NONE,
+    only: Annotated[
+        list[str],
+        typer.Option("--only", metavar="NAME", help="numbers to keep; those of impacts take seconds for thousands"),
+    ] = NONE,
     case: OnlyCase = "",
     set_: Sets = NONE,
     output: Annotated[
@@ -50,7 +54,7 @@ def sweep(
     from femstruct.language.campaigns import read_campaign
     from femstruct.view.campaigns.swept_table import show_swept
 
-    asked = read_campaign(study, vary, set_, case, samples or None)
+    asked = read_campaign(study, vary, set_, case, samples or None, only)
     if plan:
         with progress() as tell:
             told = planned(asked, tell)

@@ -20,7 +20,12 @@ SHORT: Final = "write it like 'bodies.damper.mass=50 g:1.5 kg:40:log' or 'parts.
 
 
 def read_campaign(
-    path: str | Path, vary: Sequence[str] = (), overrides: Sequence[str] = (), case: str = "", count: int | None = None
+    path: str | Path,
+    vary: Sequence[str] = (),
+    overrides: Sequence[str] = (),
+    case: str = "",
+    count: int | None = None,
+    only: Sequence[str] = (),
 ) -> Campaign:
     """What a study file varies under `vary:` and `samples:`.
 
@@ -28,7 +33,7 @@ def read_campaign(
         ``PATH=normal(MEAN, SD)`` or ``PATH=uniform(FROM, TO)``, beside what the file says or in place of it for the
         same path.
     overrides : texts ``PATH=VALUE`` that change the files for all samples. case : the only one to run, "" for all.
-    count : of samples of a Latin hypercube, in place of what the file says.
+    count : of samples of a Latin hypercube, in place of what the file says. only : numbers that a row holds, likewise.
 
     Raises InputErrors: every mistake, on one line each; a file that varies nothing is one.
 
@@ -56,8 +61,11 @@ def read_campaign(
         raise InputErrors((f"{path}: vary: got a study that varies nothing, expected one or more paths; {do}",))
     asked = spec.samples if spec is not None else None
     try:
-        sampling = Sampling("latin hypercube", count) if count is not None else asked.noun() if asked else Sampling()
-        return Campaign(str(path), tuple(found.values()), sampling, tuple(overrides), case, title_of(tree))
+        sampling = (
+            Sampling("latin hypercube", count) if count is not None else asked.sampling() if asked else Sampling()
+        )
+        kept = tuple(only) or tuple(asked.only if asked else ())
+        return Campaign(str(path), tuple(found.values()), sampling, tuple(overrides), case, title_of(tree), kept)
     except InputError as error:
         steps = ("vary", error.where.removeprefix("vary.")) if error.where.startswith("vary.") else ("samples", "count")
         at = tree.keys.get(steps, Position(str(path)))

@@ -98,7 +98,7 @@ def write_rows(file: h5py.File, rows: Swept) -> None:
     """Put the rows of a campaign into an open file."""
     file.attrs.update(
         Conventions="CF-1.11", format=FORMAT, format_version=FORMAT_VERSION, title=rows.title, baseline=rows.baseline,
-        method=rows.method, limits=json.dumps(dict(rows.limits)),
+        method=rows.method, limits=json.dumps(dict(rows.limits)), made=rows.made,
     )  # fmt: skip
     n = len(rows.texts)
     axis(file, "sample", np.arange(n), "1", "Number of the sample")
@@ -167,6 +167,7 @@ def _read(file: h5py.File) -> Swept:
         limits=json.loads(file.attrs["limits"]),
         sources={str(one.attrs["path"]): one.asstr()[()] for one in file["input"].values()},
         provenance={key: str(value) for key, value in file["provenance"].attrs.items() if key != "description"},
+        made=str(file.attrs.get("made", "")),
     )
 
 

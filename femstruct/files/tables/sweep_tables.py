@@ -28,6 +28,7 @@ def sweep_table(rows: Swept, names: Sequence[str] = ()) -> Table:
         "varied": [{"path": path, "unit": unit} for path, unit in zip(rows.paths, rows.units, strict=True)],
         "cases": list(rows.cases),
         "baseline": rows.baseline,
+        "rows_made": rows.made or None,
         "units": {name: rows.unit_of(name) for name in names},
         "samples": [_sample(rows, i, names) for i in range(len(rows.texts))],
         "influence": [_influence(rows, name, case) for name in names for case in rows.cases],

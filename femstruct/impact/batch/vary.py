@@ -86,6 +86,24 @@ def variable(scene: Scene) -> dict[str, Place]:
     return found
 
 
+def numbers_of_scene(scene: Scene) -> dict[str, float]:
+    """All numbers of a scene that may vary, by name.
+
+    >>> from femstruct.impact.scene.bodies import Body
+    >>> numbers_of_scene(Scene((Body("ball", 2.0, -1.0),)))
+    {'ball.mass': 2.0, 'ball.velocity': -1.0}
+    """
+    return {name: _of(scene, place) for name, place in variable(scene).items()}
+
+
+def _of(scene: Scene, place: Place) -> float:
+    field, index, word = place
+    item = getattr(scene, field)[index]
+    if field == "contacts" and word in item.law.varies:
+        return float(getattr(item.law, word))
+    return float(getattr(item.history if field == "loads" else item, word))
+
+
 def _with(scene: Scene, place: Place, value: float) -> Scene:
     field, index, word = place
     items: list[Any] = list(getattr(scene, field))

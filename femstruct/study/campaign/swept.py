@@ -25,7 +25,7 @@ class Swept:
     done [n] : False for samples that were not run. severe [c][n], findings [c][n] : codes of those that forbid trust in
     a row, and of all. trouble [n] : why a sample has no numbers, "" where it has.
     limits : of the baseline, by the name of the number that should not exceed it. sources : the files of the study
-    verbatim, by name. provenance : of the campaign.
+    verbatim, by name. provenance : of the campaign. made : how rows were made, "" for full runs.
 
     `xarray.open_dataset("sweep.h5", engine="h5netcdf")` is the same as a labelled table.
     """
@@ -49,6 +49,7 @@ class Swept:
     limits: Mapping[str, float] = field(default_factory=dict)
     sources: Mapping[str, str] = field(default_factory=dict)
     provenance: Mapping[str, str] = field(default_factory=dict)
+    made: str = ""
 
     def __post_init__(self) -> None:
         n, c = len(self.texts), len(self.cases)

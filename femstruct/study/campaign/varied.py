@@ -106,6 +106,7 @@ class Campaign:
     """A study file, and what is varied in it and in its model.
 
     file : of the study. overrides : texts ``PATH=VALUE`` for all samples. case : the only one to run, "" for all.
+    only : names of the numbers that a row holds, none for all of them.
 
     Two masses of a damper; `femstruct.sweep` runs them:
 
@@ -119,6 +120,7 @@ class Campaign:
     overrides: tuple[str, ...] = ()
     case: str = ""
     title: str = ""
+    only: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         if not self.varied:

@@ -116,6 +116,8 @@ def say_left_out(rows: Swept, screen: Console, names: Sequence[str] = ()) -> Non
     if rows.drawn and at_most < FEWEST:
         told = f"No statistics: {at_most} samples are to be trusted, and {FEWEST} or more are needed"
         screen.print(told, soft_wrap=True)
+    if rows.made:
+        screen.print(f"Rows are made {rows.made}", soft_wrap=True)
     for code, count in limited(rows).items():
         screen.print(f"Limits trust: {code} in {count} of {n} samples; femstruct explain {code}", soft_wrap=True)
     for code, count in left_out(rows).items():

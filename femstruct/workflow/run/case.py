@@ -74,7 +74,7 @@ def run_case(
     with clock("damping", case.name):
         basis = damped(case, solved, baseline)
     with clock("judgement", case.name):
-        findings = _before(case, own, basis, accuracy)
+        findings = known_before(case, own, basis, accuracy)
     told: list[tuple[str, Advice | Finding]] = []
     vacuo, vibrated = basis, dict[str, Vibrated]()
     if any(plan.coupling == "two-way" for plan in study.rooms):
@@ -140,7 +140,7 @@ def run_case(
     )
 
 
-def _before(case: Case, own: Solved, basis: ModalBasis, accuracy: AccuracyCheck | None) -> list[Finding]:
+def known_before(case: Case, own: Solved, basis: ModalBasis, accuracy: AccuracyCheck | None) -> list[Finding]:
     """What is to be known of a case before anything happens in it. basis : damped."""
     return [
         *all_findings(own, basis, case.studies, case.study.frf),

@@ -9,7 +9,7 @@ from pydantic import Field
 
 from femstruct.dimensions import DIMENSIONS
 from femstruct.errors import InputError, shown_as
-from femstruct.language.yaml import Count, Measured, Spec, read_by, refuse
+from femstruct.language.yaml import Count, Measured, Spec, Text, read_by, refuse
 from femstruct.study.campaign.varied import Listed, Sampling, Scattered
 from femstruct.units import QuantityError, quantity_of
 
@@ -97,12 +97,20 @@ class VarySpec(Spec):
 
 
 class SamplesSpec(Spec):
-    """How many samples are made of what varies, and how. A grid has no count: it is each value with each."""
+    """How many samples are made of what varies, and how; without a count each value with each. Only: numbers that a row
+    holds; where the batch engine has all of them, thousands of samples take seconds."""
 
-    makes = Sampling
-    method: Literal["latin hypercube", "sobol", "sobol indices"] = "latin hypercube"
-    count: Count
-    seed: Count = 1
+    needs = (("method", ("count",)), ("seed", ("count",)))
+    method: Literal["latin hypercube", "sobol", "sobol indices"] | None = None
+    count: Count | None = None
+    seed: Count | None = None
+    only: list[Text] = Field(default_factory=list)
+
+    def sampling(self) -> Sampling:
+        """How samples are made. Raises what the noun refuses."""
+        if self.count is None:
+            return Sampling()
+        return Sampling(self.method or "latin hypercube", self.count, self.seed or 1)
 
 
 class VariedSpec(Spec):

@@ -1,0 +1,186 @@
+"""Rows by the batch engine are those of full runs; what it cannot do is run in full."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from femstruct.campaign.batch_rows import BY_BATCH, batch_tasks, offered
+from femstruct.campaign.kept_rows import planned, write_rows
+from femstruct.campaign.samples import samples_of
+from femstruct.campaign.sweep import set_aside, sweep
+from femstruct.errors import InputError, InputErrors
+from femstruct.files.results_file.swept_file import read_swept
+from femstruct.language.campaigns import read_campaign
+from femstruct.study.campaign.varied import Campaign
+
+MODEL = """
+structure: {type: modes, frequency: [40 Hz, 130 Hz], points: {m: {shape: [0.3, 0.2]}}}
+damping: {ratio: 1 %}
+"""
+STUDY = """
+title: A hit
+model: model.yaml
+bodies:
+  ball: {mass: 1 kg, above: m, speed: 1 m/s}
+  damper: {mass: 0.5 kg, below: m}
+contacts:
+  hit: {between: [ball, m], law: {type: linear, stiffness: 1 MN/m}}
+  stop: {between: [m, damper], law: {type: linear, stiffness: 2 MN/m}, gap: 0.1 mm}
+links: {spring: {between: [damper, m], stiffness: 10 kN/m, damping: {closing: 20 N*s/m, opening: 0}}}
+time: {duration: 50 ms, sampling: 10 kHz}
+cases: {soft: {}, hard: {contacts.hit.law.stiffness: 4 MN/m}}
+vary:
+  bodies.damper.mass: {from: 0.2 kg, to: 2 kg, steps: 4, scale: log}
+  contacts.stop.gap: {values: [0 mm, 0.2 mm]}
+  links.spring.stiffness: {from: 5 kN/m, to: 50 kN/m, steps: 2}
+"""
+ALL = (
+    "structure energy", "hit peak force", "stop peak force", "contacts / stop / closings",
+    "contacts / hit / first_open_s", "contacts / hit / peak_time_s", "bodies / ball / end_velocity",
+    "energy / at_separation / t_s", "energy / at_separation / ball", "energy / at_separation / stored",
+    "energy / end / damper", "energy / end / dissipated", "energy / end / lost / contacts / stop",
+    "energy / end / lost / links / spring", "energy / end / work", "energy / end / blows", "mode 2 frequency",
+    "total mass",
+)  # fmt: skip
+
+
+@pytest.fixture
+def study(tmp_path: Path) -> Path:
+    (tmp_path / "model.yaml").write_text(MODEL, encoding="utf-8")
+    path = tmp_path / "hit.study.yaml"
+    path.write_text(STUDY, encoding="utf-8")
+    return path
+
+
+def by_batch(campaign: Campaign) -> bool:
+    return not isinstance(batch_tasks(campaign, samples_of(campaign), 1), str)
+
+
+def why_not(campaign: Campaign) -> str:
+    found = batch_tasks(campaign, samples_of(campaign), 1)
+    assert isinstance(found, str)
+    return found
+
+
+def test_rows_are_those_of_full_runs(study: Path) -> None:
+    full, quick = sweep(read_campaign(study), workers=1), sweep(read_campaign(study, only=ALL), workers=2)
+    assert quick.made == BY_BATCH and not full.made and quick.names == quick.main
+    assert quick.names == ALL and quick.texts == full.texts and len(quick.texts) == 16
+    for case in ("soft", "hard"):
+        for name in ALL:
+            size = np.nanmax(np.abs(full.of(name, case)))
+            # both marches are exact to rounding; energies of a ledger row are sums of terms of 0.5 J
+            np.testing.assert_allclose(quick.of(name, case), full.of(name, case), rtol=1e-9, atol=1e-9 * size + 1e-13)
+            assert quick.unit_of(name) == full.unit_of(name)
+    assert np.ptp(quick.of("stop peak force")) > 100.0
+
+
+def test_hertz_contacts_by_batch_are_near_those_of_full_runs(study: Path) -> None:
+    law = ["contacts.hit.law={type: hertz, stiffness: 1 GN/m^1.5}"]
+    vary = ["bodies.ball.mass=uniform(0.5 kg, 2 kg)", "contacts.hit.law.stiffness=uniform(0.3 GN/m^1.5, 1 GN/m^1.5)"]
+    text = study.read_text(encoding="utf-8")
+    study.write_text(text[: text.index("cases:")], encoding="utf-8")
+    told = {"vary": vary, "overrides": law, "count": 20}
+    full = sweep(read_campaign(study, **told), workers=1)
+    quick = sweep(read_campaign(study, **told, only=ALL), workers=1)
+    assert quick.made == BY_BATCH and np.ptp(full.of("hit peak force")) > 100.0
+    for name, within in (("hit peak force", 1e-7), ("bodies / ball / end_velocity", 1e-7), ("structure energy", 1e-5)):
+        # steps are held to 1e-8 of forces; an instant of separation to a tick, 2e-7 of the window
+        np.testing.assert_allclose(quick.of(name), full.of(name), rtol=within)
+
+
+def test_what_takes_histories_or_other_structures_is_run_in_full(study: Path) -> None:
+    only = ["hit peak force"]
+    assert by_batch(read_campaign(study, only=only))
+    assert "all numbers" in why_not(read_campaign(study))
+    assert "'bodies / ball / travel' is a number of full runs" in why_not(
+        read_campaign(study, only=["bodies / ball / travel"])
+    )
+    more = "more varies than numbers of bodies"
+    assert more in why_not(read_campaign(study, ["structure.frequency[0]=30 Hz,40 Hz"], only=only))
+    assert more in why_not(read_campaign(study, ["damping.ratio=1 %,2 %"], only=only))
+    assert more in why_not(read_campaign(study, ["time.duration=50 ms,60 ms"], only=only))
+
+
+def test_a_height_of_fall_is_read_where_its_values_are_few(study: Path) -> None:
+    text = study.read_text(encoding="utf-8").replace("speed: 1 m/s", "drop_height: 1 m")
+    study.write_text(text[: text.index("vary:")], encoding="utf-8")
+    few, many = (
+        read_campaign(study, [f"bodies.ball.drop_height=0.1 m:2 m:{n}"], only=["hit peak force"]) for n in (12, 13)
+    )
+    assert by_batch(few) and "not in proportion" in why_not(many)
+    rows, full = (sweep(one, workers=1) for one in (few, many))
+    assert rows.made and not full.made
+    ends = [0, -1]  # the same heights in both
+    # both marches are exact to rounding
+    np.testing.assert_allclose(rows.of("hit peak force")[ends], full.of("hit peak force")[ends], rtol=1e-9)
+
+
+def test_a_refused_value_is_told_by_full_runs(study: Path) -> None:
+    campaign = read_campaign(study, ["bodies.ball.mass=1 kg,-1 kg"], only=["hit peak force"], case="soft")
+    rows = sweep(campaign, workers=1)
+    assert not rows.made and "positive" in next(filter(None, rows.trouble))
+
+
+def test_numbers_that_no_study_has_are_refused(study: Path) -> None:
+    for only in (["hit peak forc"], ["hit peak force", "hit peak forc"]):
+        with pytest.raises(InputError, match=r"samples.only: got 'hit peak forc'.*did you mean 'hit peak force'"):
+            sweep(read_campaign(study, only=only), workers=1)
+
+
+def test_only_stands_in_a_study_with_or_without_a_count(study: Path) -> None:
+    text = study.read_text(encoding="utf-8")
+    study.write_text(f"{text}samples: {{only: [hit peak force]}}\n", encoding="utf-8")
+    assert read_campaign(study).only == ("hit peak force",) and len(samples_of(read_campaign(study)).texts) == 16
+    study.write_text(f"{text}samples: {{count: 8, only: [hit peak force]}}\n", encoding="utf-8")
+    assert len(samples_of(read_campaign(study)).texts) == 8
+    study.write_text(f"{text}samples: {{method: sobol, only: [hit peak force]}}\n", encoding="utf-8")
+    with pytest.raises(InputErrors, match="count"):
+        read_campaign(study)
+
+
+def test_a_plan_says_how_rows_are_made(study: Path) -> None:
+    told = planned(read_campaign(study, only=["hit peak force"]))
+    assert told["rows"] == BY_BATCH and told["impacts to simulate"] == 32
+    assert str(planned(read_campaign(study))["rows"]).startswith("full runs: a row holds all numbers")
+
+
+def test_batch_rows_are_kept_by_tasks(study: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("femstruct.campaign.batch_rows.AT_ONCE", 6)
+    campaign, folder = read_campaign(study, only=ALL), tmp_path / "rows"
+    whole = sweep(campaign, workers=1)
+
+    def stop(line: str) -> None:
+        if line.startswith("6 of"):
+            raise KeyboardInterrupt
+
+    part = sweep(campaign, folder, workers=1, progress=stop)
+    assert part.done.sum() == 6
+    assert set_aside(campaign, folder) is None
+    again: list[str] = []
+    rest = sweep(campaign, folder, workers=1, progress=again.append)
+    assert again[-1].startswith("10 of 10 samples")
+    np.testing.assert_array_equal(rest.numbers, whole.numbers)
+    write_rows(rest, folder, pictures=False)
+    assert read_swept(folder).made == BY_BATCH
+    assert (folder / "sweep.csv").read_text(encoding="utf-8").splitlines()[0].count("hit peak force [N]") == 1
+    assert set_aside(read_campaign(study, only=ALL[:2]), folder) == folder / "sweep.1.rows"
+
+
+def test_findings_of_structure_and_batch_are_in_the_rows(study: Path) -> None:
+    short = read_campaign(study, overrides=["time.duration=0.5 ms"], only=["hit peak force"])
+    found = sweep(short, workers=1)
+    assert found.made and all("contact-closed-at-end" in codes for codes in found.findings[0])
+
+
+def test_all_names_offered_are_those_of_a_full_row(study: Path) -> None:
+    campaign = read_campaign(study, only=["hit peak force"])
+    tasks = batch_tasks(campaign, samples_of(campaign), 1)
+    assert not isinstance(tasks, str)
+    from femstruct.campaign.batch_rows import _stage
+
+    stage = _stage(tasks.tasks[0].first)  # type: ignore[attr-defined]
+    case = stage.plan.cases[0]
+    names = offered(stage.batch(case, {}, 1, 1), stage.bases[case.name])
+    assert set(names) <= set(sweep(read_campaign(study), workers=1).names)
