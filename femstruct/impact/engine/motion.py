@@ -87,18 +87,34 @@ def modal_motion(motion: Motion, what: int, modes: Integers) -> Floats:
     """Displacement or velocity of some modes at all samples [len(modes), nt]."""
     if not motion.turn.size:
         return coordinates(only(motion, modes), what, 0, len(modes))
+    (found,) = _of_oscillators(motion, modes, (what,))
+    return found
+
+
+def modal_motions(motion: Motion, first: int, last: int) -> tuple[Floats, Floats]:
+    """Displacement and velocity of the modes first .. last - 1 at all samples, each [last - first, nt]."""
+    if not motion.turn.size:
+        return coordinates(motion, DISPLACEMENT, first, last), coordinates(motion, VELOCITY, first, last)
+    place, rate = _of_oscillators(motion, np.arange(first, last), (DISPLACEMENT, VELOCITY))
+    return place, rate
+
+
+def _of_oscillators(motion: Motion, modes: Integers, whats: tuple[int, ...]) -> list[Floats]:
+    """Displacement, velocity or both of some modes, in whose place there are oscillators, [len(modes), nt] each."""
     k = motion.turn.shape[2]
-    at_z, at_v = motion.turn[2 * what : 2 * what + 2, modes]
-    out = np.empty((len(modes), motion.n_samples))
+    found = [np.empty((len(modes), motion.n_samples)) for _ in whats]
     for steps in _by_length(motion, SAMPLES_OF_OSCILLATORS):
         z, v = motion.z[steps.states, :k].T, motion.v[steps.states, :k].T
         places = motion.at[steps.states]
         if steps.doublings:
             z, v = _inside(motion, steps, z, v)
             places = (places[:, None] + np.arange(1 << steps.doublings)).ravel()
-        out[:, places] = at_z @ z + at_v @ v
-    out.flags.writeable = False
-    return out
+        for out, what in zip(found, whats, strict=True):
+            at_z, at_v = motion.turn[2 * what : 2 * what + 2, modes]
+            out[:, places] = at_z @ z + at_v @ v
+    for out in found:
+        out.flags.writeable = False
+    return found
 
 
 def _inside(motion: Motion, steps: _Steps, z: Floats, v: Floats) -> tuple[Floats, Floats]:

@@ -8,7 +8,7 @@ import numpy as np
 
 from femstruct.arrays import Floats
 from femstruct.errors import Finding
-from femstruct.impact.engine.motion import DISPLACEMENT, VELOCITY, Motion, coordinates
+from femstruct.impact.engine.motion import Motion, modal_motions
 from femstruct.impact.engine.sampling import Record
 from femstruct.impact.engine.strikes import ENERGY, HELD, MOMENTUM, SINCE, lies
 from femstruct.impact.engine.system import Compiled
@@ -74,8 +74,8 @@ def structure_energy(motion: Motion, omega: Floats) -> Floats:
     energy = np.zeros(motion.n_samples)
     for first in range(0, len(omega), CHUNK):
         last = min(first + CHUNK, len(omega))
-        for what, weight in ((DISPLACEMENT, omega[first:last] ** 2), (VELOCITY, np.ones(last - first))):
-            energy += 0.5 * weight @ coordinates(motion, what, first, last) ** 2
+        place, rate = modal_motions(motion, first, last)
+        energy += 0.5 * (omega[first:last] ** 2 @ place**2 + (rate**2).sum(axis=0))
     return energy
 
 

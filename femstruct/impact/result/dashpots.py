@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 import scipy
 
 from femstruct.arrays import Floats
-from femstruct.impact.engine.motion import VELOCITY, along
+from femstruct.impact.engine.motion import VELOCITY, along, modal_motion
 from femstruct.impact.result.response import EnergyBalance, Response
 
-CHUNK = 32  # rows whose samples are in memory at a time
+CHUNK = 32  # rows or modes whose samples are in memory at a time
 EIGENVALUE_ROUNDING = 1e-14  # of the largest eigenvalue of a damping matrix: rounding
 
 
@@ -24,7 +26,7 @@ def dashpot_losses(response: Response) -> tuple[float | None, float]:
     basis, ledger = response.basis, response.ledger
     if not basis.dashpots.any():
         return None if ledger.at_separation is None else 0.0, 0.0
-    taken, whole = (_energy(response, matrix) for matrix in (basis.dashpots, basis.time_damping))
+    taken, whole = _energies(response, (basis.dashpots, basis.time_damping))
 
     def until(balance: EnergyBalance) -> float:
         mine, all_of_it = (float(np.interp(balance.t, response.t, energy)) for energy in (taken, whole))
@@ -33,8 +35,19 @@ def dashpot_losses(response: Response) -> tuple[float | None, float]:
     return None if ledger.at_separation is None else until(ledger.at_separation), until(ledger.end)
 
 
-def _energy(response: Response, damping: Floats) -> Floats:
-    """What a damping matrix [k, k] takes until every sample [nt] [J], by trapezoids."""
+def _energies(response: Response, dampings: Sequence[Floats]) -> list[Floats]:
+    """What damping matrices [k, k] take until every sample [nt] [J], by trapezoids."""
+    k = len(response.basis.omega)
+    if k <= CHUNK:
+        rate = modal_motion(response.motion, VELOCITY, np.arange(k))
+        powers = [(rate * (damping @ rate)).sum(axis=0) for damping in dampings]
+    else:
+        powers = [_power(response, damping) for damping in dampings]
+    return [scipy.integrate.cumulative_trapezoid(power, response.t, initial=0) for power in powers]
+
+
+def _power(response: Response, damping: Floats) -> Floats:
+    """What a damping matrix takes at every sample [nt] [W], a few rows at a time."""
     values, vectors = np.linalg.eigh(damping)
     kept = np.abs(values) > EIGENVALUE_ROUNDING * np.abs(values).max()
     values, rows = values[kept], vectors[:, kept].T
@@ -42,5 +55,4 @@ def _energy(response: Response, damping: Floats) -> Floats:
     for first in range(0, len(rows), CHUNK):
         speeds = along(response.motion, VELOCITY, rows[first : first + CHUNK])
         power += values[first : first + CHUNK] @ speeds**2
-    energy: Floats = scipy.integrate.cumulative_trapezoid(power, response.t, initial=0)
-    return energy
+    return power

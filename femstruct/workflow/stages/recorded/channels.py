@@ -203,13 +203,7 @@ def _forces(
 ) -> dict[str, tuple[Floats, str]]:
     """The vertical force under the plain name, and the horizontal ones that are more than the rounding of mode shapes
     beside the largest; beside : what else there is along an axis."""
-    found = {
-        axis: response.displacement(row.stiffness)
-        + response.velocity(row.damping)
-        + response.acceleration(row.inertia)
-        + passed_on(response, row.direct)
-        for axis, row in rows.items()
-    }
+    found = {axis: _summed(response, row) + passed_on(response, row.direct) for axis, row in rows.items()}
     found |= {axis: force + found.get(axis, 0.0) for axis, force in beside.items()}
     largest = max((np.abs(force).max() for force in found.values()), default=0.0)
     named = {f"{target} force": (found["z"], "N")} if "z" in found else {}
@@ -217,6 +211,16 @@ def _forces(
         if axis in found and np.abs(found[axis]).max() > SIDEWAYS * largest:
             named[f"{target} force {axis}"] = (found[axis], "N")
     return named
+
+
+def _summed(response: Response, row: ForceRow) -> Floats:
+    """What the motion makes of a force [nt] [N]; its parts that are zero take no time."""
+    parts = (
+        (response.displacement, row.stiffness),
+        (response.velocity, row.damping),
+        (response.acceleration, row.inertia),
+    )
+    return sum((motion(of) for motion, of in parts if of.any()), np.zeros(len(response.t)))
 
 
 def motion_of(name: str, study: Study, places: Places, response: Response) -> Floats:
