@@ -16,7 +16,7 @@ from typing import Final
 from femstruct.campaign.numbers import Number
 from femstruct.errors import FemstructError, InputError
 
-BESIDE: Final = (".h5", ".csv", ".png", ".front.csv")  # suffixes of what stands beside the rows
+BESIDE: Final = (".h5", ".csv", ".png", ".front.csv", ".parallel.png", ".bands.png")  # suffixes of what rows become
 
 
 @dataclass(frozen=True)

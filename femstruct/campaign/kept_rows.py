@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
+from typing import Any
 
 from femstruct.campaign.batch_rows import BY_BATCH, batch_tasks
 from femstruct.campaign.numbers import UNROUNDED
@@ -58,12 +59,14 @@ def write_rows(
     write_table(folder / TABLE, rows, names)
     written = [folder / SWEEP, folder / TABLE]
     if pictures:
+        from femstruct.view.campaigns.bands_figure import bands_figure
+        from femstruct.view.campaigns.parallel_figure import swept_parallel
         from femstruct.view.campaigns.swept_figure import swept_figure
-        from femstruct.view.figures.drawing import save
 
-        progress("picture")
-        figure = swept_figure(rows, names or rows.main)
-        written += [] if figure is None else [save(figure, folder / PICTURE)]
+        progress("pictures")
+        asked = names or rows.main
+        figures = (swept_figure(rows, asked), swept_parallel(rows, asked), bands_figure(rows))
+        written += _saved(folder, zip((PICTURE, "sweep.parallel.png", "sweep.bands.png"), figures, strict=True))
     return written
 
 
@@ -73,7 +76,7 @@ def write_optimum(
     """Write optimise.h5 with the answer and all numbers of all designs, optimise.csv, optimise.png, of a front
     optimise.front.csv too; returns what was written."""
     folder.mkdir(parents=True, exist_ok=True)
-    answer, table, picture = (folder / name for name in OPTIMUM)
+    answer, table = (folder / name for name in OPTIMUM[:2])
     progress("writing the rows")
     write_found(answer, found)
     goals = [one.name for one in found.search.goals]
@@ -88,9 +91,22 @@ def write_optimum(
     if pictures:
         from femstruct.view.campaigns.front_figure import front_figure
         from femstruct.view.campaigns.optimum_figure import optimum_figure
-        from femstruct.view.figures.drawing import save
+        from femstruct.view.campaigns.parallel_figure import front_parallel
 
-        progress("picture")
-        figure = front_figure(found) if isinstance(found, Front) else optimum_figure(found)
-        written.append(save(figure, picture))
+        progress("pictures")
+        figures = (front_figure(found), front_parallel(found)) if isinstance(found, Front) else (optimum_figure(found),)
+        written += _saved(folder, zip((OPTIMUM[2], "optimise.parallel.png"), figures, strict=False))
+    return written
+
+
+def _saved(folder: Path, figures: Iterable[tuple[str, Any]]) -> list[Path]:
+    """Write figures by name; those that are None are taken away, where they are of rows that were there before."""
+    from femstruct.view.figures.drawing import save
+
+    written = []
+    for name, figure in figures:
+        if figure is None:
+            (folder / name).unlink(missing_ok=True)
+        else:
+            written.append(save(figure, folder / name))
     return written

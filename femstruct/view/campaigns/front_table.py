@@ -48,12 +48,14 @@ def _designs(found: Front) -> Grid:
     search = found.search
     shown, title = _shown(found)
     scales = [in_unit(unit, _largest(found.goals[:, g])) for g, unit in enumerate(found.units)]
-    limited = [in_unit(found.rows.unit_of(name), abs(limit)) for name, limit in search.limits.items()]
-    names = [*(one.name for one in search.goals), *(f"{name}\n(limit)" for name in search.limits)]
+    goals = [one.name for one in search.goals]
+    others = {m: name for m, name in enumerate(search.limits) if name not in goals}
+    limited = [in_unit(found.rows.unit_of(name), abs(search.limits[name])) for name in others.values()]
+    names = [*goals, *others.values()]
     heads = [f"{name} [{unit}]" if unit else name for name, (_, unit) in zip(names, (*scales, *limited), strict=True)]
     grid = Grid(title, ("design", *heads, *(one.path for one in search.designs), "stands out"))
     for k in shown:
-        pairs = zip((*found.goals[k], *found.limited[k]), (*scales, *limited), strict=True)
+        pairs = zip((*found.goals[k], *found.limited[k, list(others)]), (*scales, *limited), strict=True)
         values = [digits(factor * float(value)) for value, (factor, _) in pairs]
         row, texts = found.rows.values[k * search.samples], found.texts(k)
         chosen = [

@@ -57,7 +57,7 @@ def _curves(rows: Swept, names: Sequence[str], k: int) -> Figure:
             _cross(own, x, y, sound, line["color"])
         _limit(own, rows, name, scale)
         number_axis(own, x)
-        finish(own, _named(rows.paths[k], unit) if number == len(names) - 1 else "", _named(name, told))
+        finish(own, named(rows.paths[k], unit) if number == len(names) - 1 else "", named(name, told))
     if len(rows.cases) > 1 or rows.limits:
         legend_above(axes[0])
     return figure
@@ -66,7 +66,7 @@ def _curves(rows: Swept, names: Sequence[str], k: int) -> Figure:
 def _maps(rows: Swept, names: Sequence[str], numeric: Sequence[int], case: str) -> Figure:
     columns = min(2, len(names))
     high = -(-len(names) // columns)
-    title = _titled(rows, case)
+    title = titled(rows, case)
     figure = new_figure(5.2 * columns + 0.6, 1.0 + 3.4 * high, title)
     grid: list[Axes] = panels(figure, high, columns, between=0.85, top=0.8, right=0.5).ravel().tolist()
     (xs, i), (ys, j) = (np.unique(rows.values[:, k], return_inverse=True) for k in numeric)
@@ -79,20 +79,20 @@ def _maps(rows: Swept, names: Sequence[str], numeric: Sequence[int], case: str) 
         drawn = own.pcolormesh(x, y, table, shading="nearest", cmap="viridis")
         bar = figure.colorbar(drawn, ax=own)
         bar.ax.tick_params(labelsize=8)
-        own.set_title(_named(name, told), fontsize=10, loc="left")
+        own.set_title(named(name, told), fontsize=10, loc="left")
         limit = rows.limits.get(name)
         if limit is not None and np.isfinite(table).sum() == table.size and min(table.shape) > 1:
             own.contour(x, y, table, levels=[scale * limit], colors="white", linewidths=1.2)
         number_axis(own, x)
         number_axis(own, y, vertical=True)
-        finish(own, *(_named(rows.paths[k], scale[1]) for k, scale in zip(numeric, scales, strict=True)))
+        finish(own, *(named(rows.paths[k], scale[1]) for k, scale in zip(numeric, scales, strict=True)))
     for own in grid[len(names) :]:
         own.set_visible(False)
     return figure
 
 
 def _points(rows: Swept, names: Sequence[str], numeric: Sequence[int], case: str) -> Figure:
-    title = _titled(rows, case)
+    title = titled(rows, case)
     figure = new_figure(1.3 + 3.0 * len(numeric), 1.1 + 2.4 * len(names), title)
     grid = panels(figure, len(names), len(numeric), between=0.35, top=0.75, sharex="col", sharey="row")
     sound = rows.trusted(case)
@@ -106,13 +106,13 @@ def _points(rows: Swept, names: Sequence[str], numeric: Sequence[int], case: str
             _limit(own, rows, name, scale)
             number_axis(own, x)
             last = row == len(names) - 1
-            finish(own, _named(rows.paths[k], unit) if last else "", _named(name, told) if column == 0 else "")
+            finish(own, named(rows.paths[k], unit) if last else "", named(name, told) if column == 0 else "")
     return figure
 
 
 def _tornado(rows: Swept, names: Sequence[str], case: str) -> Figure:
     """Shares of all paths in the variance of each number, the largest above, with their intervals."""
-    title = _titled(rows, case)
+    title = titled(rows, case)
     high = 0.8 + 0.5 * len(rows.paths)
     figure = new_figure(9.5, 1.4 + high * len(names), title)
     grid = panels(figure, len(names), 1, between=0.75, top=1.0, left=3.2, sharex=True)[:, 0]
@@ -132,7 +132,7 @@ def _tornado(rows: Swept, names: Sequence[str], case: str) -> Figure:
     return figure
 
 
-def _titled(rows: Swept, case: str) -> str:
+def titled(rows: Swept, case: str) -> str:
     """The title of a picture of one case; a study without cases has one, as it is given."""
     return rows.title if rows.cases == (AS_GIVEN,) else f"{rows.title}: {case}"
 
@@ -161,5 +161,6 @@ def shown_unit(unit: str, values: Floats) -> tuple[float, str]:
     return in_unit(unit, float(np.nanmax(np.abs(values), initial=0.0)))
 
 
-def _named(name: str, unit: str) -> str:
+def named(name: str, unit: str) -> str:
+    """The label of an axis."""
     return f"{name} [{unit}]" if unit else name

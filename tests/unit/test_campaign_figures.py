@@ -1,0 +1,73 @@
+"""What pictures of campaigns show is what is in the rows."""
+
+from dataclasses import replace
+
+import numpy as np
+from matplotlib.collections import LineCollection
+
+from femstruct.study.campaign.swept import Swept
+from femstruct.view.campaigns.bands_figure import bands_figure
+from femstruct.view.campaigns.parallel_figure import swept_parallel
+
+N = 16
+LEVELS = tuple(f"levels / hall.mic / bands_db / {band}" for band in ("63", "125", "250"))
+
+
+def rows() -> Swept:
+    """Two masses and a word for 16 samples, the last of them not to be trusted; a level follows the first mass."""
+    rng = np.random.default_rng(1)
+    masses = np.column_stack([rng.uniform(1.0, 2.0, N), np.geomspace(1.0, 100.0, N), np.full(N, np.nan)])
+    texts = tuple((f"{a} kg", f"{b} kg", "oak" if i % 3 else "fir") for i, (a, b, _) in enumerate(masses))
+    level = 60.0 + 10.0 * masses[:, 0]
+    numbers = np.column_stack([level, level, level + 3.0, np.where(np.arange(N) == 2, np.nan, level)])[None]
+    severe = (((),) * (N - 1) + (("unsound",),),)
+    return Swept(
+        title="hits", paths=("bodies.a.mass", "bodies.b.mass", "parts.floor.material"), units=("kg", "kg", ""),
+        texts=texts, values=masses, method="latin hypercube", cases=("as given",), baseline="as given",
+        names=("hall.mic L_AFmax", *LEVELS), number_units=("dB",) * 4, main=("hall.mic L_AFmax",), numbers=numbers,
+        done=np.ones(N, dtype=bool), severe=severe, findings=severe, trouble=("",) * N,
+    )  # fmt: skip
+
+
+def test_envelopes_are_quantiles_of_the_samples_that_are_trusted() -> None:
+    whole = rows()
+    figure = bands_figure(whole)
+    assert figure is not None
+    (axes,) = figure.axes
+    corners = axes.collections[0].get_paths()[0].vertices
+    level = whole.of(LEVELS[0])[:-1]
+    for x, add in ((0, 0.0), (1, 3.0)):
+        own = corners[corners[:, 0] == x, 1]
+        ends = np.quantile(level, (0.05, 0.95)) + add
+        np.testing.assert_allclose((own.min(), own.max()), ends, rtol=1e-12)  # rounding
+        np.testing.assert_allclose(axes.lines[0].get_ydata()[x], np.median(level) + add, rtol=1e-12)  # rounding
+    assert np.isnan(axes.lines[0].get_ydata()[2])  # a sample has no level there
+    assert [one.get_text() for one in axes.get_xticklabels()] == ["63", "125", "250"]
+    chosen = bands_figure(replace(whole, method="grid"))
+    corners = chosen.axes[0].collections[0].get_paths()[0].vertices
+    assert corners[corners[:, 0] == 0, 1].max() == level.max()
+    assert bands_figure(replace(whole, names=("a", "b", "c", "d"))) is None
+
+
+def test_each_trusted_sample_is_a_line_across_all_axes() -> None:
+    whole = rows()
+    figure = swept_parallel(whole, whole.main)
+    assert figure is not None
+    host, *axes = figure.axes
+    lines = [one for one in host.collections if isinstance(one, LineCollection)][-1].get_segments()
+    assert len(lines) == N - 1 and {len(one) for one in lines} == {4}
+    first = np.array([one[0, 1] for one in lines])
+    level = np.array([one[3, 1] for one in lines])
+    np.testing.assert_allclose(first, level, atol=1e-12)  # the level is linear in the first mass: rounding
+    second = np.sort([one[1, 1] for one in lines])
+    np.testing.assert_allclose(np.diff(second), np.diff(second)[0], rtol=1e-9)  # even on a logarithmic axis: rounding
+    titles = [one.get_title().replace("\n", " ") for one in axes]
+    assert titles[:4] == [
+        "bodies.a.mass [kg]",
+        "bodies.b.mass [kg]",
+        "parts.floor. material",
+        "hall.mic L_AFmax [dB]",
+    ]
+    assert [one.get_text() for one in axes[2].get_yticklabels()] == ["fir", "oak"]
+    two = replace(whole, texts=tuple((*one[:2], "oak") for one in whole.texts))
+    assert swept_parallel(two, whole.main) is None
