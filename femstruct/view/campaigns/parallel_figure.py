@@ -23,6 +23,7 @@ from femstruct.view.figures.drawing import new_figure
 FEWEST: Final = 3  # paths of a sweep, from which on points over each say too little of what acts together
 MOST: Final = 4  # numbers of a sweep
 LISTED: Final = 8  # values of a path, up to which they are the ticks of its axis
+LINES: Final = 1000  # in colour; more cover each other, and take long to draw
 OTHER: Final = "#d0d0d0"
 MARGIN: Final = 0.04  # of an axis, beyond its values
 
@@ -50,7 +51,10 @@ def swept_parallel(rows: Swept, names: Sequence[str], case: str = "") -> Figure 
         return None
     axes = [_path(rows, j) for j in several] + [_number(rows, name, case) for name in told]
     whole = sound & np.isfinite([rows.of(name, case) for name in told]).all(axis=0)
-    return _drawn(titled(rows, case), axes, len(several), whole, np.zeros_like(whole))
+    some = np.flatnonzero(whole)[:: -(-int(whole.sum()) // LINES) or 1]
+    title = titled(rows, case) + (f" ({len(some)} of {whole.sum()} samples)" if len(some) < whole.sum() else "")
+    shown = np.isin(np.arange(len(whole)), some)
+    return _drawn(title, axes, len(several), shown, np.zeros_like(shown)) if len(some) else None
 
 
 def front_parallel(found: Front) -> Figure | None:
