@@ -8,6 +8,7 @@ import re
 import subprocess
 import sys
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 import findings_page
@@ -61,6 +62,7 @@ def constant(path: Path, name: str) -> ast.expr:
     raise AssertionError(f"{path}: {name} is no constant: write codes out")
 
 
+@cache
 def raised() -> dict[str, list[bool | None]]:
     """Whether a code is severe wherever it is raised: always (True), never (False), or by its numbers (None)."""
     found: dict[str, list[bool | None]] = {}
