@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from types import MappingProxyType
@@ -79,16 +79,22 @@ class CavityMesh:
             )
 
     @cached_property
-    def basis(self) -> Any:
-        """scikit-fem's basis of second order on the cells."""
-        from skfem import Basis, ElementHex2, ElementTetP2, MeshHex, MeshTet
+    def skfem_mesh(self) -> Any:
+        """scikit-fem's mesh of the cells."""
+        from skfem import MeshHex, MeshTet
 
         points = np.ascontiguousarray(self.points.T)
         if self.cells.shape[1] == 4:
-            return Basis(MeshTet(points, np.ascontiguousarray(self.cells.T)), ElementTetP2(), intorder=EXACT)
-        return Basis(
-            MeshHex(points, np.ascontiguousarray(self.cells[:, HEX_OF_MESHIO].T)), ElementHex2(), intorder=EXACT
-        )
+            return MeshTet(points, np.ascontiguousarray(self.cells.T))
+        return MeshHex(points, np.ascontiguousarray(self.cells[:, HEX_OF_MESHIO].T))
+
+    @cached_property
+    def basis(self) -> Any:
+        """scikit-fem's basis of second order on the cells; what only looks at cells and walls does without it."""
+        from skfem import Basis, ElementHex2, ElementTetP2
+
+        element = ElementTetP2() if self.cells.shape[1] == 4 else ElementHex2()
+        return Basis(self.skfem_mesh, element, intorder=EXACT)
 
     @cached_property
     def matrices(self) -> tuple[csc_array, csc_array]:
@@ -104,7 +110,7 @@ class CavityMesh:
     @cached_property
     def edges(self) -> Floats:
         """Ends [m, 2, 3] of the boundary's edges where it bends by more than 20 degrees [m]."""
-        cells = self.basis.mesh
+        cells = self.skfem_mesh
         corners = cells.facets[:, cells.boundary_facets()].T  # in order round the facet
         away = self.points[corners[:, 1:3]] - self.points[corners[:, :1]]
         normals = np.cross(away[:, 0], away[:, 1])
@@ -165,6 +171,14 @@ class CavityMesh:
         spans = np.stack([np.linalg.norm(np.cross(*pair), axis=1) for pair in pairs])
         return 0.5 * float(spans.max(axis=0).sum())
 
+    @cached_property
+    def _outer(self) -> dict[tuple[int, ...], int]:
+        """Number of each facet of the boundary, by its corners in rising order."""
+        mesh = self.skfem_mesh
+        outer = mesh.boundary_facets()
+        corners = np.sort(mesh.facets[:, outer], axis=0).T.tolist()
+        return {tuple(own): number for own, number in zip(corners, outer.tolist(), strict=True)}
+
     def facets(self, wall: str) -> Integers:
         """Numbers of a wall's facets in scikit-fem's mesh.
 
@@ -172,14 +186,8 @@ class CavityMesh:
         """
         if wall not in self.walls:
             raise AcousticsError("cavity.walls", got=f"'{wall}'", expected=", ".join(self.walls) or "a named wall")
-        mesh = self.basis.mesh
-        outer = mesh.boundary_facets()
-        known = {
-            tuple(sorted(corners)): int(number)
-            for number, corners in zip(outer, mesh.facets[:, outer].T.tolist(), strict=True)
-        }
         try:
-            return np.array([known[tuple(sorted(corners))] for corners in self.walls[wall].tolist()], dtype=np.int64)
+            return np.array([self._outer[tuple(sorted(one))] for one in self.walls[wall].tolist()], dtype=np.int64)
         except KeyError as error:
             raise AcousticsError(
                 f"cavity.walls.{wall}", got=f"a facet with corners {error}", expected="facets of the boundary"
@@ -197,18 +205,38 @@ def _apart(cells: Integers) -> int:
 
 def box_mesh(size: tuple[float, float, float] | list[float], cells: tuple[int, int, int] | list[int]) -> CavityMesh:
     """A box [0, Lx] x [0, Ly] x [0, Lz] of `cells` hexahedra in each direction; its walls are x0, x1, y0, ..., z1."""
-    axes = [np.linspace(0, length, n + 1) for length, n in zip(size, cells, strict=True)]
-    grid = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
-    number: Integers = np.arange(grid.size // 3, dtype=np.int64).reshape(*grid.shape[:3])
-    base = [
-        number[i : i - 1 or None, j : j - 1 or None, k : k - 1 or None]
-        for k in (0, 1)
-        for i, j in ((0, 0), (1, 0), (1, 1), (0, 1))
-    ]
+    grid, number = _lattice(size, cells)
     walls = {}
     for axis, name in enumerate("xyz"):
         for side in (0, 1):
             face: Integers = np.take(number, -side, axis=axis)
             corners = [face[:-1, :-1], face[1:, :-1], face[1:, 1:], face[:-1, 1:]]
             walls[f"{name}{side}"] = np.stack([corner.ravel() for corner in corners], axis=1)
-    return CavityMesh(grid.reshape(-1, 3), np.stack([corner.ravel() for corner in base], axis=1), walls)
+    return CavityMesh(grid, _hexahedra(number), walls)
+
+
+def box_cells(size: Sequence[float], counts: Sequence[int]) -> tuple[Floats, Integers]:
+    """Points [n, 3] [m] and cells [m, 8] of `box_mesh`, which need nothing else.
+
+    >>> [part.shape for part in box_cells([1, 1, 2], [2, 2, 4])]
+    [(45, 3), (16, 8)]
+    """
+    grid, number = _lattice(size, counts)
+    return grid, _hexahedra(number)
+
+
+def _lattice(size: Sequence[float], counts: Sequence[int]) -> tuple[Floats, Integers]:
+    """Points [n, 3] of a box's cells, and their numbers along its three axes."""
+    axes = [np.linspace(0, length, n + 1) for length, n in zip(size, counts, strict=True)]
+    grid = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
+    return grid.reshape(-1, 3), np.arange(grid.size // 3, dtype=np.int64).reshape(*grid.shape[:3])
+
+
+def _hexahedra(number: Integers) -> Integers:
+    """Corners [m, 8] of the cells between points that are numbered along three axes, in the order of VTK."""
+    base = [
+        number[i : i - 1 or None, j : j - 1 or None, k : k - 1 or None]
+        for k in (0, 1)
+        for i, j in ((0, 0), (1, 0), (1, 1), (0, 1))
+    ]
+    return np.stack([corner.ravel() for corner in base], axis=1)

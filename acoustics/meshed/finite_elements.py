@@ -125,7 +125,7 @@ def off_boundary(mesh: CavityMesh, points: Floats, wall: str | None = None) -> t
 
     Infinite for points beyond the edges of all facets near them.
     """
-    cells = mesh.basis.mesh
+    cells = mesh.skfem_mesh
     corners = mesh.points[cells.facets[:, cells.boundary_facets() if wall is None else mesh.facets(wall)].T]
     middles, normals = corners.mean(axis=1), np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normals /= np.linalg.norm(normals, axis=1)[:, None]

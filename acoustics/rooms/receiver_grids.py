@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 
 from acoustics.arrays import Floats, Integers, freeze, frozen
-from acoustics.meshed.cavity_mesh import HEX_OF_MESHIO, CavityMesh, box_mesh
+from acoustics.meshed.cavity_mesh import HEX_OF_MESHIO, CavityMesh, box_cells
 from acoustics.rooms.box import Box, room_modes
 
 FINE: Final = 28  # cells along the longest side of a rectangular room
@@ -33,13 +33,12 @@ def box_grid(room: Box) -> RoomGrid:
     (2744, 8)
     """
     counts = np.maximum(2, np.rint(FINE * room.size / room.size.max())).astype(int)
-    mesh = box_mesh(room.size.tolist(), counts.tolist())
-    return RoomGrid(mesh.points, mesh.cells)
+    return RoomGrid(*box_cells(room.size.tolist(), counts.tolist()))
 
 
 def halved_grid(mesh: CavityMesh) -> RoomGrid:
     """The halves of a mesh's own cells."""
-    cells = mesh.basis.mesh
+    cells = mesh.skfem_mesh
     if 8 * len(mesh.cells) <= MOST_CELLS:
         cells = cells.refined()
     order = np.argsort(HEX_OF_MESHIO) if cells.t.shape[0] == 8 else np.arange(4)
