@@ -1,6 +1,10 @@
-"""The command line as a user meets it: exit codes, JSON, one-line errors, nothing written on bad input."""
+"""The command line as a user meets it: exit codes, JSON, one-line errors, nothing written on bad input.
+
+One of each kind in a process of its own (`started`), the others in this one.
+"""
 
 import json
+import os
 import subprocess
 import sys
 from importlib.metadata import version
@@ -8,30 +12,30 @@ from pathlib import Path
 
 import pytest
 
+from tests.data.command_line import femstruct
+
 ROOT = Path(__file__).parents[2]
 MODELS = ROOT / "models"
 PLATE, BODIES = str(MODELS / "small_plate.yaml"), str(MODELS / "three_bodies.study.yaml")
 
 
-def femstruct(*words: str, cwd: Path = ROOT) -> subprocess.CompletedProcess[str]:
+def started(*words: str) -> subprocess.CompletedProcess[str]:
     command = [sys.executable, "-c", "from femstruct.cli import main; main()", *words]
-    return subprocess.run(command, capture_output=True, text=True, cwd=cwd, env=_environment())
+    return subprocess.run(command, capture_output=True, text=True, cwd=ROOT, env=_environment())
 
 
 def _environment() -> dict[str, str]:
-    import os
-
     return {**os.environ, "PYTHONPATH": str(ROOT), "PYTHONWARNINGS": "error"}
 
 
 def test_version() -> None:
-    done = femstruct("--version")
+    done = started("--version")
     assert (done.returncode, done.stderr) == (0, "")
     assert done.stdout == f"femstruct {version('femstruct')}\n"
 
 
 def test_modes_as_json() -> None:
-    done = femstruct("modes", PLATE, "--count", "6", "--json")
+    done = started("modes", PLATE, "--count", "6", "--json")
     assert done.returncode == 0, done.stderr
     table = json.loads(done.stdout)
     keys = {"frequency_hz", "damping_ratio", "kind", "rigid_body_modes", "complete_below_hz", "mass_kg", "findings"}
@@ -53,7 +57,7 @@ def test_modal_and_direct_frf_agree() -> None:
 
 
 def test_impact_and_sound_as_json() -> None:
-    done = femstruct("impact", BODIES, "--json")
+    done = started("impact", BODIES, "--json")
     assert done.returncode == 0, done.stderr
     (case,) = json.loads(done.stdout)["cases"].values()
     at = case["energy"]["at_separation"]
@@ -85,6 +89,12 @@ def test_bad_input_is_told_in_a_line(words: tuple[str, ...], told: str, tmp_path
     assert not list(tmp_path.iterdir())
 
 
+def test_bad_input_ends_the_process_with_two() -> None:
+    done = started("modes", ".")
+    assert (done.returncode, done.stdout) == (2, "")
+    assert "folder" in done.stderr and "Traceback" not in done.stderr
+
+
 def test_a_point_off_its_part_is_told_with_its_line(tmp_path: Path) -> None:
     text = (MODELS / "small_plate.yaml").read_text().replace("at: [0.17, 0.11]", "at: [0.6, 0.11]")
     (tmp_path / "plate.yaml").write_text(text)
@@ -96,7 +106,7 @@ def test_a_point_off_its_part_is_told_with_its_line(tmp_path: Path) -> None:
 
 
 def test_quiet_in_a_pipe() -> None:
-    done = femstruct("modes", str(MODELS / "portal.yaml"), "--json")
+    done = started("modes", str(MODELS / "portal.yaml"), "--json")
     assert done.stderr == ""
     json.loads(done.stdout)
 
@@ -110,7 +120,7 @@ def test_what_has_no_number_is_null(tmp_path: Path) -> None:
 @pytest.mark.parametrize("step", ["0", "1e-9"])
 def test_frf_steps_that_cannot_be_are_refused(step: str) -> None:
     words = ("--drive", "off.z", "--response", "off.z", "--band", "1:100", "--step", step)
-    done = femstruct("frf", str(MODELS / "small_plate.yaml"), *words)
+    done = femstruct("frf", PLATE, *words)
     assert done.returncode == 2
     assert done.stderr.startswith("--step: got")
 

@@ -3,9 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -19,8 +16,8 @@ from femstruct.workflow.check.inspect import inspect_file
 from femstruct.workflow.identify.identify import identify
 from femstruct.workflow.run.run import run_study
 from femstruct.workflow.stages.modal_bases import solve_all
+from tests.data.command_line import femstruct
 
-ROOT = Path(__file__).parents[2]
 PLATE = """
 materials: {{steel: {{E: 210 GPa, nu: 0.3, rho: 7850}}}}
 parts:
@@ -50,16 +47,6 @@ def study(folder: Path, text: str = STUDY) -> Path:
     path = folder / "hit.study.yaml"
     path.write_text(text, encoding="utf-8")
     return path
-
-
-def femstruct(*args: str | Path) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(
-        [sys.executable, "-m", "femstruct", *map(str, args)],
-        capture_output=True,
-        text=True,
-        env={**os.environ, "PYTHONPATH": str(ROOT)},
-        check=False,
-    )
 
 
 @pytest.mark.parametrize(

@@ -3,21 +3,16 @@
 from __future__ import annotations
 
 import json
-import os
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-ROOT = Path(__file__).parents[2]
+from tests.data.command_line import Ended, femstruct
 
 
-def statics(*words: str) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-c", "from femstruct.cli import main; main()", "statics", *words]
-    environment = {**os.environ, "PYTHONPATH": str(ROOT), "PYTHONWARNINGS": "error"}
-    return subprocess.run(command, capture_output=True, text=True, env=environment)
+def statics(*words: str) -> Ended:
+    return femstruct("statics", *words)
 
 
 MODEL = """

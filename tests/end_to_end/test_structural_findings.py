@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
@@ -18,6 +15,7 @@ from femstruct.workflow.check.inspect import inspect_file
 from femstruct.workflow.judgement.structure_findings import structure_findings_after, structure_findings_before
 from femstruct.workflow.run.run import run_study
 from femstruct.workflow.stages.modal_bases import solve
+from tests.data.command_line import femstruct
 
 ROOT = Path(__file__).parents[2]
 MODELS = ROOT / "models"
@@ -102,12 +100,6 @@ def files(folder: Path, old: str = "", new: str = "") -> Path:
 
 def told(found: tuple[Finding, ...], code: str) -> list[Finding]:
     return [finding for finding in found if finding.code == code]
-
-
-def femstruct(*words: str, cwd: Path) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-c", "from femstruct.cli import main; main()", *words]
-    environment = {**os.environ, "PYTHONPATH": str(ROOT), "PYTHONWARNINGS": "error"}
-    return subprocess.run(command, capture_output=True, text=True, cwd=cwd, env=environment)
 
 
 def before(study: Path) -> tuple[Finding, ...]:

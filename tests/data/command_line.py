@@ -1,0 +1,33 @@
+"""The command line in this process: what a process of its own says, without the second it takes to start one.
+
+What only a process shows (how it starts, ends, is killed, finds its streams) is tested with one: in `test_cli.py`,
+`test_start.py`, `test_kill.py` and `test_cli_faults.py`.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import io
+from dataclasses import dataclass
+from pathlib import Path
+
+from femstruct.cli import app
+from femstruct.exits import leave_with
+
+
+@dataclass(frozen=True)
+class Ended:
+    """What a command left with, and what it said; named as `subprocess.CompletedProcess` names it."""
+
+    returncode: int
+    stdout: str
+    stderr: str
+
+
+def femstruct(*words: str | Path, cwd: Path | None = None) -> Ended:
+    """A command of the program, in a folder if one is given."""
+    out, err = io.StringIO(), io.StringIO()
+    there = contextlib.chdir(cwd) if cwd else contextlib.nullcontext()
+    with there, contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+        code = leave_with(lambda: app([str(word) for word in words], prog_name="femstruct"))
+    return Ended(code, out.getvalue(), err.getvalue())
