@@ -84,7 +84,7 @@ def main_numbers(case: CaseResult) -> Iterator[tuple[str, Number]]:
                 continue  # the same number
             yield f"{name} peak force", _number(contact.peak_force, "N")
     for name, response in case.frf.items():
-        yield f"{name} peak", _number(float(abs(response.values).max(initial=0.0)), response.unit)
+        yield f"{name} peak", _number(response.peak, response.unit)
     basis = case.basis
     for number, omega in enumerate(basis.omega[basis.modes][:MODES], 1):
         yield f"mode {number} frequency", _number(float(omega) / (2.0 * pi), "Hz")

@@ -11,7 +11,7 @@ import numpy as np
 from scipy import optimize
 
 from femstruct.arrays import Floats
-from femstruct.campaign.designs import Designs, Outcome, Spent
+from femstruct.campaign.designs import NEVER, Designs, Outcome, Spent
 from femstruct.campaign.searching import HELD, designs_of, ends_of, table_of
 from femstruct.errors import InputError
 from femstruct.study.campaign.sought import Chosen, Found, Search
@@ -25,9 +25,13 @@ GENERATIONS: Final = 8  # of the search everywhere, about; a larger crowd sees m
 CROWD: Final = (12, 100)  # designs of a generation, at least and at most
 BESIDES: Final = 2  # times that these are tried
 BESIDE: Final = 0.01  # of a range, from the best design to those beside it
-FIRST: Final = 0.05  # of the ranges: radius at which the search near the best design begins
-LAST: Final = 1e-4  # and that at which it ends
-STARTS: Final = 3  # of that search, from the best designs of different valleys
+FIRST: Final = 0.05  # of the ranges: radius at which the search near the best designs begins
+ROUGH: Final = 2e-3  # and that at which it ends without limits; from there on only the best is followed
+LAST: Final = 1e-4  # and that at which it ends with limits, and the last search
+FINE: Final = 1e-7  # of the goal: what still counts as better there
+REACHED: Final = 1e-3  # of a limit: so near to it, it is what holds a design
+SPREAD: Final = 0.02  # of the ranges: first steps of the last search
+STARTS: Final = 3  # of the search near the best, from designs of different valleys
 VALLEYS: Final = 0.15  # of the ranges, that these lie apart at least
 
 
@@ -53,7 +57,8 @@ def optimise(
     -----
     Differential evolution with feasibility rules in place of penalties (Lampinen 2002, as scipy has it), from a Latin
     hypercube, in the first 70 % of the runs; then COBYQA, a trust region method without derivatives (Ragonneau 2022),
-    from the best design, lists as they are there. Where something scatters, goal and limits are their quantiles over
+    from the best designs, lists as they are there; then the simplexes of Nelder and Mead from the best, where no limit
+    holds it. Where something scatters, goal and limits are their quantiles over
     the same samples for every design. A global optimum is not proven: `seed` gives another course.
 
     The lightest ball that gives a mass half a metre per second:
@@ -127,12 +132,16 @@ def _everywhere(search: Search, designs: Designs) -> None:
 
 
 def _nearby(search: Search, designs: Designs) -> None:
-    """A trust region method from the best designs that lie apart; lists stay as they are there."""
+    """A trust region method from the best designs that lie apart; then from the best, where it reaches no limit, by
+    simplexes, which go down a valley with a kink in its floor, as the larger of two peaks has. Lists stay as they are
+    there."""
     free = [j for j, one in enumerate(search.designs) if not isinstance(one, Listed)]
     if not free:
         return
     for start in _apart(designs):
-        _downhill(search, designs, start, free)
+        _downhill(search, designs, start, free, LAST if search.limits else ROUGH)
+    if max(designs.outcomes[designs.best].excess, default=-np.inf) < -REACHED:
+        _by_simplexes(search, designs, designs.points[designs.best], free)
 
 
 def _apart(designs: Designs) -> list[Floats]:
@@ -145,8 +154,8 @@ def _apart(designs: Designs) -> list[Floats]:
     return found
 
 
-def _downhill(search: Search, designs: Designs, best: Floats, free: Sequence[int]) -> None:
-    """A trust region method from one design, along the paths that are no lists."""
+def _downhill(search: Search, designs: Designs, best: Floats, free: Sequence[int], last: float) -> None:
+    """A trust region method from one design, along the paths that are no lists, to a last radius."""
     scale = abs(designs.outcomes[designs.best].small) or 1.0
 
     def at(x: Floats) -> Outcome:
@@ -160,7 +169,33 @@ def _downhill(search: Search, designs: Designs, best: Floats, free: Sequence[int
         method="COBYQA",
         bounds=[(0.0, 1.0)] * len(free),
         constraints=_limits(search, lambda x: [at(x)]),
-        options={"initial_tr_radius": FIRST, "final_tr_radius": LAST, "maxfev": search.runs},
+        options={"initial_tr_radius": FIRST, "final_tr_radius": last, "maxfev": search.runs},
+    )
+
+
+def _by_simplexes(search: Search, designs: Designs, best: Floats, free: Sequence[int]) -> None:
+    """The method of Nelder and Mead from one design; what exceeds a limit is worse than all that does not."""
+    scale = abs(designs.outcomes[designs.best].small) or 1.0
+
+    def at(x: Floats) -> float:
+        point = best.copy()
+        point[free] = np.clip(x, 0.0, 1.0)
+        one = designs(point[None])[0]
+        return one.small / scale if one.beyond <= HELD else NEVER
+
+    start = best[free]
+    steps = np.diag(np.where(start < 0.5, SPREAD, -SPREAD))
+    scipy_optimize.minimize(
+        at,
+        start,
+        method="Nelder-Mead",
+        bounds=[(0.0, 1.0)] * len(free),
+        options={
+            "initial_simplex": np.vstack([start, start + steps]),
+            "xatol": LAST,
+            "fatol": FINE,
+            "maxfev": search.runs,
+        },
     )
 
 

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Annotated, Final
 
+import numpy as np
 from numpy import complex128
 from numpy.typing import NDArray
 
@@ -91,6 +92,26 @@ class Frf:
     values: NDArray[complex128]
     unit: str
     sound: PowerResponse | None = None
+
+    @property
+    def peak(self) -> float:
+        """The largest magnitude [unit], between its lines too; nan without lines.
+
+        Notes
+        -----
+        Near a resonance the inverse square of a magnitude (of a power, the inverse) is a parabola along frequency,
+        which three lines give. Where the lines are so far apart that it would rise to more than double, the largest of
+        them is taken as it is.
+        """
+        power = 1.0 if self.sound is not None else 2.0
+        size = np.abs(self.values)
+        at = int(size.argmax()) if len(size) else -1
+        if not 0 < at < len(size) - 1:
+            return float(size[at]) if len(size) else float("nan")
+        before, own, after = size[at - 1 : at + 2] ** -power
+        bend = before - 2.0 * own + after
+        lowest = own - (before - after) ** 2 / (8.0 * bend) if bend > 0.0 else own
+        return float(lowest ** (-1.0 / power)) if lowest > own * 2.0**-power else float(size[at])
 
 
 @dataclass(frozen=True)
