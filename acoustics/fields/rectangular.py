@@ -145,6 +145,10 @@ class Room(Box, SoundField):
         """By cosines of every wall: see `acoustics.rooms.box_pressure.pressure`."""
         return self.pressures_to_keep(motions, receivers, up_to_hz)[0]
 
+    @property
+    def keeps_transfers(self) -> bool:
+        return self.losses.kind != "source"
+
     def pressures_to_keep(
         self, motions: Sequence[Sequence[SurfaceVelocity]], receivers: Sequence[Receiver], up_to_hz: float = inf
     ) -> tuple[list[RoomResponse], KeptTransfer | None]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple, Protocol
 
-from acoustics.arrays import Floats
+from acoustics.arrays import Complexes, Floats
 from acoustics.receivers import Receiver
 from acoustics.room_response import RoomResponse
 from acoustics.source import SurfaceVelocity
@@ -30,6 +30,11 @@ class KeptTransfer(Protocol):
 
     def prepare(self) -> None:
         """Do now what the next motion would do."""
+
+    @property
+    def per_rate(self) -> Complexes:
+        """Pressure over the rate of every mode of the surfaces [r, k, nf], on the first lines of
+        `acoustics.rooms.continuation.transform_axis` of the record, as its transform is weighted."""
 
     def pressures(self, surfaces: Sequence[SurfaceVelocity]) -> list[RoomResponse] | None:
         """Pressures of other motions; None where they need another search."""

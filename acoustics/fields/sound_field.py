@@ -50,6 +50,11 @@ class SoundField(ABC):
     # what it is
 
     @property
+    def keeps_transfers(self) -> bool:
+        """Whether `pressures_to_keep` gives back something to keep."""
+        return False
+
+    @property
     @abstractmethod
     def volume(self) -> float:
         """Volume of its air [m^3], infinite in the open."""

@@ -52,6 +52,11 @@ class RoomTransfer:
         """Find the ways now."""
         _ = self.ways
 
+    @property
+    def per_rate(self) -> Complexes:
+        """Pressure over modal rate [r, k, nf] on the first of the lines `transform_axis` gives for the record."""
+        return self.ways[0]
+
     def of(self, surface: SurfaceVelocity, room: object, receivers: Sequence[Receiver], up_to_hz: float) -> bool:
         """Whether a motion is one of this ceiling in this room, in a record of the same length and sampling."""
         mine = self.surface

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
-from femstruct.campaign.batch_rows import BY_BATCH, batch_tasks
+from femstruct.campaign.batch.batch_rows import BY_BATCH, batch_tasks
 from femstruct.campaign.numbers import UNROUNDED
 from femstruct.campaign.samples import samples_of
 from femstruct.campaign.tasks import split

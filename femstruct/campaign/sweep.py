@@ -9,7 +9,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Final
 
-from femstruct.campaign.batch_rows import BY_BATCH, batch_tasks
+from femstruct.campaign.batch.batch_rows import BY_BATCH, batch_tasks
 from femstruct.campaign.executors import Crew, crew
 from femstruct.campaign.gathered import counted, gathered, make_ready, versions
 from femstruct.campaign.journal import Journal, Row, moved_aside, opened

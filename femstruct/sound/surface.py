@@ -11,7 +11,7 @@ from acoustics.errors import Advice
 from acoustics.fields.sound_field import air_stiffness_ratio
 from acoustics.receivers import Receiver
 from acoustics.source import SurfaceVelocity, SurfaceVibration
-from femstruct.arrays import Floats
+from femstruct.arrays import Floats, Integers
 from femstruct.errors import Finding
 from femstruct.impact.result.response import Response
 from femstruct.modal.basis import ModalBasis
@@ -63,14 +63,7 @@ def surface_velocity(response: Response, room: Placed) -> Motion:
 
 def surface_velocities(responses: Sequence[Response], room: Placed) -> list[Motion]:
     """The same of several responses of one basis, in the modes that move any of the surfaces in any of them."""
-    surfaces = room.shapes(responses[0].basis)
-    kept = np.zeros(surfaces[0].shapes.shape[1], dtype=bool)
-    for one in surfaces:
-        largest = np.abs(one.shapes).max(axis=0)
-        for response in responses:
-            speed = largest * response.amplitudes()
-            kept |= speed >= MIN_SHARE_OF_SURFACE * speed.max(initial=0.0)
-    moving = np.flatnonzero(kept)
+    surfaces, moving = room.shapes(responses[0].basis), moving_modes(responses, room)
     found = []
     for response in responses:
         rates, dt = response.velocities(moving), 1.0 / response.clock.sampling
@@ -78,6 +71,18 @@ def surface_velocities(responses: Sequence[Response], room: Placed) -> list[Moti
             tuple(SurfaceVelocity(one.points, one.weights, one.shapes[:, moving], rates, dt) for one in surfaces)
         )
     return found
+
+
+def moving_modes(responses: Sequence[Response], room: Placed) -> Integers:
+    """Numbers of the modes that move any of the surfaces in any of the responses."""
+    surfaces = room.shapes(responses[0].basis)
+    kept = np.zeros(surfaces[0].shapes.shape[1], dtype=bool)
+    for one in surfaces:
+        largest = np.abs(one.shapes).max(axis=0)
+        for response in responses:
+            speed = largest * response.amplitudes()
+            kept |= speed >= MIN_SHARE_OF_SURFACE * speed.max(initial=0.0)
+    return np.flatnonzero(kept)
 
 
 def pressure_per_force(

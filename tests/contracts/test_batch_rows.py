@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from femstruct.campaign.batch_rows import BY_BATCH, batch_tasks, offered
+from femstruct.campaign.batch.batch_rows import BY_BATCH, BatchTask, batch_tasks, stage_of
 from femstruct.campaign.kept_rows import planned, write_rows
 from femstruct.campaign.samples import samples_of
 from femstruct.campaign.sweep import set_aside, sweep
@@ -147,7 +147,7 @@ def test_a_plan_says_how_rows_are_made(study: Path) -> None:
 
 
 def test_batch_rows_are_kept_by_tasks(study: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("femstruct.campaign.batch_rows.AT_ONCE", 6)
+    monkeypatch.setattr("femstruct.campaign.batch.batch_rows.AT_ONCE", 6)
     campaign, folder = read_campaign(study, only=ALL), tmp_path / "rows"
     whole = sweep(campaign, workers=1)
 
@@ -178,9 +178,82 @@ def test_all_names_offered_are_those_of_a_full_row(study: Path) -> None:
     campaign = read_campaign(study, only=["hit peak force"])
     tasks = batch_tasks(campaign, samples_of(campaign), 1)
     assert not isinstance(tasks, str)
-    from femstruct.campaign.batch_rows import _stage
-
-    stage = _stage(tasks.tasks[0].first)  # type: ignore[attr-defined]
+    (task,) = tasks.tasks
+    assert isinstance(task, BatchTask)
+    stage = stage_of(task.first, campaign.only)
     case = stage.plan.cases[0]
-    names = offered(stage.batch(case, {}, 1, 1), stage.bases[case.name])
-    assert set(names) <= set(sweep(read_campaign(study), workers=1).names)
+    assert set(stage.offered(case, stage.batch(case, {}, 1, 1))) <= set(sweep(read_campaign(study), workers=1).names)
+
+
+PLATE = """
+materials: {steel: {E: 210 GPa, nu: 0.3, rho: 7850}}
+parts: {plate: {type: plate, material: steel, thickness: 3 mm, origin: [0, 0, 0.3], size: [0.5, 0.4], mesh: [10, 8]}}
+points: {hit: {on: plate, at: [0.21, 0.13]}, under: {on: plate, at: [0.33, 0.22]}}
+supports: {edges: {on: plate, edge: all, fix: simple}}
+surfaces: {below: {on: plate, side: below}, side: {on: plate, side: below}}
+damping: {ratio: 1 %}
+"""
+HEARD = """
+model: plate.yaml
+modes: {count: 12}
+bodies: {ball: {mass: 20 g, above: hit, speed: 2 m/s}, damper: {mass: 50 g, below: under}}
+contacts:
+  strike: {between: [ball, hit], law: {type: hertz, stiffness: 10 MN/m^1.5}}
+  stop: {between: [under, damper], law: {type: linear, stiffness: 100 kN/m}, gap: 0.02 mm}
+links: {spring: {between: [damper, under], stiffness: 500 N/m, damping: {closing: 0, opening: 2 N*s/m}}}
+record: {strike: force}
+time: {duration: 0.2 s, sampling: 20 kHz}
+rooms:
+  box:
+    size: [0.5, 0.4, 0.25]
+    under: below
+    losses: {beta: 1 %, at: 293 Hz}
+    receivers: {a: [0.1, 0.1, 0.1], b: [0.3, 0.3, 0.05]}
+vary:
+  bodies.ball.mass: {values: [10 g, 20 g, 40 g]}
+  contacts.strike.law.stiffness: {values: [5 MN/m^1.5, 20 MN/m^1.5]}
+"""
+LEVELS = (
+    "box.a L_AFmax",
+    "box.b L_AFmax",
+    *(f"levels / box.{one} / l_{what}_db" for one in "ab" for what in ("ae", "asmax")),
+)
+
+
+@pytest.fixture
+def heard(tmp_path: Path) -> Path:
+    (tmp_path / "plate.yaml").write_text(PLATE, encoding="utf-8")
+    path = tmp_path / "heard.study.yaml"
+    path.write_text(HEARD, encoding="utf-8")
+    return path
+
+
+def test_levels_in_a_room_are_those_of_full_runs(heard: Path) -> None:
+    full = sweep(read_campaign(heard), workers=1)
+    quick = sweep(read_campaign(heard, only=[*LEVELS, "strike force", "structure energy"]), workers=2)
+    assert quick.made == BY_BATCH
+    for name in LEVELS:
+        # cosines of a room are those of the first sample, to 1e-4 of the pressure: 1e-3 dB
+        np.testing.assert_allclose(quick.of(name), full.of(name), atol=2e-3)
+        assert np.ptp(full.of(name)) > 3.0
+    np.testing.assert_allclose(quick.of("strike force"), full.of("strike force"), rtol=1e-7)  # as their steps are held
+    told = set(full.findings[0][0]) & {"coarse-mesh", "one-way-stiff-air", "sealed-room"}
+    assert told <= set(quick.findings[0][0])
+
+
+def test_rooms_that_a_batch_cannot_hear_are_run_in_full(heard: Path) -> None:
+    only, text = list(LEVELS[:1]), heard.read_text(encoding="utf-8")
+    assert by_batch(read_campaign(heard, only=only))
+    more = {
+        "'levels / box.a / peak_pa' is a number of full runs": (text, ["levels / box.a / peak_pa"]),
+        "one impact": (text.replace("losses:", "coupling: two-way\n    losses:"), only),
+        "a structure that moves at the start": (f"{text}initial: {{velocity: {{hit.z: 0.1 m/s}}}}\n", only),
+        "modes that it couples": (text, only),
+    }
+    model = heard.with_name("plate.yaml")
+    for why, (written, names) in more.items():
+        heard.write_text(written, encoding="utf-8")
+        post = ", post: {type: spring, between: [hit, ground], stiffness: {z: 1 kN/m}, damping: {z: 50 N*s/m}}}"
+        coupled = PLATE.replace("[10, 8]}}", f"[10, 8]}}{post}")
+        model.write_text(coupled if why.startswith("modes") else PLATE, encoding="utf-8")
+        assert why in why_not(read_campaign(heard, only=names))

@@ -46,6 +46,12 @@ class WallTransfers:
         for _, kept in self.walls:
             kept.prepare()
 
+    @property
+    def per_rate(self) -> Complexes:
+        """As that of each wall, summed."""
+        whole: Complexes = np.sum([kept.per_rate for _, kept in self.walls], axis=0)
+        return whole
+
     def pressures(self, surfaces: Sequence[SurfaceVelocity]) -> list[RoomResponse] | None:
         """Pressures of other motions; None where a wall needs other cosines."""
         split = [by_wall(self.room, surface) for surface in surfaces]

@@ -13,7 +13,7 @@ import numpy as np
 from femstruct.arrays import Floats
 from femstruct.impact.collocation.attempt import Room
 from femstruct.impact.collocation.collocation_march import march
-from femstruct.impact.compiled.byte_layout import Counts, Matrix, Vector
+from femstruct.impact.compiled.byte_layout import Counts, Cube, Matrix, Vector
 from femstruct.impact.compiled.kernels import kernel, unit
 from femstruct.impact.engine.booking import DONE
 from femstruct.impact.engine.closings import CLOSES
@@ -109,9 +109,10 @@ class Marches(NamedTuple):
 
 
 class Out(NamedTuple):
-    """A row of metrics for each run [c, width]."""
+    """A row of metrics for each run [c, width], and the moments of what pushes [c, r, cells + 2] where asked for."""
 
     rows: Matrix
+    moments: Cube
 
 
 @unit(seconds=3.0)
@@ -140,7 +141,7 @@ def run_many(frame: System, shared: Shared, tables: Tables, runs: Runs, marches:
         state.status[:], state.rest[:], state.pace[:], state.force[:] = 0, 0.0, 0.0, 0.0
         record.kept[:], record.peak[:], record.shortest[:] = 0, 0.0, np.inf
         record.totals[:], record.travel[:], record.deepest[:], record.late[:] = 0.0, 0.0, 0.0, np.nan
-        record.strikes[:], record.latest[:], record.strike_peak[:] = 0.0, -1, 0.0
+        record.strikes[:], record.latest[:], record.strike_peak[:], record.moments[:] = 0.0, -1, 0.0, 0.0
         if marches.exact:
             status = exact_march(
                 frame, state, marches.exact_rule, marches.exact_room, record, marches.duration, np.inf, np.inf,
@@ -151,6 +152,9 @@ def run_many(frame: System, shared: Shared, tables: Tables, runs: Runs, marches:
                 frame, state, marches.rule, tables, marches.room, record, marches.halvings, marches.top_level,
                 marches.tolerance, marches.max_steps, marches.paced,
             )  # fmt: skip
+        if out.moments.shape[2] > 0:
+            for a in range(len(record.moments)):
+                copy_to(out.moments[i, a], record.moments[a])
         rows, events = int(record.ended[ROWS]), int(record.ended[EVENTS])
         end = record.history[rows - 1 if marches.exact else rows]  # collocation counts it with samples only
         record.totals[DRIFT] += abs(part_energies(frame, state, end))

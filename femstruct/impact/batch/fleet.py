@@ -51,10 +51,11 @@ class Fleet:
     columns: Columns
 
     @staticmethod
-    def of(basis: ModalBasis, varied: Variation, window: Clock) -> Fleet:
-        """A fleet on a basis. window : of one sample, so that its end is a power of two ticks away."""
+    def of(basis: ModalBasis, varied: Variation, window: Clock, *, heard: bool = False) -> Fleet:
+        """A fleet on a basis. window : of one sample, so that its end is a power of two ticks away. heard : whether
+        somebody listens, which takes the march that has forces as polynomials."""
         compiled = compile_scene(basis, varied.scene, window)
-        exact = takes_exact_march(_hardest(varied, compiled), window.duration)
+        exact = not heard and takes_exact_march(_hardest(varied, compiled), window.duration)
         halvings = FINEST_HALVINGS if exact else _halvings(varied, compiled, window)
         compiled = compile_scene(basis, varied.scene, window, halvings)
         system, k = compiled.system, compiled.system.n_modes
@@ -101,11 +102,17 @@ class Fleet:
         return Fleet(varied, window, compiled, shared, modes, exact, halvings, late, at)
 
 
-def run_some(fleet: Fleet, first: int, out: Floats, stop: Integers) -> None:
-    """Fill the rows of the runs from `first` on; all it changes is its own. stop [1] : not zero to end at once."""
+def run_some(fleet: Fleet, first: int, out: Floats, stop: Integers, cells: int = 0, spacing: float = 1.0) -> Floats:
+    """Fill the rows of the runs from `first` on; all it changes is its own.
+
+    stop [1] : not zero to end at once. Returns the moments [runs, r, cells + 2] of what pushes in cells of `spacing`
+    seconds; of no columns where there are no cells.
+    """
     system, tables = fleet.compiled.system, fleet.tables
     r, m, n = len(system.rows), len(system.interfaces), len(system.omega)
-    record = room_for(system, 0)._replace(stop=stop)
+    columns = cells + 2 if cells else 0
+    moments = np.zeros((len(out), r, columns))
+    record = room_for(system, 0)._replace(stop=stop, moments=np.zeros((r, columns)), spacing=np.array([spacing]))
     record.late_at[0] = fleet.late
     run_many(
         system._replace(
@@ -149,8 +156,9 @@ def run_some(fleet: Fleet, first: int, out: Floats, stop: Integers) -> None:
             force=np.zeros(m),
         ),
         fleet.columns,
-        Out(out),
+        Out(out, moments),
     )
+    return moments
 
 
 def numbers(varied: Variation, compiled: Compiled, first: int, last: int) -> Runs:

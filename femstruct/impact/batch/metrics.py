@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -71,6 +71,7 @@ class Batch:
     end_velocity [m/s], travel [m] : of the bodies; travel is the largest displacement either way.
     residual : of the energy ledger, as in `EnergyLedger`. lifts : by body that strikes several times.
     flags [runs] by the code of a finding: for which runs it holds; "failed" is that of a run with a status.
+    heard [runs, x] : what a listener made of each, of no columns without one.
 
     What is said against run i is `findings(i)`; `simulate(batch.basis, batch.scene(i), batch.clock)` has its histories.
     The example of `simulate_batch` reads one.
@@ -98,6 +99,7 @@ class Batch:
     residual: Floats
     lifts: Mapping[str, Lifts]
     flags: Mapping[str, Flags]
+    heard: Floats = field(default_factory=lambda: np.zeros((0, 0)))
 
     def scene(self, i: int) -> Scene:
         """The scene of run i, for `simulate`: the same impact with its histories."""

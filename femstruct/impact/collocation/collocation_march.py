@@ -9,6 +9,7 @@ from __future__ import annotations
 from femstruct.arrays import Floats
 from femstruct.impact.collocation.attempt import ERROR, PART, REFUSED, Room, attempt
 from femstruct.impact.collocation.events import CHANGES, SHARP, UNCERTAIN, least_excess, switch
+from femstruct.impact.collocation.push_moments import gather
 from femstruct.impact.compiled.kernels import kernel, unit
 from femstruct.impact.engine.booking import (
     DONE,
@@ -118,6 +119,8 @@ def march(system: System, state: State, rule: Rule, tables: Tables, room: Room, 
             keep(t // per_sample, max(level - halvings, 0), state, trial, record)
         peaks(now, h, system, state, rule, trial, record)
         travels(h, system, state, rule, trial, record)
+        if record.moments.shape[1] > 0:
+            gather(now, h, rule, trial, record.moments, record.shares, record.spacing[0])
         _confirm_step(system, state, trial, bounds, record)
         integrate_losses(h, system, state, rule, trial, lost)
         lost[m + MODES] += advance(level, system, tables, trial.forces, state.z, state.v, room.work)

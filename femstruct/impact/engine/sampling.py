@@ -40,6 +40,8 @@ class Record(NamedTuple):
     the last row before any.
     late [n] : the rates at the end of the first step that reaches the tick late_at [1], negative for none.
     rows_z, rows_v [rows, k] : where oscillators in place of coupled modes are at the ledger rows, else empty.
+    moments [r, cells + 2] : of what pushes, on a grid of times `spacing` [1] s apart, where it is asked for, else of no
+    columns; shares [STAGES] : room for them.
     stop [1] : not zero when the march shall end at once. ended : WHEN [s], ledger ROWS, EVENTS.
     """
 
@@ -69,6 +71,9 @@ class Record(NamedTuple):
     late: Vector
     rows_z: Matrix
     rows_v: Matrix
+    moments: Matrix
+    spacing: Vector
+    shares: Vector
     stop: Counts
     ended: Vector
 
@@ -109,6 +114,9 @@ def room_for(system: System, n_samples: int) -> Record:
         late=np.zeros(n),
         rows_z=np.empty(coupled),
         rows_v=np.empty(coupled),
+        moments=np.zeros((len(system.rows), 0)),
+        spacing=np.ones(1),
+        shares=np.zeros(STAGES),
         stop=np.zeros(1, dtype=np.int64),
         ended=np.zeros(3),
     )

@@ -113,7 +113,7 @@ def run_case(
         rated = _rated(case, struck, own.places, vacuo, clock)
         told += [*_of_bands(rated), *weight_on_air(whole.response, vacuo, study.rooms)]
         with clock("judgement", case.name):
-            told += _of_rooms(study, own.places, basis, vacuo)
+            told += known_of_rooms(study, own.places, basis, vacuo)
     cycles |= random_fatigues(study, vibrated, own.places, basis)
     return CaseResult(
         case=case,
@@ -216,7 +216,9 @@ def _of_records(
     ]
 
 
-def _of_rooms(study: Study, places: Places, basis: ModalBasis, vacuo: ModalBasis) -> list[tuple[str, Advice | Finding]]:
+def known_of_rooms(
+    study: Study, places: Places, basis: ModalBasis, vacuo: ModalBasis
+) -> list[tuple[str, Advice | Finding]]:
     """What the modes tell of rooms, by room. basis : with the air that reacts on the structure; vacuo : without it."""
     told: list[tuple[str, Advice | Finding]] = []
     for plan in study.rooms:

@@ -4,19 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
 from math import pi
 from typing import Final
 
 import numpy as np
 
+from acoustics.errors import Advice
 from femstruct.arrays import Floats
+from femstruct.campaign.batch.heard_rows import HeardRooms, heard_rooms, level_names, main_names
+from femstruct.campaign.batch.scene_columns import scene_columns
 from femstruct.campaign.journal import Row
 from femstruct.campaign.numbers import MODES, Number
 from femstruct.campaign.samples import Samples
-from femstruct.campaign.scene_columns import scene_columns
 from femstruct.campaign.tasks import Split, Task, read_sample
-from femstruct.errors import FemstructError
+from femstruct.errors import FemstructError, Finding
 from femstruct.impact.batch.batch import simulate_batch
 from femstruct.impact.batch.metrics import Batch, Energies
 from femstruct.impact.batch.vary import numbers_of_scene
@@ -24,9 +25,11 @@ from femstruct.impact.laws.registry import DOUBTS
 from femstruct.impact.result.contact_findings import NOT_TRUSTED, drifts
 from femstruct.impact.scene.bodies import Clock, Scene
 from femstruct.modal.basis import ModalBasis
+from femstruct.study.asked import TimePlan
 from femstruct.study.campaign.varied import Campaign
 from femstruct.study.study import Case, Plan, Study
 from femstruct.workflow.run.case import known_before
+from femstruct.workflow.stages.fingerprint import fingerprint
 from femstruct.workflow.stages.modal_bases import damped, key_of, meshed, solve_all
 from femstruct.workflow.stages.staging import scene as staged
 
@@ -58,7 +61,7 @@ class BatchTask:
 
     def rows(self) -> Iterator[list[Row]]:
         """The rows of all samples at once."""
-        stage = _stage(self.first)
+        stage = stage_of(self.first, self.only)
         found: dict[int, dict[str, Row]] = {number: {} for number in self.numbers}
         for case in stage.plan.cases:
             batch = stage.batch(case, self.columns[case.name], len(self.numbers), self.threads)
@@ -68,13 +71,14 @@ class BatchTask:
 
 
 @dataclass(frozen=True, eq=False)
-class _Stage:
-    """What all samples share, by case: damped bases, scenes of the first sample, codes of what is known before an
-    impact and of what of it forbids trust."""
+class Stage:
+    """What all samples share, by case: damped bases, scenes of the first sample, who listens, codes of what is known
+    before an impact and of what of it forbids trust."""
 
     plan: Plan
     bases: Mapping[str, ModalBasis]
     scenes: Mapping[str, Scene]
+    rooms: Mapping[str, HeardRooms]
     codes: Mapping[str, tuple[tuple[str, ...], tuple[str, ...]]]
 
     def batch(self, case: Case, columns: Mapping[str, Floats], runs: int, threads: int) -> Batch:
@@ -84,8 +88,20 @@ class _Stage:
         if not columns:
             name, value = next(iter(numbers_of_scene(scene).items()))
             columns = {name: np.full(runs, value)}
-        clock = Clock(time.duration, time.sampling, time.quiet)
-        return simulate_batch(self.bases[case.name], scene, clock, columns, threads)
+        listener = self.rooms[case.name].listener if case.name in self.rooms else None
+        return simulate_batch(self.bases[case.name], scene, _clock(time), columns, threads, listener=listener)
+
+    def offered(self, case: Case, batch: Batch) -> dict[str, tuple[Floats, str]]:
+        """All numbers of the runs of a case, with their units, named as in a full row."""
+        found = offered(batch, self.bases[case.name])
+        for record in case.study.records:  # a full row has these in place of the peak forces
+            if record.what == "force" and record.target in batch.peak_force:
+                found[str(record)] = found.pop(f"{record.target} peak force")
+        if case.name in self.rooms:
+            levels = dict(zip(self.rooms[case.name].names, batch.heard.T, strict=True))
+            found |= {name: (one, "dB") for name, one in levels.items()}
+            found |= {name: (levels[of], "dB") for name, of in main_names(case.study).items()}
+        return found
 
 
 def batch_tasks(campaign: Campaign, samples: Samples, threads: int) -> Split | str:
@@ -112,9 +128,9 @@ def batch_tasks(campaign: Campaign, samples: Samples, threads: int) -> Split | s
         found = scene_columns(samples, scenes)
         if found is None or not all(map(numbers_of_scene, found.scenes.values())):
             return "more varies than numbers of bodies, contacts, links and loads, or not in proportion to them"
-        stage = _stage(first)
+        stage = stage_of(first, campaign.only)
         for case in plan.cases:
-            known = offered(stage.batch(case, {}, 1, 1), stage.bases[case.name])
+            known = stage.offered(case, stage.batch(case, {}, 1, 1))
             if missing := [name for name in campaign.only if name not in known]:
                 return f"'{missing[0]}' is a number of full runs"
     except (FemstructError, TypeError) as error:  # full runs say it of each sample
@@ -137,7 +153,7 @@ def batch_tasks(campaign: Campaign, samples: Samples, threads: int) -> Split | s
 
 
 def offered(batch: Batch, basis: ModalBasis) -> dict[str, tuple[Floats, str]]:
-    """All numbers that the batch engine has, [runs] with their units, named as in a full row."""
+    """All numbers of impacts that the batch engine has, [runs] with their units, named as in a full row."""
     runs = len(batch.status)
     parted = np.isfinite(batch.at_separation.t)
     found = {"structure energy": (np.where(parted, batch.at_separation.structure, batch.end.structure), "J")}
@@ -184,25 +200,45 @@ def _impact_alone(case: Case) -> bool:
     return study.time is not None and not case.drops and study.accuracy is None and not two_way
 
 
-@lru_cache(maxsize=2)
-def _stage(first: Task) -> _Stage:
+def _clock(time: TimePlan) -> Clock:
+    return Clock(time.duration, time.sampling, time.quiet)
+
+
+def stage_of(first: Task, only: tuple[str, ...]) -> Stage:
+    """The stage of a sample, for numbers to be made of it; that of the last task where it is the same.
+
+    Raises what reading, solving and staging raise.
+    """
     plan = read_sample(first, first.samples[0][1])
+    key = fingerprint((dict(plan.sources), first.overrides, first.case, first.samples, only))
+    if key not in _STAGES:
+        stage = _made(plan, only)
+        _STAGES.clear()
+        _STAGES[key] = stage
+    return _STAGES[key]
+
+
+def _made(plan: Plan, only: Sequence[str]) -> Stage:
     solved = solve_all(plan.cases)
     baseline = next(case for case in plan.cases if case.name == plan.baseline)
     bases = {case.name: damped(case, solved, baseline) for case in plan.cases}
     scenes = {case.name: staged(case.study, solved[case.name].places, bases[case.name]) for case in plan.cases}
-    codes = {}
+    codes, rooms = {}, {}
     for case in plan.cases:
-        found = known_before(case, solved[case.name], bases[case.name], None)
-        severe = dict.fromkeys(one.code for one in found if one.severe)
+        study, own, basis = case.study, solved[case.name], bases[case.name]
+        found: list[Finding | Advice] = [*known_before(case, own, basis, None)]
+        if study.time is not None and not {*level_names(study), *main_names(study)}.isdisjoint(only):
+            rooms[case.name] = heard_rooms(study, own.places, basis, scenes[case.name], _clock(study.time))
+            found += rooms[case.name].told
+        severe = dict.fromkeys(one.code for one in found if isinstance(one, Finding) and one.severe)
         codes[case.name] = tuple(dict.fromkeys(one.code for one in found)), tuple(severe)
-    return _Stage(plan, bases, scenes, codes)
+    return Stage(plan, bases, scenes, rooms, codes)
 
 
-def _rows(case: str, numbers: Sequence[int], batch: Batch, stage: _Stage, only: Sequence[str]) -> Iterator[Row]:
+def _rows(case: str, numbers: Sequence[int], batch: Batch, stage: Stage, only: Sequence[str]) -> Iterator[Row]:
     """The rows of one case."""
     known, severe = stage.codes[case]
-    own = offered(batch, stage.bases[case])
+    own = stage.offered(next(one for one in stage.plan.cases if one.name == case), batch)
     columns = [(name, own[name][0].tolist(), own[name][1]) for name in only]
     flags = {code: flag.tolist() for code, flag in batch.flags.items() if flag.any()}
     forbids = {code: flags[code] for code, forbid in DOUBTS.items() if forbid and code in flags}
@@ -221,3 +257,6 @@ def _of_sample(rows: Mapping[str, Row]) -> list[Row]:
     """The rows of a sample by case; the one that failed, if there is one."""
     failed = next((row for row in rows.values() if row.trouble), None)
     return list(rows.values()) if failed is None else [replace(failed, case="")]
+
+
+_STAGES: Final[dict[str, Stage]] = {}  # of this process, the latest

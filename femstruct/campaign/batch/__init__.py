@@ -1,0 +1,1 @@
+"""Rows of many samples at once, by the batch engine."""
