@@ -11,8 +11,12 @@ import io
 from dataclasses import dataclass
 from pathlib import Path
 
+from typer.main import get_command
+
 from femstruct.cli import app
 from femstruct.exits import leave_with
+
+PROGRAM = get_command(app)
 
 
 @dataclass(frozen=True)
@@ -29,5 +33,5 @@ def femstruct(*words: str | Path, cwd: Path | None = None) -> Ended:
     out, err = io.StringIO(), io.StringIO()
     there = contextlib.chdir(cwd) if cwd else contextlib.nullcontext()
     with there, contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
-        code = leave_with(lambda: app([str(word) for word in words], prog_name="femstruct"))
+        code = leave_with(lambda: PROGRAM([str(word) for word in words], prog_name="femstruct"))
     return Ended(code, out.getvalue(), err.getvalue())

@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import Any
 
 from ruamel.yaml import YAML
+from typer.main import get_command
 
 MODELS = Path(__file__).parents[2] / "models"
 NUMBERS: tuple[Any, ...] = (
@@ -211,12 +212,19 @@ def command_on(path: Path, name: str, kind: str, seed: int, out: Path, *, quick:
     return ["run", file, "-o", str(out)] if turn in (1, 4) else ["impact" if turn == 3 else "check", file]
 
 
+@cache
+def program() -> Any:
+    """All commands, whose options are looked up once."""
+    from femstruct.cli import app
+
+    return get_command(app)
+
+
 def run_command(words: list[str]) -> tuple[int, str, str]:
     """Exit code, stdout and stderr of a command of the program, in this process."""
-    from femstruct.cli import app
     from femstruct.exits import leave_with
 
     out, err = io.StringIO(), io.StringIO()
     with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
-        code = leave_with(lambda: app(words))
+        code = leave_with(lambda: program()(words))
     return code, out.getvalue(), err.getvalue()
