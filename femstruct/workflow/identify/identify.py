@@ -155,14 +155,14 @@ def identify(
     solved: dict[str, Solved] = {}
     rooms, tried = RoomTransfers(), count(1)
 
-    def simulated(values: Mapping[str, float]) -> CaseResult:
+    def simulated(values: Mapping[str, float], *, trial: bool) -> CaseResult:
         progress(f"identify {', '.join(starts)}: run {next(tried)}")
         changed = tuple(f"{path}={values[path]!r} {units[path]}".rstrip() for path in starts)
         now = read_study(study, (*overrides, *changed, *timing), only=case or None)
-        return _simulated(now, solved, rooms, what == "pressure")
+        return _simulated(now, solved, rooms, what == "pressure", trial)
 
     def history(values: Mapping[str, float]) -> Floats:
-        result = simulated(values)
+        result = simulated(values, trial=True)
         assert result.response is not None
         later, values_then = values.get(DELAY, 0.0), result.channels[channel].values
         before = 0.0 if what in FROM_REST else None
@@ -177,7 +177,7 @@ def identify(
         t=table.times,
         measured=table.values,
         computed=table.values + found.residuals,
-        findings=ranked((*fit_findings(found), *simulated(found.values).findings)),
+        findings=ranked((*fit_findings(found), *simulated(found.values, trial=False).findings)),
     )
 
 
@@ -238,12 +238,14 @@ def _timing(plan: Plan, table: Measured, spacing: float, delay: bool) -> tuple[s
     return (f"time.sampling={sampling!r}", f"time.duration={end + 2.0 / sampling!r}")
 
 
-def _simulated(plan: Plan, solved: dict[str, Solved], rooms: RoomTransfers, heard: bool) -> CaseResult:
-    """The baseline of a study, run; solved : bases found so far, by key; rooms : their transfers."""
+def _simulated(plan: Plan, solved: dict[str, Solved], rooms: RoomTransfers, heard: bool, trial: bool) -> CaseResult:
+    """The baseline of a study, run; solved : bases found so far, by key; rooms : their transfers; trial : its findings
+    are not looked at."""
     plan = plan if heard else without_rooms(plan)
     case = next(one for one in plan.cases if one.name == plan.baseline)
     key = key_of(case.study)
     if key not in solved:
         solved[key] = solve_all((case,))[case.name]
     with positioned(plan):
-        return run_case(case, {case.name: solved[key]}, case, Stopwatch(lambda line: None), transfers=rooms)
+        silent = Stopwatch(lambda line: None)
+        return run_case(case, {case.name: solved[key]}, case, silent, transfers=rooms, estimated=not trial)

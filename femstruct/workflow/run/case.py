@@ -67,9 +67,10 @@ def run_case(
     accuracy: AccuracyCheck | None = None,
     *,
     transfers: RoomTransfers,
+    estimated: bool = True,
 ) -> CaseResult:
     """One case through every stage that its study asks for; accuracy : what came of asking for one; transfers : of
-    rooms computed before."""
+    rooms computed before; estimated : whether the error of the march is."""
     study, own = case.study, solved[case.name]
     with clock("damping", case.name):
         basis = damped(case, solved, baseline)
@@ -96,7 +97,7 @@ def run_case(
     if study.time is not None:
         refuse_absent_forces(study, basis)
         timed = partial(clock, case=case.name)
-        struck = strike(case.drops or {"": study}, study.time, own.places, basis, vacuo, timed, transfers)
+        struck = strike(case.drops or {"": study}, study.time, own.places, basis, vacuo, timed, transfers, estimated)
         whole = next(iter(struck.values()))  # of the other drops only numbers are kept
         drops = _drops(case, struck, own.places)
         with clock("levels", case.name):

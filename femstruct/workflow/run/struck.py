@@ -51,12 +51,12 @@ Stopwatch = Callable[[str], AbstractContextManager[None]]
 
 @dataclass(frozen=True, eq=False)
 class Struck:
-    """One simulation: the motion and what the march leaves it wrong by, the pressures, the levels by "ROOM.RECEIVER",
-    the levels of every room that is to be rated {room: [receivers: {band: [dB]}]}, reasons to trust it less, and what
-    striking bodies are heard themselves."""
+    """One simulation: the motion and what the march leaves it wrong by, None where nobody asked, the pressures, the
+    levels by "ROOM.RECEIVER", the levels of every room that is to be rated {room: [receivers: {band: [dB]}]}, reasons
+    to trust it less, and what striking bodies are heard themselves."""
 
     response: Response
-    errors: ErrorEstimate
+    errors: ErrorEstimate | None
     rooms: Mapping[str, RoomResponse]
     levels: Mapping[str, Levels]
     bands_db: Mapping[str, Sequence[Mapping[float, float]]]
@@ -77,11 +77,12 @@ def strike(
     vacuo: ModalBasis,
     stage: Stopwatch,
     transfers: RoomTransfers,
+    estimated: bool = True,
 ) -> dict[str, Struck]:
     """Studies that differ in where a source strikes, simulated: impacts, their errors, rooms, levels, by drop.
 
     basis : damped, with the air that reacts on the structure; vacuo : without it. stage : measures a stage by its name.
-    transfers : of rooms computed before.
+    transfers : of rooms computed before. estimated : whether the error of each is, which takes a second simulation.
 
     Raises what the stages raise.
 
@@ -97,7 +98,7 @@ def strike(
     with stage("impact"):
         responses = {drop: _hit(study, time, places, basis) for drop, study in studies.items()}
     with stage("error estimate"):
-        errors = {drop: error_of(response) for drop, response in responses.items()}
+        errors = {drop: error_of(response) if estimated else None for drop, response in responses.items()}
     with stage("room"):
         ends = {plan.name: plan.heard_to_hz(basis.complete_below_hz) for plan in first.rooms}
         rooms = _rooms(first, places, responses, ends, transfers)
@@ -142,7 +143,7 @@ def _clock(time: TimePlan) -> Clock:
 def _findings(
     study: Study,
     response: Response,
-    errors: ErrorEstimate,
+    errors: ErrorEstimate | None,
     vacuo: ModalBasis,
     rooms: Mapping[str, RoomResponse],
     heard: Mapping[str, Levels],
@@ -156,7 +157,7 @@ def _findings(
         *impact_findings(vacuo, response),
         *source_findings(study, response),
         *walking_findings(study, vacuo),
-        *unresolved_findings(errors, None if study.accuracy is None else study.accuracy.within),
+        *(() if errors is None else unresolved_findings(errors, study.accuracy.within if study.accuracy else None)),
         *room_findings(told),
     )
     return tuple(one for one in found if blows_of(study) != "tapping" or one.code not in STEADY)
