@@ -107,6 +107,24 @@ class CavityMesh:
         mass = BilinearForm(lambda u, v, _: u * v).assemble(basis)
         return csc_array(stiffness), csc_array(mass)
 
+    def wall_matrix(self, wall: str) -> csc_array:
+        """Integrals of the products of the elements' functions over a named wall [dofs, dofs], kept for its next use.
+
+        Raises AcousticsError: no such wall.
+        """
+        from skfem import BilinearForm, FacetBasis
+
+        if wall not in self._of_walls:
+            element = type(self.basis.elem)()  # scikit-fem keeps values in one, which go stale in another basis
+            facets = FacetBasis(self.skfem_mesh, element, facets=self.facets(wall), intorder=EXACT)
+            self._of_walls[wall] = csc_array(BilinearForm(lambda u, v, _: u * v).assemble(facets))
+        return self._of_walls[wall]
+
+    @cached_property
+    def _of_walls(self) -> dict[str, csc_array]:
+        """Matrices of walls that were asked for."""
+        return {}
+
     @cached_property
     def edges(self) -> Floats:
         """Ends [m, 2, 3] of the boundary's edges where it bends by more than 20 degrees [m]."""

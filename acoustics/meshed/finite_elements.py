@@ -17,7 +17,7 @@ from scipy.sparse.linalg import LinearOperator, eigsh, splu
 
 from acoustics.arrays import Floats, freeze, frozen, positive
 from acoustics.errors import AcousticsError
-from acoustics.meshed.cavity_mesh import EXACT, CavityMesh
+from acoustics.meshed.cavity_mesh import CavityMesh
 from acoustics.source import SurfaceShapes
 
 _SHRINK: Final = 1e-7  # share of the way to its cell's middle that a point is moved, so that it is inside
@@ -141,13 +141,13 @@ def off_boundary(mesh: CavityMesh, points: Floats, wall: str | None = None) -> t
 
 def wall_integrals(modes: CavityModes, wall: str) -> Floats:
     """Integrals of products of modes over a named wall [n, n] [m^2]."""
-    product: Floats = modes.shapes.T @ (_wall_matrix(modes.mesh, wall) @ modes.shapes)
+    product: Floats = modes.shapes.T @ (modes.mesh.wall_matrix(wall) @ modes.shapes)
     return product
 
 
 def wall_forces(modes: CavityModes, wall: str) -> Floats:
     """What each mode's pressure does to the nodes of a named wall that gives way to it [dofs, n]."""
-    forces: Floats = _wall_matrix(modes.mesh, wall) @ modes.shapes
+    forces: Floats = modes.mesh.wall_matrix(wall) @ modes.shapes
     return forces
 
 
@@ -211,15 +211,6 @@ def left_out(modes: CavityModes, loads: Floats) -> Floats:
         answers = modes.factor.solve(free - modes.shift * (M @ answers))
         answers -= shapes @ (shapes.T @ (M @ answers)) / volume
     return answers
-
-
-def _wall_matrix(mesh: CavityMesh, wall: str) -> csc_array:
-    from skfem import BilinearForm, FacetBasis
-
-    basis = mesh.basis
-    element = type(basis.elem)()  # scikit-fem keeps values in an element, which go stale in another basis
-    facets = FacetBasis(basis.mesh, element, facets=mesh.facets(wall), intorder=EXACT)
-    return csc_array(BilinearForm(lambda u, v, _: u * v).assemble(facets))
 
 
 def probe(mesh: CavityMesh, points: Floats) -> Any:

@@ -189,7 +189,8 @@ def band_exposures(force: Floats, dt: float, bands_hz: Mapping[float, float]) ->
     47.36
     """
     force = frozen("force", force, (None,))
-    t = positive("dt", dt, "s") * np.arange(len(force))
+    acts = np.flatnonzero(force)  # most of a record is without contact
+    t, force = positive("dt", dt, "s") * acts, force[acts]
     found = {}
     for nominal, centre in bands_hz.items():
         low, high = band_edges(centre)

@@ -215,6 +215,12 @@ def _derivative_of_shapes(kind: str, order: tuple[int, int]) -> Floats:
     return coefficients
 
 
+@cache
+def _derivatives(kind: str, orders: tuple[tuple[int, int], ...]) -> Floats:
+    """Coefficients [len(orders), nd, 4, 4] of derivatives of the shape functions."""
+    return np.array([_derivative_of_shapes(kind, order) for order in orders])
+
+
 def _integral(left: Floats, right: Floats) -> Floats:
     """Integrals over the unit square of all products of two families, exact but for one division."""
     numerators = np.kron(moment_numerators(), moment_numerators())
@@ -254,8 +260,7 @@ def _dof_scale(kind: str, a: Floats, b: Floats) -> Floats:
 
 def _evaluate(kind: str, orders: tuple[tuple[int, int], ...], xi: ArrayLike, eta: ArrayLike) -> Floats:
     """[m, len(orders), nd]: derivatives of the shape functions of the unit square at the points."""
-    coefficients = np.array([_derivative_of_shapes(kind, order) for order in orders])
-    result: Floats = np.einsum("rkij,mi,mj->mrk", coefficients, powers(xi), powers(eta), optimize=True)
+    result: Floats = np.einsum("rkij,mi,mj->mrk", _derivatives(kind, orders), powers(xi), powers(eta), optimize=True)
     return result
 
 

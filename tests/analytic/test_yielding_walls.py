@@ -8,6 +8,7 @@ velocity: no cavity modes, no coordinates of a wall.
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -67,8 +68,11 @@ SPRING = YieldingWall(stiffness=AIR.rho * AIR.c * 2 * np.pi * 150.0)  # as stiff
 SOFT = replace(SPRING, resistance=0.5 * AIR.rho * AIR.c)
 
 
+meshed = cache(box_mesh)  # of many rooms that differ in their walls
+
+
 def tube(walls, losses, up_to_hz=800.0, cells=40):
-    return ShapedRoom(box_mesh(TUBE, (1, 1, cells)), "z1", AIR, losses, walls, up_to_hz)
+    return ShapedRoom(meshed(TUBE, (1, 1, cells)), "z1", AIR, losses, walls, up_to_hz)
 
 
 def piston_tone(room, f, heights):
@@ -234,7 +238,7 @@ PLACE = oscillator(MASS, stiffness=STIFFNESS, axis="z")[1]["m"].probe("z")
 
 
 def box(wall, losses=LAWS["none"]):
-    return ShapedRoom(box_mesh((LX, LY, L), (3, 3, 3)), "z1", BOX_AIR, losses, {"z0": wall}, 1750.0)
+    return ShapedRoom(meshed((LX, LY, L), (3, 3, 3)), "z1", BOX_AIR, losses, {"z0": wall}, 1750.0)
 
 
 def underside(cells=3):
