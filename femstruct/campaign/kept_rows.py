@@ -1,4 +1,4 @@
-"""What a campaign leaves behind, rows in a file, a table and a picture; and what it takes, told beforehand."""
+"""What a campaign leaves behind: rows in a file, a table and a picture."""
 
 from __future__ import annotations
 
@@ -6,40 +6,17 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
-from femstruct.campaign.batch.batch_rows import BY_BATCH, batch_tasks
 from femstruct.campaign.numbers import UNROUNDED
-from femstruct.campaign.samples import samples_of
-from femstruct.campaign.tasks import split
 from femstruct.files.results_file.found_file import write_found, write_front_table
 from femstruct.files.results_file.swept_file import SWEEP, TABLE, write_swept, write_table
 from femstruct.study.campaign.front import Front
 from femstruct.study.campaign.sought import Found
 from femstruct.study.campaign.swept import Swept
-from femstruct.study.campaign.varied import Campaign
 from femstruct.workflow.run.provenance import Progress
 
 PICTURE = "sweep.png"
 OPTIMUM = ("optimise.h5", "optimise.csv", "optimise.png")
 FRONT = "optimise.front.csv"
-
-
-def planned(campaign: Campaign, progress: Progress = lambda line: None) -> dict[str, int | str]:
-    """How much there is to compute, by kind, and how. Nothing is run; modes are solved where the batch engine may do.
-
-    Raises InputErrors where no sample can be read.
-    """
-    samples = samples_of(campaign)
-    batch = batch_tasks(campaign, samples, 1)
-    parts = split(campaign, samples, progress) if isinstance(batch, str) else batch
-    return {
-        "samples": len(samples.texts),
-        "cases": len(parts.plan.cases),
-        "structures to solve": parts.structures,
-        "impacts to simulate": parts.impacts,
-        "rows": f"full runs: {batch}" if isinstance(batch, str) else BY_BATCH,
-        "samples that are refused": len(parts.refused),
-        **({"the first of them": next(iter(parts.refused.values()))} if parts.refused else {}),
-    }
 
 
 def write_rows(

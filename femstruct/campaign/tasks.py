@@ -172,3 +172,8 @@ def _row(number: int, name: str, case: CaseResult, only: Sequence[str]) -> Row:
 
 
 _SOLVED: Final[list[Solved]] = []  # of this process, the latest last: tasks of one structure follow each other
+
+
+def forget_bases() -> None:
+    """Leave the next sample without bases from those before."""
+    _SOLVED.clear()

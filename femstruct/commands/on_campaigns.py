@@ -41,13 +41,16 @@ def sweep(
     ] = None,
     workers: Annotated[int, typer.Option("--workers", metavar="N", min=0, help="processes; default: one a core")] = 0,
     cluster: Annotated[str, typer.Option("--cluster", metavar="ADDRESS", help="of a Dask scheduler")] = "",
-    plan: Annotated[bool, typer.Option("--plan", help="only print what would be computed")] = False,
+    plan: Annotated[
+        bool, typer.Option("--plan", help="only print what would be computed, and how long it takes")
+    ] = False,
     no_pictures: Annotated[bool, typer.Option("--no-pictures", help="numbers and tables only")] = False,
     as_json: AsJson = False,
 ) -> int:
     """Run a study for many values of its numbers. They stand in the study under 'vary:', or are given by --vary. Rows
     are kept as they come; the same command goes on where it was interrupted."""
-    from femstruct.campaign.kept_rows import planned, write_rows
+    from femstruct.campaign.forecast import planned
+    from femstruct.campaign.kept_rows import write_rows
     from femstruct.campaign.sweep import ROWS, set_aside
     from femstruct.campaign.sweep import sweep as swept
     from femstruct.files.atomic import refuse_unwritable
@@ -57,7 +60,7 @@ def sweep(
     asked = read_campaign(study, vary, set_, case, samples or None, only)
     if plan:
         with progress() as tell:
-            told = planned(asked, tell)
+            told = planned(asked, workers or None, tell)
         print_json(told) if as_json else print("\n".join(f"{words}: {count}" for words, count in told.items()))
         return GOOD
     folder = output or _folder(study, "sweep")
@@ -108,8 +111,8 @@ def optimise(
     no_pictures: Annotated[bool, typer.Option("--no-pictures", help="numbers and tables only")] = False,
     as_json: AsJson = False,
 ) -> int:
-    """Find the best design of a study, or for two or three goals those of which none is better in all. Goals, limits,
-    and what may be chosen stand in the study under 'optimise:', or are given here. Rows are kept as they come; the same
+    """Find the best design of a study. For two or three goals, those of which none is better in all. Goals, limits, and
+    what may be chosen stand in the study under 'optimise:', or are given here. Rows are kept as they come; the same
     command goes on."""
     from femstruct.campaign.front_search import pareto_front
     from femstruct.campaign.kept_rows import write_optimum

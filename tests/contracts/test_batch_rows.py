@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from femstruct.campaign.batch.batch_rows import BY_BATCH, BatchTask, batch_tasks, stage_of
-from femstruct.campaign.kept_rows import planned, write_rows
+from femstruct.campaign.forecast import planned
+from femstruct.campaign.kept_rows import write_rows
 from femstruct.campaign.samples import samples_of
 from femstruct.campaign.sweep import set_aside, sweep
 from femstruct.errors import InputError, InputErrors

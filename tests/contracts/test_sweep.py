@@ -17,8 +17,9 @@ import pytest
 import xarray
 
 from femstruct.campaign.executors import GONE
+from femstruct.campaign.forecast import planned
 from femstruct.campaign.journal import Row, is_of, opened
-from femstruct.campaign.kept_rows import planned, write_rows
+from femstruct.campaign.kept_rows import write_rows
 from femstruct.campaign.sweep import ROWS, set_aside, sweep
 from femstruct.campaign.tasks import Task
 from femstruct.errors import InputError, InputErrors
@@ -157,9 +158,10 @@ def test_where_no_sample_can_be_read_nothing_is_computed(study: Path) -> None:
 
 
 def test_what_it_takes_is_told_beforehand(study: Path) -> None:
-    told = planned(read_campaign(study, ["structure.mass=1 kg,2 kg"]))
+    told = planned(read_campaign(study, ["structure.mass=1 kg,2 kg"]), workers=1)
     # the heavy case sets its mass itself: one more structure
     assert told["samples"] == 12 and told["structures to solve"] == 3 and told["impacts to simulate"] == 24
+    assert str(told["about how long"]).endswith(" s on 1 core")  # 24 runs of some milliseconds
 
 
 def test_the_file_is_the_rows_and_opens_in_xarray(study: Path, tmp_path: Path) -> None:

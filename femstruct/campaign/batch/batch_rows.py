@@ -59,6 +59,11 @@ class BatchTask:
         """The task, None where the rows of all its samples are known: they are kept together or not at all."""
         return None if known.issuperset(self.numbers) else self
 
+    def first_of(self, count: int) -> BatchTask:
+        """The first samples alone."""
+        columns = {case: {name: one[:count] for name, one in own.items()} for case, own in self.columns.items()}
+        return replace(self, numbers=self.numbers[:count], columns=columns)
+
     def rows(self) -> Iterator[list[Row]]:
         """The rows of all samples at once."""
         stage = stage_of(self.first, self.only)
