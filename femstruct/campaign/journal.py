@@ -8,13 +8,13 @@ import zlib
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
 from dataclasses import dataclass
-from itertools import count
 from math import isfinite, nan
 from pathlib import Path
 from typing import Final
 
 from femstruct.campaign.numbers import Number
 from femstruct.errors import FemstructError, InputError
+from femstruct.files.set_aside import moved
 
 BESIDE: Final = (".h5", ".csv", ".png", ".front.csv", ".parallel.png", ".bands.png")  # suffixes of what rows become
 
@@ -110,14 +110,7 @@ def moved_aside(path: Path, campaign: str) -> Path | None:
     if not path.exists() or is_of(path, campaign):
         return None
     own = [path.with_suffix(suffix) for suffix in (path.suffix, *BESIDE)]
-    for number in count(1):
-        new = [one.with_name(f"{one.stem}.{number}{one.suffix}") for one in own]
-        if not any(one.exists() for one in new):
-            break
-    for old, other in zip(own, new, strict=True):
-        if old.exists():
-            old.rename(other)
-    return new[0]
+    return moved(own)[0]
 
 
 def _packed(row: Row) -> bytes:

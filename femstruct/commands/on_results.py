@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import typer
 
 from femstruct.commands.shared import AsJson, Verbose, command
-from femstruct.commands.study_answers import print_json, progress, shown, verdict
+from femstruct.commands.study_answers import on_stderr, print_json, progress, shown, verdict
 from femstruct.exits import GOOD, INTERRUPTED, NOT_TRUSTED
 
 ResultsFile = Annotated[
@@ -37,7 +37,7 @@ def report(
     folder = output or source.parent
     refuse_unwritable(folder)
     with progress() as tell:
-        result, told = redraw(source, folder, tell, not no_pictures)
+        result, told = redraw(source, folder, tell, not no_pictures, on_stderr)
     code = shown(result, {}, str(folder), as_json, verbose, told)
     return NOT_TRUSTED if code == INTERRUPTED else code  # the run was interrupted, not this command
 
@@ -115,7 +115,7 @@ def compare(
         tell("reading")
         runs = {name: read_results(results_file(path)) for name, path in zip(names, results, strict=True)}
         whole = beside(runs, " ".join(["femstruct", *sys.argv[1:]]))
-        seconds, told = ({}, "") if output is None else write_all(whole, output, tell, pictures=not no_pictures)
+        seconds, told = ({}, "") if output is None else write_all(whole, output, tell, not no_pictures, on_stderr)
     changed = differences(runs)
     if as_json:
         print_json(summary(whole) | {"differences": changed})

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from femstruct.commands.shared import NONE, AsJson, OnlyCase, Sets, StudyFile, Verbose, command
-from femstruct.commands.study_answers import print_json, progress, shown, solved, stages, watched
+from femstruct.commands.study_answers import on_stderr, print_json, progress, shown, solved, stages, watched
 from femstruct.exits import GOOD, NOT_TRUSTED
 
 
@@ -26,21 +26,25 @@ def run(
     watch: Annotated[
         bool, typer.Option("--watch", help="run again whenever a file of the study is saved; Ctrl-C ends it")
     ] = False,
+    replace: Annotated[
+        bool, typer.Option("--replace", help="a run of other inputs in the folder too; else it is kept with a number")
+    ] = False,
     as_json: AsJson = False,
     verbose: Verbose = False,
 ) -> int:
     """Run a study and write its results. Modes, responses, impacts, sound and levels become numbers, pictures, tables
-    in a folder."""
+    in a folder; a run of other inputs that is there is kept as FOLDER.1."""
     from femstruct.files.atomic import refuse_unwritable
     from femstruct.workflow.run.output import write_all
 
     folder = output or Path("results") / study.name.removesuffix(".yaml").removesuffix(".study")
     refuse_unwritable(folder)
+    keep = None if replace else on_stderr
     if watch:
-        return watched(study, set_, case, folder, as_json, verbose, not no_pictures)
+        return watched(study, set_, case, folder, as_json, verbose, not no_pictures, keep)
     _, result = solved(study, set_, case)
     with progress() as tell:
-        seconds, told = write_all(result, folder, tell, pictures=not no_pictures)
+        seconds, told = write_all(result, folder, tell, not no_pictures, keep)
     return shown(result, seconds, str(folder), as_json, verbose, told)
 
 

@@ -13,6 +13,7 @@ from femstruct.exits import GOOD, INTERRUPTED, NOT_TRUSTED
 if TYPE_CHECKING:
     from femstruct.study.result import StudyResult
     from femstruct.study.study import Plan
+    from femstruct.workflow.run.provenance import Progress
 
 
 def stages(study: Path, case: str, sets: list[str], as_json: bool, verbose: bool, with_rooms: bool) -> int:
@@ -54,8 +55,17 @@ def solved(study: Path, sets: list[str], case: str, with_rooms: bool = True) -> 
         return plan, run_study(plan, tell, " ".join(["femstruct", *sys.argv[1:]]))
 
 
-def watched(study: Path, sets: list[str], case: str, folder: Path, as_json: bool, verbose: bool, pictures: bool) -> int:
-    """Rounds of a study until Ctrl-C; then all files of the last one are written."""
+def watched(
+    study: Path,
+    sets: list[str],
+    case: str,
+    folder: Path,
+    as_json: bool,
+    verbose: bool,
+    pictures: bool,
+    keep: Progress | None,
+) -> int:
+    """Rounds of a study until Ctrl-C; then all files of the last one are written. keep : as for `rounds`."""
     from femstruct.exits import tell
     from femstruct.workflow.run.output import write_all
     from femstruct.workflow.run.watch import rounds
@@ -63,7 +73,8 @@ def watched(study: Path, sets: list[str], case: str, folder: Path, as_json: bool
     code, last = GOOD, None
     try:
         with progress() as told:
-            for one in rounds(study, sets, case, folder, told, command=" ".join(["femstruct", *sys.argv[1:]])):
+            words = " ".join(["femstruct", *sys.argv[1:]])
+            for one in rounds(study, sets, case, folder, told, command=words, keep=keep):
                 if one.error is not None:
                     code = tell(one.error)
                     said = "Not run: the last results are unchanged"
@@ -87,6 +98,11 @@ def verdict(result: StudyResult) -> int:
         return INTERRUPTED
     severe = [finding for case in result.cases.values() for finding in case.findings if finding.severe]
     return NOT_TRUSTED if severe else GOOD
+
+
+def on_stderr(line: str) -> None:
+    """A line beside what is printed, for a person."""
+    print(line, file=sys.stderr)
 
 
 def progress() -> Any:

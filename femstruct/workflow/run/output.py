@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import json
-import os
 import re
-import shutil
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Final, NamedTuple
 
@@ -16,21 +15,26 @@ from femstruct.arrays import Floats
 from femstruct.errors import some_of
 from femstruct.files.atomic import file_name, replacing, short
 from femstruct.files.audio import listening_scale, write_sequence, write_wav
-from femstruct.files.belongings import NAME, together
+from femstruct.files.belongings import NAME, Stage, together
 from femstruct.files.results_file.results import write_results
 from femstruct.files.results_file.stored import RESULTS, read_results
 from femstruct.files.room_modes import write_room_modes
+from femstruct.files.set_aside import same_file
 from femstruct.files.tables.study_tables import summary
 from femstruct.study.result import StudyResult
 from femstruct.view.report import write_report
-from femstruct.workflow.run.provenance import Progress, Stopwatch
+from femstruct.workflow.run.provenance import Progress, Stopwatch, inputs_of
 
 NO_PICTURES: Final = "Pictures left out, because of --no-pictures."
 NAMED: Final = 4  # files of those that are removed
 
 
 def write_all(
-    result: StudyResult, folder: Path, progress: Progress = lambda line: None, pictures: bool = True
+    result: StudyResult,
+    folder: Path,
+    progress: Progress = lambda line: None,
+    pictures: bool = True,
+    keep: Progress | None = None,
 ) -> tuple[dict[str, float], str]:
     """Write results.h5, summary.json, a WAV for every receiver and case, one to listen to with all cases in turn, all
     pictures, and report.html with tables, pictures and what to listen to.
@@ -38,19 +42,27 @@ def write_all(
     All files take their places together when the last is complete, so that a folder holds those of one run; those of
     an earlier run that this one does not make are then removed, and nothing else (files.belongings). All sounds of a
     study have one full scale, so that cases can be compared by ear. pictures : False for numbers, tables, sound alone.
+    keep : a run of other inputs that is in the folder is kept beside it with a number, and keep is told where; None
+    replaces it.
 
     Returns CPU seconds by stage, and sentences, a line each, about pictures that were left out and files that were
     removed, or kept though they are older ("" for none).
     """
     folder.mkdir(parents=True, exist_ok=True)
     clock = Stopwatch(progress)
-    with together(folder, finished=len(result.cases) == len(result.plan.cases)) as stage:
+    with _folder_of(result, folder, keep) as stage:
         left_out = _write(result, stage.path, clock, pictures, lambda path: write_results(path, result))
-    return clock.seconds, "\n".join(filter(None, (left_out, _cleared(stage.removed), _older(stage.older))))
+    return clock.seconds, "\n".join(
+        filter(None, (left_out, _cleared([] if stage.aside else stage.removed), _older(stage.older)))
+    )
 
 
 def redraw(
-    source: Path, folder: Path, progress: Progress = lambda line: None, pictures: bool = True
+    source: Path,
+    folder: Path,
+    progress: Progress = lambda line: None,
+    pictures: bool = True,
+    keep: Progress | None = None,
 ) -> tuple[StudyResult, str]:
     """Write all that `write_all` does from a results file, which stays as it is or is copied to another folder.
 
@@ -58,17 +70,28 @@ def redraw(
     """
     result = read_results(source)
     folder.mkdir(parents=True, exist_ok=True)
-    with together(folder, finished=len(result.cases) == len(result.plan.cases)) as stage:
-        left_out = _write(result, stage.path, Stopwatch(progress), pictures, lambda path: _take(source, path))
-    return result, "\n".join(filter(None, (left_out, _cleared(stage.removed), _older(stage.older))))
+    own = source.parent.resolve() == folder.resolve()
+    with _folder_of(result, folder, None if own else keep) as stage:
+        left_out = _write(result, stage.path, Stopwatch(progress), pictures, lambda path: same_file(source, path))
+    return result, "\n".join(
+        filter(None, (left_out, _cleared([] if stage.aside else stage.removed), _older(stage.older)))
+    )
 
 
-def _take(source: Path, path: Path) -> None:
-    """The same file under another name, or a copy of it."""
-    try:
-        os.link(source, path)
-    except OSError:  # another disk, or one without such names
-        shutil.copyfile(source, path)
+@contextmanager
+def _folder_of(result: StudyResult, folder: Path, keep: Progress | None) -> Iterator[Stage]:
+    """The stage of a folder for the files of a run; says where an earlier one of other inputs is kept."""
+    finished = len(result.cases) == len(result.plan.cases)
+    with together(folder, finished=finished, inputs=inputs_of(result.plan), keep=keep is not None) as stage:
+        yield stage
+    for place in stage.aside:
+        if keep is not None:
+            keep(f"The run of other inputs that was in {folder} is now in {place}")
+
+
+def _told(stage: Stage, left_out: str = "") -> str:
+    """Sentences about what a run left out, removed, or kept that is older; what is kept elsewhere is told by itself."""
+    return "\n".join(filter(None, (left_out, "" if stage.aside else _cleared(stage.removed), _older(stage.older))))
 
 
 def _older(kept: Sequence[str]) -> str:
@@ -91,20 +114,23 @@ def _cleared(removed: Sequence[str]) -> str:
     return f"Removed files of an earlier run: {names}" if removed else ""
 
 
-def write_numbers(result: StudyResult, folder: Path, progress: Progress = lambda line: None) -> str:
+def write_numbers(
+    result: StudyResult, folder: Path, progress: Progress = lambda line: None, keep: Progress | None = None
+) -> str:
     """Write summary.json, the sounds, and report.html without pictures: what a person changes a number for.
 
-    Files take their places as those of `write_all` do. Returns sentences about what was removed or is older.
+    Files take their places as those of `write_all` do; keep : likewise. Returns sentences about what was removed or is
+    older.
     """
     folder.mkdir(parents=True, exist_ok=True)
     clock = Stopwatch(progress)
-    with together(folder, finished=len(result.cases) == len(result.plan.cases)) as stage:
+    with _folder_of(result, folder, keep) as stage:
         _write_summary(result, stage.path)
         with clock("sound"):
             sounds = _write_sounds(result, stage.path)
         heard = {name: (stage.path / name).read_bytes() for name in sounds}
         write_report(result, stage.path / "report.html", sounds=heard)
-    return "\n".join(filter(None, (_cleared(stage.removed), _older(stage.older))))
+    return _told(stage)
 
 
 def _write_summary(result: StudyResult, folder: Path) -> None:

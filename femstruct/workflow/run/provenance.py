@@ -13,6 +13,8 @@ from functools import cache
 from importlib.metadata import version
 
 from femstruct.sparse.solvers import FASTEST
+from femstruct.study.study import Plan
+from femstruct.workflow.stages.fingerprint import fingerprint
 
 Progress = Callable[[str], None]
 
@@ -26,6 +28,21 @@ def provenance(command: str) -> dict[str, str]:
         "utc": datetime.now(UTC).isoformat(timespec="seconds"),
         "command": command,
     }
+
+
+def inputs_of(plan: Plan) -> str:
+    """A name for all that a run of a plan hangs on: its files verbatim, wherever they are, and what was changed in them
+    or left out of them. Not the program: a run of another version takes the place of an older one.
+
+    >>> inputs_of(Plan("", (), "a")) == inputs_of(Plan("", (), "b"))
+    False
+    """
+    cases = plan.cases
+    told = (sorted(plan.sources.values()), plan.baseline, [case.name for case in cases])
+    try:
+        return fingerprint((told, cases))
+    except TypeError:  # a function of a script has no value of its own
+        return fingerprint((told, [dict(case.changes) for case in cases]))
 
 
 @cache

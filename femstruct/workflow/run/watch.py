@@ -45,13 +45,15 @@ def rounds(
     progress: Progress = lambda line: None,
     wait: Callable[[], bool] = _look_again,
     command: str = "",
+    keep: Progress | None = None,
 ) -> Iterator[Round]:
     """Run a study, and again at every change of its files, its model's, and those they name, until nobody waits.
 
     Numbers, tables and sound are written to the folder at every round, no results.h5 and no pictures. A file that
     cannot be read, or a result that cannot be had, is a round with an error: what was kept stays, and the watch goes
     on.
-    wait : called between two looks at the files; False ends the watch.
+    wait : called between two looks at the files; False ends the watch. keep : as for `write_all`, of what is in the
+    folder before the first round; a round replaces the one before.
     """
     kept = Kept()
     files: tuple[Path, ...] = (study,)
@@ -67,7 +69,8 @@ def rounds(
             if any(one.code == "interrupted" for one in result.findings):
                 raise KeyboardInterrupt
             kept = left
-            write_numbers(result, folder, progress)
+            write_numbers(result, folder, progress, keep)
+            keep = None
             yield Round(result, kept.reused, time.perf_counter() - begin)
         except Exception as error:  # told by who watches: a saved mistake does not end the watch
             yield Round(None, "nothing", time.perf_counter() - begin, error=error)
