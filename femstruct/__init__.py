@@ -24,7 +24,7 @@ Each arrow is a pure function, each noun a frozen value; nothing points back::
     read_campaign, sweep        what varies in it     -> Swept: a row of numbers for every sample
     read_search, optimise       what may be chosen    -> Found: the best design
     pareto_front                likewise, two goals   -> Front: designs of which none is better in all
-    identify                    a study, a record     -> its numbers, with intervals
+    identify                    a model, measurements -> its numbers, with intervals
     write_results, read_results StudyResult           -> results.h5 and back
 
 Names are fetched when first asked for (PEP 562): a script that only meshes never loads HDF5.
@@ -205,6 +205,7 @@ if TYPE_CHECKING:
     from femstruct.study.study import Study as Study
     from femstruct.workflow.identify.identify import Identification as Identification
     from femstruct.workflow.identify.identify import identify as identify
+    from femstruct.workflow.identify.measured_data import MeasuredFiles as MeasuredFiles
     from femstruct.workflow.run.run import run_study as run_study
 
 _NAMES = {
@@ -329,6 +330,7 @@ _NAMES = {
     "study.measured_source": ("MeasuredSource",),
     "study.steady_vibration": ("Vibration",),
     "workflow.identify.identify": ("Identification", "identify"),
+    "workflow.identify.measured_data": ("MeasuredFiles",),
     "workflow.run.run": ("run_study",),
 }
 _HOMES = {name: f"femstruct.{module}" for module, names in _NAMES.items() for name in names}

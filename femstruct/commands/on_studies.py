@@ -1,4 +1,4 @@
-"""Commands on a study: run it, parts of it, or fit its parameters."""
+"""Commands on a study: run it, or parts of it."""
 
 from __future__ import annotations
 
@@ -8,8 +8,7 @@ from typing import Annotated
 import typer
 
 from femstruct.commands.shared import NONE, AsJson, OnlyCase, Sets, StudyFile, Verbose, command
-from femstruct.commands.study_answers import on_stderr, print_json, progress, shown, solved, stages, watched
-from femstruct.exits import GOOD, NOT_TRUSTED
+from femstruct.commands.study_answers import on_stderr, progress, shown, solved, stages, watched
 
 
 @command
@@ -70,44 +69,3 @@ def sound(
 ) -> int:
     """Simulate impacts and the sound in rooms. No files are written."""
     return stages(study, case, set_, as_json, verbose, with_rooms=True)
-
-
-@command
-def identify(
-    study: StudyFile,
-    measured: Annotated[Path, typer.Option("--measured", metavar="F.csv", help="columns of time and value")],
-    channel: Annotated[str, typer.Option("--channel", metavar="NAME", help="recorded channel: 'ball on O_f force'")],
-    fit: Annotated[
-        list[str], typer.Option("--fit", metavar="PATH=START", help="a parameter to fit and its start value")
-    ],
-    delay: Annotated[bool, typer.Option("--delay", help="also fit the time shift of the measured history")] = False,
-    picture: Annotated[
-        Path | None, typer.Option("--picture", metavar="F.png", help="draw both histories and their difference")
-    ] = None,
-    case: OnlyCase = "",
-    set_: Sets = NONE,
-    as_json: AsJson = False,
-    verbose: Verbose = False,
-) -> int:
-    """Fit parameters to a measured history. Confidence intervals are printed with them."""
-    from femstruct.workflow.identify.identify import identify as identified
-
-    if picture is not None:
-        from femstruct.view.figures.fitted import refuse_picture
-
-        refuse_picture(picture)
-    with progress() as tell:
-        found = identified(study, measured, channel, fit, delay, case, tuple(set_), tell)
-    if picture is not None:
-        from femstruct.view.figures.drawing import save
-        from femstruct.view.figures.fitted import fit_figure
-
-        save(fit_figure(found.t, found.measured, found.computed, found.channel, found.unit), picture)
-    table = found.table()
-    if as_json:
-        print_json(table)
-    else:
-        from femstruct.view.tables.identified_table import show_identification
-
-        show_identification(table, verbose)
-    return NOT_TRUSTED if any(finding["severe"] for finding in table["findings"]) else GOOD

@@ -10,6 +10,7 @@ from typing import Final, Protocol, TypeVar
 from femstruct.errors import InputError
 from femstruct.findings.cavity_entries import CAVITIES
 from femstruct.findings.entry import FORBIDS, LIMITS, Entry, Rank
+from femstruct.findings.fit_entries import FITS
 from femstruct.findings.impact_entries import IMPACT
 from femstruct.findings.level_entries import LEVELS
 from femstruct.findings.mesh_entries import MESHES
@@ -32,6 +33,7 @@ SUBJECTS: Final[Mapping[str, tuple[Entry, ...]]] = MappingProxyType(
         "measured sources": SOURCES,
         "open air": OPEN_AIR,
         "study": STUDY,
+        "fits": FITS,
     }
 )
 CATALOGUE: Final[Mapping[str, Entry]] = MappingProxyType(

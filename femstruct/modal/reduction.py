@@ -33,6 +33,7 @@ def modal_basis(
     count: int | None = None,
     probes: Sequence[Probe] = (),
     base: Sequence[str] = (),
+    orders: int = 2,
 ) -> ModalBasis:
     """Mass-normalised modes up to a frequency or a number of them, with two residual vectors for every probe.
 
@@ -42,6 +43,7 @@ def modal_basis(
     places of permanent dashpots are added to them.
     base : axes "x", "y", "z" along which all that stands on the ground will be moved as one; the static response to
     such an acceleration is exact, too.
+    orders : how many residual vectors a probe has: derivatives of responses need the motion itself, not its work.
 
     Returns a ModalBasis with no other damping than the permanent dashpots': `with_damping` adds the structure's own.
 
@@ -74,7 +76,7 @@ def modal_basis(
     found = modes(assembly.K, assembly.M, up_to_hz=up_to, count=count, labels=assembly.dofs.labels)
     moved = assembly.momentum[[AXES.index(axis) for axis in base]].T
     loads = np.concatenate([_loads(assembly, probes), moved, _dashpots(assembly)], axis=1)
-    extra_values, extra_shapes = residual_vectors(assembly.K, assembly.M, found, loads)
+    extra_values, extra_shapes = residual_vectors(assembly.K, assembly.M, found, loads, orders)
     values = np.concatenate([found.eigenvalues, extra_values])
     shapes = np.concatenate([found.shapes, extra_shapes], axis=1)
     residual_norm = convergence(assembly.K, assembly.M, values, shapes)

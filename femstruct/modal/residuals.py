@@ -17,14 +17,15 @@ _NEARLY = 1e-6  # the same for the second order, which is a correction only
 _SOLVES = 200
 
 
-def residual_vectors(K: csc_array, M: csc_array, found: Modes, loads: Floats) -> tuple[Floats, Floats]:
+def residual_vectors(K: csc_array, M: csc_array, found: Modes, loads: Floats, orders: int = 2) -> tuple[Floats, Floats]:
     """Pseudo-modes that complete the response to unit forces: (omega^2 [m], shapes [n, m]), mass-normalised.
 
-    loads [n, p] : a column of forces for every probe. m <= 2 p: dependent vectors are dropped.
+    loads [n, p] : a column of forces for every probe. m <= orders p: dependent vectors are dropped.
 
     They span R0 = K^+ b and R1 = K^+ M R0, the static and the first dynamic correction for the modes left out, K^+
-    being the inverse on what is M-orthogonal to the modes found. With them the static response to every b is exact;
-    the error in frequency falls as (omega / omega_next)^4. K and M are diagonal on modes and pseudo-modes together.
+    being the inverse on what is M-orthogonal to the modes found; with `orders` above 2 R2 = K^+ M R1 and so on. With
+    them the static response to every b is exact; the error in frequency falls as (omega / omega_next)^(2 orders). K and
+    M are diagonal on modes and pseudo-modes together.
 
     Notes
     -----
@@ -41,10 +42,14 @@ def residual_vectors(K: csc_array, M: csc_array, found: Modes, loads: Floats) ->
         return np.zeros(0), np.zeros((len(loads), 0))
     factor = factorise(found.pencil, found.sigma)
     static = complement_solve(M, found.shapes, factor, left[:, ~answered])
-    dynamic = complement_solve(M, found.shapes, factor, M @ static)
-    first = _independent(static, static, 1.0 / scale, _SAME)
-    second = _without(M, orthonormalise(M, first), _without(M, found.shapes, dynamic))
-    vectors = np.concatenate([first, _independent(second, dynamic, 1.0 / scale, _NEARLY)], axis=1)
+    vectors, last = _independent(static, static, 1.0 / scale, _SAME), static
+    for _ in range(orders - 1):
+        dynamic = complement_solve(M, found.shapes, factor, M @ last)
+        new = _without(M, orthonormalise(M, vectors), _without(M, found.shapes, dynamic))
+        last = _independent(new, dynamic, 1.0 / scale, _NEARLY)
+        if not last.shape[1]:
+            break
+        vectors = np.concatenate([vectors, last], axis=1)
     for _ in range(2):
         vectors = orthonormalise(M, _without(M, found.shapes, vectors))
     projected = vectors.T @ (K @ vectors)

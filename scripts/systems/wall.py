@@ -10,7 +10,8 @@ import numpy as np
 from femstruct import GROUND, Body, Clock, Contact, Hertz, HuntCrossley, Linear, Scene, simulate
 from femstruct.impact.scene.force_pulse import pulse_of
 from femstruct.modal.analytic import given_modes
-from femstruct.workflow.identify.fit import Fit, fit
+from femstruct.workflow.identify.fit import fit
+from femstruct.workflow.identify.intervals import Fit
 
 NOISE = 0.01  # of the peak
 GRAVITY = 9.81  # [m/s^2]

@@ -115,6 +115,7 @@ NOUNS = [
     fs.Sampling("sobol", 8),
     fs.Scattered("bodies.ball.mass", "uniform", 1.0, 2.0, "kg"),
     fs.Goal("ball peak force"),
+    fs.MeasuredFiles("force.csv", "ball on ground force", modes=("floor.csv +- 1 %",)),
     fs.Search("fall.study.yaml", "ball peak force", (fs.Scattered("bodies.ball.mass", "uniform", 1.0, 2.0, "kg"),)),
 ]  # fmt: skip
 # made by functions, of what has been compared; or with nothing to compare; or checked by a contract of its own

@@ -1,20 +1,25 @@
-"""Tables of frequency responses as files: comma-separated values, NumPy, universal files."""
+"""Tables of frequency responses as files: comma-separated values, NumPy, universal files; the first can be read
+back."""
 
 from __future__ import annotations
 
 import csv
 import json
+import re
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, Final, NamedTuple, get_args
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
+from femstruct.arrays import Floats
 from femstruct.conventions import DIRECTIONS
-from femstruct.errors import InputError
+from femstruct.errors import InputError, shown_as
 from femstruct.files.atomic import replacing
 from femstruct.files.exchange.uff_writing import write_uff
+from femstruct.files.inputs.grids import Grid, Row, read_grid, wrong_in
+from femstruct.modal.frf import FrfKind, frf_unit
 from femstruct.modal.measured.frf_table import FrfTable
 from femstruct.modal.measured.measurement import MeasuredFrf, MeasuredPlace, Measurement
 
@@ -72,3 +77,65 @@ def write_frf_uff(table: FrfTable, positions: Mapping[str, ArrayLike], path: str
     frfs = tuple(one(i, j) for j in range(len(table.drives)) for i in range(len(table.responses)))
     points = np.array([positions[name] for name in names], dtype=np.float64)
     return write_uff(Measurement(table.title, np.arange(1, len(names) + 1), points, frfs=frfs), path)
+
+
+_HEAD: Final = re.compile(
+    r"(?P<kind>\w+) (?P<response>.+?) / (?P<drive>.+?) \[(?P<unit>.*)\] (?P<part>real|imag|scatter)"
+)
+_HEADS: Final = "'frequency_hz' and pairs of columns, such as 'accelerance Q.z / P.z [m/(N s^2)] real' and '.. imag'"
+
+
+class FrfColumns(NamedTuple):
+    """A frequency response of a table: places as texts, frequencies [n] [Hz], values [n] in SI units, and the standard
+    deviation [n] of their real and imaginary parts where there is a column of it."""
+
+    drive: str
+    response: str
+    kind: FrfKind
+    frequency_hz: Floats
+    values: NDArray[np.complex128]
+    scatter: Floats | None
+
+
+def read_frf_csv(path: Path) -> list[FrfColumns]:
+    """Frequency responses of a table as `write_frf_csv` makes it; a third column of one, "scatter", may stand beside
+    it.
+
+    Raises InputError for a file that cannot be read, InputErrors with the line for what is wrong in it.
+    """
+    grid = read_grid(path, {}, "a table of frequency responses")
+    if len(grid.rows) < 2:
+        raise wrong_in(path, 1, InputError("", got=f"{len(grid.rows)} lines", expected=_HEADS))
+    head, rows = grid.rows[0], grid.rows[1:]
+    places: dict[tuple[str, str, str], dict[str, int]] = {}
+    for at, cell in enumerate(head.cells[1:], 1):
+        found = _HEAD.fullmatch(cell)
+        if found is None or found["kind"] not in get_args(FrfKind):
+            raise grid.wrong(head, shown_as(cell), _HEADS)
+        kind = next(one for one in get_args(FrfKind) if one == found["kind"])
+        unit = frf_unit(kind, *(found[end].rpartition(".")[2] for end in ("drive", "response")))
+        if found["unit"] != unit:
+            raise grid.wrong(head, f"a {kind} in '{found['unit']}'", f"one in {unit}")
+        places.setdefault((found["drive"], found["response"], kind), {})[found["part"]] = at
+    values = np.array([_numbers(grid, row, len(head.cells)) for row in rows])
+    if not (np.diff(values[:, 0]) > 0.0).all():
+        line = int(np.flatnonzero(~(np.diff(values[:, 0]) > 0.0))[0]) + 1
+        raise grid.wrong(rows[line], f"{values[line, 0]:g} Hz", f"a frequency above {values[line - 1, 0]:g} Hz")
+    made = []
+    for (drive, response, kind), parts in places.items():
+        if not {"real", "imag"} <= parts.keys():
+            raise grid.wrong(head, f"'{kind} {response} / {drive}' without its real or imag column", _HEADS)
+        answer = np.asarray(values[:, parts["real"]] + 1j * values[:, parts["imag"]], dtype=np.complex128)
+        scatter = values[:, parts["scatter"]] if "scatter" in parts else None
+        if scatter is not None and not (scatter > 0.0).all():
+            row = rows[int(np.flatnonzero(~(scatter > 0.0))[0])]
+            raise grid.wrong(row, "a scatter of 0 or less", "one above 0")
+        made.append(FrfColumns(drive, response, kind, values[:, 0], answer, scatter))  # type: ignore[arg-type]
+    return made
+
+
+def _numbers(grid: Grid, row: Row, count: int) -> list[float]:
+    found = [one for cell in row.cells if (one := grid.number(row, cell)) is not None]
+    if len(found) != count or len(row.cells) != count:
+        raise grid.wrong(row, f"{len(found)} numbers", f"{count}, one below each head")
+    return found

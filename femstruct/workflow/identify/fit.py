@@ -1,66 +1,31 @@
-"""Least squares with confidence intervals: which parameters make a computed history match a measured one."""
+"""Least squares with confidence intervals: which parameters make what is computed match what was measured."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from typing import Final
 
 import numpy as np
 import scipy
 
-from femstruct.arrays import Floats, freeze, frozen
+from femstruct.arrays import Floats
 from femstruct.errors import InputError, NotConverged
+from femstruct.workflow.identify.intervals import Fit, Parameter, Values, inverse, judged, unseen
 
 STEP = 1e-3  # of a parameter, for its derivative: truncation 1e-6, and an engine that errs by 1e-8 adds 1e-5
 SMALLEST = 0.1  # of its start: the least a parameter counts for in that step
-MIN_SENSITIVITY = 1e-6  # change of the history over the history itself, for a change by the whole parameter
-MIN_SINGULAR_VALUE = (
-    1e-4  # smallest singular value of the derivatives, each of length 1: above the error of the derivatives
-)
-INVOLVED = 0.1  # share of a parameter in a combination that the data leave open, from which on it is named
-AT_BOUND = 0.01  # of its standard deviation: a parameter that small is at its bound
+MIN_SENSITIVITY = 1e-6  # change of the data over the data themselves, for a change by the whole parameter
+SETTLED: Final = 1e-9  # of the parameters: the last step
+HALVINGS: Final = 30
 MOST_ITERATIONS = 100
-History = Callable[[Mapping[str, float]], Floats]
-
-
-@dataclass(frozen=True, eq=False)
-class Fit:
-    """Values with intervals, from N measured samples.
-
-    values, deviations : estimates and their standard deviations, by name. low, high : their confidence intervals.
-    shifts : names of those that have no size of their own. at_zero : names of those that ended at their bound.
-    correlation [p, p] : of the estimates, in their order. noise : standard deviation of the residuals. explained :
-    share of the sum of squares of the measured history. residuals [N] : computed less measured. runs : how often the
-    history was computed.
-    """
-
-    values: Mapping[str, float]
-    deviations: Mapping[str, float]
-    low: Mapping[str, float]
-    high: Mapping[str, float]
-    shifts: tuple[str, ...]
-    at_zero: tuple[str, ...]
-    confidence: float
-    correlation: Floats
-    noise: float
-    explained: float
-    residuals: Floats
-    runs: int
-
-    def __post_init__(self) -> None:
-        p = len(self.values)
-        freeze(
-            self,
-            correlation=frozen("fit correlation", self.correlation, (p, p)),
-            residuals=frozen("fit residuals", self.residuals, (None,)),
-        )
+History = Callable[[Values], Floats]
 
 
 def fit(
     history: History,
     measured: Floats,
-    start: Mapping[str, float],
-    shifts: Mapping[str, float] | None = None,
+    start: Values,
+    shifts: Values | None = None,
     confidence: float = 0.95,
 ) -> Fit:
     """Parameters with which a history comes closest to a measured one, by the sum of squares.
@@ -69,8 +34,8 @@ def fit(
     start : values to start from, not zero; a parameter keeps the sign of its start, and may end at zero.
     shifts : parameters that start at zero and may have either sign, with a change of each that counts as 1.
 
-    Raises InputError when the data cannot determine a parameter, by name, and for too few samples or a start of zero;
-    NotConverged after 100 iterations.
+    Raises InputError for a parameter of which the data do not depend, by name, and for too few samples or a start of
+    zero; NotConverged after 100 iterations.
 
     Notes
     -----
@@ -78,7 +43,7 @@ def fit(
     residual variance, J from central differences. They assume that the model is right, that its history is nearly
     linear in the parameters over the interval, and that the noise is normal, the same at all samples, and independent
     from one sample to the next; `femstruct.workflow.identify.fit_findings` says where that is not so. Of a parameter at
-    zero only the upper end means something.
+    zero only the upper end means something. Combinations that the data leave open stay where they start: `Fit.open`.
 
     References
     ----------
@@ -89,88 +54,159 @@ def fit(
     >>> {name: round(value, 6) for name, value in found.values.items()}
     {'a': 2.0, 'b': 0.5}
     """
-    shifts = shifts or {}
-    for name, value in start.items():
-        if not value or not np.isfinite(value):
-            raise InputError(f"fit {name}", got=f"a start of {value:g}", expected="a finite start other than 0")
-    names, bounded = [*start, *shifts], np.arange(len(start) + len(shifts)) < len(start)
-    scale, lowest = np.array([*start.values(), *shifts.values()]), np.where(bounded, 0.0, -np.inf)
-    n, p = len(measured), len(names)
-    if n <= p:
-        raise InputError("measured", got=f"{n} samples", expected=f"more than {p}, one for each parameter")
+    parameters = [parameter(name, value) for name, value in start.items()]
+    parameters += [Parameter(name, 0.0, -np.inf, np.inf, size) for name, size in (shifts or {}).items()]
+
+    def residuals(values: Values) -> Floats:
+        return history(values) - measured
+
+    return fitted(residuals, parameters, float(np.linalg.norm(measured)), confidence=confidence)
+
+
+def parameter(name: str, start: float, low: float | None = None, high: float | None = None) -> Parameter:
+    """A parameter that keeps the sign of its start, or stays between bounds.
+
+    Raises InputError for a start that is zero or infinite, and for bounds that do not hold it between them.
+    """
+    if not start or not np.isfinite(start):
+        raise InputError(f"fit {name}", got=f"a start of {start:g}", expected="a finite start other than 0")
+    least = low if low is not None else 0.0 if start > 0 else -np.inf
+    most = high if high is not None else 0.0 if start < 0 else np.inf
+    if not (least <= start <= most and least < most):
+        got = f"a start of {start:g} and bounds of {least:g} and {most:g}"
+        raise InputError(f"fit {name}", got=got, expected="a start between two bounds, the lower one first")
+    return Parameter(name, start, least, most, start)
+
+
+def fitted(
+    residuals: History,
+    parameters: Sequence[Parameter],
+    size: float,
+    jacobian: Callable[[Values], Floats] | None = None,
+    known: bool = False,
+    confidence: float = 0.95,
+) -> Fit:
+    """Parameters with the least sum of squares of residuals [N], between their bounds.
+
+    residuals : computed less measured, over its scatter. size : norm of what was measured, over its scatter.
+    jacobian : derivatives [N, p] of the residuals by the parameters; central differences without it. known : whether
+    the scatter was stated for all data: intervals are then those of the normal distribution, unless the residuals
+    exceed it.
+
+    Raises as `fit`.
+    """
+    names, scale = [one.name for one in parameters], np.array([one.scale for one in parameters])
+    ends = np.array([[one.low, one.high] for one in parameters]).reshape(-1, 2) / scale[:, None]
+    lowest, highest = ends.min(axis=1), ends.max(axis=1)
+    begin = np.array([one.start for one in parameters]) / scale
     runs = 0
 
-    def residuals(x: Floats) -> Floats:
+    def at(x: Floats) -> dict[str, float]:
+        return dict(zip(names, (scale * x).tolist(), strict=True))
+
+    def left(x: Floats) -> Floats:
         nonlocal runs
         runs += 1
-        return history(dict(zip(names, (scale * x).tolist(), strict=True))) - measured
+        return residuals(at(x))
+
+    known_at: list[tuple[bytes, Floats]] = []
 
     def derivatives(x: Floats) -> Floats:
-        columns = []
-        for i, step in enumerate(STEP * np.maximum(np.abs(x), SMALLEST)):
-            up, down = x.copy(), x.copy()
-            up[i], down[i] = x[i] + step, max(x[i] - step, lowest[i])
-            columns.append((residuals(up) - residuals(down)) / (up[i] - down[i]))
-        return np.stack(columns, axis=1)
+        """Those of the last point are kept: the search and the judgement ask for them again."""
+        if not known_at or known_at[0][0] != x.tobytes():
+            known_at[:] = [(x.tobytes(), anew(x))]
+        return known_at[0][1]
 
-    begin = np.where(bounded, 1.0, 0.0)
-    size = float(np.linalg.norm(measured))
-    refuse_undetermined(names, derivatives(begin), size)
-    # x only: what is fitted exactly has no sum of squares left whose change could be judged
-    found = scipy.optimize.least_squares(
-        residuals, begin, derivatives, (lowest, np.inf), x_scale="jac", max_nfev=MOST_ITERATIONS, xtol=1e-9, gtol=1e-14
-    )
-    if found.status <= 0:
-        raise NotConverged(
-            "fit", got=f"{MOST_ITERATIONS} iterations", expected="a minimum", do="give starts nearer to the minimum"
+    def anew(x: Floats) -> Floats:
+        if jacobian is not None:
+            exact: Floats = jacobian(at(x)) * scale
+            return exact
+        columns: Floats = scale * differences(
+            lambda values: left(np.array([values[name] for name in names]) / scale), parameters, at(x)
         )
-    left, jacobian = found.fun, derivatives(found.x)
-    refuse_undetermined(names, jacobian, size)
-    squares = float(left @ left)
-    inverse = np.linalg.inv(jacobian.T @ jacobian)
-    spread = np.sqrt(np.diag(inverse))
-    noise = float(np.sqrt(squares / (n - p)))
-    values, deviations = scale * found.x, noise * spread * np.abs(scale)
-    at_zero = bounded & (found.x < np.maximum(AT_BOUND * noise * spread, STEP**2))  # the method keeps inside its bounds
-    wide = float(scipy.special.stdtrit(n - p, 0.5 + 0.5 * confidence)) * deviations
+        return columns
 
-    def by_name(column: Floats) -> dict[str, float]:
-        return dict(zip(names, column.tolist(), strict=True))
+    first = derivatives(begin)
+    n, p = first.shape
+    if n <= p and not known:
+        expected, do = f"more than {p}, one for each parameter", "or state the scatter of all data"
+        raise InputError("measured", got=f"{n} samples", expected=expected, do=do)
+    refuse_unseen(names, first, size)
+    if len(unseen(first)):
+        x, rest = _truncated(left, derivatives, begin, (lowest, highest))
+    else:
+        # x only: what is fitted exactly has no sum of squares left whose change could be judged
+        found = scipy.optimize.least_squares(
+            left,
+            begin,
+            derivatives,
+            (lowest, highest),
+            x_scale="jac",
+            max_nfev=MOST_ITERATIONS,
+            xtol=SETTLED,
+            gtol=1e-14,
+        )
+        if found.status <= 0:
+            raise _endless()
+        x, rest = found.x, found.fun
+    there = derivatives(x)
+    refuse_unseen(names, there, size)
+    return judged(parameters, x, rest, there, size, known, confidence, runs)
 
-    return Fit(
-        values=by_name(values),
-        deviations=by_name(deviations),
-        low=by_name(values - wide),
-        high=by_name(values + wide),
-        shifts=tuple(shifts),
-        at_zero=tuple(name for name, near in zip(names, at_zero, strict=True) if near),
-        confidence=confidence,
-        correlation=inverse / np.outer(spread, spread) * np.outer(np.sign(scale), np.sign(scale)),
-        noise=noise,
-        explained=1.0 - squares / size**2,
-        residuals=left,
-        runs=runs,
-    )
+
+def _truncated(
+    left: Callable[[Floats], Floats], derivatives: Callable[[Floats], Floats], x: Floats, ends: tuple[Floats, Floats]
+) -> tuple[Floats, Floats]:
+    """The minimum and the residuals there by shortest steps of Gauss and Newton: along combinations that the data leave
+    open there are none."""
+    rest = left(x)
+    for _ in range(MOST_ITERATIONS):
+        jacobian = derivatives(x)
+        step = -inverse(jacobian, unseen(jacobian)) @ (jacobian.T @ rest)
+        for _ in range(HALVINGS):
+            tried = x + step.clip(0.5 * (ends[0] - x), 0.5 * (ends[1] - x))  # never beyond half the way to a bound
+            new = left(tried)
+            if float(new @ new) <= float(rest @ rest):
+                break
+            step = 0.5 * step
+        else:
+            return x, rest
+        moved, x, rest = float(np.abs(tried - x).max()), tried, new
+        if moved <= SETTLED * float(np.abs(x).max()):
+            return x, rest
+    raise _endless()
 
 
-def refuse_undetermined(names: Sequence[str], derivatives: Floats, size: float) -> None:
-    """Raise InputError where a history of norm `size` does not tell all parameters: derivatives [N, p] by the scaled
-    ones, of which one is zero or which depend on each other; it names those that do."""
+def _endless() -> NotConverged:
+    do = "give starts nearer to the minimum"
+    return NotConverged("fit", got=f"{MOST_ITERATIONS} iterations", expected="a minimum", do=do)
+
+
+def differences(
+    function: History, parameters: Sequence[Parameter], values: Values, names: Sequence[str] | None = None
+) -> Floats:
+    """Derivatives [N, p] of a function of the parameters by some of them, all without `names`, by central differences
+    within their bounds."""
+    columns = []
+    for one in parameters:
+        if names is not None and one.name not in names:
+            continue
+        step = abs(one.scale) * STEP * max(abs(values[one.name] / one.scale), SMALLEST)
+        up, down = min(values[one.name] + step, one.high), max(values[one.name] - step, one.low)
+        change = function({**values, one.name: up}) - function({**values, one.name: down})
+        columns.append(change / (up - down))
+    return np.stack(columns, axis=1)
+
+
+def refuse_unseen(names: Sequence[str], derivatives: Floats, size: float) -> None:
+    """Raise InputError for parameters on which data of norm `size` do not depend: derivatives [N, p] by the scaled
+    ones, of which one is zero."""
     lengths = np.linalg.norm(derivatives, axis=0)
     deaf = [name for name, length in zip(names, lengths, strict=True) if length <= MIN_SENSITIVITY * size]
     if deaf:
         raise InputError(
             "fit " + " and ".join(deaf),
-            got="a history that does not depend on it",
-            expected="a parameter that changes it",
+            got="data that do not depend on it",
+            expected="a parameter that changes them",
             do="remove it, or measure another quantity",
-        )
-    _, singular, directions = np.linalg.svd(derivatives / lengths, full_matrices=False)
-    if singular[-1] < MIN_SINGULAR_VALUE:
-        mixed = [name for name, share in zip(names, directions[-1], strict=True) if abs(share) > INVOLVED]
-        raise InputError(
-            "fit " + " and ".join(mixed),
-            got=f"the same change of the history with each of them (singular value {singular[-1]:.1g})",
-            expected="parameters whose effects differ",
-            do="fix one of them at a known value",
         )

@@ -1,74 +1,89 @@
-"""Numbers of a study from a measured history: contact stiffness and damping from a force, or any others."""
+"""Numbers of a model or a study from what was measured: histories, modes, frequency responses, levels, or several."""
 
 from __future__ import annotations
 
-import re
+import shlex
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from itertools import count
+from functools import partial
 from pathlib import Path
-from typing import Any, Final
+from typing import Any
 
 import numpy as np
 
 from femstruct.arrays import Floats
-from femstruct.errors import Finding, InputError, InputErrors
-from femstruct.files.inputs.columns import read_measured
+from femstruct.errors import Finding, InputErrors
 from femstruct.files.tables.finding_tables import finding_table
 from femstruct.files.tables.json_numbers import number
 from femstruct.findings.catalogue import ranked
-from femstruct.impact.scene.bodies import Table as Measured
-from femstruct.language import read_study
-from femstruct.language.yaml.tree import nearest
-from femstruct.study.result import CaseResult
-from femstruct.study.study import Plan
-from femstruct.workflow.identify.fit import Fit, fit
-from femstruct.workflow.identify.fit_findings import fit_findings
-from femstruct.workflow.run.case import run_case
-from femstruct.workflow.run.provenance import Progress, Stopwatch
-from femstruct.workflow.run.run import without_rooms
-from femstruct.workflow.stages.modal_bases import Solved, key_of, solve_all
-from femstruct.workflow.stages.positions import positioned
-from femstruct.workflow.stages.recorded.channels import UNITS
-from femstruct.workflow.stages.room_transfers import RoomTransfers
+from femstruct.study.matched import Beside
+from femstruct.workflow.identify.data.datum import Datum
+from femstruct.workflow.identify.data.history import DELAY, HistoryDatum
+from femstruct.workflow.identify.fit import differences, fitted
+from femstruct.workflow.identify.fit_findings import Left, fit_findings
+from femstruct.workflow.identify.intervals import Fit, Parameter, Values
+from femstruct.workflow.identify.measured_data import MeasuredFiles, read_data
+from femstruct.workflow.identify.parameters import parameters_of, refused_as_fit, start_texts
+from femstruct.workflow.identify.trial import Needs, Trial, Trials, read_source
+from femstruct.workflow.identify.undetermined import Combination, combinations
+from femstruct.workflow.run.provenance import Progress
 
-DIMENSIONS: Final = {
-    "displacement": "length",
-    "travel": "length",
-    "velocity": "speed",
-    "acceleration": "acceleration",
-    "force": "force",
-    "pressure": "pressure",
-}
-FROM_REST: Final = ("force", "acceleration", "pressure")  # zero before t = 0
-DELAY: Final = "delay"
-FINER = 8  # samples of the simulation to a measured one where the measured times lie between
-_VALUE = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*?)\s*")
+DIGITS = 6  # of values as they are written into a file
+
+
+@dataclass(frozen=True, eq=False)
+class DataLeft:
+    """What a fit leaves of one set of data: how many numbers, the rms of their residuals over the scatter, whether that
+    was stated."""
+
+    name: str
+    count: int
+    rms: float
+    known: bool
 
 
 @dataclass(frozen=True, eq=False)
 class Identification:
-    """Parameters of a study by path, found from a measured channel.
+    """Parameters of a model or study by path, found from measured data.
 
-    units : in which each was asked for, "" for SI. t, measured, computed [N] : the channel and its best match.
+    units : in which each was asked for, "" for SI. beside : measured beside computed. left : what is left of each set
+    of data. combinations : of parameters that the data do not distinguish. runs : how often it was computed.
     """
 
-    channel: str
-    unit: str
+    title: str
     units: Mapping[str, str]
     fit: Fit
-    t: Floats
-    measured: Floats
-    computed: Floats
+    beside: tuple[Beside, ...]
+    left: tuple[DataLeft, ...]
+    combinations: tuple[Combination, ...]
     findings: tuple[Finding, ...]
+    runs: int
+
+    @property
+    def changes(self) -> tuple[str, ...]:
+        """The values as changes of the input files, ``PATH=VALUE``, to six digits."""
+        found = [(name, value) for name, value in self.fit.values.items() if name != DELAY]
+        return tuple(f"{name}={value:.{DIGITS}g} {self.units[name]}".rstrip() for name, value in found)
 
     def table(self) -> dict[str, Any]:
         """The numbers for JSON."""
         found = self.fit
+        history = next((one for one in self.beside if one.kind == "history"), None)
+        alone = history is not None and len(self.left) == 1
+        of_history = {
+            "channel": history.name,
+            "unit": history.unit,
+            "residual_deviation": number(found.noise * float(history.scatter[0])),
+            "explained": number(found.explained),
+        } if history is not None and alone else {}  # fmt: skip
         return {
-            "channel": self.channel,
-            "unit": self.unit,
-            "samples": len(self.measured),
+            "title": self.title,
+            **of_history,
+            "samples": len(found.residuals),
+            "data": [
+                {"name": one.name, "numbers": one.count, "rms_over_scatter": number(one.rms), "scatter_stated":
+                one.known} for one in self.left
+            ],
             "confidence": found.confidence,
             "parameters": {
                 name: {
@@ -81,39 +96,57 @@ class Identification:
                 for name, value in found.values.items()
             },
             "correlation": [[number(one) for one in row] for row in found.correlation.tolist()],
-            "residual_deviation": number(found.noise),
-            "explained": number(found.explained),
-            "runs": found.runs,
+            "not_distinguished": [
+                {
+                    "parameters": list(one.names),
+                    "changes": list(one.changes),
+                    "half_along": number(one.half_along),
+                    "determined": [
+                        {"formula": kept.formula, "value": number(kept.value), "half_width": number(kept.half *
+                        abs(kept.value))} for kept in one.kept
+                    ],
+                    "sentence": one.sentence,
+                }
+                for one in self.combinations
+            ],
+            "set": list(self.changes),
+            "command": " ".join(f"--set {shlex.quote(one)}" for one in self.changes),
+            "runs": self.runs,
             "findings": [finding_table(finding) for finding in self.findings],
-        }
+        }  # fmt: skip
 
 
 def identify(
     study: Path,
-    measured: Path,
-    channel: str,
-    parameters: Sequence[str],
+    measured: Path | str | MeasuredFiles,
+    channel: str = "",
+    parameters: Sequence[str] = (),
     delay: bool = False,
     case: str = "",
     overrides: Sequence[str] = (),
     progress: Progress = lambda line: None,
 ) -> Identification:
-    """Values of numbers in a study, or its model, with which a recorded channel matches a measured one.
+    """Values of numbers in a study or a model with which what is computed matches what was measured.
 
-    measured : CSV of time and value; a header such as ``time [ms], force [N]`` gives their units, SI without.
-    channel : as the study records it, "ball on floor force". parameters : texts ``PATH=START`` with a start other than
-    zero, in the unit in which the result is wanted.
+    study : a study, or a model where nothing but modes and frequency responses were measured.
+    measured : what was measured; or a CSV of time and value, whose header such as ``time [ms], force [N]`` gives their
+    units, SI without. channel : then what it is of, as the study records it, "ball on floor force".
+    parameters : texts ``PATH=START`` or ``PATH=START:LOW:HIGH`` with a start other than zero, in the unit in which the
+    result is wanted. Without bounds a parameter keeps its sign.
     delay : find the time by which the measured history begins later than the simulation [s], too.
     case : of the study, "" for its baseline.
 
-    Raises InputErrors for what the files, the channel or the parameters do not have; InputError for parameters that the
-    channel does not determine; NotConverged.
+    Raises InputErrors for what the files, the channel or the parameters do not have; InputError for parameters of which
+    the data do not depend; NotConverged.
 
     Notes
     -----
     The study is simulated at the measured times, with the sampling and the duration that they ask for. Bases are
-    solved anew for other structures only; `accuracy` plays no part. See `femstruct.workflow.identify.fit.fit` for what
-    the intervals assume.
+    solved anew for other structures only; `accuracy` plays no part. Derivatives of modes and frequency responses are
+    those of the matrices, of others differences. See `femstruct.workflow.identify.fit.fit` for what the intervals
+    assume. Scatter that is stated gives each set of data its weight, and the intervals are normal; without it sets have
+    weights as usual (1 % of a frequency, 10 % of a line, 1.5 dB of a band, 5 % of the rms of a history), and the
+    intervals follow the residuals.
 
     A ball of 1 kg hits a wall at 1 m/s; its force is a half sine of 100 N, recorded every millisecond:
 
@@ -139,113 +172,80 @@ def identify(
     >>> round(found.fit.values["bodies.ball.contact.stiffness"], 4)  # in kN/m, as asked
     10.0
     """
-    starts, units = _starts(parameters)
-    plan = _read(study, overrides, parameters, case)
-    what = _quantity(plan, channel)
-    if delay and what not in FROM_REST:
-        raise InputError(
-            "--delay",
-            got=f"a {what}",
-            expected=" or ".join(FROM_REST),
-            do="a motion from before has no start in the record",
-        )
-    table = read_measured(measured, DIMENSIONS[what])
-    spacing = float(np.median(np.diff(table.times)))
-    timing = _timing(plan, table, spacing, delay)
-    solved: dict[str, Solved] = {}
-    rooms, tried = RoomTransfers(), count(1)
-
-    def simulated(values: Mapping[str, float], *, trial: bool) -> CaseResult:
-        progress(f"identify {', '.join(starts)}: run {next(tried)}")
-        changed = tuple(f"{path}={values[path]!r} {units[path]}".rstrip() for path in starts)
-        now = read_study(study, (*overrides, *changed, *timing), only=case or None)
-        return _simulated(now, solved, rooms, what == "pressure", trial)
-
-    def history(values: Mapping[str, float]) -> Floats:
-        result = simulated(values, trial=True)
-        assert result.response is not None
-        later, values_then = values.get(DELAY, 0.0), result.channels[channel].values
-        before = 0.0 if what in FROM_REST else None
-        return np.interp(table.times - later, result.response.t, values_then, left=before)
-
-    found = fit(history, table.values, starts, {DELAY: spacing} if delay else {})
+    files = measured if isinstance(measured, MeasuredFiles) else MeasuredFiles(str(measured), channel)
+    sought, units = parameters_of(parameters)
+    try:
+        source = read_source(study, (*overrides, *start_texts(parameters)), case)
+    except InputErrors as errors:
+        raise refused_as_fit(parameters, errors) from None
+    data, spacing = read_data(files, source, delay)
+    if delay:
+        sought.append(Parameter(DELAY, 0.0, -np.inf, np.inf, spacing))
+    needs = sum((one.needs for one in data), start=Needs())
+    trials = Trials(study, sought, units, needs, case, overrides, progress)
+    start = {one.name: one.start for one in sought}
+    fit = _fitted(trials, data, sought)
+    last = trials.at(fit.values)
+    sets = _by_set(data, last)
+    mixed = combinations(fit, units, partial(_computed, trials, data))
+    told = (
+        *fit_findings(fit, sets, mixed),
+        *(finding for one in data for finding in one.findings(trials.at(start), last)),
+        *trials.findings(fit.values),
+    )
     return Identification(
-        channel=channel,
-        unit=UNITS[what],
+        title=source.title,
         units={**units, **({DELAY: "s"} if delay else {})},
-        fit=found,
-        t=table.times,
-        measured=table.values,
-        computed=table.values + found.residuals,
-        findings=ranked((*fit_findings(found), *simulated(found.values, trial=False).findings)),
+        fit=fit,
+        beside=tuple(beside for one in data for beside in one.beside(last)),
+        left=tuple(DataLeft(one.name, len(one.residuals), _rms(one.residuals), one.known) for one in sets),
+        combinations=mixed,
+        findings=ranked(told),
+        runs=trials.runs,
     )
 
 
-def _read(study: Path, overrides: Sequence[str], parameters: Sequence[str], case: str) -> Plan:
-    """The study with the parameters where they start."""
-    try:
-        return read_study(study, (*overrides, *parameters), only=case or None)
-    except InputErrors as errors:
-        told = errors.errors
-        for text in parameters:
-            told = tuple(line.replace(f"--set {text}", f"--fit {text}") for line in told)
-        raise InputErrors(told) from None
+def _fitted(trials: Trials, data: Sequence[Datum], sought: Sequence[Parameter]) -> Fit:
+    """The fit of all data together, each derivative by the way that is there for it."""
+
+    def jacobian(values: Values) -> Floats:
+        trial = trials.at(values)
+        columns = []
+        for one in sought:
+            change = trials.change(values, one.name)
+            known = [each.slopes(trial, change) if change is not None else None for each in data]
+            others = [each for each, slope in zip(data, known, strict=True) if slope is None]
+            if others:
+                stepped = differences(partial(_computed, trials, others), sought, values, [one.name])
+                parts = iter(np.split(stepped[:, 0], np.cumsum([len(each.residuals(trial)) for each in others])[:-1]))
+                known = [next(parts) if slope is None else slope for slope in known]
+            columns.append(np.concatenate([slope for slope in known if slope is not None]))
+        return np.stack(columns, axis=1)
+
+    size = float(np.sqrt(sum(one.size**2 for one in data)))
+    return fitted(
+        lambda values: _residuals(trials.at(values), data), sought, size, jacobian, all(one.known for one in data)
+    )
 
 
-def _starts(parameters: Sequence[str]) -> tuple[dict[str, float], dict[str, str]]:
-    """Start values and units by path."""
-    starts, units = {}, {}
-    for text in parameters:
-        path, equals, value = text.partition("=")
-        read = _VALUE.fullmatch(value)
-        if not equals or not path.strip() or read is None:
-            raise InputError(
-                f"--fit {text}",
-                got="no PATH=START",
-                expected="a path of the study or its model and a number",
-                do="write it like bodies.ball.contact.stiffness='4 kN/m'",
-            )
-        starts[path.strip()], units[path.strip()] = float(read[1]), read[2]
-    if not starts:
-        raise InputError("--fit", got="no parameter", expected="one or more PATH=START")
-    return starts, units
+def _computed(trials: Trials, data: Sequence[Datum], values: Values) -> Floats:
+    return _residuals(trials.at(values), data)
 
 
-def _quantity(plan: Plan, channel: str) -> str:
-    """What a channel of the baseline is: its last word."""
-    study = next(one.study for one in plan.cases if one.name == plan.baseline)
-    known = [str(record) for record in study.records]
-    known += [f"{room.name}.{receiver.name} pressure" for room in study.rooms for receiver in room.receivers]
-    if study.time is None:
-        raise InputError("--channel", got="a study without `time`", expected="one that simulates")
-    if channel not in known:
-        raise InputError("--channel", got=f"'{channel}'", expected="a recorded channel", do=nearest(channel, known))
-    return channel.rpartition(" ")[2]
+def _residuals(trial: Trial, data: Sequence[Datum]) -> Floats:
+    return np.concatenate([one.residuals(trial) for one in data])
 
 
-def _timing(plan: Plan, table: Measured, spacing: float, delay: bool) -> tuple[str, ...]:
-    """Sampling and duration, as changes of the study, that hold every measured time."""
-    end = float(table.times[-1])
-    if not end > 0.0:
-        raise InputError("measured", got=f"times up to {end:g} s", expected="times after 0, when the study starts")
-    places = table.times / spacing
-    even = bool(np.abs(places - np.rint(places)).max() < 1e-3) and not delay
-    sampling = (1 if even else FINER) / spacing
-    plan_time = next(one.study.time for one in plan.cases if one.name == plan.baseline)
-    assert plan_time is not None
-    finer = max(1, int(np.ceil(plan_time.sampling / sampling)))
-    sampling *= finer
-    return (f"time.sampling={sampling!r}", f"time.duration={end + 2.0 / sampling!r}")
+def _by_set(data: Sequence[Datum], last: Trial) -> list[Left]:
+    """The residuals of every set of data. Only a history of unknown scatter is judged by its own size."""
+    return [
+        Left(one.name, one.residuals(last), one.tracks, one.known, one.size if _by_size(one) else 0.0) for one in data
+    ]
 
 
-def _simulated(plan: Plan, solved: dict[str, Solved], rooms: RoomTransfers, heard: bool, trial: bool) -> CaseResult:
-    """The baseline of a study, run; solved : bases found so far, by key; rooms : their transfers; trial : its findings
-    are not looked at."""
-    plan = plan if heard else without_rooms(plan)
-    case = next(one for one in plan.cases if one.name == plan.baseline)
-    key = key_of(case.study)
-    if key not in solved:
-        solved[key] = solve_all((case,))[case.name]
-    with positioned(plan):
-        silent = Stopwatch(lambda line: None)
-        return run_case(case, {case.name: solved[key]}, case, silent, transfers=rooms, estimated=not trial)
+def _by_size(one: Datum) -> bool:
+    return isinstance(one, HistoryDatum) and not one.known
+
+
+def _rms(values: Floats) -> float:
+    return float(np.sqrt((values**2).mean()))

@@ -1,0 +1,93 @@
+"""One set of measured data as a fit takes it, and how its scatter is written."""
+
+from __future__ import annotations
+
+import re
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+
+from femstruct.arrays import Floats
+from femstruct.errors import Finding, InputError
+from femstruct.study.matched import Beside
+from femstruct.units import quantity
+from femstruct.workflow.identify.trial import Change, Needs, Trial
+
+_SCATTERED: Final = re.compile(r"(?P<file>.+?)\s+(?:\+-|\+/-|±)\s*(?P<scatter>.+)")
+
+
+@dataclass(frozen=True, eq=False)
+class Datum(ABC):
+    """A set of n measured numbers, such as natural frequencies or one frequency response.
+
+    name : of its file or channel. known : whether its scatter was stated; else it has the weight of a usual one.
+    """
+
+    name: str
+    known: bool
+
+    @property
+    @abstractmethod
+    def needs(self) -> Needs:
+        """What of a trial it is compared with."""
+
+    @property
+    @abstractmethod
+    def size(self) -> float:
+        """Norm of the residuals if all of what was measured were missing [1]."""
+
+    @property
+    def tracks(self) -> int:
+        """How many series of neighbours its residuals are, such as samples in time, of which noise is independent; 0 of
+        what has no order."""
+        return 0
+
+    @abstractmethod
+    def residuals(self, trial: Trial) -> Floats:
+        """Computed less measured over the scatter [n]."""
+
+    def slopes(self, trial: Trial, change: Change) -> Floats | None:
+        """Derivatives [n] of the residuals by one parameter; None where differences are to be taken."""
+        return None
+
+    @abstractmethod
+    def beside(self, trial: Trial) -> Sequence[Beside]:
+        """Measured beside computed."""
+
+    def findings(self, first: Trial, last: Trial) -> tuple[Finding, ...]:
+        """What limits the trust in the comparison itself, of the trial at the start and that at the end."""
+        return ()
+
+
+def file_and_scatter(text: str, option: str, dimension: str) -> tuple[Path, float | None]:
+    """A file and its scatter, one standard deviation, of a text ``FILE +- SCATTER`` or ``FILE``.
+
+    Raises InputError that begins with the option's name.
+
+    >>> file_and_scatter("floor.csv +- 0.5 %", "--modes", "ratio")
+    (PosixPath('floor.csv'), 0.005)
+    """
+    found = _SCATTERED.fullmatch(text.strip())
+    if found is None:
+        return Path(text.strip()), None
+    return Path(found["file"]), scatter_of(found["scatter"], option, dimension)
+
+
+def scatter_of(text: str, option: str, dimension: str) -> float:
+    """A scatter as it is written, above zero; raises as `file_and_scatter`."""
+    try:
+        value = quantity(text, dimension)
+    except InputError as error:
+        raise InputError(option, got=error.got, expected=f"{error.expected}, behind +-", do=error.do) from None
+    if not value > 0.0:
+        raise InputError(option, got=f"a scatter of {text}", expected="one above 0")
+    return value
+
+
+def norm(values: Floats) -> float:
+    """Root of the sum of squares."""
+    return float(np.linalg.norm(values))

@@ -1,0 +1,242 @@
+"""`femstruct identify` on measured frequencies, shapes, responses and levels: a floor that is known, with noise."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from femstruct import MeasuredFiles, MeasuredModes, identify, read_study, run_study, write_uff
+from femstruct.cli import app
+from femstruct.files.exchange.frf_files import write_frf_csv
+from femstruct.files.tables.sheets import sheets, write_csv
+from femstruct.language import read_model_file
+from femstruct.modal.measured.frf_table import FrfTable
+from femstruct.modal.measured.measurement import Measurement
+from femstruct.study.asked import Extent
+from femstruct.workflow.check.asked_modes import modes_of
+from femstruct.workflow.exchange.asked_responses import frfs_of
+from femstruct.workflow.identify.data.levels import read_levels
+from femstruct.workflow.identify.identify import Identification
+from femstruct.workflow.identify.measured_data import read_data
+from femstruct.workflow.identify.parameters import parameters_of
+from femstruct.workflow.identify.trial import Needs, Trial, Trials, read_source
+from femstruct.workflow.stages.modal_bases import solve
+
+FLOOR = Path(__file__).parents[1] / "data" / "floor_to_fit.yaml"
+CONCRETE, POSTS, LOSS = "materials.concrete.E", "parts.posts.stiffness.z", "materials.concrete.loss_factor"
+DENSITY = "materials.concrete.rho"
+TRUTH = {CONCRETE: 30.0, POSTS: 20.0, LOSS: 3.0}
+STARTS = (f"{CONCRETE}=26 GPa:15 GPa:60 GPa", f"{POSTS}=17 MN/m", f"{LOSS}=4 %")
+MEASURED = (3, 5, 6, 7, 8)  # modes that move up and down
+NOISE = 0.02
+OF_THE_FLOOR = {"thick-plate", "coarse-mesh", "thick-for-short-waves", "modal-mass-low"}  # not of the fit
+
+
+@cache
+def exact() -> tuple[np.ndarray, FrfTable]:
+    """Natural frequencies of the modes measured, and one response."""
+    hertz = np.array(modes_of(FLOOR, Extent(count=8))["frequency_hz"])[np.array(MEASURED) - 1]
+    return hertz, frfs_of(FLOOR, ["P.z"], ["Q.z"], "6 Hz:66 Hz", "1 Hz", "accelerance")[0]
+
+
+def written(folder: Path, seed: int, noise: float = NOISE) -> MeasuredFiles:
+    """Files of the floor with independent noise."""
+    rng, (hertz, table) = np.random.default_rng(seed), exact()
+    rows = zip(MEASURED, (hertz * (1.0 + noise * rng.standard_normal(len(hertz)))).tolist(), strict=True)
+    lines = ["mode; f [Hz]; scatter [%]", *(f"{mode}; {value:.6f}; {100 * NOISE:g}" for mode, value in rows)]
+    (folder / "f.csv").write_text("\n".join(lines), encoding="utf-8")
+    both = rng.standard_normal((2, *table.values.shape))
+    noisy = replace(table, values=table.values * (1.0 + noise * (both[0] + 1j * both[1])))
+    write_frf_csv(noisy, folder / "frf.csv")
+    return MeasuredFiles(modes=(str(folder / "f.csv"),), frfs=(f"{folder / 'frf.csv'} +- {100 * NOISE:g} %",))
+
+
+def covered(found: Identification) -> list[bool]:
+    return [found.fit.low[name] <= value <= found.fit.high[name] for name, value in TRUTH.items()]
+
+
+def test_frequencies_and_a_response_give_the_floor_they_are_of(tmp_path: Path) -> None:
+    """Stiffness of concrete and posts and a loss factor; the intervals are those of the derivatives of the data."""
+    found = identify(FLOOR, written(tmp_path, 5), parameters=STARTS)
+    assert covered(found) == [True] * 3  # of this draw; one interval in twenty does not
+    assert found.fit.known and found.runs < 12  # Gauss and Newton: 9 here
+    assert {finding.code for finding in found.findings} <= OF_THE_FLOOR
+    table = found.table()
+    assert [(one["name"], one["numbers"]) for one in table["data"]] == [("f.csv", 5), ("accelerance Q.z / P.z", 122)]
+    assert table["not_distinguished"] == [] and "channel" not in table
+
+
+@pytest.mark.stress
+def test_exact_data_give_the_truth(tmp_path: Path) -> None:
+    exactly = identify(FLOOR, written(tmp_path, 5, noise=0.0), parameters=STARTS)
+    # the table has what modes with two residual vectors make of it, 1e-6 of it; six decimals of the frequencies
+    assert exactly.fit.values == pytest.approx(TRUTH, rel=1e-5)
+    noisy = identify(FLOOR, written(tmp_path, 5), parameters=STARTS)
+    assert exactly.fit.deviations == pytest.approx(noisy.fit.deviations, rel=0.05)  # of the scatter, not of residuals
+    assert exactly.changes[0] == "materials.concrete.E=30 GPa"
+
+
+@pytest.mark.stress
+def test_intervals_cover_the_truth(tmp_path: Path) -> None:
+    """100 seeds of 2 % of noise: 90 to 98 % of the intervals of three parameters hold the truth, and of each 95 %
+    but for chance. 340 seeds have 96.5, 94.7 and 96.5 %."""
+    hits = np.array([covered(identify(FLOOR, written(tmp_path, seed), parameters=STARTS)) for seed in range(100)])
+    share = hits.sum(axis=0) / 100.0
+    assert 270 <= hits.sum() <= 294, share
+    assert np.abs(share - 0.95).max() < 3.0 * np.sqrt(0.95 * 0.05 / 100.0), share  # three deviations, binomially
+
+
+def test_what_frequencies_cannot_distinguish_is_named(tmp_path: Path) -> None:
+    """Frequencies are those of stiffness over mass: three numbers, of which only two ratios count."""
+    files = replace(written(tmp_path, 5), frfs=())
+    found = identify(FLOOR, files, parameters=(STARTS[0], STARTS[1], f"{DENSITY}=2600 kg/m^3"))
+    assert found.fit.open == pytest.approx(np.ones((1, 3)) / np.sqrt(3.0), abs=1e-6)
+    (one,) = found.combinations
+    assert [kept.formula for kept in one.kept] == [f"{CONCRETE} / {DENSITY}", f"{POSTS} / {DENSITY}"]
+    told = next(finding for finding in found.findings if finding.code == "parameters-not-distinguished")
+    assert f"{CONCRETE}, {POSTS} and {DENSITY}: the data cannot distinguish them: +10 % of {CONCRETE}" in told.message
+    assert np.isinf(found.fit.high[CONCRETE]) and found.table()["parameters"][CONCRETE]["high"] is None
+    two = identify(FLOOR, files, parameters=STARTS[:2])
+    for name, kept in ((CONCRETE, one.kept[0]), (POSTS, one.kept[1])):  # the density is as in the file
+        assert kept.value == pytest.approx(two.fit.values[name] / 2400.0, rel=1e-6)
+        half = 0.5 * (two.fit.high[name] - two.fit.low[name])
+        assert kept.half == pytest.approx(half / two.fit.values[name], rel=1e-4)
+
+
+def test_one_frequency_leaves_stiffness_of_concrete_and_posts_open(tmp_path: Path) -> None:
+    """Heave: the slab bends on its posts."""
+    (tmp_path / "heave.csv").write_text("mode, frequency [Hz], scatter [%]\n3, 11.97, 1", encoding="utf-8")
+    alone = identify(FLOOR, MeasuredFiles(modes=(str(tmp_path / "heave.csv"),)), parameters=STARTS[:2])
+    (one,) = alone.combinations
+    assert one.names == (CONCRETE, POSTS) and one.changes[0] * one.changes[1] < 0.0
+    assert one.kept[0].words == "the product of powers"
+    power = float(one.kept[0].formula.rpartition("^")[2])  # E k^q: the frequency goes with its (2 + 2 q)th root
+    assert one.kept[0].half == pytest.approx(0.01 * 1.96 * (2.0 + 2.0 * power), rel=0.01)  # three digits of q
+
+
+def test_a_sum_is_no_product(tmp_path: Path) -> None:
+    """Two springs side by side below one mass: only their sum counts."""
+    model = """
+        parts: {mass: {type: block, mass: 8 kg, origin: [0, 0, 0], size: [1, 1, 1]},
+                one: {type: spring, between: [foot, ground], stiffness: {z: 3 kN/m}},
+                other: {type: spring, between: [foot, ground], stiffness: {z: 5 kN/m}}}
+        points: {foot: {on: mass, at: [0.5, 0.5, 0.5]}}
+    """
+    (tmp_path / "springs.yaml").write_text(model, encoding="utf-8")
+    hertz = np.sqrt(1.21 * 8000.0 / 8.0) / (2.0 * np.pi)
+    (tmp_path / "f.csv").write_text(f"{hertz:.9f}", encoding="utf-8")
+    fits = ("parts.one.stiffness.z=3 kN/m", "parts.other.stiffness.z=5 kN/m")
+    found = identify(tmp_path / "springs.yaml", MeasuredFiles(modes=(f"{tmp_path / 'f.csv'} +- 1 %",)), parameters=fits)
+    (kept,) = found.combinations[0].kept
+    assert (kept.words, kept.formula) == ("the sum", "parts.one.stiffness.z + parts.other.stiffness.z")
+    assert kept.value == pytest.approx(1.21 * 8.0, rel=1e-8)  # nine decimals
+    assert kept.half == pytest.approx(2 * 0.01 * 1.96, rel=1e-3)  # k goes with the square of f; 1.95996
+    assert {finding.code for finding in found.findings} == {"parameters-not-distinguished", "pairs-by-order"}
+
+
+def with_shapes(folder: Path) -> tuple[MeasuredFiles, int]:
+    """A universal file of modes with noise of 5 % on their shapes at half of the nodes, along z; how many these are."""
+    solved = solve(read_model_file(FLOOR).structure, Extent(count=8))
+    basis, kept = solved.basis, np.array(MEASURED) - 1
+    places = np.arange(0, len(basis.points), 2)
+    shapes = np.zeros((len(places), 3, len(kept)))
+    shapes[:, 2] = basis.shapes[places, 2][:, kept]
+    size = np.sqrt((shapes[:, 2] ** 2).mean(axis=0))
+    shapes[:, 2] += 0.05 * size * np.random.default_rng(2).standard_normal(shapes[:, 2].shape)
+    directed = np.zeros((len(places), 3), dtype=bool)
+    directed[:, 2] = True
+    modes = MeasuredModes(basis.frequency_hz[kept], np.zeros(5), shapes, basis.points[places], directed)
+    write_uff(Measurement("test", np.arange(len(places)) + 1, basis.points[places], modes=modes), folder / "m.uff")
+    return MeasuredFiles(modes=(f"{folder / 'm.uff'} +- 0.5 %",)), len(places)
+
+
+@pytest.mark.stress
+def test_shapes_pair_the_modes_and_count(tmp_path: Path) -> None:
+    """Modes of a universal file at half of the nodes, along z, of which the fit knows no numbers."""
+    files, places = with_shapes(tmp_path)
+    by_frequency = identify(FLOOR, files, parameters=STARTS[:2])
+    notes = by_frequency.beside[0].notes
+    assert [note.split(",")[0] for note in notes] == [f"mode {i}" for i in MEASURED]
+    assert min(float(note.rpartition(" ")[2]) for note in notes) > 0.99
+    assert by_frequency.fit.values == pytest.approx({CONCRETE: 30.0, POSTS: 20.0}, rel=1e-5)  # digits of the file
+    both = identify(FLOOR, replace(files, shapes="5 %"), parameters=STARTS[:2])
+    assert all(both.fit.deviations[name] < by_frequency.fit.deviations[name] for name in (CONCRETE, POSTS))
+    assert both.left[0].count == 5 + 5 * places
+    assert 0.7 < both.left[0].rms < 1.1  # of shapes as stated, less what their lengths and five mixtures take
+
+
+def test_the_command_line_writes_tables_and_pictures(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    written(tmp_path, 5)
+    words = ["identify", str(FLOOR), "--modes", "f.csv", "--frf", "frf.csv +- 2 %", "--band", "10 Hz:40 Hz"]
+    words += ["--fit", f"{CONCRETE}=27 GPa:15 GPa:28000 MPa", "--fit", STARTS[1]]
+    done = CliRunner().invoke(app, [*words, "--csv", "beside.csv", "--picture", "fit.png"])
+    assert "limits trust, parameter-at-bound: materials.concrete.E: the best value, 28, is at" in done.stdout
+    assert "to use the values: --set 'materials.concrete.E=28 GPa' --set 'parts.posts." in done.stdout
+    rows = (tmp_path / "beside.csv").read_text(encoding="utf-8-sig").splitlines()
+    assert len(rows) == 1 + 5 + 31 and rows[1].startswith("modes,f.csv,1.0,,Hz,") and rows[1].endswith(",mode 3")
+    assert rows[6].startswith("frf,accelerance Q.z / P.z,10.0,Hz,m/(N s^2),")
+    assert (tmp_path / "fit.png").stat().st_size > 10_000
+
+
+def exported(tmp_path: Path) -> Path:
+    """Levels of a study of a ball on the floor over a room, as `export` writes them; the study stands beside them."""
+    (tmp_path / "floor.yaml").write_text(FLOOR.read_text(encoding="utf-8"), encoding="utf-8")
+    study = """
+        model: floor.yaml
+        modes: {up_to: 200 Hz}
+        bodies: {ball: {mass: 2.5 kg, above: P, drop_height: 1 m, contact: {type: linear, stiffness: 60 kN/m}}}
+        time: {duration: 0.3 s, sampling: 2 kHz}
+        rooms: {hall: {size: [4, 3, 2.5], under: ceiling, losses: {t60: 0.5 s}, receivers: {mic: [1.2, 1, 1.2]}}}
+    """
+    (tmp_path / "drop.study.yaml").write_text(study, encoding="utf-8")
+    result = run_study(read_study(tmp_path / "drop.study.yaml"))
+    write_csv(sheets(result), tmp_path, "out")
+    file = tmp_path / "out.third_octaves.csv"
+    assert any(row.endswith(",") for row in file.read_text("utf-8-sig").splitlines())
+    (one,) = read_levels(file, 0.5, result.plan)
+    assert one.residuals(Trial({}, None, result.cases["as given"])) == pytest.approx(np.zeros(9), abs=1e-9)
+    return file
+
+
+def test_levels_are_those_that_export_writes(tmp_path: Path) -> None:
+    """Blanks and all; one that was measured 2 dB higher is four times a scatter of 0.5 dB."""
+    file = exported(tmp_path)
+    told = file.read_text("utf-8-sig").splitlines()
+    band, level = told[2].split(",")
+    (tmp_path / "higher.csv").write_text(f"Hz; hall.mic [dB]\n{band}; {float(level) + 2.0}\n", encoding="utf-8")
+    plan = read_study(tmp_path / "drop.study.yaml")
+    (one,) = read_levels(tmp_path / "higher.csv", 0.5, plan)
+    case = run_study(plan).cases["as given"]
+    assert one.residuals(Trial({}, None, case)) == pytest.approx([-4.0], abs=1e-9)  # digits of the table
+
+
+@pytest.mark.stress
+def test_levels_of_a_study(tmp_path: Path) -> None:
+    """The stiffness of a ball."""
+    levels = MeasuredFiles(levels=(f"{exported(tmp_path)} +- 1 dB",))
+    found = identify(tmp_path / "drop.study.yaml", levels, parameters=("bodies.ball.contact.stiffness=52 kN/m",))
+    assert [(one.kind, one.name) for one in found.beside] == [("levels", "hall.mic")]
+    # differences of a simulation
+    assert found.fit.values["bodies.ball.contact.stiffness"] == pytest.approx(60.0, rel=1e-5)
+
+
+def test_residuals_and_their_derivatives(tmp_path: Path) -> None:
+    """Frequencies, shapes and a response of one trial, away from the truth: derivatives as differences have them."""
+    files = replace(with_shapes(tmp_path)[0], shapes="5 %", frfs=written(tmp_path, 3).frfs)
+    data, _ = read_data(files, read_source(FLOOR, (), ""), delay=False)
+    found, units = parameters_of((STARTS[0], STARTS[1]))
+    trials = Trials(FLOOR, found, units, sum((one.needs for one in data), start=Needs()))
+    values = {CONCRETE: 29.0, POSTS: 21.0}
+    change = trials.change(values, POSTS)
+    assert change is not None
+    for one in data:
+        slope = one.slopes(trials.at(values), change)
+        up, down = ({**values, POSTS: 21.0 + step} for step in (2e-3, -2e-3))
+        expected = (one.residuals(trials.at(up)) - one.residuals(trials.at(down))) / 4e-3
+        assert slope == pytest.approx(expected, abs=1e-5 * float(np.abs(expected).max()))  # differences of 1e-4
