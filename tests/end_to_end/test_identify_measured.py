@@ -95,17 +95,24 @@ def test_what_frequencies_cannot_distinguish_is_named(tmp_path: Path) -> None:
     """Frequencies are those of stiffness over mass: three numbers, of which only two ratios count."""
     files = replace(written(tmp_path, 5), frfs=())
     found = identify(FLOOR, files, parameters=(STARTS[0], STARTS[1], f"{DENSITY}=2600 kg/m^3"))
-    assert found.fit.open == pytest.approx(np.ones((1, 3)) / np.sqrt(3.0), abs=1e-6)
+    assert found.fit.open == pytest.approx(np.ones((1, 3)) / np.sqrt(3.0), abs=1e-6)  # derivatives are as good
     (one,) = found.combinations
     assert [kept.formula for kept in one.kept] == [f"{CONCRETE} / {DENSITY}", f"{POSTS} / {DENSITY}"]
     told = next(finding for finding in found.findings if finding.code == "parameters-not-distinguished")
     assert f"{CONCRETE}, {POSTS} and {DENSITY}: the data cannot distinguish them: +10 % of {CONCRETE}" in told.message
     assert np.isinf(found.fit.high[CONCRETE]) and found.table()["parameters"][CONCRETE]["high"] is None
+
+
+@pytest.mark.stress
+def test_what_is_determined_has_the_interval_of_a_fit_of_it_alone(tmp_path: Path) -> None:
+    """Stiffness over density, with the density left open or fixed."""
+    files = replace(written(tmp_path, 5), frfs=())
+    (one,) = identify(FLOOR, files, parameters=(*STARTS[:2], f"{DENSITY}=2600 kg/m^3")).combinations
     two = identify(FLOOR, files, parameters=STARTS[:2])
     for name, kept in ((CONCRETE, one.kept[0]), (POSTS, one.kept[1])):  # the density is as in the file
-        assert kept.value == pytest.approx(two.fit.values[name] / 2400.0, rel=1e-6)
+        assert kept.value == pytest.approx(two.fit.values[name] / 2400.0, rel=1e-6)  # the last step
         half = 0.5 * (two.fit.high[name] - two.fit.low[name])
-        assert kept.half == pytest.approx(half / two.fit.values[name], rel=1e-4)
+        assert kept.half == pytest.approx(half / two.fit.values[name], rel=1e-4)  # likewise
 
 
 def test_one_frequency_leaves_stiffness_of_concrete_and_posts_open(tmp_path: Path) -> None:
@@ -200,7 +207,9 @@ def exported(tmp_path: Path) -> Path:
     file = tmp_path / "out.third_octaves.csv"
     assert any(row.endswith(",") for row in file.read_text("utf-8-sig").splitlines())
     (one,) = read_levels(file, 0.5, result.plan)
-    assert one.residuals(Trial({}, None, result.cases["as given"])) == pytest.approx(np.zeros(9), abs=1e-9)
+    assert one.residuals(Trial({}, None, result.cases["as given"])) == pytest.approx(
+        np.zeros(9), abs=1e-9
+    )  # digits of the table
     return file
 
 
