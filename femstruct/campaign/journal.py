@@ -16,7 +16,15 @@ from femstruct.campaign.numbers import Number
 from femstruct.errors import FemstructError, InputError
 from femstruct.files.set_aside import moved
 
-BESIDE: Final = (".h5", ".csv", ".png", ".front.csv", ".parallel.png", ".bands.png")  # suffixes of what rows become
+BESIDE: Final = (
+    ".h5",
+    ".csv",
+    ".html",
+    ".png",
+    ".front.csv",
+    ".parallel.png",
+    ".bands.png",
+)  # suffixes of what rows become
 
 
 @dataclass(frozen=True)

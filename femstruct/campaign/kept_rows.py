@@ -14,8 +14,8 @@ from femstruct.study.campaign.sought import Found
 from femstruct.study.campaign.swept import Swept
 from femstruct.workflow.run.provenance import Progress
 
-PICTURE = "sweep.png"
-OPTIMUM = ("optimise.h5", "optimise.csv", "optimise.png")
+PICTURE, PAGE = "sweep.png", "sweep.html"
+OPTIMUM = ("optimise.h5", "optimise.csv", "optimise.png", "optimise.html")
 FRONT = "optimise.front.csv"
 
 
@@ -26,7 +26,7 @@ def write_rows(
     progress: Progress = lambda line: None,
     pictures: bool = True,
 ) -> list[Path]:
-    """Write sweep.h5 with all numbers, sweep.csv and sweep.png with some; returns what was written.
+    """Write sweep.h5 with all numbers, sweep.csv, pictures and the page sweep.html with some; returns what was written.
 
     names : of the numbers in the table and in the picture, the main ones if none.
     """
@@ -34,7 +34,7 @@ def write_rows(
     progress("writing the rows")
     write_swept(folder / SWEEP, rows)
     write_table(folder / TABLE, rows, names)
-    written = [folder / SWEEP, folder / TABLE]
+    written, saved = [folder / SWEEP, folder / TABLE], list[Path]()
     if pictures:
         from femstruct.view.campaigns.bands_figure import bands_figure
         from femstruct.view.campaigns.parallel_figure import swept_parallel
@@ -43,15 +43,15 @@ def write_rows(
         progress("pictures")
         asked = names or rows.main
         figures = (swept_figure(rows, asked), swept_parallel(rows, asked), bands_figure(rows))
-        written += _saved(folder, zip((PICTURE, "sweep.parallel.png", "sweep.bands.png"), figures, strict=True))
-    return written
+        saved = _saved(folder, zip((PICTURE, "sweep.parallel.png", "sweep.bands.png"), figures, strict=True))
+    return [*written, *saved, _page(folder / PAGE, rows, saved, names)]
 
 
 def write_optimum(
     found: Found | Front, folder: Path, progress: Progress = lambda line: None, pictures: bool = True
 ) -> list[Path]:
-    """Write optimise.h5 with the answer and all numbers of all designs, optimise.csv, optimise.png, of a front
-    optimise.front.csv too; returns what was written."""
+    """Write optimise.h5 with the answer and all numbers of all designs, optimise.csv, pictures, the page optimise.html,
+    of a front optimise.front.csv too; returns what was written."""
     folder.mkdir(parents=True, exist_ok=True)
     answer, table = (folder / name for name in OPTIMUM[:2])
     progress("writing the rows")
@@ -61,7 +61,7 @@ def write_optimum(
     write_table(
         table, found.rows, [name for name in (*goals, *finer, *found.search.limits) if name in found.rows.names]
     )
-    written = [answer, table]
+    written, saved = [answer, table], list[Path]()
     if isinstance(found, Front):
         write_front_table(folder / FRONT, found)
         written.append(folder / FRONT)
@@ -72,8 +72,14 @@ def write_optimum(
 
         progress("pictures")
         figures = (front_figure(found), front_parallel(found)) if isinstance(found, Front) else (optimum_figure(found),)
-        written += _saved(folder, zip((OPTIMUM[2], "optimise.parallel.png"), figures, strict=False))
-    return written
+        saved = _saved(folder, zip((OPTIMUM[2], "optimise.parallel.png"), figures, strict=False))
+    return [*written, *saved, _page(folder / OPTIMUM[3], found, saved)]
+
+
+def _page(path: Path, answer: Swept | Found | Front, pictures: Sequence[Path], names: Sequence[str] = ()) -> Path:
+    from femstruct.view.campaigns.campaign_page import write_page
+
+    return write_page(path, answer, {one.name: one.read_bytes() for one in pictures}, names)
 
 
 def _saved(folder: Path, figures: Iterable[tuple[str, Any]]) -> list[Path]:

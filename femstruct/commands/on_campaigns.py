@@ -55,7 +55,9 @@ def sweep(
     from femstruct.campaign.sweep import sweep as swept
     from femstruct.files.atomic import refuse_unwritable
     from femstruct.language.campaigns import read_campaign
-    from femstruct.view.campaigns.swept_table import show_swept
+    from femstruct.view.campaigns.swept_table import swept_pieces
+    from femstruct.view.tables.console import console
+    from femstruct.view.tables.grid import show
 
     asked = read_campaign(study, vary, set_, case, samples or None, only)
     if plan:
@@ -75,7 +77,7 @@ def sweep(
 
         print_json(sweep_table(rows, names))
     else:
-        show_swept(rows, names)
+        show(swept_pieces(rows, names), console())
         if moved is not None:
             print(f"The rows of an earlier, different sweep are now in {moved}")
         print(f"Written: {', '.join(map(str, written))}")
@@ -123,8 +125,9 @@ def optimise(
     from femstruct.files.tables.optimum_tables import optimum_table
     from femstruct.language.searches import read_search
     from femstruct.study.campaign.front import Front
-    from femstruct.view.campaigns.front_table import show_front
-    from femstruct.view.campaigns.optimum_table import show_optimum
+    from femstruct.view.campaigns.campaign_page import answer_pieces
+    from femstruct.view.tables.console import console
+    from femstruct.view.tables.grid import show
 
     goals = [f"minimise {one}" for one in minimise] + [f"maximise {one}" for one in maximise]
     search = read_search(study, goals, vary, limit, set_, case, runs or None)
@@ -139,7 +142,7 @@ def optimise(
     if as_json:
         print_json(front_table(found) if isinstance(found, Front) else optimum_table(found))
     else:
-        show_front(found) if isinstance(found, Front) else show_optimum(found)
+        show(answer_pieces(found), console())
         if moved is not None:
             print(f"The rows of an earlier, different optimisation are now in {moved}")
         print(f"Written: {', '.join(map(str, written))}")

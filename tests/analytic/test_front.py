@@ -270,7 +270,7 @@ def test_an_interrupted_search_goes_on_to_the_same_front(hit: Path, tmp_path: Pa
     np.testing.assert_allclose(whole.goals[list(whole.members), 0], force, rtol=2e-3)  # the soft spring: 2 ms of it
     assert set_aside(search, folder) is None
     names = [path.name for path in write_optimum(rest, folder)]
-    assert names == [f"optimise.{one}" for one in ("h5", "csv", "front.csv", "png", "parallel.png")]
+    assert names == [f"optimise.{one}" for one in ("h5", "csv", "front.csv", "png", "parallel.png", "html")]
     kept = read_found(folder)
     assert isinstance(kept, Front) and front_table(kept) == front_table(rest)
     np.testing.assert_array_equal(read_swept(folder / "optimise.h5").numbers, rest.rows.numbers)

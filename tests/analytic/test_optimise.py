@@ -166,7 +166,12 @@ def test_an_interrupted_optimisation_goes_on_to_the_same_end(study: Path, tmp_pa
     rest = optimise(search, folder, workers=1, progress=told.append)
     assert rest.goal == whole.goal and rest.chosen == whole.chosen and told[0].startswith("10 of")
     assert whole.goal == pytest.approx(0.5, rel=2e-3) and whole.feasible  # 40 runs
-    assert [path.name for path in write_optimum(rest, folder)] == ["optimise.h5", "optimise.csv", "optimise.png"]
+    assert [path.name for path in write_optimum(rest, folder)] == [
+        "optimise.h5",
+        "optimise.csv",
+        "optimise.png",
+        "optimise.html",
+    ]
     table = optimum_table(rest)
     assert table["maximise"] == "m.z velocity" and table["design"][0]["text"] in run_command(rest)
     assert set_aside(search, folder) is None

@@ -137,7 +137,7 @@ def test_rows_of_another_campaign_are_set_aside(study: Path, tmp_path: Path) -> 
     write_rows(sweep(read_campaign(study), folder, workers=1), folder, pictures=False)
     assert set_aside(other, folder) == folder / "sweep.1.rows"
     names = sorted(path.name for path in folder.iterdir())
-    assert names == ["mine.txt", "sweep.1.csv", "sweep.1.h5", "sweep.1.rows"]
+    assert names == ["mine.txt", "sweep.1.csv", "sweep.1.h5", "sweep.1.html", "sweep.1.rows"]
 
 
 def test_a_sample_that_fails_says_why(study: Path, tmp_path: Path) -> None:
@@ -167,7 +167,7 @@ def test_what_it_takes_is_told_beforehand(study: Path) -> None:
 def test_the_file_is_the_rows_and_opens_in_xarray(study: Path, tmp_path: Path) -> None:
     rows = sweep(read_campaign(study), workers=1)
     written = write_rows(rows, tmp_path)
-    assert [path.name for path in written] == ["sweep.h5", "sweep.csv", "sweep.png"]
+    assert [path.name for path in written] == ["sweep.h5", "sweep.csv", "sweep.png", "sweep.html"]
     read = read_swept(tmp_path)
     for name in (
         "title",

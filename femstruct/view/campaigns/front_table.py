@@ -1,4 +1,4 @@
-"""A front of designs in the terminal."""
+"""A front of designs, as lines and tables."""
 
 from __future__ import annotations
 
@@ -13,34 +13,29 @@ from femstruct.errors import some_of
 from femstruct.files.tables.optimum_tables import command_of
 from femstruct.study.campaign.front import Front
 from femstruct.study.campaign.pareto import picked
-from femstruct.view.campaigns.swept_table import in_unit, say_left_out, written
-from femstruct.view.tables.console import console
-from femstruct.view.tables.grid import Grid
+from femstruct.view.campaigns.swept_table import in_unit, left_out_pieces, written
+from femstruct.view.tables.grid import Grid, Piece
 from femstruct.view.tables.scales import digits
 
 MOST: Final = 12  # designs that are printed; the table on the disk has all
 
 
-def show_front(found: Front) -> None:
+def front_pieces(found: Front) -> Iterator[Piece]:
     """Designs all along the front, those that stand out, and how far to trust it."""
-    screen, search = console(), found.search
+    search = found.search
     quantile = f", {100 * search.quantile:g} % quantiles of {search.scatter} samples" if search.over else ""
     goals = " and ".join(f"{'small' if one.sign > 0 else 'large'} {one.name}" for one in search.goals)
-    screen.print(f"{search.title}: {goals}{quantile}: {len(found.members)} designs on the front", soft_wrap=True)
-    _designs(found).show(screen)
-    for line in _told(found):
-        screen.print(line, soft_wrap=True)
+    yield f"{search.title}: {goals}{quantile}: {len(found.members)} designs on the front"
+    yield _designs(found)
+    yield from _told(found)
     ended = "all runs were made" if found.spent else "it ended since no new design came up"
     tried = f"{found.designs} designs, {found.runs} runs; {ended if not found.interrupted else 'interrupted'}"
-    screen.print(
-        f"{tried}. That no better front exists is not proven: another 'seed' gives another search", soft_wrap=True
-    )
+    yield f"{tried}. That no better front exists is not proven: another 'seed' gives another search"
     if found.interrupted:
-        screen.print("Interrupted: the same command goes on", soft_wrap=True)
-    say_left_out(found.rows, screen)
+        yield "Interrupted: the same command goes on"
+    yield from left_out_pieces(found.rows)
     for k in dict.fromkeys([*([] if found.knee is None else [found.knee]), *found.ends.values()]):
-        words = f"To run design {k} ({', '.join(found.notes(k))}): {command_of(search, found.texts(k))}"
-        screen.print(words, soft_wrap=True)
+        yield f"To run design {k} ({', '.join(found.notes(k))}): {command_of(search, found.texts(k))}"
 
 
 def _designs(found: Front) -> Grid:

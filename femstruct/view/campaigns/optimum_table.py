@@ -1,4 +1,4 @@
-"""The answer of an optimisation in the terminal."""
+"""The answer of an optimisation, as lines and tables."""
 
 from __future__ import annotations
 
@@ -8,48 +8,46 @@ import numpy as np
 
 from femstruct.files.tables.optimum_tables import run_command
 from femstruct.study.campaign.sought import Chosen, Found
-from femstruct.view.campaigns.swept_table import in_unit, say_left_out, written
-from femstruct.view.tables.console import console
-from femstruct.view.tables.grid import Grid
+from femstruct.view.campaigns.swept_table import in_unit, left_out_pieces, written
+from femstruct.view.tables.grid import Grid, Piece
 from femstruct.view.tables.scales import digits
 
 
-def show_optimum(found: Found) -> None:
+def optimum_pieces(found: Found) -> Iterator[Piece]:
     """The best design with its limits, what lies beside it, and how it was found."""
-    screen, search = console(), found.search
+    search = found.search
     factor, unit = in_unit(found.unit, abs(found.goal))
     quantile = f", {100 * search.quantile:g} % quantile of {search.scatter} samples" if search.over else ""
     word = "least" if search.sense == "minimise" else "largest"
     value = f"{digits(factor * found.goal)} {unit}".strip()
-    screen.print(f"{search.title}: {word} {search.goal}: {value}{quantile}", soft_wrap=True)
+    yield f"{search.title}: {word} {search.goal}: {value}{quantile}"
     if search.over:
         low, high = (digits(factor * one) for one in found.ends)
         paths = ", ".join(one.path for one in search.over)
-        screen.print(f"over the scatter of {paths} it lies between {low} and {high} {unit}", soft_wrap=True)
+        yield f"over the scatter of {paths} it lies between {low} and {high} {unit}"
     head = ("chosen", "value", "at the end of its range", f"{search.goal} changes per 1 % of the range")
     grid = Grid("the best design found", head)
     for one in found.chosen:
         grid.add(one.path, _value(one), one.at, _change(one, factor, unit))
-    grid.show(screen)
+    yield grid
     limits = Grid("its limits", ("number", "value", "limit"))
     for name, limit in search.limits.items():
         scale, told = in_unit(found.rows.unit_of(name), abs(limit))
         limits.add(name, f"{digits(scale * found.limits[name])} {told}", f"{digits(scale * limit)} {told}")
-    limits.show(screen)
+    yield limits
     if not found.feasible:
-        screen.print("No design that was tried holds all limits: this one exceeds them least", soft_wrap=True)
+        yield "No design that was tried holds all limits: this one exceeds them least"
     for one in found.chosen:
         if one.at:
-            screen.print(f"{one.path} is at the {one.at} end of its range: a wider range may give more", soft_wrap=True)
-    for line in _doubts(found):
-        screen.print(line, soft_wrap=True)
+            yield f"{one.path} is at the {one.at} end of its range: a wider range may give more"
+    yield from _doubts(found)
     ended = "all runs were made" if found.spent else "it ended since nothing got better any more"
     tried = f"{found.designs} designs, {found.runs} runs; the last improvement at design {_last(found)}; {ended}"
-    screen.print(f"{tried}. A global optimum is not proven: another 'seed' gives another search", soft_wrap=True)
+    yield f"{tried}. A global optimum is not proven: another 'seed' gives another search"
     if found.interrupted:
-        screen.print("Interrupted: the same command goes on", soft_wrap=True)
-    say_left_out(found.rows, screen)
-    screen.print(f"To run it: {run_command(found)}", soft_wrap=True)
+        yield "Interrupted: the same command goes on"
+    yield from left_out_pieces(found.rows)
+    yield f"To run it: {run_command(found)}"
 
 
 def _doubts(found: Found) -> Iterator[str]:

@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from femstruct.arrays import Floats
+from femstruct.files.tables.sweep_tables import unchanged
 from femstruct.study.campaign.influence import influences
 from femstruct.study.campaign.swept import Flags, Swept
 from femstruct.study.campaign.varied import INDICES
@@ -23,13 +24,16 @@ UNTRUSTED: Final[dict[str, Any]] = {"marker": "x", "linestyle": "none", "markers
 
 
 def swept_figure(rows: Swept, names: Sequence[str], case: str = "") -> Figure | None:
-    """A picture of some numbers, the first six, over what varied; None where nothing that varied is a number.
+    """A picture of some numbers, the first six that differ if any do, over what varied; None where nothing varied is a
+    number.
 
     Samples for indices: the shares of all paths in the variance. One path: a curve for every case. Two paths of a grid:
     a map of one case. Otherwise: points of one case over each path. Rows that findings forbid to trust are crosses.
     case : of what shows only one, the baseline if none.
     """
-    drawn = [name for name in names if np.isfinite(rows.numbers[:, :, rows.names.index(name)]).any()][:MOST]
+    same = unchanged(rows, names)
+    known = [name for name in names if np.isfinite(rows.numbers[:, :, rows.names.index(name)]).any()]
+    drawn = ([name for name in known if name not in same] or known)[:MOST]
     several = [j for j in range(len(rows.paths)) if len({texts[j] for texts in rows.texts}) > 1]
     numeric = [j for j in several if np.isfinite(rows.values[:, j]).all()]
     if not drawn or not numeric:

@@ -1,12 +1,12 @@
-"""A campaign in the terminal: the extremes of chosen samples or the scatter of drawn ones, and what was left out."""
+"""What a campaign found, as lines and tables: the extremes of chosen samples or the scatter of drawn ones, and what
+was left out."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Final
 
 import numpy as np
-from rich.console import Console
 
 from femstruct.errors import some_of
 from femstruct.files.tables.sweep_tables import left_out, limited, spreads, unchanged
@@ -14,8 +14,7 @@ from femstruct.study.campaign.influence import influences
 from femstruct.study.campaign.spread import FEWEST
 from femstruct.study.campaign.swept import Swept
 from femstruct.study.campaign.varied import INDICES
-from femstruct.view.tables.console import console
-from femstruct.view.tables.grid import Grid
+from femstruct.view.tables.grid import Grid, Piece
 from femstruct.view.tables.scales import digits, scaled
 
 SAME: Final = 6  # numbers that are named
@@ -23,20 +22,17 @@ WIDE: Final = 0.3  # of the variance: an interval from which on more samples are
 TOLD: Final = 3  # samples without numbers whose reason is printed
 
 
-def show_swept(rows: Swept, names: Sequence[str] = ()) -> None:
+def swept_pieces(rows: Swept, names: Sequence[str] = ()) -> Iterator[Piece]:
     """The main numbers, or those of these names, over all samples that are to be trusted."""
-    screen, names = console(), names or rows.main
+    names = names or rows.main
     cases = f" in {len(rows.cases)} cases" if len(rows.cases) > 1 else ""
-    screen.print(f"{rows.title}: {int(rows.done.sum())} of {len(rows.texts)} samples{cases}", soft_wrap=True)
-    (_scatter if rows.drawn else _extremes)(rows, names).show(screen)
+    yield f"{rows.title}: {int(rows.done.sum())} of {len(rows.texts)} samples{cases}"
+    yield (_scatter if rows.drawn else _extremes)(rows, names)
     if rows.drawn:
-        (_influence if rows.method == INDICES else _followed)(rows, names).show(screen)
+        yield (_influence if rows.method == INDICES else _followed)(rows, names)
     if rows.method == INDICES and _unsure(rows, names):
-        told = (
-            "These shares are not to be used yet, their intervals are too wide: take a larger 'count' under 'samples:'"
-        )
-        screen.print(told, soft_wrap=True)
-    say_left_out(rows, screen, names)
+        yield "These shares are not to be used yet, their intervals are too wide: take a larger 'count'"
+    yield from left_out_pieces(rows, names)
 
 
 def _extremes(rows: Swept, names: Sequence[str]) -> Grid:
@@ -106,31 +102,29 @@ def _share(ends: tuple[float, float, float]) -> str:
     return f"{value:.0f} ({low:.0f} .. {high:.0f})"
 
 
-def say_left_out(rows: Swept, screen: Console, names: Sequence[str] = ()) -> None:
+def left_out_pieces(rows: Swept, names: Sequence[str] = ()) -> Iterator[Piece]:
     """What does not change, how many samples have no number or are not to be trusted, and why."""
     n = len(rows.texts)
     same = unchanged(rows, names)
     if same:
-        screen.print(f"The same in all samples: {some_of(same, SAME)}", soft_wrap=True)
+        yield f"The same in all samples: {some_of(same, SAME)}"
     at_most = max((int(rows.trusted(case).sum()) for case in rows.cases), default=0)
     if rows.drawn and at_most < FEWEST:
-        told = f"No statistics: {at_most} samples are to be trusted, and {FEWEST} or more are needed"
-        screen.print(told, soft_wrap=True)
+        yield f"No statistics: {at_most} samples are to be trusted, and {FEWEST} or more are needed"
     if rows.made:
-        screen.print(f"Rows are made {rows.made}", soft_wrap=True)
+        yield f"Rows are made {rows.made}"
     for code, count in limited(rows).items():
-        screen.print(f"Limits trust: {code} in {count} of {n} samples; femstruct explain {code}", soft_wrap=True)
+        yield f"Limits trust: {code} in {count} of {n} samples; femstruct explain {code}"
     for code, count in left_out(rows).items():
         told = f"Left out: {count} of {n} samples with the finding {code}, which forbids trust"
-        screen.print(f"{told}; femstruct explain {code}", soft_wrap=True)
+        yield f"{told}; femstruct explain {code}"
     failed = [(i, one) for i, one in enumerate(rows.trouble) if one]
     for i, one in failed[:TOLD]:
-        screen.print(f"No result for sample {i} ({_at(rows, i)}): {one}", soft_wrap=True)
+        yield f"No result for sample {i} ({_at(rows, i)}): {one}"
     if len(failed) > TOLD:
-        screen.print(f"No result for {len(failed)} of {n} samples in all; the table has the reasons", soft_wrap=True)
+        yield f"No result for {len(failed)} of {n} samples in all; the table has the reasons"
     if missing := int((~rows.done).sum()):
-        told = f"Interrupted: {missing} of {n} samples were not run. Run the command again to go on"
-        screen.print(told, soft_wrap=True)
+        yield f"Interrupted: {missing} of {n} samples were not run. Run the command again to go on"
 
 
 def _at(rows: Swept, i: int) -> str:

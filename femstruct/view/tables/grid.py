@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from itertools import zip_longest
 from typing import Final
@@ -37,6 +37,19 @@ class Grid:
             console.print(self.title, style="italic", soft_wrap=True)
             console.print(head, style="bold", soft_wrap=True)
             console.print("\n".join(rest), soft_wrap=True)
+
+
+Piece = str | Grid
+"""A sentence or a table: what is told in the terminal and on the page."""
+
+
+def show(pieces: Iterable[Piece], console: Console) -> None:
+    """Print sentences and tables one after the other."""
+    for one in pieces:
+        if isinstance(one, Grid):
+            one.show(console)
+        else:
+            console.print(one, soft_wrap=True)
 
 
 def _aligned(cells: Sequence[Sequence[str]], widths: Sequence[int]) -> str:
