@@ -13,9 +13,10 @@ from femstruct.arrays import Floats
 from femstruct.errors import FemstructError, InputError
 from femstruct.impact.scene.force_pulse import LASTS, LOSES, pulse_of
 from femstruct.modal.analytic import given_modes
-from femstruct.workflow.identify.fit import fit
-from femstruct.workflow.identify.fit_findings import fit_findings
+from femstruct.workflow.identify.fit import fit, fitted, parameter
+from femstruct.workflow.identify.fit_findings import Left, fit_findings
 from femstruct.workflow.identify.intervals import Fit
+from femstruct.workflow.identify.undetermined import combinations
 
 ROUNDING = 1e-11  # steps and rounding: 6e-14 here at most
 
@@ -215,3 +216,56 @@ def test_data_that_hardly_tell_are_told() -> None:
     poor = next(finding for finding in fit_findings(found) if finding.code == "poor-fit")
     assert not poor.severe
     assert poor.values["left_over"] == pytest.approx(np.sqrt(1 - found.explained))
+
+
+def test_stated_scatter_is_taken_unless_the_residuals_exceed_it() -> None:
+    """A mean of 50 numbers of a stated scatter: its interval is 1.96 s / sqrt(50). With noise of three times that it is
+    Student's of the residuals, and a finding has the ratio."""
+    rng, s = np.random.default_rng(4), 0.2
+    (one,) = [parameter("mean", 3.0)]
+    for times in (1.0, 3.0):
+        measured = 2.0 + times * s * rng.standard_normal(50)
+        found = fitted(lambda values, of=measured: (values["mean"] - of) / s, [one], 1.0, known=True)  # type: ignore[misc]
+        half = 0.5 * (found.high["mean"] - found.low["mean"])
+        rms = float(np.sqrt((found.residuals**2).mean()))
+        told = {
+            finding.code: finding for finding in fit_findings(found, [Left("floor", found.residuals, 0, True, 0.0)])
+        }
+        if times == 1.0:
+            assert found.known and not told
+            assert half == pytest.approx(1.959964 * s / np.sqrt(50.0), rel=1e-6)  # seven digits
+        else:
+            t95 = 2.009575  # Student's t, 97.5 %, 49 degrees of freedom, from tables
+            assert not found.known and half == pytest.approx(t95 * measured.std(ddof=1) / np.sqrt(50.0), rel=1e-6)
+            assert told["fit-beyond-scatter"].values["times"] == pytest.approx(rms) and rms > 2.0
+            assert not told["fit-beyond-scatter"].severe
+    (worse,) = fit_findings(found, [Left("floor", 2.0 * found.residuals, 0, True, 0.0)])
+    assert worse.severe  # six times the scatter
+
+
+def test_a_given_bound_is_named() -> None:
+    found = fitted(lambda values: np.array([values["a"] - 5.0]), [parameter("a", 2.0, 1.0, 4.0)], 5.0, known=True)
+    assert found.at_bound == ("a",) and found.values["a"] == pytest.approx(4.0, rel=1e-6)  # the search keeps inside
+    assert "parameter-at-bound" in codes(found)
+    free = fitted(lambda values: np.array([values["a"] - 3.9]), [parameter("a", 2.0, 1.0, 4.0)], 5.0, known=True)
+    assert not free.at_bound and "parameter-at-bound" not in codes(free)
+
+
+def test_what_is_hardly_distinguished_is_named_with_its_interval() -> None:
+    """Slope and offset of a line far from its origin: of one per cent of noise the sum is known, the parts are not."""
+    x = np.linspace(10.0, 10.2, 20)
+    starts = [parameter("a", 1.0), parameter("b", 1.0)]
+
+    def residuals(values: Mapping[str, float]) -> Floats:
+        return ((values["a"] - 1.0) * x / 10.1 + values["b"] - 1.0) / 0.02
+
+    found = fitted(residuals, starts, 100.0, known=True)
+    (one,) = combinations(found, {"a": "", "b": ""}, residuals)
+    assert one.names == ("a", "b") and one.changes == pytest.approx((0.1, -0.1), rel=1e-3)  # the line is nearly flat
+    spread = np.sqrt(np.linalg.inv(np.stack([x / 10.1, np.ones(20)]) @ np.stack([x / 10.1, np.ones(20)]).T).trace())
+    assert one.half_along == pytest.approx(1.96 * 0.02 * spread, rel=1e-3)  # the other direction has 1e-4 of it
+    (kept,) = one.kept
+    assert kept.formula == "a + b" and kept.half == pytest.approx(1.96 * 0.02 / np.sqrt(20.0) / 2.0, rel=1e-2)  # nearly
+    assert "hardly distinguish" in one.sentence and "parameters-not-distinguished" in {
+        finding.code for finding in fit_findings(found, [], [one])
+    }

@@ -50,7 +50,7 @@ PARAMETERS = {
 }
 FEW = ("parts.slab.thickness", "parts.posts.damping.z")
 OTHERS = tuple(path for path in PARAMETERS if path not in FEW)  # they take a second each
-LINES = np.linspace(5.0, 100.0, 60)
+LINES = np.linspace(5.0, 60.0, 56)
 STEP = 2e-5  # of a parameter, in differences of the fourth order: lines of 1 % width move by 1e-3 of it
 
 
@@ -74,7 +74,7 @@ def read(path: str, value: float, file: Path = FLOOR) -> Floor:
     assert isinstance(source.structure, Structure)
     model = mesh_structure(source.structure)
     assembly, probes = assemble(model), (model.points["P"].probe("z"), model.points["Q"].probe("z"))
-    return Floor(assembly, source.damping, modal_basis(assembly, up_to=250.0, probes=probes, orders=ORDERS), probes)
+    return Floor(assembly, source.damping, modal_basis(assembly, up_to=120.0, probes=probes, orders=ORDERS), probes)
 
 
 def difference(function: Callable[[float], NDArray[Any]], at: float) -> NDArray[Any]:
@@ -104,7 +104,8 @@ def test_derivatives_against_differences(path: str) -> None:
     damped = with_damping(here.basis, here.damping)
     found = frf_slopes(motions(damped, *here.probes, LINES), modal, LINES, "accelerance")
     expected = difference(lambda value: read(path, value).response, at)
-    assert np.abs(found - expected).max() < 1e-6 * np.abs(expected).max()  # 3e-8 here; the differences err as much
+    # at every line, 3e-9 here; with two residual vectors of each probe 4e-6
+    assert (np.abs(found - expected) < 1e-6 * np.abs(expected)).all()
     if not slopes.K.nnz:
         return
     omega, groups = here.basis.omega[true], near_equal(here.basis.frequency_hz[true], 1e-6)
@@ -141,13 +142,13 @@ def test_responses_with_every_law_of_damping(law: str, tmp_path: Path) -> None:
     found = frf_slopes(motions(damped, *here.probes, LINES), modal, LINES, "accelerance")
     at = PARAMETERS["parts.slab.thickness"]
     expected = difference(lambda value: read("parts.slab.thickness", value, file).response, at)
-    assert np.abs(found - expected).max() < 1e-6 * np.abs(expected).max()  # 3e-8 here, as above
+    assert (np.abs(found - expected) < 1e-6 * np.abs(expected)).all()  # as above
     path, number = LAWS[law]
     less, more = (read(path, factor * number, file).damping for factor in (0.9, 1.1))
     by_law = damping_slopes(here.basis, less, more, 0.2 * number)
     found = frf_slopes(motions(damped, *here.probes, LINES), by_law, LINES, "accelerance")
     expected = difference(lambda value: read(path, value, file).response, number)
-    assert np.abs(found - expected).max() < 1e-6 * np.abs(expected).max()  # 3e-8 here, as above
+    assert (np.abs(found - expected) < 1e-6 * np.abs(expected)).all()  # as above
 
 
 @pytest.mark.parametrize("sides", [FORWARD, BACKWARD])

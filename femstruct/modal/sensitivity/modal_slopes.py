@@ -23,8 +23,8 @@ from femstruct.modal.superposition import Complex, amplitudes
 from femstruct.model.materials.loss_by_frequency import LossByFrequency
 from femstruct.model.probe import Probe
 
-ORDERS: Final = 6
-"""Residual vectors of every probe where responses are differentiated: the motion itself is then good to 1e-6."""
+ORDERS: Final = 4
+"""Residual vectors of a probe where responses are differentiated: the motion is then good to 1e-8 (with two: 1e-6)."""
 POWERS: Final = {"receptance": 0, "mobility": 1, "accelerance": 2}  # of j omega
 _SOLVES: Final = 500
 _SETTLED: Final = 1e-12  # of a shape

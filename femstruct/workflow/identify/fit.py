@@ -16,6 +16,7 @@ STEP = 1e-3  # of a parameter, for its derivative: truncation 1e-6, and an engin
 SMALLEST = 0.1  # of its start: the least a parameter counts for in that step
 MIN_SENSITIVITY = 1e-6  # change of the data over the data themselves, for a change by the whole parameter
 SETTLED: Final = 1e-9  # of the parameters: the last step
+SQUARES: Final = 1e-12  # of the sum of squares: rounding
 HALVINGS: Final = 30
 MOST_ITERATIONS = 100
 History = Callable[[Values], Floats]
@@ -166,7 +167,7 @@ def _truncated(
         for _ in range(HALVINGS):
             tried = x + step.clip(0.5 * (ends[0] - x), 0.5 * (ends[1] - x))  # never beyond half the way to a bound
             new = left(tried)
-            if float(new @ new) <= float(rest @ rest):
+            if float(new @ new) <= (1.0 + SQUARES) * float(rest @ rest):
                 break
             step = 0.5 * step
         else:

@@ -16,7 +16,7 @@ from femstruct.assembly.matrices import Assembly
 from femstruct.errors import FemstructError, Finding, InputErrors
 from femstruct.language import ModelFile, read_any, read_study
 from femstruct.modal.basis import ModalBasis
-from femstruct.modal.damping import Damping, with_damping
+from femstruct.modal.damping import Damping, carry_damping, with_damping
 from femstruct.modal.reduction import modal_basis
 from femstruct.modal.sensitivity.matrix_slopes import BACKWARD, CENTRED, FORWARD, MatrixSlopes, matrix_slopes
 from femstruct.modal.sensitivity.modal_slopes import (
@@ -77,7 +77,7 @@ class Needs:
 class Moded:
     """The modes of a trial. bare : without damping and air. assembly is None where derivatives of the matrices are not
     those of the modes: closed forms, air between surfaces, walls at edges. solved : then the structure with its
-    modes."""
+    modes. reference : modes of the file as it is, of whose numbers some have a damping of their own; None without."""
 
     structure: StructureModel
     damping: Damping
@@ -86,6 +86,7 @@ class Moded:
     assembly: Assembly | None
     bare: ModalBasis
     solved: Solved | None = None
+    reference: ModalBasis | None = None
 
     @cached_property
     def undamped(self) -> ModalBasis:
@@ -94,8 +95,11 @@ class Moded:
 
     @cached_property
     def damped(self) -> ModalBasis:
-        """What frequency responses are made of."""
-        basis = with_damping(self.bare, self.damping)
+        """What frequency responses are made of. Damping of single modes follows them by shape, as between cases."""
+        if self.reference is None:
+            basis = with_damping(self.bare, self.damping)
+        else:
+            basis = carry_damping(self.damping, self.reference, self.bare)
         return basis if self.solved is None else in_air(basis, self.solved)
 
     @cached_property
@@ -158,6 +162,7 @@ class Trials:
         self._bases: dict[str, Solved] = {}
         self._trials: dict[tuple[float, ...], Trial] = {}
         self._origin: Trial | None = None
+        self._as_it_is: ModalBasis | None = None
 
     def at(self, values: Values) -> Trial:
         """The trial with these values."""
@@ -167,7 +172,7 @@ class Trials:
             self.progress(f"identify {', '.join(self.parameters)}: run {self.runs}")
             source = self._read(values)
             with positioned(source):
-                modes = self._moded(*_described(source)) if self.needs.up_to_hz else None
+                modes = self._with_reference(*_described(source)) if self.needs.up_to_hz else None
                 result = self._run(source, estimated=False) if self.needs.run and isinstance(source, Plan) else None
             self._trials = {
                 **dict([*self._trials.items()][1 - KEPT :]),
@@ -225,6 +230,15 @@ class Trials:
         changed = tuple(f"{name}={values[name]!r} {self.units[name]}".rstrip() for name in self.parameters)
         return read_source(self.file, (*self.overrides, *changed, *self.needs.timing), self.case)
 
+    def _with_reference(self, structure: StructureModel, damping: Damping) -> Moded:
+        """Modes, with those of the file as it is where single modes are damped by their numbers."""
+        found = self._moded(structure, damping)
+        if not (damping.modes and self.needs.frfs):
+            return found
+        if self._as_it_is is None:
+            self._as_it_is = self._moded(*_described(read_source(self.file, self.overrides, self.case))).bare
+        return replace(found, reference=self._as_it_is)
+
     def _moded(self, structure: StructureModel, damping: Damping) -> Moded:
         """Modes with the residual vectors that derivatives need, where there are derivatives."""
         extent = Extent(up_to_hz=self.needs.up_to_hz)
@@ -248,7 +262,7 @@ class Trials:
         case = next(one for one in plan.cases if one.name == plan.baseline)
         key = key_of(case.study)
         if key not in self._bases:
-            self._bases[key] = solve_all((case,))[case.name]
+            self._bases = {**dict([*self._bases.items()][1 - KEPT :]), key: solve_all((case,))[case.name]}
         clock = Stopwatch(lambda line: None)
         return run_case(case, {case.name: self._bases[key]}, case, clock, transfers=self.rooms, estimated=estimated)
 
@@ -278,12 +292,12 @@ def _name_of(structure: StructureModel) -> str:
 def _change(moded: Moded, matrices: MatrixSlopes | None, less: Damping, more: Damping, apart: float) -> Change:
     """The derivatives in the modes, of what changes: matrices, the law of damping, or both."""
     none = np.zeros_like(moded.bare.viscous)
-    modal, known = ModalSlopes(none, none, none, none), True
-    if less != more:
+    modal, known = ModalSlopes(none, none, none, none), not moded.damping.modes
+    if known and less != more:
         modal = damping_slopes(moded.bare, less, more, apart)
     if matrices is not None:
         own = modal_slopes(moded.bare, moded.damping, moded.free, matrices)
-        known = own is not None
+        known = known and own is not None
         own = own or modal_slopes(moded.bare, Damping(), moded.free, matrices)
         assert own is not None
         modal = added(own, modal)
