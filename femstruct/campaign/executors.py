@@ -20,6 +20,7 @@ from femstruct.errors import InputError
 
 THREADS: Final = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "LP_NUM_THREADS")
 AHEAD: Final = 2  # tasks handed out for each worker, so that none waits for the next
+PATIENCE: Final = 5.0  # seconds that the threads of ended processes may take to end
 LOOK: Final = 1.0  # seconds between two looks at what is done
 GONE: Final = "the process that ran it ended without an answer: it was killed, or there was not enough memory"
 Done = Callable[[list[Row]], None]
@@ -46,7 +47,7 @@ def crew(workers: int, cluster: str = "") -> Iterator[Crew]:
     elif workers == 1:
         yield _here
     else:
-        with _one_thread_each():
+        with _one_thread_each(), _deaf_to_broken_pipes():
             processes = _Processes(workers)
             try:
                 yield processes
@@ -75,6 +76,7 @@ class _Processes:
         self._workers = workers
         self._executor: Executor | None = None
         self._others = set[Any]()
+        self._threads = set[threading.Thread]()
 
     def __call__(self, tasks: Sequence[Work], done: Done, tick: Tick = lambda: None) -> None:
         """Tasks under way when a process dies are run again, one at a time; one that dies again costs its own samples
@@ -90,6 +92,7 @@ class _Processes:
         """Run tasks, taken from the list, until all are done or a process has died; those that were then under way."""
         if self._executor is None:
             self._others = set(multiprocessing.active_children())
+            self._threads = set(threading.enumerate())
             self._executor = _pool(self._workers)
         lost = _hand_out(self._executor, tasks, ahead, done, tick)
         if lost:
@@ -102,6 +105,9 @@ class _Processes:
             self._executor.shutdown(wait=False, cancel_futures=True)
             for child in set(multiprocessing.active_children()) - self._others:
                 child.kill()
+            until = time.monotonic() + PATIENCE
+            for thread in set(threading.enumerate()) - self._threads:  # they write to the processes
+                thread.join(max(until - time.monotonic(), 0.0))
         self._executor = None
 
 
@@ -158,6 +164,19 @@ def _begin(parent: int) -> None:
         os._exit(1)
 
     threading.Thread(target=watch, daemon=True).start()
+
+
+@contextmanager
+def _deaf_to_broken_pipes() -> Iterator[None]:
+    """Writing to a process that has been killed is an error of that write meanwhile, and not the end of this one."""
+    if not hasattr(signal, "SIGPIPE") or threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGPIPE, signal.SIG_IGN)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGPIPE, before)
 
 
 @contextmanager

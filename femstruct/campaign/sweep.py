@@ -13,14 +13,18 @@ from femstruct.campaign.batch.batch_rows import BY_BATCH, batch_tasks
 from femstruct.campaign.executors import Crew, crew
 from femstruct.campaign.gathered import counted, gathered, make_ready, versions
 from femstruct.campaign.journal import Journal, Row, moved_aside, opened
+from femstruct.campaign.numbers import APART
 from femstruct.campaign.samples import Samples, samples_of
 from femstruct.campaign.tasks import Work, first_read, split
+from femstruct.errors import InputError, some_of
+from femstruct.language.yaml.tree import near_one
 from femstruct.study.campaign.swept import Swept
 from femstruct.study.campaign.varied import Campaign
 from femstruct.study.study import Plan
 from femstruct.workflow.run.provenance import Progress
 from femstruct.workflow.stages.fingerprint import fingerprint
 
+MOST: Final = 8  # names in a message
 ROWS: Final = "sweep.rows"  # where rows are kept as they come, until all are there
 
 
@@ -31,13 +35,15 @@ def sweep(
     cluster: str = "",
     progress: Progress = lambda line: None,
     command: str = "",
+    asked: Sequence[str] = (),
 ) -> Swept:
     """Run a study once for every sample of what it varies.
 
     folder : where rows are kept as they come; samples that are there already are not run again. None to keep nothing.
     workers : processes, None for one a core; a script that asks for several must run under
         ``if __name__ == "__main__":``. cluster : address of a Dask scheduler whose workers do the work instead; they
-        see the same files.
+        see the same files. asked : names of numbers that a row must have: where the first that is finished, or known
+        already, has none of that name in any case, it ends.
 
     Returns the rows. After Ctrl-C those that are finished, if any; the others are not `done`.
 
@@ -80,7 +86,7 @@ def sweep(
         known = {row.sample for row in journal.rows()}
         left = [task for one in parts.tasks if (task := one.left(known)) is not None]
         with crew(1 if by_batch else min(cores, max(len(left), 1)), cluster) as run:  # a batch has threads
-            _run(left, run, journal, progress)
+            _run(left, run, journal, progress, asked)
         rows = journal.rows()
     return gathered(
         campaign.title,
@@ -113,14 +119,17 @@ def _name_of(campaign: Campaign, samples: Samples, plan: Plan) -> str:
     return fingerprint((dict(plan.sources), *said, versions()))
 
 
-def _run(tasks: Sequence[Work], run: Crew, journal: Journal, progress: Progress) -> None:
+def _run(tasks: Sequence[Work], run: Crew, journal: Journal, progress: Progress, asked: Sequence[str]) -> None:
     """Run tasks and keep their rows; Ctrl-C ends it with what there is."""
+    refuse_unknown(asked, journal.rows() if asked else ())
     tell = counted(sum(len(task.numbers) for task in tasks), "samples", progress)
     done = 0
 
     def keep(rows: list[Row]) -> None:
         nonlocal done
         journal.append(rows)
+        if not done:
+            refuse_unknown(asked, rows)
         done += len({row.sample for row in rows})
         tell(done)
 
@@ -130,3 +139,13 @@ def _run(tasks: Sequence[Work], run: Crew, journal: Journal, progress: Progress)
         if not journal.rows():
             journal.remove()
             raise
+
+
+def refuse_unknown(asked: Sequence[str], rows: Sequence[Row]) -> None:
+    """Raise InputError for a name that no number of these rows has; rows without numbers say nothing."""
+    known = {name for row in rows for name in row.numbers}
+    wrong = next((name for name in asked if known and name not in known), None)
+    if wrong is not None:
+        main = some_of([name for name in sorted(known) if APART not in name], MOST)
+        expected = "a number of the study"
+        raise InputError("results", got=f"'{wrong}'", expected=expected, do=near_one(wrong, known) or f"it has {main}")

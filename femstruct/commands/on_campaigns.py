@@ -69,7 +69,8 @@ def sweep(
     refuse_unwritable(folder)
     with _interruptible(folder / ROWS), progress() as tell:
         moved = set_aside(asked, folder)
-        rows = swept(asked, folder, workers or None, cluster, tell, " ".join(["femstruct", *sys.argv[1:]]))
+        words = " ".join(["femstruct", *sys.argv[1:]])
+        rows = swept(asked, folder, workers or None, cluster, tell, words, results)
         names = [name for name in results if rows.of(name) is not None]
         written = write_rows(rows, folder, names, tell, pictures=not no_pictures)
     if as_json:

@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 import xarray
 
-from femstruct.campaign.executors import GONE
+from femstruct.campaign.executors import GONE, crew
 from femstruct.campaign.forecast import planned
 from femstruct.campaign.journal import Row, is_of, opened
 from femstruct.campaign.kept_rows import write_rows
@@ -258,3 +258,40 @@ def test_a_cluster_gives_the_same_rows_and_survives_a_kill(study: Path) -> None:
         rows = sweep(campaign, cluster=cluster.scheduler_address, progress=kill_one)
     assert killed
     np.testing.assert_array_equal(rows.numbers, sweep(campaign, workers=1).numbers)
+
+
+def test_a_number_that_no_row_has_ends_the_sweep_with_its_first_row(study: Path, tmp_path: Path) -> None:
+    told: list[str] = []
+    campaign, expected = read_campaign(study), r"results: got 'm\.z velocty', .* did you mean 'm\.z velocity'\?"
+    with pytest.raises(InputError, match=expected):
+        sweep(campaign, tmp_path, workers=1, progress=told.append, asked=["ball on m peak force", "m.z velocty"])
+    assert not any(line.startswith("1 of") for line in told)
+    with pytest.raises(InputError, match=expected):  # at once, from the row that is kept
+        sweep(campaign, tmp_path, workers=1, progress=told.append, asked=["m.z velocty"])
+    assert not any(line.startswith("1 of") for line in told)
+    with pytest.raises(InputError, match=r"got 'colour', expected a number of the study; it has .*total mass"):
+        sweep(campaign, tmp_path, workers=1, asked=["colour"])
+    assert sweep(campaign, tmp_path, workers=1, asked=["m.z velocity"]).done.all()
+
+
+def test_processes_are_ended_without_ending_this_one() -> None:
+    """A write to a process that was killed is no signal to this one, as long as there are processes."""
+    before = signal.signal(signal.SIGPIPE, signal.SIG_DFL)
+    try:
+        with crew(2):
+            assert signal.getsignal(signal.SIGPIPE) == signal.SIG_IGN
+        assert signal.getsignal(signal.SIGPIPE) == signal.SIG_DFL
+    finally:
+        signal.signal(signal.SIGPIPE, before)
+
+
+@pytest.mark.stress
+@pytest.mark.parametrize("seconds", [3.0, 5.0, 7.0, 9.0])
+def test_a_request_to_terminate_ends_all_processes_and_leaves_nothing(study: Path, seconds: float) -> None:
+    study.write_text(STUDY.replace("10 ms", "2 s").replace("steps: 3", "steps: 300"), encoding="utf-8")
+    line = [sys.executable, "-m", "femstruct", "sweep", str(study), "--workers", "2", "-o", str(study.parent / "out")]
+    process = subprocess.Popen(line, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    time.sleep(seconds)
+    process.terminate()
+    _, told = process.communicate(timeout=60)
+    assert process.returncode == 130 and "leaked" not in told, told

@@ -8,6 +8,7 @@ from matplotlib.collections import LineCollection
 from femstruct.study.campaign.swept import Swept
 from femstruct.view.campaigns.bands_figure import bands_figure
 from femstruct.view.campaigns.parallel_figure import swept_parallel
+from femstruct.view.campaigns.swept_figure import edges
 
 N = 16
 LEVELS = tuple(f"levels / hall.mic / bands_db / {band}" for band in ("63", "125", "250"))
@@ -47,6 +48,14 @@ def test_envelopes_are_quantiles_of_the_samples_that_are_trusted() -> None:
     corners = chosen.axes[0].collections[0].get_paths()[0].vertices
     assert corners[corners[:, 0] == 0, 1].max() == level.max()
     assert bands_figure(replace(whole, names=("a", "b", "c", "d"))) is None
+
+
+def test_cells_of_a_map_lie_about_their_values() -> None:
+    """Of 1, 10, 100 on a logarithmic axis the edges are half a decade away, else half-way to the next."""
+    decades = 10.0 ** np.array([-0.5, 0.5, 1.5, 2.5])
+    np.testing.assert_allclose(edges(np.array([1.0, 10.0, 100.0])), decades, rtol=1e-12)  # rounding
+    found = edges(np.array([1.0, 4.0, 5.0]))
+    assert found.tolist() == [-0.5, 2.5, 4.5, 5.5] and edges(np.array([2.0])).tolist() == [1.9, 2.1]
 
 
 def test_each_trusted_sample_is_a_line_across_all_axes() -> None:

@@ -80,7 +80,7 @@ def _maps(rows: Swept, names: Sequence[str], numeric: Sequence[int], case: str) 
         table = np.full((len(ys), len(xs)), np.nan)
         table[j, i] = np.where(rows.trusted(case), scale * rows.of(name, case), np.nan)
         x, y = (factor * one for (factor, _), one in zip(scales, (xs, ys), strict=True))
-        drawn = own.pcolormesh(x, y, table, shading="nearest", cmap="viridis")
+        drawn = own.pcolormesh(edges(x), edges(y), table, shading="flat", cmap="viridis")
         bar = figure.colorbar(drawn, ax=own)
         bar.ax.tick_params(labelsize=8)
         own.set_title(named(name, told), fontsize=10, loc="left")
@@ -152,11 +152,33 @@ def _limit(axes: Axes, rows: Swept, name: str, scale: float) -> None:
         axes.axhline(scale * rows.limits[name], color="#d55e00", linewidth=0.9, linestyle="--", label="limit")
 
 
-def number_axis(axes: Axes, values: Floats, *, vertical: bool = False) -> None:
-    """A logarithmic axis for values in logarithmic steps, or over more than a decade and a half."""
+def edges(values: Floats) -> Floats:
+    """The edges of cells about rising values [n + 1]: half-way to the neighbours as the axis shows it, and as far
+    beyond the ends.
+
+    >>> edges(np.array([1.0, 2.0, 4.0])).round(3).tolist(), edges(np.array([1.0, 2.0, 3.0, 5.0])).tolist()
+    ([0.707, 1.414, 2.828, 5.657], [0.5, 1.5, 2.5, 4.0, 6.0])
+    """
+    if len(values) < 2:
+        half = 0.05 * abs(values[0]) or 0.5
+        return np.array([values[0] - half, values[0] + half])
+    logarithmic = _logarithmic(values)
+    shown = np.log(values) if logarithmic else values
+    between = 0.5 * (shown[1:] + shown[:-1])
+    found = np.concatenate([[2.0 * shown[0] - between[0]], between, [2.0 * shown[-1] - between[-1]]])
+    return np.exp(found) if logarithmic else found
+
+
+def _logarithmic(values: Floats) -> bool:
+    """Whether values are in logarithmic steps, or span more than a decade and a half."""
     steps = np.unique(values)
     even = len(steps) > 2 and steps[0] > 0.0 and np.allclose(np.diff(np.log(steps)), np.log(steps[1] / steps[0]))
-    if even or (values.min() > 0.0 and values.max() > WIDE * values.min()):
+    return bool(even or (values.min() > 0.0 and values.max() > WIDE * values.min()))
+
+
+def number_axis(axes: Axes, values: Floats, *, vertical: bool = False) -> None:
+    """A logarithmic axis for values in logarithmic steps, or over more than a decade and a half."""
+    if _logarithmic(values):
         (axes.set_yscale if vertical else axes.set_xscale)("log")
 
 
