@@ -17,13 +17,26 @@ from femstruct.campaign.searching import set_aside
 from femstruct.campaign.tasks import Task, rows_of
 from femstruct.errors import InputError, InputErrors
 from femstruct.files.tables.optimum_tables import optimum_table, run_command
+from femstruct.language import read_study
 from femstruct.language.searches import read_search
 from femstruct.study.campaign.sought import Search
 from femstruct.study.campaign.varied import Listed, Scattered
+from femstruct.workflow.run.run import run_study
 
 DATA = Path(__file__).parents[1] / "data"
 X, Y = Scattered("x", "uniform", -2.0, 2.0, "m"), Scattered("y", "uniform", -2.0, 2.0, "m")
 MODEL = "structure: {type: oscillator, mass: 1 kg, stiffness: 100 N/m}\npoints: {m: {}}\n"
+HAMMER = """
+optimise:
+  case: impact damper
+  minimise: ground force
+  limits: {die.z displacement: 8 mm, damper travel: 20 mm, die.z acceleration: 650 m/s^2}
+  vary:
+    bodies.damper.mass: {from: 1 t, to: 6 t}
+    contacts.block on damper.gap: {from: 0 mm, to: 3 mm}
+    links.damper spring.stiffness: {from: 0.5 MN/m, to: 20 MN/m, scale: log}
+  runs: 120
+"""
 HIT = """
 title: A hit
 model: model.yaml
@@ -226,3 +239,26 @@ def test_the_boat_has_the_damper_of_equation_5_45() -> None:
     assert found.goal == pytest.approx(0.5132, rel=1e-3)  # its digits
     ratio = np.sqrt(found.chosen[0].number / 0.6) / (2.0 * np.pi)
     assert ratio == pytest.approx(3.0 / np.sqrt(1.6), rel=1e-2)  # the goal is flat there: 1e-4 of it
+
+
+@pytest.mark.stress
+def test_the_damper_of_the_forging_hammer_by_one_block(tmp_path: Path) -> None:
+    """Mass, gap and spring for the least ground force, with limits of travel and of the die's acceleration: every row
+    is the full run of its design, and the damper lowers the force of the hammer without it."""
+    models = Path(__file__).parents[2] / "models"
+    (tmp_path / "forging_hammer.yaml").write_text((models / "forging_hammer.yaml").read_text(encoding="utf-8"))
+    text = (models / "forging_hammer.study.yaml").read_text(encoding="utf-8")
+    study = tmp_path / "hammer.study.yaml"
+    study.write_text(
+        text.replace("[displacement, velocity]", "[displacement, acceleration]") + HAMMER, encoding="utf-8"
+    )
+    found = optimise(read_search(study), workers=1)
+    assert found.feasible and found.limits["damper travel"] <= 0.02 and found.goal < 290e3
+    k = found.best
+    changes = [f"{path}={value}" for path, value in zip(found.rows.paths, found.rows.texts[k], strict=True)]
+    case = run_study(read_study(study, changes, only="impact damper")).cases["impact damper"]
+    for name in ("ground force", "damper travel", "die.z acceleration"):
+        # the same program with the same numbers
+        assert case.channels[name].whole == pytest.approx(float(found.rows.of(name)[k]), rel=1e-9)
+    bare = run_study(read_study(study, only="as built")).cases["as built"]
+    assert found.goal < bare.channels["ground force"].whole
