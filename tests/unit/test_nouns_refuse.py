@@ -139,10 +139,11 @@ NOT_MADE_BY_HAND = {
     "StudyResult",
     "Swept",
     "Found",
+    "Front",
 }
 
 
-@pytest.mark.parametrize("name", sorted({*femstruct.__all__} - NOT_MADE_BY_HAND - {"read_results", "read_swept"}))
+@pytest.mark.parametrize("name", sorted({*femstruct.__all__} - NOT_MADE_BY_HAND - {"read_results", "read_swept", "read_found"}))
 def test_what_is_exported_has_an_example(name: str) -> None:
     """Examples run with the tests of their module."""
     assert ">>>" in (getattr(femstruct, name).__doc__ or "")

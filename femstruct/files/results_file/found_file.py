@@ -38,6 +38,54 @@ def write_found(path: str | Path, found: Found | Front) -> None:
     """Write the answer of an optimisation to one file that is, at every instant, complete or not there.
 
     Raises FemstructError when the disk is full or refuses; the file that was there before is then untouched.
+
+    A design that was tried once:
+
+    >>> import tempfile
+    >>> from femstruct.study.campaign.sought import Chosen, Search
+    >>> from femstruct.study.campaign.swept import Swept
+    >>> from femstruct.study.campaign.varied import Scattered
+    >>> rows = Swept(
+    ...     title="hits",
+    ...     paths=("bodies.ball.mass",),
+    ...     units=("kg",),
+    ...     texts=(("1 kg",),),
+    ...     values=[[1.0]],
+    ...     method="grid",
+    ...     cases=("as given",),
+    ...     baseline="as given",
+    ...     names=("hit peak force",),
+    ...     number_units=("N",),
+    ...     main=("hit peak force",),
+    ...     numbers=[[[5.0]]],
+    ...     done=np.array([True]),
+    ...     severe=(((),),),
+    ...     findings=(((),),),
+    ...     trouble=("",),
+    ... )
+    >>> found = Found(
+    ...     search=Search("hit.study.yaml", "hit peak force", (Scattered("bodies.ball.mass", "uniform", 1.0, 2.0, "kg"),)),
+    ...     unit="N",
+    ...     goal=5.0,
+    ...     ends=(5.0, 5.0),
+    ...     chosen=(Chosen("bodies.ball.mass", "1 kg", 1.0, "kg", "lower", 0.1),),
+    ...     limits={},
+    ...     feasible=True,
+    ...     best=0,
+    ...     runs=1,
+    ...     designs=1,
+    ...     left_out=0,
+    ...     goals=np.array([5.0]),
+    ...     held=np.array([True]),
+    ...     history=((1, 5.0),),
+    ...     spent=True,
+    ...     interrupted=False,
+    ...     rows=rows,
+    ... )
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     write_found(Path(folder, "optimise.h5"), found)
+    ...     read_found(folder).goal
+    5.0
     """
 
     def write(file: h5py.File) -> None:
@@ -52,7 +100,8 @@ def write_found(path: str | Path, found: Found | Front) -> None:
 def read_found(path: str | Path) -> Found | Front:
     """The answer of an optimisation. path : an optimise.h5, or the folder that it is in.
 
-    Raises InputError for a file that is not there, of another kind, incomplete, or damaged.
+    Raises InputError for a file that is not there, of another kind, incomplete, or damaged. The example of
+    `write_found` reads one.
     """
     path = Path(path) / OPTIMUM if Path(path).is_dir() else Path(path)
     if not path.is_file():
