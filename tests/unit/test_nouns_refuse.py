@@ -141,9 +141,10 @@ NOT_MADE_BY_HAND = {
     "Found",
     "Front",
 }
+READ_WHERE_WRITTEN = {"read_results", "read_swept", "read_found"}
 
 
-@pytest.mark.parametrize("name", sorted({*femstruct.__all__} - NOT_MADE_BY_HAND - {"read_results", "read_swept", "read_found"}))
+@pytest.mark.parametrize("name", sorted({*femstruct.__all__} - NOT_MADE_BY_HAND - READ_WHERE_WRITTEN))
 def test_what_is_exported_has_an_example(name: str) -> None:
     """Examples run with the tests of their module."""
     assert ">>>" in (getattr(femstruct, name).__doc__ or "")

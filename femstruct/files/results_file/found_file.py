@@ -63,8 +63,9 @@ def write_found(path: str | Path, found: Found | Front) -> None:
     ...     findings=(((),),),
     ...     trouble=("",),
     ... )
+    >>> mass = Scattered("bodies.ball.mass", "uniform", 1.0, 2.0, "kg")
     >>> found = Found(
-    ...     search=Search("hit.study.yaml", "hit peak force", (Scattered("bodies.ball.mass", "uniform", 1.0, 2.0, "kg"),)),
+    ...     search=Search("hit.study.yaml", "hit peak force", (mass,)),
     ...     unit="N",
     ...     goal=5.0,
     ...     ends=(5.0, 5.0),
