@@ -82,7 +82,7 @@ class Designs:
         self.outcomes: list[Outcome] = []
         self._seen = set[str]()
         self._units = dict[str, str]()
-        self.kept_back = 4 * len(search.designs)
+        self.kept_back = min(4 * len(search.designs), search.runs // search.samples // 4)
 
     def __call__(self, points: Floats) -> list[Outcome]:
         """Outcomes of designs, points of the unit cube [n, d]. Raises Spent where they are more than are allowed;

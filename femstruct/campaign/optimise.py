@@ -115,7 +115,7 @@ def _everywhere(search: Search, designs: Designs) -> None:
     from scipy.stats import qmc
 
     d, most = len(search.designs), search.runs // search.samples
-    crowd = min(max(int(EVERYWHERE * most) // GENERATIONS, 4 * d, CROWD[0]), CROWD[1])
+    crowd = min(max(int(EVERYWHERE * most) // GENERATIONS, 4 * d, CROWD[0]), CROWD[1], designs.left)
     start = qmc.LatinHypercube(d, rng=np.random.default_rng(search.seed)).random(crowd)
     scipy_optimize.differential_evolution(
         lambda x: np.array([one.small for one in designs(np.atleast_2d(x.T))]),

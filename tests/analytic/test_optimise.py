@@ -139,6 +139,17 @@ def test_what_scatters_is_held_for_its_quantile() -> None:
         assert table.texts[0][1] == table.texts[16][1] and len(table.texts) == 16 * len(found.outcomes)
 
 
+@pytest.mark.parametrize("paths", [1, 3, 6, 9])
+def test_the_fewest_runs_are_enough_for_many_paths(paths: int) -> None:
+    """20 designs: some all over the ranges, the rest beside the best."""
+    names = "abcdefghi"[:paths]
+    varied = tuple(Scattered(one, "uniform", -1.0, 1.0, "m") for one in names)
+    with searched(
+        Search("s.yaml", "z", varied, runs=20), lambda texts: numbers(z=sum(number(texts, one) ** 2 for one in names))
+    ) as designs:
+        assert 12 <= len(designs.outcomes) <= 20 and designs.outcomes[designs.best].goals[0] < paths / 3.0  # the mean
+
+
 def test_an_unknown_number_is_refused_with_the_nearest(study: Path) -> None:
     search = read_search(study, "minimise m.z velocty", ["bodies.ball.mass=1 kg:2 kg"])
     with pytest.raises(InputError, match=r"optimise.minimise: got 'm.z velocty'.*did you mean 'm.z velocity'"):
