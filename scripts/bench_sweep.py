@@ -2,8 +2,8 @@
 
     OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 python scripts/bench_sweep.py
 
-The floor that is shipped, one microphone, impact numbers vary: a row by the batch engine, by a full run, and the
-impact alone, in the same process.
+The floor that is shipped, one microphone, impact numbers vary: a row by the batch engine, of peaks of channels, by a
+full run, and the impact alone, in the same process.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from femstruct.study.campaign.swept import Swept
 
 FLOOR = Path(__file__).parents[1] / "models" / "floor_tennis_ball.study.yaml"
 VARY = ("bodies.damper.mass=uniform(0.3 kg, 0.9 kg)", "bodies.ball.mass=uniform(40 g, 60 g)")
-LEVEL, FORCE = "box.mic L_AFmax", "ball on floor force"
+LEVEL, FORCE, PEAK = "box.mic L_AFmax", "ball on floor force", "B.z acceleration"
 
 
 def timed(count: int, only: tuple[str, ...]) -> tuple[float, Swept]:
@@ -34,8 +34,13 @@ def measured() -> Iterator[tuple[str, float]]:
     """Names and numbers, to be printed. What is made once is taken off by two numbers of samples."""
     timed(2, (FORCE,))  # kernels and imports
     per_row = {}
-    for what, only, counts in (("impact alone", (FORCE,), (64, 320)), ("with a microphone", (LEVEL,), (64, 320)),
-                               ("full run", (), (4, 12))):  # fmt: skip
+    asked = {
+        "impact alone": ((FORCE,), (64, 320)),
+        "peaks of channels": ((PEAK,), (16, 48)),
+        "with a microphone": ((LEVEL,), (64, 320)),
+        "full run": ((), (4, 12)),
+    }
+    for what, (only, counts) in asked.items():
         (few, _), (many, _) = (timed(count, only) for count in counts)
         per_row[what] = (many - few) / (counts[1] - counts[0])
         yield f"floor, 97 modes, {what}: ms a row", 1e3 * per_row[what]

@@ -7,7 +7,7 @@ import time
 from collections.abc import Sequence
 from dataclasses import replace
 
-from femstruct.campaign.batch.batch_rows import BY_BATCH, BatchTask, batch_tasks
+from femstruct.campaign.batch.batch_rows import BatchTask, batch_tasks
 from femstruct.campaign.gathered import duration, make_ready
 from femstruct.campaign.samples import samples_of
 from femstruct.campaign.tasks import Split, Task, Work, forget_bases, run_task, split
@@ -15,7 +15,7 @@ from femstruct.study.campaign.varied import Campaign
 from femstruct.workflow.run.provenance import Progress
 from femstruct.workflow.stages.modal_bases import key_of
 
-FEW, MORE = 16, 128  # rows of a batch that are timed
+MORE, PART = 128, 8  # rows of a batch that are timed, and the share of them that are timed before
 
 
 def planned(
@@ -40,7 +40,7 @@ def planned(
         "cases": len(parts.plan.cases),
         "structures to solve": parts.structures,
         "impacts to simulate": parts.impacts,
-        "rows": f"full runs: {batch}" if isinstance(batch, str) else BY_BATCH,
+        "rows": f"full runs: {batch}" if isinstance(batch, str) else parts.made,
         "about how long": f"{duration(seconds)} on {on}",
         "samples that are refused": len(parts.refused),
         **({"the first of them": next(iter(parts.refused.values()))} if parts.refused else {}),
@@ -51,7 +51,8 @@ def _seconds(parts: Split, tasks: Sequence[Work]) -> float:
     """What all tasks take in one process [s]."""
     task, count = tasks[0], sum(len(one.numbers) for one in tasks)
     if isinstance(task, BatchTask):
-        few, more = (task.first_of(size) for size in (FEW, MORE))
+        size = min(len(task.numbers), MORE)
+        few, more = (task.first_of(some) for some in (-(-size // PART), size))
         _timed(few)  # what is made once
         start, longer = _timed(few), _timed(more)
         row = max(longer - start, 0.0) / max(len(more.numbers) - len(few.numbers), 1)

@@ -42,22 +42,25 @@ def numbers_of(case: CaseResult) -> dict[str, Number]:
     return own
 
 
-def only_numbers(numbers: Mapping[str, Number], only: Sequence[str]) -> dict[str, Number]:
-    """The numbers of these names. One of a table may be missing where there is none, such as a time of separation.
+def only_numbers(cases: Mapping[str, Mapping[str, Number]], only: Sequence[str]) -> dict[str, dict[str, Number]]:
+    """The numbers of these names, by case. A case may be without some, such as one without the body that they are of;
+    all may be without one of a table where there is none, such as a time of separation.
 
-    Raises InputError for a name of no number.
+    Raises InputError for a name of no number of any case.
 
-    >>> only_numbers({"mode 1 frequency": Number(5.0, "Hz"), "total mass": Number(2.0, "kg")}, ["total mass"])
+    >>> cases = {"bare": {"total mass": Number(2.0, "kg")}, "damped": {"total mass": Number(2.0, "kg")}}
+    >>> only_numbers(cases, ["total mass"])["bare"]
     {'total mass': Number(value=2.0, unit='kg')}
     """
-    tables = {name.partition(APART)[0] for name in numbers if APART in name}
+    known = {name for numbers in cases.values() for name in numbers}
+    tables = {name.partition(APART)[0] for name in known if APART in name}
     for name in only:
         table, apart, _ = name.partition(APART)
-        if name not in numbers and not (apart and table in tables):
-            near = get_close_matches(name, numbers, n=1, cutoff=0.5)
+        if name not in known and not (apart and table in tables):
+            near = get_close_matches(name, known, n=1, cutoff=0.5)
             do = f"did you mean '{near[0]}'?" if near else "femstruct sweep without it lists them"
             raise InputError("samples.only", got=f"'{name}'", expected="a number of the study", do=do)
-    return {name: numbers[name] for name in only if name in numbers}
+    return {case: {name: own[name] for name in only if name in own} for case, own in cases.items()}
 
 
 def main_numbers(case: CaseResult) -> Iterator[tuple[str, Number]]:

@@ -9,7 +9,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Final
 
-from femstruct.campaign.batch.batch_rows import BY_BATCH, batch_tasks
+from femstruct.campaign.batch.batch_rows import batch_tasks
 from femstruct.campaign.executors import Crew, crew
 from femstruct.campaign.gathered import counted, gathered, make_ready, versions
 from femstruct.campaign.journal import Journal, Row, moved_aside, opened
@@ -76,7 +76,6 @@ def sweep(
     """
     samples, cores = samples_of(campaign), workers or os.cpu_count() or 1
     batch = batch_tasks(campaign, samples, 1 if cluster else cores)
-    by_batch = not isinstance(batch, str)
     parts = split(campaign, samples, progress) if isinstance(batch, str) else batch
     with ExitStack() as stack:
         place = folder or Path(stack.enter_context(TemporaryDirectory()))
@@ -85,7 +84,7 @@ def sweep(
         make_ready(parts.plan, progress)
         known = {row.sample for row in journal.rows()}
         left = [task for one in parts.tasks if (task := one.left(known)) is not None]
-        with crew(1 if by_batch else min(cores, max(len(left), 1)), cluster) as run:  # a batch has threads
+        with crew(1 if parts.threaded else min(cores, max(len(left), 1)), cluster) as run:
             _run(left, run, journal, progress, asked)
         rows = journal.rows()
     return gathered(
@@ -96,7 +95,7 @@ def sweep(
         parts.refused,
         method=campaign.sampling.method,
         command=command,
-        made=BY_BATCH if by_batch else "",
+        made=parts.made,
         only=campaign.only,
     )
 

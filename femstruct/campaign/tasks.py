@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from typing import Final, Protocol
 
 from femstruct.campaign.journal import Row
-from femstruct.campaign.numbers import numbers_of, only_numbers
+from femstruct.campaign.numbers import Number, numbers_of, only_numbers
 from femstruct.campaign.samples import Samples
 from femstruct.errors import FemstructError, InputErrors
 from femstruct.language import read_study, with_position
@@ -64,13 +64,16 @@ class Task:
 @dataclass(frozen=True)
 class Split:
     """The tasks of a campaign; one of its studies, read; samples whose files cannot be read, with the reason; how many
-    structures are to be solved, and impacts to be simulated."""
+    structures are to be solved, and impacts to be simulated. made : how rows are, in words, "" for full runs.
+    threaded : whether a task has threads of its own."""
 
     tasks: tuple[Work, ...]
     plan: Plan
     refused: dict[int, str]
     structures: int
     impacts: int
+    made: str = ""
+    threaded: bool = False
 
 
 def split(campaign: Campaign, samples: Samples, told: Callable[[str], None] = lambda line: None) -> Split:
@@ -161,14 +164,15 @@ def rows_of(task: Task) -> Iterator[list[Row]]:
             yield [Row(number, "", {}, trouble=with_position(plan, error))]
             continue
         _SOLVED[:] = [*(one for one in _SOLVED if one not in solved), *solved][-BASES:]
-        yield [_row(number, name, case, task.only) for name, case in found.items()]
+        numbers = {name: numbers_of(case) for name, case in found.items()}
+        kept = only_numbers(numbers, task.only) if task.only else numbers
+        yield [_row(number, name, case, kept[name]) for name, case in found.items()]
 
 
-def _row(number: int, name: str, case: CaseResult, only: Sequence[str]) -> Row:
+def _row(number: int, name: str, case: CaseResult, numbers: dict[str, Number]) -> Row:
     codes = dict.fromkeys(one.code for one in case.findings)
     severe = dict.fromkeys(one.code for one in case.findings if one.severe)
-    numbers = numbers_of(case)
-    return Row(number, name, only_numbers(numbers, only) if only else numbers, tuple(codes), tuple(severe))
+    return Row(number, name, numbers, tuple(codes), tuple(severe))
 
 
 _SOLVED: Final[list[Solved]] = []  # of this process, the latest last: tasks of one structure follow each other

@@ -11,8 +11,6 @@ from femstruct.errors import Finding
 from femstruct.findings.catalogue import ranked
 from femstruct.impact.closer import last_mode_hz
 from femstruct.impact.result.fatigue import Fatigue
-from femstruct.impact.result.response import Response
-from femstruct.impact.result.shares import mode_energies
 from femstruct.modal.basis import ModalBasis
 from femstruct.modal.steady.answers import Vibrated
 from femstruct.sound.flanking import SurfaceShares
@@ -30,11 +28,12 @@ from femstruct.workflow.continuation.statistical_findings import statistical_fin
 from femstruct.workflow.continuation.statistical_rooms import statistical_rooms
 from femstruct.workflow.judgement.all_findings import all_findings
 from femstruct.workflow.judgement.blank_bands import blank_findings
-from femstruct.workflow.judgement.coarse_sampling import coarse_sampling, missed_peaks, missed_pulses
-from femstruct.workflow.judgement.impact_findings import aliased_findings, room_findings
+from femstruct.workflow.judgement.coarse_sampling import coarse_sampling
+from femstruct.workflow.judgement.impact_findings import room_findings
 from femstruct.workflow.judgement.meeting import meeting_findings
 from femstruct.workflow.judgement.study_findings import study_findings
 from femstruct.workflow.run.accuracy import accuracy_findings
+from femstruct.workflow.run.impact_alone import of_history
 from femstruct.workflow.run.provenance import Stopwatch
 from femstruct.workflow.run.struck import Struck, strike, told_once
 from femstruct.workflow.stages.coupled_air import coupled, coupled_key, weight_on_air
@@ -44,15 +43,8 @@ from femstruct.workflow.stages.measured.installed_sources import installed_sourc
 from femstruct.workflow.stages.modal_bases import Solved, damped
 from femstruct.workflow.stages.places import Places
 from femstruct.workflow.stages.rated_rooms import overlap_findings, rate_rooms
-from femstruct.workflow.stages.recorded.channels import motion_rows, record, refuse_absent_forces
-from femstruct.workflow.stages.recorded.peaks import (
-    damage_findings,
-    fatigue_findings,
-    fatigues,
-    peak_findings,
-    shock_spectra,
-)
-from femstruct.workflow.stages.recorded.stresses import stress_findings
+from femstruct.workflow.stages.recorded.channels import refuse_absent_forces
+from femstruct.workflow.stages.recorded.peaks import damage_findings, shock_spectra
 from femstruct.workflow.stages.responses import frequency_response
 from femstruct.workflow.stages.room_transfers import RoomTransfers
 from femstruct.workflow.stages.sound_energies import shares_by_surface, sound_energies
@@ -93,7 +85,8 @@ def run_case(
     told += found_of_sources
     whole: Struck | None = None
     radiated, by_surface, cycles = dict[str, Radiated](), dict[str, SurfaceShares](), dict[str, Fatigue]()
-    channels, shares, drops, rated = {}, None, dict[str, Drop](), {}
+    channels: Mapping[str, Channel] = {}
+    shares, drops, rated = None, dict[str, Drop](), {}
     if study.time is not None:
         refuse_absent_forces(study, basis)
         timed = partial(clock, case=case.name)
@@ -101,10 +94,9 @@ def run_case(
         whole = next(iter(struck.values()))  # of the other drops only numbers are kept
         drops = _drops(case, struck, own.places)
         with clock("levels", case.name):
-            shares = mode_energies(whole.response)
-            channels = record(study, own.places, whole.response, whole.rooms)
-            cycles = fatigues(study, channels, own.places, whole.response)
-            findings += _of_records(study, own.places, basis, whole.response, channels)
+            told_of = of_history(study, own.places, basis, whole.response, whole.rooms)
+            shares, channels, cycles = told_of.shares, told_of.channels, dict(told_of.fatigue)
+            findings += told_of.findings
         if any(plan.room.open_air is not None or len(plan.moved) > 1 for plan in study.rooms):
             with clock("sound energy", case.name):
                 radiated, found_of_sound = sound_energies(study, own.places, whole.response)
@@ -199,22 +191,6 @@ def _responses(
         end = request.drive if request.drive.what == VOLUME_VELOCITY else request.response
         told += [(end.name, advice) for advice in advised]
     return found, told
-
-
-def _of_records(
-    study: Study, places: Places, basis: ModalBasis, response: Response, channels: Mapping[str, Channel]
-) -> list[Finding]:
-    """What is to be known of recorded histories: what lies above their sampling, peaks that depend on the modes."""
-    rows = motion_rows(study, places, basis).items()
-    accelerations = {name: row for name, (what, row) in rows if what == "acceleration"}
-    return [
-        *aliased_findings(response, accelerations),
-        *missed_peaks(study, response, channels),
-        *missed_pulses(study, response),
-        *peak_findings(channels),
-        *fatigue_findings(study, channels),
-        *stress_findings({name: channel.stressed for name, channel in channels.items()}),
-    ]
 
 
 def known_of_rooms(

@@ -37,7 +37,6 @@ from femstruct.workflow.stages.room_transfers import RoomTransfers
 from femstruct.workflow.stages.staging import scene
 from femstruct.workflow.stages.struck_bodies import levels_by_receiver, own_findings, sound_of_bodies
 
-# so it should be of a machine that runs on
 STEADY: Final = (
     "blow-before-rest",
     "structure-not-decayed",
@@ -91,7 +90,7 @@ def strike(
     The pressures of all but the first drop are forgotten once their levels are known; what a room costs is paid once.
     """
     first = next(iter(studies.values()))
-    needed = units_of(basis, scene(first, places, basis), _clock(time))
+    needed = units_of(basis, scene(first, places, basis), clock_of(time))
     if not have(needed):  # others than the laws of its contacts told: fast modes take another march
         with stage("kernels"), compilation(needed) as running:
             running.wait()
@@ -124,7 +123,7 @@ def strike(
             }
             bodies = sound_of_bodies(study, places, responses[drop], own, whole)
         findings = (
-            *_findings(study, responses[drop], errors[drop], vacuo, own, heard),
+            *findings_of(study, responses[drop], errors[drop], vacuo, own, heard),
             *room_findings(own_findings(study, places, responses[drop], bodies)),
         )
         kept = own if drop == next(iter(studies)) else {}
@@ -133,14 +132,15 @@ def strike(
 
 
 def _hit(study: Study, time: TimePlan, places: Places, basis: ModalBasis) -> Response:
-    return simulate(basis, scene(study, places, basis), _clock(time))
+    return simulate(basis, scene(study, places, basis), clock_of(time))
 
 
-def _clock(time: TimePlan) -> Clock:
+def clock_of(time: TimePlan) -> Clock:
+    """Window, sampling and quiet time of an impact."""
     return Clock(time.duration, time.sampling, time.quiet)
 
 
-def _findings(
+def findings_of(
     study: Study,
     response: Response,
     errors: ErrorEstimate | None,
@@ -148,6 +148,7 @@ def _findings(
     rooms: Mapping[str, RoomResponse],
     heard: Mapping[str, Levels],
 ) -> tuple[Finding, ...]:
+    """What is to be known of an impact and of what is heard of it. vacuo : without air that reacts on the modes."""
     told: list[tuple[str, Advice | Finding]] = [
         (name, advice) for name, one in rooms.items() for advice in one.findings
     ]
