@@ -11,13 +11,14 @@ import numpy as np
 from femstruct.arrays import Floats
 from femstruct.campaign.executors import Crew
 from femstruct.campaign.journal import Journal, Row
-from femstruct.campaign.numbers import APART, UNROUNDED, Number
+from femstruct.campaign.numbers import APART, Number
 from femstruct.campaign.samples import Samples, at, samples_of
 from femstruct.campaign.tasks import Task
 from femstruct.dimensions import DIMENSIONS
 from femstruct.errors import InputError, InputErrors
 from femstruct.language.yaml.tree import near_one
 from femstruct.study.campaign.sought import Search
+from femstruct.study.campaign.swept import UNROUNDED
 from femstruct.study.campaign.varied import Campaign, Sampling
 from femstruct.units import QuantityError, quantity
 
@@ -93,12 +94,12 @@ class Designs:
             raise Spent
         first, s = len(self.outcomes), self._search.samples
         asked = {(first + k) * s + j: text + more for k, text in enumerate(new) for j, more in enumerate(self._scatter)}
-        self._finish([(number, self._changes(text)) for number, text in asked.items() if number not in self._rows])
+        left = {number: text for number, text in asked.items() if number not in self._rows}
+        self._finish([(number, self._changes(text), self._case) for number, text in left.items()])
         for k, (text, point) in enumerate(new.items()):
-            rows = [self._rows[(first + k) * s + j] for j in range(s)]
             self._numbers[text] = first + k
             self.points.append(point)
-            self.outcomes.append(self._outcome(rows))
+            self.outcomes.append(self._outcome(self.of_design(first + k)))
         if not first and all(row.trouble for row in self._rows.values()):
             raise InputErrors((self._rows[0].trouble,))
         return [self.outcomes[self._numbers[text]] for text in texts]
@@ -138,6 +139,30 @@ class Designs:
         numbers = np.column_stack([chosen, *beside])
         return Samples(tuple(one.path for one in varied), tuple(one.unit for one in varied), tuple(texts), numbers)
 
+    def of_design(self, k: int) -> list[Row]:
+        """The rows of a design, one for each sample of what scatters."""
+        s = self._search.samples
+        return [self._rows[k * s + j] for j in range(s)]
+
+    def as_written(self, cases: Sequence[str]) -> list[list[Row]]:
+        """The rows of cases with what scatters and nothing chosen; they are none of the runs that are allowed, and have
+        numbers below zero."""
+        s, over = self._search.samples, self._search.over
+        asked = {
+            -1 - k * s - j: (case, tuple(f"{one.path}={text}" for one, text in zip(over, texts, strict=True)))
+            for k, case in enumerate(cases)
+            for j, texts in enumerate(self._scatter)
+        }
+        self._finish([(number, texts, case) for number, (case, texts) in asked.items() if number not in self._rows])
+        return [[self._rows[-1 - k * s - j] for j in range(s)] for k in range(len(cases))]
+
+    def goals_of(self, rows: Sequence[Row]) -> tuple[float, tuple[float, float], Floats]:
+        """The first goal of rows over what scatters: its quantile, its least and largest, and the values themselves,
+        nan where there is none."""
+        one = self._search.goals[0]
+        values = np.array([_finer(row, one.name).value if one.name in row.numbers else np.nan for row in rows])
+        return one.sign * self._quantile((one.sign * values).tolist()), (values.min(), values.max()), values
+
     def _texts(self, point: Floats) -> tuple[str, ...]:
         return tuple(at(one, point[j : j + 1])[0][0] for j, one in enumerate(self._search.designs))
 
@@ -145,16 +170,20 @@ class Designs:
         varied = (*self._search.designs, *self._search.over)
         return tuple(f"{one.path}={text}" for one, text in zip(varied, texts, strict=True))
 
-    def _finish(self, asked: Sequence[tuple[int, tuple[str, ...]]]) -> None:
-        """Run samples and keep their rows."""
-        tasks = [Task(self._search.file, self._search.overrides, self._case, (one,)) for one in asked]
+    def _finish(self, asked: Sequence[tuple[int, tuple[str, ...], str]]) -> None:
+        """Run samples, texts of cases, and keep their rows."""
+        file, overrides = self._search.file, self._search.overrides
+        tasks = [Task(file, overrides, case, ((number, texts),)) for number, texts, case in asked]
 
         def keep(rows: list[Row]) -> None:
             self._journal.append(rows)
             self._rows |= {row.sample: row for row in rows}
-            self._told(len(self._rows))
+            self._told(counted())
 
-        self._run(tasks, keep, lambda: self._told(len(self._rows)))
+        def counted() -> int:
+            return sum(number >= 0 for number in self._rows)
+
+        self._run(tasks, keep, lambda: self._told(counted()))
 
     def _outcome(self, rows: Sequence[Row]) -> Outcome:
         search, goals = self._search, self._search.goals
@@ -193,7 +222,7 @@ class Designs:
         self._seen.add(name)
         if name in (one.name for one in self._search.goals):
             self._units[name] = row.numbers[name].unit
-            return row.numbers.get(name + UNROUNDED, row.numbers[name])  # a rounded one says nothing of small changes
+            return _finer(row, name)
         return row.numbers[name]
 
     def _refuse_other_dimension(self, name: str, unit: str) -> None:
@@ -209,6 +238,11 @@ class Designs:
         if not fits:
             got, expected = DIMENSIONS[written].words, f"a number of '{name}' [{unit or '1'}]"
             raise InputError(f"optimise.limits.{name}", got=got, expected=expected, do="correct its unit")
+
+
+def _finer(row: Row, name: str) -> Number:
+    """A number before it is rounded: a rounded one says nothing of small changes."""
+    return row.numbers.get(name + UNROUNDED, row.numbers[name])
 
 
 def _samples(search: Search) -> Samples | None:

@@ -6,11 +6,21 @@ import os
 import time
 from collections.abc import Sequence
 from dataclasses import replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
 
 from femstruct.campaign.batch.batch_rows import BatchTask, batch_tasks
+from femstruct.campaign.designs import Designs
+from femstruct.campaign.executors import Done, Tick
 from femstruct.campaign.gathered import duration, make_ready
+from femstruct.campaign.journal import Row, opened
+from femstruct.campaign.numbers import APART
 from femstruct.campaign.samples import samples_of
 from femstruct.campaign.tasks import Split, Task, Work, forget_bases, run_task, split
+from femstruct.language import read_study
+from femstruct.study.campaign.sought import FEWEST_RUNS, Search
 from femstruct.study.campaign.varied import Campaign
 from femstruct.workflow.run.provenance import Progress
 from femstruct.workflow.stages.modal_bases import key_of
@@ -33,40 +43,91 @@ def planned(
     parts = split(campaign, samples, progress) if isinstance(batch, str) else batch
     make_ready(parts.plan, progress)
     progress("running one sample")
-    seconds = _seconds(parts, parts.tasks) / cores
-    on = f"{cores} cores" if cores > 1 else "1 core"
+    seconds, rows = _seconds(parts, parts.tasks)
     return {
         "samples": len(samples.texts),
         "cases": len(parts.plan.cases),
         "structures to solve": parts.structures,
         "impacts to simulate": parts.impacts,
         "rows": f"full runs: {batch}" if isinstance(batch, str) else parts.made,
-        "about how long": f"{duration(seconds)} on {on}",
+        "about how long": _long(seconds, cores),
+        "main numbers": ", ".join(_main(rows)) or "none: the first sample has no result",
         "samples that are refused": len(parts.refused),
         **({"the first of them": next(iter(parts.refused.values()))} if parts.refused else {}),
     }
 
 
-def _seconds(parts: Split, tasks: Sequence[Work]) -> float:
-    """What all tasks take in one process [s]."""
+def planned_search(
+    search: Search, workers: int | None = None, progress: Progress = lambda line: None
+) -> dict[str, int | str]:
+    """What an optimisation will try, and about how long it takes on this machine.
+
+    workers : processes, None for one a core. The design in the middle of all ranges is run, once for the first sample
+    of what scatters.
+
+    Raises InputErrors where the files cannot be read, and what trying a design raises for names of numbers.
+    """
+    cores = workers or os.cpu_count() or 1
+    plan = read_study(search.file, search.overrides, only=search.case or None)
+    make_ready(plan, progress)
+    progress("running one design")
+    taken = 0.0
+
+    def run(tasks: Sequence[Work], done: Done, tick: Tick = lambda: None) -> None:
+        nonlocal taken
+        begin = time.monotonic()
+        for task in tasks:
+            done(run_task(task))
+        taken = time.monotonic() - begin
+
+    one = replace(search, over=(), runs=max(search.runs, FEWEST_RUNS))
+    with TemporaryDirectory() as place, opened(Path(place) / "plan.rows", "") as journal:
+        designs = Designs(one, search.case or plan.baseline, journal, run, lambda count: None)
+        designs(np.full((1, len(search.designs)), 0.5))
+        rows = designs.of_design(0)
+    most = search.runs // search.samples
+    return {
+        "goals": ", ".join(f"{goal.sense} {goal.name}" for goal in search.goals),
+        "case": search.case or plan.baseline,
+        "may be chosen": ", ".join(one.path for one in search.designs),
+        **({"samples of what scatters, for each design": search.samples} if search.over else {}),
+        "designs at most": most,
+        "runs at most": most * search.samples,
+        "about how long": _long(most * search.samples * taken, cores),
+        "main numbers": ", ".join(_main(rows)) or f"none: {rows[0].trouble}",
+    }
+
+
+def _long(seconds: float, cores: int) -> str:
+    """How long work takes on some cores, in words."""
+    return f"{duration(seconds / cores)} on {f'{cores} cores' if cores > 1 else '1 core'}"
+
+
+def _main(rows: Sequence[Row]) -> list[str]:
+    """The main numbers of rows; all others are named by their place in summary.json."""
+    return [name for name in dict.fromkeys(name for row in rows for name in row.numbers) if APART not in name]
+
+
+def _seconds(parts: Split, tasks: Sequence[Work]) -> tuple[float, list[Row]]:
+    """What all tasks take in one process [s], and the rows that tell it."""
     task, count = tasks[0], sum(len(one.numbers) for one in tasks)
     if isinstance(task, BatchTask):
         size = min(len(task.numbers), MORE)
         few, more = (task.first_of(some) for some in (-(-size // PART), size))
         _timed(few)  # what is made once
-        start, longer = _timed(few), _timed(more)
+        (start, rows), (longer, _) = _timed(few), _timed(more)
         row = max(longer - start, 0.0) / max(len(more.numbers) - len(few.numbers), 1)
-        return count * row + len(tasks) * max(start - len(few.numbers) * row, 0.0)
+        return count * row + len(tasks) * max(start - len(few.numbers) * row, 0.0), rows
     assert isinstance(task, Task)
     one = replace(task, samples=task.samples[:1])
     forget_bases()
-    whole, row = _timed(one), _timed(one)  # the second time the modes are there
+    (whole, _), (row, rows) = _timed(one), _timed(one)  # the second time the modes are there
     each = len({key_of(case.study) for case in parts.plan.cases})
-    return count * row + parts.structures * max(whole - row, 0.0) / each
+    return count * row + parts.structures * max(whole - row, 0.0) / each, rows
 
 
-def _timed(task: Work) -> float:
-    """Seconds of a task."""
+def _timed(task: Work) -> tuple[float, list[Row]]:
+    """Seconds of a task, and its rows."""
     begin = time.monotonic()
-    run_task(task)
-    return time.monotonic() - begin
+    rows = run_task(task)
+    return time.monotonic() - begin, rows

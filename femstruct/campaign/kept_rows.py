@@ -6,12 +6,11 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
-from femstruct.campaign.numbers import UNROUNDED
 from femstruct.files.results_file.found_file import write_found, write_front_table
 from femstruct.files.results_file.swept_file import SWEEP, TABLE, write_swept, write_table
 from femstruct.study.campaign.front import Front
 from femstruct.study.campaign.sought import Found
-from femstruct.study.campaign.swept import Swept
+from femstruct.study.campaign.swept import UNROUNDED, Swept
 from femstruct.workflow.run.provenance import Progress
 
 PICTURE, PAGE = "sweep.png", "sweep.html"

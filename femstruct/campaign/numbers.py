@@ -10,11 +10,11 @@ from typing import Any, Final, NamedTuple
 from femstruct.errors import InputError
 from femstruct.files.tables.study_tables import case_table
 from femstruct.study.asked import SETTLED
+from femstruct.study.campaign.swept import UNROUNDED
 from femstruct.study.result import CaseResult
 from femstruct.workflow.compare.verdicts import verdicts
 
 MODES: Final = 10  # natural frequencies among the numbers
-UNROUNDED: Final = " before rounding"  # ends the name of a number of which the standard states a rounded one
 APART: Final = " / "  # between the steps of a name
 _LEFT_OUT: Final = ("basis", "outcome", "findings", "error_estimate", "accuracy")
 _UNITS: Final = {
@@ -58,7 +58,7 @@ def only_numbers(cases: Mapping[str, Mapping[str, Number]], only: Sequence[str])
         table, apart, _ = name.partition(APART)
         if name not in known and not (apart and table in tables):
             near = get_close_matches(name, known, n=1, cutoff=0.5)
-            do = f"did you mean '{near[0]}'?" if near else "femstruct sweep without it lists them"
+            do = f"did you mean '{near[0]}'?" if near else "femstruct sweep STUDY --plan lists the main ones"
             raise InputError("samples.only", got=f"'{name}'", expected="a number of the study", do=do)
     return {case: {name: own[name] for name in only if name in own} for case, own in cases.items()}
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from contextlib import suppress
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, Final
 
@@ -12,9 +13,10 @@ from scipy import optimize
 
 from femstruct.arrays import Floats
 from femstruct.campaign.designs import NEVER, Designs, Outcome, Spent
+from femstruct.campaign.references import references
 from femstruct.campaign.searching import HELD, designs_of, ends_of, table_of
 from femstruct.errors import InputError
-from femstruct.study.campaign.sought import Chosen, Found, Search
+from femstruct.study.campaign.sought import Chosen, Found, Reference, Search
 from femstruct.study.campaign.swept import Swept
 from femstruct.study.campaign.varied import Listed
 from femstruct.workflow.run.provenance import Progress
@@ -59,7 +61,8 @@ def optimise(
     hypercube, in the first 70 % of the runs; then COBYQA, a trust region method without derivatives (Ragonneau 2022),
     from the best designs, lists as they are there; then the simplexes of Nelder and Mead from the best, where no limit
     holds it. Where something scatters, goal and limits are their quantiles over
-    the same samples for every design. A global optimum is not proven: `seed` gives another course.
+    the same samples for every design. A global optimum is not proven: `seed` gives another course. The case as the file
+    has it, and the baseline, are run beside it with the same samples; these runs are not counted.
 
     The lightest ball that gives a mass half a metre per second:
 
@@ -86,9 +89,14 @@ def optimise(
         expected = "one; femstruct.pareto_front finds designs for several"
         raise InputError("optimise", got=f"{len(search.goals)} goals", expected=expected)
     with designs_of(search, folder, workers, cluster, progress) as (designs, journal):
-        ended = _searched(search, designs)
+        (spent, stopped), beside = _searched(search, designs), tuple[Reference, ...]()
+        if not stopped:
+            try:
+                beside = references(search, designs)
+            except KeyboardInterrupt:
+                stopped = True
         table = table_of(search, designs, journal, command)
-    return _found(search, designs, ended, table)
+    return replace(_found(search, designs, (spent, stopped), table), references=beside)
 
 
 def _searched(search: Search, designs: Designs) -> tuple[bool, bool]:

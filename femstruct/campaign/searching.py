@@ -60,7 +60,7 @@ def table_of(search: Search, designs: Designs, journal: Journal, command: str) -
     samples = designs.samples()
     plan = read_study(search.file, search.overrides, only=search.case or None)
     whole = plan if search.case else read_study(search.file, search.overrides, only=plan.baseline)
-    known = [row for row in journal.rows() if row.sample < len(samples.texts)]
+    known = [row for row in journal.rows() if 0 <= row.sample < len(samples.texts)]
     return gathered(search.title, whole, samples, known, {}, command=command)
 
 

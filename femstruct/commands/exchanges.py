@@ -25,7 +25,7 @@ def export(
         Literal["csv", "xlsx", "npz", "mtx", "uff", "vtu"],
         typer.Option("--to", metavar="KIND", help="csv, xlsx: tables of results; npz, mtx: matrices; uff, vtu: modes"),
     ] = "csv",
-    output: Annotated[Path, typer.Option("-o", "--output", metavar="DIR", help="default: here")] = Path(),
+    output: Annotated[Path, typer.Option("-o", "--output", metavar="DIR", help="folder", show_default="here")] = Path(),
     count: Annotated[int | None, typer.Option("--count", min=1, help="number of modes")] = None,
     up_to: Annotated[
         str, typer.Option("--up-to", metavar="F", help="all modes up to a frequency (default: the first 30)")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated
@@ -26,7 +26,9 @@ def sweep(
             help="or FROM:TO:STEPS:log, VALUE,VALUE, normal(MEAN, SD)",
         ),
     ] = NONE,
-    samples: Annotated[int, typer.Option("--samples", metavar="N", help="of a Latin hypercube, instead of a grid")] = 0,
+    samples: Annotated[
+        int, typer.Option("--samples", metavar="N", help="of a Latin hypercube, instead of a grid", show_default=False)
+    ] = 0,
     results: Annotated[
         list[str], typer.Option("--result", metavar="NAME", help="numbers to print and draw; without it the main ones")
     ] = NONE,
@@ -39,7 +41,9 @@ def sweep(
     output: Annotated[
         Path | None, typer.Option("-o", "--output", metavar="DIR", help="default: results/<study>.sweep/")
     ] = None,
-    workers: Annotated[int, typer.Option("--workers", metavar="N", min=0, help="processes; default: one a core")] = 0,
+    workers: Annotated[
+        int, typer.Option("--workers", metavar="N", min=0, help="processes", show_default="one a core")
+    ] = 0,
     cluster: Annotated[str, typer.Option("--cluster", metavar="ADDRESS", help="of a Dask scheduler")] = "",
     plan: Annotated[
         bool, typer.Option("--plan", help="only print what would be computed, and how long it takes")
@@ -63,15 +67,14 @@ def sweep(
     if plan:
         with progress() as tell:
             told = planned(asked, workers or None, tell)
-        print_json(told) if as_json else print("\n".join(f"{words}: {count}" for words, count in told.items()))
-        return GOOD
+        return _show_plan(told, as_json)
     folder = output or _folder(study, "sweep")
     refuse_unwritable(folder)
     with _interruptible(folder / ROWS), progress() as tell:
         moved = set_aside(asked, folder)
         words = " ".join(["femstruct", *sys.argv[1:]])
         rows = swept(asked, folder, workers or None, cluster, tell, words, results)
-        names = [name for name in results if rows.of(name) is not None]
+        names = rows.finer(results)
         written = write_rows(rows, folder, names, tell, pictures=not no_pictures)
     if as_json:
         from femstruct.files.tables.sweep_tables import sweep_table
@@ -80,7 +83,7 @@ def sweep(
     else:
         show(swept_pieces(rows, names), console())
         if moved is not None:
-            print(f"The rows of an earlier, different sweep are now in {moved}")
+            print(f"An earlier, different sweep is kept: its files are now {moved.with_suffix('.*')}")
         print(f"Written: {', '.join(map(str, written))}")
     if not rows.done.all():
         return INTERRUPTED
@@ -103,20 +106,24 @@ def optimise(
         list[str],
         typer.Option("--vary", metavar="PATH=FROM:TO", help="what may be chosen; or FROM:TO:log, or VALUE,VALUE"),
     ] = NONE,
-    runs: Annotated[int, typer.Option("--runs", metavar="N", help="of the study at most; default: 400")] = 0,
+    runs: Annotated[int, typer.Option("--runs", metavar="N", help="of the study at most", show_default="400")] = 0,
     case: OnlyCase = "",
     set_: Sets = NONE,
     output: Annotated[
         Path | None, typer.Option("-o", "--output", metavar="DIR", help="default: results/<study>.optimise/")
     ] = None,
-    workers: Annotated[int, typer.Option("--workers", metavar="N", min=0, help="processes; default: one a core")] = 0,
+    workers: Annotated[
+        int, typer.Option("--workers", metavar="N", min=0, help="processes", show_default="one a core")
+    ] = 0,
     cluster: Annotated[str, typer.Option("--cluster", metavar="ADDRESS", help="of a Dask scheduler")] = "",
+    plan: Annotated[bool, typer.Option("--plan", help="only print what would be tried, and how long it takes")] = False,
     no_pictures: Annotated[bool, typer.Option("--no-pictures", help="numbers and tables only")] = False,
     as_json: AsJson = False,
 ) -> int:
     """Find the best design of a study. For two or three goals, those of which none is better in all. Goals, limits, and
     what may be chosen stand in the study under 'optimise:', or are given here. Rows are kept as they come; the same
     command goes on."""
+    from femstruct.campaign.forecast import planned_search
     from femstruct.campaign.front_search import pareto_front
     from femstruct.campaign.kept_rows import write_optimum
     from femstruct.campaign.optimise import optimise as optimised
@@ -132,6 +139,10 @@ def optimise(
 
     goals = [f"minimise {one}" for one in minimise] + [f"maximise {one}" for one in maximise]
     search = read_search(study, goals, vary, limit, set_, case, runs or None)
+    if plan:
+        with progress() as tell:
+            told = planned_search(search, workers or None, tell)
+        return _show_plan(told, as_json)
     folder = output or _folder(study, "optimise")
     refuse_unwritable(folder)
     with _interruptible(folder / ROWS), progress() as tell:
@@ -145,11 +156,17 @@ def optimise(
     else:
         show(answer_pieces(found), console())
         if moved is not None:
-            print(f"The rows of an earlier, different optimisation are now in {moved}")
+            print(f"An earlier, different optimisation is kept: its files are now {moved.with_suffix('.*')}")
         print(f"Written: {', '.join(map(str, written))}")
     if found.interrupted:
         return INTERRUPTED
     return GOOD if found.left_out < found.designs else NOT_TRUSTED
+
+
+def _show_plan(told: Mapping[str, int | str], as_json: bool) -> int:
+    """What would be computed."""
+    print_json(dict(told)) if as_json else print("\n".join(f"{words}: {count}" for words, count in told.items()))
+    return GOOD
 
 
 @contextmanager

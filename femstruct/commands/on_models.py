@@ -120,7 +120,7 @@ def frf(
     to: Annotated[
         Literal["csv", "npz", "uff"] | None, typer.Option("--to", metavar="csv|npz|uff", help="write a file")
     ] = None,
-    output: Annotated[Path, typer.Option("-o", "--output", metavar="DIR", help="default: here")] = Path(),
+    output: Annotated[Path, typer.Option("-o", "--output", metavar="DIR", help="folder", show_default="here")] = Path(),
     set_: Sets = NONE,
     as_json: AsJson = False,
     verbose: Verbose = False,

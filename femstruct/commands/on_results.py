@@ -48,7 +48,7 @@ def plot(
     what: Annotated[
         str, typer.Argument(metavar="[WHAT]", help="a picture; without it, those that can be drawn are listed")
     ] = "",
-    output: Annotated[Path, typer.Option("-o", "--output", metavar="DIR", help="default: here")] = Path(),
+    output: Annotated[Path, typer.Option("-o", "--output", metavar="DIR", help="folder", show_default="here")] = Path(),
     as_json: AsJson = False,
     verbose: Annotated[
         bool, typer.Option("-v", "--verbose", help="also list pictures without content, with the reason")

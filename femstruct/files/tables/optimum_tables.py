@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from femstruct.files.tables.json_numbers import number
-from femstruct.study.campaign.sought import Chosen, Found, Search
+from femstruct.study.campaign.sought import Chosen, Found, Reference, Search
 
 Table = dict[str, Any]
 
@@ -18,6 +18,7 @@ def optimum_table(found: Found) -> Table:
         "title": search.title,
         "case": search.case,
         search.sense: search.goal,
+        "number": found.goal_name,
         "value": number(found.goal),
         "unit": found.unit,
         "over_the_scatter": [number(one) for one in found.ends],
@@ -28,6 +29,7 @@ def optimum_table(found: Found) -> Table:
             for name, limit in search.limits.items()
         ],
         "robust": None if not search.over else {"over": [one.path for one in search.over], "quantile": search.quantile},
+        "references": [_reference(one) for one in found.references],
         "runs": found.runs,
         "designs": found.designs,
         "left_out": found.left_out,
@@ -55,6 +57,17 @@ def _quoted(word: str) -> str:
     import shlex
 
     return shlex.quote(word)
+
+
+def _reference(one: Reference) -> Table:
+    return {
+        "case": one.name,
+        "as_written": one.chosen,
+        "value": number(one.goal),
+        "over_the_scatter": [number(end) for end in one.ends],
+        "design_less_this": [number(value) for value in one.less],
+        "why_none": one.why,
+    }
 
 
 def _chosen(one: Chosen) -> Table:

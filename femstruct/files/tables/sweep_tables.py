@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
-from typing import Any, Final
+from typing import Any
 
 import numpy as np
 
@@ -12,11 +12,10 @@ from femstruct.files.tables.json_numbers import number
 from femstruct.findings.catalogue import rank_of
 from femstruct.findings.entry import LIMITS
 from femstruct.study.campaign.influence import influences
-from femstruct.study.campaign.spread import Spread, spread
+from femstruct.study.campaign.spread import ROUNDING, Spread, spread
 from femstruct.study.campaign.swept import Swept
 
 Table = dict[str, Any]
-ROUNDING: Final = 1e-9  # of a number: differences below are none
 
 
 def sweep_table(rows: Swept, names: Sequence[str] = ()) -> Table:
@@ -59,10 +58,10 @@ def spreads(rows: Swept, names: Sequence[str]) -> list[Spread]:
     if not rows.drawn:
         return []
     others = [case for case in rows.cases if case != rows.baseline]
-    asked = [(name, case, "") for name in names for case in rows.cases]
-    asked += [(name, case, rows.baseline) for name in names for case in others]
-    found = (spread(rows, *one) for one in asked)
-    return [one for one in found if one is not None and one.deviation > ROUNDING * max(map(abs, one.quantiles))]
+    changed = [name for name in names if name not in unchanged(rows, names)]
+    asked = [(name, case, "") for name in changed for case in rows.cases]
+    asked += [(name, case, rows.baseline) for name in changed for case in others]
+    return [one for one in (spread(rows, *each) for each in asked) if one is not None]
 
 
 def unchanged(rows: Swept, names: Sequence[str]) -> list[str]:

@@ -8,15 +8,16 @@ from typing import Final, Literal
 
 import numpy as np
 
-from femstruct.arrays import Floats
+from femstruct.arrays import Floats, freeze, frozen_with_gaps
 from femstruct.declared import checked
 from femstruct.errors import InputError
-from femstruct.study.campaign.swept import Flags, Swept
+from femstruct.study.campaign.swept import UNROUNDED, Flags, Swept
 from femstruct.study.campaign.varied import Listed, Scattered
 
 FEWEST_RUNS: Final = 20
 SAME: Final = 1e-9  # of a goal: differences below are rounding
 LATE: Final = 0.8  # of the designs
+WORTH: Final = 0.01  # of all that the search improved
 MOST_GOALS: Final = 3  # of four and more NSGA-II finds nearly all designs to be on the front
 Sense = Literal["minimise", "maximise"]
 
@@ -129,6 +130,26 @@ class Chosen:
 
 
 @dataclass(frozen=True, eq=False)
+class Reference:
+    """A case as its file has it, beside the best design, with the same samples of what scatters.
+
+    name : of the case. chosen : whether it is the one whose numbers are chosen. goal, ends : as those of `Found`, nan
+    where there are none. less [s] : what the goal of the best design is above this one, sample by sample, negative
+    where it is below. why : there are none, "" where there are.
+    """
+
+    name: str
+    chosen: bool
+    goal: float
+    ends: tuple[float, float]
+    less: Floats
+    why: str = ""
+
+    def __post_init__(self) -> None:
+        freeze(self, less=frozen_with_gaps("less", self.less, (None,)))
+
+
+@dataclass(frozen=True, eq=False)
 class Found:
     """The best design of an optimisation.
 
@@ -139,6 +160,7 @@ class Found:
     forbids trust, or without a number. goals [designs] : of all, nan for those. held [designs] : which hold all limits.
     history : (designs tried, best goal until then), where it improved. spent : whether all runs were made; else nothing
     got better any more. interrupted : whether it was stopped before its end. rows : of all designs, in their order.
+    references : what the best design is held against: its case as written, and the baseline; none where it was stopped.
     """
 
     search: Search
@@ -158,6 +180,13 @@ class Found:
     spent: bool
     interrupted: bool
     rows: Swept
+    references: tuple[Reference, ...] = ()
+
+    @property
+    def goal_name(self) -> str:
+        """The goal's name; that of the number before rounding where the named one is rounded."""
+        finer = self.search.goal + UNROUNDED
+        return finer if finer in self.rows.names else self.search.goal
 
     @property
     def flat(self) -> bool:
@@ -167,5 +196,10 @@ class Found:
 
     @property
     def still_improving(self) -> bool:
-        """Whether the runs ended while the goal still got better: in the last fifth of the designs."""
-        return self.spent and bool(self.history) and self.history[-1][0] > LATE * self.designs
+        """Whether the runs ended while the goal still got better: in the last fifth of the designs by more than 1 % of
+        what it had got better by before."""
+        late = [value for count, value in self.history if count > LATE * self.designs]
+        early = [value for count, value in self.history if count <= LATE * self.designs]
+        if not (self.spent and late):
+            return False
+        return not early or abs(late[-1] - early[-1]) > WORTH * abs(early[-1] - early[0])

@@ -13,6 +13,7 @@ from femstruct.study.campaign.swept import Flags, Swept
 from femstruct.study.campaign.varied import INDICES
 
 LEVELS: Final = (0.05, 0.5, 0.95)  # of the quantiles that are told
+ROUNDING: Final = 1e-9  # of a number: differences below are none
 FEWEST: Final = 8  # samples, below which nothing is said of a distribution
 SURE: Final = 1.959963984540054  # standard deviations of a 95 % interval
 
@@ -122,6 +123,6 @@ def wilson(held: int, of: int) -> tuple[float, float, float]:
 def _rank_correlation(x: Floats, y: Floats) -> float:
     from scipy.stats import spearmanr
 
-    if not np.isfinite(x).all() or np.ptp(x) == 0.0 or np.ptp(y) == 0.0:
+    if not np.isfinite(x).all() or np.ptp(x) == 0.0 or np.ptp(y) <= ROUNDING * np.abs(y).max():
         return nan
     return float(spearmanr(x, y).statistic)

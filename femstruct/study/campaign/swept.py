@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +12,7 @@ from numpy.typing import NDArray
 from femstruct.arrays import Floats, freeze, frozen_with_gaps
 from femstruct.errors import InputError
 
+UNROUNDED: Final = " before rounding"  # ends the name of a number of which the standard states a rounded one
 Flags = NDArray[np.bool_]
 
 
@@ -86,6 +88,14 @@ class Swept:
     def unit_of(self, name: str) -> str:
         """The unit of a number."""
         return self.number_units[self.names.index(name)]
+
+    def finer(self, names: Sequence[str]) -> list[str]:
+        """These numbers, each that is rounded with itself before rounding after it.
+
+        Raises InputError for a name that is not there.
+        """
+        both = [one for name in names if self.of(name) is not None for one in (name, name + UNROUNDED)]
+        return [name for name in dict.fromkeys(both) if name in self.names]
 
     def _near(self, name: str) -> str:
         import difflib

@@ -3,14 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Final
 
 import numpy as np
 
 from femstruct.files.tables.optimum_tables import run_command
-from femstruct.study.campaign.sought import Chosen, Found
+from femstruct.study.campaign.sought import Chosen, Found, Reference
+from femstruct.study.campaign.swept import UNROUNDED
+from femstruct.study.campaign.varied import Listed
 from femstruct.view.campaigns.swept_table import in_unit, left_out_pieces, written
 from femstruct.view.tables.grid import Grid, Piece
 from femstruct.view.tables.scales import digits
+
+WHOLE: Final = 1.0  # dB: the step of a rating as it is stated
 
 
 def optimum_pieces(found: Found) -> Iterator[Piece]:
@@ -20,16 +25,18 @@ def optimum_pieces(found: Found) -> Iterator[Piece]:
     quantile = f", {100 * search.quantile:g} % quantile of {search.scatter} samples" if search.over else ""
     word = "least" if search.sense == "minimise" else "largest"
     value = f"{digits(factor * found.goal)} {unit}".strip()
-    yield f"{search.title}: {word} {search.goal}: {value}{quantile}"
+    yield f"{search.title}: {word} {found.goal_name}: {value}{quantile}"
     if search.over:
         low, high = (digits(factor * one) for one in found.ends)
         paths = ", ".join(one.path for one in search.over)
-        yield f"over the scatter of {paths} it lies between {low} and {high} {unit}"
+        yield f"In the {search.scatter} samples of {paths} it is between {low} and {high} {unit}"
     head = ("chosen", "value", "at the end of its range", f"{search.goal} changes per 1 % of the range")
     grid = Grid("the best design found", head)
-    for one in found.chosen:
-        grid.add(one.path, _value(one), one.at, _change(one, factor, unit))
+    for one, path in zip(found.chosen, search.designs, strict=True):
+        change = "of a list" if isinstance(path, Listed) else _change(one, factor, unit)
+        grid.add(one.path, _value(one), one.at or "no", change)
     yield grid
+    yield from reference_pieces(found, factor, unit)
     limits = Grid("its limits", ("number", "value", "limit"))
     for name, limit in search.limits.items():
         scale, told = in_unit(found.rows.unit_of(name), abs(limit))
@@ -41,13 +48,51 @@ def optimum_pieces(found: Found) -> Iterator[Piece]:
         if one.at:
             yield f"{one.path} is at the {one.at} end of its range: a wider range may give more"
     yield from _doubts(found)
-    ended = "all runs were made" if found.spent else "it ended since nothing got better any more"
+    ended = f"{search.runs} runs are allowed" if found.spent else "it ended since nothing got better any more"
     tried = f"{found.designs} designs, {found.runs} runs; the last improvement at design {_last(found)}; {ended}"
     yield f"{tried}. A global optimum is not proven: another 'seed' gives another search"
     if found.interrupted:
         yield "Interrupted: the same command goes on"
     yield from left_out_pieces(found.rows)
     yield f"To run it: {run_command(found)}"
+
+
+def reference_pieces(found: Found, factor: float, unit: str) -> Iterator[Piece]:
+    """What the best design is held against, and whether it is better at all."""
+    over = found.search.over
+    title = "beside it, in the same samples" if over else "beside it"
+    grid = Grid(title, ("case", f"{found.goal_name} [{unit}]".replace(" []", ""), "the best design less this one"))
+    for one in found.references:
+        name = f"{one.name}, as written" if one.chosen else f"{one.name}, the baseline"
+        if one.why:
+            grid.add(name, "", f"none: {one.why}")
+            continue
+        ends = f" ({digits(factor * one.ends[0])} .. {digits(factor * one.ends[1])})" if over else ""
+        grid.add(name, digits(factor * one.goal) + ends, _less(one, factor, unit, found.unit != "dB"))
+    yield grid
+    for one in found.references:
+        if not one.why:
+            yield from _worth(found, one)
+
+
+def _less(one: Reference, factor: float, unit: str, shared: bool) -> str:
+    """What the design is above a case: the mean over the samples, with least and largest; as a share of that, too."""
+    mean, low, high = (factor * value for value in (one.less.mean(), one.less.min(), one.less.max()))
+    told = f"{mean:+.3g} {unit}".strip()
+    told += f", {100.0 * one.less.mean() / abs(one.goal):+.2g} %" if shared and one.goal else ""
+    return told if len(one.less) == 1 else f"{told} ({low:+.3g} .. {high:+.3g})"
+
+
+def _worth(found: Found, one: Reference) -> Iterator[str]:
+    """Where the best design is no better than a case, or not by what a stated number can show."""
+    better = -one.less if found.search.sense == "minimise" else one.less
+    name = f"case '{one.name}'" + (" as written" if one.chosen else "")
+    if (better <= 0.0).all():
+        yield f"The best design is not better than {name}"
+    elif (better <= 0.0).any():
+        yield f"The best design is better than {name} in {int((better > 0.0).sum())} of {len(better)} samples only"
+    if found.goal_name.endswith(UNROUNDED) and np.abs(better).max() < WHOLE:
+        yield f"It differs from {name} by less than 1 dB, the step in which the rating is stated"
 
 
 def _doubts(found: Found) -> Iterator[str]:
@@ -72,5 +117,5 @@ def _value(one: Chosen) -> str:
 
 def _change(one: Chosen, factor: float, unit: str) -> str:
     if np.isnan(one.change):
-        return ""
+        return "not run: too few runs"
     return f"{factor * one.change:+.2g} {unit}".strip()

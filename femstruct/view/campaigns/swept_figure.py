@@ -8,6 +8,7 @@ from typing import Any, Final
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from femstruct.arrays import Floats
 from femstruct.files.tables.sweep_tables import unchanged
@@ -20,6 +21,7 @@ from femstruct.view.figures.drawing import BASELINE, case_lines, finish, legend_
 AS_GIVEN: Final = "as given"
 MOST: Final = 6  # numbers in one picture
 WIDE: Final = 30.0  # largest over smallest value of a path, from which on its axis is logarithmic
+FEW_DECADES: Final = 2e3  # the same, from which on ticks are at powers of ten alone
 UNTRUSTED: Final[dict[str, Any]] = {"marker": "x", "linestyle": "none", "markersize": 5}
 
 
@@ -179,7 +181,16 @@ def _logarithmic(values: Floats) -> bool:
 def number_axis(axes: Axes, values: Floats, *, vertical: bool = False) -> None:
     """A logarithmic axis for values in logarithmic steps, or over more than a decade and a half."""
     if _logarithmic(values):
-        (axes.set_yscale if vertical else axes.set_xscale)("log")
+        logarithmic(axes, float(values.max() / values.min()), vertical=vertical)
+
+
+def logarithmic(axes: Axes, span: float, *, vertical: bool = False) -> None:
+    """A logarithmic axis over a span of largest over smallest, with plain numbers at its ticks."""
+    axis = axes.yaxis if vertical else axes.xaxis
+    (axes.set_yscale if vertical else axes.set_xscale)("log")
+    axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if span < FEW_DECADES else (1.0,)))
+    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axis.set_minor_formatter(NullFormatter())
 
 
 def shown_unit(unit: str, values: Floats) -> tuple[float, str]:

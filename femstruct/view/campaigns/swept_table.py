@@ -37,14 +37,15 @@ def swept_pieces(rows: Swept, names: Sequence[str] = ()) -> Iterator[Piece]:
 
 def _extremes(rows: Swept, names: Sequence[str]) -> Grid:
     grid = Grid("smallest and largest", ("number", "case", "unit", "smallest", "at", "largest", "at"), keys=2)
+    same = unchanged(rows, names)
     for name in names:
         factor, unit = _shown(rows, name)
-        for case in rows.cases:
+        for case in rows.cases if name not in same else ():
             own = np.where(rows.trusted(case), rows.of(name, case), np.nan)
-            if np.isfinite(own).any() and np.nanmin(own) < np.nanmax(own):
+            if np.isfinite(own).any():
                 low, high = int(np.nanargmin(own)), int(np.nanargmax(own))
-                ends = (digits(factor * own[low]), _at(rows, low), digits(factor * own[high]), _at(rows, high))
-                grid.add(name, case, unit, *ends)
+                at = (_at(rows, low), _at(rows, high)) if own[low] < own[high] else ("all", "all")
+                grid.add(name, case, unit, digits(factor * own[low]), at[0], digits(factor * own[high]), at[1])
     return grid
 
 

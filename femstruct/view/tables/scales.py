@@ -13,7 +13,7 @@ _SCALES: Final = {  # unit: (how much of the unit, shown unit), the largest firs
     "m/s^2": ((1.0, "m/s²"), (1e-3, "mm/s²")),
     "rad": ((1.0, "rad"), (1e-3, "mrad")),
     "N": ((1e6, "MN"), (1e3, "kN"), (1.0, "N"), (1e-3, "mN")),
-    "Pa": ((1e6, "MPa"), (1e3, "kPa"), (1.0, "Pa"), (1e-3, "mPa"), (1e-6, "µPa")),
+    "Pa": ((1e9, "GPa"), (1e6, "MPa"), (1e3, "kPa"), (1.0, "Pa"), (1e-3, "mPa"), (1e-6, "µPa")),
     "N/m": ((1e9, "GN/m"), (1e6, "MN/m"), (1e3, "kN/m"), (1.0, "N/m")),
     "N/m^1.5": ((1e9, "GN/m^1.5"), (1e6, "MN/m^1.5"), (1e3, "kN/m^1.5"), (1.0, "N/m^1.5")),
     "N*s/m": ((1e6, "MN*s/m"), (1e3, "kN*s/m"), (1.0, "N*s/m")),

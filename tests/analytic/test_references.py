@@ -1,0 +1,117 @@
+"""What a best design is held against: cases as they are written, with the same scatter."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from femstruct.campaign.forecast import planned_search
+from femstruct.campaign.optimise import optimise
+from femstruct.errors import InputError
+from femstruct.files.tables.optimum_tables import optimum_table
+from femstruct.language.searches import read_search
+from femstruct.study.campaign.sought import Found
+from femstruct.view.campaigns.optimum_figure import optimum_figure
+from femstruct.view.campaigns.optimum_table import optimum_pieces
+from femstruct.view.tables.grid import Grid
+
+MODEL = "structure: {type: oscillator, mass: 1 kg, stiffness: 100 N/m}\npoints: {m: {}}\n"
+HIT = """
+title: A hit
+model: model.yaml
+bodies: {ball: {mass: 1 kg, above: m, speed: 1 m/s, contact: {type: linear, stiffness: 1 MN/m}}}
+record: {m.z: velocity}
+time: {duration: 10 ms, sampling: 10 kHz}
+cases: {light: {}, heavy: {structure.mass: 2 kg}}
+compare: {baseline: light}
+"""
+CHOSEN = """
+vary: {bodies.ball.speed: {uniform: [0.8 m/s, 1.2 m/s]}}
+optimise:
+  case: heavy
+  minimise: m.z velocity
+  vary: {bodies.ball.mass: {from: 0.1 kg, to: 1.5 kg}}
+  robust: {over: [bodies.ball.speed], quantile: 75 %, samples: 4}
+  runs: 80
+"""
+
+
+@pytest.fixture
+def study(tmp_path: Path) -> Path:
+    (tmp_path / "model.yaml").write_text(MODEL, encoding="utf-8")
+    path = tmp_path / "hit.study.yaml"
+    path.write_text(HIT + CHOSEN, encoding="utf-8")
+    return path
+
+
+@pytest.fixture
+def found(study: Path) -> Found:
+    return optimise(read_search(study), study.parent / "out", workers=1)
+
+
+def gained(ball: float, mass: float) -> float:
+    """Velocity of a mass after a ball hits it, as a share of the ball's."""
+    return 2.0 * ball / (mass + ball)
+
+
+def test_the_case_as_written_and_the_baseline_stand_beside_the_best_design(found: Found, study: Path) -> None:
+    speeds = found.rows.values[found.best : found.best + 4, 1]
+    assert [(one.name, one.chosen) for one in found.references] == [("heavy", True), ("light", False)]
+    for one, mass in zip(found.references, (2.0, 1.0), strict=True):
+        own = gained(1.0, mass) * speeds
+        # the structure's own spring takes off (w t)^2 / 2 over 3 ms of contact: 5e-4; peaks between samples 1e-4
+        np.testing.assert_allclose(one.goal, np.quantile(own, 0.75), rtol=2e-3)
+        np.testing.assert_allclose(one.ends, (own.min(), own.max()), rtol=2e-3)
+        np.testing.assert_allclose(one.less, gained(0.1, 2.0) * speeds - own, rtol=2e-3)
+    assert len(found.rows.texts) == found.runs <= 80
+    again = optimise(read_search(study), study.parent / "out", workers=1)
+    assert np.array_equal(again.references[1].less, found.references[1].less)
+
+
+def test_the_answer_says_what_the_best_design_gains(found: Found) -> None:
+    pieces = list(optimum_pieces(found))
+    grid = next(one for one in pieces if isinstance(one, Grid) and one.title.startswith("beside it"))
+    mean = 100.0 * found.references[0].less.mean() / found.references[0].goal
+    assert [row[0] for row in grid.rows] == ["heavy, as written", "light, the baseline"]
+    assert f"{mean:+.2g} %" in grid.rows[0][2]
+    assert not any("not better" in one for one in pieces if isinstance(one, str))
+    assert [one["case"] for one in optimum_table(found)["references"]] == ["heavy", "light"]
+    worse = replace(found.references[0], less=-found.references[0].less)
+    told = [one for one in optimum_pieces(replace(found, references=(worse,))) if isinstance(one, str)]
+    assert "The best design is not better than case 'heavy' as written" in told
+    mixed = replace(worse, less=np.array([-0.1, 0.2, -0.1, -0.1]))
+    told = [one for one in optimum_pieces(replace(found, references=(mixed,))) if isinstance(one, str)]
+    assert "The best design is better than case 'heavy' as written in 3 of 4 samples only" in told
+
+
+def test_the_picture_shows_them_and_the_whole_range(found: Found) -> None:
+    tried, mass, speed = optimum_figure(found).axes
+    low, high = mass.get_xlim()
+    assert low < 0.1 and high > 1.5
+    lines = {line.get_label(): line.get_ydata() for line in tried.lines}
+    unit = found.goal / lines["best, least and largest"][0]  # mm/s
+    for one, word in zip(found.references, ("heavy, as written", "light, the baseline"), strict=True):
+        np.testing.assert_allclose(unit * lines[word][0], one.goal, rtol=1e-12)  # rounding
+        drawn = next(line for line in speed.lines if line.get_label() == word)
+        own = found.rows.of("m.z velocity")[found.best : found.best + 4] - one.less
+        np.testing.assert_allclose(np.sort(unit * drawn.get_ydata()), np.sort(own), rtol=1e-12)  # rounding
+    far = replace(found, goals=np.where(np.arange(found.designs) == 3, 50.0, found.goals))
+    top = optimum_figure(far).axes[0]
+    assert top.get_ylim()[1] * unit < 5.0 and "1 design beyond this height" in [one.get_text() for one in top.texts]
+
+
+def test_a_baseline_without_the_goal_is_blank_with_its_reason(study: Path) -> None:
+    bare = HIT.replace("light: {}", "light: {remove: [bodies.ball]}")
+    goal = "bodies / ball / travel"
+    study.write_text(bare + CHOSEN.replace("m.z velocity", goal), encoding="utf-8")
+    heavy, light = optimise(read_search(study), workers=1).references
+    assert not heavy.why and light.why == f"no {goal}" and np.isnan(light.goal) and np.isnan(light.less).all()
+
+
+def test_a_plan_says_what_will_be_tried_and_refuses_a_number_that_is_not_there(study: Path) -> None:
+    told = planned_search(read_search(study), workers=2)
+    assert told["designs at most"] == 20 and told["runs at most"] == 80 and told["case"] == "heavy"
+    assert "m.z velocity" in str(told["main numbers"]) and "on 2 cores" in str(told["about how long"])
+    with pytest.raises(InputError, match=r"optimise.minimise: got 'm.z speed'.*it has m.z velocity"):
+        planned_search(read_search(study, "minimise m.z speed"))
