@@ -75,8 +75,9 @@ def main_numbers(case: CaseResult) -> Iterator[tuple[str, Number]]:
         known = None if room.rating is None or room.rating.blank_hz else room.rating
         yield f"{name} rating", _number(None if known is None else known.value_db, "dB")
         yield f"{name} rating{UNROUNDED}", _number(None if known is None else known.unrounded_db, "dB")
+    of_drop = f" of {next(iter(case.drops))}" if len(case.drops) > 1 else ""
     for name, one in (case.heard.total_levels or case.levels).items():
-        yield f"{name} L_AFmax", _number(one.l_afmax_db, "dB")
+        yield f"{name} L_AFmax{of_drop}", _number(one.l_afmax_db, "dB")
     for name, channel in case.channels.items():
         yield name, _number(channel.whole, channel.unit)
     if case.response is not None:

@@ -15,6 +15,7 @@ from femstruct.language.yaml import Here, Mistakes, Position, Tree, parse_value,
 from femstruct.study.campaign.varied import Campaign, Listed, Sampling, Scattered
 
 KEYS: Final = ("vary", "samples")
+WITHIN: Final = re.compile(r",(?![^\[]*\])")  # a comma that is in no list
 DRAWN: Final = re.compile(r"(normal|uniform)\((.*)\)")
 SHORT: Final = "write it like 'bodies.damper.mass=50 g:1.5 kg:40:log' or 'parts.slab.thickness=180 mm,200 mm'"
 
@@ -86,7 +87,8 @@ def short(text: str, mistakes: Mistakes, *, ranges: bool = False) -> Tree:
     """What the command line varies, as a file would say it. ranges : without steps, as in FROM:TO:log."""
     path, equals, written = (part.strip() for part in text.partition("="))
     file, value = f"--vary {text}", dict[str, Any]()
-    ends, listed = [one.strip() for one in written.split(":")], written.split(",")
+    listed = WITHIN.split(written)
+    ends = [one.strip() for one in written.split(":")] if len(listed) == 1 else [written]
     drawn = DRAWN.fullmatch(written)
     if drawn is not None and equals and path:
         pair = [one.strip() for one in drawn[2].split(",")]

@@ -5,10 +5,12 @@ from dataclasses import replace
 import numpy as np
 from matplotlib.collections import LineCollection
 
+from femstruct.study.campaign.spread import spread
 from femstruct.study.campaign.swept import Swept
 from femstruct.view.campaigns.bands_figure import bands_figure
 from femstruct.view.campaigns.parallel_figure import swept_parallel
-from femstruct.view.campaigns.swept_figure import edges
+from femstruct.view.campaigns.swept_figure import edges, swept_figure
+from femstruct.view.campaigns.swept_table import swept_pieces
 
 N = 16
 LEVELS = tuple(f"levels / hall.mic / bands_db / {band}" for band in ("63", "125", "250"))
@@ -80,3 +82,24 @@ def test_each_trusted_sample_is_a_line_across_all_axes() -> None:
     assert [one.get_text() for one in axes[2].get_yticklabels()] == ["fir", "oak"]
     two = replace(whole, texts=tuple((*one[:2], "oak") for one in whole.texts))
     assert swept_parallel(two, whole.main) is None
+
+
+def test_levels_that_hardly_change_are_drawn_so() -> None:
+    whole = rows()
+    same = replace(whole, numbers=55.48 + 1e-4 * (whole.numbers - 55.0), paths=whole.paths[:1], units=whole.units[:1],
+                   texts=tuple(one[:1] for one in whole.texts), values=whole.values[:, :1])  # fmt: skip
+    axes = swept_figure(same, ("hall.mic L_AFmax",)).axes[0]
+    low, high = axes.get_ylim()
+    np.testing.assert_allclose(high - low, 0.1, rtol=1e-9)  # rounding
+    assert not axes.yaxis.get_major_formatter().get_useOffset()
+
+
+def test_a_case_that_does_not_change_stands_beside_one_that_does() -> None:
+    whole = rows()
+    numbers = np.concatenate([whole.numbers, whole.numbers * 0.0 + 50.0])
+    two = replace(whole, cases=("as given", "fixed"), numbers=numbers,
+                  severe=whole.severe * 2, findings=whole.findings * 2)  # fmt: skip
+    for table in (replace(two, method="grid"), two):
+        grid = list(swept_pieces(table))[1]
+        assert [row[1] for row in grid.rows][:2] == ["as given", "fixed"]
+    assert spread(two, "hall.mic L_AFmax", "fixed").deviation == 0.0

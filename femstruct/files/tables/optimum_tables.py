@@ -33,6 +33,7 @@ def optimum_table(found: Found) -> Table:
         "runs": found.runs,
         "designs": found.designs,
         "left_out": found.left_out,
+        "nearly_as_good": int(found.nearly.sum()),
         "flat": found.flat,
         "still_improving": found.still_improving,
         "interrupted": found.interrupted,

@@ -17,7 +17,9 @@ from femstruct.study.campaign.varied import Listed, Scattered
 FEWEST_RUNS: Final = 20
 SAME: Final = 1e-9  # of a goal: differences below are rounding
 LATE: Final = 0.8  # of the designs
-WORTH: Final = 0.01  # of all that the search improved
+WORTH: Final = 0.01  # of what half of the designs are worse than the best by
+NEARLY: Final = 0.1  # of what the best design gains, that others may miss of it
+SMALL: Final = 0.01  # of the goal, instead, where it gains nothing or there is nothing beside it
 MOST_GOALS: Final = 3  # of four and more NSGA-II finds nearly all designs to be on the front
 Sense = Literal["minimise", "maximise"]
 
@@ -70,7 +72,7 @@ class Search:
     limits: Mapping[str, float] = field(default_factory=dict)
     over: tuple[Listed | Scattered, ...] = ()
     quantile: float = 0.9
-    scatter: int = 8
+    scatter: int = 10
     runs: int = 400
     seed: int = 1
     case: str = ""
@@ -197,9 +199,26 @@ class Found:
     @property
     def still_improving(self) -> bool:
         """Whether the runs ended while the goal still got better: in the last fifth of the designs by more than 1 % of
-        what it had got better by before."""
+        what half of all designs are worse than the best by."""
         late = [value for count, value in self.history if count > LATE * self.designs]
         early = [value for count, value in self.history if count <= LATE * self.designs]
         if not (self.spent and late):
             return False
-        return not early or abs(late[-1] - early[-1]) > WORTH * abs(early[-1] - early[0])
+        span = np.median(np.abs(self.goals[self.held] - self.goal))
+        return not early or bool(abs(late[-1] - early[-1]) > WORTH * span)
+
+    @property
+    def gained_over(self) -> Reference | None:
+        """The case that the best design is better than: as it is written, else the baseline; None where it is better
+        than neither."""
+        sign = self.search.goals[0].sign
+        return next((one for one in self.references if not one.why and sign * (one.goal - self.goal) > 0.0), None)
+
+    @property
+    def nearly(self) -> Flags:
+        """Which designs hold all limits and are nearly as good as the best [designs]: they keep 90 % of what it gains
+        over its case as written, or are within 1 % of its goal where there is no gain."""
+        over = self.gained_over
+        within = SMALL * abs(self.goal) if over is None else NEARLY * abs(over.goal - self.goal)
+        close: Flags = self.held & (np.abs(self.goals - self.goal) <= within)
+        return close

@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from math import ceil
 from typing import Final
 
 import numpy as np
 
+from femstruct.errors import some_of
 from femstruct.files.tables.optimum_tables import run_command
-from femstruct.study.campaign.sought import Chosen, Found, Reference
+from femstruct.study.campaign.sought import NEARLY, SMALL, Chosen, Found, Reference
 from femstruct.study.campaign.swept import UNROUNDED
 from femstruct.study.campaign.varied import Listed
 from femstruct.view.campaigns.swept_table import in_unit, left_out_pieces, written
 from femstruct.view.tables.grid import Grid, Piece
 from femstruct.view.tables.scales import digits
 
+ROUNDING: Final = 1e-9  # of a share of samples
+MOST: Final = 4  # values of a list that are printed
 WHOLE: Final = 1.0  # dB: the step of a rating as it is stated
 
 
@@ -30,12 +34,19 @@ def optimum_pieces(found: Found) -> Iterator[Piece]:
         low, high = (digits(factor * one) for one in found.ends)
         paths = ", ".join(one.path for one in search.over)
         yield f"In the {search.scatter} samples of {paths} it is between {low} and {high} {unit}"
-    head = ("chosen", "value", "at the end of its range", f"{search.goal} changes per 1 % of the range")
+    head = (
+        "chosen",
+        "value",
+        "designs nearly as good",
+        "at the end of its range",
+        f"{search.goal} changes per 1 % of the range",
+    )
     grid = Grid("the best design found", head)
-    for one, path in zip(found.chosen, search.designs, strict=True):
+    for j, (one, path) in enumerate(zip(found.chosen, search.designs, strict=True)):
         change = "of a list" if isinstance(path, Listed) else _change(one, factor, unit)
-        grid.add(one.path, _value(one), one.at or "no", change)
+        grid.add(one.path, _value(one), _nearly(found, j), one.at or "no", change)
     yield grid
+    yield _how_near(found)
     yield from reference_pieces(found, factor, unit)
     limits = Grid("its limits", ("number", "value", "limit"))
     for name, limit in search.limits.items():
@@ -55,6 +66,28 @@ def optimum_pieces(found: Found) -> Iterator[Piece]:
         yield "Interrupted: the same command goes on"
     yield from left_out_pieces(found.rows)
     yield f"To run it: {run_command(found)}"
+
+
+def _nearly(found: Found, j: int) -> str:
+    """The values of a path among the designs that are nearly as good."""
+    s, rows = found.search.samples, found.rows
+    near = np.flatnonzero(found.nearly) * s
+    values = rows.values[near, j]
+    if not len(near) or not np.isfinite(values).all():
+        return some_of(list(dict.fromkeys(rows.texts[i][j] for i in near)), MOST)
+    ends = [written(value, rows.units[j], "") for value in (float(values.min()), float(values.max()))]
+    return ends[0] if ends[0] == ends[1] else " .. ".join(ends)
+
+
+def _how_near(found: Found) -> str:
+    """What counts as nearly as good, and how many designs are."""
+    over, count = found.gained_over, int(found.nearly.sum())
+    if over is None:
+        what = f"within {100.0 * SMALL:g} % of the best"
+    else:
+        name = f"'{over.name}'" + (" as written" if over.chosen else "")
+        what = f"those that keep {100.0 * (1.0 - NEARLY):g} % of what the best gains over {name}"
+    return f"Nearly as good: {count} of {found.designs} designs, {what}"
 
 
 def reference_pieces(found: Found, factor: float, unit: str) -> Iterator[Piece]:
@@ -102,9 +135,13 @@ def _doubts(found: Found) -> Iterator[str]:
         yield f"{search.goal} is the same for all designs that were tried: none of them is better than the others"
     elif found.still_improving:
         yield "The goal still got better when the runs ended: more 'runs' will find a better design"
-    if search.over and search.scatter * min(search.quantile, 1.0 - search.quantile) < 1.0:
-        share = f"{100.0 * search.quantile:g} %"
-        yield f"{search.scatter} samples say little of a quantile of {share}: more 'robust: {{samples: ..}}' say more"
+    least = 1.0 / min(search.quantile, 1.0 - search.quantile)
+    if search.over and search.scatter < least * (1.0 - ROUNDING):
+        share, enough = f"{100.0 * search.quantile:g} %", ceil(least * (1.0 - ROUNDING))
+        yield (
+            f"{search.scatter} samples say little of a quantile of {share}: {enough} or more, 'robust: {{samples: ..}}'"
+            ", say more"
+        )
 
 
 def _last(found: Found) -> str:

@@ -21,6 +21,7 @@ from femstruct.view.figures.drawing import BASELINE, case_lines, finish, legend_
 AS_GIVEN: Final = "as given"
 MOST: Final = 6  # numbers in one picture
 WIDE: Final = 30.0  # largest over smallest value of a path, from which on its axis is logarithmic
+LEAST_DB: Final = 0.1  # of a picture's height
 FEW_DECADES: Final = 2e3  # the same, from which on ticks are at powers of ten alone
 UNTRUSTED: Final[dict[str, Any]] = {"marker": "x", "linestyle": "none", "markersize": 5}
 
@@ -62,6 +63,7 @@ def _curves(rows: Swept, names: Sequence[str], k: int) -> Figure:
             own.plot(x, np.where(sound, y, np.nan), marker=".", label=case, **line)
             _cross(own, x, y, sound, line["color"])
         _limit(own, rows, name, scale)
+        _level(own, told)
         number_axis(own, x)
         finish(own, named(rows.paths[k], unit) if number == len(names) - 1 else "", named(name, told))
     if len(rows.cases) > 1 or rows.limits:
@@ -110,6 +112,7 @@ def _points(rows: Swept, names: Sequence[str], numeric: Sequence[int], case: str
             own.plot(x[sound], y[sound], ".", color=BASELINE, markersize=4)
             _cross(own, x, y, sound, "#d55e00")
             _limit(own, rows, name, scale)
+            _level(own, told)
             number_axis(own, x)
             last = row == len(names) - 1
             finish(own, named(rows.paths[k], unit) if last else "", named(name, told) if column == 0 else "")
@@ -152,6 +155,13 @@ def _cross(axes: Axes, x: Floats, y: Floats, sound: Flags, colour: str) -> None:
 def _limit(axes: Axes, rows: Swept, name: str, scale: float) -> None:
     if name in rows.limits:
         axes.axhline(scale * rows.limits[name], color="#d55e00", linewidth=0.9, linestyle="--", label="limit")
+
+
+def _level(axes: Axes, unit: str) -> None:
+    """At least a tenth of a decibel of height, so that levels which hardly change look like it."""
+    low, high = axes.get_ylim()
+    if unit == "dB" and high - low < LEAST_DB:
+        axes.set_ylim(0.5 * (low + high - LEAST_DB), 0.5 * (low + high + LEAST_DB))
 
 
 def edges(values: Floats) -> Floats:

@@ -10,6 +10,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.ticker import ScalarFormatter
 from numpy.typing import NDArray
 
 from femstruct.arrays import Floats
@@ -116,6 +117,9 @@ def finish(axes: Axes, xlabel: str, ylabel: str) -> None:
     """Labels and a light grid."""
     axes.set_xlabel(xlabel)
     axes.set_ylabel(ylabel)
+    for axis in (axes.xaxis, axes.yaxis):
+        if isinstance(form := axis.get_major_formatter(), ScalarFormatter):
+            form.set_useOffset(False)  # "+5.548e1" beside an axis is not seen
     axes.grid(True, which="major", color="0.88", linewidth=0.6)
     axes.set_axisbelow(True)
 

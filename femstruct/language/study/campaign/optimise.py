@@ -23,7 +23,7 @@ class RobustSpec(Spec):
 
     over: list[Text]
     quantile: Quantile = 0.9
-    samples: Count = 8
+    samples: Count = 10
 
 
 def _names(value: object) -> object:
