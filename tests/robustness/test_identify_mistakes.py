@@ -9,6 +9,7 @@ import pytest
 
 from femstruct import MeasuredFiles, identify
 from femstruct.errors import FemstructError
+from femstruct.files.inputs.measured_frequencies import read_frequencies
 from femstruct.workflow.identify.parameters import parameters_of
 
 FLOOR = Path(__file__).parents[1] / "data" / "floor_to_fit.yaml"
@@ -42,10 +43,34 @@ def refused(folder: Path, text: str, expected: str, option: str = "modes", scatt
         ("frequency [Hz]\n-11.9\n", r"m\.csv:2:1: got a frequency of -11\.9 Hz, expected one above 0"),
         ("frequency [Hz], scatter [%]\n11.9, 0\n", r"m\.csv:2:1: got a scatter of 0 Hz, expected one above 0"),
         ("frequency [kg]\n11.9\n", r"m\.csv:1:1: got 'kg', expected a frequency"),
+        ("29,35\n63,40\n", r"m\.csv:1:1: got 2 columns without heads, .*; if 29,35 is a decimal, put a line"),
+        ("frequency [Hz], mode\n11,9,3\n", r"m\.csv:2:1: got 3 cells below 2 heads, .* by semicolons"),
+        ("frequency\n11,9,3\n", r"m\.csv:2:1: got 3 cells below 1 head, expected one below each; where decimals"),
+        ("frequency\n11,9\n25.4\n", r"m\.csv:3:1: got '25\.4' in a table whose decimals have a comma"),
+        ("frequency\n1.211,9\n", r"m\.csv:2:1: got 2 cells below 1 head"),
     ],
 )
 def test_tables_of_frequencies(text: str, expected: str, tmp_path: Path) -> None:
     refused(tmp_path, text, expected)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "frequency\n29,35\n63,40\n82,95\n",
+        "frequency [Hz]\n29,35\n63,4\n82,95",
+        "f\n29.35\n63.40\n82.95\n",
+        "29.35\n63.40\n82.95\n",
+        'frequency\n"29,35"\n"63,40"\n"82,95"\n',
+        "frequency [Hz];mode\n29,35;1\n63,40;2\n82,95;3\n",
+        "frequency [Hz]\tmode\n29,35\t1\n63,40\t2\n82,95\t3\n",
+        "frequency [Hz],mode\n29.35,1\n63.4,2\n82.95,3\n",
+        "frequency [kHz]\n0,02935\n0,0634\n0,08295\n",
+    ],
+)
+def test_decimal_commas_of_frequencies_lose_nothing(text: str, tmp_path: Path) -> None:
+    (tmp_path / "m.csv").write_text(text, encoding="utf-8")
+    assert read_frequencies(tmp_path / "m.csv").frequency_hz == pytest.approx([29.35, 63.4, 82.95], rel=1e-14)
 
 
 @pytest.mark.parametrize(
@@ -55,6 +80,7 @@ def test_tables_of_frequencies(text: str, expected: str, tmp_path: Path) -> None
         ("f, speed\n10, 1\n", r"m\.csv:1:1: got 'speed', expected 'frequency_hz' and pairs"),
         (f"f,{RESPONSE} real\n10,1\n", r"m\.csv:1:1: got 'accelerance Q\.z / P\.z' without its real or imag column"),
         ("f,mobility Q.z / P.z [g] real\n10,1\n", r"m\.csv:1:1: got a mobility in 'g', expected one in m/\(N s\)"),
+        (f"f,{RESPONSE} real,{RESPONSE} imag\n10,5,1,0,2,0\n", r"m\.csv:2:1: got 6 numbers, expected 3, one below each"),
         (f"f,{RESPONSE} real,{RESPONSE} imag\n10,1\n", r"m\.csv:2:1: got 2 numbers, expected 3"),
         (f"f,{RESPONSE} real,{RESPONSE} imag\n10,1,1\n9,1,1\n", r"m\.csv:3:1: got 9 Hz, expected a frequency above 10"),
         (
@@ -80,6 +106,7 @@ def test_tables_of_responses(text: str, expected: str, tmp_path: Path) -> None:
         ("Hz,soft: hall.mic bands_db\n63,50\n", "of the case 'as given', which is fitted"),
         ("Hz,hall.mic\n60,50\n", r"m\.csv:2:1: got a band of '60', expected a nominal octave or third octave"),
         ("Hz,hall.mic\n63,50\n63,51\n", r"m\.csv:3:1: got '63', expected a third octave or octave, .* each once"),
+        ("Hz,hall.mic\n63,50,5\n", r"m\.csv:2:1: got 3 cells below 2 heads, .* by semicolons"),
         ("Hz,hall.mic\n63,loud\n", r"m\.csv:2:1: got 'loud', expected a level in dB, or nothing"),
         ("Hz,hall.mic\n63,\n", r"m\.csv:1:1: got no level below 'hall\.mic', expected one or more"),
         ("Hz,hall.mic\n8000,30\n", r"--levels: got bands that the study does not compute: 8000 Hz"),

@@ -51,12 +51,19 @@ class Grid:
             raise self.wrong(row, got, "decimals of one kind and no thousands separators", _LEAVE)
         return float(cell.replace(",", "."))
 
+    def refuse_longer(self, row: Row) -> None:
+        """Raise InputErrors for a line with more cells than the first has, as decimal commas between commas make it."""
+        count, heads = len(row.cells), len(self.rows[0].cells)
+        if any(row.cells[heads:]):
+            raise self.wrong(row, f"{count} cells below {heads} head{'s' * (heads > 1)}", "one below each", _SEMICOLONS)
+
     def wrong(self, row: Row, got: str, expected: str, do: str = "") -> InputErrors:
         """A mistake in one of its lines."""
         return wrong_in(self.path, row.line, InputError("", got=got, expected=expected, do=do))
 
 
 _LEAVE: Final = "leave out thousands separators, and write all decimals alike"
+_SEMICOLONS: Final = "where decimals have a comma, separate columns by semicolons"
 
 
 def wrong_in(path: Path, line: int, error: InputError) -> InputErrors:
@@ -64,8 +71,11 @@ def wrong_in(path: Path, line: int, error: InputError) -> InputErrors:
     return InputErrors((f"{path}:{line}:1: {sentence('', error.got, error.expected, error.do)}",))
 
 
-def read_grid(path: Path, sources: dict[str, str], what: str = "a CSV file beside the study") -> Grid:
-    """The table in a file. sources : is given its text under its name.
+def read_grid(
+    path: Path, sources: dict[str, str], what: str = "a CSV file beside the study", single: bool = False
+) -> Grid:
+    """The table in a file. sources : is given its text under its name. single : whether one column alone is a table:
+    below a head without a comma, numbers with one comma each are then decimals, not two columns.
 
     Raises InputError for a file that cannot be read, InputErrors for one that is no text.
 
@@ -77,17 +87,19 @@ def read_grid(path: Path, sources: dict[str, str], what: str = "a CSV file besid
     """
     text = decoded(path, content(path, LARGEST, what))
     sources[str(path)] = text
-    return grid_of(path, text)
+    return grid_of(path, text, single)
 
 
-def grid_of(path: Path, text: str) -> Grid:
-    """The table in a text; path : for messages.
+def grid_of(path: Path, text: str, single: bool = False) -> Grid:
+    """The table in a text; path : for messages; single : as in `read_grid`.
 
     >>> grid_of(Path("a.csv"), "Hz;T [s]\\n63;1,5\\n").rows[1], grid_of(Path("a.csv"), "63;1,5").comma
     (Row(line=2, cells=['63', '1,5']), True)
+    >>> grid_of(Path("a.csv"), "f [Hz]\\n29,35\\n63", single=True).rows[1]
+    Row(line=2, cells=['29,35'])
     """
     lines = [line for line in text.splitlines() if line.strip() and not line.lstrip().startswith("#")]
-    separator = _separator(lines[:_LOOKED])
+    separator = ";" if single and _is_one_column(lines) else _separator(lines[:_LOOKED])
     try:
         if separator is None:
             found = [(number, _BLANKS.split(line.strip())) for number, line in enumerate(text.splitlines(), start=1)]
@@ -100,6 +112,13 @@ def grid_of(path: Path, text: str) -> Grid:
     numbers = [cell for row in rows for cell in row.cells if _NUMBER.fullmatch(cell)]
     commas, points = (any(mark in cell for cell in numbers) for mark in ",.")
     return Grid(path, rows, commas and (separator != "," or not points))  # in a table of commas they are in quotes
+
+
+def _is_one_column(lines: list[str]) -> bool:
+    """Whether below words without a comma all lines are a number: 29,35 is then no pair."""
+    head = next((i for i, line in enumerate(lines) if _NUMBER.fullmatch(line.strip())), 0)
+    below = [_NUMBER.fullmatch(line.strip()) for line in lines[head:]]
+    return head > 0 and all(below) and not any("," in line for line in lines[:head])
 
 
 def _separator(lines: list[str]) -> str | None:

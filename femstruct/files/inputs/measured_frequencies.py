@@ -19,6 +19,7 @@ _WORDS: Final = {
     FREQUENCY: ("frequency", "frequency_hz", "natural frequency", "f", "hz"),
     SCATTER: ("scatter", "scatter_hz", "sd", "standard deviation", "sigma", "+-"),
 }
+_HEADLESS: Final = "if 29,35 is a decimal, put a line 'frequency [Hz]' above"
 _EXPECTED: Final = "a line of heads, such as 'mode, frequency [Hz], scatter [%]', and numbers below"
 
 
@@ -37,17 +38,20 @@ def read_frequencies(path: Path) -> FrequencyTable:
 
     Raises InputError for a file that cannot be read, InputErrors with the line for what is wrong in it.
     """
-    grid = read_grid(path, {}, "a table of natural frequencies")
+    grid = read_grid(path, {}, "a table of natural frequencies", single=True)
     if not grid.rows:
         raise wrong_in(path, 1, InputError("", got="an empty table", expected=_EXPECTED))
     first = grid.rows[0]
     headed = any(grid.number(first, cell) is None for cell in first.cells)
     if not headed and len(first.cells) > 1:
-        raise grid.wrong(first, f"{len(first.cells)} columns without heads", _EXPECTED)
+        do = _HEADLESS if all(len(row.cells) == 2 for row in grid.rows) else ""
+        raise grid.wrong(first, f"{len(first.cells)} columns without heads", _EXPECTED, do)
     columns = _columns(grid, first) if headed else {FREQUENCY: (0, Head("", "Hz"))}
     rows = grid.rows[1:] if headed else grid.rows
     if not rows:
         raise grid.wrong(first, "no numbers", _EXPECTED)
+    for row in rows:
+        grid.refuse_longer(row)
     found = {name: np.array([_value(grid, row, at) for row in rows]) for name, (at, _) in columns.items()}
     frequency = found[FREQUENCY] * _hertz(grid, first, columns[FREQUENCY][1])
     for row, hz in zip(rows, frequency.tolist(), strict=True):

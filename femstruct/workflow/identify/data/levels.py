@@ -94,6 +94,7 @@ def _one(grid: Grid, scatter: float | None, place: str, at: int) -> LevelsDatum:
     """The bands of one column that have a level; blank cells were not measured."""
     found: dict[float, float] = {}
     for row in grid.rows[1:]:
+        grid.refuse_longer(row)
         try:
             band = band_of(row.cells[0])
         except InputError as error:
