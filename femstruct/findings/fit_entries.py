@@ -63,7 +63,7 @@ FITS: Final = (
         LIMITS,
         "their sum of squares, over the scatter, is more than chance makes it",
         "State a scatter that holds mounting and repetition, too; remove data of another state; free what is wrong in "
-        "the model.",
+        "the model; give frequencies a column 'mode', as one may be missing among them.",
         (
             Limit(
                 4.0,

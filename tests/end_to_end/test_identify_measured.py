@@ -310,6 +310,20 @@ def test_responses_of_universal_files_are_found_by_name_or_place(tmp_path: Path)
         read_frfs(tmp_path / "beside.uff", 0.02, points, None, 1.0)
 
 
+def test_a_missing_mode_is_thought_of(tmp_path: Path) -> None:
+    """Five modes without numbers, which order takes for the first five: the finding proposes a column of numbers."""
+    hertz = exact()[0]
+    for head, rows in (
+        ("frequency [Hz]", [f"{value:.4f}" for value in hertz]),
+        ("frequency [Hz];mode", [f"{value:.4f};{mode}" for value, mode in zip(hertz, MEASURED, strict=True)]),
+    ):
+        (tmp_path / "f.csv").write_text("\n".join([head, *rows]), encoding="utf-8")
+        files = MeasuredFiles(modes=(f"{tmp_path / 'f.csv'} +- 0.5 %",))
+        found = identify(FLOOR, files, parameters=(f"{POSTS}=22 MN/m:15:30",), overrides=(f"{CONCRETE}=36 GPa",))
+        (told,) = (one for one in found.findings if one.code == "fit-beyond-scatter")
+        assert ("a column 'mode'" in told.message and "or measure shapes" in told.message) == (";" not in head)
+
+
 def test_damping_of_single_modes_follows_them(tmp_path: Path) -> None:
     """Mode 3 of the file is heave, with 4 %; on soft posts it is mode 1, far from where the file expects it."""
     text = FLOOR.read_text(encoding="utf-8").replace(

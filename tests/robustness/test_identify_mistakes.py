@@ -80,7 +80,10 @@ def test_decimal_commas_of_frequencies_lose_nothing(text: str, tmp_path: Path) -
         ("f, speed\n10, 1\n", r"m\.csv:1:1: got 'speed', expected 'frequency_hz' and pairs"),
         (f"f,{RESPONSE} real\n10,1\n", r"m\.csv:1:1: got 'accelerance Q\.z / P\.z' without its real or imag column"),
         ("f,mobility Q.z / P.z [g] real\n10,1\n", r"m\.csv:1:1: got a mobility in 'g', expected one in m/\(N s\)"),
-        (f"f,{RESPONSE} real,{RESPONSE} imag\n10,5,1,0,2,0\n", r"m\.csv:2:1: got 6 numbers, expected 3, one below each"),
+        (
+            f"f,{RESPONSE} real,{RESPONSE} imag\n10,5,1,0,2,0\n",
+            r"m\.csv:2:1: got 6 numbers, expected 3, one below each",
+        ),
         (f"f,{RESPONSE} real,{RESPONSE} imag\n10,1\n", r"m\.csv:2:1: got 2 numbers, expected 3"),
         (f"f,{RESPONSE} real,{RESPONSE} imag\n10,1,1\n9,1,1\n", r"m\.csv:3:1: got 9 Hz, expected a frequency above 10"),
         (
@@ -132,6 +135,15 @@ def test_scatter_and_options_that_do_not_fit(tmp_path: Path) -> None:
     one = "mode, frequency [Hz]\n3, 11.9"
     refused(tmp_path, one, r"--modes: got '1 kg', which is a mass, .* behind \+-", scatter=" +- 1 kg")
     refused(tmp_path, one, r"--modes: got a scatter of 0 %, expected one above 0", scatter=" +- 0 %")
+    fifty = r"--modes: got a scatter of 50 %, expected 20 % or less; did you mean 0\.5 %\?"
+    refused(tmp_path, one, fifty, scatter=" +- 0.5")
+    refused(tmp_path, one, r"--modes: got a scatter of 0\.1: 10 %\?, expected .* 0\.1 %\?; write", scatter=" +- 0.1")
+    refused(tmp_path, one, r"--modes: got a scatter of 50 %, expected 20 % or less; state", scatter=" +- 50 %")
+    refused(tmp_path, one, r"--shapes: got a scatter of 5: 500 %\?, expected a per cent sign: 5 %\?", shapes="5")
+    wide = "frequency [Hz], scatter\n11.9, 5"
+    refused(
+        tmp_path, wide, r"m\.csv:2:1: got a scatter of 5 Hz at 11\.9 Hz, expected 20 % of it or less; write its unit"
+    )
     refused(tmp_path, one, r"--shapes: got '.*m\.csv', which has none, expected a universal file", shapes="5 %")
     refused(tmp_path, one, r"--near: got 200 %, expected 0 % to below 100 %", near="200 %")
     refused(tmp_path, one, r"--band: got no frequency response, expected --frf", band="1 Hz:2 Hz")
@@ -141,6 +153,7 @@ def test_scatter_and_options_that_do_not_fit(tmp_path: Path) -> None:
     refused(tmp_path, twice, r"m\.csv' with a column of its scatter, and \+-, expected one of them", scatter=" ± 1 %")
     refused(tmp_path, "", r"--levels: got a model, expected a study", "levels")
     response = f"f,{RESPONSE} real,{RESPONSE} imag\n10,1,1\n"
+    refused(tmp_path, response, r"--frf: got a scatter of 0\.5: 50 %\?, expected a per cent sign", "frfs", " +- 0.5")
     refused(tmp_path, response, r"--band: got '5:2', expected a lower and a higher frequency", "frfs", band="5:2")
     refused(tmp_path, response, r"--band: got no line of '.*' from 50 to 60 Hz", "frfs", band="50:60")
     with pytest.raises(FemstructError, match="identify: got no measured data, expected one file or more; give --modes"):
@@ -159,9 +172,18 @@ def test_scatter_and_options_that_do_not_fit(tmp_path: Path) -> None:
         ("materials.concrete.E=26 GPa:soft:40 GPa", "got a bound 'soft', expected a number"),
         ("materials.concrete.E=26 GPa:20 kg:40 kg", "got a bound '20 kg', expected one in GPa, as the start"),
         ("materials.concrete.E=26 GPa:20 Gpa:40 GPa", "unknown unit 'Gpa'"),
-        ("materials.concrete.E=26 GPa:30 GPa:40 GPa", "got a start of 26 and bounds of 30 and 40"),
-        ("materials.concrete.E=26 GPa:40 GPa:20 GPa", "expected a start between two bounds, the lower one first"),
-        ("materials.concrete.E=0 GPa:-1 GPa:1 GPa", "got a start of 0"),
+        (
+            "materials.concrete.E=26 GPa:30 GPa:40 GPa",
+            "got a start of 26 GPa and bounds of 30 GPa and 40 GPa, expected a start between",
+        ),
+        (
+            "materials.concrete.E=26 GPa:40 GPa:20000 MPa",
+            "got a start of 26 GPa and bounds of 40 GPa and 20000 MPa, expected a start between two bounds, the lower "
+            "one first; write materials.concrete.E=26 GPa:20000 MPa:40 GPa",
+        ),
+        ("materials.concrete.E=26 GPa:40:20", "got a start of 26 GPa and bounds of 40 GPa and 20 GPa"),
+        ("materials.concrete.nu=0.2:0.3:0.1", "got a start of 0.2 and bounds of 0.3 and 0.1"),
+        ("materials.concrete.E=0 GPa:-1 GPa:1 GPa", "got a start of 0 GPa"),
     ],
 )
 def test_bounds(text: str, expected: str) -> None:

@@ -20,6 +20,7 @@ _WORDS: Final = {
     SCATTER: ("scatter", "scatter_hz", "sd", "standard deviation", "sigma", "+-"),
 }
 _HEADLESS: Final = "if 29,35 is a decimal, put a line 'frequency [Hz]' above"
+MOST_SCATTER: Final = 0.2  # of a frequency: two of it leave stiffness, its square, between 0.36 and 1.96 times
 _EXPECTED: Final = "a line of heads, such as 'mode, frequency [Hz], scatter [%]', and numbers below"
 
 
@@ -94,9 +95,12 @@ def _value(grid: Grid, row: Row, at: int) -> float:
 def _scatter(grid: Grid, rows: tuple[Row, ...], values: Floats, head: Head, frequency: Floats) -> Floats:
     """Standard deviations [Hz]: of a column in per cent they are shares of the frequencies."""
     scatter = values * (frequency / 100.0 if head.unit == "%" else _hertz(grid, grid.rows[0], head))
-    for row, one in zip(rows, scatter.tolist(), strict=True):
+    for row, one, hertz in zip(rows, scatter.tolist(), frequency.tolist(), strict=True):
         if not one > 0.0:
             raise grid.wrong(row, f"a scatter of {one:g} Hz", "one above 0")
+        if one > MOST_SCATTER * hertz:
+            got, expected = f"a scatter of {one:.4g} Hz at {hertz:.4g} Hz", f"{100.0 * MOST_SCATTER:g} % of it or less"
+            raise grid.wrong(row, got, expected, "write its unit in the head: scatter [%] or scatter [Hz]")
     return np.asarray(scatter)
 
 

@@ -23,13 +23,15 @@ FAR = 5.0  # times the scatter: the model is another one
 
 class Left(NamedTuple):
     """What a fit leaves of one set of data: residuals over their scatter, in how many series, whether the scatter was
-    stated, and the norm of what was measured; it is 0 of what is judged by its scatter alone."""
+    stated, the norm of what was measured, 0 of what is judged by its scatter alone, and what may be wrong with the
+    data themselves."""
 
     name: str
     residuals: Floats
     tracks: int
     known: bool
     size: float
+    doubt: str = ""
 
 
 def fit_findings(
@@ -89,7 +91,7 @@ def _beyond_scatter(one: Left) -> Iterator[Finding]:
     yield Finding(
         "fit-beyond-scatter",
         f"{one.name}: the residuals have {rms:.2g} times the {taken} scatter. The intervals follow the residuals; of a "
-        "model that is not right the error may be larger",
+        f"model that is not right the error may be larger{one.doubt and f'. {one.doubt}'}",
         {"times": rms, "numbers": float(count)},
         severe=rms > FAR,
     )

@@ -239,7 +239,8 @@ def _residuals(trial: Trial, data: Sequence[Datum]) -> Floats:
 def _by_set(data: Sequence[Datum], last: Trial) -> list[Left]:
     """The residuals of every set of data. Only a history of unknown scatter is judged by its own size."""
     return [
-        Left(one.name, one.residuals(last), one.tracks, one.known, one.size if _by_size(one) else 0.0) for one in data
+        Left(one.name, one.residuals(last), one.tracks, one.known, one.size if _by_size(one) else 0.0, one.doubt)
+        for one in data
     ]
 
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from femstruct.errors import InputError
 from femstruct.files.inputs.columns import read_measured
+from femstruct.files.inputs.measured_frequencies import MOST_SCATTER
 from femstruct.language import ModelFile
 from femstruct.study.study import Plan, Study
 from femstruct.units import quantity
@@ -100,7 +101,7 @@ def _modes(files: MeasuredFiles, length: float) -> list[Datum]:
     shapes = scatter_of(files.shapes, "--shapes", "ratio") if files.shapes else 0.0
     if shapes and not files.modes:
         raise InputError("--shapes", got="no modes", expected="--modes with a universal file")
-    read = [file_and_scatter(text, "--modes", "ratio") for text in files.modes]
+    read = [file_and_scatter(text, "--modes", "ratio", MOST_SCATTER) for text in files.modes]
     return [read_modes(path, scatter, shapes, near, length) for path, scatter in read]
 
 

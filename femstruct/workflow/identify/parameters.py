@@ -41,10 +41,25 @@ def parameters_of(texts: Sequence[str]) -> tuple[list[Parameter], dict[str, str]
         try:
             found.append(parameter(path, value, low, high))
         except InputError as error:
-            raise InputError(f"--fit {text}", got=error.got, expected=error.expected, do=error.do) from None
+            got, do = _as_written(written, units[path]), _right_way(path, start, ends, low, high)
+            raise InputError(f"--fit {text}", got=got, expected=error.expected, do=do) from None
     if not found:
         raise InputError("--fit", got="no parameter", expected="one or more PATH=START")
     return found, units
+
+
+def _as_written(written: str, unit: str) -> str:
+    """Start and bounds in words, each with its unit."""
+    start, *ends = (one.strip() if re.search(r"[^\d.eE+-]", one) else f"{one.strip()} {unit}".rstrip()
+                    for one in written.split(":"))  # fmt: skip
+    return f"a start of {start}" + (f" and bounds of {ends[0]} and {ends[1]}" if ends else "")
+
+
+def _right_way(path: str, start: str, ends: Sequence[str], low: float | None, high: float | None) -> str:
+    """What to write where bounds are the wrong way round."""
+    if low is None or high is None or not low > high:
+        return ""
+    return f"write {path}={start}:{ends[1]}:{ends[0]}"
 
 
 def start_texts(texts: Sequence[str]) -> list[str]:

@@ -17,6 +17,7 @@ from femstruct.study.matched import Beside
 from femstruct.units import quantity
 from femstruct.workflow.identify.trial import Change, Needs, Trial
 
+DOUBTED: Final = 0.2  # a share that has its % sign: 0.5 is 50 %, where 0.5 % may be meant
 _SCATTERED: Final = re.compile(r"(?P<file>.+?)\s+(?:\+-|\+/-|±)\s*(?P<scatter>.+)")
 
 
@@ -46,6 +47,11 @@ class Datum(ABC):
         what has no order."""
         return 0
 
+    @property
+    def doubt(self) -> str:
+        """What may be wrong with the comparison itself where residuals are large; "" for nothing."""
+        return ""
+
     @abstractmethod
     def residuals(self, trial: Trial) -> Floats:
         """Computed less measured over the scatter [n]."""
@@ -63,10 +69,10 @@ class Datum(ABC):
         return ()
 
 
-def file_and_scatter(text: str, option: str, dimension: str) -> tuple[Path, float | None]:
+def file_and_scatter(text: str, option: str, dimension: str, most: float = np.inf) -> tuple[Path, float | None]:
     """A file and its scatter, one standard deviation, of a text ``FILE +- SCATTER`` or ``FILE``.
 
-    Raises InputError that begins with the option's name.
+    most : of it, as `scatter_of`. Raises InputError that begins with the option's name.
 
     >>> file_and_scatter("floor.csv +- 0.5 %", "--modes", "ratio")
     (PosixPath('floor.csv'), 0.005)
@@ -74,17 +80,30 @@ def file_and_scatter(text: str, option: str, dimension: str) -> tuple[Path, floa
     found = _SCATTERED.fullmatch(text.strip())
     if found is None:
         return Path(text.strip()), None
-    return Path(found["file"]), scatter_of(found["scatter"], option, dimension)
+    return Path(found["file"]), scatter_of(found["scatter"], option, dimension, most)
 
 
-def scatter_of(text: str, option: str, dimension: str) -> float:
-    """A scatter as it is written, above zero; raises as `file_and_scatter`."""
+def scatter_of(text: str, option: str, dimension: str, most: float = np.inf) -> float:
+    """A scatter as it is written, above zero; raises as `file_and_scatter`.
+
+    most : the largest that says anything. A share above `DOUBTED`, or a quarter of the most, needs its % sign: so a
+    forgotten one is told.
+    """
     try:
         value = quantity(text, dimension)
     except InputError as error:
         raise InputError(option, got=error.got, expected=f"{error.expected}, behind +-", do=error.do) from None
     if not value > 0.0:
         raise InputError(option, got=f"a scatter of {text}", expected="one above 0")
+    if dimension != "ratio" or value <= min(DOUBTED, 0.25 * most):
+        return value
+    plain, shown = "%" not in text, f"{100.0 * value:g} %"
+    if value > most:
+        do = f"did you mean {value:g} %?" if plain else "state the standard deviation of repeated tests"
+        raise InputError(option, got=f"a scatter of {shown}", expected=f"{100.0 * most:g} % or less", do=do)
+    if plain:
+        do = f"write {shown} if it is meant"
+        raise InputError(option, got=f"a scatter of {text}: {shown}?", expected=f"a per cent sign: {value:g} %?", do=do)
     return value
 
 

@@ -32,6 +32,10 @@ EQUAL: Final = 1e-6  # frequencies of shapes that may be turned into each other
 LIKE: Final = 0.6  # MAC of a pair that is the same mode
 SEEN: Final = 1e-6  # of the largest shape of a space at the measured places
 DIVISIONS: Final = 4
+_BY_ORDER: Final = (
+    "A mode may be missing among the measured ones, which are compared in their order: give the table a column 'mode' "
+    "with the numbers that 'femstruct modes' prints, or measure shapes"
+)
 UNIVERSAL: Final = (".uff", ".unv", ".uf", ".ufb")
 
 
@@ -67,6 +71,10 @@ class ModesDatum(Datum):
     def needs(self) -> Needs:
         top = float(self.frequency_hz[-1])
         return Needs(up_to_hz=BEYOND * top, top_hz=top)
+
+    @property
+    def doubt(self) -> str:
+        return _BY_ORDER if self.modes is None and self.numbers is None else ""
 
     @property
     def size(self) -> float:
