@@ -70,7 +70,7 @@ def test_tables_of_frequencies(text: str, expected: str, tmp_path: Path) -> None
 )
 def test_decimal_commas_of_frequencies_lose_nothing(text: str, tmp_path: Path) -> None:
     (tmp_path / "m.csv").write_text(text, encoding="utf-8")
-    assert read_frequencies(tmp_path / "m.csv").frequency_hz == pytest.approx([29.35, 63.4, 82.95], rel=1e-14)
+    assert read_frequencies(tmp_path / "m.csv").frequency_hz == pytest.approx([29.35, 63.4, 82.95], rel=1e-14)  # kHz
 
 
 @pytest.mark.parametrize(
