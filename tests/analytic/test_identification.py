@@ -269,3 +269,23 @@ def test_what_is_hardly_distinguished_is_named_with_its_interval() -> None:
     assert "hardly distinguish" in one.sentence and "parameters-not-distinguished" in {
         finding.code for finding in fit_findings(found, [], [one])
     }
+
+
+def test_a_small_share_in_what_is_open_leaves_a_parameter_open() -> None:
+    """Bending sees E / (1 - nu^2) alone: nu from .1 to .3 is 8 % of E, however well the frequencies are measured."""
+    starts = [parameter("E", 28.0, 20.0, 45.0), parameter("nu", 0.2, 0.1, 0.3)]
+    measured = np.array([29.35, 63.4, 82.95])
+
+    def residuals(values: Mapping[str, float]) -> Floats:
+        bending = values["E"] / 28.2 * (1.0 - 0.2**2) / (1.0 - values["nu"] ** 2)
+        return (measured * (np.sqrt(bending) - 1.0)) / (0.005 * measured)
+
+    found = fitted(residuals, starts, 100.0, known=True)
+    assert np.isinf(found.deviations["E"]) and np.isinf(found.deviations["nu"])
+    (one,) = combinations(found, {"E": "GPa", "nu": ""}, residuals)
+    nu = found.values["nu"]
+    slope = -(1.0 - nu**2) / (2.0 * nu**2)  # dlog nu over dlog E where E / (1 - nu^2) stays
+    assert one.names == ("E", "nu") and one.changes == pytest.approx((0.1, 0.1 * slope), rel=1e-3)  # differences
+    (kept,) = one.kept
+    # twice the scatter of a frequency, of three: 1.96 x 2 x 0.5 % / sqrt(3)
+    assert kept.half == pytest.approx(1.96 * 2.0 * 0.005 / np.sqrt(3.0), rel=1e-3)

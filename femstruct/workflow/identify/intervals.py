@@ -14,7 +14,7 @@ from femstruct.arrays import Floats, freeze, frozen, frozen_with_gaps
 MIN_SINGULAR_VALUE = (
     1e-4  # smallest singular value of the derivatives, each of length 1: above the error of the derivatives
 )
-INVOLVED = 0.1  # share of a parameter in a combination that the data leave open, from which on it is named
+INVOLVED = 0.01  # share of a parameter in a combination that is open, from which on: 1 % of it for all of another
 AT_BOUND = 0.01  # of its standard deviation: a parameter that near is at its bound
 ROUNDED: Final = 1e-6  # of its start, likewise
 EXCEEDED: Final = 4.0  # standard deviations of chi^2: residuals are then larger than the stated scatter
