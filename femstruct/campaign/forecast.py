@@ -19,6 +19,8 @@ from femstruct.campaign.journal import Row, opened
 from femstruct.campaign.numbers import APART
 from femstruct.campaign.samples import samples_of
 from femstruct.campaign.tasks import Split, Task, Work, forget_bases, run_task, split
+from femstruct.campaign.tried import refuse_values, with_place
+from femstruct.errors import InputError
 from femstruct.language import read_study
 from femstruct.study.campaign.sought import FEWEST_RUNS, Search
 from femstruct.study.campaign.varied import Campaign
@@ -39,7 +41,7 @@ def planned(
     Raises InputErrors where no sample can be read.
     """
     samples, cores = samples_of(campaign), workers or os.cpu_count() or 1
-    batch = batch_tasks(campaign, samples, 1)
+    batch = batch_tasks(campaign, samples, 1, progress)
     parts = split(campaign, samples, progress) if isinstance(batch, str) else batch
     make_ready(parts.plan, progress)
     progress("running one sample")
@@ -69,6 +71,7 @@ def planned_search(
     """
     cores = workers or os.cpu_count() or 1
     plan = read_study(search.file, search.overrides, only=search.case or None)
+    refuse_values(search, plan)
     make_ready(plan, progress)
     progress("running one design")
     taken = 0.0
@@ -83,7 +86,10 @@ def planned_search(
     one = replace(search, over=(), runs=max(search.runs, FEWEST_RUNS))
     with TemporaryDirectory() as place, opened(Path(place) / "plan.rows", "") as journal:
         designs = Designs(one, search.case or plan.baseline, journal, run, lambda count: None)
-        designs(np.full((1, len(search.designs)), 0.5))
+        try:
+            designs(np.full((1, len(search.designs)), 0.5))
+        except InputError as error:
+            raise with_place(search, error) from None
         rows = designs.of_design(0)
     most = search.runs // search.samples
     return {

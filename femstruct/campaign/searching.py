@@ -16,6 +16,8 @@ from femstruct.campaign.designs import Designs
 from femstruct.campaign.executors import crew
 from femstruct.campaign.gathered import counted, gathered, make_ready, versions
 from femstruct.campaign.journal import Journal, moved_aside, opened
+from femstruct.campaign.tried import refuse_values, with_place
+from femstruct.errors import InputError
 from femstruct.language import read_study
 from femstruct.study.campaign.front import End
 from femstruct.study.campaign.sought import Search
@@ -40,6 +42,7 @@ def designs_of(
 ) -> Iterator[tuple[Designs, Journal]]:
     """The designs of a search, to be tried, and the journal of their rows; both end with the block."""
     plan = read_study(search.file, search.overrides, only=search.case or None)
+    refuse_values(search, plan)
     with ExitStack() as stack:
         place = folder or Path(stack.enter_context(TemporaryDirectory()))
         place.mkdir(parents=True, exist_ok=True)
@@ -53,6 +56,8 @@ def designs_of(
             if not journal.rows():
                 journal.remove()
             raise
+        except InputError as error:
+            raise with_place(search, error) from None
 
 
 def table_of(search: Search, designs: Designs, journal: Journal, command: str) -> Swept:

@@ -75,7 +75,7 @@ def sweep(
     [0.667, 1.0, 1.333]
     """
     samples, cores = samples_of(campaign), workers or os.cpu_count() or 1
-    batch = batch_tasks(campaign, samples, 1 if cluster else cores)
+    batch = batch_tasks(campaign, samples, 1 if cluster else cores, progress)
     parts = split(campaign, samples, progress) if isinstance(batch, str) else batch
     with ExitStack() as stack:
         place = folder or Path(stack.enter_context(TemporaryDirectory()))

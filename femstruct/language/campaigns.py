@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final
 
@@ -60,6 +60,8 @@ def read_campaign(
     if not found:
         do = "add 'vary: {PATH: {from: .., to: .., steps: ..}}' to it, or --vary"
         raise InputErrors((f"{path}: vary: got a study that varies nothing, expected one or more paths; {do}",))
+    if case:
+        refuse_other_cases(tree, found, case)
     asked = spec.samples if spec is not None else None
     try:
         sampling = (
@@ -71,6 +73,25 @@ def read_campaign(
         steps = ("vary", error.where.removeprefix("vary.")) if error.where.startswith("vary.") else ("samples", "count")
         at = tree.keys.get(steps, Position(str(path)))
         raise InputErrors((f"{at}: {error}",)) from None
+
+
+def refuse_other_cases(tree: Tree, paths: Iterable[str], case: str) -> None:
+    """Raise InputErrors for paths that only cases add which are not run. tree : of the study."""
+    patch, mistakes = Patch(tree, None, Mistakes()), Mistakes()
+    for path in paths:
+        named = [one.removeprefix("cases.").removesuffix(f".add.{path}") for one in patch.added_by_cases(path)]
+        if named and case not in named:
+            others = " and ".join(f"'{one}'" for one in named)
+            got, expected = f"a path that case {others} adds", f"a path of case '{case}', which is run"
+            do = f"choose the case with --case '{named[0]}', or 'case: {named[0]}' under 'optimise:'"
+            at = next((tree.keys[steps] for steps in steps_of(path) if steps in tree.keys), tree.file)
+            mistakes.note(f"{at}: vary {path}: got {got}, expected {expected}; {do}")
+    mistakes.stop_if_any()
+
+
+def steps_of(path: str) -> tuple[tuple[str, ...], ...]:
+    """Where a study file may say what a path takes."""
+    return (("optimise", "vary", path), ("vary", path))
 
 
 def _validated(tree: Tree, mistakes: Mistakes) -> VariedSpec | None:

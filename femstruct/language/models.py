@@ -114,7 +114,7 @@ def override(patch: Patch, overrides: Sequence[str]) -> None:
         there = Here(parse_value(value if is_one else "0", f"--set {text}", patch.mistakes), patch.mistakes)
         if there.need(is_one, "no PATH=VALUE", "--set bodies.ball.mass='60 g'"):
             for one in patch.added_by_cases(path) or (path,):
-                patch.assign(one, there.tree.value, there)
+                patch.assign(one, there.tree.value, there, of_cases=True)
             _refuse_if_set_again(patch, path, there)
 
 

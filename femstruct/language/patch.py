@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import copy
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import cache
 from typing import Any, Final
 
@@ -110,10 +110,11 @@ class Patch:
         for key, value in added.items():
             self.add(key, value, there.at("add", key))
 
-    def assign(self, path: str, value: Any, there: Here) -> None:
-        """Set what a path names to a value; a mapping patches a mapping."""
+    def assign(self, path: str, value: Any, there: Here, of_cases: bool = False) -> None:
+        """Set what a path names to a value; a mapping patches a mapping. of_cases : whether it may be what cases
+        add."""
         draft = self.draft(path)
-        steps = self._find(draft, path, there, may_be_new=True)
+        steps = self._find(draft, path, there, may_be_new=True, of_cases=of_cases)
         if draft is not None and steps is not None:
             self.changes[path] = _told(value)
             self._merge(draft, steps, value, there)
@@ -213,10 +214,14 @@ class Patch:
             listed = listed.get(step) if isinstance(listed, dict) else None
         for path in listed if isinstance(listed, dict) else ():
             if not self.added_by_cases(path):
-                self._find(self.draft(path), path, Here(tree, self.mistakes).at(*group, path), may_be_new=True)
+                there = Here(tree, self.mistakes).at(*group, path)
+                self._find(self.draft(path), path, there, may_be_new=True, of_cases=True)
 
-    def _find(self, draft: Draft | None, path: str, there: Here, may_be_new: bool = False) -> Steps | None:
-        """The steps of a path; an unknown one is noted with the nearest key, and None returned."""
+    def _find(
+        self, draft: Draft | None, path: str, there: Here, may_be_new: bool = False, of_cases: bool = False
+    ) -> Steps | None:
+        """The steps of a path; an unknown one is noted with the nearest key, of cases if they may have it, and None
+        returned."""
         if draft is None:
             return None
         steps, rest = _reach(draft.value, path)
@@ -229,8 +234,14 @@ class Patch:
         own = "." not in rest and "[" not in path and isinstance(draft.at(steps), dict)
         if may_be_new and own and (steps or rest in _keys()) and not _is_named(steps):
             return (*steps, rest)  # the schema knows whether there is such a key
-        _unknown(path, steps, rest, draft, there)
+        _unknown(path, steps, rest, draft, there, self._added(steps) if of_cases else ())
         return None
+
+    def _added(self, steps: Steps) -> tuple[str, ...]:
+        """Names that cases add to a group."""
+        cases = _mapping(self.study.value, "cases").values() if self.study is not None and len(steps) == 1 else ()
+        added = [path for case in cases if isinstance(case, dict) for path in _mapping(case, "add")]
+        return tuple(path.split(".", 1)[1] for path in added if path.startswith(f"{steps[0]}."))
 
 
 def _create(draft: Draft, first: str, there: Here) -> None:
@@ -239,10 +250,10 @@ def _create(draft: Draft, first: str, there: Here) -> None:
         draft.keys[first,] = draft.values[first,] = there.tree.position(there.steps, of_key=True)
 
 
-def _unknown(path: str, steps: Steps, rest: str, draft: Draft, there: Here) -> None:
-    """Note a path that is there as far as some steps, with the nearest key in place of the rest."""
+def _unknown(path: str, steps: Steps, rest: str, draft: Draft, there: Here, also: Sequence[str] = ()) -> None:
+    """Note a path that is there as far as some steps, with the nearest key, or name in `also`, in place of the rest."""
     known = draft.at(steps) if steps else _keys()
-    do = nearest(rest.partition(".")[0], known if isinstance(known, dict | frozenset) else ())
+    do = nearest(rest.partition(".")[0], [*(known if isinstance(known, dict | frozenset) else ()), *also])
     named = _is_named(steps) and isinstance(known, dict) and "." not in rest
     new = "a new one goes under 'add:'" if named else ""
     told = "; ".join(text for text in (do, new) if text)

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, is_dataclass
+from math import pi, sqrt
 from typing import Any, Final, NamedTuple
 
 from femstruct.conventions import GRAVITY
@@ -22,7 +23,7 @@ from femstruct.study.study import Study
 
 UNITS: Final = {  # of the fields of a study's nouns
     "mass": "kg", "mass_per_length": "kg/m", "length": "m", "area": "m^2", "E": "Pa", "rho": "kg/m^3", "EI": "N m^2",
-    "frequency_hz": "Hz", "stiffness": "N/m", "closing": "N s/m", "opening": "N s/m", "release_at": "m", "gap": "m",
+    "frequency_hz": "Hz", "stiffness": "N/m", "closing": "N s/m", "opening": "N s/m", "release_at": "s", "gap": "m",
     "preload": "N", "duration": "s", "sampling": "Hz", "quiet": "s", "first_impact": "s", "lowpass_hz": "Hz",
     "band": "Hz", "step": "Hz", "up_to_hz": "Hz", "every": "s", "first": "s", "pace": "Hz", "velocity": "m/s",
     "spin": "rad/s", "alpha": "1/s", "beta": "s", "near_hz": "Hz", "relaxation_time": "s", "decay_rate": "1/s",
@@ -93,7 +94,7 @@ def inputs(study: Study) -> Inputs:
         groups["structure"] = [Item("structure", _word(structure).removesuffix(" model"), given(structure, UNITS))]
     groups["bodies"] = [_body(one) for one in study.bodies]
     groups["contacts"] = [_contact(one) for one in study.contacts]
-    groups["links"] = [_link(one) for one in study.links]
+    groups["links"] = [_link(one, study.bodies) for one in study.links]
     groups["loads"] = [
         *(_load(one) for one in study.loads),
         *(_item(one, "walker") for one in study.walks),
@@ -232,12 +233,20 @@ def _fatigue(one: FatigueRequest) -> Item:
     return Item(one.name, "rainflow", (Given("of", one.of), *under, *line))
 
 
-def _link(link: PlannedLink) -> Item:
+def _link(link: PlannedLink, bodies: Sequence[PlacedBody]) -> Item:
+    """A link, with the frequency and damping ratio of its body while the other end is held, where it has one alone."""
     item = _item(link, "link")
-    if link.closing != link.opening:
+    if link.closing == link.opening:
+        alike = (one._replace(what="damping") if one.what == "closing" else one for one in item.given)
+        item = item._replace(given=tuple(one for one in alike if one.what != "opening"))
+    held = [one for one in bodies if one.name in link.between]
+    if len(held) != 1 or not link.stiffness:
         return item
-    alike = (one._replace(what="damping") if one.what == "closing" else one for one in item.given)
-    return item._replace(given=tuple(one for one in alike if one.what != "opening"))
+    critical = 2.0 * sqrt(link.stiffness * held[0].mass)
+    tuned = [Given(f"frequency of {held[0].name}", sqrt(link.stiffness / held[0].mass) / (2.0 * pi), "Hz")]
+    if link.closing == link.opening:
+        tuned.append(Given(f"damping ratio of {held[0].name}", link.closing / critical))
+    return item._replace(given=(*item.given, *tuned))
 
 
 def _room(plan: RoomPlan) -> Item:

@@ -1,5 +1,6 @@
 """Rows by the batch engine are those of full runs; what it cannot do is run in full."""
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -153,18 +154,24 @@ def test_what_takes_histories_or_other_structures_is_run_in_full(study: Path) ->
     assert more in why_not(read_campaign(study, ["time.duration=50 ms,60 ms"], only=only))
 
 
-def test_a_height_of_fall_is_read_where_its_values_are_few(study: Path) -> None:
-    text = study.read_text(encoding="utf-8").replace("speed: 1 m/s", "drop_height: 1 m")
+def test_what_is_no_straight_line_is_read_of_each_sample(study: Path) -> None:
+    """Heights of fall, and springs that follow a mass and a frequency."""
+    tuned = "{between: [damper, m], frequency: 20 Hz, ratio: 5 %}"
+    text = re.sub(r"spring: \{.*\}\}", f"spring: {tuned}}}", STUDY.replace("speed: 1 m/s", "drop_height: 1 m"))
     study.write_text(text[: text.index("vary:")], encoding="utf-8")
-    few, many = (
-        read_campaign(study, [f"bodies.ball.drop_height=0.1 m:2 m:{n}"], only=["hit peak force"]) for n in (12, 13)
-    )
-    assert by_batch(few) and "not in proportion" in why_not(many)
-    rows, full = (sweep(one, workers=1) for one in (few, many))
+    drawn = ["uniform(0.1 m, 2 m)", "uniform(0.5 kg, 2 kg)", "uniform(10 Hz, 40 Hz)"]
+    paths = ["bodies.ball.drop_height", "bodies.damper.mass", "links.spring.frequency"]
+    vary = [f"{path}={law}" for path, law in zip(paths, drawn, strict=True)]
+    names, lines = ["hit peak force", "energy / end / damper"], []
+    campaign = read_campaign(study, vary, only=names, count=20)
+    with_lines = batch_tasks(campaign, samples_of(campaign), 1, lines.append)
+    assert not isinstance(with_lines, str) and lines == ["reading sample 1 of 20"]
+    rows, full = sweep(campaign, workers=1), sweep(read_campaign(study, vary, count=20), workers=1)
     assert rows.made and not full.made
-    ends = [0, -1]  # the same heights in both
-    # both marches are exact to rounding
-    np.testing.assert_allclose(rows.of("hit peak force")[ends], full.of("hit peak force")[ends], rtol=1e-9)
+    for name in names:
+        assert np.ptp(full.of(name)) > 0.1 * np.abs(full.of(name)).max()
+        # both march exactly to rounding; an energy is the difference of larger ones
+        np.testing.assert_allclose(rows.of(name), full.of(name), rtol=1e-8)
 
 
 def test_a_refused_value_is_told_by_full_runs(study: Path) -> None:

@@ -272,6 +272,46 @@ time: {{duration: 0.08 s, sampling: 50 kHz}}
     assert values(case, "l force")[place.argmin()] == pytest.approx(lowest * omega, rel=1e-2)  # compressed: positive
 
 
+@pytest.mark.parametrize("tuned", ["frequency: 20 Hz, ratio: 7 %", "stiffness: {k}, ratio: 7 %"])
+def test_a_tuned_link_swings_its_body_at_its_frequency_and_ratio(run: Run, tuned: str) -> None:
+    """A thrown mass on it: -v / omega_d exp(-ratio omega t) sin(omega_d t), for masses that differ."""
+    omega, ratio, speed = 2 * np.pi * 20.0, 0.07, 0.5
+    study = """
+bodies: {b: {mass: %g kg, above: ground, speed: 0.5 m/s}}
+links: {l: {between: [b, ground], %s}}
+record: {b: displacement}
+time: {duration: 0.3 s, sampling: 4 kHz}
+"""
+    for mass in (0.3, 40.0):
+        case = run(NONE, study % (mass, tuned.format(k=mass * omega**2)))
+        t, damped = time(case), omega * np.sqrt(1 - ratio**2)
+        expected = -speed / damped * np.exp(-ratio * omega * t) * np.sin(damped * t)
+        # rounding of a linear system that is stepped exactly
+        assert values(case, "b displacement") == pytest.approx(expected, abs=1e-9 * speed / damped)
+
+
+@pytest.mark.parametrize(
+    ("link", "message"),
+    [
+        ("between: [b, c], frequency: 20 Hz", "got a frequency of a link between two bodies, expected one body"),
+        ("between: [m, ground], ratio: 3 %, stiffness: 1", "got a ratio of a link between two places, expected one"),
+        ("between: [b, ground], ratio: 3 %", "got a damping ratio without stiffness or frequency"),
+        ("between: [b, ground], ratio: 3, stiffness: 1", "2 % is 0.02: did you mean 3 %?"),
+        ("between: [b, ground], frequency: 3 Hz, stiffness: 1", "exactly one of stiffness, frequency"),
+        ("between: [b, ground], frequency: 0 Hz", "expected a positive value: a frequency"),
+        ("between: [b, ground], frequency: 3 Hz, ratio: 3 %, damping: 3", "exactly one of damping, ratio"),
+    ],
+)
+def test_links_that_cannot_be_tuned(run: Run, link: str, message: str) -> None:
+    bodies = "bodies: {b: {mass: 1 kg, above: m}, c: {mass: 1 kg, above: b}}\n"
+    with pytest.raises(InputError) as caught:
+        run(
+            OSCILLATOR,
+            f"modes: {{count: 1}}\n{bodies}links: {{l: {{{link}}}}}\ntime: {{duration: 1 s, sampling: 1 kHz}}",
+        )
+    assert message in str(caught.value), caught.value
+
+
 def test_a_loaded_link_pushes_its_ends_apart_when_released(run: Run) -> None:
     study = """
 bodies: {low: {mass: 1 kg, above: ground}, high: {mass: 1 kg, above: low}}

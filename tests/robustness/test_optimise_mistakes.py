@@ -4,7 +4,10 @@ from pathlib import Path
 
 import pytest
 
+from femstruct.campaign.forecast import planned_search
+from femstruct.campaign.optimise import optimise
 from femstruct.errors import InputErrors
+from femstruct.language.campaigns import read_campaign
 from femstruct.language.searches import read_search
 
 IN_FILE = {
@@ -51,3 +54,57 @@ def test_mistakes_of_the_command_line(tmp_path: Path) -> None:
     assert found.sense == "maximise" and dict(found.limits) == {"g": 0.003}
     several = read_search(path, ["minimise f", "maximise g"], ["a.b=1:2"])
     assert [(one.name, one.sense) for one in several.goals] == [("f", "minimise"), ("g", "maximise")]
+
+
+STUDY = """
+model: model.yaml
+bodies: {ball: {mass: 1 kg, above: m, speed: 1 m/s, contact: {type: linear, stiffness: 1 MN/m}}}
+record: {m.z: velocity}
+time: {duration: 10 ms, sampling: 10 kHz}
+cases: {bare: {}, damped: {add: {bodies.damper: {mass: 1 kg, below: m}}}}
+"""
+BEFORE = {
+    "{case: damped, minimise: m.z velocity, vary: {bodies.damper.mass: {from: 1 mm, to: 2 mm}}}": (
+        "vary bodies.damper.mass, value 0.001 m: bodies.damper.mass: got '0.001 m', which is a length, expected a mass"
+    ),
+    "{minimise: m.z velocity, vary: {bodies.damper.mass: {from: 1 kg, to: 2 kg}}}": (
+        "got a path that case 'damped' adds, expected a path of case 'bare', which is run; choose the case"
+    ),
+    "{minimise: m.z velocity, vary: {bodies.ball.above: {values: [m, n]}}}": "vary bodies.ball.above, value n: ",
+    "{minimise: m.z velocity, vary: {bodies.ball.mass: {from: 0 kg, to: -1 kg}}}": "got 0 to -1 kg, expected rising",
+    "{minimise: m.z velocty, vary: {bodies.ball.mass: {from: 1 kg, to: 2 kg}}}": "did you mean 'm.z velocity'?",
+    "{minimise: m.z velocity, vary: {bodies.dampr.mass: {from: 1 kg, to: 2 kg}}}": "did you mean 'damper'?",
+}
+
+
+@pytest.mark.parametrize("value", BEFORE)
+def test_what_cannot_be_is_refused_before_anything_is_run(value: str, tmp_path: Path) -> None:
+    (tmp_path / "model.yaml").write_text(
+        "structure: {type: oscillator, mass: 1 kg, stiffness: 100 N/m}\npoints: {m: {}}\n", encoding="utf-8"
+    )
+    path = tmp_path / "a.study.yaml"
+    path.write_text(f"{STUDY}optimise: {value}\n", encoding="utf-8")
+    for ask in (lambda: optimise(read_search(path), workers=1), lambda: planned_search(read_search(path))):
+        with pytest.raises(InputErrors) as caught:
+            ask()
+        assert len(caught.value.errors) == 1 and BEFORE[value] in caught.value.errors[0], caught.value.errors
+        assert caught.value.errors[0].startswith(f"{path}:7:")
+
+
+def test_a_range_of_which_one_end_cannot_be_is_tried(tmp_path: Path) -> None:
+    """Designs there fail, with their reason; those that can be are compared."""
+    (tmp_path / "model.yaml").write_text(
+        "structure: {type: oscillator, mass: 1 kg, stiffness: 100 N/m}\npoints: {m: {}}\n", encoding="utf-8"
+    )
+    path = tmp_path / "a.study.yaml"
+    path.write_text(STUDY, encoding="utf-8")
+    found = optimise(read_search(path, "maximise m.z velocity", ["bodies.ball.mass=-1 kg:1 kg"], runs=40), workers=1)
+    assert found.left_out and found.chosen[0].number == pytest.approx(1.0, abs=0.1)  # the end of the range, 40 designs
+
+
+def test_a_sweep_of_a_case_refuses_paths_of_others(tmp_path: Path) -> None:
+    path = tmp_path / "a.study.yaml"
+    path.write_text(STUDY, encoding="utf-8")
+    with pytest.raises(InputErrors, match="got a path that case 'damped' adds, expected a path of case 'bare'"):
+        read_campaign(path, ["bodies.damper.mass=1 kg,2 kg"], case="bare")
+    assert read_campaign(path, ["bodies.damper.mass=1 kg,2 kg"], case="damped").case == "damped"

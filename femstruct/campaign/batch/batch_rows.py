@@ -79,11 +79,13 @@ class BatchTask:
         yield [row for own in found.values() for row in _of_sample(own)]
 
 
-def batch_tasks(campaign: Campaign, samples: Samples, threads: int) -> Split | str:
+def batch_tasks(
+    campaign: Campaign, samples: Samples, threads: int, told: Callable[[str], None] = lambda line: None
+) -> Split | str:
     """All samples as tasks of the batch engine; why it takes full runs where it does.
 
     It takes them where a row is to hold every number, or one that needs a history; where anything but numbers of
-    bodies, contacts, links and loads varies; and where these cannot be foreseen (`scene_columns`).
+    bodies, contacts, links and loads varies (`scene_columns`). told : is given a line while all samples are read.
     """
     if not campaign.only:
         return "a row holds all numbers; name those that you need under 'samples: {only: [..]}' or by --only"
@@ -100,9 +102,9 @@ def batch_tasks(campaign: Campaign, samples: Samples, threads: int) -> Split | s
             same = {case.name: key_of(case.study) for case in cases} == structures
             return {one.name: (one.study, staged(one.study, places[one.name])) for one in cases} if same else {}
 
-        found = scene_columns(samples, scenes)
+        found = scene_columns(samples, scenes, told)
         if found is None or not all(map(numbers_of_scene, found.scenes.values())):
-            return "more varies than numbers of bodies, contacts, links and loads, or not in proportion to them"
+            return "more varies than numbers of bodies, contacts, links and loads"
         stage = stage_of(first, campaign.only)
         histories = _by_history(stage, campaign.only)
         if isinstance(histories, str):

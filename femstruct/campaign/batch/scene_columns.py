@@ -18,10 +18,12 @@ from femstruct.workflow.stages.fingerprint import fingerprint
 ROUNDING: Final = 1e-13  # of the largest value: some multiplications, and texts of 17 digits
 TABLED: Final = 12  # values of a path, all of which are read if there are no more
 LOOKS: Final = 5  # values of a path that are read where there are more; whole samples that are compared
+READ: Final = 50  # samples after which it is told how many were read
 IN_SCENE: Final = frozenset({"bodies", "contacts", "links", "loads"})  # of a study: what its scene is made of
 
 Staged = Callable[[Sequence[str]], Mapping[str, tuple[Study, Scene]]]
 Numbers = Mapping[str, Mapping[str, float]]  # of scenes, by case
+Columns = Mapping[str, Mapping[str, Floats]]  # of scenes, by case: the numbers of all samples
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,13 +31,15 @@ class SceneColumns:
     """The scene of the first sample by case, and the numbers of it that differ between n samples, by name [n]."""
 
     scenes: Mapping[str, Scene]
-    columns: Mapping[str, Mapping[str, Floats]]
+    columns: Columns
 
 
-def scene_columns(samples: Samples, staged: Staged) -> SceneColumns | None:
-    """What all samples change, where that is nothing but numbers of scenes and can be foreseen; None where it is more.
+def scene_columns(
+    samples: Samples, staged: Staged, told: Callable[[str], None] = lambda line: None
+) -> SceneColumns | None:
+    """What all samples change, where that is nothing but numbers of scenes; None where it is more.
 
-    staged : study and scene of every case for texts ``PATH=VALUE``.
+    staged : study and scene of every case for texts ``PATH=VALUE``. told : is given a line while all are read.
 
     Raises InputErrors for a sample that cannot be read, FemstructError for numbers that a body, contact or link
     refuses, TypeError for a law with functions of its own.
@@ -44,12 +48,27 @@ def scene_columns(samples: Samples, staged: Staged) -> SceneColumns | None:
     -----
     The effect of a path on a number of a scene is read at each of its values up to 12 of them; else it is a straight
     line through those at its least and largest value, on which three others have to lie. A number is that of the first
-    sample and the sum of all effects; five whole samples are read and compared. All to rounding. What is no straight
-    line, such as the speed after a height of fall, is not foreseen.
+    sample and the sum of all effects; five whole samples are read and compared. All to rounding. Where that cannot be,
+    as of the speed after a height of fall, or of a spring that follows a mass and a frequency, each sample is read.
     """
-    n = len(samples.texts)
     first = staged(samples.changes(0))
     start = {case: numbers_of_scene(scene) for case, (_, scene) in first.items()}
+    columns = _foreseen_columns(samples, staged, first, start)
+    if columns is None:
+        columns = _read_columns(samples, staged, first, told)
+    if columns is None:
+        return None
+    for case, (_, scene) in first.items():
+        if columns[case]:
+            variation(scene, columns[case])
+    return SceneColumns({case: scene for case, (_, scene) in first.items()}, columns)
+
+
+def _foreseen_columns(
+    samples: Samples, staged: Staged, first: Mapping[str, tuple[Study, Scene]], start: Numbers
+) -> Columns | None:
+    """The numbers of scenes that differ, from a few samples; None where they cannot be foreseen."""
+    n = len(samples.texts)
     columns: dict[str, dict[str, Floats]] = {case: {} for case in first}
     for j in range(len(samples.paths)):
         looked, spread = _looks([one[j] for one in samples.texts], samples.numbers[:, j])
@@ -70,10 +89,26 @@ def scene_columns(samples: Samples, staged: Staged) -> SceneColumns | None:
         whole = _alike(first, staged(samples.changes(i)))
         if whole is None or not _foreseen(whole, start, columns, i):
             return None
-    for case, (_, scene) in first.items():
-        if columns[case]:
-            variation(scene, columns[case])
-    return SceneColumns({case: scene for case, (_, scene) in first.items()}, columns)
+    return columns
+
+
+def _read_columns(
+    samples: Samples, staged: Staged, first: Mapping[str, tuple[Study, Scene]], told: Callable[[str], None]
+) -> Columns | None:
+    """The numbers of scenes that differ, from every sample; None where more than numbers differs."""
+    n, read = len(samples.texts), []
+    for i in range(n):
+        if i % READ == 0:
+            told(f"reading sample {i + 1} of {n}")
+        one = _alike(first, staged(samples.changes(i)))
+        if one is None:
+            return None
+        read.append(one)
+    columns = {}
+    for case, own in read[0].items():
+        values = {name: np.array([one[case][name] for one in read]) for name in own}
+        columns[case] = {name: one for name, one in values.items() if (one != one[0]).any()}
+    return columns
 
 
 def _looks(texts: Sequence[str], numbers: Floats) -> tuple[list[int], Callable[[Floats], Floats | None]]:
@@ -118,7 +153,7 @@ def _beside(study: Study) -> str:
     return fingerprint([getattr(study, one.name) for one in fields(study) if one.name not in IN_SCENE])
 
 
-def _foreseen(whole: Numbers, start: Numbers, columns: Mapping[str, Mapping[str, Floats]], i: int) -> bool:
+def _foreseen(whole: Numbers, start: Numbers, columns: Columns, i: int) -> bool:
     """Whether the columns have the numbers of sample i."""
     for case, own in whole.items():
         for name, value in own.items():

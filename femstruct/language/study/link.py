@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
+from dataclasses import replace
+from math import pi, sqrt
 from typing import Annotated, Any
 
 from femstruct.language.model.directions import Dashpot, Stiffness
+from femstruct.language.study.body import BodySpec
 from femstruct.language.study.contact import BetweenSpec
-from femstruct.language.yaml import Here, Instant, Quantity, Spec, read_by
+from femstruct.language.yaml import Frequency, Here, Instant, Quantity, Ratio, Spec, read_by
 from femstruct.study.acting import PlannedLink
 
 
@@ -24,10 +27,18 @@ def _dashpot(value: object) -> object:
 
 
 class LinkSpec(BetweenSpec):
-    """A spring and dashpot that both pull and push."""
+    """A spring and dashpot that both pull and push.
+
+    frequency, ratio: in place of stiffness and damping, the natural frequency and damping ratio of its body when the
+    other end is held, as tuned dampers are given: k = m (2 pi f)^2, c = 2 ratio sqrt(k m).
+    """
+
+    at_most_one_of = (("stiffness", "frequency"), ("damping", "ratio"))
 
     makes = PlannedLink
     stiffness: Stiffness = 0.0
+    frequency: Frequency | None = None
+    ratio: Ratio | None = None
     damping: Annotated[OneWaySpec, read_by(_dashpot, Dashpot | OneWaySpec)] = OneWaySpec()
     release_at: Instant = 0.0
     preload: Annotated[float, Quantity(("force",))] = 0.0
@@ -35,14 +46,26 @@ class LinkSpec(BetweenSpec):
     def given(self) -> dict[str, Any]:
         values = super().given()
         dashpot = values.pop("damping")
-        return {**values, **dashpot}
+        return {**{name: one for name, one in values.items() if name not in ("frequency", "ratio")}, **dashpot}
+
+    def build(self, name: str, bodies: Mapping[str, BodySpec]) -> PlannedLink:
+        """The link it describes, tuned to its body."""
+        link: PlannedLink = self.noun(name=name)
+        if self.frequency is None and self.ratio is None:
+            return link
+        mass = next(bodies[end].mass for end in self.between if end in bodies)
+        stiffness = mass * (2.0 * pi * self.frequency) ** 2 if self.frequency is not None else self.stiffness
+        if self.ratio is None:
+            return replace(link, stiffness=stiffness)
+        damping = 2.0 * self.ratio * sqrt(stiffness * mass)
+        return replace(link, stiffness=stiffness, closing=damping, opening=damping)
 
     def check_in(self, here: Here, struck: Collection[str]) -> None:
         """Note a link of nothing, and one to a body that is lifted off at every blow (struck)."""
         here.need(
-            self.stiffness or self.damping.closing or self.damping.opening or self.preload,
-            "no stiffness and no damping",
-            "one of them",
+            self.stiffness or self.frequency or self.damping.closing or self.damping.opening or self.preload,
+            "no stiffness and no damping" if self.ratio is None else "a damping ratio without stiffness or frequency",
+            "one of them" if self.ratio is None else "'frequency' or 'stiffness' beside 'ratio'",
             of_key=True,
         )
         for number, end in enumerate(self.between):
@@ -51,4 +74,16 @@ class LinkSpec(BetweenSpec):
                 f"'{end}', which is lifted off at every blow",
                 "a body without blows",
                 "remove one of them",
+            )
+
+    def check_tuned(self, here: Here, bodies: Collection[str]) -> None:
+        """Note a frequency or ratio of a link that does not hold one body alone."""
+        held = [end for end in self.between if end in bodies]
+        for word in ("frequency", "ratio"):
+            here.at(word).need(
+                getattr(self, word) is None or len(held) == 1,
+                f"a {word} of a link between {'two bodies' if held else 'two places'}",
+                "one body, at one end: they are those of this body while the other end is held",
+                "give 'stiffness' and 'damping'",
+                of_key=True,
             )

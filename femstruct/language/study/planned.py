@@ -67,6 +67,8 @@ def check_study(study: StudySpec, here: Here, model: ModelSpec) -> None:
         for name, one in getattr(study, group).items():
             one.check_ends(here.at(group, name), sizes, ends)
             one.check_in(here.at(group, name), struck)
+    for name, link in study.links.items():
+        link.check_tuned(here.at("links", name), study.bodies)
     check_contacts(here, study.contacts, study.bodies)
     counts = drop_counts(study.bodies, here.names)
     for name in list(counts)[1:]:
@@ -144,7 +146,7 @@ def study_of(
     contacts = here.each(
         "contacts", study.contacts, lambda there, name, one: one.build(there, name, study.bodies, sources)
     )
-    links = here.each("links", study.links, lambda _, name, one: one.noun(name=name))
+    links = here.each("links", study.links, lambda _, name, one: one.build(name, study.bodies))
     loads = here.each("loads", study.loads, lambda there, name, one: one.build(there, name, sources)).values()
     measured = here.each("sources", study.sources, lambda _, name, one: one.noun(name=name))
     rooms = here.each("rooms", study.rooms, lambda there, name, one: one.build(there, name, sources, shaped))

@@ -65,7 +65,8 @@ class Scattered:
             if not self.second > 0.0:
                 raise InputError(where, got=f"a deviation of {self.second:g}", expected="a positive one")
         elif not self.first < self.second:
-            raise InputError(where, got=f"{self.first:g} to {self.second:g}", expected="rising bounds")
+            got = f"{self.first:g} to {self.second:g} {self.unit}".strip()
+            raise InputError(where, got=got, expected="rising bounds")
         elif self.law == "log-uniform" and not self.first > 0.0:
             raise InputError(where, got=f"{self.first:g} on a logarithmic scale", expected="a positive number")
 
@@ -134,7 +135,7 @@ class Campaign:
             normal = scattered.law == "normal"
             got = "a distribution without a number of samples" if normal else "a range without steps"
             steps = "" if normal else "'steps: 10' to it, or "
-            do = f"add {steps}'samples: {{count: 64}}' to the study"
+            do = f"add {steps}'samples: {{count: 64}}' to the study, or --samples 64"
             raise InputError(f"vary.{scattered.path}", got=got, expected="steps, values or samples", do=do)
         size = 1
         for one in self.varied:

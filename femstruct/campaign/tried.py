@@ -1,0 +1,69 @@
+"""What a campaign is going to try, read before anything is computed; and where in the file its mistakes stand."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from femstruct.errors import InputError, InputErrors
+from femstruct.language import read_study
+from femstruct.language.campaigns import refuse_other_cases, steps_of
+from femstruct.language.study.campaign.vary import written
+from femstruct.language.yaml import Mistakes, Tree, read_yaml
+from femstruct.study.campaign.sought import Search
+from femstruct.study.campaign.varied import Listed, Scattered
+from femstruct.study.study import Plan
+
+
+def refuse_values(search: Search, plan: Plan) -> None:
+    """Raise InputErrors for listed values that the files cannot have, for ranges and distributions of which they can
+    have no end, and for paths of other cases. plan : the study as it is written."""
+    tree = read_yaml(search.file)
+    refuse_other_cases(tree, [one.path for one in (*search.designs, *search.over)], search.case or plan.baseline)
+    mistakes = Mistakes()
+    for one in (*search.designs, *search.over):
+        texts = probes(one)
+        found = [_refusal(search, f"{one.path}={text}") for text in texts]
+        if isinstance(one, Listed) or all(found):
+            for text, told in zip(texts, found, strict=True):
+                if told:
+                    mistakes.note(f"{_place(tree, one)}vary {one.path}, value {text}: {told}")
+                if told and not isinstance(one, Listed):
+                    break
+    mistakes.stop_if_any()
+
+
+def probes(one: Listed | Scattered) -> Sequence[str]:
+    """Values of what varies, as a file writes them: all of a list, both ends of a range, the mean.
+
+    >>> probes(Scattered("bodies.ball.mass", "uniform", 1.0, 2.0, "kg"))
+    ('1.0 kg', '2.0 kg')
+    """
+    if isinstance(one, Listed):
+        return one.texts
+    ends = (one.first,) if one.law == "normal" else (one.first, one.second)
+    return tuple(written(end, one.unit) for end in ends)
+
+
+def with_place(search: Search, error: InputError) -> InputError:
+    """The error with its place in the file, if what is wrong stands there."""
+    tree = read_yaml(search.file)
+    steps = tuple(error.where.split(".", 2))
+    value = tree.value
+    for step in steps:
+        value = value.get(step) if isinstance(value, dict) else None
+    if value is None or (isinstance(value, str | list) and error.got.strip("'") not in value):
+        return error
+    return InputErrors((f"{tree.position(steps)}: {error}",))
+
+
+def _refusal(search: Search, change: str) -> str:
+    """Why the files cannot have a value; "" where they can."""
+    try:
+        read_study(search.file, (*search.overrides, change), only=search.case or None, others=not search.case)
+    except InputErrors as errors:
+        return errors.errors[0].removeprefix(f"--set {change}: ")
+    return ""
+
+
+def _place(tree: Tree, one: Listed | Scattered) -> str:
+    return next((f"{tree.keys[steps]}: " for steps in steps_of(one.path) if steps in tree.keys), "")
