@@ -22,10 +22,12 @@ from femstruct.campaign.journal import Row, is_of, opened
 from femstruct.campaign.kept_rows import write_rows
 from femstruct.campaign.sweep import ROWS, set_aside, sweep
 from femstruct.campaign.tasks import Task
+from femstruct.campaign.tried import refuse_values
 from femstruct.errors import InputError, InputErrors
 from femstruct.files.results_file.swept_file import read_swept
 from femstruct.language import read_study
 from femstruct.language.campaigns import read_campaign
+from femstruct.language.searches import read_search
 from femstruct.workflow.run.run import run_study
 
 MODEL = "structure: {type: oscillator, mass: 1 kg, stiffness: 100 N/m}\npoints: {m: {}}\n"
@@ -295,3 +297,20 @@ def test_a_request_to_terminate_ends_all_processes_and_leaves_nothing(study: Pat
     process.terminate()
     _, told = process.communicate(timeout=60)
     assert process.returncode == 130 and "leaked" not in told, told
+
+
+MODELS = Path(__file__).parents[2] / "models"
+SOUGHT = [path for path in sorted(MODELS.glob("*.study.yaml")) if "\noptimise:" in path.read_text(encoding="utf-8")]
+
+
+@pytest.mark.parametrize("path", SOUGHT, ids=lambda path: path.name)
+def test_what_shipped_studies_optimise_can_be_tried(path: Path) -> None:
+    search = read_search(path)
+    refuse_values(search, read_study(path, only=search.case))
+    assert search.case and len(search.designs) == 3
+
+
+def test_the_page_on_campaigns_shows_the_block_of_its_study() -> None:
+    page = (MODELS.parent / "docs" / "campaigns.md").read_text(encoding="utf-8")
+    block = page.split("```yaml\n")[1].split("```")[0]
+    assert "optimise:" in block and block in (MODELS / "bedroom.study.yaml").read_text(encoding="utf-8")
