@@ -3,15 +3,36 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from pathlib import Path
 
 from femstruct.errors import InputError, InputErrors
 from femstruct.language import read_study
 from femstruct.language.campaigns import refuse_other_cases, steps_of
+from femstruct.language.searches import read_search
 from femstruct.language.study.campaign.vary import written
 from femstruct.language.yaml import Mistakes, Tree, read_yaml
 from femstruct.study.campaign.sought import Search
 from femstruct.study.campaign.varied import Listed, Scattered
 from femstruct.study.study import Plan
+
+
+def campaigns_of(file: str | Path, overrides: Sequence[str] = ()) -> dict[str, str]:
+    """What a study varies and optimises, in words by the command that does it; {} for any other file.
+
+    Raises InputErrors for what cannot be tried.
+    """
+    keys, found = read_yaml(file).value, {}
+    if keys.get("vary"):
+        varied = [*keys["vary"]] if isinstance(keys["vary"], dict) else []
+        found["femstruct sweep"] = f"varies {', '.join(varied)}"
+    if keys.get("optimise"):
+        search = read_search(file, overrides=overrides)
+        plan = read_study(search.file, search.overrides, only=search.case or None)
+        refuse_values(search, plan)
+        goals = " and ".join(f"{goal.sense} {goal.name}" for goal in search.goals)
+        of, chosen = f"of case '{search.case or plan.baseline}'", ", ".join(one.path for one in search.designs)
+        found["femstruct optimise"] = f"to {goals} {of} chooses {chosen}; at most {search.runs} runs"
+    return found
 
 
 def refuse_values(search: Search, plan: Plan) -> None:

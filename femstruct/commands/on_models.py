@@ -23,20 +23,22 @@ def check(
     verbose: Verbose = False,
 ) -> int:
     """Check a file and describe it. Geometry, masses, sags, degrees of freedom, rigid-body modes, findings."""
+    from femstruct.campaign.tried import campaigns_of
     from femstruct.workflow.check.inspect import inspect_file
 
     with progress() as tell:
         inspection = inspect_file(file, tuple(set_), tell)
+        campaigns = campaigns_of(file, set_)
     if picture is not None:
         from femstruct.view.scenes.scene import picture_model
 
         picture_model(inspection.model, inspection.rooms, picture)
     if as_json:
-        print_json(inspection.table())
+        print_json({**inspection.table(), **({"campaigns": campaigns} if campaigns else {})})
     else:
         from femstruct.view.tables.structure_tables import show_inspection
 
-        show_inspection(inspection.table(), str(picture or ""), verbose)
+        show_inspection({**inspection.table(), "campaigns": campaigns}, str(picture or ""), verbose)
     return NOT_TRUSTED if any(finding.severe for finding in inspection.findings) else GOOD
 
 

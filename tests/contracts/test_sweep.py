@@ -22,7 +22,7 @@ from femstruct.campaign.journal import Row, is_of, opened
 from femstruct.campaign.kept_rows import write_rows
 from femstruct.campaign.sweep import ROWS, set_aside, sweep
 from femstruct.campaign.tasks import Task
-from femstruct.campaign.tried import refuse_values
+from femstruct.campaign.tried import campaigns_of, refuse_values
 from femstruct.errors import InputError, InputErrors
 from femstruct.files.results_file.swept_file import read_swept
 from femstruct.language import read_study
@@ -308,6 +308,8 @@ def test_what_shipped_studies_optimise_can_be_tried(path: Path) -> None:
     search = read_search(path)
     refuse_values(search, read_study(path, only=search.case))
     assert search.case and len(search.designs) == 3
+    told = campaigns_of(path)["femstruct optimise"]
+    assert told.startswith(f"to minimise {search.goal} of case '{search.case}' chooses bodies.damper.mass, ")
 
 
 def test_the_page_on_campaigns_shows_the_block_of_its_study() -> None:

@@ -214,6 +214,8 @@ def _show_happening(screen: Console, table: Row) -> None:
         screen.print(f"{name}: {body['mass_kg']:.4g} kg, {body['side']} {body['target']}{speed}")
     if time := table["time"]:
         screen.print(f"window of {time['duration_s']:.4g} s, sampled at {time['sampling_hz']:.6g} Hz")
+    for command, what in table.get("campaigns", {}).items():
+        screen.print(f"{command} {what}", soft_wrap=True)
 
 
 def _modes_told(table: Row) -> str:
