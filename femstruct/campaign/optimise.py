@@ -146,17 +146,22 @@ def _nearby(search: Search, designs: Designs) -> None:
     free = [j for j, one in enumerate(search.designs) if not isinstance(one, Listed)]
     if not free:
         return
-    for start in _apart(designs):
+    for start in _starts(designs):
         _downhill(search, designs, start, free, LAST if search.limits else ROUGH)
     if max(designs.outcomes[designs.best].excess, default=-np.inf) < -REACHED:
         _by_simplexes(search, designs, designs.points[designs.best], free)
 
 
-def _apart(designs: Designs) -> list[Floats]:
-    """The best design, the best of those that are far from it, and so on."""
-    order = sorted((k for k, one in enumerate(designs.outcomes) if one.sound), key=designs.rank)
+def _starts(designs: Designs) -> list[Floats]:
+    """The best design; that which exceeds limits least for what it gains over the best, as a valley that reaches them
+    with its end alone has no other; then the best of those that are far from these, and so on."""
+    outcomes, best = designs.outcomes, designs.outcomes[designs.best]
+    order = sorted((k for k, one in enumerate(outcomes) if one.sound), key=designs.rank)
+    gained = {k: best.small - outcomes[k].small for k in order if outcomes[k].beyond > HELD}
+    promising = [k for k, gain in gained.items() if best.beyond <= HELD and gain > FINE * abs(best.small)]
+    beyond = sorted(promising, key=lambda k: outcomes[k].beyond / gained[k])
     found: list[Floats] = []
-    for k in order:
+    for k in (*order[:1], *beyond[:1], *order[1:]):
         if len(found) < STARTS and all(np.linalg.norm(designs.points[k] - one) > VALLEYS for one in found):
             found.append(designs.points[k])
     return found

@@ -214,10 +214,11 @@ def test_the_damper_of_the_press_is_that_of_the_independent_model() -> None:
 
 @pytest.mark.stress
 def test_with_little_travel_the_deeper_of_two_valleys_is_found() -> None:
-    """A damper of 3.8 kg leaves 24.8 %, as a local search finds from 5 kg; in 80 ms one of 12 kg stays below 12 mm."""
+    """A damper of 3.8 kg leaves 24.8 %, as a local search finds from 5 kg. One of 12 kg stays below 12 mm only where a
+    window ends before the largest travel: in 105 ms in a corner of 0.03 % of the ranges."""
     path = DATA / "press_with_damper.study.yaml"
     limits = ["damper travel=12 mm"]
-    for window, most in (("120 ms", 0.2480), ("80 ms", 0.030)):
+    for window, most in (("120 ms", 0.2480), ("105 ms", 0.080), ("80 ms", 0.030)):
         search = read_search(path, limits=limits, overrides=[f"time.duration={window}"])
         found = optimise(search, workers=1)
         assert found.feasible and found.limits["damper travel"] <= 0.012 * (1.0 + 1e-9)  # what counts as held

@@ -19,7 +19,7 @@ FILES = sorted(Path(__file__).parents[2].joinpath("models").glob("*.yaml"))
 NAMED = {
     "materials", "sections", "parts", "joints", "points", "surfaces", "supports", "constraints", "frf", "bodies",
     "contacts", "links", "equation", "loads", "record", "limits", "rooms", "receivers", "walls", "velocity",
-    "thickness", "shock_spectra", "vibration", "fatigue", "cavities",
+    "thickness", "shock_spectra", "vibration", "fatigue", "cavities", "vary",
 }  # fmt: skip
 """Whose keys are names; so are those of `modes` of a damping and of losses by band."""
 

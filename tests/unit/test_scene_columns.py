@@ -1,6 +1,7 @@
 """Numbers of scenes that follow what varies are foreseen for all samples, or not at all."""
 
 from collections.abc import Callable, Mapping, Sequence
+from math import sqrt
 
 import numpy as np
 import pytest
@@ -51,14 +52,20 @@ def test_sums_in_proportion_are_foreseen() -> None:
     [
         lambda a, b, c: a * b,
         lambda a, b, c: a**2,
-        lambda a, b, c: np.sqrt(c),
+        lambda a, b, c: sqrt(c),
         lambda a, b, c: max(a, 1.5),
         lambda a, b, c: a + 1e-9 * b * c,
     ],
     ids=["a product", "a square", "a root", "a bend", "a little of a product"],
 )
-def test_what_is_not_in_proportion_is_not_foreseen(mass: Callable[[float, float, float], float]) -> None:
-    assert scene_columns(samples(), staged(mass, lambda a, b, c: 1.0)) is None
+def test_what_is_not_in_proportion_is_read_of_each_sample(mass: Callable[[float, float, float], float]) -> None:
+    lines = list[str]()
+    found = scene_columns(samples(), staged(mass, lambda a, b, c: 1.0), lines.append)
+    assert found is not None and found.columns["one"].keys() == {"ball.mass"}
+    assert found.columns["one"]["ball.mass"].tolist() == [mass(*row) for row in samples().numbers.tolist()]
+    assert lines == [f"reading sample 1 of {N}"]
+    scene_columns(samples(), staged(lambda a, b, c: a, lambda a, b, c: 1.0), lines.append)
+    assert len(lines) == 1  # what is in proportion is not read of each
 
 
 def test_what_changes_more_than_numbers_is_not_foreseen() -> None:
