@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -85,8 +85,8 @@ def identify(
     files = MeasuredFiles(measured, channel, tuple(modes), tuple(frf), tuple(levels), shapes, band, near, length)
     with progress() as tell:
         found = identified(file, files, "", fit, delay, case, tuple(set_), tell)
-    _write(found.beside, found.title, picture, table)
     told = found.table()
+    _write(told, found.beside, picture, table)
     if as_json:
         print_json(told)
     else:
@@ -96,13 +96,14 @@ def identify(
     return NOT_TRUSTED if any(finding["severe"] for finding in told["findings"]) else GOOD
 
 
-def _write(beside: Sequence[Beside], title: str, picture: Path | None, table: Path | None) -> None:
+def _write(found: Mapping[str, Any], beside: Sequence[Beside], picture: Path | None, table: Path | None) -> None:
     """Files of measured beside computed."""
     if picture is not None:
         from femstruct.view.figures.drawing import save
         from femstruct.view.figures.fitted import fit_figure
+        from femstruct.view.tables.identified_table import found_lines
 
-        save(fit_figure(beside, title), picture)
+        save(fit_figure(beside, found["title"], found_lines(found)), picture)
     if table is not None:
         from femstruct.files.tables.beside_table import write_beside
 

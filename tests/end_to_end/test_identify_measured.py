@@ -23,7 +23,7 @@ from femstruct.study.asked import Extent
 from femstruct.study.matched import Beside
 from femstruct.view.figures.drawing import save
 from femstruct.view.figures.fitted import fit_figure
-from femstruct.view.tables.identified_table import show_identification
+from femstruct.view.tables.identified_table import found_lines, show_identification
 from femstruct.workflow.check.asked_modes import modes_of
 from femstruct.workflow.exchange.asked_responses import frfs_of
 from femstruct.workflow.identify.data.frfs import read_frfs
@@ -86,7 +86,12 @@ def test_frequencies_and_a_response_give_the_floor_they_are_of(
     assert len(rows) == 1 + 5 + 61 and rows[1].startswith("modes,f.csv,1.0,,Hz,") and rows[1].endswith(",mode 3")
     assert rows[6].startswith("frf,accelerance Q.z / P.z,6.0,Hz,m/(N s^2),")
     levels = Beside("levels", "hall.mic", "dB", [63.0, 125.0], [60.0, 50.0], [61.0, 49.0], [1.0, 1.0])  # type: ignore[arg-type]
-    save(fit_figure((*found.beside, levels), found.title), tmp_path / "fit.png")
+    lines = found_lines(found.table())
+    figure = fit_figure((*found.beside, levels), found.title, lines)
+    assert [text.get_text() for text in figure.texts[1:]] == lines
+    value, low, high = (f"{one[CONCRETE]:.5g}" for one in (found.fit.values, found.fit.low, found.fit.high))
+    assert lines[0] == f"{CONCRETE} = {value} GPa  (95 % interval {low} .. {high})"
+    save(figure, tmp_path / "fit.png")
     assert (tmp_path / "fit.png").stat().st_size > 10_000
 
 

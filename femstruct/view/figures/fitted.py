@@ -18,6 +18,9 @@ from femstruct.view.tables.scales import scaled
 
 SUFFIXES = (".png", ".pdf", ".svg")
 MOST: Final = 6  # sets of data in one picture
+WIDTH: Final = 10.0  # inches
+LINE: Final = 0.19  # inches from a line of text to the next
+MEASURED: Final = "measured, ± 2 standard deviations"
 ROWS: Final = {"history": 2, "frf": 2, "modes": 1, "levels": 1}  # panels of each kind
 
 
@@ -28,12 +31,19 @@ def refuse_picture(path: Path) -> None:
     refuse_unwritable_file(path)
 
 
-def fit_figure(beside: Sequence[Beside], title: str) -> Figure:
-    """A panel or two for every set of data, the first six: measured points, the computed line, what is left over."""
+def fit_figure(beside: Sequence[Beside], title: str, found: Sequence[str] = ()) -> Figure:
+    """A panel or two for every set of data, the first six: measured points, the computed line, what is left over.
+
+    `found` are lines below the title: the parameters with their intervals.
+    """
     shown = beside[:MOST]
     rows = sum(ROWS[one.kind] for one in shown)
-    figure = new_figure(10.0, 1.1 + 2.7 * rows, f"{title}: measured, and the best fit")
-    axes = iter(panels(figure, rows, 1, between=0.75, top=0.75)[:, 0])
+    top = 0.75 + LINE * len(found)
+    height = top + 0.5 + 2.7 * rows
+    figure = new_figure(WIDTH, height, f"{title}: measured, and the best fit")
+    for i, line in enumerate(map(readable, found)):
+        figure.text(0.09 / WIDTH, 1.0 - (0.33 + LINE * i) / height, line, fontsize=9, ha="left", va="top", color="0.25")
+    axes = iter(panels(figure, rows, 1, between=0.75, top=top)[:, 0])
     for one in shown:
         own = [next(axes) for _ in range(ROWS[one.kind])]
         {"history": _history, "frf": _response, "modes": _modes, "levels": _levels}[one.kind](one, own)
@@ -66,21 +76,17 @@ def _modes(one: Beside, axes: Sequence[Axes]) -> None:
     own = axes[0]
     off = 100.0 * (one.computed / one.measured - 1.0)
     scatter = 100.0 * one.scatter / one.measured
-    own.errorbar(
-        one.along, np.zeros(len(off)), 2.0 * scatter, fmt=".", color=COLOURS[1], capsize=3, label="measured, +- 2 s"
-    )
+    own.errorbar(one.along, np.zeros(len(off)), 2.0 * scatter, fmt=".", color=COLOURS[1], capsize=3, label=MEASURED)
     own.plot(one.along, off, "x", color=BASELINE, label="computed")
     for x, y, hertz in zip(one.along, off, one.measured, strict=True):
         own.annotate(f"{hertz:.4g} Hz", (x, y), xytext=(4, 4), textcoords="offset points", fontsize=7, color="0.4")
     own.set_xticks(one.along)
-    finish(own, f"measured mode ({one.name})", "frequency, off by [%]")
+    finish(own, f"measured mode ({one.name})", "computed less measured\nfrequency [%]")
 
 
 def _levels(one: Beside, axes: Sequence[Axes]) -> None:
     own = axes[0]
-    own.errorbar(
-        one.along, one.measured, 2.0 * one.scatter, fmt=".", color=COLOURS[1], capsize=3, label="measured, +- 2 s"
-    )
+    own.errorbar(one.along, one.measured, 2.0 * one.scatter, fmt=".", color=COLOURS[1], capsize=3, label=MEASURED)
     own.plot(one.along, one.computed, "x-", color=BASELINE, linewidth=1, label="computed")
     own.set_xscale("log")
     own.set_xticks(one.along, [f"{band:g}" for band in one.along])

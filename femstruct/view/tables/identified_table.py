@@ -27,10 +27,8 @@ def show_identification(table: Mapping[str, Any], beside: Sequence[Beside] = (),
     )
     for name, one in table["parameters"].items():
         value, low, high = one["value"], one["low"], one["high"]
-        known = low is not None and high is not None
-        half = f"{50 * (high - low) / abs(value):.2g} %" if known and value else ""
-        between = f"{low:.5g} .. {high:.5g}" if known else OPEN
-        grid.add(name, f"{value:.5g}", between, half, one["unit"] or "SI")
+        half = f"{50 * (high - low) / abs(value):.2g} %" if _known(one) and value else ""
+        grid.add(name, f"{value:.5g}", _between(one), half, one["unit"])
     grid.show(screen)
     for one in beside:
         if one.kind in LISTED:
@@ -52,6 +50,24 @@ def show_identification(table: Mapping[str, Any], beside: Sequence[Beside] = (),
         screen.print(f"{table['runs']} trials")
     screen.print(f"to use the values: {table['command']}", soft_wrap=True)
     show_findings(screen, [(finding_from(one), "") for one in table["findings"]], verbose)
+
+
+def found_lines(table: Mapping[str, Any]) -> list[str]:
+    """A line a parameter, below the title of a picture: its value, unit and interval."""
+    share = f"{100 * table['confidence']:g} %"
+    return [
+        f"{name} = {one['value']:.5g} {one['unit']}".rstrip()
+        + (f"  ({share} interval {_between(one)})" if _known(one) else f"  ({OPEN} by these data)")
+        for name, one in table["parameters"].items()
+    ]
+
+
+def _known(one: Mapping[str, Any]) -> bool:
+    return one["low"] is not None and one["high"] is not None
+
+
+def _between(one: Mapping[str, Any]) -> str:
+    return f"{one['low']:.5g} .. {one['high']:.5g}" if _known(one) else OPEN
 
 
 def _show_beside(screen: Any, one: Beside) -> None:
