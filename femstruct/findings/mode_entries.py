@@ -205,6 +205,22 @@ MODES: Final = (
         "Give the model a 'damping'.",
     ),
     Entry(
+        "peak-between-lines",
+        "The lines of a frequency response are too far apart for its highest peak.",
+        LIMITS,
+        "the largest value between lines is above the largest on a line",
+        "Use a smaller 'step' ('--step'). Sweeps and designs have the largest value itself, not that of a line.",
+        (
+            Limit(
+                0.05,
+                "of the largest value",
+                "an oscillator whose nearest line is a sixth of its half-power bandwidth away is shown so low",
+                CHOSEN,
+                "between_lines.MISSED",
+            ),
+        ),
+    ),
+    Entry(
         "vibration-beyond-modes",
         "Modes are missing in the band of a harmonic or random excitation.",
         LIMITS,

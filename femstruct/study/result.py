@@ -22,6 +22,7 @@ from femstruct.impact.result.shares import ModeEnergies
 from femstruct.impact.result.shock import ShockSpectrum
 from femstruct.modal.basis import ModalBasis
 from femstruct.modal.steady.answers import Vibrated
+from femstruct.modal.steady.between_lines import Highest
 from femstruct.model.model import Model
 from femstruct.reported import Reported
 from femstruct.sound.flanking import SurfaceShares
@@ -85,13 +86,14 @@ class Channel:
 @dataclass(frozen=True, eq=False)
 class Frf:
     """A frequency response: frequency [nf] [Hz], complex values [nf], unit. sound : of a sound power, whose values are
-    real."""
+    real. highest : its largest value, also between the lines; None where only they are known."""
 
     request: FrfRequest
     frequency_hz: Floats
     values: NDArray[complex128]
     unit: str
     sound: PowerResponse | None = None
+    highest: Highest | None = None
 
     @property
     def peak(self) -> float:
@@ -99,10 +101,12 @@ class Frf:
 
         Notes
         -----
-        Near a resonance the inverse square of a magnitude (of a power, the inverse) is a parabola along frequency,
-        which three lines give. Where the lines are so far apart that it would rise to more than double, the largest of
-        them is taken as it is.
+        Where only the lines are known: near a resonance the inverse square of a magnitude (of a power, the inverse) is
+        a parabola along frequency, which three lines give. Where the lines are so far apart that it would rise to more
+        than double, the largest of them is taken as it is.
         """
+        if self.highest is not None:
+            return self.highest.size
         power = 1.0 if self.sound is not None else 2.0
         size = np.abs(self.values)
         at = int(size.argmax()) if len(size) else -1

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,6 +14,7 @@ from femstruct.study.result import CaseResult
 from femstruct.view.tables.terminal import study_tables
 from femstruct.workflow.check.asked_response import frf_of
 from femstruct.workflow.check.inspect import inspect_file
+from femstruct.workflow.exchange.asked_responses import frfs_of
 from femstruct.workflow.identify.identify import identify
 from femstruct.workflow.run.run import run_study
 from femstruct.workflow.stages.modal_bases import solve_all
@@ -80,6 +82,28 @@ def test_a_response_without_damping_says_what_its_peaks_are(tmp_path: Path) -> N
     ]
     assert told["values"]["first_hz"] == pytest.approx(first, rel=5e-5)  # the mesh: 5e-7 here
     assert (told["values"]["modes"], told["values"]["step_hz"]) == (1, 5.0)
+
+
+def test_a_response_says_that_its_peak_is_between_two_lines(tmp_path: Path) -> None:
+    """One response, several, and a study: the first mode, at 110.9 Hz and 2.2 Hz wide, is 20 Hz from its lines."""
+
+    def missed(told: list[dict[str, Any]]) -> list[dict[str, Any]]:
+        return [one for one in told if one["code"] == "peak-between-lines"]
+
+    path, asked = plate(tmp_path), ("10 Hz:200 Hz", "40 Hz", "mobility")
+    (told,) = missed(frf_of(path, "a.z", "a.z", *asked, "modal")["findings"])
+    assert told["message"].startswith("a.z / a.z: the largest value, ")
+    assert told["values"]["peak_hz"] == pytest.approx(110.9, rel=1e-3)  # the closed form above, in four digits
+    finer = f"{told['values']['needed_hz']} Hz"
+    assert not missed(frf_of(path, "a.z", "a.z", asked[0], finer, asked[2], "modal")["findings"])
+    (one,) = missed(frfs_of(path, ["a.z"], ["a.z", "a.rx"], *asked)[1]["findings"])
+    assert one["message"].startswith(("a.z / ", "a.rx / ")) and one["values"]["step_hz"] == 40.0
+    ask = "frf: {own: {drive: a.z, response: a.z, kind: mobility, band: [10 Hz, 200 Hz], step: 40 Hz}}"
+    case = run_study(read_study(study(tmp_path, STUDY + ask))).cases["as given"]
+    (found,) = (finding for finding in case.findings if finding.code == "peak-between-lines")
+    assert found.message.startswith("frf.own: the largest value, ")
+    # 1e-3 of the largest response is what modes up to 2.5 times the band leave; the study has more of them
+    assert case.frf["own"].peak == pytest.approx(told["values"]["peak"], rel=1e-3)
 
 
 def test_frf_prints_its_findings_as_comments_and_leaves_with_three(tmp_path: Path) -> None:

@@ -22,6 +22,7 @@ from femstruct.study.study import Study
 from femstruct.workflow.check.asked_modes import frequency_option
 from femstruct.workflow.check.asked_stress import STRESS, stress_response
 from femstruct.workflow.judgement.all_findings import all_findings
+from femstruct.workflow.judgement.impact_findings import room_findings
 from femstruct.workflow.stages.modal_bases import Solved, in_air, solve
 from femstruct.workflow.stages.positions import positioned
 from femstruct.workflow.stages.responses import force_axis, frequency_response
@@ -64,7 +65,8 @@ def frf_of(
             told, uneven = stress_response(request, solved, basis)
             findings = ranked((*findings, *uneven))
         else:
-            answer, _ = frequency_response(request, solved.places, basis)
+            answer, known = frequency_response(request, solved.places, basis)
+            findings = ranked((*findings, *room_findings([(f"{response} / {drive}", one) for one in known])))
             values = _direct(request, solved, source.damping, answer) if method == "direct" else answer.values
             told = {
                 "kind": request.kind,

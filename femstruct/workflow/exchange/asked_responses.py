@@ -2,22 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
 
-from femstruct.errors import InputError
+from femstruct.errors import Finding, InputError
 from femstruct.files.atomic import short
 from femstruct.files.exchange.frf_files import write_frf_csv, write_frf_npz, write_frf_uff
 from femstruct.files.exchange.uff_sets import pyuff
 from femstruct.files.tables.finding_tables import finding_table
+from femstruct.findings.catalogue import ranked
 from femstruct.language import read_model_file
-from femstruct.modal.basis import ForceRow
+from femstruct.modal.basis import ForceRow, ModalBasis
 from femstruct.modal.damping import with_damping
-from femstruct.modal.frf import KINDS, moves
+from femstruct.modal.frf import KINDS, frf, moves
 from femstruct.modal.measured.frf_table import FrfTable, frf_table
+from femstruct.modal.steady.between_lines import Highest, highest, missed_peak
 from femstruct.model.probe import Probe
 from femstruct.study.asked import Extent, Spot
 from femstruct.study.study import Study
@@ -69,6 +73,7 @@ def frfs_of(
         frequency = low + width * np.arange(int(np.floor((high - low) / width + 1e-9)) + 1)
         chosen = next((one for one in KINDS if one == kind), None)
         table = frf_table(basis, pushed, heard, frequency, chosen, source.title)
+        findings = ranked((*findings, *_missed_peak(table, basis, pushed, heard)))
     told = {
         "title": source.title,
         "frequency_hz": table.frequency_hz.tolist(),
@@ -106,6 +111,24 @@ def write_frfs(table: FrfTable, positions: dict[str, Any], to: To, folder: Path,
     if to == "npz":
         return write_frf_npz(table, path, {"provenance": provenance(command)})
     return write_frf_uff(table, positions, path)
+
+
+def _missed_peak(
+    table: FrfTable, basis: ModalBasis, drives: Mapping[str, Probe], responses: Mapping[str, Probe | ForceRow]
+) -> tuple[Finding, ...]:
+    """Whether lines miss the largest value of a response: that of all which they miss most."""
+    found: dict[tuple[int, int], Highest] = {}
+    for j, drive in enumerate(drives.values()):
+        for i, response in enumerate(responses.values()):
+            respond = partial(frf, basis, drive, response, kind=table.kinds[i])
+            one = highest(respond, basis, table.frequency_hz, np.abs(table.values[i, j]))
+            if one is not None:
+                found[i, j] = one
+    if not found:
+        return ()
+    i, j = max(found, key=lambda at: found[at].missed)
+    name = f"{table.responses[i]} / {table.drives[j]}"
+    return tuple(replace(one, message=f"{name}: {one.message}") for one in missed_peak(found[i, j], table.unit(i, j)))
 
 
 def _probe(spot: Spot, solved: Solved, option: str) -> Probe:

@@ -189,7 +189,8 @@ def _responses(
     for request in study.frf:
         found[request.name], advised = frequency_response(request, places, basis, study.rooms)
         end = request.drive if request.drive.what == VOLUME_VELOCITY else request.response
-        told += [(end.name, advice) for advice in advised]
+        own = f"frf.{request.name}"
+        told += [(own if isinstance(one, Finding) else end.name, one) for one in advised]
     return found, told
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 
 import numpy as np
 
@@ -12,6 +13,7 @@ from femstruct.arrays import Floats
 from femstruct.errors import Finding, InputError, some_of
 from femstruct.modal.basis import ForceRow, ModalBasis
 from femstruct.modal.frf import frf, frf_unit, moves
+from femstruct.modal.steady.between_lines import highest, missed_peak
 from femstruct.model.probe import Probe
 from femstruct.sound.power import power_per_force
 from femstruct.sound.room_source import velocity_per_source
@@ -24,8 +26,9 @@ from femstruct.workflow.stages.places import Places
 
 def frequency_response(
     request: FrfRequest, places: Places, basis: ModalBasis, rooms: Sequence[RoomPlan] = ()
-) -> tuple[Frf, tuple[Advice, ...]]:
-    """One frequency response of a study from the modal basis, and advice where it is heard in a room."""
+) -> tuple[Frf, tuple[Advice | Finding, ...]]:
+    """One frequency response of a study from the modal basis, advice where it is heard in a room, and a finding where
+    its lines miss its peak."""
     start, stop = request.band
     lines = np.arange(int(np.floor((stop - start) / request.step + 1e-9)) + 1, dtype=np.float64)
     frequency = start + request.step * lines
@@ -44,8 +47,10 @@ def frequency_response(
                 got=f"'{spot}', no mode moves along {spot.what}",
                 expected="a direction in which the structure can move",
             )
-    values = frf(basis, drive, response, frequency, request.kind)
-    return Frf(request, frequency, values, frf_unit(request.kind, request.drive.what, request.response.what)), ()
+    respond = partial(frf, basis, drive, response, kind=request.kind)
+    values, unit = respond(frequency), frf_unit(request.kind, request.drive.what, request.response.what)
+    found = highest(respond, basis, frequency, np.abs(values))
+    return Frf(request, frequency, values, unit, highest=found), missed_peak(found, unit)
 
 
 def undamped_findings(basis: ModalBasis, request: FrfRequest) -> tuple[Finding, ...]:

@@ -1,0 +1,118 @@
+"""The largest value of a frequency response, also between its lines, and whether its lines show it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from femstruct.arrays import Floats
+from femstruct.errors import Finding
+from femstruct.modal.basis import ModalBasis
+from femstruct.modal.superposition import Complex
+
+MISSED: Final = 0.05  # of the largest value, by which the lines may be lower
+PLACES: Final = 8  # the highest lines and natural frequencies, around which is looked
+AROUND: Final = np.linspace(-1.0, 1.0, 9)  # of a width, a quarter of which is the next one
+ROUNDS: Final = 7  # 4^-7 of a step: 1e-6 of a peak whose half-power bandwidth is a twentieth of the step
+DIGITS: Final = (5.0, 2.0, 1.0)  # of a step that is proposed
+
+Respond = Callable[[Floats], Complex]
+
+
+@dataclass(frozen=True)
+class Highest:
+    """The largest value of a response in a band, on its lines or between them.
+
+    frequency_hz : where [Hz]. size : magnitude there. line : the largest magnitude on a line. step : from line to line
+    [Hz]. needed : a step [Hz] that shows the value to 5 %; that of the lines where they do.
+    """
+
+    frequency_hz: float
+    size: float
+    line: float
+    step: float
+    needed: float
+
+    @property
+    def missed(self) -> float:
+        """Share of the value by which the lines are lower [1]."""
+        return 1.0 - self.line / self.size if self.size > 0.0 else 0.0
+
+
+def highest(respond: Respond, basis: ModalBasis, lines_hz: Floats, sizes: Floats) -> Highest | None:
+    """The largest response in the band of some lines, by what lies between them, too.
+
+    respond : values [n] at frequencies [n] [Hz]. lines_hz [nf] : equally spaced [Hz]. sizes [nf] : magnitudes there.
+    None where there is no such number: one line or none, or a mode without damping in the band.
+
+    Notes
+    -----
+    Looked for around the highest lines and natural frequencies, so that a resonance much narrower than the step is
+    found. What is no resonance of the structure and narrower than the step can be missed: a transmissibility is largest
+    where the driven point stands still.
+
+    >>> from femstruct.modal.analytic import oscillator
+    >>> from femstruct.modal.damping import Damping, LossFactor, with_damping
+    >>> from femstruct.modal.frf import frf
+    >>> basis, points = oscillator(2.0, stiffness=50.0)
+    >>> damped, here = with_damping(basis, Damping(LossFactor(0.04))), points["m"].probe("x")
+    >>> lines = np.array([0.5, 0.7, 0.9])
+    >>> found = highest(lambda f: frf(damped, here, here, f), damped, lines, abs(frf(damped, here, here, lines)))
+    >>> round(found.size, 9), round(found.missed, 2), found.needed
+    (0.5, 0.83, 0.01)
+    """
+    low, high = (float(one) for one in lines_hz[[0, -1]]) if len(lines_hz) else (0.0, 0.0)
+    inside = (basis.frequency_hz > low) & (basis.frequency_hz < high)
+    inside &= np.array([kind == "elastic" for kind in basis.kind], dtype=bool)
+    own, half = basis.frequency_hz[inside], (basis.damping_ratio * basis.frequency_hz)[inside]
+    if len(lines_hz) < 2 or (half <= 0.0).any():
+        return None
+    step = float(lines_hz[1] - low)
+    hz = np.concatenate((lines_hz, own))
+    values = np.concatenate((sizes, np.abs(respond(own))))
+    width = np.concatenate((np.full(len(sizes), step), np.minimum(step, 2.0 * half)))
+    best = np.argsort(values)[-PLACES:]
+    hz, values, width = hz[best], values[best], width[best]
+    for _ in range(ROUNDS):
+        tried = np.clip(hz[:, None] + width[:, None] * AROUND, low, high)
+        found = np.abs(respond(tried.ravel())).reshape(tried.shape)
+        at = found.argmax(axis=1)[:, None]
+        hz, values = (np.take_along_axis(one, at, 1)[:, 0] for one in (tried, found))
+        width = width / 4.0
+    top, line = int(values.argmax()), float(sizes.max())
+    size = float(values[top])
+    shown = line >= (1.0 - MISSED) * size
+    needed = step if shown else _step_for(respond, float(hz[top]), (1.0 - MISSED) * size, lines_hz)
+    return Highest(float(hz[top]), size, line, step, needed)
+
+
+def missed_peak(one: Highest | None, unit: str) -> tuple[Finding, ...]:
+    """A finding where the lines of a response are lower than its largest value by more than 5 %; unit : of the values.
+
+    >>> missed_peak(Highest(11.97, 0.0342, 0.0116, 1.0, 0.2), "m/(N s^2)")[0].values["needed_hz"]
+    0.2
+    """
+    if one is None or one.missed <= MISSED:
+        return ()
+    size, line = (f"{value:.3g} {unit}".removesuffix(" 1") for value in (one.size, one.line))
+    message = (
+        f"the largest value, {size} at {one.frequency_hz:.5g} Hz, is between two lines. The lines are {one.step:g} Hz "
+        f"apart, and the largest value on one is {line}, {100.0 * one.missed:.0f} % lower. "
+        f"Use a step of {one.needed:g} Hz or less"
+    )
+    values = {"peak": one.size, "peak_hz": one.frequency_hz, "largest_line": one.line}
+    return (Finding("peak-between-lines", message, values | {"step_hz": one.step, "needed_hz": one.needed}),)
+
+
+def _step_for(respond: Respond, peak_hz: float, least: float, lines_hz: Floats) -> float:
+    """The largest step [Hz] of one digit whose lines are never so far from a peak that they are below `least`."""
+    step = lines_hz[1] - lines_hz[0]
+    decades = 10.0 ** (np.floor(np.log10(step)) - np.arange(8.0))
+    steps = (decades[:, None] * DIGITS).ravel()
+    steps = steps[steps < step]
+    ends = np.clip(peak_hz + np.array([[-0.5], [0.5]]) * steps, lines_hz[0], lines_hz[-1])
+    enough = (np.abs(respond(ends.ravel())).reshape(ends.shape) >= least).all(axis=0)
+    return float(steps[enough.argmax() if enough.any() else -1])
