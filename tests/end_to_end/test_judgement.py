@@ -96,6 +96,9 @@ def test_a_response_says_that_its_peak_is_between_two_lines(tmp_path: Path) -> N
     assert told["values"]["peak_hz"] == pytest.approx(110.9, rel=1e-3)  # the closed form above, in four digits
     finer = f"{told['values']['needed_hz']} Hz"
     assert not missed(frf_of(path, "a.z", "a.z", asked[0], finer, asked[2], "modal")["findings"])
+    of_default = frf_of(path, "a.z", "a.z", "10 Hz:5010 Hz", "", asked[2], "modal")  # 500 lines would be 10 Hz apart
+    assert not missed(of_default["findings"]) and of_default["frequency_hz"][1] == pytest.approx(10.5, rel=1e-12)  # sum
+    assert len(frfs_of(path, ["a.z"], ["a.z"], "10 Hz:5010 Hz", "", asked[2])[0].frequency_hz) == 10_001
     (one,) = missed(frfs_of(path, ["a.z"], ["a.z", "a.rx"], *asked)[1]["findings"])
     assert one["message"].startswith(("a.z / ", "a.rx / ")) and one["values"]["step_hz"] == 40.0
     ask = "frf: {own: {drive: a.z, response: a.z, kind: mobility, band: [10 Hz, 200 Hz], step: 40 Hz}}"

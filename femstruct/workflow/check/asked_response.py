@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -28,6 +29,7 @@ from femstruct.workflow.stages.positions import positioned
 from femstruct.workflow.stages.responses import force_axis, frequency_response
 
 DEFAULT_LINES = 500
+MOST_BY_DEFAULT = 20_000
 MOST_LINES = 1_000_000
 Table = dict[str, Any]
 
@@ -66,6 +68,9 @@ def frf_of(
             findings = ranked((*findings, *uneven))
         else:
             answer, known = frequency_response(request, solved.places, basis)
+            if not step and method == "modal" and answer.highest is not None:
+                request = replace(request, step=finer(request, answer.highest.needed))
+                answer, known = frequency_response(request, solved.places, basis)
             findings = ranked((*findings, *room_findings([(f"{response} / {drive}", one) for one in known])))
             values = _direct(request, solved, source.damping, answer) if method == "direct" else answer.values
             told = {
@@ -77,6 +82,13 @@ def frf_of(
             }
     about = {"title": source.title, "drive": drive, "response": response, "method": method}
     return {**about, **told, "findings": [finding_table(finding) for finding in findings]}
+
+
+def finer(request: FrfRequest, needed: float) -> float:
+    """The step [Hz] of a response whose step was not asked for: that which its largest value needs, if it is smaller;
+    at most 20,000 lines."""
+    low, high = request.band
+    return max(min(request.step, needed), (high - low) / MOST_BY_DEFAULT)
 
 
 def _direct(request: FrfRequest, solved: Solved, damping: Damping, answer: Frf) -> NDArray[np.complex128]:

@@ -25,13 +25,13 @@ from femstruct.modal.steady.between_lines import Highest, highest, missed_peak
 from femstruct.model.probe import Probe
 from femstruct.study.asked import Extent, Spot
 from femstruct.study.study import Study
-from femstruct.workflow.check.asked_response import asked_for
+from femstruct.workflow.check.asked_response import asked_for, finer
 from femstruct.workflow.check.asked_stress import STRESS
 from femstruct.workflow.judgement.all_findings import all_findings
 from femstruct.workflow.run.provenance import provenance
 from femstruct.workflow.stages.modal_bases import Solved, in_air, solve
 from femstruct.workflow.stages.positions import positioned
-from femstruct.workflow.stages.responses import response_row
+from femstruct.workflow.stages.responses import lines_of, response_row
 
 Table = dict[str, Any]
 To = Literal["csv", "npz", "uff"]
@@ -68,12 +68,14 @@ def frfs_of(
         for spot in dict.fromkeys(one.response for one in requests):
             row = response_row(spot, solved.places, basis, "--response")
             heard[str(spot)] = _moving(spot, row, solved, "--response") if isinstance(row, Probe) else row
-        low, high = requests[0].band
-        width = requests[0].step
-        frequency = low + width * np.arange(int(np.floor((high - low) / width + 1e-9)) + 1)
         chosen = next((one for one in KINDS if one == kind), None)
-        table = frf_table(basis, pushed, heard, frequency, chosen, source.title)
-        findings = ranked((*findings, *_missed_peak(table, basis, pushed, heard)))
+        tabled = partial(frf_table, basis, pushed, heard, kind=chosen, title=source.title)
+        table = tabled(lines_of(requests[0]))
+        missed = _most_missed(table, basis, pushed, heard)
+        if not step and missed is not None:
+            table = tabled(lines_of(replace(requests[0], step=finer(requests[0], missed[0].needed))))
+            missed = _most_missed(table, basis, pushed, heard)
+        findings = ranked((*findings, *(() if missed is None else _told(table, *missed))))
     told = {
         "title": source.title,
         "frequency_hz": table.frequency_hz.tolist(),
@@ -113,22 +115,22 @@ def write_frfs(table: FrfTable, positions: dict[str, Any], to: To, folder: Path,
     return write_frf_uff(table, positions, path)
 
 
-def _missed_peak(
+def _most_missed(
     table: FrfTable, basis: ModalBasis, drives: Mapping[str, Probe], responses: Mapping[str, Probe | ForceRow]
-) -> tuple[Finding, ...]:
-    """Whether lines miss the largest value of a response: that of all which they miss most."""
-    found: dict[tuple[int, int], Highest] = {}
+) -> tuple[Highest, int, int] | None:
+    """The largest value of a response, and which response and drive it is of: that of all which the lines miss most."""
+    found: list[tuple[Highest, int, int]] = []
     for j, drive in enumerate(drives.values()):
         for i, response in enumerate(responses.values()):
             respond = partial(frf, basis, drive, response, kind=table.kinds[i])
             one = highest(respond, basis, table.frequency_hz, np.abs(table.values[i, j]))
-            if one is not None:
-                found[i, j] = one
-    if not found:
-        return ()
-    i, j = max(found, key=lambda at: found[at].missed)
-    name = f"{table.responses[i]} / {table.drives[j]}"
-    return tuple(replace(one, message=f"{name}: {one.message}") for one in missed_peak(found[i, j], table.unit(i, j)))
+            found += [] if one is None else [(one, i, j)]
+    return max(found, key=lambda each: each[0].missed, default=None)
+
+
+def _told(table: FrfTable, one: Highest, response: int, drive: int) -> list[Finding]:
+    name = f"{table.responses[response]} / {table.drives[drive]}"
+    return [replace(told, message=f"{name}: {told.message}") for told in missed_peak(one, table.unit(response, drive))]
 
 
 def _probe(spot: Spot, solved: Solved, option: str) -> Probe:

@@ -29,9 +29,7 @@ def frequency_response(
 ) -> tuple[Frf, tuple[Advice | Finding, ...]]:
     """One frequency response of a study from the modal basis, advice where it is heard in a room, and a finding where
     its lines miss its peak."""
-    start, stop = request.band
-    lines = np.arange(int(np.floor((stop - start) / request.step + 1e-9)) + 1, dtype=np.float64)
-    frequency = start + request.step * lines
+    frequency = lines_of(request)
     if request.drive.what == VOLUME_VELOCITY:
         return _from_source(request, places, basis, rooms, frequency)
     drive = places.point(request.drive.name, _asked(request, "drive")).probe(request.drive.what)
@@ -51,6 +49,12 @@ def frequency_response(
     values, unit = respond(frequency), frf_unit(request.kind, request.drive.what, request.response.what)
     found = highest(respond, basis, frequency, np.abs(values))
     return Frf(request, frequency, values, unit, highest=found), missed_peak(found, unit)
+
+
+def lines_of(request: FrfRequest) -> Floats:
+    """Frequencies [nf] [Hz] of a response."""
+    low, high = request.band
+    return low + request.step * np.arange(int(np.floor((high - low) / request.step + 1e-9)) + 1, dtype=np.float64)
 
 
 def undamped_findings(basis: ModalBasis, request: FrfRequest) -> tuple[Finding, ...]:
