@@ -13,7 +13,7 @@ from femstruct.campaign.numbers import APART
 from femstruct.campaign.samples import Samples
 from femstruct.impact.compiled.workers import compilation
 from femstruct.impact.engine.needed_units import BY_COLLOCATION, EXACTLY
-from femstruct.study.campaign.swept import Swept
+from femstruct.study.campaign.swept import Swept, is_of_limit
 from femstruct.study.study import Plan
 from femstruct.workflow.run.provenance import Progress, provenance
 
@@ -80,7 +80,7 @@ def gathered(
         baseline=plan.baseline,
         names=tuple(names),
         number_units=tuple(names.values()),
-        main=tuple(name for name in names if only or APART not in name),
+        main=tuple(name for name in names if not is_of_limit(name) and (only or APART not in name)),
         numbers=numbers,
         done=done,
         severe=tuple(map(tuple, severe)),

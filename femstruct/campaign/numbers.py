@@ -10,7 +10,7 @@ from typing import Any, Final, NamedTuple
 from femstruct.errors import InputError
 from femstruct.files.tables.study_tables import case_table
 from femstruct.study.asked import SETTLED
-from femstruct.study.campaign.swept import UNROUNDED
+from femstruct.study.campaign.swept import EXCEEDED, MET, UNKNOWN, UNROUNDED, limit_name, verdict_name
 from femstruct.study.result import CaseResult
 from femstruct.workflow.compare.verdicts import verdicts
 
@@ -34,9 +34,10 @@ def numbers_of(case: CaseResult) -> dict[str, Number]:
     """All numbers of a case by name.
 
     The first are the main ones (`main_numbers`); the names of the others are their paths in summary.json, as in
-    "levels / living.middle / bands_db / 63".
+    "levels / living.middle / bands_db / 63". Between them are limits and verdicts, `limit_name` and `verdict_name`.
     """
     own = dict(main_numbers(case))
+    own |= _of_limits(case)
     for name, number in _flat({key: one for key, one in case_table(case).items() if key not in _LEFT_OUT}):
         own.setdefault(name, number)
     return own
@@ -60,7 +61,30 @@ def only_numbers(cases: Mapping[str, Mapping[str, Number]], only: Sequence[str])
             near = get_close_matches(name, known, n=1, cutoff=0.5)
             do = f"did you mean '{near[0]}'?" if near else "femstruct sweep STUDY --plan lists the main ones"
             raise InputError("samples.only", got=f"'{name}'", expected="a number of the study", do=do)
-    return {case: {name: own[name] for name in only if name in own} for case, own in cases.items()}
+    return {case: chosen(own, only) for case, own in cases.items()}
+
+
+def chosen(numbers: Mapping[str, Number], only: Sequence[str]) -> dict[str, Number]:
+    """The numbers of these names that there are, each with its limit and the verdict on it."""
+    with_limits = (each for name in only for each in (name, limit_name(name), verdict_name(name)))
+    return {name: numbers[name] for name in with_limits if name in numbers}
+
+
+def numbers_of_limit(name: str, limit: float, unit: str, met: bool | None) -> dict[str, Number]:
+    """A limit and the verdict on it as numbers of a row; met : None where the run cannot tell.
+
+    >>> [one.value for one in numbers_of_limit("settled", 0.7, "s", False).values()]
+    [0.7, 0.0]
+    """
+    verdict = UNKNOWN if met is None else MET if met else EXCEEDED
+    return {limit_name(name): Number(limit, unit), verdict_name(name): Number(verdict, "1")}
+
+
+def _of_limits(case: CaseResult) -> dict[str, Number]:
+    found: dict[str, Number] = {}
+    for limit, one in zip(case.case.study.limits, verdicts(case), strict=False):  # no impact has no verdicts
+        found |= numbers_of_limit(limit.name, limit.value, one.unit, one.met)
+    return found
 
 
 def main_numbers(case: CaseResult) -> Iterator[tuple[str, Number]]:

@@ -116,9 +116,7 @@ def frf(
         ),
     ],
     band: Annotated[str, typer.Option("--band", metavar="A:B", help="frequencies, such as '1 Hz:500 Hz'")],
-    step: Annotated[
-        str, typer.Option("--step", metavar="F", help="default: 500 lines, more for narrow peaks")
-    ] = "",
+    step: Annotated[str, typer.Option("--step", metavar="F", help="default: 500 lines, more for narrow peaks")] = "",
     kind: Annotated[str, typer.Option("--kind", help="receptance, mobility, accelerance or transmissibility")] = "",
     method: Annotated[str, typer.Option("--method", help="modal, or direct as a check")] = "modal",
     to: Annotated[

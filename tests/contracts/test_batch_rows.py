@@ -1,12 +1,13 @@
 """Rows by the batch engine are those of full runs; what it cannot do is run in full."""
 
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from femstruct.campaign.batch.batch_rows import BY_BATCH, BY_HISTORY, BatchTask, batch_tasks
+from femstruct.campaign.batch.batch_rows import BY_BATCH, BY_HISTORY, BatchTask, _of_batch, batch_tasks
 from femstruct.campaign.batch.batch_stage import stage_of
 from femstruct.campaign.forecast import planned
 from femstruct.campaign.kept_rows import write_rows
@@ -15,6 +16,7 @@ from femstruct.campaign.sweep import set_aside, sweep
 from femstruct.errors import InputError, InputErrors
 from femstruct.files.results_file.swept_file import read_swept
 from femstruct.language.campaigns import read_campaign
+from femstruct.study.campaign.held_limits import held_limits
 from femstruct.study.campaign.varied import Campaign
 
 MODEL = """
@@ -79,6 +81,31 @@ def test_rows_are_those_of_full_runs(study: Path) -> None:
     assert np.ptp(quick.of("stop peak force")) > 100.0
 
 
+def test_limits_of_the_batch_engine_are_judged_as_in_full_runs(study: Path) -> None:
+    """A recorded force of a contact is a number of the batch engine; its limit is 0.3 kN in one case."""
+    text = STUDY.replace("soft: {}", "soft: {limits.stop force: 0.3 kN}")
+    study.write_text(f"{text}record: {{stop: force}}\nlimits: {{stop force: 0.5 kN}}\n", encoding="utf-8")
+    full = sweep(read_campaign(study), workers=1)
+    quick = sweep(read_campaign(study, only=["stop force"]), workers=1)
+    assert quick.made == BY_BATCH and quick.main == ("stop force",)
+    found = list(held_limits(quick, quick.main))
+    assert found == list(held_limits(full, ["stop force"])) and [one.limits[0] for one in found] == [300.0, 500.0]
+    assert all(one.held and one.exceeded for one in found)
+
+
+def test_a_run_whose_energy_does_not_close_is_not_to_be_trusted(study: Path) -> None:
+    campaign = read_campaign(study, only=ALL)
+    found = batch_tasks(campaign, samples_of(campaign), 1)
+    assert not isinstance(found, str)
+    task = found.tasks[0]
+    assert isinstance(task, BatchTask)
+    stage = stage_of(task.first, ALL)
+    case = stage.plan.cases[0]
+    batch = replace(stage.batch(case, {}, 2, 1), residual=np.array([0.0, 0.5]))
+    sound, drifting = _of_batch(case, (0, 1), batch, stage, ALL)
+    assert sound.severe == () and drifting.severe == ("energy-drift",)
+
+
 RECORDED = """
 record: {m.z: [displacement, acceleration], damper: travel, ground: force, stop: force}
 peaks: {first_impact: 10 ms, lowpass: 2 kHz}
@@ -100,7 +127,9 @@ def test_rows_of_histories_are_those_of_full_runs(study: Path) -> None:
     damped = ["damping.ratio=40 %"]  # so that it comes to rest in the window
     full = sweep(read_campaign(study, overrides=damped), workers=1)
     quick = sweep(read_campaign(study, overrides=damped, only=OF_HISTORIES), workers=2)
-    assert quick.made == BY_HISTORY and set(quick.names) == set(OF_HISTORIES)
+    assert quick.made == BY_HISTORY and set(quick.main) == set(OF_HISTORIES)
+    assert list(held_limits(quick, quick.main)) == list(held_limits(full, full.main))
+    assert len(list(held_limits(quick, quick.main))) == 3  # the bare case has no damper, and so no limit of its travel
     for case in ("bare", "hard"):
         for name in OF_HISTORIES:
             own, whole = quick.of(name, case), full.of(name, case)

@@ -25,9 +25,12 @@ from femstruct.campaign.tasks import Task
 from femstruct.campaign.tried import campaigns_of, refuse_values
 from femstruct.errors import InputError, InputErrors
 from femstruct.files.results_file.swept_file import read_swept
+from femstruct.files.tables.sweep_tables import case_of_pictures, changing
 from femstruct.language import read_study
 from femstruct.language.campaigns import read_campaign
 from femstruct.language.searches import read_search
+from femstruct.study.campaign.held_limits import held_limits
+from femstruct.view.campaigns.swept_figure import swept_figure
 from femstruct.workflow.run.run import run_study
 
 MODEL = "structure: {type: oscillator, mass: 1 kg, stiffness: 100 N/m}\npoints: {m: {}}\n"
@@ -195,6 +198,50 @@ def test_the_file_is_the_rows_and_opens_in_xarray(study: Path, tmp_path: Path) -
     (tmp_path / "sweep.h5").write_bytes(image)
     with pytest.raises(InputError, match="damaged"):
         read_swept(tmp_path)
+
+
+def test_limits_are_judged_as_each_run_judges_them(study: Path, tmp_path: Path) -> None:
+    """By the limit of the case and of the sample; not at rest in time is exceeded, and too short a window not known."""
+    own = (
+        "cases: {as given: {}, strict: {limits.m.z velocity: 0.8 m/s, limits.settled: 5 ms}}\n"
+        "vary:\n  bodies.ball.speed: {values: [0.5 m/s, 1 m/s, 1.5 m/s]}\n"
+        "  limits.m.z velocity: {values: [0.7 m/s, 1.2 m/s]}"
+    )
+    study.write_text(STUDY[: STUDY.index("cases:")] + own, encoding="utf-8")
+    rows = sweep(read_campaign(study), workers=1)
+    expected: dict[tuple[str, str], list[str]] = {}
+    for texts in rows.texts:
+        sets = tuple(f"{path}={text}" for path, text in zip(rows.paths, texts, strict=True))
+        for case, told in run_study(read_study(study, overrides=sets)).verdicts.items():
+            for one in told:
+                expected.setdefault((one.name, case), []).append(one.verdict)
+    found = {(one.name, one.case): one for one in held_limits(rows, rows.names)}
+    assert found.keys() == expected.keys() and len(found) == 4
+    for key, words in expected.items():
+        one = found[key]
+        counts = tuple(sum(word in which for word in words) for which in (["met"], ["exceeded"], ["not seen"]))
+        assert (one.held, one.exceeded, one.unknown) == counts, key
+    assert found["settled", "as given"].unknown == 6 and found["settled", "strict"].exceeded == 6
+    assert found["m.z velocity", "strict"].limits == (0.8, 0.8) and found["m.z velocity", "as given"].limits == (
+        0.7,
+        1.2,
+    )
+
+
+def test_a_picture_shows_the_case_in_which_something_changes(study: Path) -> None:
+    """What varies is of the second case alone: its maps are drawn, with the numbers that change there."""
+    own = (
+        "cases:\n  light: {}\n  heavy:\n    structure.mass: 4 kg\n    add:\n"
+        "      bodies.other: {mass: 1 kg, above: m, speed: 2 m/s, contact: {type: linear, stiffness: 1 MN/m}}\n"
+        "vary:\n  bodies.other.mass: {values: [1 kg, 2 kg, 3 kg]}\n  bodies.other.speed: {values: [2 m/s, 3 m/s]}"
+    )
+    study.write_text(STUDY[: STUDY.index("cases:")] + own, encoding="utf-8")
+    rows = sweep(read_campaign(study), workers=1)
+    assert case_of_pictures(rows, rows.main) == "heavy" and not changing(rows, rows.main, "light")
+    figure = swept_figure(rows, rows.main)
+    assert figure is not None and figure.texts[0].get_text() == "A hit: heavy"
+    titles = [axes.get_title(loc="left").partition(" [")[0] for axes in figure.axes if axes.get_title(loc="left")]
+    assert titles == changing(rows, rows.main, "heavy")[:6] and len(titles) > 1
 
 
 def test_what_a_case_adds_varies_too(study: Path) -> None:

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from math import isfinite
 from typing import Final
 
 from femstruct.arrays import Floats
 from femstruct.campaign.batch.batch_stage import Stage, stage_of
 from femstruct.campaign.batch.scene_columns import scene_columns
 from femstruct.campaign.journal import Row
-from femstruct.campaign.numbers import Number, numbers_of
+from femstruct.campaign.numbers import Number, chosen, numbers_of, numbers_of_limit
 from femstruct.campaign.samples import Samples
 from femstruct.campaign.tasks import Split, Task, read_sample
 from femstruct.errors import FemstructError
@@ -171,7 +172,17 @@ def _of_batch(case: Case, numbers: Sequence[int], batch: Batch, stage: Stage, on
             continue
         codes = tuple(code for code, flag in flags.items() if flag[i])
         severe = tuple(code for code, flag in forbids.items() if flag[i])
-        yield Row(number, case.name, {name: Number(column[i], unit) for name, column, unit in columns}, codes, severe)
+        found = {name: Number(column[i], unit) for name, column, unit in columns}
+        yield Row(number, case.name, _with_limits(found, case), codes, severe)
+
+
+def _with_limits(numbers: dict[str, Number], case: Case) -> dict[str, Number]:
+    """Numbers of the batch engine, which are exact, with the limits that the case has of them and the verdicts."""
+    for limit in case.study.limits:
+        if one := numbers.get(limit.name):
+            met = one.value <= limit.value if isfinite(one.value) else None
+            numbers |= numbers_of_limit(limit.name, limit.value, one.unit, met)
+    return numbers
 
 
 def _of_histories(
@@ -188,8 +199,7 @@ def _of_histories(
             continue
         codes = tuple(one.code for one in run.findings)
         severe = tuple(one.code for one in run.findings if one.severe)
-        own = numbers_of(run)
-        yield Row(number, case.name, {name: own[name] for name in only if name in own}, codes, severe)
+        yield Row(number, case.name, chosen(numbers_of(run), only), codes, severe)
 
 
 def _joined(parts: Sequence[Row], known: tuple[tuple[str, ...], tuple[str, ...]], only: Sequence[str]) -> Row:
@@ -201,7 +211,7 @@ def _joined(parts: Sequence[Row], known: tuple[tuple[str, ...], tuple[str, ...]]
     return Row(
         parts[0].sample,
         parts[0].case,
-        {name: values[name] for name in only if name in values},
+        chosen(values, only),
         tuple(dict.fromkeys([*known[0], *(code for part in parts for code in part.findings)])),
         tuple(dict.fromkeys([*known[1], *(code for part in parts for code in part.severe)])),
     )

@@ -11,6 +11,7 @@ import numpy as np
 from femstruct.files.tables.json_numbers import number
 from femstruct.findings.catalogue import rank_of
 from femstruct.findings.entry import LIMITS
+from femstruct.study.campaign.held_limits import HeldLimit, held_limits
 from femstruct.study.campaign.influence import influences
 from femstruct.study.campaign.spread import ROUNDING, Spread, spread
 from femstruct.study.campaign.swept import Swept
@@ -32,6 +33,7 @@ def sweep_table(rows: Swept, names: Sequence[str] = ()) -> Table:
         "samples": [_sample(rows, i, names) for i in range(len(rows.texts))],
         "influence": [_influence(rows, name, case) for name in names for case in rows.cases],
         "statistics": [statistics_table(one) for one in spreads(rows, names)],
+        "limits": [_limit(one) for one in held_limits(rows, names)],
         "not_run": int((~rows.done).sum()),
         "failed": sum(bool(one) for one in rows.trouble),
         "severe": left_out(rows),
@@ -66,13 +68,24 @@ def spreads(rows: Swept, names: Sequence[str]) -> list[Spread]:
 
 def unchanged(rows: Swept, names: Sequence[str]) -> list[str]:
     """Numbers that are the same in all samples that are to be trusted, in every case."""
+    changed = {name for case in rows.cases for name in changing(rows, names, case)}
+    return [name for name in names if name not in changed]
 
-    def spans(name: str, case: str) -> bool:
+
+def changing(rows: Swept, names: Sequence[str], case: str) -> list[str]:
+    """Numbers that differ between samples of a case that are to be trusted."""
+
+    def spans(name: str) -> bool:
         own = rows.of(name, case)[rows.trusted(case)]
         known = own[np.isfinite(own)]
         return bool(known.size and np.ptp(known) > ROUNDING * np.abs(known).max())
 
-    return [name for name in names if not any(spans(name, case) for case in rows.cases)]
+    return [name for name in names if spans(name)]
+
+
+def case_of_pictures(rows: Swept, names: Sequence[str]) -> str:
+    """The case that a picture of one shows: the baseline, or that in which more of the numbers change."""
+    return max((rows.baseline, *rows.cases), key=lambda case: len(changing(rows, names, case)))
 
 
 def limited(rows: Swept) -> dict[str, int]:
@@ -104,12 +117,25 @@ def statistics_table(one: Spread) -> Table:
         "above": one.above,
         "count": one.count,
         "left_out": one.left_out,
+        "not_at_rest": one.longer,
         "mean": number(one.mean),
         "deviation": number(one.deviation),
         "quantiles": dict(zip(("5 %", "50 %", "95 %"), map(number, one.quantiles), strict=True)),
         "follows": [number(share) for share in one.follows],
-        "limit": number(one.limit),
-        "limit_held": None if one.held is None else dict(zip(("share", "low", "high"), one.held, strict=True)),
+    }
+
+
+def _limit(one: HeldLimit) -> Table:
+    """What became of a limit, for JSON."""
+    return {
+        "number": one.name,
+        "unit": one.unit,
+        "case": one.case,
+        "limit": {"low": one.limits[0], "high": one.limits[1]},
+        "held": one.held,
+        "exceeded": one.exceeded,
+        "not_known": one.unknown,
+        "share": {"value": number(one.share), "low": one.low, "high": one.high},
     }
 
 

@@ -1,21 +1,23 @@
-"""What drawn samples tell of a number: how far it scatters, what it follows, how likely it is within its limit."""
+"""What drawn samples tell of a number: how far it scatters, and what it follows."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from math import nan, sqrt
+from math import nan
 from typing import Final
 
 import numpy as np
 
 from femstruct.arrays import Floats
-from femstruct.study.campaign.swept import Flags, Swept
-from femstruct.study.campaign.varied import INDICES
+from femstruct.study.asked import SETTLED
+from femstruct.study.campaign.swept import Swept, independent
 
 LEVELS: Final = (0.05, 0.5, 0.95)  # of the quantiles that are told
 ROUNDING: Final = 1e-9  # of a number: differences below are none
 FEWEST: Final = 8  # samples, below which nothing is said of a distribution
-SURE: Final = 1.959963984540054  # standard deviations of a 95 % interval
+_HUGE: Final = 1e300  # in place of infinity, of which quantiles have none
+_INFINITE: Final = 1e250  # what a quantile beside it is above
 
 
 @dataclass(frozen=True)
@@ -23,10 +25,10 @@ class Spread:
     """How a number scatters over the samples that are to be trusted.
 
     above : the case whose own number is taken off, sample by sample, "" for none. count of samples; left_out : because
-    of findings that forbid trust, or without a number. mean, deviation : of the samples. quantiles : 5, 50 and 95 %.
-    follows : rank correlation with each path that varies (Spearman), nan for words and for what is constant. limit :
-    what it should not exceed, None without; held : share of the samples that do not, with low and high end of its 95 %
-    interval (Wilson).
+    of findings that forbid trust, or without a number. longer : how many of the count have no time to rest, since the
+    window ends before; they are longer than all others. mean, deviation : of the samples, nan where some are longer.
+    quantiles : 5, 50 and 95 %, nan where it is one of those. follows : rank correlation with each path that varies
+    (Spearman), nan for words and for what is constant.
     """
 
     name: str
@@ -35,12 +37,11 @@ class Spread:
     above: str
     count: int
     left_out: int
+    longer: int
     mean: float
     deviation: float
     quantiles: tuple[float, float, float]
     follows: tuple[float, ...]
-    limit: float | None = None
-    held: tuple[float, float, float] | None = None
 
 
 def spread(rows: Swept, name: str, case: str = "", above: str = "") -> Spread | None:
@@ -48,11 +49,8 @@ def spread(rows: Swept, name: str, case: str = "", above: str = "") -> Spread | 
 
     above : the other case; a difference of two cases has a scatter of its own, often much smaller than that of either.
 
-    Returns None for fewer than 8 samples that are to be trusted. Raises InputError for unknown names.
-
-    References
-    ----------
-    Wilson, J. Am. Stat. Assoc. 22 (1927) 209, doi:10.1080/01621459.1927.10502953.
+    Returns None for fewer than 8 samples that are to be trusted, and for a difference of times to rest of which some
+    are not seen. Raises InputError for unknown names.
 
     The velocity of a mass that a ball of uncertain mass hits:
 
@@ -80,12 +78,14 @@ def spread(rows: Swept, name: str, case: str = "", above: str = "") -> Spread | 
     values, sound = rows.of(name, case), rows.trusted(case)
     if above:
         values, sound = values - rows.of(name, above), sound & rows.trusted(above)
-    known = sound & np.isfinite(values) & independent(rows)
-    own = values[known]
-    if len(own) < FEWEST:
+    sound = sound & independent(rows)
+    longer = sound & np.isnan(values) & (name == SETTLED)
+    known = sound & (np.isfinite(values) | longer)
+    own = np.where(longer, _HUGE, values)[known]
+    many = bool(longer.any())
+    if len(own) < FEWEST or (many and (above or longer[known].all())):
         return None
-    low, middle, high = (float(one) for one in np.quantile(own, LEVELS))
-    limit = None if above else rows.limits.get(name)
+    low, middle, high = quantiles_of(own, LEVELS)
     return Spread(
         name=name,
         unit=rows.unit_of(name),
@@ -93,31 +93,22 @@ def spread(rows: Swept, name: str, case: str = "", above: str = "") -> Spread | 
         above=above,
         count=len(own),
         left_out=int((rows.done & independent(rows)).sum()) - len(own),
-        mean=float(own.mean()),
-        deviation=float(own.std(ddof=1)),
+        longer=int(longer.sum()),
+        mean=nan if many else float(own.mean()),
+        deviation=nan if many else float(own.std(ddof=1)),
         quantiles=(low, middle, high),
         follows=tuple(_rank_correlation(column[known], own) for column in rows.values.T),
-        limit=limit,
-        held=None if limit is None else wilson(int((own <= limit).sum()), len(own)),
     )
 
 
-def independent(rows: Swept) -> Flags:
-    """The samples that are independent of each other [n]: of those for indices the first two tables."""
-    n = len(rows.texts)
-    return np.arange(n) < (2 * n // (len(rows.paths) + 2) if rows.method == INDICES else n)
+def quantiles_of(values: Floats, shares: Sequence[float]) -> tuple[float, ...]:
+    """Quantiles of values [n], of which some may be infinite; nan for those that are.
 
-
-def wilson(held: int, of: int) -> tuple[float, float, float]:
-    """A share and its 95 % interval, which stays within 0 and 1 where all are held.
-
-    >>> [round(one, 3) for one in wilson(10, 10)]
-    [1.0, 0.722, 1.0]
+    >>> quantiles_of(np.array([1.0, 2.0, 3.0, np.inf, np.inf]), (0.5, 0.9))
+    (3.0, nan)
     """
-    share, square = held / of, SURE**2 / of
-    middle = (share + 0.5 * square) / (1.0 + square)
-    half = sqrt(share * (1.0 - share) * square + 0.25 * square**2) / (1.0 + square)
-    return share, max(middle - half, 0.0), min(middle + half, 1.0)
+    found = np.quantile(np.minimum(values, _HUGE), shares)
+    return tuple(float(one) if one < _INFINITE else nan for one in found)
 
 
 def _rank_correlation(x: Floats, y: Floats) -> float:

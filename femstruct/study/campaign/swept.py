@@ -11,8 +11,11 @@ from numpy.typing import NDArray
 
 from femstruct.arrays import Floats, freeze, frozen_with_gaps
 from femstruct.errors import InputError
+from femstruct.study.campaign.varied import INDICES
 
 UNROUNDED: Final = " before rounding"  # ends the name of a number of which the standard states a rounded one
+MET, EXCEEDED, UNKNOWN = 1.0, 0.0, -1.0  # verdicts as numbers of a row
+_LIMITS: Final = "limits / "  # begins the names of limits and verdicts, which are numbers of a row too
 Flags = NDArray[np.bool_]
 
 
@@ -26,7 +29,8 @@ class Swept:
     for first. numbers [c, n, k] : nan where there is none.
     done [n] : False for samples that were not run. severe [c][n], findings [c][n] : codes of those that forbid trust in
     a row, and of all. trouble [n] : why a sample has no numbers, "" where it has.
-    limits : of the baseline, by the name of the number that should not exceed it. sources : the files of the study
+    limits : of the baseline in the first sample, by the name of the number that should not exceed it; rows have their
+    own, `limit_name` and `verdict_name`. sources : the files of the study
     verbatim, by name. provenance : of the campaign. made : how rows were made, "" for full runs.
 
     `xarray.open_dataset("sweep.h5", engine="h5netcdf")` is the same as a labelled table.
@@ -78,6 +82,10 @@ class Swept:
             raise InputError("case", got=f"'{case}'", expected=f"one of {', '.join(self.cases)}")
         return self.numbers[self.cases.index(case), :, self.names.index(name)]
 
+    def told(self, name: str, case: str) -> Floats:
+        """A number of all samples [n] of a case; nan where there is none of this name at all."""
+        return self.of(name, case) if name in self.names else np.full(len(self.texts), np.nan)
+
     def trusted(self, case: str = "") -> Flags:
         """Whether the row of a sample was run and has no finding that forbids trust [n]."""
         at = self.cases.index(case or self.baseline)
@@ -102,3 +110,28 @@ class Swept:
 
         near = difflib.get_close_matches(name, self.names, n=1, cutoff=0.5)
         return f"did you mean '{near[0]}'?" if near else f"known here: {', '.join(self.main)}"
+
+
+def limit_name(name: str) -> str:
+    """The name of what a number should not exceed in a row.
+
+    >>> limit_name("settled"), verdict_name("settled"), is_of_limit(limit_name("settled"))
+    ('limits / settled / limit', 'limits / settled / verdict', True)
+    """
+    return f"{_LIMITS}{name} / limit"
+
+
+def verdict_name(name: str) -> str:
+    """The name of the verdict on a limit in a row: 1 met, 0 exceeded, -1 where the run cannot tell."""
+    return f"{_LIMITS}{name} / verdict"
+
+
+def is_of_limit(name: str) -> bool:
+    """Whether a name of a row is that of a limit or a verdict."""
+    return name.startswith(_LIMITS)
+
+
+def independent(rows: Swept) -> Flags:
+    """The samples that are independent of each other [n]: of those for indices the first two tables."""
+    n = len(rows.texts)
+    return np.arange(n) < (2 * n // (len(rows.paths) + 2) if rows.method == INDICES else n)

@@ -15,6 +15,7 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
 from femstruct.arrays import Floats
+from femstruct.files.tables.sweep_tables import case_of_pictures
 from femstruct.study.campaign.front import Front
 from femstruct.study.campaign.swept import Flags, Swept
 from femstruct.view.campaigns.swept_figure import named, number_axis, shown_unit, titled
@@ -43,7 +44,7 @@ class Along:
 def swept_parallel(rows: Swept, names: Sequence[str], case: str = "") -> Figure | None:
     """Samples of one case across what varied and some numbers, coloured by the first of them; None for fewer than
     three paths that vary. Rows that are not to be trusted are left out."""
-    case = case or rows.baseline
+    case = case or case_of_pictures(rows, names)
     several = [j for j in range(len(rows.paths)) if len({texts[j] for texts in rows.texts}) > 1]
     sound = rows.trusted(case)
     told = [name for name in names if _spans(rows.of(name, case)[sound])][:MOST]

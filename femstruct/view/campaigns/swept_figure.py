@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from femstruct.arrays import Floats
-from femstruct.files.tables.sweep_tables import unchanged
+from femstruct.files.tables.sweep_tables import case_of_pictures, changing, unchanged
 from femstruct.study.campaign.influence import influences
 from femstruct.study.campaign.swept import Flags, Swept
 from femstruct.study.campaign.varied import INDICES
@@ -32,22 +32,25 @@ def swept_figure(rows: Swept, names: Sequence[str], case: str = "") -> Figure | 
 
     Samples for indices: the shares of all paths in the variance. One path: a curve for every case. Two paths of a grid:
     a map of one case. Otherwise: points of one case over each path. Rows that findings forbid to trust are crosses.
-    case : of what shows only one, the baseline if none.
+    case : of what shows only one; if none, the baseline or the case in which more numbers change.
     """
     same = unchanged(rows, names)
+    case = case or case_of_pictures(rows, names)
     known = [name for name in names if np.isfinite(rows.numbers[:, :, rows.names.index(name)]).any()]
     drawn = ([name for name in known if name not in same] or known)[:MOST]
     several = [j for j in range(len(rows.paths)) if len({texts[j] for texts in rows.texts}) > 1]
     numeric = [j for j in several if np.isfinite(rows.values[:, j]).all()]
     if not drawn or not numeric:
         return None
-    if rows.method == INDICES:
-        return _tornado(rows, drawn, case or rows.baseline)
-    if len(several) == 1:
+    if len(several) == 1 and rows.method != INDICES:
         return _curves(rows, drawn, numeric[0])
+    shown = [name for name in drawn if np.isfinite(rows.of(name, case)).any()]
+    shown = ([name for name in changing(rows, names, case) if name in known] or shown)[:MOST]
+    if rows.method == INDICES:
+        return _tornado(rows, shown, case)
     if len(numeric) == len(several) == 2 and not rows.drawn:
-        return _maps(rows, drawn, numeric, case or rows.baseline)
-    return _points(rows, drawn, numeric, case or rows.baseline)
+        return _maps(rows, shown, numeric, case)
+    return _points(rows, shown, numeric, case)
 
 
 def _curves(rows: Swept, names: Sequence[str], k: int) -> Figure:
@@ -87,7 +90,8 @@ def _maps(rows: Swept, names: Sequence[str], numeric: Sequence[int], case: str) 
         drawn = own.pcolormesh(edges(x), edges(y), table, shading="flat", cmap="viridis")
         bar = figure.colorbar(drawn, ax=own)
         bar.ax.tick_params(labelsize=8)
-        own.set_title(named(name, told), fontsize=10, loc="left")
+        blank = "" if np.isfinite(table).all() else " (white: no number)"
+        own.set_title(named(name, told) + blank, fontsize=10, loc="left")
         limit = rows.limits.get(name)
         if limit is not None and np.isfinite(table).sum() == table.size and min(table.shape) > 1:
             own.contour(x, y, table, levels=[scale * limit], colors="white", linewidths=1.2)

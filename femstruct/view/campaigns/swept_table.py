@@ -10,15 +10,18 @@ import numpy as np
 
 from femstruct.errors import some_of
 from femstruct.files.tables.sweep_tables import left_out, limited, spreads, unchanged
+from femstruct.study.asked import SETTLED
+from femstruct.study.campaign.held_limits import HeldLimit, held_limits
 from femstruct.study.campaign.influence import influences
 from femstruct.study.campaign.spread import FEWEST
-from femstruct.study.campaign.swept import Swept
+from femstruct.study.campaign.swept import Swept, independent
 from femstruct.study.campaign.varied import INDICES
 from femstruct.view.tables.grid import Grid, Piece
 from femstruct.view.tables.scales import digits, scaled
 
 SAME: Final = 6  # numbers that are named
 WIDE: Final = 0.3  # of the variance: an interval from which on more samples are asked for
+MOVING: Final = "not at rest"
 TOLD: Final = 3  # samples without numbers whose reason is printed
 
 
@@ -26,7 +29,11 @@ def swept_pieces(rows: Swept, names: Sequence[str] = ()) -> Iterator[Piece]:
     """The main numbers, or those of these names, over all samples that are to be trusted."""
     names = names or rows.main
     cases = f" in {len(rows.cases)} cases" if len(rows.cases) > 1 else ""
-    yield f"{rows.title}: {int(rows.done.sum())} of {len(rows.texts)} samples{cases}"
+    run, failed = int(rows.done.sum()), sum(map(bool, rows.trouble))
+    without = f", of which {failed} have no result" if failed else ""
+    yield f"{rows.title}: {run} of {len(rows.texts)} samples{cases}{without}"
+    if limits := list(held_limits(rows, names)):
+        yield _limits(rows, limits)
     yield (_scatter if rows.drawn else _extremes)(rows, names)
     if rows.drawn:
         yield (_influence if rows.method == INDICES else _followed)(rows, names)
@@ -45,7 +52,32 @@ def _extremes(rows: Swept, names: Sequence[str]) -> Grid:
             if np.isfinite(own).any():
                 low, high = int(np.nanargmin(own)), int(np.nanargmax(own))
                 at = (_at(rows, low), _at(rows, high)) if own[low] < own[high] else ("all", "all")
-                grid.add(name, case, unit, digits(factor * own[low]), at[0], digits(factor * own[high]), at[1])
+                largest, where = digits(factor * own[high]), at[1]
+                moving = np.flatnonzero(rows.trusted(case) & np.isnan(own))
+                if name == SETTLED and len(moving):
+                    largest, where = MOVING, f"{_at(rows, int(moving[0]))}{_more(len(moving))}"
+                grid.add(name, case, unit, digits(factor * own[low]), at[0], largest, where)
+    return grid
+
+
+def _more(count: int) -> str:
+    return f" and {count - 1} more" if count > 1 else ""
+
+
+def _limits(rows: Swept, limits: Sequence[HeldLimit]) -> Grid:
+    """In how many samples limits are held; of drawn ones also how likely that is."""
+    share = ("share that holds it (95 % interval)",) if rows.drawn else ()
+    unknown = ("not known in",) if any(one.unknown for one in limits) else ()
+    grid = Grid("limits", ("number", "case", "limit", "held in", "exceeded in", *unknown, *share), keys=2)
+    for one in limits:
+        factor, unit = in_unit(one.unit, one.limits[1])
+        low, high = (digits(factor * each) for each in one.limits)
+        limit = f"{high if low == high else f'{low} .. {high}'} {unit}".strip()
+        between = f"{100.0 * one.low:.0f} .. {100.0 * one.high:.0f} %"
+        told = f"{100.0 * one.share:.0f} % ({between})" if np.isfinite(one.share) else between
+        count = (f"{one.unknown}",) if unknown else ()
+        of_all = f"{one.held} of {one.count}"
+        grid.add(one.name, one.case, limit, of_all, f"{one.exceeded}", *count, *((told,) if share else ()))
     return grid
 
 
@@ -60,16 +92,13 @@ def _scatter(rows: Swept, names: Sequence[str]) -> Grid:
         "median",
         "95 %",
         "samples",
-        "within its limit (95 % interval)",
     )
     grid = Grid("scatter over the samples", head, keys=2)
     for one in spreads(rows, names):
         factor, unit = _shown(rows, one.name)
         case = f"{one.case} less {one.above}" if one.above else one.case
-        share, low, high = (100.0 * part for part in one.held or (0.0, 0.0, 0.0))
-        held = "" if one.held is None else f"{share:.0f} % ({low:.0f} .. {high:.0f})"
         told = (one.mean, one.deviation, *one.quantiles)
-        grid.add(one.name, case, unit, *(digits(factor * value) for value in told), f"{one.count}", held)
+        grid.add(one.name, case, unit, *(digits(factor * value) for value in told), f"{one.count}")
     return grid
 
 
@@ -112,6 +141,8 @@ def left_out_pieces(rows: Swept, names: Sequence[str] = ()) -> Iterator[Piece]:
     at_most = max((int(rows.trusted(case).sum()) for case in rows.cases), default=0)
     if rows.drawn and at_most < FEWEST:
         yield f"No statistics: {at_most} samples are to be trusted, and {FEWEST} or more are needed"
+    if rows.drawn:
+        yield from _partly(rows, names)
     if rows.made:
         yield f"Rows are made {rows.made}"
     for code, count in limited(rows).items():
@@ -126,6 +157,23 @@ def left_out_pieces(rows: Swept, names: Sequence[str] = ()) -> Iterator[Piece]:
         yield f"No result for {len(failed)} of {n} samples in all; the table has the reasons"
     if missing := int((~rows.done).sum()):
         yield f"Interrupted: {missing} of {n} samples were not run. Run the command again to go on"
+
+
+def _partly(rows: Swept, names: Sequence[str]) -> Iterator[str]:
+    """Numbers that are blank in some of the samples: their statistics are those of the others, or have no mean."""
+    for one in spreads(rows, names):
+        if one.above:
+            continue
+        if one.longer:
+            yield (
+                f"{one.name}: {one.longer} of {one.count} samples of '{one.case}' are not at rest in time. They count "
+                "as longer than all others, and there is no mean"
+            )
+        blank = int((rows.trusted(one.case) & independent(rows)).sum()) - one.count
+        if blank:
+            yield f"{one.name}: blank in {blank} samples of '{one.case}'; its statistics are those of the others"
+    if any(rows.trouble):
+        yield "Samples without a result are missing from all statistics: the others are not of the whole distribution"
 
 
 def _at(rows: Swept, i: int) -> str:
