@@ -15,7 +15,7 @@ from femstruct.language.yaml import Here, Mistakes, Position, Tree, parse_value,
 from femstruct.study.campaign.varied import Campaign, Listed, Sampling, Scattered
 
 KEYS: Final = ("vary", "samples")
-WITHIN: Final = re.compile(r",(?![^\[]*\])")  # a comma that is in no list
+RANGE: Final = re.compile(r"\s*[-+.\d][^:]*:.*")  # what a decimal comma leaves of one
 DRAWN: Final = re.compile(r"(normal|uniform)\((.*)\)")
 SHORT: Final = "write it like 'bodies.damper.mass=50 g:1.5 kg:40:log' or 'parts.slab.thickness=180 mm,200 mm'"
 
@@ -58,7 +58,8 @@ def read_campaign(
         found |= {one.path: one for one in nouns(own.vary if own else {}, Here(there, mistakes))}
     mistakes.stop_if_any()
     if not found:
-        do = "add 'vary: {PATH: {from: .., to: .., steps: ..}}' to it, or --vary"
+        near = next((f"write '{key.lower()}' for '{key}'" for key in tree.value if key.lower() in KEYS[:1]), "")
+        do = near or "add 'vary: {PATH: {from: .., to: .., steps: ..}}' to it, or --vary"
         raise InputErrors((f"{path}: vary: got a study that varies nothing, expected one or more paths; {do}",))
     if case:
         refuse_other_cases(tree, found, case)
@@ -108,18 +109,18 @@ def short(text: str, mistakes: Mistakes, *, ranges: bool = False) -> Tree:
     """What the command line varies, as a file would say it. ranges : without steps, as in FROM:TO:log."""
     path, equals, written = (part.strip() for part in text.partition("="))
     file, value = f"--vary {text}", dict[str, Any]()
-    listed = WITHIN.split(written)
-    ends = [one.strip() for one in written.split(":")] if len(listed) == 1 else [written]
+    listed = parse_value(f"[{written}]", file, mistakes).value if "," in written else [written]
+    ends = [one.strip() for one in written.split(":")] if len(listed) == 1 and "," not in written else [written]
     drawn = DRAWN.fullmatch(written)
     if drawn is not None and equals and path:
         pair = [one.strip() for one in drawn[2].split(",")]
         value = (
             {"uniform": pair} if drawn[1] == "uniform" else {"normal": dict(zip(("mean", "sd"), pair, strict=False))}
         )
-    elif not (equals and path and written and all(ends)) or len(ends) > 4:
+    elif not (equals and path and written and all(ends)) or len(ends) > 4 or any(map(_range_in_list, listed[1:])):
         mistakes.add(Position(file), "", got="no range and no list", expected="PATH=FROM:TO:STEPS", do=SHORT)
     elif len(ends) == 1:
-        value = {"values": [parse_value(one, file, mistakes).value for one in listed]}
+        value = {"values": listed if "," in written else [parse_value(written, file, mistakes).value]}
     else:
         start, to, *more = ends
         more = ["", *more] if ranges else more
@@ -128,3 +129,7 @@ def short(text: str, mistakes: Mistakes, *, ranges: bool = False) -> Tree:
         value |= {"scale": more[1]} if len(more) > 1 else {}
     whole = {"vary": {path: value}} if value else {}
     return Tree(file, whole, dict.fromkeys(((), ("vary", path)), Position(file)), {}, text)
+
+
+def _range_in_list(value: object) -> bool:
+    return isinstance(value, str) and RANGE.fullmatch(value) is not None

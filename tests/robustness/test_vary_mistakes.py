@@ -7,6 +7,7 @@ import pytest
 from femstruct.errors import InputErrors
 from femstruct.language import read_study
 from femstruct.language.campaigns import read_campaign
+from femstruct.study.campaign.varied import Listed
 
 IN_FILE = {
     "{from: 1 kg, to: 2 kg, step: 3}": "vary.a.b.step: got the unknown key 'step'",
@@ -20,6 +21,9 @@ IN_FILE = {
     "{normal: {mean: 30 GPa, sd: -5 %}}": "got a deviation of -1.5e+09, expected a positive one",
     "{normal: {mean: 30 GPa}}": "vary.a.b.normal.sd: got nothing, expected 'sd'",
     "{from: 1,5 kg, to: 2 kg}": "a comma begins the next item",
+    "{normal: {mean: 2 %, sd: 20 %}}": "a mean and a deviation in percent, 2 % and 20 %, expected a deviation as a "
+    "plain number; write 'sd: 0.004' for 20 % of the mean, or 'sd: 0.2' for a deviation of 20 %",
+    "{values: [1, 5 t, 2 t]}": "got '1' without a unit beside '5 t', expected a unit with every value, or with none",
     "{}": "got none of from, values, normal, uniform",
     "3 kg": "3:8: vary.a.b: got '3 kg', expected a mapping",
     "{uniform: [1, 2]}": "3:3: vary.a.b: got a range without steps, expected steps, values or samples",
@@ -42,6 +46,13 @@ def test_mistakes_of_a_file(value: str, tmp_path: Path) -> None:
         ("a.b=1:2:3:4:5", "got no range and no list"),
         ("a.b=1:2:x", "vary.a.b.steps: got 'x', expected a whole number from 1 to 100000"),
         ("a.b=1:2:3:lin", "did you mean 'linear'?"),
+        (
+            "a.b=1,5 t,2 t",
+            "got '1' without a unit beside '5 t', expected a unit with every value, or with none; values are "
+            "separated by commas, decimals by a point: 1.5 t",
+        ),
+        ("a.b=1,5:3:4", "got no range and no list"),
+        ("a.b=1,5 t:3 t:4", "got no range and no list"),
         ("a.b=normal(3 kg)", "vary.a.b.normal.sd: got nothing, expected 'sd'"),
         ("a.b=uniform(1 kg, 2 m)", "vary.a.b: got a length and a mass"),
         ("a.b=1 kgg:2:3", "got '1 kgg' with an unknown unit 'kgg', expected a number with its unit"),
@@ -92,4 +103,35 @@ def test_a_study_that_varies_nothing_is_told_what_to_add(tmp_path: Path) -> None
         read_campaign(path, ["a.b=1:2:3"])
     path.write_text("model: m.yaml\n", encoding="utf-8")
     with pytest.raises(InputErrors, match=r"got a study that varies nothing, .* add 'vary: "):
+        read_campaign(path)
+
+
+@pytest.mark.parametrize(
+    ("text", "texts"),
+    [
+        ("a.at=[1, 2],[3, 4]", ("[1, 2]", "[3, 4]")),
+        ("a.at=[[1, 1], [2, 2]],[[1, 3], [2, 4]]", ("[[1, 1], [2, 2]]", "[[1, 3], [2, 4]]")),
+        ("a.law={type: hertz, stiffness: 1e8},{type: linear, stiffness: 1 MN/m}",
+         ("{type: hertz, stiffness: 100000000.0}", "{type: linear, stiffness: 1 MN/m}")),
+        ("a.mass=0,50 g,1 kg", ("0", "50 g", "1 kg")),
+        ("a.ratio=0.02,3 %", ("0.02", "3 %")),
+        ("a.material=steel,concrete", ("steel", "concrete")),
+    ],
+)  # fmt: skip
+def test_lists_of_the_command_line(text: str, texts: tuple[str, ...], tmp_path: Path) -> None:
+    path = tmp_path / "a.study.yaml"
+    path.write_text("model: m.yaml\n", encoding="utf-8")
+    assert read_campaign(path, [text]).varied[0] == Listed(*_parts(text, texts))
+
+
+def _parts(text: str, texts: tuple[str, ...]) -> tuple[object, ...]:
+    numbers = {"a.mass": ((0.0, 0.05, 1.0), "kg"), "a.ratio": ((0.02, 0.03), "1")}
+    path = text.partition("=")[0]
+    return (path, texts, *numbers.get(path, ()))
+
+
+def test_a_key_with_a_capital_is_named(tmp_path: Path) -> None:
+    path = tmp_path / "a.study.yaml"
+    path.write_text("model: m.yaml\nVary: {a.b: {values: [1]}}\n", encoding="utf-8")
+    with pytest.raises(InputErrors, match=r"got a study that varies nothing, .*; write 'vary' for 'Vary'"):
         read_campaign(path)

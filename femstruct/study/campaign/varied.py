@@ -134,7 +134,7 @@ class Campaign:
         if self.sampling.method == "grid" and scattered is not None:
             normal = scattered.law == "normal"
             got = "a distribution without a number of samples" if normal else "a range without steps"
-            steps = "" if normal else "'steps: 10' to it, or "
+            steps = "" if normal else "'steps: 10' to a 'from .. to', or "
             do = f"add {steps}'samples: {{count: 64}}' to the study, or --samples 64"
             raise InputError(f"vary.{scattered.path}", got=got, expected="steps, values or samples", do=do)
         size = 1

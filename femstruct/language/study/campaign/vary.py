@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Annotated, Any, Final, Literal
 
 import numpy as np
@@ -54,8 +55,15 @@ class NormalSpec(Spec):
     sd: AnyQuantity
 
     def scattered(self, path: str) -> Scattered:
-        """The noun. Raises InputError for a mean and a deviation of different dimensions."""
+        """The noun. Raises InputError for a mean and a deviation of different dimensions, and for both in percent: of
+        what is not clear."""
         mean, sd = self.mean, self.sd
+        if sd.dimension == mean.dimension == "ratio":
+            percent = f"{100.0 * sd.value:g} %"
+            got = f"a mean and a deviation in percent, {100.0 * mean.value:g} % and {percent}"
+            of_mean = f"'sd: {sd.value * abs(mean.value):g}' for {percent} of the mean"
+            do = f"write {of_mean}, or 'sd: {sd.value:g}' for a deviation of {percent}"
+            raise InputError(f"vary.{path}", got=got, expected="a deviation as a plain number", do=do)
         if sd.dimension == "ratio" and mean.dimension != "ratio":
             return Scattered(path, "normal", mean.value, sd.value * abs(mean.value), _unit(f"vary.{path}", mean))
         return Scattered(path, "normal", mean.value, sd.value, _unit(f"vary.{path}", mean, sd))
@@ -134,10 +142,25 @@ def _listed(path: str, values: list[Any]) -> Listed:
     texts = tuple(_text(one) for one in values)
     try:
         found = [Measured(*quantity_of(one, tuple(DIMENSIONS))) for one in values]
+    except QuantityError:
+        return Listed(path, texts)
+    _refuse_without_unit(f"vary.{path}", texts, found)
+    try:
         unit = _unit(path, *found)
     except InputError:
         return Listed(path, texts)
     return Listed(path, texts, tuple(one.value for one in found), unit)
+
+
+def _refuse_without_unit(where: str, texts: Sequence[str], found: Sequence[Measured]) -> None:
+    """Raise InputError for a plain number beside numbers with a unit, as a decimal comma makes it; 0 has no need of
+    one."""
+    with_unit = [text for text, one in zip(texts, found, strict=True) if one.dimension not in (None, "ratio")]
+    plain = [text for text, one in zip(texts, found, strict=True) if one.dimension is None and one.value]
+    if with_unit and plain:
+        got = f"'{plain[0]}' without a unit beside '{with_unit[0]}'"
+        do = "values are separated by commas, decimals by a point: 1.5 t"
+        raise InputError(where, got=got, expected="a unit with every value, or with none", do=do)
 
 
 def _text(value: Any) -> str:
