@@ -24,7 +24,7 @@ def references(search: Search, designs: Designs) -> tuple[Reference, ...]:
         goal, ends, values = designs.goals_of(rows)
         if why:
             goal, ends, values = np.nan, (np.nan, np.nan), np.full(len(rows), np.nan)
-        found.append(Reference(name, name == case, goal, ends, own - values, why))
+        found.append(Reference(name, name == case, goal, ends, float(values.mean()), own - values, why))
     return tuple(found)
 
 

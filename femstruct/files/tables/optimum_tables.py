@@ -28,8 +28,15 @@ def optimum_table(found: Found) -> Table:
             {"name": name, "limit": number(limit), "value": number(found.limits[name])}
             for name, limit in search.limits.items()
         ],
-        "robust": None if not search.over else {"over": [one.path for one in search.over], "quantile": search.quantile},
-        "references": [_reference(one) for one in found.references],
+        "value_is": _statistic(search),
+        "robust": None
+        if not search.over
+        else {
+            "over": [one.path for one in search.over],
+            "quantile": search.quantile,
+            "samples": search.scatter,
+        },
+        "references": [_reference(found, one) for one in found.references],
         "runs": found.runs,
         "designs": found.designs,
         "left_out": found.left_out,
@@ -60,15 +67,32 @@ def _quoted(word: str) -> str:
     return shlex.quote(word)
 
 
-def _reference(one: Reference) -> Table:
+def _statistic(search: Search) -> str:
+    """What a value is of its samples."""
+    return f"{100.0 * search.quantile:g} % quantile of {search.scatter} samples" if search.over else "of one run"
+
+
+def _reference(found: Found, one: Reference) -> Table:
+    """Differences of the values, as `value_is` says, and of the samples; each with the share of its own statistic."""
+    below, mean = found.goal - one.goal, float(one.less.mean())
     return {
         "case": one.name,
         "as_written": one.chosen,
         "value": number(one.goal),
         "over_the_scatter": [number(end) for end in one.ends],
+        "value_less_this": number(below),
+        "value_less_this_percent": number(_percent(found, below, one.goal)),
+        "mean": number(one.mean),
+        "mean_less_this": number(mean),
+        "mean_less_this_percent": number(_percent(found, mean, one.mean)),
         "design_less_this": [number(value) for value in one.less],
         "why_none": one.why,
     }
+
+
+def _percent(found: Found, difference: float, of: float) -> float:
+    """A share of a level is none."""
+    return 100.0 * difference / abs(of) if of and found.unit != "dB" else float("nan")
 
 
 def _chosen(one: Chosen) -> Table:

@@ -136,14 +136,15 @@ class Reference:
     """A case as its file has it, beside the best design, with the same samples of what scatters.
 
     name : of the case. chosen : whether it is the one whose numbers are chosen. goal, ends : as those of `Found`, nan
-    where there are none. less [s] : what the goal of the best design is above this one, sample by sample, negative
-    where it is below. why : there are none, "" where there are.
+    where there are none. mean : of the goal over what scatters. less [s] : what the goal of the best design is above
+    this one, sample by sample, negative where it is below. why : there are none, "" where there are.
     """
 
     name: str
     chosen: bool
     goal: float
     ends: tuple[float, float]
+    mean: float
     less: Floats
     why: str = ""
 

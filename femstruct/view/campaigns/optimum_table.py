@@ -92,28 +92,39 @@ def _how_near(found: Found) -> str:
 
 def reference_pieces(found: Found, factor: float, unit: str) -> Iterator[Piece]:
     """What the best design is held against, and whether it is better at all."""
-    over = found.search.over
-    title = "beside it, in the same samples" if over else "beside it"
-    grid = Grid(title, ("case", f"{found.goal_name} [{unit}]".replace(" []", ""), "the best design less this one"))
+    search, named = found.search, f"{found.goal_name} [{unit}]".replace(" []", "")
+    head = ["case", named, "the best design less this one"]
+    if search.over:
+        share = f"{100.0 * search.quantile:g} % quantile"
+        head[1:] = [
+            f"{named},\n{share} (smallest .. largest)",
+            f"the best design less this one:\n{share}s",
+            f"mean of the {search.scatter} paired\ndifferences (smallest .. largest)",
+        ]
+    grid = Grid("beside it, in the same samples" if search.over else "beside it", tuple(head))
+    shared = found.unit != "dB"
     for one in found.references:
         name = f"{one.name}, as written" if one.chosen else f"{one.name}, the baseline"
         if one.why:
-            grid.add(name, "", f"none: {one.why}")
+            grid.add(name, "", f"none: {one.why}", *([""] if search.over else []))
             continue
-        ends = f" ({digits(factor * one.ends[0])} .. {digits(factor * one.ends[1])})" if over else ""
-        grid.add(name, digits(factor * one.goal) + ends, _less(one, factor, unit, found.unit != "dB"))
+        told = [digits(factor * one.goal), _less(found.goal - one.goal, one.goal, factor, unit, shared)]
+        if search.over:
+            told[0] += f" ({digits(factor * one.ends[0])} .. {digits(factor * one.ends[1])})"
+            low, high = factor * one.less.min(), factor * one.less.max()
+            mean = _less(float(one.less.mean()), one.mean, factor, unit, shared)
+            told.append(f"{mean} ({low:+.3g} .. {high:+.3g})")
+        grid.add(name, *told)
     yield grid
     for one in found.references:
         if not one.why:
             yield from _worth(found, one)
 
 
-def _less(one: Reference, factor: float, unit: str, shared: bool) -> str:
-    """What the design is above a case: the mean over the samples, with least and largest; as a share of that, too."""
-    mean, low, high = (factor * value for value in (one.less.mean(), one.less.min(), one.less.max()))
-    told = f"{mean:+.3g} {unit}".strip()
-    told += f", {100.0 * one.less.mean() / abs(one.goal):+.2g} %" if shared and one.goal else ""
-    return told if len(one.less) == 1 else f"{told} ({low:+.3g} .. {high:+.3g})"
+def _less(difference: float, of: float, factor: float, unit: str, shared: bool) -> str:
+    """What the design is above a case; as a share of the same statistic of that case, too."""
+    told = f"{factor * difference:+.3g} {unit}".strip()
+    return told + (f", {100.0 * difference / abs(of):+.2g} %" if shared and of else "")
 
 
 def _worth(found: Found, one: Reference) -> Iterator[str]:
