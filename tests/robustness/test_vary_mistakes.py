@@ -23,7 +23,9 @@ IN_FILE = {
     "{from: 1,5 kg, to: 2 kg}": "a comma begins the next item",
     "{normal: {mean: 2 %, sd: 20 %}}": "a mean and a deviation in percent, 2 % and 20 %, expected a deviation as a "
     "plain number; write 'sd: 0.004' for 20 % of the mean, or 'sd: 0.2' for a deviation of 20 %",
-    "{values: [1, 5 t, 2 t]}": "got '1' without a unit beside '5 t', expected a unit with every value, or with none",
+    "{values: [1, 5 t, 2 t]}": "got 1 without a unit beside a mass, expected a unit with every value, or with none",
+    "{from: 1, to: 2 t}": "3:8: vary.a.b: got 1 without a unit beside a mass",
+    "{normal: {mean: 2 t, sd: 0.1}}": "got 0.1 without a unit beside a mass",
     "{}": "got none of from, values, normal, uniform",
     "3 kg": "3:8: vary.a.b: got '3 kg', expected a mapping",
     "{uniform: [1, 2]}": "3:3: vary.a.b: got a range without steps, expected steps, values or samples",
@@ -48,7 +50,7 @@ def test_mistakes_of_a_file(value: str, tmp_path: Path) -> None:
         ("a.b=1:2:3:lin", "did you mean 'linear'?"),
         (
             "a.b=1,5 t,2 t",
-            "got '1' without a unit beside '5 t', expected a unit with every value, or with none; values are "
+            "got 1 without a unit beside a mass, expected a unit with every value, or with none; values are "
             "separated by commas, decimals by a point: 1.5 t",
         ),
         ("a.b=1,5:3:4", "got no range and no list"),

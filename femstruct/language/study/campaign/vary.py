@@ -144,7 +144,7 @@ def _listed(path: str, values: list[Any]) -> Listed:
         found = [Measured(*quantity_of(one, tuple(DIMENSIONS))) for one in values]
     except QuantityError:
         return Listed(path, texts)
-    _refuse_without_unit(f"vary.{path}", texts, found)
+    _refuse_without_unit(f"vary.{path}", found)
     try:
         unit = _unit(path, *found)
     except InputError:
@@ -152,13 +152,13 @@ def _listed(path: str, values: list[Any]) -> Listed:
     return Listed(path, texts, tuple(one.value for one in found), unit)
 
 
-def _refuse_without_unit(where: str, texts: Sequence[str], found: Sequence[Measured]) -> None:
+def _refuse_without_unit(where: str, several: Sequence[Measured]) -> None:
     """Raise InputError for a plain number beside numbers with a unit, as a decimal comma makes it; 0 has no need of
     one."""
-    with_unit = [text for text, one in zip(texts, found, strict=True) if one.dimension not in (None, "ratio")]
-    plain = [text for text, one in zip(texts, found, strict=True) if one.dimension is None and one.value]
+    plain = [one.value for one in several if one.dimension is None and one.value]
+    with_unit = [one.dimension for one in several if one.dimension not in (None, "ratio")]
     if with_unit and plain:
-        got = f"'{plain[0]}' without a unit beside '{with_unit[0]}'"
+        got = f"{plain[0]:g} without a unit beside {DIMENSIONS[with_unit[0]].words}"
         do = "values are separated by commas, decimals by a point: 1.5 t"
         raise InputError(where, got=got, expected="a unit with every value, or with none", do=do)
 
@@ -177,7 +177,8 @@ def _text(value: Any) -> str:
 
 
 def _unit(where: str, *several: Measured) -> str:
-    """The unit of numbers that all have one dimension; plain ones have that of the others, or none."""
+    """The unit of numbers that all have one dimension; 0 has that of the others."""
+    _refuse_without_unit(where, several)
     known = {one.dimension for one in several} - {None}
     if len(known) > 1:
         words = " and ".join(DIMENSIONS[one].words for one in sorted(filter(None, known)))
