@@ -103,13 +103,12 @@ def batch_tasks(
             same = {case.name: key_of(case.study) for case in cases} == structures
             return {one.name: (one.study, staged(one.study, places[one.name])) for one in cases} if same else {}
 
+        histories = _by_history(stage_of(first, campaign.only), campaign.only)
+        if isinstance(histories, str):  # before all samples are read, which takes long
+            return histories
         found = scene_columns(samples, scenes, told)
         if found is None or not all(map(numbers_of_scene, found.scenes.values())):
             return "more varies than numbers of bodies, contacts, links and loads"
-        stage = stage_of(first, campaign.only)
-        histories = _by_history(stage, campaign.only)
-        if isinstance(histories, str):
-            return histories
     except (FemstructError, TypeError) as error:  # full runs say it of each sample
         return f"the batch engine does not take this study: {error}"
     n = len(samples.texts)
