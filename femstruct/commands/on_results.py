@@ -96,14 +96,14 @@ def compare(
     verbose: Verbose = False,
 ) -> int:
     """Print finished runs side by side. Their cases stand as those of one study, beside the baseline of the first run,
-    after what differs in the input files. Nothing is computed anew."""
+    after what differs in the input files and in --set. Nothing is computed anew."""
     import sys
 
     from femstruct.errors import InputError
     from femstruct.files.atomic import refuse_unwritable
     from femstruct.files.results_file.stored import read_results, results_file
     from femstruct.files.tables.study_tables import summary
-    from femstruct.workflow.compare.finished import beside, differences, names_of
+    from femstruct.workflow.compare.finished import beside, names_of
     from femstruct.workflow.run.output import write_all
 
     if len(results) < 2:
@@ -116,9 +116,7 @@ def compare(
         runs = {name: read_results(results_file(path)) for name, path in zip(names, results, strict=True)}
         whole = beside(runs, " ".join(["femstruct", *sys.argv[1:]]))
         seconds, told = ({}, "") if output is None else write_all(whole, output, tell, not no_pictures, on_stderr)
-    changed = differences(runs)
     if as_json:
-        print_json(summary(whole) | {"differences": changed})
+        print_json(summary(whole) | {"differences": list(whole.comparison.inputs)})
         return verdict(whole)
-    print("input files:", *changed, sep="\n  ")
     return shown(whole, seconds, str(output or ""), as_json, verbose, told)

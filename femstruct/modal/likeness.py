@@ -175,9 +175,22 @@ def _shared_shapes(a: ModalBasis, b: ModalBasis) -> tuple[Floats, Floats]:
     return first, second
 
 
+def share_nodes(a: ModalBasis, b: ModalBasis) -> bool:
+    """Whether two bases have a node in common, so that their shapes can be compared.
+
+    >>> from femstruct.modal.analytic import given_modes
+    >>> one, _ = given_modes([50.0], [0.0], {"P": [1.0]}, at={"P": 0.0})
+    >>> other, _ = given_modes([50.0], [0.0], {"P": [1.0]}, at={"P": 2.0})
+    >>> share_nodes(one, one), share_nodes(one, other)
+    (True, False)
+    """
+    return bool(len(a.points) and len(b.points) and len(_common_nodes(a.points, b.points)[0]))
+
+
 def _common_nodes(a: Floats, b: Floats) -> tuple[Integers, Integers]:
     """Indices of the nodes both sets of points [n, 3] have, by position and turn at that position."""
-    size = max(float(np.ptp(a, axis=0).max()), float(np.ptp(b, axis=0).max()), 1e-300)
+    size = max(float(np.ptp(a, axis=0).max()), float(np.ptp(b, axis=0).max()))
+    size = size or float(max(np.abs(a).max(), np.abs(b).max())) or 1.0  # one node each
     rounded = np.round(np.concatenate([a, b]) / (1e-7 * size)).astype(np.int64)
     _, place = np.unique(rounded, axis=0, return_inverse=True)
     of_a, of_b = place[: len(a)].ravel(), place[len(a) :].ravel()

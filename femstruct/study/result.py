@@ -251,21 +251,27 @@ class CaseComparison:
     peaks : by channel. bands_db : by receiver ("box.mic"), {band centre [Hz]: attenuation [dB]}, positive = quieter.
     modes_db : by channel, {mode number: attenuation [dB] of the spectrum at the baseline's peak within 2 % of the
     mode's frequency}. frequencies : mode table by MAC, {baseline mode: (own mode, own frequency [Hz], MAC)}.
+    notes : sentences on what of the two is not compared, or over which part of them.
     """
 
     peaks: Mapping[str, PeakChange]
     bands_db: Mapping[str, Mapping[float, float]]
     modes_db: Mapping[str, Mapping[int, float]]
     frequencies: Mapping[int, tuple[int, float, float]]
+    notes: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
 class Comparison:
-    """All cases against the baseline; `filter` says what every peak went through."""
+    """All cases against the baseline; `filter` says what every peak went through.
+
+    inputs : of finished runs side by side, what differs in their input files and in their `--set`, a line each.
+    """
 
     baseline: str
     cases: Mapping[str, CaseComparison]
     filter: str
+    inputs: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)

@@ -22,7 +22,7 @@ from femstruct.view.page.style import STYLE
 from femstruct.view.tables.accuracy_table import outcomes, trust
 from femstruct.view.tables.finding_lines import finding_lines
 from femstruct.view.tables.rated_table import first_drop
-from femstruct.view.tables.terminal import asked_tables, other_tables
+from femstruct.view.tables.terminal import asked_tables, notes, other_tables
 
 _NO_FILES: Final[Mapping[str, bytes]] = MappingProxyType({})
 
@@ -80,7 +80,9 @@ def _asked(result: StudyResult, pictures: Mapping[str, bytes]) -> list[str]:
     models = [picture(name, file) for name, file in pictures.items() if kind_of(name).begins == MODEL]
     cases = table(cases_table(result.plan, list(result.cases)))
     inputs = [table(grid) for grid in input_tables(baseline_inputs(result.plan))]
-    return ["<h2>Model and inputs</h2>", *models, *inputs, *(["<h2>Cases</h2>", cases] if cases else [])]
+    changed = listed(result.comparison.inputs)
+    between = ["<h2>What differs in the input files</h2>", changed] if changed else []
+    return ["<h2>Model and inputs</h2>", *models, *inputs, *(["<h2>Cases</h2>", cases] if cases else []), *between]
 
 
 def _found(result: StudyResult, pictures: Mapping[str, bytes]) -> list[str]:
@@ -91,7 +93,7 @@ def _found(result: StudyResult, pictures: Mapping[str, bytes]) -> list[str]:
     if not any(tables):
         tables = [table(natural_frequencies(result))]
     shown = [picture(name, file) for name, file in pictures.items() if kind_of(name).begins in _front(result)]
-    return ["<h2>Results</h2>", listed([*outcomes(result), *about]), *tables, *shown]
+    return ["<h2>Results</h2>", listed([*outcomes(result), *about, *notes(result)]), *tables, *shown]
 
 
 def _front(result: StudyResult) -> tuple[str, ...]:

@@ -27,7 +27,8 @@ from femstruct.view.figures.plots import drawings, figures, plot_all
 from femstruct.view.figures.spectra import frequency_response, sound
 from femstruct.view.figures.vibration import spectrum
 from femstruct.view.tables.scales import scaled
-from femstruct.workflow.compare.compare import Spectra, compare
+from femstruct.workflow.compare.at_modes import Spectra
+from femstruct.workflow.compare.compare import compare
 
 ROUNDING = 1e-12  # rounding: 7e-15 here at most
 

@@ -173,6 +173,7 @@ def _comparison(case: CaseResult, beside: CaseComparison) -> Table:
         "modes_db": _first(case, modes),
         "bands_db_by_receiver": bands,
         "modes_db_by_channel": modes,
+        "notes": list(beside.notes),
     }
 
 

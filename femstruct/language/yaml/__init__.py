@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from femstruct.language.yaml.bands import BandFile, band_file, by_band, each_band, made_of_file
 from femstruct.language.yaml.here import Here, Names, members
-from femstruct.language.yaml.reader import parse_value, read_yaml
+from femstruct.language.yaml.reader import lines_of_keys, parse_value, read_yaml
 from femstruct.language.yaml.references import check_references, found, references
 from femstruct.language.yaml.spec import (
     FREQUENCY,
@@ -101,6 +101,7 @@ __all__ = [
     "each_band",
     "exactly_one",
     "found",
+    "lines_of_keys",
     "made_of_file",
     "members",
     "near_name",

@@ -61,6 +61,22 @@ def parse_value(text: str, file: str, mistakes: Mistakes) -> Tree:
     return Tree(file, value, positions, positions, text)
 
 
+def lines_of_keys(text: str, file: str) -> dict[str, range]:
+    """The lines, from 1, of every key of a YAML mapping and its value. Raises InputErrors for what is no YAML.
+
+    >>> lines_of_keys("a: 1\\nb:\\n  c: 2\\n\\n# more\\nd: 3\\n", "x.yaml")
+    {'a': range(1, 2), 'b': range(2, 4), 'd': range(6, 7)}
+    """
+    node, rows = _compose(text, file), text.splitlines()
+    found: dict[str, range] = {}
+    for key, value in node.value if isinstance(node, MappingNode) else ():
+        end = value.end_mark.line + (value.end_mark.column > 0)
+        while end > key.start_mark.line + 1 and rows[end - 1].strip().partition("#")[0] == "":
+            end -= 1
+        found[str(key.value)] = range(key.start_mark.line + 1, end + 1)
+    return found
+
+
 def _refused(at: Position, got: str, expected: str, do: str = "", path: str = "") -> InputErrors:
     mistakes = Mistakes()
     mistakes.add(at, path, got=got, expected=expected, do=do)

@@ -99,9 +99,10 @@ def machine(result: StudyResult) -> Grid:
         for name, row in cells.items():
             row.append(_judged(result.verdicts.get(name, ())))
     same = [i for i, (column, _) in enumerate(columns) if column in (SAGS, MODES)]
-    for name, row in cells.items():
-        for i in same if name != result.comparison.baseline else ():
-            row[i] = "as baseline" if row[i] == cells[result.comparison.baseline][i] != "-" else row[i]
+    baseline = cells.get(result.comparison.baseline)  # another run beside it may not be about a machine
+    for row in cells.values():
+        if baseline is not None and row is not baseline:
+            row[:] = ["as baseline" if i in same and one == baseline[i] != "-" else one for i, one in enumerate(row)]
     kept = [i for i in range(len(columns)) if any(set(row[i]) - set("-\n 0.") for row in cells.values())]
     grid = Grid("machine (energies: when the first contact ends, and at the end)", ("", *(columns[i][0] for i in kept)))
     for name, row in cells.items():

@@ -38,7 +38,9 @@ def show_study(result: StudyResult, written: Mapping[str, float], folder: str = 
     """
     screen = console()
     screen.print(result.plan.title, style="bold")
-    for line in (*outcomes(result), *trust(result)):
+    for line in result.comparison.inputs:
+        screen.print(f"  {line}", soft_wrap=True)
+    for line in (*outcomes(result), *trust(result), *notes(result)):
         screen.print(f"  {line}", soft_wrap=True)
     if told := first_drop(result):
         screen.print(f"  {told}", soft_wrap=True)
@@ -55,6 +57,15 @@ def show_study(result: StudyResult, written: Mapping[str, float], folder: str = 
     _show_timings(screen, {**result.timings, **written})
     if folder:
         screen.print(f"written to {folder}")
+
+
+def notes(result: StudyResult) -> list[str]:
+    """What of the cases and their baseline is not compared, or over which part of them; each sentence once."""
+    others = result.comparison.cases
+    found = {
+        note: [name for name, one in others.items() if note in one.notes] for o in others.values() for note in o.notes
+    }
+    return [f"{', '.join(cases)}: {note}" for note, cases in found.items()]
 
 
 def study_tables(result: StudyResult) -> tuple[Grid, ...]:

@@ -1,9 +1,8 @@
-"""Finished runs side by side: their cases as those of one study, and what differs in their files."""
+"""Finished runs side by side: their cases as those of one study."""
 
 from __future__ import annotations
 
-import difflib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from math import log10
 from pathlib import Path
@@ -14,14 +13,15 @@ from femstruct.findings.catalogue import ranked
 from femstruct.study.machine import GroundForce, Machine
 from femstruct.study.result import CaseResult, StudyResult
 from femstruct.study.study import Plan
-from femstruct.workflow.compare.compare import Spectra, compare
+from femstruct.workflow.compare.at_modes import Spectra
+from femstruct.workflow.compare.compare import compare
+from femstruct.workflow.compare.input_files import differences
 from femstruct.workflow.run.provenance import provenance
 from femstruct.workflow.stages.recorded.peaks import change_findings
 
 CHANGE: Final = "change-not-converged"  # a finding beside a baseline
 ALONE: Final = "as given"  # the case of a study without cases
 BETWEEN: Final = ": "  # run and case
-MOST: Final = 40  # lines of differences for each file
 
 
 def names_of(paths: Sequence[str | Path]) -> list[str]:
@@ -50,7 +50,8 @@ def beside(runs: Mapping[str, StudyResult], command: str = "") -> StudyResult:
 
     runs : by name, two or more. Cases are named "RUN: CASE", those of a run with one case "RUN".
 
-    Returns a result as of one study with all cases; what is not compared is as it was in each run.
+    Returns a result as of one study with all cases, and what differs in the input files; what is not compared is as it
+    was in each run.
     """
     named = {(run, case): _named(run, case, result) for run, result in runs.items() for case in result.cases}
     first, reference = next(iter(runs.items()))
@@ -60,7 +61,7 @@ def beside(runs: Mapping[str, StudyResult], command: str = "") -> StudyResult:
         for run, result in runs.items()
         for case, one in result.cases.items()
     }
-    comparison = compare(baseline, cases, Spectra())
+    comparison = replace(compare(baseline, cases, Spectra()), inputs=differences(runs))
     told = {name: replace(one, findings=_findings(cases[baseline], one)) for name, one in cases.items()}
     whole = StudyResult(
         plan=_plan(runs, named, baseline),
@@ -111,37 +112,3 @@ def _grounded(machine: Mapping[str, Machine], baseline: str) -> dict[str, Machin
         return replace(ground, percent=100.0 * (share - 1.0), attenuation_db=-20.0 * log10(share))
 
     return {name: replace(one, ground=told(name, one.ground)) for name, one in machine.items()}
-
-
-def differences(runs: Mapping[str, StudyResult]) -> list[str]:
-    """What differs between the files of the first run and those of each other, a line each; files are paired in their
-    order: the study, its model, tables."""
-    (first, reference), *others = runs.items()
-    lines: list[str] = []
-    for name, result in others:
-        changed = list(_changed(reference, result))
-        lines += [f"{first} and {name}: the same input files"] if not changed else []
-        lines += [f"{first} -> {name}: {line}" for line in changed]
-    return lines
-
-
-def _changed(one: StudyResult, other: StudyResult) -> Iterator[str]:
-    mine, theirs = list(one.plan.sources.items()), list(other.plan.sources.items())
-    for (name, text), (other_name, other_text) in zip(mine, theirs, strict=False):
-        named = name if name == other_name else f"{name} / {other_name}"
-        rows = text.splitlines(), other_text.splitlines()
-        found = [
-            f"{named}:{start + 1}: {_cut(rows[0][start:end])} -> {_cut(rows[1][begin:stop])}"
-            for tag, start, end, begin, stop in difflib.SequenceMatcher(None, *rows, autojunk=False).get_opcodes()
-            if tag != "equal"
-        ]
-        yield from found[:MOST]
-        if len(found) > MOST:
-            yield f"{named}: {len(found) - MOST} more"
-    if len(mine) != len(theirs):
-        yield f"{len(mine)} input files -> {len(theirs)}"
-
-
-def _cut(lines: Sequence[str]) -> str:
-    """Some lines of a file as one."""
-    return " | ".join(line.strip() for line in lines) or "(nothing)"

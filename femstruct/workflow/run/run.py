@@ -12,7 +12,8 @@ from femstruct.impact.compiled.workers import compilation
 from femstruct.modal.basis import ModalBasis
 from femstruct.study.result import AccuracyCheck, CaseResult, StudyResult
 from femstruct.study.study import Case, Plan, Study
-from femstruct.workflow.compare.compare import Spectra, compare
+from femstruct.workflow.compare.at_modes import Spectra
+from femstruct.workflow.compare.compare import compare
 from femstruct.workflow.compare.machines import machines
 from femstruct.workflow.compare.verdicts import verdicts
 from femstruct.workflow.run.accuracy import hold_accuracy
