@@ -120,6 +120,21 @@ def test_the_energy_figure_counts_blows_as_put_in(taps: StudyResult) -> None:
     assert share == pytest.approx((ledger.start.total + ledger.end.work + ledger.end.blows) / ledger.start.total)
 
 
+def test_blows_long_after_the_window_do_not_happen(tmp_path: Path) -> None:
+    """The second blow of each body is 30 years away, beyond what whole numbers of ticks can count."""
+    response = run_study(read_study(write(tmp_path, STUDY.replace("every: 0.3 s", "every: 1e9 s")))).cases["as given"]
+    assert response.response is not None
+    assert [(blow.body, blow.number) for blow in response.response.blows] == [("one", 1), ("two", 1), ("three", 1)]
+
+
+def test_the_energy_figure_of_a_structure_at_rest_has_a_height(tmp_path: Path) -> None:
+    still = "bodies: {one: {mass: 0.5 kg, above: p1, speed: 0 m/s, contact: {type: hertz, stiffness: 2e7}}}\n"
+    asked = "record: {p1.z: velocity}\ntime: {duration: 10 ms, sampling: 20 kHz}"
+    text = STUDY[: STUDY.index("bodies:")] + still + asked
+    figure = energy(run_study(read_study(write(tmp_path, text))))
+    assert figure is not None and figure.axes[0].get_ylim() == (0.0, 1.0)
+
+
 def test_blows_in_the_terminal(strokes: StudyResult, capsys: pytest.CaptureFixture[str]) -> None:
     show_study(strokes, {}, verbose=True)
     told = capsys.readouterr().out

@@ -270,8 +270,9 @@ def _strikes(scene: Scene, bodies: Mapping[str, int], k: int, scale: Floats, tic
     for number, blows in enumerate(scene.blows):
         i = bodies[blows.body]
         velocity = scene.bodies[i].velocity * scale[k + i]
-        times = np.rint(blows.times / tick).astype(np.int64)
-        found += [(int(at), number, k + i, velocity) for at in times[times < end]]
+        ticks = np.rint(blows.times / tick)
+        times = ticks[ticks < end].astype(np.int64)  # later ones may be beyond whole numbers
+        found += [(int(at), number, k + i, velocity) for at in times]
     return np.array(sorted(found, key=lambda strike: strike[0]), dtype=STRIKE)
 
 

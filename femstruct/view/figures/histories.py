@@ -114,7 +114,7 @@ def energy(result: StudyResult) -> Figure | None:
             _stack(axes, response, (factor, time), end, beside, takers)
             finish(axes, f"time in {time_unit}", "")
             axes.set_xlim(0.0, time * end)
-            axes.set_ylim(0.0, 1.08 * factor * float(_input(ledger).max()))
+            axes.set_ylim(0.0, 1.08 * factor * float(_input(ledger).max()) or 1.0)
         row[0].set_ylabel(f"energy in {unit}")
         row[0].set_title(f"{name}   (ledger residual {ledger.residual:.1e})", fontsize=9, loc="left")
     grid[0, -1].legend(
