@@ -18,7 +18,8 @@ def export(
     file: Annotated[
         Path,
         typer.Argument(
-            metavar="FILE", help="csv, xlsx: results.h5 of a run, or its folder; npz, mtx: a model; others: either"
+            metavar="FILE",
+            help="csv, xlsx: folder of a run, a sweep or an optimisation; npz, mtx: a model; others: run or model",
         ),
     ],
     to: Annotated[

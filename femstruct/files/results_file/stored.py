@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from femstruct.errors import FemstructError, InputError
+from femstruct.files.results_file.campaign_folder import refuse_campaign
 from femstruct.files.results_file.results import FORMAT, FORMAT_VERSION
 from femstruct.files.results_file.seal import refuse_broken_seal
 from femstruct.files.results_file.whole import read_whole
@@ -79,6 +80,7 @@ def read_results(path: str | Path) -> StudyResult:
     >>> folder.cleanup()
     """
     path = results_file(path)
+    refuse_campaign(path.parent if path.name == RESULTS else path)
     if not path.is_file():
         expected = f"a results file, or the folder of a run with its {RESULTS}"
         raise InputError(str(path), got="no such file", expected=expected, do="run the study first")

@@ -188,10 +188,11 @@ def write_table(path: str | Path, rows: Swept, names: Sequence[str] = ()) -> Non
             varied = [_cell(value) or text for value, text in zip(rows.values[i], texts, strict=True)]
             for c, case in enumerate(rows.cases):
                 own = [_cell(column[i]) for column in columns[c * len(names) : (c + 1) * len(names)]]
-                writer.writerow([i, case, *varied, *own, " ".join(rows.severe[c][i]), _why(rows, i)])
+                writer.writerow([i, case, *varied, *own, " ".join(rows.severe[c][i]), why_not(rows, i)])
 
 
-def _why(rows: Swept, i: int) -> str:
+def why_not(rows: Swept, i: int) -> str:
+    """Why a sample has no numbers, "" where it has."""
     return rows.trouble[i] or ("" if rows.done[i] else "not run")
 
 

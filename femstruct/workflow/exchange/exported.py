@@ -40,8 +40,9 @@ def exported(
 ) -> list[Path]:
     """Write what there is in a file to a folder; returns the files.
 
-    file : results of a run for `csv` and `xlsx`, a model for `npz` and `mtx`, either for modes. extent : how many
-    modes of a model, for `uff` and `vtu`. data_sets : of a universal file, as in "15,2414"; "" for the usual ones.
+    file : results of a run, a sweep or an optimisation for `csv` and `xlsx`, a model for `npz` and `mtx`, a run or a
+    model for modes. extent : how many modes of a model, for `uff` and `vtu`. data_sets : of a universal file, as in
+    "15,2414"; "" for the usual ones.
 
     Raises InputError for the other kind of file, and for a number of modes or data sets where none are written.
     """
@@ -90,11 +91,19 @@ def _is_results(file: Path) -> bool:
 
 
 def _tables(file: Path, to: str, folder: Path) -> list[Path]:
+    from femstruct.files.results_file.campaign_folder import campaign_file
+    from femstruct.files.results_file.found_file import read_found
     from femstruct.files.results_file.stored import read_results, results_file
+    from femstruct.files.results_file.swept_file import SWEEP, read_swept
+    from femstruct.files.tables.campaign_sheets import campaign_sheets
     from femstruct.files.tables.sheets import sheets, write_csv, write_workbook
 
-    source = results_file(file)
-    tables = sheets(read_results(source))
+    source = campaign_file(file)
+    if source is not None:
+        tables = campaign_sheets((read_swept if source.name == SWEEP else read_found)(source))
+    else:
+        source = results_file(file)
+        tables = sheets(read_results(source))
     folder.mkdir(parents=True, exist_ok=True)
     return (write_csv if to == "csv" else write_workbook)(tables, folder, _name_of(source))
 
@@ -123,7 +132,7 @@ def _shapes(file: Path, to: str, folder: Path, extent: Extent | None, sets: tupl
 
 
 def _name_of(source: Path) -> str:
-    return source.absolute().parent.name if source.stem == "results" else source.stem
+    return source.absolute().parent.name if source.stem in ("results", "sweep", "optimise") else source.stem
 
 
 def _about(source: ModelFile, assembly: Assembly, command: str) -> Table:
