@@ -16,6 +16,8 @@ from femstruct.errors import FemstructError
 from femstruct.impact.estimate import error_of
 from femstruct.impact.result.response import Response
 from femstruct.workflow.identify.identify import identify
+from femstruct.workflow.identify.measured_data import MeasuredFiles, read_data
+from femstruct.workflow.identify.trial import Trial
 from femstruct.workflow.run import struck
 
 MODELS = Path(__file__).parents[2] / "models"
@@ -122,6 +124,80 @@ def test_a_record_that_begins_late_is_not_to_be_trusted(tmp_path: Path) -> None:
     for picture in ("fit.txt", "nowhere/fit.png"):
         with pytest.raises(FemstructError):
             CliRunner().invoke(app, ["identify", str(STUDY), *options, "--picture", picture], catch_exceptions=False)
+
+
+def struck_oscillator(folder: Path, begin: float, end: float) -> Path:
+    """A study of a hammer on an oscillator, and beside it the acceleration between two times in a.csv, from t = 0."""
+    model = """
+        structure: {type: oscillator, mass: 1 kg, stiffness: 100 kN/m}
+        points: {m: {}}
+        damping: {ratio: 5 %}
+    """
+    (folder / "oscillator.yaml").write_text(model, encoding="utf-8")
+    study = folder / "hit.study.yaml"
+    study.write_text(
+        """
+        model: oscillator.yaml
+        bodies: {hammer: {mass: 100 g, above: m, speed: 1 m/s, contact: {type: linear, stiffness: 100 kN/m}}}
+        record: {m.z: acceleration}
+        time: {duration: 60 ms, sampling: 4 kHz}
+        """,
+        encoding="utf-8",
+    )
+    case = run_study(read_study(study)).cases["as given"]
+    assert case.response is not None
+    kept = (case.response.t > begin - 1e-9) & (case.response.t < end)
+    rows = np.column_stack((case.response.t[kept] - begin, case.channels["m.z acceleration"].values[kept]))
+    np.savetxt(folder / "a.csv", rows, delimiter=",")
+    return study
+
+
+def test_a_record_that_was_triggered_late_gives_the_truth(tmp_path: Path) -> None:
+    """2 ms after the hammer, all digits: the simulation goes on beyond the record by as much as a delay may reach."""
+    study = struck_oscillator(tmp_path, 2e-3, 32e-3)
+    found = identify(study, tmp_path / "a.csv", "m.z acceleration", ("structure.stiffness=99 kN/m",), delay=True).fit
+    assert found.values["structure.stiffness"] == pytest.approx(100.0, rel=1e-9)  # steps end at 1e-9
+    assert found.values["delay"] == pytest.approx(-2e-3, rel=1e-9)  # likewise
+
+
+def ball_on_the_ground() -> Path:
+    """A study of 1 kg at 2 m/s on 10 kN/m and a dashpot of 15 N s/m: a pulse of 31 ms that begins with c v = 30 N."""
+    Path("none.yaml").write_text("structure: none", encoding="utf-8")
+    Path("hit.study.yaml").write_text(
+        """
+        model: none.yaml
+        bodies: {ball: {mass: 1 kg, above: ground, speed: 2 m/s,
+                        contact: {type: linear, stiffness: 10 kN/m, damping: 15 N*s/m}}}
+        record: {ball on ground: force}
+        time: {duration: 40 ms, sampling: 2 kHz}
+        """,
+        encoding="utf-8",
+    )
+    return Path("hit.study.yaml")
+
+
+def test_before_a_simulation_begins_there_is_rest() -> None:
+    """A record that begins 2 ms before the dashpot has its force at once."""
+    plan = read_study(ball_on_the_ground())
+    case = run_study(plan).cases["as given"]
+    force = case.channels[CHANNEL].values
+    assert force[0] == pytest.approx(30.0, rel=1e-9)  # rounding
+    late = np.concatenate((np.zeros(4), force[:60]))
+    np.savetxt("late.csv", np.column_stack((np.arange(64) / 2e3, late)), delimiter=",")
+    (one,), (delay,) = read_data(MeasuredFiles("late.csv +- 1 N", CHANNEL), plan, delay=True)
+    assert one.residuals(Trial({"delay": 2e-3}, None, case)) == pytest.approx(np.zeros(64), abs=1e-9)  # rounding
+    assert (delay.low, delay.high) == (pytest.approx(-0.5 * 63 / 2e3), np.inf)
+
+
+def test_a_record_that_lacks_too_much_of_its_beginning_is_refused() -> None:
+    """The second half of a pulse, which is shorter than twice the first one: half of a record is the margin."""
+    study = ball_on_the_ground()
+    force = run_study(read_study(study)).cases["as given"].channels[CHANNEL].values[30:55]
+    np.savetxt("half.csv", np.column_stack((np.arange(25) / 2e3, force)), delimiter=",")
+    told = "--delay: got a record that seems to lack the first 6 ms of the simulated history, or more"
+    fits = ("bodies.ball.contact.stiffness=10 kN/m:9.9 kN/m:10.1 kN/m",)
+    with pytest.raises(FemstructError, match=told):
+        identify(study, Path("half.csv"), CHANNEL, fits, delay=True)
 
 
 def test_terminal_shows_intervals_and_findings() -> None:

@@ -254,6 +254,22 @@ def test_levels_are_those_that_export_writes(tmp_path: Path) -> None:
     assert one.residuals(Trial({}, None, case)) == pytest.approx([-4.0], abs=1e-9)  # digits of the table
 
 
+def test_levels_are_those_of_the_planned_time_whatever_is_fitted_beside_them(tmp_path: Path) -> None:
+    """A history of 50 ms beside levels of 0.3 s: of 50 ms a level would have a sixth of the time to average over."""
+    levels, drop = exported(tmp_path), tmp_path / "drop.study.yaml"
+    (tmp_path / "v.csv").write_text("".join(f"{i / 2000}, {1 + i}\n" for i in range(100)), encoding="utf-8")
+    files = MeasuredFiles(str(tmp_path / "v.csv"), "ball velocity", levels=(f"{levels} +- 1 dB",))
+    recorded, stiffness = ("record.ball=velocity",), "bodies.ball.contact.stiffness"
+    data, _ = read_data(files, read_source(drop, recorded, ""), delay=False)
+    found, units = parameters_of((f"{stiffness}=60 kN/m",))
+    trials = Trials(drop, found, units, sum((one.needs for one in data), start=Needs()), overrides=recorded)
+    left = data[1].residuals(trials.at({stiffness: 60.0}))
+    assert left == pytest.approx(np.zeros(9), abs=1e-9)  # digits of the table
+    alone = Trials(drop, found, units, data[0].needs, overrides=recorded).at({stiffness: 60.0})
+    assert alone.result is not None and alone.result.response is not None
+    assert alone.result.response.t[-1] < 0.06  # a history alone needs no more than itself
+
+
 @pytest.mark.stress
 def test_levels_of_a_study(tmp_path: Path) -> None:
     """The stiffness of a ball."""

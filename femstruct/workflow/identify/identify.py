@@ -18,7 +18,7 @@ from femstruct.files.tables.json_numbers import number
 from femstruct.findings.catalogue import ranked
 from femstruct.study.matched import Beside
 from femstruct.workflow.identify.data.datum import Datum
-from femstruct.workflow.identify.data.history import DELAY, HistoryDatum
+from femstruct.workflow.identify.data.history import DELAY, HistoryDatum, refuse_early
 from femstruct.workflow.identify.fit import differences, fitted
 from femstruct.workflow.identify.fit_findings import Left, fit_findings
 from femstruct.workflow.identify.intervals import Fit, Parameter, Values
@@ -178,13 +178,13 @@ def identify(
         source = read_source(study, (*overrides, *start_texts(parameters)), case)
     except InputErrors as errors:
         raise refused_as_fit(parameters, errors) from None
-    data, spacing = read_data(files, source, delay)
-    if delay:
-        sought.append(Parameter(DELAY, 0.0, -np.inf, np.inf, spacing))
+    data, own = read_data(files, source, delay)
+    sought += own
     needs = sum((one.needs for one in data), start=Needs())
     trials = Trials(study, sought, units, needs, case, overrides, progress)
     start = {one.name: one.start for one in sought}
     fit = _fitted(trials, data, sought)
+    refuse_early(fit)
     last = trials.at(fit.values)
     sets = _by_set(data, last)
     mixed = combinations(fit, units, partial(_computed, trials, data))

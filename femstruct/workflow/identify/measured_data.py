@@ -19,11 +19,13 @@ from femstruct.workflow.identify.data.history import (
     FROM_REST,
     USUAL,
     HistoryDatum,
+    delay_parameter,
     quantity_of_channel,
-    timing_of,
+    window_of,
 )
 from femstruct.workflow.identify.data.levels import read_levels
 from femstruct.workflow.identify.data.modes import read_modes
+from femstruct.workflow.identify.intervals import Parameter
 from femstruct.workflow.stages.modal_bases import meshed
 
 
@@ -57,8 +59,10 @@ class MeasuredFiles:
         return bool(self.history or self.modes or self.frfs or self.levels)
 
 
-def read_data(files: MeasuredFiles, source: ModelFile | Plan, delay: bool) -> tuple[tuple[Datum, ...], float]:
-    """All data, and the spacing of the samples of the history [s], 0 without one.
+def read_data(
+    files: MeasuredFiles, source: ModelFile | Plan, delay: bool
+) -> tuple[tuple[Datum, ...], tuple[Parameter, ...]]:
+    """All data, and the parameters that they bring with them: the delay of a history, where it is to be found.
 
     Raises InputError for options that do not fit each other or the study; InputErrors for what is wrong in a file.
     """
@@ -71,9 +75,9 @@ def read_data(files: MeasuredFiles, source: ModelFile | Plan, delay: bool) -> tu
     if bool(files.history) != bool(files.channel):
         raise InputError("--measured and --channel", got="one of them", expected="both, or neither")
     data: list[Datum] = []
-    spacing = 0.0
+    own: tuple[Parameter, ...] = ()
     if files.history and isinstance(source, Plan):
-        history, spacing = _history(files, source, delay)
+        history, own = _history(files, source, delay)
         data.append(history)
     elif delay:
         raise InputError("--delay", got="no history", expected="--measured and --channel")
@@ -91,7 +95,7 @@ def read_data(files: MeasuredFiles, source: ModelFile | Plan, delay: bool) -> tu
         path, scatter = file_and_scatter(text, "--levels", "level")
         assert isinstance(source, Plan)
         data += read_levels(path, scatter, source)
-    return tuple(data), spacing
+    return tuple(data), own
 
 
 def _modes(files: MeasuredFiles, length: float) -> list[Datum]:
@@ -105,7 +109,7 @@ def _modes(files: MeasuredFiles, length: float) -> list[Datum]:
     return [read_modes(path, scatter, shapes, near, length) for path, scatter in read]
 
 
-def _history(files: MeasuredFiles, plan: Plan, delay: bool) -> tuple[HistoryDatum, float]:
+def _history(files: MeasuredFiles, plan: Plan, delay: bool) -> tuple[HistoryDatum, tuple[Parameter, ...]]:
     what = quantity_of_channel(plan, files.channel)
     if delay and what not in FROM_REST:
         raise InputError(
@@ -117,12 +121,13 @@ def _history(files: MeasuredFiles, plan: Plan, delay: bool) -> tuple[HistoryDatu
     path, scatter = file_and_scatter(files.history, "--measured", DIMENSIONS[what])
     table = read_measured(path, DIMENSIONS[what])
     spacing = float(np.median(np.diff(table.times)))
-    timing = timing_of(plan, table, spacing, delay)
+    window = window_of(plan, table, spacing, delay)
     rms = norm(table.values) / np.sqrt(len(table.values))
     if not rms > 0.0:
         raise InputError(str(path), got="a history of zeros", expected="one that moves")
     taken = USUAL * float(rms) if scatter is None else scatter
-    return HistoryDatum(files.channel, scatter is not None, table, what, taken, timing), spacing
+    datum = HistoryDatum(files.channel, scatter is not None, table, what, taken, window)
+    return datum, (delay_parameter(table, spacing),) if delay else ()
 
 
 def _baseline(plan: Plan) -> Study:

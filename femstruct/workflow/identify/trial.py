@@ -53,14 +53,15 @@ KEPT: Final = 4  # trials
 class Needs:
     """What measured data need of a computation: modes up to a frequency [Hz], 0 for none, of which what was measured
     ends at `top_hz`; residual vectors for frequency responses; a run of the study, with rooms or without, and with
-    these changes of its window."""
+    this sampling [Hz] and duration [s] where a history asks for a sampling; else as it is planned."""
 
     up_to_hz: float = 0.0
     top_hz: float = 0.0
     frfs: tuple[FrfRequest, ...] = ()
     run: bool = False
     rooms: bool = False
-    timing: tuple[str, ...] = ()
+    sampling: float = 0.0
+    duration: float = 0.0
 
     def __add__(self, other: Needs) -> Needs:
         return Needs(
@@ -69,8 +70,16 @@ class Needs:
             self.frfs + other.frfs,
             self.run or other.run,
             self.rooms or other.rooms,
-            self.timing + other.timing,
+            max(self.sampling, other.sampling),
+            max(self.duration, other.duration),
         )
+
+    @property
+    def timing(self) -> tuple[str, ...]:
+        """Changes of the study's window."""
+        if not self.sampling:
+            return ()
+        return (f"time.sampling={self.sampling!r}", f"time.duration={self.duration!r}")
 
 
 @dataclass(frozen=True, eq=False)

@@ -25,16 +25,18 @@ _COLUMN: Final = re.compile(r"(?:(?P<case>.+): )?(?P<place>[^:]+?)(?: bands_db)?
 
 @dataclass(frozen=True, eq=False)
 class LevelsDatum(Datum):
-    """Levels [n] [dB] of bands [n] [Hz] at one receiver, ROOM.RECEIVER, or of a rated room. scatter : [dB]."""
+    """Levels [n] [dB] of bands [n] [Hz] at one receiver, ROOM.RECEIVER, or of a rated room. scatter : [dB]. planned :
+    how long the study simulates [s], of which the levels are."""
 
     place: str
     bands_hz: Floats
     levels_db: Floats
     scatter: float
+    planned: float
 
     @property
     def needs(self) -> Needs:
-        return Needs(run=True, rooms=True)
+        return Needs(run=True, rooms=True, duration=self.planned)
 
     @property
     def size(self) -> float:
@@ -87,10 +89,10 @@ def read_levels(path: Path, scatter: float | None, plan: Plan) -> tuple[LevelsDa
         got, expected = f"'{path}' with columns {some_of(head[1:]) or 'without heads'}", f"a column {some_of(known)}"
         do = f"of the case '{plan.baseline}', which is fitted" if any(": " in cell for cell in head) else ""
         raise InputError("--levels", got=got, expected=expected, do=do)
-    return tuple(_one(grid, scatter, place, at) for place, at in places.items())
+    return tuple(_one(grid, scatter, study.time.duration, place, at) for place, at in places.items())
 
 
-def _one(grid: Grid, scatter: float | None, place: str, at: int) -> LevelsDatum:
+def _one(grid: Grid, scatter: float | None, planned: float, place: str, at: int) -> LevelsDatum:
     """The bands of one column that have a level; blank cells were not measured."""
     found: dict[float, float] = {}
     for row in grid.rows[1:]:
@@ -111,5 +113,5 @@ def _one(grid: Grid, scatter: float | None, place: str, at: int) -> LevelsDatum:
         raise grid.wrong(grid.rows[0], f"no level below '{grid.rows[0].cells[at]}'", "one or more")
     name = f"{grid.path.name} {place}"
     return LevelsDatum(
-        name, scatter is not None, place, np.array([*found]), np.array([*found.values()]), scatter or USUAL
+        name, scatter is not None, place, np.array([*found]), np.array([*found.values()]), scatter or USUAL, planned
     )
