@@ -229,7 +229,7 @@ def test_stated_scatter_is_taken_unless_the_residuals_exceed_it() -> None:
         half = 0.5 * (found.high["mean"] - found.low["mean"])
         rms = float(np.sqrt((found.residuals**2).mean()))
         told = {
-            finding.code: finding for finding in fit_findings(found, [Left("floor", found.residuals, 0, True, 0.0)])
+            finding.code: finding for finding in fit_findings(found, [Left("floor", found.residuals, 0, True, 0.0, 50)])
         }
         if times == 1.0:
             assert found.known and not told
@@ -239,7 +239,7 @@ def test_stated_scatter_is_taken_unless_the_residuals_exceed_it() -> None:
             assert not found.known and half == pytest.approx(t95 * measured.std(ddof=1) / np.sqrt(50.0), rel=1e-6)
             assert told["fit-beyond-scatter"].values["times"] == pytest.approx(rms) and rms > 2.0
             assert not told["fit-beyond-scatter"].severe
-    (worse,) = fit_findings(found, [Left("floor", 2.0 * found.residuals, 0, True, 0.0)])
+    (worse,) = fit_findings(found, [Left("floor", 2.0 * found.residuals, 0, True, 0.0, 50)])
     assert worse.severe  # six times the scatter
 
 

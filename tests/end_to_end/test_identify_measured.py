@@ -26,7 +26,7 @@ from femstruct.view.figures.fitted import fit_figure
 from femstruct.view.tables.identified_table import found_lines, show_identification
 from femstruct.workflow.check.asked_modes import modes_of
 from femstruct.workflow.exchange.asked_responses import frfs_of
-from femstruct.workflow.identify.data.frfs import read_frfs
+from femstruct.workflow.identify.data.frfs import FrfDatum, read_frfs
 from femstruct.workflow.identify.data.levels import read_levels
 from femstruct.workflow.identify.identify import Identification
 from femstruct.workflow.identify.measured_data import read_data
@@ -198,8 +198,8 @@ def test_shapes_pair_the_modes_and_count(tmp_path: Path) -> None:
     assert by_frequency.fit.values == pytest.approx({CONCRETE: 30.0, POSTS: 20.0}, rel=1e-5)  # digits of the file
     both = identify(FLOOR, replace(files, shapes="5 %"), parameters=STARTS[:2])
     assert all(both.fit.deviations[name] < by_frequency.fit.deviations[name] for name in (CONCRETE, POSTS))
-    assert both.left[0].count == 5 + 5 * places
-    assert 0.7 < both.left[0].rms < 1.1  # of shapes as stated, less what their lengths and five mixtures take
+    assert both.left[0].count == 5 + 5 * (places - 1)  # along its partner a shape says nothing
+    assert 0.7 < both.left[0].rms < 1.1  # of shapes as stated, less what five mixtures take
 
 
 def test_options_reach_the_data(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -383,5 +383,60 @@ def test_near_equal_frequencies_are_one_space(tmp_path: Path) -> None:
     found, units = parameters_of(("materials.steel.E=210 GPa",))
     left = one.residuals(Trials(tmp_path / "square.yaml", found, units, one.needs).at({"materials.steel.E": 210.0}))
     # a mean 0.1 % too low, of which two of 1 % have a scatter of 0.71 %; six digits of the file
-    assert left[:2] == pytest.approx([-0.001 / 0.01] * 2, rel=2e-3)
+    assert left[:2] == pytest.approx([-0.001 / 0.01 * np.sqrt(2.0), 0.0], rel=2e-3)
     assert np.abs(left[2:]).max() < 1e-3  # likewise, over 5 %
+
+
+def test_intervals_count_a_space_of_near_equal_modes_once(tmp_path: Path) -> None:
+    """A square plate, its first mode and the pair (1, 2), (2, 1): two numbers for one parameter. f = x f0 with
+    x = sqrt(E), so x and its deviation are those of a straight line, with one degree of freedom."""
+    model = """
+        materials: {steel: {E: 210 GPa, nu: 0.3, rho: 7850}}
+        parts: {plate: {type: plate, material: steel, thickness: 3 mm, origin: [0, 0, 0], size: [1, 1], mesh: [6, 6]}}
+        supports: {edges: {on: plate, edge: all, fix: simple}}
+        points: {P: {on: plate, at: [0.3, 0.4]}, Q: {on: plate, at: [0.6, 0.3]}}
+    """
+    (tmp_path / "square.yaml").write_text(model, encoding="utf-8")
+    basis = solve(read_model_file(tmp_path / "square.yaml").structure, Extent(count=3)).basis
+    own, shapes = basis.frequency_hz[:3], basis.shapes[:, :3, :3]
+    hertz = own * np.array([1.01, 0.995, 0.997])
+    modes = MeasuredModes(hertz, np.zeros(3), shapes, basis.points, (shapes != 0.0).any(axis=2))
+    write_uff(Measurement("square", np.arange(len(basis.points)) + 1, basis.points, modes=modes), tmp_path / "m.uff")
+    files = MeasuredFiles(modes=(str(tmp_path / "m.uff"),))
+    found = identify(tmp_path / "square.yaml", files, parameters=("materials.steel.E=205 GPa",))
+    # means over their scatters: 1 % of a frequency, of the mean of two 1 % / sqrt(2)
+    f0, f = np.array([own[0], own[1:].mean()]), np.array([hertz[0], hertz[1:].mean()])
+    weights = 1.0 / np.array([0.01 * hertz[0], 0.005 * np.hypot(*hertz[1:])]) ** 2
+    x = (weights * f0 * f).sum() / (weights * f0**2).sum()
+    deviation = np.sqrt((weights * (f - x * f0) ** 2).sum() / (weights * f0**2).sum())
+    fit, name = found.fit, "materials.steel.E"
+    assert fit.values[name] == pytest.approx(210.0 * x**2, rel=1e-5)  # six digits of the file
+    assert fit.deviations[name] == pytest.approx(2.0 * 210.0 * x * deviation, rel=1e-3)  # of differences of 1 %
+    t95 = 12.7062  # Student's t, 97.5 %, 1 degree of freedom, from tables
+    assert fit.high[name] - fit.values[name] == pytest.approx(t95 * fit.deviations[name], rel=1e-5)  # six digits
+    assert found.left[0].count == fit.numbers == 2
+    with pytest.raises(FemstructError, match="measured: got 2 samples, expected more than 2"):
+        identify(
+            tmp_path / "square.yaml",
+            files,
+            parameters=("materials.steel.E=205 GPa", "parts.plate.thickness=2.9 mm"),
+        )
+
+
+def test_a_response_sees_where_its_points_are(tmp_path: Path) -> None:
+    """Matrices do not change where a point moves: its slope is left to differences, that of a spring is not."""
+    (one,), _ = read_data(replace(written(tmp_path, 1), modes=()), read_source(FLOOR, (), ""), delay=False)
+    found, units = parameters_of(("points.P.at[0]=1.4 m", "points.Q.at[1]=2 m", f"{POSTS}=20 MN/m"))
+    trials = Trials(FLOOR, found, units, one.needs)
+    start = {each.name: each.start for each in found}
+    assert [trials.change(start, each.name) is None for each in found] == [True, True, False]
+
+
+def test_a_column_of_scatter_is_in_the_unit_of_the_response(tmp_path: Path) -> None:
+    """Of 4 and of 3 + 4j a scatter of 0.1 and 1 are 2.5 % and 20 %."""
+    name = "accelerance Q.z / P.z [m/(N s^2)]"
+    head = f"f [Hz],{name} real,{name} imag,{name} scatter"
+    (tmp_path / "frf.csv").write_text(f"{head}\n10,4,0,0.1\n11,3,4,1\n", encoding="utf-8")
+    (one,), _ = read_data(MeasuredFiles(frfs=(str(tmp_path / "frf.csv"),)), read_source(FLOOR, (), ""), delay=False)
+    assert isinstance(one, FrfDatum) and one.known
+    assert one.scatter == pytest.approx([0.025, 0.2], rel=1e-12)  # rounding

@@ -86,13 +86,14 @@ def fitted(
     jacobian: Callable[[Values], Floats] | None = None,
     known: bool = False,
     confidence: float = 0.95,
+    count: Callable[[Values], int] | None = None,
 ) -> Fit:
     """Parameters with the least sum of squares of residuals [N], between their bounds.
 
     residuals : computed less measured, over its scatter. size : norm of what was measured, over its scatter.
     jacobian : derivatives [N, p] of the residuals by the parameters; central differences without it. known : whether
     the scatter was stated for all data: intervals are then those of the normal distribution, unless the residuals
-    exceed it.
+    exceed it. count : how many independent numbers the residuals are; N without it.
 
     Raises as `fit`.
     """
@@ -127,11 +128,16 @@ def fitted(
         )
         return columns
 
+    def numbers(x: Floats) -> int:
+        """How many there are; more than parameters, where the scatter is that of the residuals."""
+        n, p = len(first) if count is None else count(at(x)), len(names)
+        if n <= p and not known:
+            expected, do = f"more than {p}, one for each parameter", "or state the scatter of all data"
+            raise InputError("measured", got=f"{n} samples", expected=expected, do=do)
+        return n
+
     first = derivatives(begin)
-    n, p = first.shape
-    if n <= p and not known:
-        expected, do = f"more than {p}, one for each parameter", "or state the scatter of all data"
-        raise InputError("measured", got=f"{n} samples", expected=expected, do=do)
+    numbers(begin)
     refuse_unseen(names, first, size)
     if len(unseen(first)):
         x, rest = _truncated(left, derivatives, begin, (lowest, highest))
@@ -152,7 +158,7 @@ def fitted(
         x, rest = found.x, found.fun
     there = derivatives(x)
     refuse_unseen(names, there, size)
-    return judged(parameters, x, rest, there, size, known, confidence, runs)
+    return judged(parameters, x, rest, there, size, known, confidence, runs, numbers(x))
 
 
 def _truncated(

@@ -23,15 +23,21 @@ FAR = 5.0  # times the scatter: the model is another one
 
 class Left(NamedTuple):
     """What a fit leaves of one set of data: residuals over their scatter, in how many series, whether the scatter was
-    stated, the norm of what was measured, 0 of what is judged by its scatter alone, and what may be wrong with the
-    data themselves."""
+    stated, the norm of what was measured, 0 of what is judged by its scatter alone, how many independent numbers
+    they are, and what may be wrong with the data themselves."""
 
     name: str
     residuals: Floats
     tracks: int
     known: bool
     size: float
+    numbers: int
     doubt: str = ""
+
+    @property
+    def rms(self) -> float:
+        """Root mean square of the residuals; 0 of none, as of shapes at as many places as there are partners."""
+        return float(np.sqrt((self.residuals**2).sum() / max(self.numbers, 1)))
 
 
 def fit_findings(
@@ -40,7 +46,7 @@ def fit_findings(
     """Reasons not to trust a fit, with their numbers. sets : of data; without them they are one history."""
     if sets is None:
         size = float(np.linalg.norm(fit.residuals)) / np.sqrt(max(1.0 - fit.explained, 1e-300))
-        sets = (Left("measured history", fit.residuals, 1, False, float(size)),)
+        sets = (Left("measured history", fit.residuals, 1, False, float(size), len(fit.residuals)),)
     return (
         *(finding for one in sets for finding in _left_over(one)),
         *(finding for one in sets for finding in _beyond_scatter(one)),
@@ -83,8 +89,7 @@ def _left_over(one: Left) -> Iterator[Finding]:
 
 
 def _beyond_scatter(one: Left) -> Iterator[Finding]:
-    count = len(one.residuals)
-    rms = float(np.sqrt((one.residuals**2).mean()))
+    count, rms = one.numbers, one.rms
     if one.size or count * rms**2 <= count + EXCEEDED * np.sqrt(2.0 * count):
         return
     taken = "stated" if one.known else "usual"

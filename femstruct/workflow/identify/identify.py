@@ -33,8 +33,8 @@ DIGITS = 6  # of values as they are written into a file
 
 @dataclass(frozen=True, eq=False)
 class DataLeft:
-    """What a fit leaves of one set of data: how many numbers, the rms of their residuals over the scatter, whether that
-    was stated."""
+    """What a fit leaves of one set of data: how many independent numbers, the rms of their residuals over the scatter,
+    whether that was stated."""
 
     name: str
     count: int
@@ -79,7 +79,7 @@ class Identification:
         return {
             "title": self.title,
             **of_history,
-            "samples": len(found.residuals),
+            "samples": found.numbers,
             "data": [
                 {"name": one.name, "numbers": one.count, "rms_over_scatter": number(one.rms), "scatter_stated":
                 one.known} for one in self.left
@@ -198,7 +198,7 @@ def identify(
         units={**units, **({DELAY: "s"} if delay else {})},
         fit=fit,
         beside=tuple(beside for one in data for beside in one.beside(last)),
-        left=tuple(DataLeft(one.name, len(one.residuals), _rms(one.residuals), one.known) for one in sets),
+        left=tuple(DataLeft(one.name, one.numbers, one.rms, one.known) for one in sets),
         combinations=mixed,
         findings=ranked(told),
         runs=trials.runs,
@@ -224,7 +224,12 @@ def _fitted(trials: Trials, data: Sequence[Datum], sought: Sequence[Parameter]) 
 
     size = float(np.sqrt(sum(one.size**2 for one in data)))
     return fitted(
-        lambda values: _residuals(trials.at(values), data), sought, size, jacobian, all(one.known for one in data)
+        lambda values: _residuals(trials.at(values), data),
+        sought,
+        size,
+        jacobian,
+        all(one.known for one in data),
+        count=lambda values: sum(one.count(trials.at(values)) for one in data),
     )
 
 
@@ -239,14 +244,18 @@ def _residuals(trial: Trial, data: Sequence[Datum]) -> Floats:
 def _by_set(data: Sequence[Datum], last: Trial) -> list[Left]:
     """The residuals of every set of data. Only a history of unknown scatter is judged by its own size."""
     return [
-        Left(one.name, one.residuals(last), one.tracks, one.known, one.size if _by_size(one) else 0.0, one.doubt)
+        Left(
+            one.name,
+            one.residuals(last),
+            one.tracks,
+            one.known,
+            one.size if _by_size(one) else 0.0,
+            one.count(last),
+            one.doubt,
+        )
         for one in data
     ]
 
 
 def _by_size(one: Datum) -> bool:
     return isinstance(one, HistoryDatum) and not one.known
-
-
-def _rms(values: Floats) -> float:
-    return float(np.sqrt((values**2).mean()))

@@ -38,13 +38,13 @@ class Fit:
 
     values, deviations : estimates and their standard deviations, by name; infinite where the data leave a parameter
     open. low, high : their confidence intervals. shifts : names of those that have no size of their own. at_zero,
-    at_bound : names of those that ended at zero, which they cannot cross, and at bounds that were given.
-    correlation [p, p] : of the estimates, in their order; nan with one that is open. noise : standard deviation of the
-    residuals. explained : share of the sum of squares of the measured history. residuals [N] : computed less measured,
-    over their scatter. runs : how often the data were computed. open [q, p] : combinations of relative changes of the
-    parameters that the data do not determine, of length one. determined [p, p] : covariance of relative changes without
-    them. known : whether the scatter is as stated; else it is that of the residuals. reach : half an interval over its
-    deviation.
+    at_bound : names of those that ended at zero, which they cannot cross, and at bounds that were given. correlation
+    [p, p] : of the estimates, in their order; nan with one that is open. noise : standard deviation of the residuals.
+    explained : share of the sum of squares of the measured history. residuals [N] : computed less measured, over their
+    scatter. numbers : how many independent ones these are. runs : how often the data were computed. open [q, p] :
+    combinations of relative changes of the parameters that the data do not determine, of length one. determined [p, p]
+    : covariance of relative changes without them. known : whether the scatter is as stated; else it is that of the
+    residuals. reach : half an interval over its deviation.
     """
 
     values: Mapping[str, float]
@@ -59,6 +59,7 @@ class Fit:
     noise: float
     explained: float
     residuals: Floats
+    numbers: int
     runs: int
     open: Floats
     determined: Floats
@@ -85,15 +86,17 @@ def judged(
     known: bool,
     confidence: float,
     runs: int,
+    numbers: int,
 ) -> Fit:
-    """The fit with its intervals. x [p], jacobian [N, p] : of the scaled parameters."""
+    """The fit with its intervals. x [p], jacobian [N, p] : of the scaled parameters. numbers : independent ones among
+    what is left."""
     scale = np.array([one.scale for one in parameters])
     open_ = unseen(jacobian)
     covariance = inverse(jacobian, open_)
     spread = np.sqrt(np.diag(covariance))
     loose = (np.abs(open_) > INVOLVED * np.abs(open_).max(axis=1, initial=0.0, keepdims=True)).any(axis=0)
-    squares, free = float(left @ left), len(left) - len(parameters) + len(open_)
-    noise = float(np.sqrt(squares / free)) if free else 0.0
+    squares, free = float(left @ left), numbers - len(parameters) + len(open_)
+    noise = float(np.sqrt(squares / free)) if free > 0 else 0.0
     exceeded = known and free > 0 and squares > free + EXCEEDED * np.sqrt(2.0 * free)
     t = float(scipy.special.stdtrit(free, 0.5 + 0.5 * confidence)) if not known or exceeded else 0.0
     wide = t * noise if t else float(scipy.special.ndtri(0.5 + 0.5 * confidence))
@@ -132,6 +135,7 @@ def judged(
         noise=noise,
         explained=1.0 - squares / size**2,
         residuals=left,
+        numbers=numbers,
         runs=runs,
         open=_of_length_one(open_ / own),
         determined=(unit * unit) * covariance / np.outer(own, own),

@@ -29,6 +29,7 @@ from femstruct.modal.sensitivity.modal_slopes import (
 )
 from femstruct.model.mesher import mesh_structure
 from femstruct.model.model import Model
+from femstruct.model.probe import Probe
 from femstruct.model.structure import Structure
 from femstruct.study.asked import Extent, FrfRequest
 from femstruct.study.result import CaseResult
@@ -203,7 +204,7 @@ class Trials:
         return all_findings(solved, own.damped if frfs else own.undamped, (), frfs, self.needs.top_hz)
 
     def change(self, values: Values, name: str) -> Change | None:
-        """Derivatives of the modes by one parameter; None where they are not known, as where a mesh moves."""
+        """Derivatives of the modes by one parameter; None where they are not known, as where places move."""
         moded, one = self.at(values).modes, self.parameters.get(name)
         if moded is None or moded.assembly is None or one is None:
             return None
@@ -218,10 +219,14 @@ class Trials:
         def described(value: float) -> tuple[StructureModel, Damping]:
             return _described(self._read({**values, name: value}))
 
-        def assembled(value: float) -> Assembly:
+        @cache
+        def modelled(value: float) -> Model:
             structure, _ = described(value)
             assert isinstance(structure, Structure)
-            return assemble(mesh_structure(structure))
+            return mesh_structure(structure)
+
+        def assembled(value: float) -> Assembly:
+            return assemble(modelled(value))
 
         try:
             ends = sorted(values[name] + side * step for side in sides[:2])
@@ -229,11 +234,23 @@ class Trials:
             matrices = None
             if _name_of(structure) != _name_of(moded.structure):
                 matrices = matrix_slopes(assembled, moded.assembly, values[name], step, sides)
-                if matrices is None:
+                if matrices is None or not all(self._as_placed(modelled(value), moded) for value in ends):
                     return None
         except FemstructError:
             return None  # a step leads out of what the language allows: differences keep within the bounds
         return _change(moded, matrices, less, more, ends[1] - ends[0])
+
+    def _as_placed(self, model: Model, moded: Moded) -> bool:
+        """Whether frequency responses are driven and measured through the same weights: matrices do not change where a
+        point moves, but what is read there does."""
+        other = Places(model.points, model.surfaces, model.parts)
+        return all(_same(*both) for both in zip(self._probes(other), self._probes(moded.places), strict=True))
+
+    def _probes(self, places: Places) -> list[Probe]:
+        """Where frequency responses are driven and measured, of motions."""
+        spots = {str(end): end for one in self.needs.frfs for end in (one.drive, one.response)}
+        moving = [end for end in spots.values() if not end.what.startswith("force")]
+        return [places.point(end.name, "--frf").probe(end.what) for end in moving]
 
     def _read(self, values: Values) -> ModelFile | Plan:
         changed = tuple(f"{name}={values[name]!r} {self.units[name]}".rstrip() for name in self.parameters)
@@ -257,10 +274,7 @@ class Trials:
             assembly = assemble(model)
             if not assembly.growing:
                 places = Places(model.points, model.surfaces, model.parts)
-                spots = {str(end): end for one in self.needs.frfs for end in (one.drive, one.response)}
-                moving = [end for end in spots.values() if not end.what.startswith("force")]
-                probes = [places.point(end.name, "--frf").probe(end.what) for end in moving]
-                bare = modal_basis(assembly, up_to=extent.up_to_hz, probes=probes, orders=ORDERS)
+                bare = modal_basis(assembly, up_to=extent.up_to_hz, probes=self._probes(places), orders=ORDERS)
                 return Moded(structure, damping, places, model, assembly, bare)
         solved = solve(structure, extent, (asking,))
         return Moded(structure, damping, solved.places, solved.model, None, solved.basis, solved)
@@ -289,6 +303,10 @@ def _described(source: ModelFile | Plan) -> tuple[StructureModel, Damping]:
         return source.structure, source.damping
     study = next(one.study for one in source.cases if one.name == source.baseline)
     return study.structure, study.damping
+
+
+def _same(one: Probe, other: Probe) -> bool:
+    return all(np.array_equal(getattr(one, word), getattr(other, word)) for word in ("nodes", "components", "weights"))
 
 
 def _name_of(structure: StructureModel) -> str:

@@ -56,6 +56,10 @@ class Datum(ABC):
     def residuals(self, trial: Trial) -> Floats:
         """Computed less measured over the scatter [n]."""
 
+    def count(self, trial: Trial) -> int:
+        """How many independent numbers the residuals are: fewer than there are where some are combined or projected."""
+        return len(self.residuals(trial))
+
     def slopes(self, trial: Trial, change: Change) -> Floats | None:
         """Derivatives [n] of the residuals by one parameter; None where differences are to be taken."""
         return None

@@ -87,6 +87,17 @@ class ModesDatum(Datum):
         found = self._over_scatter(pairs, computed - self.frequency_hz)
         return np.concatenate([found, self._shape_residuals(pairs, moded)]) if self.shapes else found
 
+    def count(self, trial: Trial) -> int:
+        """One mean frequency a space; of every measured shape what is not along the shapes of its partners."""
+        pairs, moded = self._pairs(trial), _moded(trial)
+        spaces = int(pairs.spaces.max()) + 1
+        if not self.shapes:
+            return spaces
+        placed = self._placed(moded, moded.bare.shapes[:, :, moded.bare.modes])
+        both = (self._space(pairs, space) for space in range(spaces))
+        across = (len(members) * (len(placed) - len(_spanned(placed[:, own])[0].T)) for members, own in both)
+        return spaces + sum(across)
+
     def slopes(self, trial: Trial, change: Change) -> Floats | None:
         pairs, moded = self._pairs(trial), _moded(trial)
         if self.shapes and moded.assembly is None:
@@ -167,12 +178,13 @@ class ModesDatum(Datum):
         return Pairs(partner, mac, np.arange(count), groups)
 
     def _over_scatter(self, pairs: Pairs, hertz: Floats) -> Floats:
-        """Differences [k] [Hz] over their scatter: the mean of every space over that of a mean, shared by its modes, as
-        modes of near-equal frequencies are one choice of many."""
-        counts = np.bincount(pairs.spaces)
-        deviations = np.sqrt(np.bincount(pairs.spaces, self.scatter**2))
-        shared = np.bincount(pairs.spaces, hertz) / deviations / np.sqrt(counts)
-        return np.asarray(shared[pairs.spaces])
+        """Differences [k] [Hz] over their scatter: the mean of every space over that of a mean, once, and 0 of the
+        other modes of it, as modes of near-equal frequencies are one choice of many. A space may gain or lose modes
+        from trial to trial; how many numbers there are stays."""
+        found = np.zeros(len(hertz))
+        first = np.unique(pairs.spaces, return_index=True)[1]
+        found[first] = np.bincount(pairs.spaces, hertz) / np.sqrt(np.bincount(pairs.spaces, self.scatter**2))
+        return found
 
     @property
     def _measured(self) -> Floats:
