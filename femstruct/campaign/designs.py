@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -69,15 +69,16 @@ class Designs:
 
     Notes
     -----
-    The runs of design k are the samples k s to k s + s - 1 of the journal, s being those of the scatter. An
-    optimisation asks for the same designs in the same order whenever it is run, so that one that goes on finds them
-    there. kept_back : designs of those allowed that are left for the end.
+    The runs of design k are the samples k s to k s + s - 1, s being those of the scatter. Rows of a journal are taken
+    up by their case and texts, whatever their number: on another machine the last digits of a design may differ, and
+    with them all designs that follow. kept_back : designs of those allowed that are left for the end.
     """
 
     def __init__(self, search: Search, case: str, journal: Journal, run: Crew, told: Callable[[int], None]) -> None:
         self._search, self._case, self._journal, self._run, self._told = search, case, journal, run, told
         self._scatter = _scatter(search)
-        self._rows = {row.sample: row for row in journal.rows()}
+        self._known = {row.design: row for row in journal.rows() if not row.again}
+        self._rows: dict[int, Row] = {}
         self._numbers: dict[tuple[str, ...], int] = {}
         self.points: list[Floats] = []
         self.outcomes: list[Outcome] = []
@@ -94,8 +95,7 @@ class Designs:
             raise Spent
         first, s = len(self.outcomes), self._search.samples
         asked = {(first + k) * s + j: text + more for k, text in enumerate(new) for j, more in enumerate(self._scatter)}
-        left = {number: text for number, text in asked.items() if number not in self._rows}
-        self._finish([(number, self._changes(text), self._case) for number, text in left.items()])
+        self._finish({number: (self._case, *self._changes(text)) for number, text in asked.items()})
         for k, (text, point) in enumerate(new.items()):
             self._numbers[text] = first + k
             self.points.append(point)
@@ -139,6 +139,11 @@ class Designs:
         numbers = np.column_stack([chosen, *beside])
         return Samples(tuple(one.path for one in varied), tuple(one.unit for one in varied), tuple(texts), numbers)
 
+    def rows(self) -> list[Row]:
+        """The rows of all runs, by their numbers; not those of what is written."""
+        most = len(self.outcomes) * self._search.samples
+        return [self._rows[number] for number in range(most)]
+
     def of_design(self, k: int) -> list[Row]:
         """The rows of a design, one for each sample of what scatters."""
         s = self._search.samples
@@ -149,11 +154,11 @@ class Designs:
         numbers below zero."""
         s, over = self._search.samples, self._search.over
         asked = {
-            -1 - k * s - j: (case, tuple(f"{one.path}={text}" for one, text in zip(over, texts, strict=True)))
+            -1 - k * s - j: (case, *(f"{one.path}={text}" for one, text in zip(over, texts, strict=True)))
             for k, case in enumerate(cases)
             for j, texts in enumerate(self._scatter)
         }
-        self._finish([(number, texts, case) for number, (case, texts) in asked.items() if number not in self._rows])
+        self._finish(asked)
         return [[self._rows[-1 - k * s - j] for j in range(s)] for k in range(len(cases))]
 
     def goals_of(self, rows: Sequence[Row]) -> tuple[float, tuple[float, float], Floats]:
@@ -170,14 +175,17 @@ class Designs:
         varied = (*self._search.designs, *self._search.over)
         return tuple(f"{one.path}={text}" for one, text in zip(varied, texts, strict=True))
 
-    def _finish(self, asked: Sequence[tuple[int, tuple[str, ...], str]]) -> None:
-        """Run samples, texts of cases, and keep their rows."""
+    def _finish(self, asked: Mapping[int, tuple[str, ...]]) -> None:
+        """Have the rows of samples, each a case and texts of it: those that are known, the others run and kept."""
         file, overrides = self._search.file, self._search.overrides
-        tasks = [Task(file, overrides, case, ((number, texts),)) for number, texts, case in asked]
+        known = {number: self._known[texts] for number, texts in asked.items() if texts in self._known}
+        self._rows |= {number: replace(row, sample=number) for number, row in known.items()}
+        left = {number: texts for number, texts in asked.items() if number not in self._rows}
+        tasks = [Task(file, overrides, texts[0], ((number, texts[1:]),)) for number, texts in left.items()]
 
         def keep(rows: list[Row]) -> None:
-            self._journal.append(rows)
-            self._rows |= {row.sample: row for row in rows}
+            told = [replace(row, design=left[row.sample]) for row in rows]
+            self._rows |= {row.sample: row for row in self._journal.append(told)}
             self._told(counted())
 
         def counted() -> int:

@@ -22,7 +22,10 @@ THREADS: Final = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", 
 AHEAD: Final = 2  # tasks handed out for each worker, so that none waits for the next
 PATIENCE: Final = 5.0  # seconds that the threads of ended processes may take to end
 LOOK: Final = 1.0  # seconds between two looks at what is done
-GONE: Final = "the process that ran it ended without an answer: it was killed, or there was not enough memory"
+GONE: Final = (
+    "the process that ran it ended without an answer: it was killed, or there was not enough memory; "
+    "the same command runs it once more"
+)
 Done = Callable[[list[Row]], None]
 Tick = Callable[[], None]
 
@@ -146,7 +149,7 @@ def _hand_out(
 
 
 def _gone(task: Work) -> list[Row]:
-    return [Row(number, "", {}, trouble=GONE) for number in task.numbers]
+    return [Row(number, "", {}, trouble=GONE, again=True) for number in task.numbers]
 
 
 def _pool(workers: int) -> ProcessPoolExecutor:

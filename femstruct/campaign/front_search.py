@@ -72,9 +72,9 @@ def pareto_front(
     if not search.also:
         raise InputError("optimise", got="one goal", expected="two or three", do="femstruct.optimise takes one")
     course = evolution(search)  # before anything is run
-    with designs_of(search, folder, workers, cluster, progress) as (designs, journal):
+    with designs_of(search, folder, workers, cluster, progress) as designs:
         generations, spent, interrupted = searched(designs, course)
-        rows = table_of(search, designs, journal, command)
+        rows = table_of(search, designs, command)
     return _found(search, designs, generations, (spent, interrupted), rows)
 
 

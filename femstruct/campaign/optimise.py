@@ -88,14 +88,14 @@ def optimise(
     if search.also:
         expected = "one; femstruct.pareto_front finds designs for several"
         raise InputError("optimise", got=f"{len(search.goals)} goals", expected=expected)
-    with designs_of(search, folder, workers, cluster, progress) as (designs, journal):
+    with designs_of(search, folder, workers, cluster, progress) as designs:
         (spent, stopped), beside = _searched(search, designs), tuple[Reference, ...]()
         if not stopped:
             try:
                 beside = references(search, designs)
             except KeyboardInterrupt:
                 stopped = True
-        table = table_of(search, designs, journal, command)
+        table = table_of(search, designs, command)
     return replace(_found(search, designs, (spent, stopped), table), references=beside)
 
 

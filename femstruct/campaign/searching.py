@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
+from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Final
@@ -15,7 +16,7 @@ from femstruct.arrays import Floats
 from femstruct.campaign.designs import Designs
 from femstruct.campaign.executors import crew
 from femstruct.campaign.gathered import counted, gathered, make_ready, versions
-from femstruct.campaign.journal import Journal, moved_aside, opened
+from femstruct.campaign.journal import moved_aside, opened
 from femstruct.campaign.tried import refuse_values, with_place
 from femstruct.errors import InputError
 from femstruct.language import read_study
@@ -24,7 +25,7 @@ from femstruct.study.campaign.sought import Search
 from femstruct.study.campaign.swept import Swept
 from femstruct.study.campaign.varied import Listed
 from femstruct.study.study import Plan
-from femstruct.workflow.run.provenance import Progress
+from femstruct.workflow.run.provenance import Progress, version_of
 from femstruct.workflow.stages.fingerprint import fingerprint
 
 ROWS: Final = "optimise.rows"  # where rows are kept as they come
@@ -39,8 +40,8 @@ def designs_of(
     workers: int | None,
     cluster: str,
     progress: Progress,
-) -> Iterator[tuple[Designs, Journal]]:
-    """The designs of a search, to be tried, and the journal of their rows; both end with the block."""
+) -> Iterator[Designs]:
+    """The designs of a search, to be tried; they end with the block."""
     plan = read_study(search.file, search.overrides, only=search.case or None)
     refuse_values(search, plan)
     with ExitStack() as stack:
@@ -51,7 +52,7 @@ def designs_of(
         run = stack.enter_context(crew(workers or os.cpu_count() or 1, cluster))
         told = counted(search.runs, "runs", progress, most=True)
         try:
-            yield Designs(search, search.case or plan.baseline, journal, run, told), journal
+            yield Designs(search, search.case or plan.baseline, journal, run, told)
         except KeyboardInterrupt:
             if not journal.rows():
                 journal.remove()
@@ -60,13 +61,13 @@ def designs_of(
             raise with_place(search, error) from None
 
 
-def table_of(search: Search, designs: Designs, journal: Journal, command: str) -> Swept:
+def table_of(search: Search, designs: Designs, command: str) -> Swept:
     """The rows of all designs, in their order."""
     samples = designs.samples()
     plan = read_study(search.file, search.overrides, only=search.case or None)
     whole = plan if search.case else read_study(search.file, search.overrides, only=plan.baseline)
-    known = [row for row in journal.rows() if 0 <= row.sample < len(samples.texts)]
-    return gathered(search.title, whole, samples, known, {}, command=command)
+    rows = gathered(search.title, whole, samples, designs.rows(), {}, command=command)
+    return replace(rows, provenance={**rows.provenance, **_course(search)})
 
 
 def ends_of(search: Search, point: Floats) -> tuple[End, ...]:
@@ -87,5 +88,11 @@ def set_aside(search: Search, folder: Path) -> Path | None:
 
 
 def name_of(search: Search, plan: Plan) -> str:
-    """A name for all that the rows of an optimisation hang on."""
-    return fingerprint((dict(plan.sources), search, versions()))
+    """A name for all that the rows of an optimisation hang on, but for files that some of its designs alone are read
+    from: these the journal knows."""
+    return fingerprint((dict(plan.sources), search, versions() | _course(search)))
+
+
+def _course(search: Search) -> dict[str, str]:
+    """The version of what leads a search for several goals, of others none."""
+    return version_of("pymoo") if search.also else {}

@@ -39,7 +39,8 @@ def sweep(
 ) -> Swept:
     """Run a study once for every sample of what it varies.
 
-    folder : where rows are kept as they come; samples that are there already are not run again. None to keep nothing.
+    folder : where rows are kept as they come; samples that are there already are not run again, but for those whose
+    process ended without an answer. None to keep nothing.
     workers : processes, None for one a core; a script that asks for several must run under
         ``if __name__ == "__main__":``. cluster : address of a Dask scheduler whose workers do the work instead; they
         see the same files. asked : names of numbers that a row must have: where the first that is finished, or known
@@ -48,7 +49,7 @@ def sweep(
     Returns the rows. After Ctrl-C those that are finished, if any; the others are not `done`.
 
     Raises InputErrors where no sample can be read, before anything is computed; InputError for rows in the folder that
-    are of another campaign.
+    are of another campaign, and for a file that is changed meanwhile.
 
     Notes
     -----
@@ -82,9 +83,11 @@ def sweep(
         place.mkdir(parents=True, exist_ok=True)
         journal = stack.enter_context(opened(place / ROWS, _name_of(campaign, samples, parts.plan)))
         make_ready(parts.plan, progress)
-        known = {row.sample for row in journal.rows()}
+        kept = journal.rows()
+        known = {row.sample for row in kept if not row.again}
         left = [task for one in parts.tasks if (task := one.left(known)) is not None]
-        with crew(1 if parts.threaded else min(cores, max(len(left), 1)), cluster) as run:
+        apart = 2 if any(row.again for row in kept) else 1  # what ended a process is not run in this one
+        with crew(1 if parts.threaded else min(cores, max(len(left), apart)), cluster) as run:
             _run(left, run, journal, progress, asked)
         rows = journal.rows()
     return gathered(
@@ -113,7 +116,8 @@ def set_aside(campaign: Campaign, folder: Path) -> Path | None:
 
 
 def _name_of(campaign: Campaign, samples: Samples, plan: Plan) -> str:
-    """A name for all that the rows hang on: the files, what is changed in them, and the program that reads them."""
+    """A name for all that the rows hang on: the files of one sample, what is changed in them, and the program that
+    reads them. Files of other samples the journal knows from their rows."""
     said = (campaign.overrides, campaign.case, campaign.only, samples.paths, samples.texts)
     return fingerprint((dict(plan.sources), *said, versions()))
 

@@ -10,6 +10,7 @@ from femstruct.campaign.journal import Row
 from femstruct.campaign.numbers import Number, numbers_of, only_numbers
 from femstruct.campaign.samples import Samples
 from femstruct.errors import FemstructError, InputErrors
+from femstruct.files.contents import contents
 from femstruct.language import read_study, with_position
 from femstruct.study.campaign.varied import Campaign
 from femstruct.study.result import CaseResult
@@ -156,23 +157,24 @@ def rows_of(task: Task) -> Iterator[list[Row]]:
         try:
             plan = read_sample(task, changes)
         except InputErrors as errors:
-            yield [Row(number, "", {}, trouble=errors.errors[0])]
+            yield [Row(number, "", {}, trouble=errors.errors[0], again=True)]  # nobody knows from which files
             continue
+        files = contents(plan.sources)
         try:
             found, solved = run_cases(plan, _SOLVED)
         except FemstructError as error:
-            yield [Row(number, "", {}, trouble=with_position(plan, error))]
+            yield [Row(number, "", {}, trouble=with_position(plan, error), files=files)]
             continue
         _SOLVED[:] = [*(one for one in _SOLVED if one not in solved), *solved][-BASES:]
         numbers = {name: numbers_of(case) for name, case in found.items()}
         kept = only_numbers(numbers, task.only) if task.only else numbers
-        yield [_row(number, name, case, kept[name]) for name, case in found.items()]
+        yield [_row(number, name, case, kept[name], files) for name, case in found.items()]
 
 
-def _row(number: int, name: str, case: CaseResult, numbers: dict[str, Number]) -> Row:
+def _row(number: int, name: str, case: CaseResult, numbers: dict[str, Number], files: dict[str, str]) -> Row:
     codes = dict.fromkeys(one.code for one in case.findings)
     severe = dict.fromkeys(one.code for one in case.findings if one.severe)
-    return Row(number, name, numbers, tuple(codes), tuple(severe))
+    return Row(number, name, numbers, tuple(codes), tuple(severe), files=files)
 
 
 _SOLVED: Final[list[Solved]] = []  # of this process, the latest last: tasks of one structure follow each other

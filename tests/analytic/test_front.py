@@ -8,6 +8,7 @@ import sys
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from importlib.metadata import version
 from pathlib import Path
 
 import numpy as np
@@ -248,7 +249,9 @@ def hit(tmp_path: Path) -> Path:
     return path
 
 
-def test_an_interrupted_search_goes_on_to_the_same_front(hit: Path, tmp_path: Path) -> None:
+def test_an_interrupted_search_goes_on_to_the_same_front(
+    hit: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     search, folder = read_search(hit), tmp_path / "kept"
     assert [one.name for one in search.goals] == ["ball on m peak force", "m.z velocity"]
     assert [one.sense for one in search.goals] == ["minimise", "maximise"]
@@ -280,6 +283,12 @@ def test_an_interrupted_search_goes_on_to_the_same_front(hit: Path, tmp_path: Pa
         rows = list(csv.DictReader(file))
     assert [int(row["design"]) for row in rows] == list(rest.members)
     assert rows[0]["command"].startswith(f"femstruct run {hit} --set 'bodies.ball.mass=") and rows[0]["stands out"]
+    assert rest.rows.provenance["pymoo_version"] == version("pymoo")
+    with monkeypatch.context() as other:
+        other.setattr("femstruct.campaign.searching.version_of", lambda name: {f"{name}_version": "another"})
+        assert set_aside(search, folder) == folder / "optimise.1.rows"
+    for path in folder.glob("optimise*.1.*"):
+        path.rename(folder / path.name.replace(".1.", "."))
     assert set_aside(replace(search, seed=2), folder) == folder / "optimise.1.rows"
     assert (folder / "optimise.front.1.csv").exists() and not (folder / "optimise.front.csv").exists()
 

@@ -21,6 +21,7 @@ from femstruct.language import read_study
 from femstruct.language.searches import read_search
 from femstruct.study.campaign.sought import Search
 from femstruct.study.campaign.varied import Listed, Scattered
+from femstruct.view.campaigns.optimum_table import optimum_pieces
 from femstruct.workflow.run.run import run_study
 
 DATA = Path(__file__).parents[1] / "data"
@@ -200,6 +201,62 @@ def test_an_interrupted_optimisation_goes_on_to_the_same_end(study: Path, tmp_pa
     assert table["maximise"] == "m.z velocity" and table["design"][0]["text"] in run_command(rest)
     assert set_aside(search, folder) is None
     assert set_aside(replace(search, runs=50), folder) == folder / "optimise.1.rows"
+
+
+def test_rows_are_those_of_their_designs_whatever_the_course() -> None:
+    """A search whose course has changed takes up the designs that it asks for, and no other."""
+    asked: list[float] = []
+
+    def run(tasks: Sequence[Task], done: Callable[[list[Row]], None], tick: object = None) -> None:
+        for task in tasks:
+            sample, (text,) = task.samples[0]
+            asked.append(float(text.removeprefix("x=").removesuffix(" m")))
+            done([replace(numbers(f=asked[-1]), sample=sample, again=asked[-1] == 2.0)])
+
+    search, first, other = Search("", "f", (X,), runs=60), (0.0, 0.25, 1.0), (0.25, 0.75, 0.0, 1.0)
+    with opened(Path(":memory:"), "formula") as journal:
+        for course, ran in ((first, [-2.0, -1.0, 2.0]), (other, [1.0, 2.0]), (other, [2.0])):
+            asked.clear()
+            designs = Designs(search, "a", journal, run, lambda done: None)
+            goals = [one.goal for one in designs(np.array(course)[:, None])]
+            assert goals == [4.0 * u - 2.0 for u in course] and asked == ran
+            assert [row.numbers["f"].value for row in designs.rows()] == goals
+            assert [row.sample for row in designs.rows()] == [*range(len(course))]
+
+
+def test_rows_of_a_design_from_a_changed_file_are_set_aside(study: Path, tmp_path: Path) -> None:
+    """Also of a list, and where the files as they are written do not name it."""
+    other, folder = study.parent / "other.yaml", tmp_path / "rows"
+    other.write_text(MODEL.replace("1 kg", "2 kg"), encoding="utf-8")
+    search = read_search(study, "maximise m.z velocity", ["model=model.yaml,other.yaml", "time.sampling=10 kHz,20 kHz"])
+    assert optimise(search, folder, workers=1).goal == pytest.approx(1.0, rel=1e-3)  # the soft spring
+    assert set_aside(search, folder) is None
+    other.write_text(MODEL.replace("1 kg", "0.5 kg"), encoding="utf-8")
+    assert set_aside(search, folder) == folder / "optimise.1.rows"
+    assert optimise(search, folder, workers=1).goal == pytest.approx(4.0 / 3.0, rel=2e-3)  # the spring, twice as much
+
+
+def test_a_design_that_cannot_be_read_is_named_as_such(study: Path, tmp_path: Path) -> None:
+    """Each end of both ranges can be, and a short window with few samples a second cannot."""
+    ranges = ["time.duration=0.6 ms:10 ms", "time.sampling=1 kHz:10 kHz"]
+    search = read_search(study, "maximise m.z velocity", ranges, runs=40)
+    found = optimise(search, tmp_path, workers=1)
+    failed = [i for i, why in enumerate(found.rows.trouble) if why]
+    lines = [one for one in optimum_pieces(found) if isinstance(one, str)]
+    assert failed and any(one.startswith(f"No result for design {failed[0]} (") for one in lines)
+    assert not any("sample 0" in one or "samples in all" in one for one in lines)
+    again = optimise(search, tmp_path, workers=1)
+    np.testing.assert_array_equal(again.rows.numbers, found.rows.numbers)
+    assert again.rows.trouble == found.rows.trouble
+
+
+def test_rows_of_another_version_are_set_aside(study: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    search = read_search(study, "maximise m.z velocity", ["bodies.ball.mass=1 kg,2 kg"])
+    optimise(search, tmp_path, workers=1)
+    monkeypatch.setattr("femstruct.campaign.searching.version_of", lambda name: {name: "another"})
+    assert set_aside(search, tmp_path) is None  # one goal takes no pymoo
+    monkeypatch.setattr("femstruct.workflow.run.provenance._versions", lambda: {"scipy_version": "another"})
+    assert set_aside(search, tmp_path) == tmp_path / "optimise.1.rows"
 
 
 @pytest.mark.stress

@@ -254,6 +254,21 @@ def test_batch_rows_are_kept_by_tasks(study: Path, tmp_path: Path, monkeypatch: 
     assert set_aside(read_campaign(study, only=ALL[:2]), folder) == folder / "sweep.1.rows"
 
 
+def test_batch_rows_of_a_changed_file_are_set_aside(study: Path, tmp_path: Path) -> None:
+    """Also of one that had the same in it as that of the first sample, so that the batch engine took both."""
+    other, folder = study.parent / "other.yaml", tmp_path / "rows"
+    other.write_text(MODEL, encoding="utf-8")
+    study.write_text(STUDY[: STUDY.index("vary:")], encoding="utf-8")
+    campaign = read_campaign(study, ["model=model.yaml,other.yaml"], only=["hit peak force"])
+    before = sweep(campaign, folder, workers=1)
+    assert before.made and set_aside(campaign, folder) is None
+    other.write_text(MODEL.replace("0.3", "0.5"), encoding="utf-8")
+    assert set_aside(campaign, folder) == folder / "sweep.1.rows"
+    first, second = sweep(campaign, folder, workers=1).of("hit peak force", "soft")
+    assert first == pytest.approx(before.of("hit peak force", "soft")[0], rel=1e-3)  # of the engine and of full runs
+    assert second < 0.95 * first  # what is struck gives way more
+
+
 def test_findings_of_structure_and_batch_are_in_the_rows(study: Path) -> None:
     short = read_campaign(study, overrides=["time.duration=0.5 ms"], only=["hit peak force"])
     found = sweep(short, workers=1)

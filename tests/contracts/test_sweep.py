@@ -10,6 +10,7 @@ import sys
 import time
 from concurrent.futures import Future, ThreadPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -18,8 +19,10 @@ import xarray
 
 from femstruct.campaign.executors import GONE, crew
 from femstruct.campaign.forecast import planned
+from femstruct.campaign.gathered import versions
 from femstruct.campaign.journal import Row, is_of, opened
 from femstruct.campaign.kept_rows import write_rows
+from femstruct.campaign.numbers import Number
 from femstruct.campaign.sweep import ROWS, set_aside, sweep
 from femstruct.campaign.tasks import Task
 from femstruct.campaign.tried import campaigns_of, refuse_values
@@ -89,13 +92,23 @@ class Dying(ThreadPoolExecutor):
         return super().submit(work, task)  # type: ignore[arg-type]
 
 
-def test_a_sample_that_kills_its_process_costs_its_task_only(study: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_sample_that_kills_its_process_costs_its_task_only(
+    study: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """And is run once more by the next command."""
     monkeypatch.setattr("femstruct.campaign.executors._pool", Dying)
     campaign = read_campaign(study, ["bodies.ball.mass=0.5 kg:2 kg:6"], case="light")
-    rows = sweep(campaign, workers=2)
+    rows = sweep(campaign, tmp_path / "rows", workers=2)
     assert rows.done.all() and [i for i, told in enumerate(rows.trouble) if told] == [4, 5, 6, 7]
     assert rows.trouble[5] == GONE
     assert np.isfinite(rows.of("m.z velocity")[[0, 1, 2, 3, 8, 9, 10, 11]]).all()
+    told: list[str] = []
+    again = sweep(campaign, tmp_path / "rows", workers=2, progress=told.append)  # it dies again, once for each command
+    assert [bool(one) for one in again.trouble] == [bool(one) for one in rows.trouble]
+    monkeypatch.undo()
+    whole = sweep(campaign, tmp_path / "rows", workers=1, progress=told.append)
+    assert told[-1].startswith("4 of 4 samples") and not any(whole.trouble)
+    np.testing.assert_array_equal(whole.numbers, sweep(campaign, workers=1).numbers)
 
 
 @pytest.mark.stress
@@ -143,6 +156,86 @@ def test_rows_of_another_campaign_are_set_aside(study: Path, tmp_path: Path) -> 
     assert set_aside(other, folder) == folder / "sweep.1.rows"
     names = sorted(path.name for path in folder.iterdir())
     assert names == ["mine.txt", "sweep.1.csv", "sweep.1.h5", "sweep.1.html", "sweep.1.rows"]
+
+
+FILES = """
+model: a/model.yaml
+bodies: {ball: {mass: 1 kg, above: m, speed: 1 m/s, contact: {type: table, file: a/law.csv}}}
+record: {m.z: velocity}
+time: {duration: 10 ms, sampling: 10 kHz}
+vary:
+  model: {values: [a/model.yaml, b/model.yaml]}
+  bodies.ball.contact.file: {values: [a/law.csv, b/law.csv]}
+"""
+
+
+@pytest.fixture
+def files(tmp_path: Path) -> Path:
+    """A study whose model and whose table of forces both vary."""
+    for name, stiffness in (("a", 1.0), ("b", 4.0)):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "model.yaml").write_text(MODEL, encoding="utf-8")
+        table = f"indentation [mm],force [kN]\n0,0\n1,{stiffness:g}\n"
+        (tmp_path / name / "law.csv").write_text(table, encoding="utf-8")
+    path = tmp_path / "files.study.yaml"
+    path.write_text(FILES, encoding="utf-8")
+    return path
+
+
+@pytest.mark.parametrize("changed", ["b/model.yaml", "b/law.csv"])
+def test_rows_of_a_file_that_has_changed_are_set_aside(files: Path, tmp_path: Path, changed: str) -> None:
+    """Also where the first sample is not read from it."""
+    campaign, folder, path = read_campaign(files), tmp_path / "rows", tmp_path / changed
+    before = sweep(campaign, folder, workers=1)
+    assert set_aside(campaign, folder) is None
+    text = path.read_text(encoding="utf-8")
+    path.write_text(text.replace("1 kg", "3 kg").replace("1,4", "1,9"), encoding="utf-8")
+    with pytest.raises(InputError, match=f"rows from before '.*{changed}' was changed"):
+        sweep(campaign, folder, workers=1)
+    assert set_aside(campaign, folder) == folder / "sweep.1.rows"
+    after = sweep(campaign, folder, workers=1)
+    given = 2.0 * 1.0 / (1.0 + np.array([1.0, 1.0, 3.0, 3.0]))  # what an elastic blow gives
+    if changed == "b/model.yaml":
+        np.testing.assert_allclose(after.of("m.z velocity"), given, rtol=2e-3)  # the soft spring turns within 5 ms
+    else:  # the largest force goes with the square root of the stiffness
+        force = after.of("ball on m peak force")[1] / before.of("ball on m peak force")[1]
+        assert force == pytest.approx(1.5, rel=1e-3)  # the soft spring
+
+
+def test_a_file_that_changes_meanwhile_ends_the_sweep(files: Path, tmp_path: Path) -> None:
+    path = tmp_path / "b" / "law.csv"
+    text = path.read_text(encoding="utf-8")
+
+    def change(line: str) -> None:
+        if line.startswith("2 of"):
+            path.write_text(text.replace("1,4", "1,9"), encoding="utf-8")
+
+    with pytest.raises(InputError, match=r"b/law\.csv: got a file that was changed while rows were computed from it"):
+        sweep(read_campaign(files), tmp_path / "rows", workers=1, progress=change)
+    path.write_text(text, encoding="utf-8")
+    told: list[str] = []
+    rest = sweep(read_campaign(files), tmp_path / "rows", workers=1, progress=told.append)
+    assert told[-1].startswith("1 of 1 samples")
+    np.testing.assert_array_equal(rest.numbers, sweep(read_campaign(files), workers=1).numbers)
+
+
+def test_rows_of_another_version_are_set_aside(study: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    campaign, folder = read_campaign(study), tmp_path / "rows"
+    sweep(campaign, folder, workers=1)
+    assert {"femstruct_version", "numpy_version", "scipy_version", "numba_version"} <= versions().keys()
+    assert set_aside(campaign, folder) is None
+    monkeypatch.setattr("femstruct.workflow.run.provenance._versions", lambda: {"scipy_version": "another"})
+    assert set_aside(campaign, folder) == folder / "sweep.1.rows"
+
+
+def test_rows_without_a_number_are_not_set_aside(study: Path, tmp_path: Path) -> None:
+    path = tmp_path / ROWS
+    with opened(path, "another") as journal:
+        journal.append([Row(0, "", {}, trouble="why")])
+    assert set_aside(read_campaign(study), tmp_path) is None and not path.exists()
+    with opened(path, "another") as journal:
+        journal.append([Row(0, "", {}, trouble="why"), Row(1, "light", {"total mass": Number(1.0, "kg")})])
+    assert set_aside(read_campaign(study), tmp_path) == tmp_path / "sweep.1.rows"
 
 
 def test_a_sample_that_fails_says_why(study: Path, tmp_path: Path) -> None:
@@ -252,11 +345,12 @@ def test_what_a_case_adds_varies_too(study: Path) -> None:
 
 
 def test_a_journal_keeps_what_it_was_given(tmp_path: Path) -> None:
-    row = Row(3, "a", {}, ("x",), ("x",), "why")
+    row = Row(3, "a", {}, ("x",), ("x",), "why", again=True, design=("a", "x=1 m"))
     with opened(tmp_path / "j", "one") as journal:
         journal.append([row])
     with opened(tmp_path / "j", "one") as journal:
         assert journal.rows() == [row]
+        assert journal.append([replace(row, trouble="", again=False)]) == journal.rows()
     assert is_of(tmp_path / "j", "one") and not is_of(tmp_path / "j", "two")
     (tmp_path / "k").write_bytes(b"no database at all, but longer than a page header" * 40)
     with pytest.raises(InputError, match="not a database"), opened(tmp_path / "k", "one"):

@@ -15,6 +15,7 @@ from femstruct.campaign.numbers import Number, chosen, numbers_of, numbers_of_li
 from femstruct.campaign.samples import Samples
 from femstruct.campaign.tasks import Split, Task, read_sample
 from femstruct.errors import FemstructError
+from femstruct.files.contents import contents
 from femstruct.impact.batch.metrics import Batch
 from femstruct.impact.batch.vary import numbers_of_scene, variation
 from femstruct.impact.laws.registry import DOUBTS
@@ -44,7 +45,7 @@ class BatchTask:
 
     first : the task of the sample whose scenes are those of all but for columns, which are what differs between the
     samples in the scene of every case, by name. numbers : of the samples. only : what a row holds; histories : which of
-    it take the history of a run. threads : of the batch engine.
+    it take the history of a run. threads : of the batch engine. files : from which they were read.
     """
 
     first: Task
@@ -53,6 +54,7 @@ class BatchTask:
     only: tuple[str, ...]
     histories: tuple[str, ...]
     threads: int
+    files: tuple[str, ...]
 
     def left(self, known: set[int]) -> BatchTask | None:
         """The task, None where the rows of all its samples are known: they are kept together or not at all."""
@@ -77,7 +79,8 @@ class BatchTask:
             for parts in zip(*made, strict=True):
                 row = _joined(parts, stage.codes[case.name], self.only)
                 found[row.sample][row.case] = row
-        yield [row for own in found.values() for row in _of_sample(own)]
+        files = contents(self.files)
+        yield [replace(row, files=files) for own in found.values() for row in _of_sample(own)]
 
 
 def batch_tasks(
@@ -98,8 +101,12 @@ def batch_tasks(
         structures = {case.name: key_of(case.study) for case in plan.cases}
         places = {case.name: meshed(case.study.structure, case.studies).places for case in plan.cases}
 
+        files = dict.fromkeys(plan.sources)
+
         def scenes(texts: Sequence[str]) -> dict[str, tuple[Study, Scene]]:
-            cases = read_sample(first, texts).cases
+            read = read_sample(first, texts)
+            files.update(dict.fromkeys(read.sources))
+            cases = read.cases
             same = {case.name: key_of(case.study) for case in cases} == structures
             return {one.name: (one.study, staged(one.study, places[one.name])) for one in cases} if same else {}
 
@@ -113,7 +120,9 @@ def batch_tasks(
         return f"the batch engine does not take this study: {error}"
     n = len(samples.texts)
     size = FEW_AT_ONCE if histories else AT_ONCE
-    whole = BatchTask(first, tuple(range(n)), found.columns, campaign.only, histories, 1 if histories else threads)
+    whole = BatchTask(
+        first, tuple(range(n)), found.columns, campaign.only, histories, 1 if histories else threads, (*files,)
+    )
     return Split(
         tuple(_part(whole, start, start + size) for start in range(0, n, size)),
         plan,

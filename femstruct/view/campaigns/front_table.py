@@ -33,7 +33,7 @@ def front_pieces(found: Front) -> Iterator[Piece]:
     yield f"{tried}. That no better front exists is not proven: another 'seed' gives another search"
     if found.interrupted:
         yield "Interrupted: the same command goes on"
-    yield from left_out_pieces(found.rows)
+    yield from left_out_pieces(found.rows, one="run" if search.over else "design")
     for k in dict.fromkeys([*([] if found.knee is None else [found.knee]), *found.ends.values()]):
         yield f"To run design {k} ({', '.join(found.notes(k))}): {command_of(search, found.texts(k))}"
 

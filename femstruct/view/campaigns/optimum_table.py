@@ -64,7 +64,7 @@ def optimum_pieces(found: Found) -> Iterator[Piece]:
     yield f"{tried}. A global optimum is not proven: another 'seed' gives another search"
     if found.interrupted:
         yield "Interrupted: the same command goes on"
-    yield from left_out_pieces(found.rows)
+    yield from left_out_pieces(found.rows, one="run" if search.over else "design")
     yield f"To run it: {run_command(found)}"
 
 

@@ -132,12 +132,12 @@ def _share(ends: tuple[float, float, float]) -> str:
     return f"{value:.0f} ({low:.0f} .. {high:.0f})"
 
 
-def left_out_pieces(rows: Swept, names: Sequence[str] = ()) -> Iterator[Piece]:
-    """What does not change, how many samples have no number or are not to be trusted, and why."""
-    n = len(rows.texts)
+def left_out_pieces(rows: Swept, names: Sequence[str] = (), one: str = "sample") -> Iterator[Piece]:
+    """What does not change, how many samples have no number or are not to be trusted, and why. one : what a row is."""
+    n, many = len(rows.texts), f"{one}s"
     same = unchanged(rows, names)
     if same:
-        yield f"The same in all samples: {some_of(same, SAME)}"
+        yield f"The same in all {many}: {some_of(same, SAME)}"
     at_most = max((int(rows.trusted(case).sum()) for case in rows.cases), default=0)
     if rows.drawn and at_most < FEWEST:
         yield f"No statistics: {at_most} samples are to be trusted, and {FEWEST} or more are needed"
@@ -146,17 +146,17 @@ def left_out_pieces(rows: Swept, names: Sequence[str] = ()) -> Iterator[Piece]:
     if rows.made:
         yield f"Rows are made {rows.made}"
     for code, count in limited(rows).items():
-        yield f"Limits trust: {code} in {count} of {n} samples; femstruct explain {code}"
+        yield f"Limits trust: {code} in {count} of {n} {many}; femstruct explain {code}"
     for code, count in left_out(rows).items():
-        told = f"Left out: {count} of {n} samples with the finding {code}, which forbids trust"
+        told = f"Left out: {count} of {n} {many} with the finding {code}, which forbids trust"
         yield f"{told}; femstruct explain {code}"
-    failed = [(i, one) for i, one in enumerate(rows.trouble) if one]
-    for i, one in failed[:TOLD]:
-        yield f"No result for sample {i} ({_at(rows, i)}): {one}"
+    failed = [(i, why) for i, why in enumerate(rows.trouble) if why]
+    for i, why in failed[:TOLD]:
+        yield f"No result for {one} {i} ({_at(rows, i)}): {why}"
     if len(failed) > TOLD:
-        yield f"No result for {len(failed)} of {n} samples in all; the table has the reasons"
+        yield f"No result for {len(failed)} of {n} {many} in all; the table has the reasons"
     if missing := int((~rows.done).sum()):
-        yield f"Interrupted: {missing} of {n} samples were not run. Run the command again to go on"
+        yield f"Interrupted: {missing} of {n} {many} were not run. Run the command again to go on"
 
 
 def _partly(rows: Swept, names: Sequence[str]) -> Iterator[str]:

@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from datetime import UTC, datetime
 from functools import cache
-from importlib.metadata import version
+from importlib.metadata import PackageNotFoundError, version
 
 from femstruct.sparse.solvers import FASTEST
 from femstruct.study.study import Plan
@@ -50,6 +50,18 @@ def _versions() -> dict[str, str]:
     packages: tuple[str, ...] = ("femstruct", "numpy", "scipy", "numba", "h5py")
     packages += ("rslab",) if FASTEST == "rslab" else ()
     return {f"{name}_version": version(name) for name in packages}
+
+
+def version_of(name: str) -> dict[str, str]:
+    """The version of an extra, as `provenance` names it; {} where it is not installed.
+
+    >>> version_of("no such package")
+    {}
+    """
+    try:
+        return {f"{name}_version": version(name)}
+    except PackageNotFoundError:
+        return {}
 
 
 class Stopwatch:
