@@ -260,7 +260,12 @@ def _dense(K: csc_array, M: csc_array, sigma: float, k: int) -> tuple[Floats, Fl
     drowns high ones). They are joined in the widest gap near sqrt(omega_max^2 |sigma|), where both are small.
     """
     full_M = M.toarray()
-    inverted, low = eigh(full_M, K.toarray() - sigma * full_M)
+    try:
+        inverted, low = eigh(full_M, K.toarray() - sigma * full_M)
+    except LinAlgError:
+        got = "a stiffness whose largest and smallest values are too far apart: the smallest are lost in rounding"
+        do = "look for a size, a section or a unit that is wrong"
+        raise InputError("modes", got=got, expected="stiffness within 15 decades", do=do) from None
     usable = inverted[::-1] > 1e-13 * inverted[-1]  # massless shapes have no finite frequency
     values = sigma + 1.0 / inverted[::-1][usable]
     low = low[:, ::-1][:, usable] / np.sqrt(inverted[::-1][usable])

@@ -22,6 +22,7 @@ from femstruct.model.model import Model
 from femstruct.model.probe import Probe
 from femstruct.model.region import Pair
 from femstruct.model.structure import PlaceOn, Structure, Support
+from femstruct.parts.of_plates.patches import patch_turning
 from femstruct.parts.plate import Plate
 
 STEEL = Material("steel", E=210e9, nu=0.3, rho=7850.0)
@@ -161,3 +162,10 @@ supports: {{edges: {{on: plate, edge: all, fix: simple}}}}
 def test_a_patch_beyond_its_plate_is_refused(patch: float | Pair) -> None:
     with pytest.raises(InputError, match=r"points\.P\.patch: got a patch that reaches 0\.01 m beyond plate"):
         meshed(patch)
+
+
+def test_a_bar_thicker_than_its_plate_is_wide_is_refused() -> None:
+    """No end of the cross that takes its torque lies on the plate."""
+    middle, axes = np.array([[0.2, 0.1]]), np.eye(3)
+    with pytest.raises(InputError, match=r"parts\.bed: got a joint with a bar whose section reaches 5 m, "):
+        patch_turning("parts.bed", middle, 5.0, (0.4, 0.3), axes, lambda places: pytest.fail(), 4)

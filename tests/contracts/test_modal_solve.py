@@ -11,12 +11,12 @@ from scipy.linalg import block_diag
 from scipy.sparse import block_array, csc_array, diags_array
 
 from femstruct.assembly.assemble import assemble
-from femstruct.errors import FemstructError, SingularSystem
+from femstruct.errors import FemstructError, InputError, SingularSystem
 from femstruct.modal import factor, solve
 from femstruct.modal.factor import count_below
 from femstruct.modal.reduction import modal_basis
 from femstruct.modal.residuals import residual_vectors
-from femstruct.modal.solve import modes, signed
+from femstruct.modal.solve import _dense, modes, signed
 from femstruct.model.material import Material
 from femstruct.model.mesher import mesh_structure
 from femstruct.model.section import rectangle
@@ -272,3 +272,10 @@ def test_a_group_of_equal_frequencies_may_be_all_there_is(n, spread):
     np.testing.assert_allclose(found.eigenvalues, 1e5 / 99.0, rtol=1e-8)  # the spread
     np.testing.assert_allclose(99.0 * found.shapes.T @ found.shapes, np.eye(n), atol=1e-12)  # rounding
     assert found.n_rigid == 0
+
+
+def test_a_stiffness_beyond_rounding_is_refused_in_words() -> None:
+    """Full matrices whose shifted stiffness is indefinite: its smallest values are lost in the largest."""
+    K = csc_array(np.diag([1e30, 1.0]) + np.array([[0.0, 1e20], [1e20, 0.0]]))
+    with pytest.raises(InputError, match="the smallest are lost in rounding, expected stiffness within 15 decades"):
+        _dense(K, csc_array(np.eye(2)), -1e-3, 1)

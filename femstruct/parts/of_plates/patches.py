@@ -49,6 +49,7 @@ def patch_points(
 
 
 def patch_turning(
+    where: str,
     centers: Floats,
     reach: float,
     size: Pair,
@@ -61,6 +62,8 @@ def patch_turning(
     centers [m, 2] : in its coordinates [m]. size, axes : of the plate. motion : nodes [p, k] and rows [p, 6, k, 7] of
     places of it. The ends of a cross, as far as they lie on the plate, and its middle move as the plate does; the
     rotation is that of the rigid motion that fits them best. By virtual work a torque on it is forces at the ends.
+
+    Raises InputError, of `where`, for a cross of which no end lies on the plate.
     """
     arms = reach * np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])
     places = (centers[:, None] + arms).reshape(-1, 2)
@@ -72,6 +75,11 @@ def patch_turning(
     np.add.at(middle, owner, places)
     off = places - (middle / count)[owner]
     square = np.bincount(owner, weights=(off**2).sum(axis=1), minlength=len(centers))
+    if not square.all():
+        got = (
+            f"a joint with a bar whose section reaches {reach:.3g} m, beyond {size[0]:g} m x {size[1]:g} m on all sides"
+        )
+        raise InputError(where, got=got, expected="a section that lies on it", do="correct the section of the bar")
     pulls = (off[:, :1] * axes[1] - off[:, 1:] * axes[0]) / square[owner, None]
     nodes, rows = motion(places)
     each = sparse_rows(nodes, np.einsum("pi,pikc->pkc", pulls, rows[:, :3])[:, None], n_nodes)

@@ -147,7 +147,8 @@ class PlateMesh(Meshed):
         return None if self.rigid_in_plane else self.axes[2]
 
     def turning(self, nodes: Integers, reach: float, n_nodes: int) -> csr_array:
-        return patch_turning(self.local[nodes - self.first], reach, self.part.size, self.axes, self.rows, n_nodes)
+        where, places = f"parts.{self.name}", self.local[nodes - self.first]
+        return patch_turning(where, places, reach, self.part.size, self.axes, self.rows, n_nodes)
 
     def dofs(self) -> OwnDofs:
         kind = self.part.element
