@@ -50,7 +50,8 @@ def _options(
 def main() -> None:
     """Entry point: exit 0 good, 1 our bug, 2 bad input, 3 a result not to be trusted, 130 interrupted.
 
-    A limit of the study that is exceeded is a result: exit 0.
+    A limit of the study that is exceeded in a run is a result: exit 0. An optimisation in which no design holds all
+    limits: exit 3.
     """
     for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "LP_NUM_THREADS"):
         os.environ.setdefault(name, "1")  # two threads are slower on the small blocks of an eigensolution

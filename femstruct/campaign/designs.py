@@ -17,12 +17,14 @@ from femstruct.campaign.tasks import Task
 from femstruct.dimensions import DIMENSIONS
 from femstruct.errors import InputError, InputErrors
 from femstruct.language.yaml.tree import near_one
-from femstruct.study.campaign.sought import Search
+from femstruct.study.asked import SETTLED
+from femstruct.study.campaign.sought import NOT_AT_REST, Search
 from femstruct.study.campaign.swept import UNROUNDED
 from femstruct.study.campaign.varied import Campaign, Sampling
 from femstruct.units import QuantityError, quantity
 
 MOST: Final = 12  # names in a message
+LONGER, SEEN = 1e300, 1e250  # s: in place of infinity, of which quantiles have none; what a quantile beside it is above
 NEVER: Final = 1e30  # excess of a design without a number, or that is not to be trusted: it never wins
 
 
@@ -99,7 +101,7 @@ class Designs:
         for k, (text, point) in enumerate(new.items()):
             self._numbers[text] = first + k
             self.points.append(point)
-            self.outcomes.append(self._outcome(self.of_design(first + k)))
+            self.outcomes.append(self._outcome(self.of_design(first + k), point))
         if not first and all(row.trouble for row in self._rows.values()):
             raise InputErrors((self._rows[0].trouble,))
         return [self.outcomes[self._numbers[text]] for text in texts]
@@ -193,15 +195,19 @@ class Designs:
 
         self._run(tasks, keep, lambda: self._told(counted()))
 
-    def _outcome(self, rows: Sequence[Row]) -> Outcome:
+    def _outcome(self, rows: Sequence[Row], point: Floats) -> Outcome:
         search, goals = self._search, self._search.goals
-        table = [[self._number(row, one.name).value for row in rows] for one in goals]
+        table = [self._of_goal(one.name, rows, point) for one in goals]
         smalls = tuple(
             self._quantile([one.sign * value for value in own]) for one, own in zip(goals, table, strict=True)
         )
-        limited = tuple(self._quantile([self._number(row, name).value for row in rows]) for name in search.limits)
-        pairs = zip(limited, search.limits.values(), strict=True)
-        excess = tuple((value - limit) / abs(limit or 1.0) for value, limit in pairs)
+        limited = tuple(self._limited(name, rows) for name in search.limits)
+        excess = tuple(
+            NOT_AT_REST if name == SETTLED and np.isnan(value) else (value - limit) / abs(limit or 1.0)
+            for (name, limit), value in zip(search.limits.items(), limited, strict=True)
+        )
+        if any(row.trouble for row in rows):
+            excess = (np.nan,) * len(excess)
         none, m = (np.nan,) * len(goals), len(excess)
         if any(row.severe or row.trouble for row in rows) or not np.isfinite((*smalls, *excess)).all():
             return Outcome(
@@ -210,11 +216,28 @@ class Designs:
         signed = tuple(one.sign * small for one, small in zip(goals, smalls, strict=True))
         return Outcome(signed, smalls, excess, limited, tuple((min(own), max(own)) for own in table), sound=True)
 
+    def _of_goal(self, name: str, rows: Sequence[Row], point: Floats) -> list[float]:
+        """A goal in the rows of a design: a number of theirs, or what was chosen for a path."""
+        for j, one in enumerate(self._search.designs):
+            if one.path == name:
+                self._units[name] = one.unit
+                return [float(at(one, point[j : j + 1])[1][0])] * len(rows)
+        return [self._number(row, name).value for row in rows]
+
+    def _limited(self, name: str, rows: Sequence[Row]) -> float:
+        """What a limit is compared with, as a run does it: a rating as it is rounded; a time to rest that the window
+        ends before is longer than all others, and nan where the quantile is such a one."""
+        values = [self._number(row, name, rounded=True).value for row in rows]
+        if name == SETTLED:
+            values = [LONGER if np.isnan(one) else one for one in values]
+        found = self._quantile(values)
+        return float("nan") if found >= SEEN else found
+
     def _quantile(self, values: Sequence[float]) -> float:
         """Of what scatters, the value that the asked share of it does not exceed."""
         return float(np.quantile(values, self._search.quantile)) if len(values) > 1 else values[0]
 
-    def _number(self, row: Row, name: str) -> Number:
+    def _number(self, row: Row, name: str, rounded: bool = False) -> Number:
         if row.trouble:
             return Number(np.nan, "")
         if name not in row.numbers and name in self._seen:
@@ -223,14 +246,18 @@ class Designs:
             goal = next((one for one in self._search.goals if one.name == name), None)
             where = "optimise.limits" if goal is None else f"optimise.{goal.sense}"
             main = [one for one in row.numbers if APART not in one]
-            expected = f"a number of the case '{row.case}'"
-            do = near_one(name, row.numbers) or f"it has {', '.join(main[:MOST])}; --case chooses another case"
+            paths = [one.path for one in self._search.designs] if goal is not None else []
+            expected = f"a number of the case '{row.case}'" + (" or a path that may be chosen" if paths else "")
+            do = (
+                near_one(name, [*row.numbers, *paths])
+                or f"it has {', '.join(main[:MOST])}; --case chooses another case"
+            )
             raise InputError(where, got=f"'{name}'", expected=expected, do=do)
         self._refuse_other_dimension(name, row.numbers[name].unit)
         self._seen.add(name)
         if name in (one.name for one in self._search.goals):
             self._units[name] = row.numbers[name].unit
-            return _finer(row, name)
+            return row.numbers[name] if rounded else _finer(row, name)
         return row.numbers[name]
 
     def _refuse_other_dimension(self, name: str, unit: str) -> None:

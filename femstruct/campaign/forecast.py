@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Final
 
 import numpy as np
 
@@ -19,14 +20,17 @@ from femstruct.campaign.journal import Row, opened
 from femstruct.campaign.numbers import APART
 from femstruct.campaign.samples import samples_of
 from femstruct.campaign.tasks import Split, Task, Work, forget_bases, run_task, split
-from femstruct.campaign.tried import refuse_values, with_place
+from femstruct.campaign.tried import refuse_values, refused_ends, with_limits_of_study, with_place
 from femstruct.errors import InputError
 from femstruct.language import read_study
 from femstruct.study.campaign.sought import FEWEST_RUNS, Search
 from femstruct.study.campaign.varied import Campaign
+from femstruct.view.campaigns.swept_table import written
+from femstruct.view.campaigns.varied_words import range_of
 from femstruct.workflow.run.provenance import Progress
 from femstruct.workflow.stages.modal_bases import key_of
 
+POINT: Final = {"lower": 0.95, "upper": 0.05}  # of a range of which that end cannot be
 MORE, PART = 128, 8  # rows of a batch that are timed, and the share of them that are timed before
 
 
@@ -65,13 +69,16 @@ def planned_search(
     """What an optimisation will try, and about how long it takes on this machine.
 
     workers : processes, None for one a core. The design in the middle of all ranges is run, once for the first sample
-    of what scatters.
+    of what scatters; of a range of which the files cannot have one end, one near the other.
 
     Raises InputErrors where the files cannot be read, and what trying a design raises for names of numbers.
     """
     cores = workers or os.cpu_count() or 1
     plan = read_study(search.file, search.overrides, only=search.case or None)
+    search = with_limits_of_study(search, plan)
     refuse_values(search, plan)
+    refused = refused_ends(search)
+    middle = [POINT[refused[one.path][0]] if one.path in refused else 0.5 for one in search.designs]
     make_ready(plan, progress)
     progress("running one design")
     taken = 0.0
@@ -87,21 +94,35 @@ def planned_search(
     with TemporaryDirectory() as place, opened(Path(place) / "plan.rows", "") as journal:
         designs = Designs(one, search.case or plan.baseline, journal, run, lambda count: None)
         try:
-            designs(np.full((1, len(search.designs)), 0.5))
+            designs(np.array([middle]))
         except InputError as error:
             raise with_place(search, error) from None
         rows = designs.of_design(0)
     most = search.runs // search.samples
     return {
-        "goals": ", ".join(f"{goal.sense} {goal.name}" for goal in search.goals),
+        "goals": ", ".join(f"{goal.sense} {goal.name}" for goal in search.goals) + _robust(search),
         "case": search.case or plan.baseline,
-        "may be chosen": ", ".join(one.path for one in search.designs),
+        "limits": "; ".join(_limit(search, name, rows) for name in search.limits) or "none",
+        **{f"may be chosen: {one.path}": range_of(one) for one in search.designs},
+        **{f"refused: {path}, {end} end of its range": why for path, (end, why) in refused.items()},
+        **{f"scatters: {one.path}": range_of(one) for one in search.over},
         **({"samples of what scatters, for each design": search.samples} if search.over else {}),
         "designs at most": most,
         "runs at most": most * search.samples,
         "about how long": _long(most * search.samples * taken, cores),
         "main numbers": ", ".join(_main(rows)) or f"none: {rows[0].trouble}",
     }
+
+
+def _robust(search: Search) -> str:
+    return f"; goals and limits are {100.0 * search.quantile:g} % quantiles of what scatters" if search.over else ""
+
+
+def _limit(search: Search, name: str, rows: Sequence[Row]) -> str:
+    """A limit with its unit, and whether the study states it."""
+    unit = next((row.numbers[name].unit for row in rows if name in row.numbers), "")
+    value = written(search.limits[name], unit, "")
+    return f"{name} {value}" + (" (of the study)" if name in search.of_study else "")
 
 
 def _long(seconds: float, cores: int) -> str:

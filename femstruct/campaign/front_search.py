@@ -13,6 +13,7 @@ from femstruct.arrays import Floats
 from femstruct.campaign.designs import NEVER, Designs, Outcome
 from femstruct.campaign.evolution import Evolution
 from femstruct.campaign.searching import HELD, designs_of, ends_of, table_of
+from femstruct.campaign.tried import with_limits_of_study
 from femstruct.errors import InputError
 from femstruct.study.campaign.front import Front, convergence_of, members_of
 from femstruct.study.campaign.sought import Search
@@ -71,6 +72,7 @@ def pareto_front(
     """
     if not search.also:
         raise InputError("optimise", got="one goal", expected="two or three", do="femstruct.optimise takes one")
+    search = with_limits_of_study(search)
     course = evolution(search)  # before anything is run
     with designs_of(search, folder, workers, cluster, progress) as designs:
         generations, spent, interrupted = searched(designs, course)

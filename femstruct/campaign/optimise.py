@@ -15,6 +15,7 @@ from femstruct.arrays import Floats
 from femstruct.campaign.designs import NEVER, Designs, Outcome, Spent
 from femstruct.campaign.references import references
 from femstruct.campaign.searching import HELD, designs_of, ends_of, table_of
+from femstruct.campaign.tried import with_limits_of_study
 from femstruct.errors import InputError
 from femstruct.study.campaign.sought import Chosen, Found, Reference, Search
 from femstruct.study.campaign.swept import Swept
@@ -45,7 +46,7 @@ def optimise(
     progress: Progress = lambda line: None,
     command: str = "",
 ) -> Found:
-    """The design with the least or largest goal that holds all limits.
+    """The design with the least or largest goal that holds all limits, its own and those of the study.
 
     folder, workers, cluster : as for `femstruct.sweep`; rows that are kept there are not run again.
 
@@ -88,6 +89,7 @@ def optimise(
     if search.also:
         expected = "one; femstruct.pareto_front finds designs for several"
         raise InputError("optimise", got=f"{len(search.goals)} goals", expected=expected)
+    search = with_limits_of_study(search)
     with designs_of(search, folder, workers, cluster, progress) as designs:
         (spent, stopped), beside = _searched(search, designs), tuple[Reference, ...]()
         if not stopped:

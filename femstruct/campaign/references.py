@@ -17,6 +17,9 @@ def references(search: Search, designs: Designs) -> tuple[Reference, ...]:
     plan = _plan(search)
     case = search.case or plan.baseline
     cases = tuple(dict.fromkeys((case, plan.baseline)))
+    if search.goal in [one.path for one in search.designs]:
+        none, why = np.full(search.samples, np.nan), f"'{search.goal}' is chosen, and no number of a run"
+        return tuple(Reference(name, name == case, np.nan, (np.nan, np.nan), np.nan, none, why) for name in cases)
     own = designs.goals_of(designs.of_design(designs.best))[2]
     found = []
     for name, rows in zip(cases, designs.as_written(cases), strict=True):

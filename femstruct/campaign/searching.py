@@ -17,7 +17,7 @@ from femstruct.campaign.designs import Designs
 from femstruct.campaign.executors import crew
 from femstruct.campaign.gathered import counted, gathered, make_ready, versions
 from femstruct.campaign.journal import moved_aside, opened
-from femstruct.campaign.tried import refuse_values, with_place
+from femstruct.campaign.tried import refuse_values, with_limits_of_study, with_place
 from femstruct.errors import InputError
 from femstruct.language import read_study
 from femstruct.study.campaign.front import End
@@ -90,7 +90,7 @@ def set_aside(search: Search, folder: Path) -> Path | None:
 def name_of(search: Search, plan: Plan) -> str:
     """A name for all that the rows of an optimisation hang on, but for files that some of its designs alone are read
     from: these the journal knows."""
-    return fingerprint((dict(plan.sources), search, versions() | _course(search)))
+    return fingerprint((dict(plan.sources), with_limits_of_study(search, plan), versions() | _course(search)))
 
 
 def _course(search: Search) -> dict[str, str]:

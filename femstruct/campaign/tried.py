@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from femstruct.errors import InputError, InputErrors
@@ -26,13 +27,25 @@ def campaigns_of(file: str | Path, overrides: Sequence[str] = ()) -> dict[str, s
         varied = [*keys["vary"]] if isinstance(keys["vary"], dict) else []
         found["femstruct sweep"] = f"varies {', '.join(varied)}"
     if keys.get("optimise"):
-        search = read_search(file, overrides=overrides)
-        plan = read_study(search.file, search.overrides, only=search.case or None)
+        asked = read_search(file, overrides=overrides)
+        plan = read_study(asked.file, asked.overrides, only=asked.case or None)
+        search = with_limits_of_study(asked, plan)
         refuse_values(search, plan)
         goals = " and ".join(f"{goal.sense} {goal.name}" for goal in search.goals)
         of, chosen = f"of case '{search.case or plan.baseline}'", ", ".join(one.path for one in search.designs)
-        found["femstruct optimise"] = f"to {goals} {of} chooses {chosen}; at most {search.runs} runs"
+        held = ", ".join(f"{name} (of the study)" if name in search.of_study else name for name in search.limits)
+        limits = f"; within the limits of {held}" if held else ""
+        found["femstruct optimise"] = f"to {goals} {of} chooses {chosen}{limits}; at most {search.runs} runs"
     return found
+
+
+def with_limits_of_study(search: Search, plan: Plan | None = None) -> Search:
+    """The search with the limits that the study states itself, which designs hold too; its own limit of the same number
+    comes first. plan : the study as it is written, None to read it."""
+    plan = plan or read_study(search.file, search.overrides, only=search.case or None)
+    study = next(one.study for one in plan.cases if one.name == (search.case or plan.baseline))
+    own = {one.name: one.value for one in study.limits if one.name not in search.limits}
+    return replace(search, limits={**search.limits, **own}, of_study=(*search.of_study, *own)) if own else search
 
 
 def refuse_values(search: Search, plan: Plan) -> None:
@@ -51,6 +64,17 @@ def refuse_values(search: Search, plan: Plan) -> None:
                 if told and not isinstance(one, Listed):
                     break
     mistakes.stop_if_any()
+
+
+def refused_ends(search: Search) -> dict[str, tuple[str, str]]:
+    """Of ranges of which the files cannot have one end, by path: that end, "lower" or "upper", and why. Designs there
+    fail, those at the other end may not."""
+    found = {}
+    for one in search.designs:
+        for end, text in zip(("lower", "upper"), () if isinstance(one, Listed) else probes(one), strict=False):
+            if why := _refusal(search, f"{one.path}={text}"):
+                found[one.path] = (end, why)
+    return found
 
 
 def probes(one: Listed | Scattered) -> Sequence[str]:

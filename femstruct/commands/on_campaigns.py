@@ -160,7 +160,7 @@ def optimise(
         print(f"Written: {', '.join(map(str, written))}")
     if found.interrupted:
         return INTERRUPTED
-    return GOOD if found.left_out < found.designs else NOT_TRUSTED
+    return GOOD if found.feasible else NOT_TRUSTED
 
 
 def _show_plan(told: Mapping[str, int | str], as_json: bool) -> int:

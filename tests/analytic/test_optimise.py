@@ -94,6 +94,46 @@ def test_a_limit_that_is_reached_is_held() -> None:
         assert best.limited[0] <= 3.0 * (1.0 + 1e-9) and len(found.outcomes) <= 200  # what counts as held
 
 
+def test_a_limit_below_zero_is_a_limit() -> None:
+    with searched(
+        Search("", "f", (X,), limits={"g": -0.5}, runs=60),
+        lambda texts: numbers(f=number(texts, "x"), g=-number(texts, "x")),
+    ) as found:
+        best = found.outcomes[found.best]
+        assert best.goal == pytest.approx(0.5, rel=1e-3) and best.limited[0] <= -0.5 * (1.0 - 1e-9)  # the last radius
+
+
+def test_a_limit_of_a_rating_is_of_the_number_that_a_run_judges() -> None:
+    """The goal is followed before rounding, the limit holds for the rounded number: up to 55.5 dB."""
+
+    def row(texts: dict[str, str]) -> Row:
+        x = 55.0 + number(texts, "x")
+        return Row(0, "a", {"f": Number(np.floor(x + 0.5), "dB"), "f before rounding": Number(x, "dB")})
+
+    with searched(Search("", "f", (X,), "maximise", limits={"f": 55.0}, runs=80), row) as found:
+        best = found.outcomes[found.best]
+        assert best.limited == (55.0,) and best.goal > 55.4  # a step is found to a twentieth of the range of 4 dB
+    with searched(Search("", "f", (X,), "minimise", limits={"f": 56.0}, runs=80), row) as found:
+        assert found.outcomes[found.best].goal == pytest.approx(53.0, abs=1e-3)  # the last radius
+
+
+def test_a_time_to_rest_that_is_not_seen_is_longer_than_its_limit() -> None:
+    """Of 5 samples one does not come to rest: the median does not exceed the limit, the quantile of 90 % does."""
+
+    def row(texts: dict[str, str]) -> Row:
+        late = number(texts, "v") > 1.8
+        return Row(0, "a", {"f": Number(number(texts, "x"), "m"), "settled": Number(np.nan if late else 0.2, "s")})
+
+    scatter = Scattered("v", "uniform", 1.0, 2.0, "m")
+    search = Search("", "f", (X,), "minimise", {"settled": 1.0}, (scatter,), quantile=0.5, scatter=5, runs=100)
+    with searched(search, row) as found:
+        best = found.outcomes[found.best]
+        assert best.sound and best.limited == (0.2,) and best.beyond == 0.0
+    with searched(replace(search, quantile=0.9), row) as found:
+        best = found.outcomes[found.best]
+        assert best.sound and np.isnan(best.limited[0]) and best.beyond == 1.0
+
+
 def test_of_several_valleys_the_deepest_is_found() -> None:
     def row(texts: dict[str, str]) -> Row:
         x, y = number(texts, "x"), number(texts, "y")

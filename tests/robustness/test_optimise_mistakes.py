@@ -98,7 +98,11 @@ def test_a_range_of_which_one_end_cannot_be_is_tried(tmp_path: Path) -> None:
     )
     path = tmp_path / "a.study.yaml"
     path.write_text(STUDY, encoding="utf-8")
-    found = optimise(read_search(path, "maximise m.z velocity", ["bodies.ball.mass=-1 kg:1 kg"], runs=40), workers=1)
+    search = read_search(path, "maximise m.z velocity", ["bodies.ball.mass=-1 kg:1 kg"], runs=40)
+    told = planned_search(search, workers=1)
+    assert "got '-1.0 kg', expected a positive value" in str(told["refused: bodies.ball.mass, lower end of its range"])
+    assert told["may be chosen: bodies.ball.mass"] == "-1 kg .. 1 kg" and "m.z velocity" in str(told["main numbers"])
+    found = optimise(search, workers=1)
     assert found.left_out and found.chosen[0].number == pytest.approx(1.0, abs=0.1)  # the end of the range, 40 designs
 
 

@@ -21,7 +21,10 @@ def front_table(found: Front) -> Table:
             {"name": one.name, "sense": one.sense, "unit": unit}
             for one, unit in zip(search.goals, found.units, strict=True)
         ],
-        "limits": [{"name": name, "limit": number(limit)} for name, limit in search.limits.items()],
+        "limits": [
+            {"name": name, "limit": number(limit), "of_study": name in search.of_study}
+            for name, limit in search.limits.items()
+        ],
         "feasible": found.feasible,
         "front": [design_table(found, k) for k in found.members],
         "ends": dict(found.ends),

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from femstruct.files.tables.json_numbers import number
-from femstruct.study.campaign.sought import Chosen, Found, Reference, Search
+from femstruct.study.campaign.sought import SAME, Chosen, Found, Reference, Search
 
 Table = dict[str, Any]
 
@@ -25,7 +25,13 @@ def optimum_table(found: Found) -> Table:
         "feasible": found.feasible,
         "design": [_chosen(one) for one in found.chosen],
         "limits": [
-            {"name": name, "limit": number(limit), "value": number(found.limits[name])}
+            {
+                "name": name,
+                "limit": number(limit),
+                "value": number(found.limits[name]),
+                "of_study": name in search.of_study,
+                "met": bool(found.limits[name] - limit <= SAME * abs(limit)),
+            }
             for name, limit in search.limits.items()
         ],
         "value_is": _statistic(search),

@@ -10,7 +10,7 @@ import numpy as np
 
 from femstruct.arrays import Floats, freeze, frozen_with_gaps
 from femstruct.study.campaign.pareto import knee, nondominated, share
-from femstruct.study.campaign.sought import LATE, SAME, Search
+from femstruct.study.campaign.sought import LATE, NOT_AT_REST, SAME, Search
 from femstruct.study.campaign.swept import Flags, Swept
 
 GAIN: Final = 0.01  # of the hypervolume, in the last fifth of the designs: below it more runs change a front little
@@ -79,12 +79,12 @@ class Front:
     @property
     def nearest(self) -> int | None:
         """Where no design holds all limits, the number of the one that exceeds them least."""
-        sound = np.flatnonzero(np.isfinite(self.goals).all(axis=1) & np.isfinite(self.limited).all(axis=1))
+        sound = np.flatnonzero(np.isfinite(self.goals).all(axis=1))
         if self.feasible or not len(sound):
             return None
         limits = np.array(list(self.search.limits.values()))
-        excess = np.maximum((self.limited[sound] - limits) / np.abs(np.where(limits, limits, 1.0)), 0.0).sum(axis=1)
-        return int(sound[np.argmin(excess)])
+        excess = np.maximum((self.limited[sound] - limits) / np.abs(np.where(limits, limits, 1.0)), 0.0)
+        return int(sound[np.argmin(np.where(np.isnan(excess), NOT_AT_REST, excess).sum(axis=1))])
 
     @property
     def ends(self) -> Mapping[str, int]:

@@ -20,6 +20,7 @@ LATE: Final = 0.8  # of the designs
 WORTH: Final = 0.01  # of what half of the designs are worse than the best by
 NEARLY: Final = 0.1  # of what the best design gains, that others may miss of it
 SMALL: Final = 0.01  # of the goal, instead, where it gains nothing or there is nothing beside it
+NOT_AT_REST: Final = 1.0  # share by which a limit of the time to rest is exceeded where the window ends before it
 MOST_GOALS: Final = 3  # of four and more NSGA-II finds nearly all designs to be on the front
 Sense = Literal["minimise", "maximise"]
 
@@ -47,13 +48,14 @@ class Goal:
 class Search:
     """A number of a study that is to be small or large, by a choice of other numbers of its files.
 
-    file : of the study. goal : the number, by its name in a sweep, such as "ground force". also : one or two more
+    file : of the study. goal : the number, by its name in a sweep, such as "ground force", or one of the paths that may
+    be chosen, such as "bodies.damper.mass". also : one or two more
     goals, which make it a search for a front. designs : what may be chosen, ranges (uniform or log-uniform) or lists.
     limits : what other numbers of the same case should not exceed, by name, in SI units; limit_dimensions : of those
     that were written with a unit. case : "" for the baseline. overrides : texts ``PATH=VALUE`` for all.
     over : what scatters and cannot be chosen; quantile : the share of the scatter for which goal and limits are to
     hold; scatter : samples of it, the same for every design. runs : of the study at most, each sample counted. seed :
-    another one searches otherwise.
+    another one searches otherwise. of_study : which of the limits the study states itself.
 
     Raises InputError where nothing can be chosen, for distributions among what may be, too few runs, more than three
     goals, and one that is asked for twice.
@@ -80,6 +82,7 @@ class Search:
     title: str = ""
     limit_dimensions: Mapping[str, str] = field(default_factory=dict)
     also: tuple[Goal, ...] = ()
+    of_study: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         names = [one.name for one in self.goals]
@@ -95,6 +98,12 @@ class Search:
         twice = next((path for path in paths if paths.count(path) > 1), None)
         if twice is not None:
             raise InputError(f"optimise.vary.{twice}", got="a path that varies twice", expected="each path once")
+        words = next((one for one in self.designs if isinstance(one, Listed) and not one.numbers), None)
+        if words is not None and words.path in names:
+            do = "set it as a choice under 'vary:' alone"
+            raise InputError(
+                f"optimise.{self.sense}", got=f"'{words.path}', a list of words", expected="numbers", do=do
+            )
         normal = next((one for one in self.designs if isinstance(one, Scattered) and one.law == "normal"), None)
         if normal is not None:
             expected = "a range {from, to} or a list of values"
@@ -157,12 +166,13 @@ class Found:
     """The best design of an optimisation.
 
     goal : its value, in `unit`, of the quantile where something scatters; of a rating that before rounding. ends : its
-    least and its largest over what scatters. limits : the values that are limited, by
-    name. feasible : whether any design holds all limits; the best is else the one that exceeds them least. best : the
-    number of its first row. runs : of the study. designs : how many were tried; left_out : those with a finding that
-    forbids trust, or without a number. goals [designs] : of all, nan for those. held [designs] : which hold all limits.
-    history : (designs tried, best goal until then), where it improved. spent : whether all runs were made; else nothing
-    got better any more. interrupted : whether it was stopped before its end. rows : of all designs, in their order.
+    least and its largest over what scatters. limits : the values that are limited, by name, nan of a time to rest that
+    the window ends before. feasible : whether any design holds all limits; the best is else the one that exceeds them
+    least. best : the number of its first row. runs : of the study. designs : how many were tried; left_out : those with
+    a finding that forbids trust, or without a number. goals [designs] : of all, nan for those. held [designs] : which
+    hold all limits. history : (designs tried, best goal until then), where it improved. spent : whether all runs were
+    made; else nothing got better any more. interrupted : whether it was stopped before its end. rows : of all designs,
+    in their order.
     references : what the best design is held against: its case as written, and the baseline; none where it was stopped.
     """
 

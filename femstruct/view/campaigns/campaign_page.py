@@ -16,6 +16,7 @@ from femstruct.study.campaign.varied import Listed, Scattered
 from femstruct.view.campaigns.front_table import front_pieces
 from femstruct.view.campaigns.optimum_table import optimum_pieces
 from femstruct.view.campaigns.swept_table import in_unit, swept_pieces, written
+from femstruct.view.campaigns.varied_words import range_of
 from femstruct.view.page.html import fold, picture, table
 from femstruct.view.page.style import STYLE
 from femstruct.view.tables.grid import Grid, Piece
@@ -73,23 +74,20 @@ def _asked(answer: Swept | Found | Front) -> Iterator[Grid]:
         goals.add(one.name, "small" if one.sign > 0 else "large", "")
     for name, limit in search.limits.items():
         factor, unit = in_unit(rows.unit_of(name) if name in rows.names else "", abs(limit))
-        goals.add(name, "within", f"{digits(factor * limit)} {unit}".strip())
+        goals.add(
+            name,
+            "within, as the study states" if name in search.of_study else "within",
+            f"{digits(factor * limit)} {unit}".strip(),
+        )
     yield goals
     yield _ranges("what may be chosen", search.designs)
     yield _ranges(f"what scatters, {search.scatter} samples of it", search.over)
 
 
 def _ranges(title: str, varied: Iterable[Listed | Scattered]) -> Grid:
-    grid = Grid(title, ("path", "from", "to"))
+    grid = Grid(title, ("path", "values"))
     for one in varied:
-        if isinstance(one, Listed):
-            grid.add(one.path, ", ".join(one.texts), "")
-        elif one.law == "normal":
-            words = (written(value, one.unit, "") for value in (one.first, one.second))
-            grid.add(one.path, "normal: mean {}, deviation {}".format(*words), "")
-        else:
-            low, high = (written(value, one.unit, "") for value in (one.first, one.second))
-            grid.add(one.path, low, f"{high}, on a logarithmic scale" if one.law == "log-uniform" else high)
+        grid.add(one.path, range_of(one))
     return grid
 
 

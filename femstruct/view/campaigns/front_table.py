@@ -13,6 +13,13 @@ from femstruct.errors import some_of
 from femstruct.files.tables.optimum_tables import command_of
 from femstruct.study.campaign.front import Front
 from femstruct.study.campaign.pareto import picked
+from femstruct.view.campaigns.first_lines import (
+    INTERRUPTED,
+    no_design,
+    nothing_to_compare,
+    same_for_all,
+    without_number,
+)
 from femstruct.view.campaigns.swept_table import in_unit, left_out_pieces, written
 from femstruct.view.tables.grid import Grid, Piece
 from femstruct.view.tables.scales import digits
@@ -25,17 +32,30 @@ def front_pieces(found: Front) -> Iterator[Piece]:
     search = found.search
     quantile = f", {100 * search.quantile:g} % quantiles of {search.scatter} samples" if search.over else ""
     goals = " and ".join(f"{'small' if one.sign > 0 else 'large'} {one.name}" for one in search.goals)
+    if found.interrupted:
+        yield INTERRUPTED
+    yield from _first(found)
     yield f"{search.title}: {goals}{quantile}: {len(found.members)} designs on the front"
     yield _designs(found)
     yield from _told(found)
     ended = "all runs were made" if found.spent else "it ended since no new design came up"
-    tried = f"{found.designs} designs, {found.runs} runs; {ended if not found.interrupted else 'interrupted'}"
+    tried = f"{found.designs} designs, {found.runs} runs" + ("" if found.interrupted else f"; {ended}")
     yield f"{tried}. That no better front exists is not proven: another 'seed' gives another search"
-    if found.interrupted:
-        yield "Interrupted: the same command goes on"
     yield from left_out_pieces(found.rows, one="run" if search.over else "design")
     for k in dict.fromkeys([*([] if found.knee is None else [found.knee]), *found.ends.values()]):
         yield f"To run design {k} ({', '.join(found.notes(k))}): {command_of(search, found.texts(k))}"
+
+
+def _first(found: Front) -> Iterator[str]:
+    """That there is no front, or none in some of the goals."""
+    search, nearest = found.search, found.nearest
+    if nearest is not None:
+        limited = dict(zip(search.limits, map(float, found.limited[nearest]), strict=True))
+        yield no_design(search, found.rows, limited, f", design {nearest},")
+    elif not found.feasible:
+        yield from nothing_to_compare(search, found.rows)
+    for name in found.flat:
+        yield same_for_all(search, name)
 
 
 def _designs(found: Front) -> Grid:
@@ -74,14 +94,12 @@ def _shown(found: Front) -> tuple[list[int], str]:
 
 def _told(found: Front) -> Iterator[str]:
     """What the front says, and why it is not to be taken for the best."""
-    if found.nearest is not None:
-        yield "No design that was tried holds all limits: this one exceeds them least"
-    if len(found.members) == 1:
+    if found.feasible:
+        yield from without_number(found.search, found.rows)
+    if len(found.members) == 1 and not found.flat:
         yield "One design is best in all goals: they do not exclude each other within these ranges"
-    elif found.members and found.knee is None:
+    elif len(found.members) > 1 and found.knee is None:
         yield "The front has no knee: no design stands out in front of the line through its ends"
-    for name in found.flat:
-        yield f"{name} is the same for all designs that were tried"
     ends = Counter((j, end) for k in found.members for j, end in enumerate(found.at[k]) if end)
     for (j, end), count in sorted(ends.items()):
         path = found.search.designs[j].path

@@ -19,6 +19,7 @@ from femstruct.view.figures.drawing import BASELINE, finish, legend_above, new_f
 
 HELD, EXCEEDED, BEST = "#0072b2", "#bbbbbb", "#d55e00"
 DASHES: Final = ("--", ":")  # of the case as written and of the baseline
+DOTS: Final = (".", "x")  # the same where nothing joins them
 MOST: Final = 0.9  # of the designs are always shown
 FAR: Final = 1.5  # of the height that these take: others so far beyond are only counted
 MARGIN: Final = 0.06  # of the height, and of a range, beside what is shown
@@ -29,7 +30,8 @@ def optimum_figure(found: Found) -> Figure:
     is held against. Of what scatters the quantile; the last panels show it sample by sample."""
     search = found.search
     factor, unit = shown_unit(found.unit, found.goals)
-    over = [j for j, one in enumerate(search.over) if isinstance(one, Scattered)]
+    chosen = search.goal in [one.path for one in search.designs]  # a goal that does not scatter
+    over = [] if chosen else [j for j, one in enumerate(search.over) if isinstance(one, Scattered)]
     count = 1 + len(search.designs)
     figure = new_figure(9.0, 3.9 + 2.7 * (count - 1 + len(over)), search.title)
     axes = panels(figure, count + len(over), 1, between=0.65, top=1.5)[:, 0]
@@ -78,16 +80,19 @@ def _over_path(axes: Axes, j: int, found: Found, factor: float) -> str:
 def _over_scatter(axes: Axes, j: int, found: Found, factor: float) -> str:
     """The goal of the best design and of what it is held against, sample by sample, over a path that scatters."""
     rows, s, column = found.rows, found.search.samples, len(found.search.designs) + j
+    joined = "-" if len(found.search.over) == 1 else ""  # over one of several a line would join what is not beside it
     own = slice(found.best, found.best + s)
     x, y = rows.values[own, column], rows.of(found.goal_name)[own]
     scale, told = shown_unit(rows.units[column], x)
     order = np.argsort(x)
-    axes.plot(scale * x[order], factor * y[order], "*-", color=BEST, markersize=8, linewidth=1, label="best design")
-    for one, dashes in zip(found.references, DASHES, strict=False):
+    word = "best design" if found.feasible else "exceeds limits least"
+    axes.plot(scale * x[order], factor * y[order], f"*{joined}", color=BEST, markersize=8, linewidth=1, label=word)
+    for one, dashes, dot in zip(found.references, DASHES, DOTS, strict=False):
         if not one.why:
             name = f"{one.name}, as written" if one.chosen else f"{one.name}, the baseline"
             beside = factor * (y - one.less)[order]
-            axes.plot(scale * x[order], beside, f".{dashes}", color=BASELINE, linewidth=1, label=name)
+            mark = f".{dashes}" if joined else dot
+            axes.plot(scale * x[order], beside, mark, color=BASELINE, linewidth=1, markersize=5, label=name)
     axes.legend(fontsize=8, frameon=False)
     return named(rows.paths[column], told)
 
@@ -103,14 +108,11 @@ def _designs(axes: Axes, x: Floats, found: Found, factor: float) -> None:
     axes.plot(x[held], goal[held], ".", color=HELD, markersize=4, label=word)
     if found.search.over and np.isfinite(found.ends).all():
         axes.plot([x[best]] * 2, factor * np.array(found.ends), "-", color=BEST, linewidth=1)
-    axes.plot(
-        x[best],
-        goal[best],
-        "*",
-        color=BEST,
-        markersize=11,
-        label="best" + (", least and largest" if found.search.over else ""),
-    )
+    if np.isfinite(goal[best]):
+        word = ("best" if found.feasible else "exceeds limits least") + (
+            ", least and largest" if found.search.over else ""
+        )
+        axes.plot(x[best], goal[best], "*", color=BEST, markersize=11, label=word)
     for one, dashes in zip(found.references, DASHES, strict=False):
         if not one.why:
             name = f"{one.name}, as written" if one.chosen else f"{one.name}, the baseline"

@@ -10,9 +10,17 @@ import numpy as np
 
 from femstruct.errors import some_of
 from femstruct.files.tables.optimum_tables import run_command
-from femstruct.study.campaign.sought import NEARLY, SMALL, Chosen, Found, Reference
+from femstruct.study.campaign.sought import NEARLY, SAME, SMALL, Chosen, Found, Reference
 from femstruct.study.campaign.swept import UNROUNDED
 from femstruct.study.campaign.varied import Listed
+from femstruct.view.campaigns.first_lines import (
+    INTERRUPTED,
+    NOT_AT_REST,
+    no_design,
+    nothing_to_compare,
+    same_for_all,
+    without_number,
+)
 from femstruct.view.campaigns.swept_table import in_unit, left_out_pieces, written
 from femstruct.view.tables.grid import Grid, Piece
 from femstruct.view.tables.scales import digits
@@ -25,11 +33,38 @@ WHOLE: Final = 1.0  # dB: the step of a rating as it is stated
 def optimum_pieces(found: Found) -> Iterator[Piece]:
     """The best design with its limits, what lies beside it, and how it was found."""
     search = found.search
+    if found.interrupted:
+        yield INTERRUPTED
+    if np.isfinite(found.goal):
+        yield from _best(found)
+        yield from without_number(search, found.rows)
+        yield from _doubts(found)
+    else:
+        yield from nothing_to_compare(search, found.rows)
+    ended = f"{search.runs} runs are allowed" if found.spent else "it ended since nothing got better any more"
+    tried = f"{found.designs} designs, {found.runs} runs"
+    tried += f"; the last improvement at design {found.history[-1][0]}" if found.history else ""
+    tried += "" if found.interrupted else f"; {ended}"
+    yield f"{tried}. A global optimum is not proven: another 'seed' gives another search"
+    yield from left_out_pieces(found.rows, one="run" if search.over else "design")
+    if np.isfinite(found.goal):
+        yield f"To run it: {run_command(found)}"
+
+
+def _best(found: Found) -> Iterator[Piece]:
+    """The design itself; first that it is not what was asked for, where it is not."""
+    search = found.search
     factor, unit = in_unit(found.unit, abs(found.goal))
     quantile = f", {100 * search.quantile:g} % quantile of {search.scatter} samples" if search.over else ""
-    word = "least" if search.sense == "minimise" else "largest"
     value = f"{digits(factor * found.goal)} {unit}".strip()
-    yield f"{search.title}: {word} {found.goal_name}: {value}{quantile}"
+    named = f"{'least' if search.sense == 'minimise' else 'largest'} {found.goal_name}"
+    if not found.feasible:
+        yield no_design(search, found.rows, found.limits)
+        named = f"{found.goal_name} of the design that exceeds the limits least"
+    if found.flat:
+        yield same_for_all(search, search.goal)
+        named = found.goal_name if found.feasible else named
+    yield f"{search.title}: {named}: {value}{quantile}"
     if search.over:
         low, high = (digits(factor * one) for one in found.ends)
         paths = ", ".join(one.path for one in search.over)
@@ -37,35 +72,30 @@ def optimum_pieces(found: Found) -> Iterator[Piece]:
     head = (
         "chosen",
         "value",
-        "designs nearly as good",
+        "of the designs tried,\nnearly as good",
         "at the end of its range",
         f"{search.goal} changes per 1 % of the range",
     )
-    grid = Grid("the best design found", head)
+    grid = Grid("the best design found" if found.feasible else "the design that exceeds the limits least", head)
     for j, (one, path) in enumerate(zip(found.chosen, search.designs, strict=True)):
         change = "of a list" if isinstance(path, Listed) else _change(one, factor, unit)
         grid.add(one.path, _value(one), _nearly(found, j), one.at or "no", change)
     yield grid
-    yield _how_near(found)
+    if found.feasible:
+        yield _how_near(found)
     yield from reference_pieces(found, factor, unit)
-    limits = Grid("its limits", ("number", "value", "limit"))
+    limits = Grid("its limits", ("number", "value", "limit", "", "stated under"))
     for name, limit in search.limits.items():
         scale, told = in_unit(found.rows.unit_of(name), abs(limit))
-        limits.add(name, f"{digits(scale * found.limits[name])} {told}", f"{digits(scale * limit)} {told}")
+        own = found.limits[name]
+        shown = NOT_AT_REST if np.isnan(own) else f"{digits(scale * own)} {told}"
+        word = "met" if own - limit <= SAME * abs(limit) else "exceeded"
+        place = "limits (of the study)" if name in search.of_study else "optimise"
+        limits.add(name, shown, f"{digits(scale * limit)} {told}", word, place)
     yield limits
-    if not found.feasible:
-        yield "No design that was tried holds all limits: this one exceeds them least"
     for one in found.chosen:
         if one.at:
             yield f"{one.path} is at the {one.at} end of its range: a wider range may give more"
-    yield from _doubts(found)
-    ended = f"{search.runs} runs are allowed" if found.spent else "it ended since nothing got better any more"
-    tried = f"{found.designs} designs, {found.runs} runs; the last improvement at design {_last(found)}; {ended}"
-    yield f"{tried}. A global optimum is not proven: another 'seed' gives another search"
-    if found.interrupted:
-        yield "Interrupted: the same command goes on"
-    yield from left_out_pieces(found.rows, one="run" if search.over else "design")
-    yield f"To run it: {run_command(found)}"
 
 
 def _nearly(found: Found, j: int) -> str:
@@ -93,12 +123,13 @@ def _how_near(found: Found) -> str:
 def reference_pieces(found: Found, factor: float, unit: str) -> Iterator[Piece]:
     """What the best design is held against, and whether it is better at all."""
     search, named = found.search, f"{found.goal_name} [{unit}]".replace(" []", "")
-    head = ["case", named, "the best design less this one"]
+    design = "the best design" if found.feasible else "the nearest design"
+    head = ["case", named, f"{design} less this one"]
     if search.over:
         share = f"{100.0 * search.quantile:g} % quantile"
         head[1:] = [
             f"{named},\n{share} (smallest .. largest)",
-            f"the best design less this one:\n{share}s",
+            f"{design} less this one:\n{share}s",
             f"mean of the {search.scatter} paired\ndifferences (smallest .. largest)",
         ]
     grid = Grid("beside it, in the same samples" if search.over else "beside it", tuple(head))
@@ -117,7 +148,7 @@ def reference_pieces(found: Found, factor: float, unit: str) -> Iterator[Piece]:
         grid.add(name, *told)
     yield grid
     for one in found.references:
-        if not one.why:
+        if not one.why and found.feasible:
             yield from _worth(found, one)
 
 
@@ -142,9 +173,7 @@ def _worth(found: Found, one: Reference) -> Iterator[str]:
 def _doubts(found: Found) -> Iterator[str]:
     """Why the design is not to be taken for the best."""
     search = found.search
-    if found.flat:
-        yield f"{search.goal} is the same for all designs that were tried: none of them is better than the others"
-    elif found.still_improving:
+    if found.still_improving:
         yield "The goal still got better when the runs ended: more 'runs' will find a better design"
     least = 1.0 / min(search.quantile, 1.0 - search.quantile)
     if search.over and search.scatter < least * (1.0 - ROUNDING):
@@ -153,10 +182,6 @@ def _doubts(found: Found) -> Iterator[str]:
             f"{search.scatter} samples say little of a quantile of {share}: {enough} or more, 'robust: {{samples: ..}}'"
             ", say more"
         )
-
-
-def _last(found: Found) -> str:
-    return str(found.history[-1][0]) if found.history else "-"
 
 
 def _value(one: Chosen) -> str:

@@ -30,7 +30,9 @@ def _names(value: object) -> object:
     """One name as a list of one."""
     if not isinstance(value, str | list):
         raise refuse(
-            shown_as(value), "the name of a number, or a list of names", "write it like [total mass, ground force]"
+            shown_as(value),
+            "the name of a number, or a list of names",
+            "write it like [bodies.damper.mass, ground force]",
         )
     return [value] if isinstance(value, str) else value
 
@@ -60,7 +62,7 @@ class OptimiseSpec(Spec):
                 "optimise",
                 got="none of minimise, maximise",
                 expected="one or both of them",
-                do="write it like 'minimise: ground force' or 'minimise: [total mass, ground force]'",
+                do="write it like 'minimise: ground force' or 'minimise: [bodies.damper.mass, ground force]'",
             )
         return found
 
