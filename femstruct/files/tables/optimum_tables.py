@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from math import isnan
 from typing import Any
 
 from femstruct.files.tables.json_numbers import number
@@ -30,7 +31,7 @@ def optimum_table(found: Found) -> Table:
                 "limit": number(limit),
                 "value": number(found.limits[name]),
                 "of_study": name in search.of_study,
-                "met": bool(found.limits[name] - limit <= SAME * abs(limit)),
+                "met": None if isnan(found.limits[name]) else bool(found.limits[name] - limit <= SAME * abs(limit)),
             }
             for name, limit in search.limits.items()
         ],

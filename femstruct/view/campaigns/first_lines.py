@@ -14,22 +14,23 @@ from femstruct.view.campaigns.swept_table import in_unit
 from femstruct.view.tables.scales import digits
 
 INTERRUPTED: Final = "Interrupted: the same command goes on"
-NOT_AT_REST: Final = "not at rest in the window"
+NOT_AT_REST: Final = "not at rest when the window, or the time between blows, ends"
 TOTAL_MASS: Final = "total mass"  # of the structure alone
 
 
 def no_design(search: Search, rows: Swept, limited: Mapping[str, float], named: str = "") -> str:
     """By how much the design that comes nearest exceeds its limits. limited : its values by name. named : ", design 7"
     where designs have numbers."""
-    words = []
+    words, unseen = list[str](), list[str]()
     for name, limit in search.limits.items():
         value = limited[name]
         if np.isnan(value):
-            words.append(f"'{name}' ({NOT_AT_REST})")
+            unseen.append(f"'{name}' is not shown: the structure is {NOT_AT_REST}")
         elif value - limit > SAME * abs(limit):
             factor, unit = in_unit(rows.unit_of(name), abs(value - limit))
             words.append(f"'{name}' by {digits(factor * (value - limit))} {unit}".strip())
-    return f"No design holds all limits: the nearest{named} exceeds {' and '.join(words)}"
+    told = [f"the nearest{named} exceeds {' and '.join(words)}"] if words else []
+    return f"No design holds all limits: {'; '.join([*told, *unseen])}" + ("" if words else f" (the nearest{named})")
 
 
 def nothing_to_compare(search: Search, rows: Swept) -> Iterator[str]:
@@ -61,7 +62,7 @@ def without_number(search: Search, rows: Swept) -> Iterator[str]:
             do = "a longer one, 'time: {duration: ..}', is required"
             why = f". The window is too short: the structure does not come to rest in it; {do}"
         elif name == SETTLED:
-            why = f". The structure is {NOT_AT_REST} there, which exceeds the limit"
+            why = f". The structure is {NOT_AT_REST} there, so that the limit is not shown to hold"
         yield f"'{name}' has no number in {count}{why}"
 
 

@@ -15,7 +15,6 @@ from femstruct.study.campaign.swept import UNROUNDED
 from femstruct.study.campaign.varied import Listed
 from femstruct.view.campaigns.first_lines import (
     INTERRUPTED,
-    NOT_AT_REST,
     no_design,
     nothing_to_compare,
     same_for_all,
@@ -88,8 +87,8 @@ def _best(found: Found) -> Iterator[Piece]:
     for name, limit in search.limits.items():
         scale, told = in_unit(found.rows.unit_of(name), abs(limit))
         own = found.limits[name]
-        shown = NOT_AT_REST if np.isnan(own) else f"{digits(scale * own)} {told}"
-        word = "met" if own - limit <= SAME * abs(limit) else "exceeded"
+        shown = "not at rest in time" if np.isnan(own) else f"{digits(scale * own)} {told}"
+        word = "not shown" if np.isnan(own) else "met" if own - limit <= SAME * abs(limit) else "exceeded"
         place = "limits (of the study)" if name in search.of_study else "optimise"
         limits.add(name, shown, f"{digits(scale * limit)} {told}", word, place)
     yield limits
