@@ -116,7 +116,8 @@ def test_a_line_and_an_edge_carry_the_weight() -> None:
     rest = statics(model, assemble(model), [], weight=True)
     weight = 9.80665 * MASS * L * WIDTH
     forces = sum(rest.forces[name][2] for name in (*ENDS, "line"))
-    assert forces == pytest.approx(-weight, rel=1e-9) == rest.forces["ground"][2]  # rounding
+    # rounding times the stiffest over the softest motion, 3e10, is 8e-6; 8e-9 on one of two processors
+    assert forces == pytest.approx(-weight, rel=1e-6) == rest.forces["ground"][2]
     assert rest.displacement[:, 2].mean() == pytest.approx(-weight / (3 * 1e3 * WIDTH), rel=2e-3)  # it bends a little
 
 
