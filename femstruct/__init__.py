@@ -182,6 +182,7 @@ if TYPE_CHECKING:
     from femstruct.study.asked import Spot as Spot
     from femstruct.study.asked import TimePlan as TimePlan
     from femstruct.study.campaign.front import Front as Front
+    from femstruct.study.campaign.held_limits import held_limits as held_limits
     from femstruct.study.campaign.sought import Found as Found
     from femstruct.study.campaign.sought import Goal as Goal
     from femstruct.study.campaign.sought import Search as Search
@@ -324,6 +325,7 @@ _NAMES = {
     ),
     "study.campaign.front": ("Front",),
     "study.campaign.sought": ("Found", "Goal", "Search"),
+    "study.campaign.held_limits": ("held_limits",),
     "study.campaign.spread": ("spread",),
     "study.campaign.swept": ("Swept",),
     "study.campaign.varied": ("Campaign", "Listed", "Sampling", "Scattered"),

@@ -19,12 +19,12 @@ from femstruct.errors import InputError, InputErrors
 from femstruct.language.yaml.tree import near_one
 from femstruct.study.asked import SETTLED
 from femstruct.study.campaign.sought import NOT_AT_REST, Search
-from femstruct.study.campaign.swept import UNROUNDED
+from femstruct.study.campaign.spread import quantiles_of
+from femstruct.study.campaign.swept import UNROUNDED, value_name
 from femstruct.study.campaign.varied import Campaign, Sampling
 from femstruct.units import QuantityError, quantity
 
 MOST: Final = 12  # names in a message
-LONGER, SEEN = 1e300, 1e250  # s: in place of infinity, of which quantiles have none; what a quantile beside it is above
 NEVER: Final = 1e30  # excess of a design without a number, or that is not to be trusted: it never wins
 
 
@@ -225,19 +225,19 @@ class Designs:
         return [self._number(row, name).value for row in rows]
 
     def _limited(self, name: str, rows: Sequence[Row]) -> float:
-        """What a limit is compared with, as a run does it: a rating as it is rounded; a time to rest that the window
-        ends before is longer than all others, and nan where the quantile is such a one."""
-        values = [self._number(row, name, rounded=True).value for row in rows]
+        """What a limit is compared with, as a run does it: a rating as it is rounded, of several places that are struck
+        the worst; a time to rest that the window ends before is longer than all others, and nan where the quantile is
+        such a one."""
+        values = np.array([self._number(row, name, judged=True).value for row in rows])
         if name == SETTLED:
-            values = [LONGER if np.isnan(one) else one for one in values]
-        found = self._quantile(values)
-        return float("nan") if found >= SEEN else found
+            values[np.isnan(values)] = np.inf
+        return quantiles_of(values, (self._search.quantile,))[0]
 
     def _quantile(self, values: Sequence[float]) -> float:
         """Of what scatters, the value that the asked share of it does not exceed."""
         return float(np.quantile(values, self._search.quantile)) if len(values) > 1 else values[0]
 
-    def _number(self, row: Row, name: str, rounded: bool = False) -> Number:
+    def _number(self, row: Row, name: str, *, judged: bool = False) -> Number:
         if row.trouble:
             return Number(np.nan, "")
         if name not in row.numbers and name in self._seen:
@@ -257,8 +257,7 @@ class Designs:
         self._seen.add(name)
         if name in (one.name for one in self._search.goals):
             self._units[name] = row.numbers[name].unit
-            return row.numbers[name] if rounded else _finer(row, name)
-        return row.numbers[name]
+        return row.numbers.get(value_name(name), row.numbers[name]) if judged else _finer(row, name)
 
     def _refuse_other_dimension(self, name: str, unit: str) -> None:
         """A limit in kg of what is a length is a slip."""

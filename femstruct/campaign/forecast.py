@@ -24,13 +24,14 @@ from femstruct.campaign.tried import refuse_values, refused_ends, with_limits_of
 from femstruct.errors import InputError
 from femstruct.language import read_study
 from femstruct.study.campaign.sought import FEWEST_RUNS, Search
-from femstruct.study.campaign.varied import Campaign
+from femstruct.study.campaign.varied import Campaign, Listed, Scattered
 from femstruct.view.campaigns.swept_table import written
 from femstruct.view.campaigns.varied_words import range_of
 from femstruct.workflow.run.provenance import Progress
 from femstruct.workflow.stages.modal_bases import key_of
 
 POINT: Final = {"lower": 0.95, "upper": 0.05}  # of a range of which that end cannot be
+MANY: Final = 8  # values that are listed
 MORE, PART = 128, 8  # rows of a batch that are timed, and the share of them that are timed before
 
 
@@ -51,6 +52,7 @@ def planned(
     progress("running one sample")
     seconds, rows = _seconds(parts, parts.tasks)
     return {
+        **{f"varies: {one.path}": _values(one) for one in campaign.varied},
         "samples": len(samples.texts),
         "cases": len(parts.plan.cases),
         "structures to solve": parts.structures,
@@ -112,6 +114,14 @@ def planned_search(
         "about how long": _long(most * search.samples * taken, cores),
         "main numbers": ", ".join(_main(rows)) or f"none: {rows[0].trouble}",
     }
+
+
+def _values(one: Listed | Scattered) -> str:
+    """What varies, in short."""
+    if isinstance(one, Listed) and one.numbers and len(one.texts) > MANY:
+        low, high = (written(end, one.unit, "") for end in (min(one.numbers), max(one.numbers)))
+        return f"{len(one.texts)} values from {low} to {high}"
+    return range_of(one)
 
 
 def _robust(search: Search) -> str:

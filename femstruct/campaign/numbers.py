@@ -10,7 +10,7 @@ from typing import Any, Final, NamedTuple
 from femstruct.errors import InputError
 from femstruct.files.tables.study_tables import case_table
 from femstruct.study.asked import SETTLED
-from femstruct.study.campaign.swept import EXCEEDED, MET, UNKNOWN, UNROUNDED, limit_name, verdict_name
+from femstruct.study.campaign.swept import EXCEEDED, MET, UNKNOWN, UNROUNDED, limit_name, value_name, verdict_name
 from femstruct.study.result import CaseResult
 from femstruct.workflow.compare.verdicts import verdicts
 
@@ -34,7 +34,7 @@ def numbers_of(case: CaseResult) -> dict[str, Number]:
     """All numbers of a case by name.
 
     The first are the main ones (`main_numbers`); the names of the others are their paths in summary.json, as in
-    "levels / living.middle / bands_db / 63". Between them are limits and verdicts, `limit_name` and `verdict_name`.
+    "levels / living.middle / bands_db / 63". Between them are limits, `numbers_of_limit`.
     """
     own = dict(main_numbers(case))
     own |= _of_limits(case)
@@ -65,25 +65,30 @@ def only_numbers(cases: Mapping[str, Mapping[str, Number]], only: Sequence[str])
 
 
 def chosen(numbers: Mapping[str, Number], only: Sequence[str]) -> dict[str, Number]:
-    """The numbers of these names that there are, each with its limit and the verdict on it."""
-    with_limits = (each for name in only for each in (name, limit_name(name), verdict_name(name)))
+    """The numbers of these names that there are, each with its limit, what is compared with it, and the verdict."""
+    of_limit = (limit_name, value_name, verdict_name)
+    with_limits = (each for name in only for each in (name, *(one(name) for one in of_limit)))
     return {name: numbers[name] for name in with_limits if name in numbers}
 
 
-def numbers_of_limit(name: str, limit: float, unit: str, met: bool | None) -> dict[str, Number]:
-    """A limit and the verdict on it as numbers of a row; met : None where the run cannot tell.
+def numbers_of_limit(name: str, limit: float, unit: str, value: float | None, met: bool | None) -> dict[str, Number]:
+    """A limit, what is compared with it and the verdict as numbers of a row; met : None where the run cannot tell.
 
-    >>> [one.value for one in numbers_of_limit("settled", 0.7, "s", False).values()]
-    [0.7, 0.0]
+    >>> [one.value for one in numbers_of_limit("settled", 0.7, "s", None, False).values()]
+    [0.7, nan, 0.0]
     """
     verdict = UNKNOWN if met is None else MET if met else EXCEEDED
-    return {limit_name(name): Number(limit, unit), verdict_name(name): Number(verdict, "1")}
+    return {
+        limit_name(name): Number(limit, unit),
+        value_name(name): _number(None if met is None else value, unit),
+        verdict_name(name): Number(verdict, "1"),
+    }
 
 
 def _of_limits(case: CaseResult) -> dict[str, Number]:
     found: dict[str, Number] = {}
     for limit, one in zip(case.case.study.limits, verdicts(case), strict=False):  # no impact has no verdicts
-        found |= numbers_of_limit(limit.name, limit.value, one.unit, one.met)
+        found |= numbers_of_limit(limit.name, limit.value, one.unit, one.value, one.met)
     return found
 
 

@@ -77,7 +77,11 @@ def read_campaign(
 
 
 def refuse_other_cases(tree: Tree, paths: Iterable[str], case: str) -> None:
-    """Raise InputErrors for paths that only cases add which are not run. tree : of the study."""
+    """Raise InputErrors for paths that only cases add which are not run; an unknown case is refused where the study is
+    read. tree : of the study."""
+    listed = tree.value.get("cases")
+    if isinstance(listed, dict) and case not in listed:
+        return
     patch, mistakes = Patch(tree, None, Mistakes()), Mistakes()
     for path in paths:
         named = [one.removeprefix("cases.").removesuffix(f".add.{path}") for one in patch.added_by_cases(path)]

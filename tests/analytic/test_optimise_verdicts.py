@@ -15,11 +15,13 @@ from femstruct.campaign.tried import campaigns_of
 from femstruct.cli import app
 from femstruct.exits import NOT_TRUSTED
 from femstruct.files.tables.optimum_tables import optimum_table
+from femstruct.language import read_study
 from femstruct.language.searches import read_search
 from femstruct.study.campaign.front import Front
 from femstruct.study.campaign.sought import Found
 from femstruct.view.campaigns.campaign_page import answer_pieces
 from femstruct.view.campaigns.optimum_figure import optimum_figure
+from femstruct.workflow.run.run import run_study
 
 MODEL = "structure: {type: oscillator, mass: 1 kg, stiffness: 100 N/m}\npoints: {m: {}}\n"
 HIT = """
@@ -61,6 +63,36 @@ def test_the_limits_of_the_study_hold_and_its_own_come_first(study: Path) -> Non
     asked = "optimise: {maximise: m.z velocity, vary: {bodies.ball.mass: {from: 0.1 kg, to: 2 kg}}}\n"
     study.write_text(text + asked, encoding="utf-8")
     assert "within the limits of m.z velocity (of the study);" in campaigns_of(study)["femstruct optimise"]
+
+
+TWO_PLACES = """
+model: plate.yaml
+modes: {up_to: 400 Hz}
+bodies: {ball: {source: rubber ball, above: spots}}
+record: {middle.z: velocity, ball on spots: force}
+time: {duration: 0.1 s, sampling: 10 kHz}
+"""
+PLATE = """
+materials: {steel: {E: 210 GPa, nu: 0.3, rho: 7850}}
+parts: {p: {type: plate, material: steel, thickness: 20 mm, origin: [0, 0, 0], size: [2, 1.5], mesh: [8, 6]}}
+supports: {s: {on: p, edge: all, fix: simple}}
+points: {spots: {on: p, at: [[1, 0.7], [0.5, 0.4]]}, middle: {on: p, at: center}}
+damping: {ratio: 3 %}
+"""
+
+
+def test_of_several_places_the_worst_holds_a_limit_as_in_a_run(tmp_path: Path) -> None:
+    """The plate yields less at its second place, where the ball hits harder; the limit lies between both forces."""
+    (tmp_path / "plate.yaml").write_text(PLATE, encoding="utf-8")
+    path = tmp_path / "drops.study.yaml"
+    path.write_text(f"{TWO_PLACES}limits: {{ball on spots force: 9 kN}}\n", encoding="utf-8")
+    case = run_study(read_study(path)).cases["as given"]
+    first, second = (one.peak_force[f"ball on {place}"] for place, one in case.drops.items())
+    assert second > 1.001 * first
+    between = 0.5 * (first + second)
+    path.write_text(f"{TWO_PLACES}limits: {{ball on spots force: {between} N}}\n", encoding="utf-8")
+    found = optimise(read_search(path, "minimise middle.z velocity", ["damping.ratio=2.9 %:3.1 %"], runs=20), workers=1)
+    assert not found.feasible and found.limits["ball on spots.1 force"] > between
 
 
 def test_without_a_design_that_holds_all_limits_this_is_said_first(study: Path) -> None:

@@ -257,6 +257,8 @@ def test_where_no_sample_can_be_read_nothing_is_computed(study: Path) -> None:
 
 def test_what_it_takes_is_told_beforehand(study: Path) -> None:
     told = planned(read_campaign(study, ["structure.mass=1 kg,2 kg"]), workers=1)
+    assert told["varies: structure.mass"] == "one of 1 kg, 2 kg"
+    assert told["varies: bodies.ball.mass"].startswith("one of 0.5 kg, 1.0 kg")
     # the heavy case sets its mass itself: one more structure
     assert told["samples"] == 12 and told["structures to solve"] == 3 and told["impacts to simulate"] == 24
     assert str(told["about how long"]).endswith(" s on 1 core")  # 24 runs of some milliseconds
@@ -319,6 +321,14 @@ def test_limits_are_judged_as_each_run_judges_them(study: Path, tmp_path: Path) 
         0.7,
         1.2,
     )
+
+
+def test_a_case_that_is_not_there_is_named(study: Path) -> None:
+    added = "bodies.other: {mass: 1 kg, above: m, speed: 2 m/s, contact: {type: linear, stiffness: 1 MN/m}}"
+    own = f"cases: {{light: {{}}, heavy: {{add: {{{added}}}}}}}\nvary: {{bodies.other.mass: {{values: [1 kg]}}}}"
+    study.write_text(STUDY[: STUDY.index("cases:")] + own, encoding="utf-8")
+    with pytest.raises((InputError, InputErrors), match=r"got 'heafy', expected a case .* did you mean 'heavy'"):
+        sweep(read_campaign(study, case="heafy"), workers=1)
 
 
 def test_a_picture_shows_the_case_in_which_something_changes(study: Path) -> None:

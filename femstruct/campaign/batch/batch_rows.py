@@ -100,7 +100,6 @@ def batch_tasks(
             return more
         structures = {case.name: key_of(case.study) for case in plan.cases}
         places = {case.name: meshed(case.study.structure, case.studies).places for case in plan.cases}
-
         files = dict.fromkeys(plan.sources)
 
         def scenes(texts: Sequence[str]) -> dict[str, tuple[Study, Scene]]:
@@ -189,7 +188,7 @@ def _with_limits(numbers: dict[str, Number], case: Case) -> dict[str, Number]:
     for limit in case.study.limits:
         if one := numbers.get(limit.name):
             met = one.value <= limit.value if isfinite(one.value) else None
-            numbers |= numbers_of_limit(limit.name, limit.value, one.unit, met)
+            numbers |= numbers_of_limit(limit.name, limit.value, one.unit, one.value, met)
     return numbers
 
 

@@ -43,8 +43,27 @@ class HeldLimit:
 def held_limits(rows: Swept, names: Sequence[str]) -> Iterator[HeldLimit]:
     """What became of the limits of these numbers, by number and case; nothing of a case without the limit.
 
-    Every sample is judged as its own run judges it: by the limit of its case and sample, and "not at rest in time" is
-    an answer.
+    Every sample is judged as its own run judges it: by the limit of its case and sample, of several places that are
+    struck by the worst, and "not at rest in time" is an answer.
+
+    >>> import tempfile
+    >>> from pathlib import Path
+    >>> import femstruct as fs
+    >>> model = "structure: {type: oscillator, mass: 1 kg, stiffness: 100 N/m}\\npoints: {m: {}}"
+    >>> study = '''
+    ... model: model.yaml
+    ... bodies: {ball: {mass: 1 kg, above: m, speed: 1 m/s, contact: {type: linear, stiffness: 1 MN/m}}}
+    ... record: {m.z: velocity}
+    ... limits: {m.z velocity: 1.2 m/s}
+    ... time: {duration: 10 ms, sampling: 10 kHz}
+    ... vary: {bodies.ball.mass: {values: [0.5 kg, 1 kg, 2 kg]}}
+    ... '''
+    >>> with tempfile.TemporaryDirectory() as place:
+    ...     _ = Path(place, "model.yaml").write_text(model, encoding="utf-8")
+    ...     _ = Path(place, "hit.study.yaml").write_text(study, encoding="utf-8")
+    ...     rows = fs.sweep(fs.read_campaign(Path(place, "hit.study.yaml")), workers=1)
+    >>> [(one.held, one.exceeded) for one in held_limits(rows, ["m.z velocity"])]
+    [(2, 1)]
     """
     for name in names:
         for case in rows.cases:

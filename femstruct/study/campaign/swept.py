@@ -121,6 +121,12 @@ def limit_name(name: str) -> str:
     return f"{_LIMITS}{name} / limit"
 
 
+def value_name(name: str) -> str:
+    """The name of what a limit is compared with in a row: of several places that are struck the worst; nan where the
+    run cannot tell."""
+    return f"{_LIMITS}{name} / value"
+
+
 def verdict_name(name: str) -> str:
     """The name of the verdict on a limit in a row: 1 met, 0 exceeded, -1 where the run cannot tell."""
     return f"{_LIMITS}{name} / verdict"
