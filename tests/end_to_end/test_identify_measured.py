@@ -30,8 +30,9 @@ from femstruct.workflow.identify.data.frfs import FrfDatum, read_frfs
 from femstruct.workflow.identify.data.levels import read_levels
 from femstruct.workflow.identify.identify import Identification
 from femstruct.workflow.identify.measured_data import read_data
+from femstruct.workflow.identify.needs import Needs
 from femstruct.workflow.identify.parameters import parameters_of
-from femstruct.workflow.identify.trial import Needs, Trial, Trials, read_source
+from femstruct.workflow.identify.trial import Trial, Trials, read_source
 from femstruct.workflow.stages.modal_bases import solve
 
 FLOOR = Path(__file__).parents[1] / "data" / "floor_to_fit.yaml"

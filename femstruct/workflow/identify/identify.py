@@ -23,8 +23,9 @@ from femstruct.workflow.identify.fit import differences, fitted
 from femstruct.workflow.identify.fit_findings import Left, fit_findings
 from femstruct.workflow.identify.intervals import Fit, Parameter, Values
 from femstruct.workflow.identify.measured_data import MeasuredFiles, read_data
+from femstruct.workflow.identify.needs import Needs
 from femstruct.workflow.identify.parameters import parameters_of, refused_as_fit, start_texts
-from femstruct.workflow.identify.trial import Needs, Trial, Trials, read_source
+from femstruct.workflow.identify.trial import Trial, Trials, read_source
 from femstruct.workflow.identify.undetermined import Combination, combinations
 from femstruct.workflow.run.provenance import Progress
 

@@ -31,11 +31,12 @@ from femstruct.model.mesher import mesh_structure
 from femstruct.model.model import Model
 from femstruct.model.probe import Probe
 from femstruct.model.structure import Structure
-from femstruct.study.asked import Extent, FrfRequest
+from femstruct.study.asked import Extent
 from femstruct.study.result import CaseResult
 from femstruct.study.structures import StructureModel
 from femstruct.study.study import Plan, Study
 from femstruct.workflow.identify.intervals import Parameter, Values
+from femstruct.workflow.identify.needs import Needs
 from femstruct.workflow.judgement.all_findings import all_findings
 from femstruct.workflow.run.case import run_case
 from femstruct.workflow.run.provenance import Progress, Stopwatch
@@ -48,39 +49,6 @@ from femstruct.workflow.stages.room_transfers import RoomTransfers
 
 STEP: Final = 1e-2  # of a parameter, between assemblies: polynomials are exact, others to its fourth power
 KEPT: Final = 4  # trials
-
-
-@dataclass(frozen=True)
-class Needs:
-    """What measured data need of a computation: modes up to a frequency [Hz], 0 for none, of which what was measured
-    ends at `top_hz`; residual vectors for frequency responses; a run of the study, with rooms or without, and with
-    this sampling [Hz] and duration [s] where a history asks for a sampling; else as it is planned."""
-
-    up_to_hz: float = 0.0
-    top_hz: float = 0.0
-    frfs: tuple[FrfRequest, ...] = ()
-    run: bool = False
-    rooms: bool = False
-    sampling: float = 0.0
-    duration: float = 0.0
-
-    def __add__(self, other: Needs) -> Needs:
-        return Needs(
-            max(self.up_to_hz, other.up_to_hz),
-            max(self.top_hz, other.top_hz),
-            self.frfs + other.frfs,
-            self.run or other.run,
-            self.rooms or other.rooms,
-            max(self.sampling, other.sampling),
-            max(self.duration, other.duration),
-        )
-
-    @property
-    def timing(self) -> tuple[str, ...]:
-        """Changes of the study's window."""
-        if not self.sampling:
-            return ()
-        return (f"time.sampling={self.sampling!r}", f"time.duration={self.duration!r}")
 
 
 @dataclass(frozen=True, eq=False)

@@ -15,7 +15,8 @@ from femstruct.arrays import Floats
 from femstruct.errors import Finding, InputError
 from femstruct.study.matched import Beside
 from femstruct.units import quantity
-from femstruct.workflow.identify.trial import Change, Needs, Trial
+from femstruct.workflow.identify.needs import Needs
+from femstruct.workflow.identify.trial import Change, Trial
 
 DOUBTED: Final = 0.2  # a share that has its % sign: 0.5 is 50 %, where 0.5 % may be meant
 _SCATTERED: Final = re.compile(r"(?P<file>.+?)\s+(?:\+-|\+/-|±)\s*(?P<scatter>.+)")

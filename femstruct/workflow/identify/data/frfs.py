@@ -22,7 +22,8 @@ from femstruct.study.asked import FrfRequest, Spot
 from femstruct.study.matched import Beside
 from femstruct.workflow.identify.data.datum import Datum
 from femstruct.workflow.identify.data.modes import UNIVERSAL
-from femstruct.workflow.identify.trial import Change, Moded, Needs, Trial
+from femstruct.workflow.identify.needs import Needs
+from femstruct.workflow.identify.trial import Change, Moded, Trial
 from femstruct.workflow.stages.places import Places
 from femstruct.workflow.stages.responses import response_row
 

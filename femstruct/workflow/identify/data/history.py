@@ -16,7 +16,8 @@ from femstruct.study.matched import Beside
 from femstruct.study.study import Plan
 from femstruct.workflow.identify.data.datum import Datum, norm
 from femstruct.workflow.identify.intervals import Fit, Parameter
-from femstruct.workflow.identify.trial import Needs, Trial
+from femstruct.workflow.identify.needs import Needs
+from femstruct.workflow.identify.trial import Trial
 from femstruct.workflow.stages.recorded.channels import UNITS
 
 DIMENSIONS: Final = {

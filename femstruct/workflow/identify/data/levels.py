@@ -17,7 +17,8 @@ from femstruct.files.inputs.grids import Grid, read_grid, wrong_in
 from femstruct.study.matched import Beside
 from femstruct.study.study import Plan
 from femstruct.workflow.identify.data.datum import Datum, norm
-from femstruct.workflow.identify.trial import Needs, Trial
+from femstruct.workflow.identify.needs import Needs
+from femstruct.workflow.identify.trial import Trial
 
 USUAL: Final = 1.5  # dB: repeated measurements of one room
 _COLUMN: Final = re.compile(r"(?:(?P<case>.+): )?(?P<place>[^:]+?)(?: bands_db)?")

@@ -24,7 +24,8 @@ from femstruct.modal.sensitivity.modal_slopes import eigenvalue_slopes, shape_sl
 from femstruct.model.refine import refined
 from femstruct.study.matched import Beside
 from femstruct.workflow.identify.data.datum import Datum, norm
-from femstruct.workflow.identify.trial import Change, Moded, Needs, Trial
+from femstruct.workflow.identify.needs import Needs
+from femstruct.workflow.identify.trial import Change, Moded, Trial
 
 USUAL: Final = 0.01  # of a natural frequency: what repeated tests and supports make of it
 BEYOND: Final = 1.5  # times the highest measured frequency: a model too stiff by a third still has its partner
