@@ -133,8 +133,7 @@ def frf(
     from femstruct.workflow.check.asked_response import frf_of
 
     with progress() as tell:
-        tell("modes and frequency response")
-        table = frf_of(model, drive[0], response[0], band, step, kind, method, tuple(set_))
+        table = frf_of(model, drive[0], response[0], band, step, kind, method, tuple(set_), tell)
     if as_json:
         print_json(table)
     else:

@@ -8,8 +8,9 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from femstruct.arrays import Floats
+from femstruct.arrays import Floats, Integers
 from femstruct.modal.basis import ForceRow, ModalBasis
+from femstruct.modal.coupled_damping.along_frequency import CoupledModes
 
 Complex = NDArray[np.complex128]
 Rows = tuple[Complex, Complex, Complex]
@@ -17,27 +18,23 @@ Rows = tuple[Complex, Complex, Complex]
 _CHUNK: Final = 2**22  # complex numbers held at once: 64 MB
 
 
-def amplitudes(basis: ModalBasis, pushed: Floats | Complex, omega: Floats) -> Iterator[tuple[slice, Complex]]:
-    """Modal coordinates [lines, k] under harmonic modal forces [k], or [nf, k] that differ by line, as many lines at
-    once as memory allows."""
-    squared = basis.omega**2
-    k = len(squared)
-    diagonal = not any(np.any(A - np.diag(np.diag(A))) for A in (basis.viscous, basis.hysteretic))
-    step = max(1, _CHUNK // max(1, k if diagonal else k * k))
-    by_line = np.broadcast_to(pushed, (len(omega), k))
+def amplitudes(basis: ModalBasis, pushed: Floats, omega: Floats) -> Iterator[tuple[Integers, Complex]]:
+    """Modal coordinates under harmonic modal forces [k]: numbers of some lines and theirs [lines, k], as many at once
+    as memory allows, until all have been."""
+    squared, k = basis.omega**2, len(basis.omega)
+    if any(np.any(A - np.diag(np.diag(A))) for A in (basis.viscous, basis.hysteretic)):
+        yield from CoupledModes(squared, basis.viscous, basis.hysteretic).along(pushed, omega)
+        return
+    step = max(1, _CHUNK // max(1, k))
     for start in range(0, len(omega), step):
-        w, forces = omega[start : start + step, None], by_line[start : start + step]
-        if diagonal:
-            losses = w * np.diag(basis.viscous) + np.diag(basis.hysteretic)
-            q = np.asarray(forces / (squared - w**2 + 1j * losses), dtype=np.complex128)
-        else:
-            full = 1j * (w[:, :, None] * basis.viscous + basis.hysteretic) - np.eye(k) * w[:, :, None] ** 2
-            q = np.asarray(np.linalg.solve(full + np.diag(squared), forces[:, :, None])[:, :, 0], dtype=np.complex128)
-        yield slice(start, start + len(w)), q
+        lines = np.arange(start, min(start + step, len(omega)))
+        w = omega[lines, None]
+        losses = w * np.diag(basis.viscous) + np.diag(basis.hysteretic)
+        yield lines, np.asarray(pushed / (squared - w**2 + 1j * losses), dtype=np.complex128)
 
 
-def superposed(basis: ModalBasis, pushed: Floats | Complex, rows: Rows, omega: Floats) -> Complex:
-    """What `rows` read of the motion under harmonic modal forces [k] or [nf, k], at each omega [nf]."""
+def superposed(basis: ModalBasis, pushed: Floats, rows: Rows, omega: Floats) -> Complex:
+    """What `rows` read of the motion under harmonic modal forces [k], at each omega [nf]."""
     answer: Complex = np.empty(len(omega), dtype=np.complex128)
     for lines, q in amplitudes(basis, pushed, omega):
         answer[lines] = read(rows, q, omega[lines])

@@ -11,7 +11,7 @@ from femstruct.arrays import Floats
 from femstruct.errors import InputError
 from femstruct.modal.basis import ModalBasis
 from femstruct.modal.frf import moves
-from femstruct.modal.superposition import of_motion, superposed
+from femstruct.modal.superposition import amplitudes
 from femstruct.model.probe import Probe
 from femstruct.sound.placed import Placed
 
@@ -62,5 +62,7 @@ def velocity_per_source(
         raise InputError("response", got="a direction without motion in any mode", expected="a direction with motion")
     loads, advice = room.room.loads(room.shapes(basis), source, hz)
     omega = 2.0 * np.pi * hz
-    moved = superposed(basis, -loads.T, of_motion(response.of(basis.shapes)), omega)
+    moved = np.empty(len(omega), dtype=np.complex128)
+    for lines, q in amplitudes(basis, response.of(basis.shapes), omega):  # by reciprocity: one force for all lines
+        moved[lines] = -(q * loads.T[lines]).sum(axis=1)
     return 1j * omega * moved, advice

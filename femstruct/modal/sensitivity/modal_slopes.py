@@ -16,10 +16,10 @@ from femstruct.errors import NotConverged
 from femstruct.modal.basis import ModalBasis
 from femstruct.modal.damping import Damping, FromMaterials, LossFactor, Ratio, Rayleigh, with_damping
 from femstruct.modal.factor import Pencil, factorise
-from femstruct.modal.frf import FrfKind
+from femstruct.modal.frf import FrfKind, modal_amplitudes
 from femstruct.modal.outputs import projected
 from femstruct.modal.sensitivity.matrix_slopes import MatrixSlopes
-from femstruct.modal.superposition import Complex, amplitudes
+from femstruct.modal.superposition import Complex
 from femstruct.model.materials.loss_by_frequency import LossByFrequency
 from femstruct.model.probe import Probe
 
@@ -176,11 +176,7 @@ def motions(damped: ModalBasis, drive: Probe, response: Probe, frequency_hz: Flo
 
     damped : the basis with its damping, with ORDERS residual vectors for both probes.
     """
-    omega = 2.0 * np.pi * frequency_hz
-    u, v = (
-        np.concatenate([q for _, q in amplitudes(damped, probe.of(damped.shapes), omega)])
-        for probe in (drive, response)
-    )
+    u, v = (modal_amplitudes(damped, probe, frequency_hz).T for probe in (drive, response))
     return u, v
 
 

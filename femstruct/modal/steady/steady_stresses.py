@@ -50,8 +50,7 @@ def harmonic_stress(
             part = scaled[first : first + step]
             stress = (flat @ part.T).reshape(count, components, -1)
             cycle = von_mises_in_a_cycle(stress, places.components)
-            line = lines.start + first
-            along[line : line + len(part)] = cycle.max(axis=0)
+            along[lines[first : first + step]] = cycle.max(axis=0)
             largest = np.maximum(largest, cycle.max(axis=1))
             if cycle.max() > highest:
                 highest = float(cycle.max())

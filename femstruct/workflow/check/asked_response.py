@@ -24,6 +24,7 @@ from femstruct.workflow.check.asked_modes import frequency_option
 from femstruct.workflow.check.asked_stress import STRESS, stress_response
 from femstruct.workflow.judgement.all_findings import all_findings
 from femstruct.workflow.judgement.impact_findings import room_findings
+from femstruct.workflow.run.provenance import Progress
 from femstruct.workflow.stages.modal_bases import Solved, in_air, solve
 from femstruct.workflow.stages.positions import positioned
 from femstruct.workflow.stages.responses import force_axis, frequency_response
@@ -43,6 +44,7 @@ def frf_of(
     kind: str,
     method: str,
     overrides: tuple[str, ...] = (),
+    progress: Progress = lambda line: None,
 ) -> Table:
     """One frequency response of a model file, by modes with residuals or, as their check, line by line.
 
@@ -59,10 +61,12 @@ def frf_of(
         raise InputError("--method", got="'direct' of a stress", expected="modal")
     source = read_model_file(path, overrides)
     with positioned(source):
+        progress("modes")
         asking = Study(source.title, source.structure, source.damping, Extent(), frf=(request,))
         solved = solve(source.structure, Extent(up_to_hz=2.5 * request.band[1]), (asking,))
         basis = in_air(with_damping(solved.basis, source.damping), solved)
         findings = all_findings(solved, basis, requests=(request,), up_to_hz=request.band[1])
+        progress(f"frequency response, {len(basis.omega)} modes")
         if request.response.what == STRESS:
             told, uneven = stress_response(request, solved, basis)
             findings = ranked((*findings, *uneven))
