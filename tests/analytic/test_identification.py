@@ -251,6 +251,23 @@ def test_a_given_bound_is_named() -> None:
     assert not free.at_bound and "parameter-at-bound" not in codes(free)
 
 
+def test_intervals_beside_a_parameter_at_its_bound_are_those_with_it_fixed() -> None:
+    """A line whose slope may be 0.5 at most, where it is 2: its offset is the mean of what a slope of 0.5 leaves."""
+    x, s, n = np.linspace(0.0, 1.0, 40), 0.05, 40
+    measured = 1.0 + 2.0 * x + s * np.random.default_rng(2).standard_normal(n)
+    starts = [parameter("offset", 1.0), parameter("slope", 0.4, 0.1, 0.5)]
+    found = fitted(lambda values: values["offset"] + values["slope"] * x - measured, starts, 1.0)
+    left = measured - 0.5 * x
+    t39 = 2.022691  # Student's t, 97.5 %, 39 degrees of freedom, from tables
+    half = 0.5 * (found.high["offset"] - found.low["offset"])
+    assert found.values["offset"] == pytest.approx(left.mean(), rel=1e-6)  # as far as the bound is approached
+    assert half == pytest.approx(t39 * left.std(ddof=1) / np.sqrt(n), rel=1e-6)  # seven digits of the table
+    assert np.isnan([found.low["slope"], found.high["slope"], found.deviations["slope"]]).all()
+    assert np.isnan(found.correlation[0, 1]) and found.correlation[0, 0] == pytest.approx(1.0)
+    assert [found.why_no_interval(name) for name in found.values] == ["", "at its bound"]
+    assert not combinations(found, {}, lambda values: x)
+
+
 def test_what_is_hardly_distinguished_is_named_with_its_interval() -> None:
     """Slope and offset of a line far from its origin: of one per cent of noise the sum is known, the parts are not."""
     x = np.linspace(10.0, 10.2, 20)

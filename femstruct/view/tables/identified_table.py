@@ -12,7 +12,6 @@ from femstruct.view.tables.finding_lines import show_findings
 from femstruct.view.tables.grid import Grid
 
 LISTED: Final = ("modes", "levels")  # kinds whose numbers are few enough to be listed
-OPEN: Final = "not determined"
 
 
 def show_identification(table: Mapping[str, Any], beside: Sequence[Beside] = (), verbose: bool = False) -> None:
@@ -57,7 +56,7 @@ def found_lines(table: Mapping[str, Any]) -> list[str]:
     share = f"{100 * table['confidence']:g} %"
     return [
         f"{name} = {one['value']:.5g} {one['unit']}".rstrip()
-        + (f"  ({share} interval {_between(one)})" if _known(one) else f"  ({OPEN} by these data)")
+        + (f"  ({share} interval {_between(one)})" if _known(one) else f"  ({one['no_interval']})")
         for name, one in table["parameters"].items()
     ]
 
@@ -67,7 +66,7 @@ def _known(one: Mapping[str, Any]) -> bool:
 
 
 def _between(one: Mapping[str, Any]) -> str:
-    return f"{one['low']:.5g} .. {one['high']:.5g}" if _known(one) else OPEN
+    return f"{one['low']:.5g} .. {one['high']:.5g}" if _known(one) else str(one["no_interval"])
 
 
 def _show_beside(screen: Any, one: Beside) -> None:

@@ -117,7 +117,8 @@ def _at_bound(fit: Fit) -> Iterator[Finding]:
         yield Finding(
             "parameter-at-bound",
             f"{name}: the best value, {fit.values[name]:.5g}, is at the bound that was given: the data ask for one "
-            "beyond it. The other parameters are those that belong to the bound",
+            "beyond it. It has no interval. The other parameters, and their intervals, are those that belong to the "
+            "bound",
             {"value": fit.values[name]},
         )
 

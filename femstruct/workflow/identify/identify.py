@@ -92,6 +92,7 @@ class Identification:
                     "low": number(found.low[name]),
                     "high": number(found.high[name]),
                     "standard_deviation": number(found.deviations[name]),
+                    "no_interval": found.why_no_interval(name),
                     "unit": self.units[name],
                 }
                 for name, value in found.values.items()

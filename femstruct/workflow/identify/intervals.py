@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 import scipy
+from numpy.typing import NDArray
 
 from femstruct.arrays import Floats, freeze, frozen, frozen_with_gaps
 
@@ -37,14 +38,15 @@ class Fit:
     """Values with intervals, from N measured numbers.
 
     values, deviations : estimates and their standard deviations, by name; infinite where the data leave a parameter
-    open. low, high : their confidence intervals. shifts : names of those that have no size of their own. at_zero,
-    at_bound : names of those that ended at zero, which they cannot cross, and at bounds that were given. correlation
-    [p, p] : of the estimates, in their order; nan with one that is open. noise : standard deviation of the residuals.
-    explained : share of the sum of squares of the measured history. residuals [N] : computed less measured, over their
-    scatter. numbers : how many independent ones these are. runs : how often the data were computed. open [q, p] :
-    combinations of relative changes of the parameters that the data do not determine, of length one. determined [p, p]
-    : covariance of relative changes without them. known : whether the scatter is as stated; else it is that of the
-    residuals. reach : half an interval over its deviation.
+    open, nan where it ended at a given bound: the other ones are then those that belong to it. low, high : their
+    confidence intervals. shifts : names of those that have no size of their own. at_zero, at_bound : names of those
+    that ended at zero, which they cannot cross, and at bounds that were given. correlation [p, p] : of the estimates,
+    in their order; nan with one that is open or at a bound. noise : standard deviation of the residuals. explained :
+    share of the sum of squares of the measured history. residuals [N] : computed less measured, over their scatter.
+    numbers : how many independent ones these are. runs : how often the data were computed. open [q, p] : combinations
+    of relative changes of the parameters that the data do not determine, of length one. determined [p, p] : covariance
+    of relative changes without them. known : whether the scatter is as stated; else it is that of the residuals. reach
+    : half an interval over its deviation.
     """
 
     values: Mapping[str, float]
@@ -65,6 +67,12 @@ class Fit:
     determined: Floats
     known: bool = False
     reach: float = 1.96
+
+    def why_no_interval(self, name: str) -> str:
+        """Why there is no interval of a parameter, "" where there is one."""
+        if np.isfinite(self.deviations[name]):
+            return ""
+        return "at its bound" if name in self.at_bound else "not determined by these data"
 
     def __post_init__(self) -> None:
         p = len(self.values)
@@ -90,31 +98,23 @@ def judged(
 ) -> Fit:
     """The fit with its intervals. x [p], jacobian [N, p] : of the scaled parameters. numbers : independent ones among
     what is left."""
-    scale = np.array([one.scale for one in parameters])
-    open_ = unseen(jacobian)
-    covariance = inverse(jacobian, open_)
+    names, scale = [one.name for one in parameters], np.array([one.scale for one in parameters])
+    values, size_of = scale * x, np.abs(scale)
+    open_, covariance = _seen(jacobian, np.ones(len(x), dtype=bool))
+    scatter = _scatter(left, numbers - len(x) + len(open_), known, confidence)
+    near = np.maximum(AT_BOUND * scatter.unit * np.sqrt(np.diag(covariance)), ROUNDED) * size_of
+    ends = np.array([[one.low, one.high] for one in parameters])
+    ended = np.abs(values[:, None] - ends) < near[:, None]
+    at_zero, held = (ended & (ends == 0.0)).any(axis=1), (ended & (ends != 0.0)).any(axis=1)
+    if held.any():  # what ends at a bound is no longer free: the others are those that belong to it
+        open_, covariance = _seen(jacobian, ~held)
+        scatter = _scatter(left, numbers - int((~held).sum()) + len(open_), known, confidence)
     spread = np.sqrt(np.diag(covariance))
     loose = (np.abs(open_) > INVOLVED * np.abs(open_).max(axis=1, initial=0.0, keepdims=True)).any(axis=0)
-    squares, free = float(left @ left), numbers - len(parameters) + len(open_)
-    noise = float(np.sqrt(squares / free)) if free > 0 else 0.0
-    exceeded = known and free > 0 and squares > free + EXCEEDED * np.sqrt(2.0 * free)
-    t = float(scipy.special.stdtrit(free, 0.5 + 0.5 * confidence)) if not known or exceeded else 0.0
-    wide = t * noise if t else float(scipy.special.ndtri(0.5 + 0.5 * confidence))
-    unit = noise if t else 1.0
-    values, deviations = scale * x, unit * spread * np.abs(scale)
-    own = np.where(
-        [bool(one.start) and value != 0.0 for one, value in zip(parameters, x.tolist(), strict=True)], x, 1.0
-    )
-    deviations[loose] = np.inf
-    half = np.where(loose, np.inf, wide * spread * np.abs(scale))
-    near = np.maximum(AT_BOUND * unit * spread * np.abs(scale), ROUNDED * np.abs(scale))
-    names = [one.name for one in parameters]
-    ended = [
-        (one.name, end == 0.0)
-        for one, value, reach in zip(parameters, values.tolist(), near.tolist(), strict=True)
-        for end in (one.low, one.high)
-        if abs(value - end) < reach
-    ]
+    blank = np.where(held, np.nan, np.where(loose, np.inf, 0.0))
+    deviations = scatter.unit * spread * size_of + blank
+    half = scatter.reach * scatter.unit * spread * size_of + blank
+    own = np.where((values != 0.0) & [bool(one.start) for one in parameters], x, 1.0)
     with np.errstate(invalid="ignore", divide="ignore"):
         correlation = covariance / np.outer(spread, spread) * np.outer(np.sign(scale), np.sign(scale))
     correlation[loose, :] = correlation[:, loose] = np.nan
@@ -128,20 +128,50 @@ def judged(
         low=by_name(values - half),
         high=by_name(values + half),
         shifts=tuple(one.name for one in parameters if not one.start),
-        at_zero=tuple(name for name, zero in ended if zero),
-        at_bound=tuple(name for name, zero in ended if not zero),
+        at_zero=tuple(np.array(names)[at_zero].tolist()),
+        at_bound=tuple(np.array(names)[held].tolist()),
         confidence=confidence,
         correlation=correlation,
-        noise=noise,
-        explained=1.0 - squares / size**2,
+        noise=scatter.noise,
+        explained=1.0 - float(left @ left) / size**2,
         residuals=left,
         numbers=numbers,
         runs=runs,
         open=_of_length_one(open_ / own),
-        determined=(unit * unit) * covariance / np.outer(own, own),
-        known=known and not exceeded,
-        reach=t or wide,
+        determined=scatter.unit**2 * covariance / np.outer(own, own),
+        known=scatter.known,
+        reach=scatter.reach,
     )
+
+
+def _seen(jacobian: Floats, free: NDArray[np.bool_]) -> tuple[Floats, Floats]:
+    """Combinations of the free parameters that are open [q, p], and the covariance of the rest of them [p, p]."""
+    p = len(free)
+    own = unseen(jacobian[:, free]) if free.any() else np.zeros((0, 0))
+    open_, covariance = np.zeros((len(own), p)), np.zeros((p, p))
+    open_[:, free], covariance[np.ix_(free, free)] = own, inverse(jacobian[:, free], own)
+    return open_, covariance
+
+
+class _Scatter(NamedTuple):
+    """Standard deviation of the residuals, that of the data in the intervals, half an interval over it, and whether the
+    scatter is as stated."""
+
+    noise: float
+    unit: float
+    reach: float
+    known: bool
+
+
+def _scatter(left: Floats, free: int, known: bool, confidence: float) -> _Scatter:
+    """free : degrees of freedom of the residuals. They replace a stated scatter that they exceed."""
+    squares = float(left @ left)
+    noise = float(np.sqrt(squares / free)) if free > 0 else 0.0
+    exceeded = known and free > 0 and squares > free + EXCEEDED * np.sqrt(2.0 * free)
+    end = 0.5 + 0.5 * confidence
+    if known and not exceeded:
+        return _Scatter(noise, 1.0, float(scipy.special.ndtri(end)), True)
+    return _Scatter(noise, noise, float(scipy.special.stdtrit(free, end)), False)
 
 
 def unseen(derivatives: Floats) -> Floats:

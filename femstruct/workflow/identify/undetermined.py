@@ -68,7 +68,7 @@ def combinations(fit: Fit, units: Mapping[str, str], residuals: Callable[[Values
     units : of the parameters. residuals : at any values; tells a sum from a product.
     """
     found = [_combination(fit, units, residuals, row, np.inf) for row in fit.open]
-    relative = [i for i, name in enumerate(fit.values) if name not in (*fit.shifts, *fit.at_zero)]
+    relative = [i for i, name in enumerate(fit.values) if name not in (*fit.shifts, *fit.at_zero, *fit.at_bound)]
     if not len(fit.open) and len(relative) > 1:
         variance, turned = np.linalg.eigh(fit.determined[np.ix_(relative, relative)])
         along = fit.reach * np.sqrt(variance.clip(0.0))
