@@ -9,7 +9,7 @@ from femstruct.errors import NotConverged
 from femstruct.modal.coupled_damping import along_frequency
 from femstruct.modal.coupled_damping.along_frequency import CoupledModes
 
-SOLVED = 1e-11  # of the largest coordinate of a line: lines are accepted at 1e-12 of the force; measured 4e-13
+MISSED = 1.1e-12  # of the force: lines are accepted at 1e-12, and a dense solution misses 1e-14
 
 
 def modes_with_two_materials(count: int, dashpots: int, seed: int) -> tuple[CoupledModes, np.ndarray]:
@@ -24,11 +24,10 @@ def modes_with_two_materials(count: int, dashpots: int, seed: int) -> tuple[Coup
     return CoupledModes(omega**2, 0.3 * places @ places.T, hysteretic), rng.standard_normal(count)
 
 
-def line_by_line(modes: CoupledModes, forces: np.ndarray, omega: np.ndarray) -> np.ndarray:
-    """[lines, k] by LU with pivoting."""
+def matrices(modes: CoupledModes, omega: np.ndarray) -> np.ndarray:
+    """[lines, k, k]."""
     whole = 1j * (omega[:, None, None] * modes.viscous + modes.hysteretic)
-    whole = whole + np.diag(modes.squared) - omega[:, None, None] ** 2 * np.eye(len(forces))
-    return np.linalg.solve(whole, np.broadcast_to(forces[:, None], (*whole.shape[:2], 1)))[:, :, 0]
+    return whole + np.diag(modes.squared) - omega[:, None, None] ** 2 * np.eye(len(modes.squared))
 
 
 def along(modes: CoupledModes, forces: np.ndarray, omega: np.ndarray) -> np.ndarray:
@@ -41,8 +40,14 @@ def along(modes: CoupledModes, forces: np.ndarray, omega: np.ndarray) -> np.ndar
     return found
 
 
-def same(found: np.ndarray, expected: np.ndarray) -> None:
-    assert (np.abs(found - expected).max(axis=1) <= SOLVED * np.abs(expected).max(axis=1)).all()
+def same(modes: CoupledModes, forces: np.ndarray, omega: np.ndarray) -> None:
+    """Every line is that of LU with pivoting, as far as what it misses of the force goes through its own matrix."""
+    found, whole = along(modes, forces, omega), matrices(modes, omega)
+    expected = np.linalg.solve(whole, np.broadcast_to(forces[:, None], (*whole.shape[:2], 1)))[:, :, 0]
+    softest = 1.0 / np.linalg.svd(whole, compute_uv=False).min(axis=1, initial=np.inf)
+    off = np.linalg.norm(found - expected, axis=1)
+    assert (off <= MISSED * np.linalg.norm(forces) * softest).all()
+    assert (off <= 1e-10 * np.linalg.norm(expected, axis=1)).all()  # a wrong line is off by 1; measured 2e-11
 
 
 @pytest.mark.parametrize("dashpots", [0, 3])
@@ -50,13 +55,13 @@ def same(found: np.ndarray, expected: np.ndarray) -> None:
 def test_every_line_is_that_of_a_dense_solution(dashpots: int, seed: int):
     modes, forces = modes_with_two_materials(60, dashpots, seed)
     omega = 2.0 * np.pi * np.linspace(1.0, 450.0, 400)
-    same(along(modes, forces, omega), line_by_line(modes, forces, omega))
+    same(modes, forces, omega)
 
 
 def test_lines_in_any_order_and_twice():
     modes, forces = modes_with_two_materials(30, 2, 7)
     omega = 2.0 * np.pi * np.array([200.0, 10.0, 10.0, 399.0, 200.0, 11.0, 10.0])
-    same(along(modes, forces, omega), line_by_line(modes, forces, omega))
+    same(modes, forces, omega)
 
 
 @pytest.mark.parametrize("count", [0, 1, 2])
@@ -64,7 +69,7 @@ def test_few_lines(count: int):
     modes, forces = modes_with_two_materials(10, 1, 1)
     omega = 2.0 * np.pi * np.array([20.0, 30.0])[:count]
     assert along(modes, forces, omega).shape == (count, 10)
-    same(along(modes, forces, omega), line_by_line(modes, forces, omega))
+    same(modes, forces, omega)
 
 
 def test_modes_without_stiffness_and_forces_on_one_mode():
@@ -76,7 +81,7 @@ def test_modes_without_stiffness_and_forces_on_one_mode():
     hysteretic[still], hysteretic[:, still] = 0.0, 0.0
     floating, forces = CoupledModes(squared, modes.viscous, hysteretic), np.eye(40)[20]
     omega = 2.0 * np.pi * np.linspace(0.5, 300.0, 300)
-    same(along(floating, forces, omega), line_by_line(floating, forces, omega))
+    same(floating, forces, omega)
 
 
 def test_no_force_is_no_motion():
@@ -86,10 +91,10 @@ def test_no_force_is_no_motion():
 
 def test_nothing_is_accepted_that_misses_its_equation(monkeypatch):
     """With one vector a factorisation, nearly every line must be solved by itself, and is."""
-    monkeypatch.setattr(along_frequency, "SPACE", 1)
+    monkeypatch.setattr(along_frequency, "MOST", 1)
     modes, forces = modes_with_two_materials(25, 2, 5)
     omega = 2.0 * np.pi * np.linspace(1.0, 450.0, 60)
-    same(along(modes, forces, omega), line_by_line(modes, forces, omega))
+    same(modes, forces, omega)
 
 
 def test_a_factorisation_serves_many_lines(monkeypatch):

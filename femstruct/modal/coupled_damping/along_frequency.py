@@ -23,7 +23,7 @@ from femstruct.arrays import Floats, Integers
 from femstruct.errors import NotConverged
 from femstruct.modal.coupled_damping.eigenpairs import Complex
 
-SPACE: Final = 20  # vectors of a factorisation: of 8 to 30 the fastest from 300 to 2,400 modes
+FEWEST, MOST, EACH = 16, 60, 40  # vectors of a factorisation: one for 40 modes was the fastest from 260 to 2,400
 PROVEN: Final = 1e-12  # of the force, that the equation of a line may miss: a direct solution misses 1e-14
 DEPENDENT: Final = 1e-13  # of the largest of some vectors, beside which one is the sum of the others
 _CHUNK: Final = 2**20  # complex numbers held at once: 16 MB
@@ -85,7 +85,8 @@ class CoupledModes:
             )
         first = lapack.zgetrs(factor, pivots, forces.astype(np.complex128))[0]
         k, reach = len(forces), max(float(np.abs(lines - middle).max()), np.finfo(float).tiny)
-        pairs = np.zeros((min(SPACE, len(lines)), 2 * k), dtype=np.complex128)
+        space = min(max(FEWEST, k // EACH), MOST, len(lines))
+        pairs = np.zeros((space, 2 * k), dtype=np.complex128)
         pairs[0, :k] = first / max(float(np.linalg.norm(first)), np.finfo(float).tiny)
         for number in range(1, len(pairs)):
             newest, before = pairs[number - 1, :k], pairs[number - 1, k:]
