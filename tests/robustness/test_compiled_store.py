@@ -82,10 +82,21 @@ def test_the_next_folder_is_taken_where_one_cannot_be_written(tmp_path: Path, mo
     monkeypatch.setattr(store, "folders", lambda: (in_the_way / "kernels", tmp_path / "mine"))
     store.folder.cache_clear()
     assert store.folder() == tmp_path / "mine"
-    monkeypatch.setattr(store, "folders", lambda: (in_the_way / "kernels",))
     store.folder.cache_clear()
-    assert store.folder().is_dir()
-    store.folder.cache_clear()
+
+
+def test_a_folder_of_one_process_goes_with_it(tmp_path: Path) -> None:
+    """Where no folder can be written; its code is used while the process lives."""
+    (tmp_path / "file").touch()
+    code = "from pathlib import Path\nfrom femstruct.impact.compiled import store\n"
+    code += f"store.folders = lambda: (Path({str(tmp_path / 'file')!r}) / 'kernels',)\n"
+    code += "from femstruct.impact.engine.sampling import feel\n"
+    code += "store.keep(feel, b'code', store.folder())\nassert store.kept(feel) == b'code'\nprint(store.folder())"
+    ran = subprocess.run(
+        [sys.executable, "-W", "error", "-c", code], capture_output=True, text=True, cwd=ROOT, check=True
+    )
+    assert Path(ran.stdout.strip()).name.startswith("femstruct-") and not Path(ran.stdout.strip()).exists()
+    assert not ran.stderr
 
 
 def test_processes_that_keep_the_same_code_do_not_disturb_each_other(elsewhere: Path, piece: bytes) -> None:

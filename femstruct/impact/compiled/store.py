@@ -6,9 +6,11 @@ several processes and versions do not disturb each other.
 
 from __future__ import annotations
 
+import atexit
 import hashlib
 import logging
 import os
+import shutil
 import sys
 import tempfile
 import time
@@ -36,7 +38,7 @@ def folders() -> tuple[Path, ...]:
 
 @cache
 def folder() -> Path:
-    """The first of the folders that takes a file; one for this process alone where none does."""
+    """The first of the folders that takes a file; where none does one for this process alone, removed at its end."""
     for place in folders():
         try:
             place.mkdir(parents=True, exist_ok=True)
@@ -44,7 +46,9 @@ def folder() -> Path:
                 return place
         except OSError:
             continue
-    return Path(tempfile.mkdtemp(prefix="femstruct-"))
+    own = tempfile.mkdtemp(prefix="femstruct-")
+    atexit.register(shutil.rmtree, own, ignore_errors=True)
+    return Path(own)
 
 
 def _path(unit: Unit[..., Any], place: Path) -> Path:
