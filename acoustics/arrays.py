@@ -27,12 +27,23 @@ def frozen(name: str, values: ArrayLike, shape: tuple[int | None, ...], *, blank
     >>> frozen("size", [1, 2], (2,)).flags.writeable
     False
     """
-    return _frozen(name, np.asarray(values, dtype=np.float64), shape, blanks)
+    return _frozen(name, _numbers(name, values, np.float64), shape, blanks)
 
 
 def frozen_complex(name: str, values: ArrayLike, shape: tuple[int | None, ...]) -> Complexes:
     """Read-only complex128 array of `values`, as `frozen`."""
-    return _frozen(name, np.asarray(values, dtype=np.complex128), shape)
+    return _frozen(name, _numbers(name, values, np.complex128), shape)
+
+
+def _numbers(name: str, values: ArrayLike, dtype: type[np.generic]) -> NDArray[Any]:
+    try:
+        if dtype is np.float64 and np.iscomplexobj(values):  # numpy would drop what is imaginary, with a warning
+            raise TypeError
+        return np.asarray(values, dtype=dtype)
+    except (ValueError, TypeError, OverflowError):
+        got = " ".join(repr(values).split())
+        kind = "real numbers" if dtype is np.float64 else "numbers"
+        raise AcousticsError(name, got=got, expected=f"{kind}, in rows of equal length") from None
 
 
 def _frozen(name: str, array: Array, shape: tuple[int | None, ...], blanks: bool = False) -> Array:

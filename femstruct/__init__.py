@@ -135,6 +135,8 @@ if TYPE_CHECKING:
     from femstruct.model.materials.plate_section import PlateSection as PlateSection
     from femstruct.model.mesher import mesh_structure as mesh_structure
     from femstruct.model.model import Model as Model
+    from femstruct.model.probe import Probe as Probe
+    from femstruct.model.probe import Surface as Surface
     from femstruct.model.region import Region as Region
     from femstruct.model.section import Section as Section
     from femstruct.model.structure import Joint as Joint
@@ -271,6 +273,7 @@ _NAMES = {
     "model.materials.plate_section": ("PlateSection",),
     "model.mesher": ("mesh_structure",),
     "model.model": ("Model",),
+    "model.probe": ("Probe", "Surface"),
     "model.region": ("Region",),
     "model.section": ("Section",),
     "model.structure": ("Joint", "PlaceOn", "Structure", "Support", "SurfaceOn"),

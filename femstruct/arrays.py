@@ -43,8 +43,10 @@ def frozen_with_gaps(name: str, values: ArrayLike, shape: tuple[int | None, ...]
 
 
 def frozen_integers(name: str, values: ArrayLike, shape: tuple[int | None, ...]) -> Integers:
-    """Read-only int64 copy of `values`; None in `shape` accepts any length."""
+    """Read-only int64 copy of `values`; None in `shape` accepts any length. 0.5 is refused, 2.0 is 2."""
     array = _copied(name, values, np.int64)
+    if not np.array_equal(array, np.asarray(values)):
+        raise InputError(name, got=" ".join(repr(values).split()), expected="whole numbers")
     _check_shape(name, array.shape, shape)
     array.flags.writeable = False
     return array
@@ -58,10 +60,12 @@ def freeze(instance: object, **arrays: Any) -> None:
 
 def _copied(name: str, values: ArrayLike, dtype: type[np.generic]) -> NDArray[Any]:
     try:
+        if np.iscomplexobj(values):  # numpy would drop what is imaginary, with a warning
+            raise TypeError
         return np.array(values, dtype=dtype)
     except (ValueError, TypeError, OverflowError):
         got = " ".join(repr(values).split())
-        raise InputError(name, got=got, expected="numbers, in rows of equal length") from None
+        raise InputError(name, got=got, expected="real numbers, in rows of equal length") from None
 
 
 def _check_shape(name: str, got: tuple[int, ...], expected: tuple[int | None, ...]) -> None:

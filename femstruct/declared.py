@@ -81,6 +81,25 @@ def checked(group: str, **expected: str) -> Callable[[type[T]], type[T]]:
     return decorate
 
 
+def expect(where: str, value: Any, kind: Any, do: str = "") -> Any:
+    """An argument of a function, compared with its annotation as `checked` compares fields; a list becomes a tuple.
+
+    do : what to write instead. Raises InputError: where, what was got, what was expected.
+
+    >>> expect("modes count", 3, int | None)
+    3
+    >>> expect("modes count", 2.5, int | None)
+    Traceback (most recent call last):
+    ...
+    femstruct.errors.InputError: modes count: got 2.5, expected a whole number or None
+    """
+    declared = _argument(kind)
+    kept = declared.kept(value)
+    if kept is _WRONG:
+        raise InputError(where, got=_shown(value), expected=declared.one, do=do or _plain(value, declared))
+    return kept
+
+
 def _compare(noun: Any, group: str, expected: Mapping[str, str]) -> None:
     for name, kind in _kinds(noun.__class__).items():
         value = getattr(noun, name)
@@ -118,6 +137,11 @@ def _kinds(noun: Any) -> dict[str, _Kind]:
     return {field.name: _kind(declared[field.name]) for field in fields(noun) if field.init}
 
 
+@cache
+def _argument(annotation: Any) -> _Kind:
+    return _kind(annotation)
+
+
 class _Later:
     """Stands for a class that is imported for type checkers alone: compared by its name."""
 
@@ -136,7 +160,7 @@ def _kind(annotation: Any) -> _Kind:
         return _kind(inside[0]) if bound is None else _bounded(_kind(inside[0]), bound)
     if origin is Literal:
         words = " or ".join(map(str, inside))
-        return _Kind(words, f"of {words}", lambda value: value if _is_one_of(value, inside) else _WRONG)
+        return _Kind(words, words, lambda value: value if _is_one_of(value, inside) else _WRONG)
     if origin in (Union, types.UnionType):
         return _either([_kind(one) for one in inside])
     if origin is tuple:

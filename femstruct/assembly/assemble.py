@@ -12,6 +12,7 @@ from femstruct.assembly.dofs import DofLabels, RawDofs, number_dofs
 from femstruct.assembly.forces import force_rows, grounded
 from femstruct.assembly.matrices import Assembly, DofMap
 from femstruct.assembly.ties import Elimination, eliminate
+from femstruct.declared import expect
 from femstruct.errors import FemstructError, InputError, SingularSystem, some_of
 from femstruct.model.facts import part_masses
 from femstruct.model.materials.loss_by_frequency import Loss
@@ -41,6 +42,7 @@ def assemble(model: Model) -> Assembly:
     >>> round(assembly.total_mass, 9), assembly.K.shape == assembly.M.shape
     (4.8, True)
     """
+    expect("assemble", model, Model, "mesh_structure makes one of a Structure, read_model of a file")
     dofs = number_dofs(model)
     stiffness: dict[str, csr_array] = {}
     loss_factors: dict[str, Loss] = {}

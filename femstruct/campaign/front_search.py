@@ -14,6 +14,7 @@ from femstruct.campaign.designs import NEVER, Designs, Outcome
 from femstruct.campaign.evolution import Evolution
 from femstruct.campaign.searching import HELD, designs_of, ends_of, table_of
 from femstruct.campaign.tried import with_limits_of_study
+from femstruct.declared import expect
 from femstruct.errors import InputError
 from femstruct.study.campaign.front import Front, convergence_of, members_of
 from femstruct.study.campaign.sought import Search
@@ -70,6 +71,7 @@ def pareto_front(
     >>> len(found.members), found.designs
     (25, 25)
     """
+    expect("pareto_front", search, Search, "read_search(PATH) is that of a study file")
     if not search.also:
         raise InputError("optimise", got="one goal", expected="two or three", do="femstruct.optimise takes one")
     search = with_limits_of_study(search)

@@ -16,6 +16,7 @@ from femstruct.campaign.designs import NEVER, Designs, Outcome, Spent
 from femstruct.campaign.references import references
 from femstruct.campaign.searching import HELD, designs_of, ends_of, table_of
 from femstruct.campaign.tried import with_limits_of_study
+from femstruct.declared import expect
 from femstruct.errors import InputError
 from femstruct.study.campaign.sought import Chosen, Found, Reference, Search
 from femstruct.study.campaign.swept import Swept
@@ -86,6 +87,7 @@ def optimise(
     >>> round(found.chosen[0].number, 2), round(found.goal, 3), found.feasible  # 2 m / (m + M) = 0.5
     (0.33, 0.5, True)
     """
+    expect("optimise", search, Search, "read_search(PATH) is that of a study file")
     if search.also:
         expected = "one; femstruct.pareto_front finds designs for several"
         raise InputError("optimise", got=f"{len(search.goals)} goals", expected=expected)

@@ -16,6 +16,7 @@ from femstruct.campaign.journal import Journal, Row, moved_aside, opened
 from femstruct.campaign.numbers import APART
 from femstruct.campaign.samples import Samples, samples_of
 from femstruct.campaign.tasks import Work, first_read, split
+from femstruct.declared import expect
 from femstruct.errors import InputError, some_of
 from femstruct.language.yaml.tree import near_one
 from femstruct.study.campaign.swept import Swept
@@ -75,6 +76,7 @@ def sweep(
     >>> rows.of("m.z velocity").round(3).tolist()  # 2 m v / (m + M)
     [0.667, 1.0, 1.333]
     """
+    expect("sweep", campaign, Campaign, "read_campaign(PATH) is that of a study file")
     samples, cores = samples_of(campaign), workers or os.cpu_count() or 1
     batch = batch_tasks(campaign, samples, 1 if cluster else cores, progress)
     parts = split(campaign, samples, progress) if isinstance(batch, str) else batch

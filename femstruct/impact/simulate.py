@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from femstruct.arrays import Floats, Integers
+from femstruct.declared import expect
 from femstruct.errors import Finding, NotConverged
 from femstruct.impact.collocation.collocate import MAX_STEPS, Ended, collocate, paced, state_at_start
 from femstruct.impact.collocation.collocation_march import levels_for
@@ -69,6 +70,9 @@ def simulate(basis: ModalBasis, scene: Scene, clock: Clock) -> Response:
     >>> round(response.contacts["wall"].peak_force, 9) == round(np.pi, 9)
     True
     """
+    expect("simulate basis", basis, ModalBasis, "modal_basis makes one of an Assembly")
+    expect("simulate scene", scene, Scene, "Scene((body, ..), (contact, ..)) is one")
+    expect("simulate clock", clock, Clock, "Clock(duration, sampling) is one, in s and Hz")
     compiled = compile_scene(basis, scene, clock)
     system, nt = compiled.system, compiled.n_samples
     m, r, k, modes = len(system.interfaces), len(system.rows), system.n_modes, len(basis.omega)

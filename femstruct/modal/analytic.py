@@ -13,6 +13,7 @@ import numpy as np
 
 from femstruct.arrays import Floats
 from femstruct.conventions import N_COMPONENTS, RY, UX, UZ
+from femstruct.declared import expect
 from femstruct.errors import InputError
 from femstruct.modal.basis import ForceRow, Kind, ModalBasis
 from femstruct.modal.beam_shapes import CONDITIONS, End, amplitudes_of, rigid_shapes, roots, sign_of, terms
@@ -42,6 +43,9 @@ def oscillator(
     _positive("oscillator.mass", mass)
     if (frequency_hz is None) == (stiffness is None):
         raise InputError("oscillator", got="both or neither", expected="one of frequency and stiffness")
+    for name, value in (("frequency", frequency_hz), ("stiffness", stiffness)):
+        expect(f"oscillator.{name}", value, float | None)
+    expect("oscillator.axis", axis, Axis)
     k = stiffness if stiffness is not None else mass * (2.0 * np.pi * (frequency_hz or 0.0)) ** 2
     if not (np.isfinite(k) and k >= 0):
         raise InputError("oscillator", got=f"stiffness {k:g} N/m", expected="a value >= 0")
@@ -250,5 +254,5 @@ def _row(stiffness: Floats) -> ForceRow:
 
 
 def _positive(where: str, value: float) -> None:
-    if not (np.isfinite(value) and value > 0):
+    if not expect(where, value, float) > 0:
         raise InputError(where, got=f"{value:g}", expected="a positive value")

@@ -22,6 +22,7 @@ from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigs
 from femstruct.arrays import Floats
 from femstruct.assembly.matrices import Assembly
 from femstruct.conventions import N_COMPONENTS
+from femstruct.declared import expect
 from femstruct.errors import FemstructError, NotConverged
 from femstruct.modal.by_frequency.varying import Varying, varying
 from femstruct.modal.damping import Damping, FromMaterials
@@ -121,6 +122,9 @@ def complex_modes(assembly: Assembly, damping: Damping, up_to: float) -> Complex
     >>> found.damping_ratio.round(4), found.collinearity.round(4)  # proportional damping would have 1
     (array([0.2241, 0.0152]), array([0.9933, 0.9766]))
     """
+    expect("complex_modes", assembly, Assembly, "assemble makes one of a Model")
+    expect("complex_modes damping", damping, Damping, "Damping(LossFactor(0.04)) is 4 % everywhere")
+    expect("complex_modes up_to", up_to, float)
     K, C = lossy_matrices(assembly, damping)
     M = assembly.M
     top = 2.0 * np.pi * up_to

@@ -9,7 +9,7 @@ import numpy as np
 import scipy
 
 from femstruct.arrays import Floats, Integers
-from femstruct.declared import checked
+from femstruct.declared import checked, expect
 from femstruct.errors import Finding, InputError
 from femstruct.modal.basis import ForceRow, ModalBasis
 from femstruct.modal.likeness import TIE, pairing
@@ -147,6 +147,8 @@ def with_damping(basis: ModalBasis, damping: Damping) -> ModalBasis:
     >>> with_damping(basis, Damping(LossFactor(0.04))).damping_ratio.round(12)
     array([0.02])
     """
+    expect("with_damping basis", basis, ModalBasis, "modal_basis makes one of an Assembly")
+    expect("with_damping damping", damping, Damping, "Damping(Ratio(0.02)) is 2 % of critical in all modes")
     exceptions, findings = _exceptions(basis, damping.modes)
     viscous, hysteretic = _base(basis, damping.base)
     if isinstance(damping.base, FromMaterials):

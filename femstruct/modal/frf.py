@@ -10,6 +10,7 @@ from scipy.sparse import csc_array
 
 from femstruct.arrays import Floats, frozen
 from femstruct.assembly.matrices import Assembly
+from femstruct.declared import expect
 from femstruct.errors import InputError, NotConverged
 from femstruct.modal.basis import ForceRow, ModalBasis
 from femstruct.modal.by_frequency.edge_walls import without_walls
@@ -25,6 +26,7 @@ from femstruct.sparse.solvers import FASTEST, SOLVERS, Factored, ZeroPivot
 FrfKind = Literal["receptance", "mobility", "accelerance", "transmissibility"]
 _PER_SECOND: Final[dict[FrfKind, str]] = {"receptance": "", "mobility": "s", "accelerance": "s^2"}
 KINDS: Final[tuple[FrfKind, ...]] = (*_PER_SECOND, "transmissibility")
+A_PROBE: Final = 'model.points["NAME"].probe("z") is one'
 _LAWS: Final = "damping of the whole structure: loss_factor, rayleigh or from: materials; dashpots act beside it"
 _UNMOVED = 1e-12  # of the largest motion of the structure: rounding
 
@@ -61,6 +63,9 @@ def frf(
     >>> round(float(resonance.imag), 12), bool(abs(resonance.real) < 1e-12)
     (-0.5, True)
     """
+    expect("frf basis", basis, ModalBasis, "modal_basis makes one of an Assembly")
+    expect("frf drive", drive, Probe, A_PROBE)
+    expect("frf response", response, Probe | ForceRow, A_PROBE)
     omega = _omega(frequency_hz)
     if basis.n_rigid and (omega == 0).any():
         raise InputError("frf frequency", got="0 Hz", expected="a frequency > 0: the structure is free")
@@ -252,7 +257,7 @@ def _dense_row(assembly: Assembly, probe: Probe) -> Floats:
 
 
 def _omega(frequency_hz: ArrayLike) -> Floats:
-    frequency = frozen("frf frequency", np.atleast_1d(np.asarray(frequency_hz, dtype=np.float64)), (None,))
+    frequency = frozen("frf frequency", np.atleast_1d(np.asarray(frequency_hz)), (None,))
     if (frequency < 0).any():
         raise InputError("frf frequency", got=f"{frequency.min():g} Hz", expected="frequencies >= 0")
     return 2.0 * np.pi * frequency

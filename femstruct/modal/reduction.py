@@ -8,7 +8,8 @@ import numpy as np
 
 from femstruct.arrays import Floats
 from femstruct.assembly.matrices import Assembly
-from femstruct.errors import Finding
+from femstruct.declared import expect
+from femstruct.errors import Finding, InputError
 from femstruct.modal.basis import Kind, ModalBasis
 from femstruct.modal.by_frequency.edge_walls import (
     complex_walls,
@@ -72,6 +73,12 @@ def modal_basis(
     >>> basis.frequency_hz.round(1)
     array([ 75.6, 164.1])
     """
+    expect("modal_basis", assembly, Assembly, "assemble makes one of a Model")
+    expect("modes up_to", up_to, float | None)
+    expect("modes count", count, int | None)
+    probes = expect("modes probes", probes, tuple[Probe, ...], 'model.points["NAME"].probe("z") is one')
+    if unknown := [axis for axis in base if axis not in AXES]:
+        raise InputError("modes base", got=f"{unknown[0]!r}", expected="axes of x, y, z")
     assembly = _with_walls_near(assembly, up_to, count)
     found = modes(assembly.K, assembly.M, up_to_hz=up_to, count=count, labels=assembly.dofs.labels)
     moved = assembly.momentum[[AXES.index(axis) for axis in base]].T

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from femstruct.declared import expect
 from femstruct.errors import FemstructError, InputError, some_of
 from femstruct.model.equations.constraint import Constraint
 from femstruct.model.equations.elastic_edges import elastic_edges
@@ -41,6 +42,7 @@ def mesh_structure(structure: Structure) -> Model:
     >>> mesh_structure(Structure("a floor", (floor,))).mesh.quads.shape
     (12, 4)
     """
+    expect("mesh_structure", structure, Structure, "Structure(title, (part, ..)) takes parts")
     _check_names(structure)
     layout = planned(structure)
     grids, tolerance = layout.settled(), layout.tolerance

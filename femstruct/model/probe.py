@@ -117,6 +117,14 @@ class Surface:
     along [2, 3] : unit vectors of its first and second direction, in which a room beside it is measured.
     outline [n, 3] : corners round it [m].
     rows [p, n_nodes * 7] : displacement along the normal at the points, from the nodal components.
+
+    The underside of a rigid square of 2 m, of one node that moves along z; the room is below:
+
+    >>> corners = [[0, 0, 0], [2, 0, 0], [2, 2, 0], [0, 2, 0]]
+    >>> down = csr_array([[0, 0, -1.0, 0, 0, 0, 0]])
+    >>> below = Surface("below", [[1, 1, 0]], [4.0], [[0, 0, -1]], [[1, 0, 0], [0, 1, 0]], corners, down)
+    >>> float(below.weights.sum()), below.centre.tolist()
+    (4.0, [1.0, 1.0, 0.0])
     """
 
     name: str

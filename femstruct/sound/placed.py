@@ -14,6 +14,7 @@ from acoustics.errors import AcousticsError
 from acoustics.fields.sound_field import FACING, SoundField
 from acoustics.source import SurfaceShapes
 from femstruct.arrays import Floats
+from femstruct.declared import expect
 from femstruct.errors import InputError
 from femstruct.modal.basis import ModalBasis
 from femstruct.model.probe import Surface
@@ -95,7 +96,10 @@ def placed(
     >>> room.points[0].tolist(), room.from_room(np.zeros(3)).tolist()
     ([[3.0, 1.5, 2.5]], [-2.0, -0.5, 0.0])
     """
-    where, first = f"rooms.{name}", on or room.movable[0]
+    where = f"rooms.{name}"
+    expect(where, room, SoundField, "acoustics.Room([4.0, 3.0, 2.5]) is one")
+    expect(f"{where} surface", surface, Surface, 'model.surfaces["NAME"] is one')
+    first = on or room.movable[0]
     try:
         axes, middle = room.placed_by(first, surface.along, _furthest(room, first, surface))
     except AcousticsError as error:

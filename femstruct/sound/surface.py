@@ -12,6 +12,7 @@ from acoustics.fields.sound_field import air_stiffness_ratio
 from acoustics.receivers import Receiver
 from acoustics.source import SurfaceVelocity, SurfaceVibration
 from femstruct.arrays import Floats, Integers
+from femstruct.declared import expect
 from femstruct.errors import Finding
 from femstruct.impact.result.response import Response
 from femstruct.modal.basis import ModalBasis
@@ -58,6 +59,8 @@ def surface_velocity(response: Response, room: Placed) -> Motion:
     >>> round(float(moving.shapes[0] @ moving.rates[:, -1]), 9), moving.points.tolist()
     (1.0, [[0.25, 0.25, 1.0]])
     """
+    expect("surface_velocity response", response, Response, "simulate makes one")
+    expect("surface_velocity room", room, Placed, "placed(room, surface) is one")
     return surface_velocities([response], room)[0]
 
 

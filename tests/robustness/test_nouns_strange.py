@@ -142,8 +142,10 @@ MADE = {
     "Model",
     "Placed",
     "PlateSection",
+    "Probe",
     "Reduced",
     "Response",
+    "Surface",
     "Swept",
 }
 OTHERS = {"StudyResult", "FromMaterials", "NoStructure", "OwnLaw", "ForceSource"}

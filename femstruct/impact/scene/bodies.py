@@ -245,6 +245,10 @@ class Scene:
     gravity: float = 0.0
     blows: tuple[Blows, ...] = ()
 
+    def __post_init__(self) -> None:
+        if self.velocity is not None:
+            freeze(self, velocity=frozen("scene.velocity", self.velocity, (None,)))
+
 
 @dataclass(frozen=True)
 @checked("time")

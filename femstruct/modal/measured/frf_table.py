@@ -9,9 +9,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from femstruct.arrays import Floats, frozen
+from femstruct.declared import expect
 from femstruct.errors import FemstructError, InputError
 from femstruct.modal.basis import ForceRow, ModalBasis
-from femstruct.modal.frf import FrfKind, frf, frf_unit, modal_amplitudes, moves
+from femstruct.modal.frf import A_PROBE, FrfKind, frf, frf_unit, modal_amplitudes, moves
 from femstruct.model.probe import Probe
 
 
@@ -83,7 +84,10 @@ def frf_table(
     >>> float(table.values[0, 0, 0].real.round(12)), table.unit(0, 0)
     (0.02, 'm/N')
     """
-    frequency = np.atleast_1d(np.asarray(frequency_hz, dtype=np.float64))
+    expect("frf basis", basis, ModalBasis, "modal_basis makes one of an Assembly")
+    expect("frf drives", drives, Mapping[str, Probe], A_PROBE)
+    expect("frf responses", responses, Mapping[str, Probe | ForceRow], A_PROBE)
+    frequency = frozen("frf frequency", np.atleast_1d(np.asarray(frequency_hz)), (None,))
     kinds: list[FrfKind] = [
         kind or ("accelerance" if isinstance(one, Probe) else "transmissibility") for one in responses.values()
     ]

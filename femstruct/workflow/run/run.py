@@ -6,6 +6,7 @@ import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
+from femstruct.declared import expect
 from femstruct.errors import Finding, some_of
 from femstruct.findings.catalogue import ranked
 from femstruct.impact.compiled.workers import compilation
@@ -78,6 +79,8 @@ def run_study(plan: Plan, progress: Progress = lambda line: None, command: str =
     >>> round(case.channels["m.z velocity"].whole, 3), case.response.contacts["ball on m"].closings
     (1.0, 1)
     """
+    of_study = 'Plan(title, (Case("as given", study),), baseline="as given") is one of a Study'
+    expect("run_study", plan, Plan, f"{of_study}, read_study(PATH) that of a file")
     return run_again(plan, Kept(), progress, command)[0]
 
 
