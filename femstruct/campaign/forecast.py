@@ -15,7 +15,7 @@ import numpy as np
 from femstruct.campaign.batch.batch_rows import BatchTask, batch_tasks
 from femstruct.campaign.designs import Designs
 from femstruct.campaign.executors import Done, Tick
-from femstruct.campaign.gathered import duration, make_ready
+from femstruct.campaign.gathered import make_ready
 from femstruct.campaign.journal import Row, opened
 from femstruct.campaign.numbers import APART
 from femstruct.campaign.samples import samples_of
@@ -27,7 +27,7 @@ from femstruct.study.campaign.sought import FEWEST_RUNS, Search
 from femstruct.study.campaign.varied import Campaign, Listed, Scattered
 from femstruct.view.campaigns.swept_table import written
 from femstruct.view.campaigns.varied_words import range_of
-from femstruct.workflow.run.provenance import Progress
+from femstruct.workflow.progress import Progress, duration
 from femstruct.workflow.stages.modal_bases import key_of
 
 POINT: Final = {"lower": 0.95, "upper": 0.05}  # of a range of which that end cannot be

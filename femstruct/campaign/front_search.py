@@ -20,7 +20,7 @@ from femstruct.study.campaign.front import Front, convergence_of, members_of
 from femstruct.study.campaign.sought import Search
 from femstruct.study.campaign.swept import Swept
 from femstruct.study.campaign.varied import Listed
-from femstruct.workflow.run.provenance import Progress
+from femstruct.workflow.progress import Progress
 
 CROWD: Final = (24, 100)  # designs of a generation, at least and at most
 IDLE: Final = 10  # generations in a row without a design that was not tried before, after which there are none left

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable, Mapping, Sequence
-from typing import Final
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -15,9 +13,8 @@ from femstruct.impact.compiled.workers import compilation
 from femstruct.impact.engine.needed_units import BY_COLLOCATION, EXACTLY
 from femstruct.study.campaign.swept import Swept, is_of_limit
 from femstruct.study.study import Plan
-from femstruct.workflow.run.provenance import Progress, provenance
-
-SOON: Final = 1.0  # seconds, before which nothing is said of what is left
+from femstruct.workflow.progress import Progress
+from femstruct.workflow.run.provenance import provenance
 
 
 def make_ready(plan: Plan, progress: Progress) -> None:
@@ -96,27 +93,3 @@ def gathered(
 def versions() -> dict[str, str]:
     """Of the program and of what it computes with: rows of others are not gone on with."""
     return {key: value for key, value in provenance("").items() if key.endswith("_version")}
-
-
-def counted(of: int, what: str, progress: Progress, *, most: bool = False) -> Callable[[int], None]:
-    """Tells how many of so many are done, and about how long the others take. most : fewer may do."""
-    began = time.monotonic()
-    words = ("at most ", "at most ") if most else ("", "about ")
-
-    def tell(done: int) -> None:
-        elapsed = time.monotonic() - began
-        left = f", {words[1]}{duration(elapsed * (of - done) / done)} left" if done and elapsed > SOON else ""
-        progress(f"{done} of {words[0]}{of} {what}{left}")
-
-    return tell
-
-
-def duration(seconds: float) -> str:
-    """A time as it is told.
-
-    >>> duration(8.2), duration(100.0), duration(7300.0)
-    ('9 s', '2 min', '2.0 h')
-    """
-    if seconds < 90.0:
-        return f"{int(seconds) + 1} s"
-    return f"{seconds / 60.0:.0f} min" if seconds < 5400.0 else f"{seconds / 3600.0:.1f} h"

@@ -11,7 +11,7 @@ from femstruct.files.results_file.swept_file import SWEEP, TABLE, write_swept, w
 from femstruct.study.campaign.front import Front
 from femstruct.study.campaign.sought import Found
 from femstruct.study.campaign.swept import UNROUNDED, Swept
-from femstruct.workflow.run.provenance import Progress
+from femstruct.workflow.progress import Progress
 
 PICTURE, PAGE = "sweep.png", "sweep.html"
 OPTIMUM = ("optimise.h5", "optimise.csv", "optimise.png", "optimise.html")

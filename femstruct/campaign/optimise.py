@@ -21,7 +21,7 @@ from femstruct.errors import InputError
 from femstruct.study.campaign.sought import Chosen, Found, Reference, Search
 from femstruct.study.campaign.swept import Swept
 from femstruct.study.campaign.varied import Listed
-from femstruct.workflow.run.provenance import Progress
+from femstruct.workflow.progress import Progress
 
 scipy_optimize: Any = optimize  # its types know nothing of vectorised functions
 EVERYWHERE: Final = 0.7  # of the runs, for the search in all of the ranges

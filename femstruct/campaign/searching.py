@@ -15,7 +15,7 @@ import numpy as np
 from femstruct.arrays import Floats
 from femstruct.campaign.designs import Designs
 from femstruct.campaign.executors import crew
-from femstruct.campaign.gathered import counted, gathered, make_ready, versions
+from femstruct.campaign.gathered import gathered, make_ready, versions
 from femstruct.campaign.journal import moved_aside, opened
 from femstruct.campaign.tried import refuse_values, with_limits_of_study, with_place
 from femstruct.errors import InputError
@@ -25,7 +25,8 @@ from femstruct.study.campaign.sought import Search
 from femstruct.study.campaign.swept import Swept
 from femstruct.study.campaign.varied import Listed
 from femstruct.study.study import Plan
-from femstruct.workflow.run.provenance import Progress, version_of
+from femstruct.workflow.progress import Progress, counted
+from femstruct.workflow.run.provenance import version_of
 from femstruct.workflow.stages.fingerprint import fingerprint
 
 ROWS: Final = "optimise.rows"  # where rows are kept as they come

@@ -11,7 +11,7 @@ from typing import Final
 
 from femstruct.campaign.batch.batch_rows import batch_tasks
 from femstruct.campaign.executors import Crew, crew
-from femstruct.campaign.gathered import counted, gathered, make_ready, versions
+from femstruct.campaign.gathered import gathered, make_ready, versions
 from femstruct.campaign.journal import Journal, Row, moved_aside, opened
 from femstruct.campaign.numbers import APART
 from femstruct.campaign.samples import Samples, samples_of
@@ -22,7 +22,7 @@ from femstruct.language.yaml.tree import near_one
 from femstruct.study.campaign.swept import Swept
 from femstruct.study.campaign.varied import Campaign
 from femstruct.study.study import Plan
-from femstruct.workflow.run.provenance import Progress
+from femstruct.workflow.progress import Progress, counted
 from femstruct.workflow.stages.fingerprint import fingerprint
 
 MOST: Final = 8  # names in a message

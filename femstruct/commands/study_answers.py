@@ -13,7 +13,7 @@ from femstruct.exits import GOOD, INTERRUPTED, NOT_TRUSTED
 if TYPE_CHECKING:
     from femstruct.study.result import StudyResult
     from femstruct.study.study import Plan
-    from femstruct.workflow.run.provenance import Progress
+    from femstruct.workflow.progress import Progress
 
 
 def stages(study: Path, case: str, sets: list[str], as_json: bool, verbose: bool, with_rooms: bool) -> int:

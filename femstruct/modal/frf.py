@@ -17,7 +17,7 @@ from femstruct.modal.by_frequency.edge_walls import without_walls
 from femstruct.modal.by_frequency.varying import varying
 from femstruct.modal.damping import Damping, FromMaterials, LossFactor, Rayleigh
 from femstruct.modal.outputs import AXES
-from femstruct.modal.superposition import Complex, amplitudes, of_force, of_motion, superposed
+from femstruct.modal.superposition import Complex, Tell, amplitudes, of_force, of_motion, superposed
 from femstruct.model.materials.loss_by_frequency import LossByFrequency, loss_at
 from femstruct.model.probe import Probe
 from femstruct.sparse.patterns import aligned
@@ -37,6 +37,7 @@ def frf(
     response: Probe | ForceRow,
     frequency_hz: ArrayLike,
     kind: FrfKind = "receptance",
+    tell: Tell = lambda done: None,
 ) -> Complex:
     """Frequency response [nf] at `response` to a harmonic unit force at `drive`, by superposition of modes.
 
@@ -44,6 +45,7 @@ def frf(
     kind : receptance displacement / force [m/N], mobility velocity / force, accelerance acceleration / force;
     transmissibility: for a ForceRow (say `basis.outputs["ground.z"]`) that force over the driving force, for a
     Probe its displacement over the displacement at the drive point [1]. A ForceRow has no other kind.
+    tell : is given the number of lines that are done.
 
     Raises InputError for a kind that does not fit, a negative frequency, zero with rigid modes, or a probe that no mode
     of the basis moves.
@@ -77,8 +79,8 @@ def frf(
             )
     pushed = drive.of(basis.shapes)
     if isinstance(response, ForceRow):
-        return superposed(basis, pushed, of_force(basis, response), omega) + response.direct.meets(drive)
-    answer = superposed(basis, pushed, of_motion(response.of(basis.shapes)), omega)
+        return superposed(basis, pushed, of_force(basis, response), omega, tell) + response.direct.meets(drive)
+    answer = superposed(basis, pushed, of_motion(response.of(basis.shapes)), omega, tell)
     if kind == "transmissibility":
         return answer / superposed(basis, pushed, of_motion(pushed), omega)
     return answer * _rate(kind, omega)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Final
 
 import numpy as np
@@ -15,6 +15,7 @@ from femstruct.modal.coupled_damping.along_frequency import CoupledModes
 Complex = NDArray[np.complex128]
 Rows = tuple[Complex, Complex, Complex]
 """What is read off modal coordinates at omega: (rows[0] + omega rows[1] + omega^2 rows[2]) . q, each [k]."""
+Tell = Callable[[int], None]
 _CHUNK: Final = 2**22  # complex numbers held at once: 64 MB
 
 
@@ -33,11 +34,17 @@ def amplitudes(basis: ModalBasis, pushed: Floats, omega: Floats) -> Iterator[tup
         yield lines, np.asarray(pushed / (squared - w**2 + 1j * losses), dtype=np.complex128)
 
 
-def superposed(basis: ModalBasis, pushed: Floats, rows: Rows, omega: Floats) -> Complex:
-    """What `rows` read of the motion under harmonic modal forces [k], at each omega [nf]."""
+def superposed(basis: ModalBasis, pushed: Floats, rows: Rows, omega: Floats, tell: Tell = lambda done: None) -> Complex:
+    """What `rows` read of the motion under harmonic modal forces [k], at each omega [nf].
+
+    tell : is given the number of lines that are done.
+    """
     answer: Complex = np.empty(len(omega), dtype=np.complex128)
+    done = 0
     for lines, q in amplitudes(basis, pushed, omega):
         answer[lines] = read(rows, q, omega[lines])
+        done += len(lines)
+        tell(done)
     return answer
 
 

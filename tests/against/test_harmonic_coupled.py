@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from femstruct.errors import NotConverged
+from femstruct.modal.analytic import given_modes
 from femstruct.modal.coupled_damping import along_frequency
 from femstruct.modal.coupled_damping.along_frequency import CoupledModes
+from femstruct.modal.frf import frf
 
 MISSED = 1.1e-12  # of the force: lines are accepted at 1e-12, and a dense solution misses 1e-14
 
@@ -111,3 +115,11 @@ def test_a_line_at_which_something_without_damping_resonates_is_named():
     free = CoupledModes(np.array([1.0, 4.0, 9.0]), np.diag([0.1, 0.1, 0.0]), np.zeros((3, 3)))
     with pytest.raises(NotConverged, match=r"singular matrix at 0\.4775 Hz.*add damping"):
         along(free, np.ones(3), np.array([1.0, 3.0]))
+
+
+@pytest.mark.parametrize("coupling", [0.0, 0.5])
+def test_who_waits_is_given_the_number_of_lines_that_are_done_up_to_all(coupling: float):
+    basis, points = given_modes([20.0, 50.0], [0.02, 0.03], {"P": [0.5, -0.4]})
+    here, heard = points["P"].probe("z"), list[int]()
+    frf(replace(basis, viscous=basis.viscous + coupling), here, here, np.linspace(1.0, 80.0, 300), tell=heard.append)
+    assert heard == sorted(set(heard)) and heard[-1] == 300 and min(heard) > 1

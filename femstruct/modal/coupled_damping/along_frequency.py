@@ -60,11 +60,11 @@ class CoupledModes:
             middle = float(omega[lines[len(lines) // 2]])
             first, around = self._around(middle, forces, omega[lines])
             here = omega[lines] == middle
-            yield lines[here], np.tile(first, (int(here.sum()), 1))
             left = []
             for some, q, right in self._tried(np.hstack([around, below, above]), forces, omega, lines[~here]):
                 yield some[right], q[right]
                 left.append(some[~right])
+            yield lines[here], np.tile(first, (int(here.sum()), 1))
             rest = np.concatenate([*left, lines[:0]])
             lower = omega[rest] < middle
             for part, outer in ((rest[~lower], (around, above)), (rest[lower], (below, around))):

@@ -9,11 +9,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from acoustics.errors import Advice
 from femstruct.assembly.assemble import assemble
-from femstruct.errors import InputError
+from femstruct.errors import Finding, InputError
 from femstruct.files.tables.finding_tables import finding_table
 from femstruct.findings.catalogue import ranked
 from femstruct.language import read_model_file
+from femstruct.modal.basis import ModalBasis
 from femstruct.modal.damping import Damping, with_damping
 from femstruct.modal.frf import KINDS, direct_frf
 from femstruct.model.probe import Probe
@@ -24,7 +26,7 @@ from femstruct.workflow.check.asked_modes import frequency_option
 from femstruct.workflow.check.asked_stress import STRESS, stress_response
 from femstruct.workflow.judgement.all_findings import all_findings
 from femstruct.workflow.judgement.impact_findings import room_findings
-from femstruct.workflow.run.provenance import Progress
+from femstruct.workflow.progress import Progress
 from femstruct.workflow.stages.modal_bases import Solved, in_air, solve
 from femstruct.workflow.stages.positions import positioned
 from femstruct.workflow.stages.responses import force_axis, frequency_response
@@ -66,15 +68,15 @@ def frf_of(
         solved = solve(source.structure, Extent(up_to_hz=2.5 * request.band[1]), (asking,))
         basis = in_air(with_damping(solved.basis, source.damping), solved)
         findings = all_findings(solved, basis, requests=(request,), up_to_hz=request.band[1])
-        progress(f"frequency response, {len(basis.omega)} modes")
+        progress("frequency response")
         if request.response.what == STRESS:
             told, uneven = stress_response(request, solved, basis)
             findings = ranked((*findings, *uneven))
         else:
-            answer, known = frequency_response(request, solved.places, basis)
+            answer, known = _response(request, solved, basis, progress)
             if not step and method == "modal" and answer.highest is not None:
                 request = replace(request, step=finer(request, answer.highest.needed))
-                answer, known = frequency_response(request, solved.places, basis)
+                answer, known = _response(request, solved, basis, progress)
             findings = ranked((*findings, *room_findings([(f"{response} / {drive}", one) for one in known])))
             values = _direct(request, solved, source.damping, answer) if method == "direct" else answer.values
             told = {
@@ -86,6 +88,15 @@ def frf_of(
             }
     about = {"title": source.title, "drive": drive, "response": response, "method": method}
     return {**about, **told, "findings": [finding_table(finding) for finding in findings]}
+
+
+def _response(
+    request: FrfRequest, solved: Solved, basis: ModalBasis, progress: Progress
+) -> tuple[Frf, tuple[Advice | Finding, ...]]:
+    def tell(how_far: str) -> None:
+        progress(f"frequency response: {how_far}")
+
+    return frequency_response(request, solved.places, basis, progress=tell)
 
 
 def finer(request: FrfRequest, needed: float) -> float:

@@ -30,7 +30,7 @@ from femstruct.workflow.judgement.blank_bands import blanks_before
 from femstruct.workflow.judgement.coarse_sampling import coarse_sampling
 from femstruct.workflow.judgement.impact_findings import room_findings
 from femstruct.workflow.judgement.study_findings import study_findings
-from femstruct.workflow.run.provenance import Progress
+from femstruct.workflow.progress import Progress
 from femstruct.workflow.stages.hung import hung
 from femstruct.workflow.stages.modal_bases import Meshed, Solved, key_of, meshed, shown_in_air, solve
 from femstruct.workflow.stages.places import Places

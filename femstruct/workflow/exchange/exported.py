@@ -18,7 +18,8 @@ from femstruct.model.structure import Structure
 from femstruct.study.asked import Extent
 from femstruct.workflow.check.asked_modes import DEFAULT_MODES
 from femstruct.workflow.exchange.exported_modes import write_basis, write_modes
-from femstruct.workflow.run.provenance import Progress, provenance
+from femstruct.workflow.progress import Progress
+from femstruct.workflow.run.provenance import provenance
 from femstruct.workflow.stages.positions import positioned
 
 To = Literal["csv", "xlsx", "npz", "mtx", "uff", "vtu"]

@@ -20,7 +20,7 @@ from femstruct.model.model import Model
 from femstruct.model.refine import Refined, refined
 from femstruct.study.asked import Extent
 from femstruct.workflow.check.asked_modes import damped_as_far_as_solved
-from femstruct.workflow.run.provenance import Progress
+from femstruct.workflow.progress import Progress
 from femstruct.workflow.stages.modal_bases import shown_in_air, solve
 from femstruct.workflow.stages.positions import positioned
 

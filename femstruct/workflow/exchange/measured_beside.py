@@ -18,7 +18,7 @@ from femstruct.model.refine import refined
 from femstruct.study.asked import Extent
 from femstruct.units import quantity
 from femstruct.workflow.check.asked_modes import damped_as_far_as_solved
-from femstruct.workflow.run.provenance import Progress
+from femstruct.workflow.progress import Progress
 from femstruct.workflow.stages.modal_bases import shown_in_air, solve
 from femstruct.workflow.stages.positions import positioned
 

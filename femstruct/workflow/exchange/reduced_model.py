@@ -12,7 +12,8 @@ from femstruct.modal.substructures.reduced_part import reduced_part
 from femstruct.model.mesher import mesh_structure
 from femstruct.model.structure import Structure
 from femstruct.study.asked import Extent
-from femstruct.workflow.run.provenance import Progress, provenance
+from femstruct.workflow.progress import Progress
+from femstruct.workflow.run.provenance import provenance
 from femstruct.workflow.stages.positions import positioned
 
 Table = dict[str, Any]

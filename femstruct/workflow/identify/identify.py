@@ -27,7 +27,7 @@ from femstruct.workflow.identify.needs import Needs
 from femstruct.workflow.identify.parameters import parameters_of, refused_as_fit, start_texts
 from femstruct.workflow.identify.trial import Trial, Trials, read_source
 from femstruct.workflow.identify.undetermined import Combination, combinations
-from femstruct.workflow.run.provenance import Progress
+from femstruct.workflow.progress import Progress
 
 DIGITS = 6  # of values as they are written into a file
 

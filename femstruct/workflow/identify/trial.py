@@ -38,8 +38,9 @@ from femstruct.study.study import Plan, Study
 from femstruct.workflow.identify.intervals import Parameter, Values
 from femstruct.workflow.identify.needs import Needs
 from femstruct.workflow.judgement.all_findings import all_findings
+from femstruct.workflow.progress import Progress
 from femstruct.workflow.run.case import run_case
-from femstruct.workflow.run.provenance import Progress, Stopwatch
+from femstruct.workflow.run.provenance import Stopwatch
 from femstruct.workflow.run.run import without_rooms
 from femstruct.workflow.stages.fingerprint import fingerprint
 from femstruct.workflow.stages.modal_bases import Solved, in_air, key_of, shown_in_air, solve, solve_all

@@ -32,6 +32,7 @@ from femstruct.workflow.judgement.coarse_sampling import coarse_sampling
 from femstruct.workflow.judgement.impact_findings import room_findings
 from femstruct.workflow.judgement.meeting import meeting_findings
 from femstruct.workflow.judgement.study_findings import study_findings
+from femstruct.workflow.progress import Progress
 from femstruct.workflow.run.accuracy import accuracy_findings
 from femstruct.workflow.run.impact_alone import of_history
 from femstruct.workflow.run.provenance import Stopwatch
@@ -74,8 +75,8 @@ def run_case(
         with clock("coupling", case.name):
             basis, found_of_air = coupled(vacuo, study.rooms, own.places)
             told += found_of_air
-    with clock("frf", case.name):
-        responses, advised = _responses(study, own.places, basis)
+    with clock("frf", case.name) as how_far:
+        responses, advised = _responses(study, own.places, basis, how_far)
         told += advised
     if study.vibration:
         with clock("vibration", case.name):
@@ -181,13 +182,13 @@ def _drops(case: Case, struck: Mapping[str, Struck], places: Places) -> dict[str
 
 
 def _responses(
-    study: Study, places: Places, basis: ModalBasis
+    study: Study, places: Places, basis: ModalBasis, progress: Progress
 ) -> tuple[dict[str, Frf], list[tuple[str, Advice | Finding]]]:
     """The frequency responses a study asks for, by name, and what is to be known of them."""
     found: dict[str, Frf] = {}
     told: list[tuple[str, Advice | Finding]] = []
     for request in study.frf:
-        found[request.name], advised = frequency_response(request, places, basis, study.rooms)
+        found[request.name], advised = frequency_response(request, places, basis, study.rooms, progress)
         end = request.drive if request.drive.what == VOLUME_VELOCITY else request.response
         own = f"frf.{request.name}"
         told += [(own if isinstance(one, Finding) else end.name, one) for one in advised]

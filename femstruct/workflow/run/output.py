@@ -23,7 +23,8 @@ from femstruct.files.set_aside import same_file
 from femstruct.files.tables.study_tables import summary
 from femstruct.study.result import StudyResult
 from femstruct.view.report import write_report
-from femstruct.workflow.run.provenance import Progress, Stopwatch, inputs_of
+from femstruct.workflow.progress import Progress
+from femstruct.workflow.run.provenance import Stopwatch, inputs_of
 
 NO_PICTURES: Final = "Pictures left out, because of --no-pictures."
 NAMED: Final = 4  # files of those that are removed

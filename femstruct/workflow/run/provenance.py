@@ -6,7 +6,7 @@ import os
 import platform
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from datetime import UTC, datetime
 from functools import cache
@@ -14,9 +14,8 @@ from importlib.metadata import PackageNotFoundError, version
 
 from femstruct.sparse.solvers import FASTEST
 from femstruct.study.study import Plan
+from femstruct.workflow.progress import Progress, place
 from femstruct.workflow.stages.fingerprint import fingerprint
-
-Progress = Callable[[str], None]
 
 
 def provenance(command: str) -> dict[str, str]:
@@ -80,25 +79,15 @@ class Stopwatch:
         self._place = place(number, of, time.monotonic() - since)
 
     @contextmanager
-    def __call__(self, stage: str, case: str = "") -> Iterator[None]:
-        self.tell((f"{case}: {stage}" if case else stage) + self._place)
+    def __call__(self, stage: str, case: str = "") -> Iterator[Progress]:
+        """Yields what tells how far the stage is."""
+        line = (f"{case}: {stage}" if case else stage) + self._place
+        self.tell(line)
         begin = _cpu_seconds()
         try:
-            yield
+            yield lambda how_far: self.tell(f"{line}: {how_far}")
         finally:
             self.seconds[stage] = self.seconds.get(stage, 0.0) + _cpu_seconds() - begin
-
-
-def place(number: int, of: int, elapsed: float) -> str:
-    """Which of several cases it is, counted from 1, and about how long all that are left take [s]; "" for one alone.
-
-    >>> place(1, 3, 0.0), place(3, 4, 10.0), place(1, 1, 0.0)
-    (' (1 of 3)', ' (3 of 4, about 10 s left)', '')
-    """
-    if of == 1:
-        return ""
-    left = f", about {elapsed * (of - number + 1) / (number - 1):.0f} s left" if number > 1 else ""
-    return f" ({number} of {of}{left})"
 
 
 def _cpu_seconds() -> float:

@@ -17,10 +17,11 @@ from femstruct.workflow.compare.at_modes import Spectra
 from femstruct.workflow.compare.compare import compare
 from femstruct.workflow.compare.machines import machines
 from femstruct.workflow.compare.verdicts import verdicts
+from femstruct.workflow.progress import Progress
 from femstruct.workflow.run.accuracy import hold_accuracy
 from femstruct.workflow.run.case import run_case
 from femstruct.workflow.run.needed_kernels import expected_units
-from femstruct.workflow.run.provenance import Progress, Stopwatch, provenance
+from femstruct.workflow.run.provenance import Stopwatch, provenance
 from femstruct.workflow.stages.coupled_air import coupled
 from femstruct.workflow.stages.fingerprint import fingerprint
 from femstruct.workflow.stages.modal_bases import Solved, changes_damping, in_air, key_of, solve_all

@@ -45,7 +45,7 @@ STEADY: Final = (
 NUMBER: Final = re.compile(r"\d+(?:\.\d+)?(?:e[+-]?\d+)?")
 MEMBER: Final = re.compile(r"\w\.\d+\b")  # of an array: hammer.2
 
-Stopwatch = Callable[[str], AbstractContextManager[None]]
+Stopwatch = Callable[[str], AbstractContextManager[object]]
 
 
 @dataclass(frozen=True, eq=False)

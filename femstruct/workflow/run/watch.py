@@ -12,8 +12,8 @@ from typing import Final
 from femstruct.language import read_study
 from femstruct.study.result import StudyResult
 from femstruct.study.study import Plan
+from femstruct.workflow.progress import Progress
 from femstruct.workflow.run.output import write_numbers
-from femstruct.workflow.run.provenance import Progress
 from femstruct.workflow.run.run import Kept, run_again
 from femstruct.workflow.stages.positions import positioned
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import partial
 
 import numpy as np
 
@@ -14,6 +13,7 @@ from femstruct.errors import Finding, InputError, some_of
 from femstruct.modal.basis import ForceRow, ModalBasis
 from femstruct.modal.frf import frf, frf_unit, moves
 from femstruct.modal.steady.between_lines import highest, missed_peak
+from femstruct.modal.superposition import Complex
 from femstruct.model.probe import Probe
 from femstruct.sound.power import power_per_force
 from femstruct.sound.room_source import velocity_per_source
@@ -21,11 +21,16 @@ from femstruct.sound.surface import pressure_per_force
 from femstruct.study.asked import VOLUME_VELOCITY, FrfRequest, RoomPlan, Spot
 from femstruct.study.result import Frf
 from femstruct.study.room_surfaces import placed_room
+from femstruct.workflow.progress import Progress, counted
 from femstruct.workflow.stages.places import Places
 
 
 def frequency_response(
-    request: FrfRequest, places: Places, basis: ModalBasis, rooms: Sequence[RoomPlan] = ()
+    request: FrfRequest,
+    places: Places,
+    basis: ModalBasis,
+    rooms: Sequence[RoomPlan] = (),
+    progress: Progress = lambda line: None,
 ) -> tuple[Frf, tuple[Advice | Finding, ...]]:
     """One frequency response of a study from the modal basis, advice where it is heard in a room, and a finding where
     its lines miss its peak."""
@@ -45,7 +50,12 @@ def frequency_response(
                 got=f"'{spot}', no mode moves along {spot.what}",
                 expected="a direction in which the structure can move",
             )
-    respond = partial(frf, basis, drive, response, kind=request.kind)
+    kind = request.kind
+
+    def respond(hz: Floats) -> Complex:
+        lines = counted(len(hz), f"lines, {len(basis.omega)} modes", progress)
+        return frf(basis, drive, response, hz, kind, lines)
+
     values, unit = respond(frequency), frf_unit(request.kind, request.drive.what, request.response.what)
     found = highest(respond, basis, frequency, np.abs(values))
     return Frf(request, frequency, values, unit, highest=found), missed_peak(found, unit)
