@@ -14,7 +14,7 @@ from femstruct.campaign.designs import NEVER, Designs, Outcome
 from femstruct.campaign.evolution import Evolution
 from femstruct.campaign.searching import HELD, designs_of, ends_of, table_of
 from femstruct.campaign.tried import with_limits_of_study
-from femstruct.declared import expect
+from femstruct.declared import Count, expect
 from femstruct.errors import InputError
 from femstruct.study.campaign.front import Front, convergence_of, members_of
 from femstruct.study.campaign.sought import Search
@@ -28,7 +28,7 @@ IDLE: Final = 10  # generations in a row without a design that was not tried bef
 
 def pareto_front(
     search: Search,
-    folder: Path | None = None,
+    folder: str | Path | None = None,
     workers: int | None = None,
     cluster: str = "",
     progress: Progress = lambda line: None,
@@ -72,6 +72,8 @@ def pareto_front(
     (25, 25)
     """
     expect("pareto_front", search, Search, "read_search(PATH) is that of a study file")
+    expect("pareto_front workers", workers, Count | None)
+    folder = Path(folder) if folder is not None else None
     if not search.also:
         raise InputError("optimise", got="one goal", expected="two or three", do="femstruct.optimise takes one")
     search = with_limits_of_study(search)

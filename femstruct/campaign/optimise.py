@@ -16,7 +16,7 @@ from femstruct.campaign.designs import NEVER, Designs, Outcome, Spent
 from femstruct.campaign.references import references
 from femstruct.campaign.searching import HELD, designs_of, ends_of, table_of
 from femstruct.campaign.tried import with_limits_of_study
-from femstruct.declared import expect
+from femstruct.declared import Count, expect
 from femstruct.errors import InputError
 from femstruct.study.campaign.sought import Chosen, Found, Reference, Search
 from femstruct.study.campaign.swept import Swept
@@ -41,7 +41,7 @@ VALLEYS: Final = 0.15  # of the ranges, that these lie apart at least
 
 def optimise(
     search: Search,
-    folder: Path | None = None,
+    folder: str | Path | None = None,
     workers: int | None = None,
     cluster: str = "",
     progress: Progress = lambda line: None,
@@ -88,6 +88,8 @@ def optimise(
     (0.33, 0.5, True)
     """
     expect("optimise", search, Search, "read_search(PATH) is that of a study file")
+    expect("optimise workers", workers, Count | None)
+    folder = Path(folder) if folder is not None else None
     if search.also:
         expected = "one; femstruct.pareto_front finds designs for several"
         raise InputError("optimise", got=f"{len(search.goals)} goals", expected=expected)

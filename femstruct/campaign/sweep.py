@@ -16,7 +16,7 @@ from femstruct.campaign.journal import Journal, Row, moved_aside, opened
 from femstruct.campaign.numbers import APART
 from femstruct.campaign.samples import Samples, samples_of
 from femstruct.campaign.tasks import Work, first_read, split
-from femstruct.declared import expect
+from femstruct.declared import Count, expect
 from femstruct.errors import InputError, some_of
 from femstruct.language.yaml.tree import near_one
 from femstruct.study.campaign.swept import Swept
@@ -31,7 +31,7 @@ ROWS: Final = "sweep.rows"  # where rows are kept as they come, until all are th
 
 def sweep(
     campaign: Campaign,
-    folder: Path | None = None,
+    folder: str | Path | None = None,
     workers: int | None = None,
     cluster: str = "",
     progress: Progress = lambda line: None,
@@ -77,6 +77,8 @@ def sweep(
     [0.667, 1.0, 1.333]
     """
     expect("sweep", campaign, Campaign, "read_campaign(PATH) is that of a study file")
+    expect("sweep workers", workers, Count | None)
+    folder = Path(folder) if folder is not None else None
     samples, cores = samples_of(campaign), workers or os.cpu_count() or 1
     batch = batch_tasks(campaign, samples, 1 if cluster else cores, progress)
     parts = split(campaign, samples, progress) if isinstance(batch, str) else batch

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final
 
+from femstruct.declared import expect
 from femstruct.errors import InputError, InputErrors
 from femstruct.language.models import override, refuse_kind, title_of
 from femstruct.language.patch import MODEL_KEYS, Patch, study_keys
@@ -45,6 +46,9 @@ def read_campaign(
     ...     read_campaign(Path(folder, "hit.study.yaml")).varied[0].texts
     ('1.0 kg', '1.5 kg', '2.0 kg')
     """
+    vary = expect("read_campaign vary", vary, tuple[str, ...])
+    overrides = expect("read_campaign overrides", overrides, tuple[str, ...])
+    only = expect("read_campaign only", only, tuple[str, ...])
     mistakes, tree = Mistakes(), read_yaml(path)
     refuse_kind(tree, "study", study_keys(), lambda: MODEL_KEYS)
     patch = Patch(tree, None, mistakes)

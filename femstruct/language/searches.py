@@ -8,6 +8,7 @@ from typing import Any, Final
 
 from pydantic import Field
 
+from femstruct.declared import expect
 from femstruct.errors import InputError, InputErrors
 from femstruct.language.campaigns import nouns, short
 from femstruct.language.models import override, refuse_kind, title_of
@@ -52,6 +53,9 @@ def read_search(
     >>> search.goal, search.designs[0].second, dict(search.limits)
     ('ground force', 9.0, {'damper travel': 0.018})
     """
+    vary = expect("read_search vary", vary, tuple[str, ...])
+    limits = expect("read_search limits", limits, tuple[str, ...])
+    overrides = expect("read_search overrides", overrides, tuple[str, ...])
     mistakes, tree = Mistakes(), read_yaml(path)
     refuse_kind(tree, "study", study_keys(), lambda: MODEL_KEYS)
     patch = Patch(tree, None, mistakes)

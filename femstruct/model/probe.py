@@ -40,7 +40,13 @@ class Probe:
         freeze(self, nodes=nodes, components=components, weights=weights)
 
     def of(self, shapes: Floats) -> Floats:
-        """Value of this probe in each of the shapes [node, 7, k] -> [k]."""
+        """Value of this probe in each of the shapes [node, 7, k] -> [k].
+
+        Raises FemstructError for shapes of fewer nodes: those of another structure.
+        """
+        if (last := int(self.nodes.max(initial=-1))) >= len(shapes):
+            expected = f"nodes 0 to {len(shapes) - 1}"
+            raise FemstructError("probe", got=f"node {last}", expected=expected, do="take a probe of this structure")
         values: Floats = self.weights @ shapes[self.nodes, self.components]
         return values
 

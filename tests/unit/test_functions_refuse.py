@@ -12,7 +12,7 @@ import pytest
 import femstruct as fs
 from acoustics import AcousticsError, Room
 from femstruct.conventions import UZ
-from femstruct.errors import InputError
+from femstruct.errors import FemstructError, InputError
 
 STEEL = fs.Material("steel", E=210e9, nu=0.3, rho=7850.0)
 PLATE = fs.Plate("p", STEEL, 3e-3, (0, 0, 0), size=(0.5, 0.4), mesh=0.1)
@@ -20,6 +20,7 @@ STRUCTURE = fs.Structure("s", (PLATE,), points=(fs.PlaceOn("m", "p", at=((0.2, 0
 MODEL = fs.mesh_structure(STRUCTURE)
 ASSEMBLY = fs.assemble(MODEL)
 BASIS, POINTS = fs.oscillator(1.0, frequency_hz=10.0, axis="z")
+CAMPAIGN = fs.Campaign("hit.study.yaml", (fs.Listed("bodies.ball.mass", ("1 kg", "2 kg")),))
 HERE = POINTS["m"].probe("z")
 CLOCK = fs.Clock(0.01, 1e4)
 ANY: Any = fs  # of wrong arguments on purpose
@@ -28,6 +29,11 @@ ANY: Any = fs  # of wrong arguments on purpose
 def given(**changed: Any) -> fs.Assembly:
     usual = {"M": np.eye(2), "K": np.eye(2), "nodes": [0, 1], "components": [UZ, UZ], "points": np.eye(2, 3)}
     return fs.given_matrices(**(usual | changed))
+
+
+def spring_of(force: int, energy: int) -> fs.OwnLaw:
+    """A linear law whose functions read these of its one parameter."""
+    return fs.OwnLaw(lambda d, _, p: p[force] * d, lambda d, p: p[energy] * d * d / 2.0, [1e4], 0.01, 1.0)
 
 
 @pytest.mark.parametrize(
@@ -82,12 +88,42 @@ def given(**changed: Any) -> fs.Assembly:
         (lambda: given(nodes=[0.5, 1]), r"given matrices nodes: got \[0\.5, 1\], expected whole numbers$"),
         (lambda: given(loss_factor=np.nan), r"given matrices loss_factor: got nan, expected a number$"),
         (lambda: given(loss_factor=-0.1), r"given matrices loss_factor: got -0\.1, expected a value >= 0$"),
+        (lambda: ANY.sweep(CAMPAIGN, workers="2"), r"sweep workers: got '2', expected a whole number from 1 or None"),
+        (lambda: ANY.sweep(CAMPAIGN, workers=-1), r"sweep workers: got -1, expected a whole number from 1 or None$"),
+        # each letter of one text was taken for a range
+        (
+            lambda: ANY.read_campaign("s.yaml", vary="a.b=1,2"),
+            r"read_campaign vary: got 'a\.b=1,2', expected a tuple of",
+        ),
+        (lambda: ANY.read_search("s.yaml", limits="a=1"), r"read_search limits: got 'a=1', expected a tuple of texts$"),
+        (lambda: ANY.identify("s.yaml", "v.csv", "c", "a=1"), r"identify parameters: got 'a=1', expected a tuple of"),
+        (lambda: ANY.write_results("r.h5", None), r"write_results: got None, expected a StudyResult; run_study makes"),
+        # the memory behind the parameters was read
+        (
+            lambda: fs.OwnLaw(lambda d, r, p: p[3] * d, lambda d, p: p[0] * d * d / 2, [1e4], 0.01, 1.0),
+            r"own law force: got a parameter beyond the last, expected p\[0\] to p\[0\]",
+        ),
+        (
+            lambda: fs.OwnLaw(lambda d, r, p: p[0] * d, lambda d, p: p[1] * d * d / 2, [1e4], 0.01, 1.0),
+            r"own law energy: got a parameter beyond the last",
+        ),
         (lambda: fs.Scene(velocity=[np.nan]), r"scene\.velocity: got nan or infinity, expected finite numbers$"),  # type: ignore[arg-type]
     ],
 )
 def test_a_wrong_argument_is_refused_where_it_is_given(call: Callable[[], object], told: str) -> None:
     with pytest.raises(InputError, match=told):
         call()
+
+
+def test_a_contact_with_the_name_of_a_place() -> None:
+    hit = fs.Contact("hit", "ball", "m.z", fs.Linear(1e5))
+    with pytest.raises(FemstructError, match=r"contacts\.hit: got 'm\.z', expected a body: ball; a place .* a Probe"):
+        fs.simulate(BASIS, fs.Scene((fs.Body("ball", 1.0, -1.0),), (hit,)), CLOCK)
+
+
+def test_a_probe_of_another_structure() -> None:
+    with pytest.raises(FemstructError, match=r"probe: got node 9, expected nodes 0 to 0; take a probe of"):
+        fs.frf(BASIS, fs.Probe([9], [UZ], [1.0]), HERE, [1.0])
 
 
 def test_words_for_the_size_of_a_room() -> None:

@@ -26,6 +26,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from femstruct.declared import expect
 from femstruct.errors import Finding
 from femstruct.files.results_file.basis_groups import write_basis, write_damping
 from femstruct.files.results_file.blow_groups import write_blows
@@ -84,6 +85,7 @@ def write_results(path: str | Path, result: StudyResult) -> None:
     >>> case.response.outcome.value, case.channels["m.z velocity"].unit, case.channels["m.z velocity"].values.shape
     ('All contacts opened and stayed open to the end.', 'm/s', (100,))
     """
+    expect("write_results", result, StudyResult, "run_study makes one")
     write_sealed(path, lambda file: _write(file, result))
 
 

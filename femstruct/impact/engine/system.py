@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 
@@ -123,6 +124,9 @@ def compile_scene(basis: ModalBasis, scene: Scene, clock: Clock, finest: int = F
     return Compiled(system, start, scale, contact_rows, link_rows, n_samples, halvings, matrix, found)
 
 
+A_PLACE: Final = 'a place of the structure is a Probe, model.points["NAME"].probe("z")'
+
+
 @dataclass(frozen=True, eq=False)
 class _Coordinates:
     """Modes, then bodies by name. scale [n] : as in `Compiled`; first_blow : its tick, by body that strikes again."""
@@ -142,7 +146,7 @@ class _Coordinates:
         elif isinstance(end, str):
             if end not in self.bodies:
                 known = ", ".join(self.bodies) or "there is none"
-                raise FemstructError(where, got=f"'{end}'", expected=f"a body: {known}")
+                raise FemstructError(where, got=f"'{end}'", expected=f"a body: {known}", do=A_PLACE)
             values[k + self.bodies[end]] = 1.0 / self.scale[k + self.bodies[end]]
         else:
             assert isinstance(end, Ground)

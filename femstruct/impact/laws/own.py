@@ -142,9 +142,24 @@ class OwnLaw(Law):
         return {BEYOND: self.deepest}
 
 
+def _refuse_beyond(law: OwnLaw) -> None:
+    """Refuse parameters that are not there: machine code would read what lies behind them, Python says so."""
+    count = len(np.atleast_1d(np.asarray(law.parameters)))
+    for word, function, depth in (("force", law.force, (law.deepest, 0.0)), ("energy", law.energy, (law.deepest,))):
+        plain: Callable[..., object] = getattr(function, "py_func", function)
+        try:
+            plain(*depth, law.parameters)
+        except IndexError:
+            got, expected = "a parameter beyond the last", f"p[0] to p[{count - 1}]" if count else "none"
+            raise InputError(f"own law {word}", got=got, expected=expected, do="give it as many parameters") from None
+        except (ArithmeticError, TypeError, ValueError):  # as Python has them; the machine code is checked below
+            continue
+
+
 def _check(law: OwnLaw) -> None:
     """Refuse a law by its numbers on a grid of depths and rates: what is checked is what will run."""
     stored = law.stored
+    _refuse_beyond(law)
 
     def push(d: float, rate: float) -> float:
         return call_at(stored.force_at, d, rate, stored.rows)

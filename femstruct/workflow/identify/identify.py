@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from femstruct.arrays import Floats
+from femstruct.declared import expect
 from femstruct.errors import Finding, InputErrors
 from femstruct.files.tables.finding_tables import finding_table
 from femstruct.files.tables.json_numbers import number
@@ -174,6 +175,8 @@ def identify(
     >>> round(found.fit.values["bodies.ball.contact.stiffness"], 4)  # in kN/m, as asked
     10.0
     """
+    parameters = expect("identify parameters", parameters, tuple[str, ...])
+    overrides = expect("identify overrides", overrides, tuple[str, ...])
     files = measured if isinstance(measured, MeasuredFiles) else MeasuredFiles(str(measured), channel)
     sought, units = parameters_of(parameters)
     try:
