@@ -22,6 +22,7 @@ class DofMap:
 
     Two degrees of freedom of one node, UX and UZ, that is held along y and does not turn:
 
+    >>> from scipy.sparse import csr_array
     >>> places = csr_array(([1.0, 1.0], ([0, 2], [0, 1])), shape=(7, 2))
     >>> DofMap(places, ("UX", "UZ")).T.shape
     (7, 2)

@@ -52,6 +52,7 @@ def pareto_front(
 
     A ball and what it gives a mass; the lighter the ball, the less it gives, so that each is on the front:
 
+    >>> from pathlib import Path
     >>> import tempfile
     >>> from femstruct import Goal, Scattered
     >>> model = "structure: {type: oscillator, mass: 1 kg, stiffness: 100 N/m}\\npoints: {m: {}}"

@@ -68,6 +68,7 @@ def optimise(
 
     The lightest ball that gives a mass half a metre per second:
 
+    >>> from pathlib import Path
     >>> import tempfile
     >>> from femstruct import Scattered
     >>> model = "structure: {type: oscillator, mass: 1 kg, stiffness: 100 N/m}\\npoints: {m: {}}"

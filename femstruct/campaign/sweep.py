@@ -59,6 +59,7 @@ def sweep(
 
     A ball hits a mass on a soft spring, which takes over its speed where both are as heavy:
 
+    >>> from pathlib import Path
     >>> import tempfile
     >>> from femstruct import read_campaign
     >>> model = "structure: {type: oscillator, mass: 1 kg, stiffness: 100 N/m}\\npoints: {m: {}}"

@@ -39,6 +39,7 @@ def read_campaign(
 
     Raises InputErrors: every mistake, on one line each; a file that varies nothing is one.
 
+    >>> from pathlib import Path
     >>> import tempfile
     >>> study = "model: m.yaml\\nvary: {bodies.ball.mass: {from: 1 kg, to: 2 kg, steps: 3}}"
     >>> with tempfile.TemporaryDirectory() as folder:

@@ -48,6 +48,7 @@ def read_study(
     Raises InputErrors: every mistake of both files and all cases that are read, each on one line
     ``file:line:column: path: got, expected; do``.
 
+    >>> from pathlib import Path
     >>> import tempfile
     >>> model = "structure: {type: oscillator, mass: 1 kg, stiffness: 100 N/m}\\npoints: {m: {}}"
     >>> study = '''

@@ -69,6 +69,7 @@ def read_model(path: str | Path, overrides: Sequence[str] = ()) -> Model:
 
     Raises InputErrors: as `read_model_file`, and for a structure in closed form, which has no mesh.
 
+    >>> from pathlib import Path
     >>> import tempfile
     >>> text = "materials: {steel: {E: 210 GPa, nu: 0.3, rho: 7850}}\\nparts: {sheet: {type: plate, material: steel, "
     >>> text += "thickness: 1 mm, origin: [0, 0, 0], size: [1, 1], mesh: [2, 2]}}"

@@ -45,6 +45,7 @@ def read_search(
 
     Raises InputErrors: every mistake, on one line each; a file that optimises nothing is one.
 
+    >>> from pathlib import Path
     >>> import tempfile
     >>> study = "model: m.yaml\\noptimise: {minimise: ground force, vary: {bodies.damper.mass: {from: 1 kg, to: 9 kg}}}"
     >>> with tempfile.TemporaryDirectory() as folder:

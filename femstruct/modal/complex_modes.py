@@ -114,6 +114,7 @@ def complex_modes(assembly: Assembly, damping: Damping, up_to: float) -> Complex
     proved, as it is for real modes. Of a free structure rounding errors of lambda = 0 are among them; `elastic_ones`
     leaves them out.
 
+    >>> from scipy.sparse import csc_array
     >>> from femstruct import LossFactor, given_matrices
     >>> K, M = csc_array([[300.0, -100.0], [-100.0, 100.0]]), csc_array([[1.0, 0.0], [0.0, 1.0]])
     >>> C = csc_array([[0.0, 0.0], [0.0, 4.0]])

@@ -126,6 +126,7 @@ class Surface:
 
     The underside of a rigid square of 2 m, of one node that moves along z; the room is below:
 
+    >>> from scipy.sparse import csr_array
     >>> corners = [[0, 0, 0], [2, 0, 0], [2, 2, 0], [0, 2, 0]]
     >>> down = csr_array([[0, 0, -1.0, 0, 0, 0, 0]])
     >>> below = Surface("below", [[1, 1, 0]], [4.0], [[0, 0, -1]], [[1, 0, 0], [0, 1, 0]], corners, down)

@@ -54,6 +54,7 @@ class Attachments(GivenNodes):
 
     A plate of four nodes whose file holds two of them and puts 2 t on a third:
 
+    >>> from femstruct.model.imported.imported_mesh import StatedHold
     >>> from femstruct.model.imported.imported_mesh import Stated, StatedMass
     >>> press = StatedMass(2, 2.0, (0.0, 0.0, 0.0), (0.0,) * 6)
     >>> stated = Stated(masses=(press,), holds=(StatedHold("a", [0, 3], (2,)),))

@@ -43,6 +43,7 @@ class Substructure(GivenNodes):
 
     A mass of 2 kg on a spring of 200 N/m along z:
 
+    >>> from scipy.sparse import csr_array
     >>> motion = csr_array(([1.0], ([2], [0])), shape=(7, 1))
     >>> nothing, M, K = csr_array((1, 1)), csr_array([[2.0]]), csr_array([[200.0]])
     >>> fan = Component("fan.npz", M, nothing, K, motion, [[0.0, 0.0, 0.0]], 2.0, ("z",), [0])

@@ -40,6 +40,7 @@ def velocity_per_source(
     A source at 1 Hz in half a cubic metre of sealed air, on which a rigid square of 1 kg floats, with a natural
     frequency of 19.4 Hz. It is lifted by the volume over its area, 4 / m^2, and 1/(1 - (1/19.4)^2) times that:
 
+    >>> from acoustics import Receiver
     >>> from acoustics import Room
     >>> from scipy.sparse import csr_array
     >>> from femstruct.modal.analytic import oscillator

@@ -54,6 +54,7 @@ def read_matrices(
 
     Raises InputError for a file that is not there or is no such file, FemstructError for matrices that do not fit.
 
+    >>> from pathlib import Path
     >>> import tempfile
     >>> from femstruct import given_matrices, modal_basis
     >>> from femstruct.files.exchange.matrices_file import write_npz

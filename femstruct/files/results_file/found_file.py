@@ -41,6 +41,7 @@ def write_found(path: str | Path, found: Found | Front) -> None:
 
     A design that was tried once:
 
+    >>> from pathlib import Path
     >>> import tempfile
     >>> from femstruct.study.campaign.sought import Chosen, Search
     >>> from femstruct.study.campaign.swept import Swept

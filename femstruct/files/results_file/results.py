@@ -67,6 +67,7 @@ def write_results(path: str | Path, result: StudyResult) -> None:
     price is the size of the file in memory. Modal coordinates are kept only where the study says `save: modal`: they
     are most of the bytes.
 
+    >>> from pathlib import Path
     >>> import tempfile
     >>> from femstruct import read_results, read_study, run_study
     >>> model = "structure: {type: oscillator, mass: 1 kg, stiffness: 100 N/m}\\npoints: {m: {}}"

@@ -55,6 +55,7 @@ def read_results(path: str | Path) -> StudyResult:
 
     A ball strikes a mass on a spring. After ``femstruct run`` the folder would be ``results/hit``:
 
+    >>> from pathlib import Path
     >>> import tempfile
     >>> from femstruct import read_study, run_study, write_results
     >>> folder = tempfile.TemporaryDirectory()

@@ -42,6 +42,7 @@ def write_swept(path: str | Path, rows: Swept) -> None:
 
     Raises FemstructError when the disk is full or refuses; the file that was there before is then untouched.
 
+    >>> from pathlib import Path
     >>> import tempfile
     >>> import numpy as np
     >>> rows = Swept(

@@ -47,6 +47,7 @@ class Walk:
     last as half a cosine. There is no phase in the source of `design_harmonics`. Heel strikes are left out: it
     covers resonance of a floor with a harmonic, not floors whose first mode is above them, and not audible footsteps.
 
+    >>> from femstruct.impact.scene.walking import design_harmonics
     >>> Walk(80.0, pace=2.0, steps=8, harmonics=design_harmonics(2.0)).steps
     8
     """

@@ -34,6 +34,7 @@ class Component:
 
     One mass of 2 kg on a spring along z:
 
+    >>> from scipy.sparse import csr_array
     >>> one = csr_array([[2.0]])
     >>> motion = csr_array(([1.0], ([2], [0])), shape=(7, 1))
     >>> Component("a.npz", one, csr_array((1, 1)), one, motion, [[0.0, 0.0, 0.0]], 2.0, ("z",), [0]).free

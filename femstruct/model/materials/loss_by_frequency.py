@@ -85,6 +85,7 @@ def laboratory_losses(internal: float = INTERNAL) -> LossByFrequency:
     ISO 12354-1, annex C: for m' below 800 kg/m^2, at 50 Hz to 5 kHz; beyond, the value of the nearest of these. The
     second term is of the edges of the laboratory, so that edges with losses of their own count them twice.
 
+    >>> from femstruct.model.materials.loss_by_frequency import of_plate
     >>> of_plate(laboratory_losses(0.006), 322.0).at([50.0, 200.0, 1000.0]).round(4).tolist()
     [0.0999, 0.0529, 0.027]
     """

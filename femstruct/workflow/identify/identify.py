@@ -153,6 +153,7 @@ def identify(
 
     A ball of 1 kg hits a wall at 1 m/s; its force is a half sine of 100 N, recorded every millisecond:
 
+    >>> from pathlib import Path
     >>> import tempfile
     >>> study = '''
     ... model: model.yaml

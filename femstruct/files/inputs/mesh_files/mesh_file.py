@@ -39,6 +39,7 @@ def read_mesh_file(path: str | Path, scale: float = 1.0, sources: dict[str, str]
 
     Raises InputError, and InputErrors with the line where the format is text.
 
+    >>> from pathlib import Path
     >>> import tempfile
     >>> text = "*NODE\\n1, 0, 0, 0\\n2, 40, 0, 0\\n3, 0, 30, 0\\n*ELEMENT, TYPE=S3, ELSET=SKIN\\n7, 1, 2, 3\\n"
     >>> with tempfile.TemporaryDirectory() as folder:
