@@ -15,6 +15,8 @@ from femstruct.declared import expect
 from femstruct.errors import FemstructError, InputError
 
 ASYMMETRIC = 1e-9  # of the largest entry: matrices that were written to a file with ten digits differ by less
+ROUNDED = 1e-6  # of an entry beside the diagonal: single precision leaves 1e-7
+NO_MASS, NO_DASHPOTS = "a kinetic energy below 0", "dashpots that give energy"
 
 
 def given_matrices(
@@ -36,7 +38,8 @@ def given_matrices(
 
     Returns an Assembly without forces by name: what holds the structure is not in the matrices.
 
-    Raises FemstructError for a matrix of another size, with other than real numbers or that is not symmetric, for a
+    Raises FemstructError for a matrix of another size, with other than real numbers or that is not symmetric, for M and
+    C that two degrees of freedom can move with negative energy or loss, for a
     node or component that is not there, and for two degrees of freedom that are one.
 
     Two masses of 1 and 2 kg on springs in a row, k = 1 kN/m each, along x: omega^2 = k (5 -+ sqrt(17)) / (4 kg).
@@ -96,7 +99,8 @@ def mapped_matrices(
     As `given_matrices`, but dofs : how the nodes follow. momentum [3, n] : of the structure when each degree of freedom
     moves at unit rate, along x, y, z [kg]. total_mass [kg].
 
-    Raises FemstructError for a matrix of another size or that is not symmetric, and for a map to other nodes.
+    Raises FemstructError for a matrix of another size or that is not symmetric, for M and C that two degrees of freedom
+    can move with negative energy or loss, and for a map to other nodes.
 
     A rigid bar of 3 kg that shifts along z: one degree of freedom for both of its ends.
 
@@ -118,9 +122,9 @@ def mapped_matrices(
         raise FemstructError(f"{where} map", got=f"{rows} rows", expected=expected)
     stiffness = _symmetric(f"{where} K", K, n)
     return Assembly(
-        M=_symmetric(f"{where} M", M, n),
+        M=_without_gain(f"{where} M", _symmetric(f"{where} M", M, n), NO_MASS),
         K=stiffness,
-        C=_symmetric(f"{where} C", C, n) if C is not None else csc_array((n, n)),
+        C=csc_array((n, n)) if C is None else _without_gain(f"{where} C", _symmetric(f"{where} C", C, n), NO_DASHPOTS),
         dofs=dofs,
         points=points,
         part_stiffness={"given": stiffness},
@@ -150,3 +154,21 @@ def _symmetric(where: str, matrix: Any, n: int) -> csc_array:
         got = f"{sparse[row, column]:g} at ({row}, {column}) and {sparse[column, row]:g} at ({column}, {row})"
         raise FemstructError(where, got=got, expected="a symmetric matrix")
     return csc_array((sparse + sparse.T) * 0.5)
+
+
+def _without_gain(where: str, matrix: csc_array, gain: str) -> csc_array:
+    """A symmetric matrix with which no motion of one or two degrees of freedom has a negative energy or loss."""
+    diagonal, entries = matrix.diagonal(), matrix.tocoo()
+    if (diagonal < 0.0).any():
+        at = int(diagonal.argmin())
+        got = f"{gain}: {diagonal[at]:g} at ({at}, {at})"
+        raise InputError(where, got=got, expected="no negative value on the diagonal", do="look for a sign")
+    row, column = entries.coords
+    most = np.sqrt(diagonal[row]) * np.sqrt(diagonal[column])
+    over = np.abs(entries.data) - (1.0 + ROUNDED) * most - ASYMMETRIC * diagonal.max(initial=0.0)
+    if (over > 0.0).any():
+        at = int(over.argmax())
+        got = f"{gain}: {entries.data[at]:g} at ({row[at]}, {column[at]}), with {diagonal[row[at]]:g} and "
+        got += f"{diagonal[column[at]]:g} on the diagonal"
+        raise InputError(where, got=got, expected=f"at most their geometric mean, {most[at]:g}")
+    return matrix

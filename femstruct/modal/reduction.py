@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+import scipy
 
 from femstruct.arrays import Floats
 from femstruct.assembly.matrices import Assembly
@@ -24,6 +25,7 @@ from femstruct.modal.residuals import residual_vectors
 from femstruct.modal.solve import Modes, modes
 from femstruct.model.probe import Probe
 
+_GAIN = 1e-6  # of the largest damping of a motion: matrices in single precision leave 1e-7
 _CAPTURED = 0.9  # of the mass: the share below which a direction counts as cut short
 
 
@@ -49,7 +51,7 @@ def modal_basis(
     Returns a ModalBasis with no other damping than the permanent dashpots': `with_damping` adds the structure's own.
 
     Raises SingularSystem when K and M share a null vector (a massless mechanism); it names node and component.
-    NotConverged when modes and inertia count do not agree.
+    NotConverged when modes and inertia count do not agree. InputError for dashpots that give energy to a motion.
 
     Notes
     -----
@@ -97,7 +99,7 @@ def modal_basis(
     elastic: tuple[Kind, ...] = ("elastic",)
     extra: tuple[Kind, ...] = ("residual",)
     momentum: Floats = assembly.momentum @ shapes
-    dashpots = projected(assembly.C, shapes)
+    dashpots = _without_gain(projected(assembly.C, shapes))
     complete_below_hz = float(np.sqrt(found.complete_below)) / (2.0 * np.pi)
     return ModalBasis(
         omega=np.sqrt(values),
@@ -162,6 +164,23 @@ def _dashpots(assembly: Assembly) -> Floats:
     touched = np.flatnonzero(assembly.C.diagonal())
     forces: Floats = assembly.C[:, touched].toarray()
     return forces
+
+
+def _without_gain(dashpots: Floats) -> Floats:
+    """Modal matrix of dashpots [k, k], none of whose motions gains energy.
+
+    Raises InputError for one that does, as with a wrong sign in a matrix of another program.
+    """
+    if not dashpots.any():
+        return dashpots
+    rounding = _GAIN * float(np.diag(dashpots).max()) * np.eye(len(dashpots))
+    try:
+        scipy.linalg.cholesky(dashpots + rounding, check_finite=False)
+    except scipy.linalg.LinAlgError:
+        least = float(scipy.linalg.eigvalsh(dashpots, subset_by_index=(0, 0))[0])
+        got = f"dashpots that give energy to a motion, at up to {-least:.3g} 1/s"
+        raise InputError("C", got=got, expected="dashpots that take energy from every motion") from None
+    return dashpots
 
 
 def _truncation(

@@ -87,3 +87,42 @@ def test_what_does_not_fit_is_refused(changed: dict[str, object], told: str) -> 
     usual = {"M": np.eye(2), "K": np.eye(2), "nodes": [0, 1], "components": [UX, UX], "points": np.eye(2, 3)}
     with pytest.raises(FemstructError, match=told):
         fs.given_matrices(**(usual | changed))
+
+
+CHAIN = {"nodes": [0, 1, 2], "components": [UX] * 3, "points": np.eye(3)}
+EYE = np.eye(3)
+
+
+@pytest.mark.parametrize(
+    ("matrices", "said"),
+    [
+        ({"M": -EYE, "K": EYE}, r"given matrices M: got a kinetic energy below 0: -1 at \(0, 0\).*look for a sign"),
+        ({"M": EYE + 2.0 * np.eye(3, k=1) + 2.0 * np.eye(3, k=-1), "K": EYE}, "mean, 1"),
+        ({"M": EYE, "K": EYE, "C": np.diag([1.0, 1.0, -3.0])}, r"given matrices C: .*energy: -3 at \(2, 2\)"),
+    ],
+)
+def test_masses_and_dashpots_of_a_wrong_sign_are_refused(matrices: dict[str, np.ndarray], said: str) -> None:
+    with pytest.raises(FemstructError, match=said):
+        fs.given_matrices(**matrices, **CHAIN)
+
+
+@pytest.mark.parametrize("beside", [0.499, 0.501])
+def test_dashpots_that_only_three_masses_together_gain_energy_from_are_refused(beside: float) -> None:
+    """1 on the diagonal and -b beside it: eigenvalues 1 + b, twice, and 1 - 2 b for all three together."""
+    C = (1.0 + beside) * EYE - beside
+    given = fs.given_matrices(EYE, np.diag([1.0, 4.0, 9.0]), C=C, **CHAIN)
+    if beside < 0.5:
+        assert fs.modal_basis(given, count=3).dashpots.any()
+        return
+    with pytest.raises(FemstructError, match=r"C: got dashpots that give energy to a motion, at up to 0\.002 1/s"):
+        fs.modal_basis(given, count=3)
+
+
+def test_one_dashpot_in_single_precision_is_no_gain() -> None:
+    """A dashpot between masses in a slanted direction has no loss in the other, but for rounding of 1e-7."""
+    along = np.array([0.6, 0.8, -0.3])
+    C = np.outer(along, along).astype(np.float32).astype(np.float64)
+    assert (np.linalg.eigvalsh(C)[0]) < 0.0
+    basis = fs.modal_basis(fs.given_matrices(EYE, EYE, C=C, **CHAIN), count=3)
+    # of three modes of one frequency some turn shows the dashpot alone: its rate is 0.36 + 0.64 + 0.09
+    assert np.linalg.eigvalsh(basis.dashpots)[-1] == pytest.approx(1.09, rel=1e-6)  # single precision
