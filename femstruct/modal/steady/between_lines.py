@@ -42,6 +42,17 @@ class Highest:
         """Share of the value by which the lines are lower [1]."""
         return 1.0 - self.line / self.size if self.size > 0.0 else 0.0
 
+    def on(self, lines_hz: Floats, sizes: Floats) -> Highest:
+        """The same of other lines in that band, of whose values it is no less than the largest.
+
+        >>> Highest(11.97, 0.0342, 0.0116, 1.0, 0.2).on(np.array([11.8, 12.0, 12.2]), np.array([0.01, 0.0335, 0.02]))
+        Highest(frequency_hz=11.97, size=0.0342, line=0.0335, step=0.2, needed=0.2)
+        """
+        top = int(sizes.argmax())
+        line, step = float(sizes[top]), round(float(lines_hz[1] - lines_hz[0]), 12)
+        hz, size = (self.frequency_hz, self.size) if self.size >= line else (float(lines_hz[top]), line)
+        return Highest(hz, size, line, step, step if line >= (1.0 - MISSED) * size else self.needed)
+
 
 def highest(respond: Respond, basis: ModalBasis, lines_hz: Floats, sizes: Floats) -> Highest | None:
     """The largest response in the band of some lines, by what lies between them, too.

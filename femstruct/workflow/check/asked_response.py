@@ -18,6 +18,7 @@ from femstruct.language import read_model_file
 from femstruct.modal.basis import ModalBasis
 from femstruct.modal.damping import Damping, with_damping
 from femstruct.modal.frf import KINDS, direct_frf
+from femstruct.modal.steady.between_lines import Highest
 from femstruct.model.probe import Probe
 from femstruct.study.asked import Extent, FrfRequest, Spot
 from femstruct.study.result import Frf
@@ -74,9 +75,10 @@ def frf_of(
             findings = ranked((*findings, *uneven))
         else:
             answer, known = _response(request, solved, basis, progress)
-            if not step and method == "modal" and answer.highest is not None:
-                request = replace(request, step=finer(request, answer.highest.needed))
-                answer, known = _response(request, solved, basis, progress)
+            largest = answer.highest
+            if not step and method == "modal" and largest is not None and largest.needed < largest.step:
+                request = replace(request, step=finer(request, largest.needed))
+                answer, known = _response(request, solved, basis, progress, largest)
             findings = ranked((*findings, *room_findings([(f"{response} / {drive}", one) for one in known])))
             values = _direct(request, solved, source.damping, answer) if method == "direct" else answer.values
             told = {
@@ -91,12 +93,12 @@ def frf_of(
 
 
 def _response(
-    request: FrfRequest, solved: Solved, basis: ModalBasis, progress: Progress
+    request: FrfRequest, solved: Solved, basis: ModalBasis, progress: Progress, known: Highest | None = None
 ) -> tuple[Frf, tuple[Advice | Finding, ...]]:
     def tell(how_far: str) -> None:
         progress(f"frequency response: {how_far}")
 
-    return frequency_response(request, solved.places, basis, progress=tell)
+    return frequency_response(request, solved.places, basis, progress=tell, known=known)
 
 
 def finer(request: FrfRequest, needed: float) -> float:

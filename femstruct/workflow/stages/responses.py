@@ -12,7 +12,7 @@ from femstruct.arrays import Floats
 from femstruct.errors import Finding, InputError, some_of
 from femstruct.modal.basis import ForceRow, ModalBasis
 from femstruct.modal.frf import frf, frf_unit, moves
-from femstruct.modal.steady.between_lines import highest, missed_peak
+from femstruct.modal.steady.between_lines import Highest, highest, missed_peak
 from femstruct.modal.superposition import Complex
 from femstruct.model.probe import Probe
 from femstruct.sound.power import power_per_force
@@ -31,9 +31,13 @@ def frequency_response(
     basis: ModalBasis,
     rooms: Sequence[RoomPlan] = (),
     progress: Progress = lambda line: None,
+    known: Highest | None = None,
 ) -> tuple[Frf, tuple[Advice | Finding, ...]]:
     """One frequency response of a study from the modal basis, advice where it is heard in a room, and a finding where
-    its lines miss its peak."""
+    its lines miss its peak.
+
+    known : the largest value in that band, where it was computed before.
+    """
     frequency = lines_of(request)
     if request.drive.what == VOLUME_VELOCITY:
         return _from_source(request, places, basis, rooms, frequency)
@@ -57,7 +61,8 @@ def frequency_response(
         return frf(basis, drive, response, hz, kind, lines)
 
     values, unit = respond(frequency), frf_unit(request.kind, request.drive.what, request.response.what)
-    found = highest(respond, basis, frequency, np.abs(values))
+    sizes = np.abs(values)
+    found = highest(respond, basis, frequency, sizes) if known is None else known.on(frequency, sizes)
     return Frf(request, frequency, values, unit, highest=found), missed_peak(found, unit)
 
 
