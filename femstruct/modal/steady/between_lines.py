@@ -43,7 +43,9 @@ class Highest:
         return 1.0 - self.line / self.size if self.size > 0.0 else 0.0
 
     def on(self, lines_hz: Floats, sizes: Floats) -> Highest:
-        """The same of other lines in that band, of whose values it is no less than the largest.
+        """The same of finer lines in that band, where its own lines miss it.
+
+        lines_hz [nf] : equally spaced [Hz]. sizes [nf] : magnitudes there.
 
         >>> Highest(11.97, 0.0342, 0.0116, 1.0, 0.2).on(np.array([11.8, 12.0, 12.2]), np.array([0.01, 0.0335, 0.02]))
         Highest(frequency_hz=11.97, size=0.0342, line=0.0335, step=0.2, needed=0.2)
