@@ -19,9 +19,10 @@ CAVITIES: Final = (
         "cavity-modes-few",
         "The air of a cavity follows the highest motions too fast, because too few of its modes are kept.",
         LIMITS,
-        "the modes of the air that are kept end below the threshold share of what motions up to the last mode need: "
-        "twice its frequency, in wool 2 sqrt(f sigma / (2 pi rho))",
-        "Ask for fewer modes of the structure, give the cavity 'up_to', or name its 'bays' where joists close it.",
+        "the modes of the air that are kept end below the threshold share of the frequency that they need to reach: "
+        "twice that of the last mode of the structure, f, or in wool 2 sqrt(f sigma / (2 pi rho)) where that is more",
+        "Ask for fewer modes of the structure, give the cavity 'up_to: F' with the frequency that is needed, or "
+        "name its 'bays' where joists close it.",
         (
             Limit(
                 0.7,

@@ -47,7 +47,7 @@ FITS: Final = (
         "The best value of a parameter is zero, the end of its range.",
         REMARK,
         "the fit ends at 0",
-        "Remove the parameter, or quote its upper bound.",
+        "Remove the parameter, or quote the value that the message states with 'at most'.",
     ),
     Entry(
         "parameter-open",

@@ -144,7 +144,8 @@ IMPACT: Final = (
         "contact-coarsely-sampled",
         "The contact is so short that samples of its force miss the peak.",
         LIMITS,
-        "the shortest contact has fewer samples than needed",
+        "the shortest contact has fewer samples than the first threshold, or the largest sample of a recorded contact "
+        "force is lower than the peak by more than the second",
         "Sample faster. The table of contacts has the true peak, and so have peaks and limits.",
         (
             Limit(
@@ -275,7 +276,7 @@ IMPACT: Final = (
         "failed",
         "A run of a batch has no result.",
         FORBIDS,
-        "the time integration of a run stopped; the message states why",
-        "Look at this run alone with 'simulate(basis, batch.scene(i), clock)'.",
+        "the time integration of a run of the batch engine stopped; the message states why",
+        "In Python, look at run number i alone with 'simulate(basis, batch.scene(i), clock)'.",
     ),
 )

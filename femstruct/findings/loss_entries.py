@@ -11,10 +11,17 @@ LOSSES: Final = (
         "loss-beyond-table",
         "The loss factor is given by frequency, and modes lie outside of that.",
         LIMITS,
-        "a mode that strains the part is further from the table than the threshold",
+        "a mode that strains the part lies below the lowest or above the highest frequency of the table by more than "
+        "the threshold",
         "Give loss factors for all bands of the study, or accept the value of the nearest frequency.",
         (
-            Limit(2.0**0.5, "times a frequency", "half an octave, half a band", CHOSEN, "loss_tables.BEYOND"),
+            Limit(
+                2.0**0.5,
+                "times the lowest or highest frequency",
+                "half an octave, half a band",
+                CHOSEN,
+                "loss_tables.BEYOND",
+            ),
             Limit(
                 0.01, "% of a mode's elastic energy", "a part with less hardly damps it", CHOSEN, "loss_tables.STRAINED"
             ),

@@ -54,7 +54,7 @@ MESHES: Final = (
         "The mesh has two nodes at one place: the cells on both sides are not joined there.",
         LIMITS,
         "nodes of a part are nearer to each other than the threshold share of its size",
-        "Merge equal nodes in the program that makes the mesh.",
+        "Merge equal nodes in the program that makes the mesh. Nothing, where the gap is meant.",
         (Limit(1e-6, "of the size of the mesh", "coordinates have six digits or more", CHOSEN, "doubts.SEAM"),),
     ),
     Entry(
@@ -79,6 +79,7 @@ MESHES: Final = (
         "The mesh file lacks the word that ends it.",
         REMARK,
         "bulk data of Nastran without BEGIN BULK has no ENDDATA; with BEGIN BULK it is refused",
-        "Nothing, where its last card is the one that is named. Otherwise the file is cut: write it again.",
+        "Look at the last card of the file, which the message names. If it was not meant to be the last, the file is "
+        "cut: write it again. Otherwise there is nothing to do.",
     ),
 )

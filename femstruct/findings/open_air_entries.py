@@ -123,13 +123,13 @@ OPEN_AIR: Final = (
         "impactor-moves",
         "The impacting body moves while it is pushed, but its sound comes from a fixed place.",
         LIMITS,
-        "the way of the body during contact is more than the threshold share of its radius",
-        "Read its own sound to a few decibels only.",
+        "the body moves during contact by more than the threshold share of its radius",
+        "Do not quote its own sound more exactly than to a few decibels.",
         (
             Limit(
                 0.1,
                 "% of the radius",
-                "1 dB, since sound is proportional to the height",
+                "1 dB, since its sound is proportional to the height of its centre above the surface",
                 CHOSEN,
                 "femstruct.sound.impactor.MOVED",
             ),

@@ -21,8 +21,8 @@ PLAUSIBILITY: Final = (
             Limit(20e3, "m/s, fastest sqrt(E / rho)", "diamond has 18 km/s", _ASHBY, "plausibility.FASTEST"),
             Limit(
                 300.0,
-                "m/s, slowest beyond 1100 kg/m^3 with a Poisson ratio below 0.4",
-                "PTFE has 430 m/s; below lie only rubbers and loose soils",
+                "m/s, slowest of what is denser than 1100 kg/m^3 and has a Poisson ratio below 0.4",
+                "PTFE has 430 m/s; only rubbers and loose soils have less",
                 _ASHBY,
                 "plausibility.SLOWEST_HARD",
             ),

@@ -58,7 +58,8 @@ SOURCES: Final = (
         "footstep-on-light-floor",
         "The floor gives way to a foot, so a force recorded on a stiff plate is too large.",
         LIMITS,
-        "the mobility of the floor takes more than the threshold of the force of a foot, between 20 and 100 Hz",
+        "in a third octave between 20 and 100 Hz, a foot acts on this floor with a force that is lower than on a rigid "
+        "floor by more than the threshold",
         "Record the force on this floor, or quote differences between floors of alike mobility.",
         (
             Limit(

@@ -63,8 +63,8 @@ STRUCTURE: Final = (
         "matrices-disorder",
         "Matrices contradict the nodes that are given for them.",
         LIMITS,
-        "the mass of a part of matrices differs along x, y and z, or its stiffness resists a rotation of the whole and "
-        "no shift of it",
+        "the mass of a part given by matrices differs along x, y and z, or its stiffness resists no shift of the whole "
+        "part and resists a rotation of it",
         "Write the rows of the table of nodes in the order of the rows of the matrices. Check places and directions, "
         "and that the matrices are those of the whole part, without supports or springs to the ground.",
         (
@@ -89,8 +89,8 @@ STRUCTURE: Final = (
         "An equation holds the structure as a support does.",
         REMARK,
         "a rigid motion of the whole structure violates a constraint",
-        "Intended for a lever whose pivot is not in the model. Otherwise make the factors add up to zero in each "
-        "direction, and couple points that lie on the line of the direction.",
+        "Nothing, where a lever is meant whose pivot is not in the model. Otherwise make the factors add up to zero in "
+        "each direction, and couple points that lie on the line of the direction.",
     ),
     Entry(
         "stiff-cells",
@@ -127,7 +127,7 @@ STRUCTURE: Final = (
     ),
     Entry(
         "edge-only-turned",
-        "The springs or walls of an edge resist its rotation alone, and nothing holds the part along its normal.",
+        "The springs or walls of an edge only resist its rotation, and nothing holds the part along its normal.",
         FORBIDS,
         "a support has 'walls', or 'stiffness: {about edge: ..}' without 'z', and no support, layer or spring resists "
         "a shift of the part along its normal",
