@@ -12,6 +12,7 @@ from femstruct.conventions import GRAVITY
 from femstruct.errors import InputError
 from femstruct.files.inputs.matrices_input import read_component
 from femstruct.model.section import rectangle, tube
+from femstruct.workflow.check.at_rest import at_rest as table_at_rest
 from femstruct.workflow.stages.recorded.stresses import stress_at_rest, stress_findings
 from femstruct.workflow.stages.sags import sags
 
@@ -63,6 +64,35 @@ def test_masses_and_blocks_weigh() -> None:
     model, rest = at_rest(fs.Structure("on springs", (block, springs, load), points=(feet, top)), weight=True)
     assert rest.of(model.points["top"].probe("z")) == pytest.approx(-150.0 * GRAVITY / 4e5, rel=1e-9)  # rounding
     assert rest.forces["ground"][2] == pytest.approx(-150.0 * GRAVITY, rel=1e-9)  # rounding
+
+
+BLOCK_AT_ITS_CORNER = """
+title: a block that leans
+parts:
+  block: {type: block, mass: 100 kg, origin: [0, 0, 0], size: [0.4, 0.2, 0.3]}
+  bed: {type: foundation, on: block, stiffness: {normal: 10 MN/m^3, shear: 2 MN/m^3}}
+points:
+  top: {on: block, at: [0.4, 0.2, 0.3]}
+"""
+
+
+def test_the_largest_displacement_of_a_block_is_that_of_a_corner(tmp_path: Path) -> None:
+    """A pull along x at a top corner, by the rigidity of the bed: shift k_s A, rocking k_n I, turn k_s (Ix + Iy)."""
+    (tmp_path / "block.yaml").write_text(BLOCK_AT_ITS_CORNER)
+    table = table_at_rest(tmp_path / "block.yaml", ["top.x=50 N"], weight=False)
+    a, b, h, force = 0.4, 0.2, 0.3, 50.0
+    shift = force / (2e6 * a * b)
+    rocking = force * h / (1e7 * b * a**3 / 12)
+    turn = -force * (b / 2) / (2e6 * a * b * (a**2 + b**2) / 12)
+    corners = [
+        (shift + rocking * z - turn * y, turn * x, -rocking * x)
+        for x in (-a / 2, a / 2)
+        for y in (-b / 2, b / 2)
+        for z in (0.0, h)
+    ]
+    largest = max(np.linalg.norm(one) for one in corners)
+    assert table["parts_m"]["block"] == pytest.approx(largest, rel=1e-9)  # both are exact, rounding
+    assert np.linalg.norm(table["points"]["top"][:3]) == pytest.approx(largest, rel=1e-9)  # where it is largest
 
 
 def test_what_can_move_as_a_whole_is_refused() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import product
 from pathlib import Path
 from typing import Any, Final
 
@@ -15,6 +16,7 @@ from femstruct.files.tables.finding_tables import finding_table
 from femstruct.language import read_model_file
 from femstruct.modal.statics import AtRest, statics
 from femstruct.model.imported.component import Component, rigid_resistance
+from femstruct.model.meshed import Meshed
 from femstruct.model.mesher import mesh_structure
 from femstruct.model.model import Model
 from femstruct.model.probe import Probe
@@ -56,10 +58,7 @@ def at_rest(path: Path, forces: list[str], weight: bool, overrides: tuple[str, .
         "points": {
             name: [rest.of(point.probe(direction)) for direction in DIRECTIONS] for name, point in model.points.items()
         },
-        "parts_m": {
-            name: float((rest.displacement[part.nodes, :3] ** 2).sum(axis=1).max() ** 0.5)
-            for name, part in model.parts.items()
-        },
+        "parts_m": {name: _largest(part, rest) for name, part in model.parts.items()},
         "forces_n": {name: force.tolist() for name, force in rest.forces.items()},
         "on_the_ground": [name for name in rest.forces if name in (*assembly.grounded, GROUND)],
         "held_inside": _held_inside(source.structure, rest),
@@ -71,6 +70,17 @@ def at_rest(path: Path, forces: list[str], weight: bool, overrides: tuple[str, .
             for finding in (*stress_findings(stresses), *orthotropic_findings(source.structure, stresses))
         ],
     }
+
+
+def _largest(part: Meshed, rest: AtRest) -> float:
+    """Largest displacement of a part [m]: of its nodes; of a block, of its corners: its only node is in it."""
+    if part.box is None:
+        moved = rest.displacement[part.nodes, :3]
+    else:
+        corners = np.array(list(product(*part.box.T)))
+        nodes, rows = part.motion_at(corners, 0.0)
+        moved = np.einsum("pikc,pkc->pi", rows[:, :3], rest.displacement[nodes])
+    return float((moved**2).sum(axis=1).max() ** 0.5)
 
 
 def _held_inside(structure: Structure, rest: AtRest) -> Table | None:
