@@ -226,6 +226,14 @@ STRUCTURE: Final = (
         (Limit(1e-2, "of a frequency", "the usual error of a mesh", CHOSEN, "arched.NOTABLE"),),
     ),
     Entry(
+        "joint-springs-by-node",
+        "The springs of a joint depend on the mesh: there is one at every pair of joined nodes.",
+        LIMITS,
+        "a joint with a stiffness joins neighbouring nodes, as along an edge or over a face",
+        "Check that the sum that is stated is the stiffness of the whole joint. If not, divide that stiffness by the "
+        "number of pairs, and do so again whenever the mesh changes.",
+    ),
+    Entry(
         "stiff-layer",
         "The layer is so stiff in shear that two plates are too stiff in bending together.",
         LIMITS,

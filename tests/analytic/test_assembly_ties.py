@@ -14,11 +14,14 @@ from scipy.sparse.linalg import eigsh
 from femstruct.assembly.assemble import assemble
 from femstruct.assembly.dofs import number_dofs
 from femstruct.assembly.ties import RANK, eliminate
+from femstruct.conventions import GRAVITY
+from femstruct.modal.statics import sunk
 from femstruct.model.material import Material
 from femstruct.model.mesher import mesh_structure
 from femstruct.model.region import Region
 from femstruct.model.section import circle, rectangle
 from femstruct.model.structure import Joint, PlaceOn, Structure, Support
+from femstruct.parts.findings.joint_springs import joint_spring_findings
 from femstruct.parts.foundation import Foundation
 from femstruct.parts.frame import Frame
 from femstruct.parts.mass import Mass
@@ -72,6 +75,35 @@ def test_a_pinned_seam_is_a_hinge() -> None:
         Structure("two", (left, right), (Joint("seam", "left", "right", stiffness={"rx": 0.0, "ry": 0.0, "rz": 0.0}),))
     )
     assert loose[7:12] == pytest.approx(hinged[7:12], rel=ROUNDING)
+
+
+@pytest.mark.parametrize("cells", [4, 8])
+def test_springs_of_a_seam_are_as_many_as_its_nodes_and_that_is_said(cells: int) -> None:
+    """A stiff flap that is clamped beyond the seam turns under its weight by M / (n k), n being the nodes of the seam:
+    what is said is that n k."""
+    left, right = (
+        replace(plate(name, (x, 0, 0), (0.3, 0.3)), thickness=0.1, mesh=(cells, cells))
+        for name, x in (("left", 0.0), ("right", 0.3))
+    )
+    seam = Joint("seam", "left", "right", stiffness={"ry": 10.0})
+    model = mesh_structure(Structure("two", (left, right), (seam,), supports=(Support("wall", "clamped", on="left"),)))
+    (said,) = joint_spring_findings(model)
+    assert said.values["springs"] == cells + 1
+    assert f"together ry {10 * (cells + 1)} N m/rad" in said.message
+    turned = sunk(assemble(model))
+    assert turned is not None
+    about = turned[model.parts["right"].nodes, 4]
+    exact = model.parts["right"].mass * GRAVITY * 0.15 / (10.0 * (cells + 1))
+    assert about == pytest.approx(np.full(len(about), exact), rel=1e-4)  # springs 1e5 times softer than it
+
+
+def test_springs_at_ends_of_bars_are_of_any_mesh() -> None:
+    """Two legs of one frame on a plate of a single cell: both stand on it, and neither is another's neighbour."""
+    base = replace(plate("base", (0, 0, 0), (0.3, 0.3)), mesh=(1, 1))
+    feet = [((x, 0.0, 0.0), (x, 0.0, 0.5)) for x in (0.0, 0.3)]
+    legs = Frame("legs", STEEL, rectangle("s", 0.02, 0.02), tuple(feet), mesh=0.1)
+    joint = Joint("hinges", "legs", "base", stiffness={"ry": 10.0})
+    assert joint_spring_findings(mesh_structure(Structure("s", (base, legs), (joint,)))) == ()
 
 
 def test_a_seam_of_stiff_springs_is_rigid() -> None:

@@ -16,9 +16,10 @@ PartName = Annotated[Text, Refers("part", goes_with="parts")]
 
 
 class JointSpec(Spec):
-    """Where two parts touch they move together; directions with a stiffness are springs instead. sets: of parts that
-    are meshes, which set is joined. reach: nodes that far from each other are joined by rigid arms. slip: of
-    a sliding joint, what resists along the line, per length, or per area of what touches, with its width."""
+    """Where two parts touch they move together; directions with a stiffness are springs instead, one at every
+    pair of joined nodes. sets: of parts that are meshes, which set is joined. reach: nodes that far from each other
+    are joined by rigid arms. slip: of a sliding joint, what resists along the line, per length, or per area of what
+    touches, with its width."""
 
     makes = Joint
     connect: tuple[PartName, PartName]
