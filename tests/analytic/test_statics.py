@@ -66,6 +66,38 @@ def test_masses_and_blocks_weigh() -> None:
     assert rest.forces["ground"][2] == pytest.approx(-150.0 * GRAVITY, rel=1e-9)  # rounding
 
 
+RIBBED = """
+title: a rib under a strip of slab
+materials: {concrete: {E: 30 GPa, nu: 0, rho: 2400}, steel: {E: 210 GPa, nu: 0.3, rho: 7850}}
+sections: {bar: {shape: rectangle, width: 0.1, height: 0.2}}
+parts:
+  slab: {type: plate, material: concrete, thickness: 180 mm, origin: [0, 0, 0], size: [8, 1], mesh: 0.25}
+  rib: {type: frame, material: steel, section: bar, lines: [[[0, 0.5, 0], [8, 0.5, 0]]],
+        offsets: {start: [0, 0, -0.19], end: [0, 0, -0.19]}}
+joints: {studs: {connect: [rib, slab]}}
+supports: {left: {on: slab, edge: x0, fix: simple}, right: {on: slab, edge: x1, fix: roller}}
+points: {middle: {on: slab, at: [4, 0.5]}}
+"""
+
+
+@pytest.mark.parametrize("held", [False, True])
+def test_a_sag_of_a_plate_that_does_not_stretch_is_not_to_be_trusted(held: bool, tmp_path: Path) -> None:
+    """5 q L^4 / 384 E I with E I of the T; where the plate cannot stretch it is stiffer, and that is said."""
+    text = RIBBED.replace("mesh: 0.25", "mesh: 0.25, in_plane: rigid") if held else RIBBED
+    (tmp_path / "ribbed.yaml").write_text(text)
+    table = table_at_rest(tmp_path / "ribbed.yaml", [], weight=True)
+    slab, rib = 30e9 * 0.18, 210e9 * 0.02  # E A
+    bending = 30e9 * 0.18**3 / 12 + 210e9 * 0.1 * 0.2**3 / 12 + 0.19**2 * slab * rib / (slab + rib)
+    sag = -5 * (0.18 * 2400 + 0.02 * 7850) * GRAVITY * 8.0**4 / (384 * bending)
+    forbids = [finding["code"] for finding in table["findings"] if finding["severe"]]
+    if held:
+        assert abs(table["points"]["middle"][2]) < 0.9 * abs(sag)
+        assert forbids == ["eccentric-bars"]
+    else:
+        assert table["points"]["middle"][2] == pytest.approx(sag, rel=2e-2)  # shear of the rib, bending across the slab
+        assert forbids == []
+
+
 BLOCK_AT_ITS_CORNER = """
 title: a block that leans
 parts:

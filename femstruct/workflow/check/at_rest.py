@@ -24,6 +24,7 @@ from femstruct.model.structure import Structure
 from femstruct.parts.substructure import Substructure
 from femstruct.study.result import LargestStress
 from femstruct.units import quantity
+from femstruct.workflow.judgement.structure_findings import structure_findings_before
 from femstruct.workflow.stages.places import Places
 from femstruct.workflow.stages.positions import positioned
 from femstruct.workflow.stages.recorded.stresses import orthotropic_findings, stress_at_rest, stress_findings
@@ -67,7 +68,11 @@ def at_rest(path: Path, forces: list[str], weight: bool, overrides: tuple[str, .
         },
         "findings": [
             finding_table(finding)
-            for finding in (*stress_findings(stresses), *orthotropic_findings(source.structure, stresses))
+            for finding in (
+                *structure_findings_before(source.structure, model),
+                *stress_findings(stresses),
+                *orthotropic_findings(source.structure, stresses),
+            )
         ],
     }
 
