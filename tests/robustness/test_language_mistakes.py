@@ -79,6 +79,10 @@ MISTAKES = {
         r"parts\.floor\.origin: got a list that is too short, expected at least 3 values"),
     "too many coordinates": (MODEL, "size: [0.4, 0.32]", "size: [0.4, 0.32, 1]", "[0.4, 0.32, 1]",
         r"parts\.floor\.size: got 3 values, expected 2"),
+    "decimal comma in a list": (MODEL, "size: [0.4, 0.32]", "size: [0,4, 0.32]", "[0,4, 0.32]",
+        r"parts\.floor\.size: got 3 values, expected 2; write decimals with a point"),
+    "no space after a colon": (MODEL, "thickness: 5 mm", "thickness:5 mm", "thickness:5 mm",
+        r"parts\.floor\.thickness:5 mm: got the unknown key 'thickness:5 mm'.*; write a space after the colon"),
     "yes for true": (STUDY, "gravity: false", "gravity: no", "no}", r"time\.gravity: got 'no', expected true or false"),
     "percent forgotten": (MODEL, "ratio: 1.8 %", "ratio: 1.8", "1.8,",
         r"damping\.modes\.7\.ratio: got 1\.8, expected a ratio below 1; .*did you mean 1\.8 %\?"),
@@ -267,6 +271,8 @@ MISTAKES = {
     "quote that is not closed": (MODEL, "title: Floor", 'title: "Floor', '"Floor',
         r"got broken YAML \(while scanning a quoted scalar .*; close the quote that begins here"),
     "broken YAML": (MODEL, "concrete: {E", "concrete: E", "}\nsections", r"got broken YAML"),
+    "bracket that is not closed": (MODEL, "rho: 2400}", "rho: 2400", "sections:",
+        r"got broken YAML \(while parsing a flow mapping .*; check brackets, commas and quotes from line \d+ on"),
     "a tag": (STUDY, "mass: 54 g", "mass: !!python/object:os.system 54", "!!python", r".*remove the tag"),
     "a date": (STUDY, "mass: 54 g", "mass: 2026-01-02", "2026-01-02", r"bodies\.ball\.mass: got '2026-01-02'"),
 }  # fmt: skip
@@ -281,7 +287,7 @@ def test_one_mistake_is_one_line_with_its_position(name: str, tmp_path: Path) ->
     assert len(caught.value.errors) == 1, caught.value.errors
     line = caught.value.errors[0]
     assert line.isprintable()
-    position = "" if name == "broken YAML" else place(here / file, told_at)
+    position = "" if name in ("broken YAML", "bracket that is not closed") else place(here / file, told_at)
     if position:
         assert line.startswith(f"{here / file}:{position}: "), line
         assert re.match(message, line.removeprefix(f"{here / file}:{position}: ")), line

@@ -18,7 +18,9 @@ from femstruct.language.yaml import Flag, Here, Quantity, Spec, refuse
 from femstruct.units import QuantityError, power_stiffness
 
 Positive = Annotated[float, Quantity(("stiffness",), above=0.0)]
-Restitution = Annotated[float, Quantity(("ratio",), above=0.0, most=1.0)]
+Restitution = Annotated[
+    float, Quantity(("ratio",), above=0.0, most=1.0, too_large="30 % is 0.3: did you mean {number:g} %?")
+]
 Exponent = Annotated[float, Quantity(("ratio",), least=1.0, most=9.0)]
 MeetingSpeed = Annotated[float, Quantity(("speed",), above=0.0)]
 

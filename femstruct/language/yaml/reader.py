@@ -123,8 +123,7 @@ def _compose(text: str, file: str) -> Node:
         at = Position(file, mark.line + 1, mark.column + 1) if mark else at
         words = " ".join(str(part) for part in (error.context, error.problem) if part)
         tabs = "indent with spaces: YAML has no tabs" if "found character '\\t'" in words else ""
-        do = "close the quote that begins here" if quoted else "check brackets, quotes and indents"
-        told = (f"broken YAML ({words})", "YAML", tabs or do)
+        told = (f"broken YAML ({words})", "YAML", tabs or _to_mend(error, quoted))
     except YAMLError:
         told = ("characters that are not text", "a text file", "")
     except RecursionError:
@@ -133,6 +132,17 @@ def _compose(text: str, file: str) -> Node:
         # the YAML reader trips over some broken texts with its own errors
         told = (f"broken YAML ({error})", "YAML", "")
     raise _refused(at, *told)
+
+
+def _to_mend(error: MarkedYAMLError, quoted: bool) -> str:
+    """What to do about broken YAML. quoted : whether a quote is not closed."""
+    if quoted:
+        return "close the quote that begins here"
+    if error.context_mark is not None and "flow" in str(error.context):
+        return f"check brackets, commas and quotes from line {error.context_mark.line + 1} on, where the bracket opens"
+    if "mapping values are not allowed" in str(error.problem):
+        return "put quotes around text that contains ': ', and check indents"
+    return "check brackets, quotes and indents"
 
 
 @lru_cache(maxsize=16)

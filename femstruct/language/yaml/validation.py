@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import types
 from collections.abc import Iterable, Iterator
+from itertools import pairwise
 from typing import Annotated, Any, Final, TypeVar, Union, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
@@ -15,6 +16,8 @@ from femstruct.language.yaml.tree import Mistakes, Steps, Tree, dotted, near_nam
 
 S = TypeVar("S", bound=BaseModel)
 NUMBER_LIKE: Final = re.compile(r"\d+([eE][+-]?\d+)?( .*)?")  # what is left of a number cut at a decimal comma
+
+COMMA: Final = "write decimals with a point: a comma begins the next item"
 
 
 def validate(
@@ -105,7 +108,7 @@ def _told(
         case "missing":
             return "nothing", f"'{loc[-1]}'", f"add '{loc[-1]}: ...'"
         case "too_long":
-            return f"{context['actual_length']} values", f"{context['max_length']}", ""
+            return f"{context['actual_length']} values", f"{context['max_length']}", _comma_in(given)
         case "too_short":
             return f"{context['actual_length']} values", f"at least {context['min_length']}", ""
         case "tuple_type" | "list_type":
@@ -126,9 +129,16 @@ def _told(
     return None
 
 
+def _comma_in(given: Any) -> str:
+    """What to do about a list that is too long where a number may have been cut at a decimal comma: 2,5 is 2 and 5."""
+    whole = [type(one) is int for one in given] if isinstance(given, list) else []
+    return COMMA if any(map(all, pairwise(whole))) else ""
+
+
 def _told_of_key(key: str, known: list[str]) -> tuple[str, str, str]:
-    comma = "write decimals with a point: a comma begins the next item"
-    do = comma if NUMBER_LIKE.fullmatch(key) else nearest(key, known)
+    do = COMMA if NUMBER_LIKE.fullmatch(key) else nearest(key, known)
+    if (word := key.partition(":")[0]) in known and word != key:
+        do = "write a space after the colon"
     return f"the unknown key '{key}'", "a key of the language", do
 
 
