@@ -57,6 +57,7 @@ if TYPE_CHECKING:
     from femstruct.impact.batch.batch import simulate_batch as simulate_batch
     from femstruct.impact.batch.metrics import Batch as Batch
     from femstruct.impact.laws.cubic import Cubic as Cubic
+    from femstruct.impact.laws.flores import Flores as Flores
     from femstruct.impact.laws.hertz import Hertz as Hertz
     from femstruct.impact.laws.hunt_crossley import HuntCrossley as HuntCrossley
     from femstruct.impact.laws.lankarani_nikravesh import LankaraniNikravesh as LankaraniNikravesh
@@ -230,6 +231,7 @@ _NAMES = {
     "impact.batch.batch": ("simulate_batch",),
     "impact.scene.bodies": ("GROUND", "Body", "Clock", "Contact", "HalfSine", "Link", "Load", "Scene", "Table"),
     "impact.laws.cubic": ("Cubic",),
+    "impact.laws.flores": ("Flores",),
     "impact.laws.hertz": ("Hertz",),
     "impact.laws.hunt_crossley": ("HuntCrossley",),
     "impact.laws.lankarani_nikravesh": ("LankaraniNikravesh",),

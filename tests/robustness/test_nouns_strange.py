@@ -81,7 +81,7 @@ NOUNS = [
     fs.ModeDamping(4, 19.9, ratio=0.06),
     fs.Damping(fs.Ratio(0.01), (fs.ModeDamping(4, 19.9, ratio=0.06),)),
     fs.Linear(1e6, 1.0), fs.Stop(1e6), fs.Hertz(1e8), fs.Cubic(1e6, 1e9), fs.HuntCrossley(1e8),
-    fs.LankaraniNikravesh(1e8, 0.9, 1.0),
+    fs.Flores(1e8, 0.5, 1.0), fs.LankaraniNikravesh(1e8, 0.9, 1.0),
     fs.Tabulated([0.0, 1e-3], [0.0, 10.0]),
     fs.Body("ball", 0.05, -1.0), fs.Clock(0.1, 1e4), fs.Table([0.0, 1.0], [0.0, 1.0]),
     fs.Contact("hit", "ball", fs.GROUND, fs.Hertz(1e8)),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from math import sqrt
 from pathlib import Path
+from typing import get_args
 
 import numpy as np
 import pytest
@@ -18,6 +19,7 @@ from femstruct.impact.laws.linear import Linear
 from femstruct.impact.laws.stop import Stop
 from femstruct.impact.laws.tabulated import Tabulated
 from femstruct.language import json_schema, read_study
+from femstruct.language.laws.known_laws import KINDS
 from femstruct.workflow.run.run import run_study
 
 SHIPPED = Path(__file__).parents[2] / "models" / "contact_laws.study.yaml"
@@ -107,6 +109,7 @@ def test_two_bodies_meet_with_their_reduced_mass_and_a_drop_tells_the_speed(tmp_
     assert dropped == HuntCrossley.returning(0.5, sqrt(2 * 9.80665 * 0.1), 1e8)
 
 
+WORDS = [get_args(kind.model_fields["type"].annotation)[0] for kind in KINDS]
 WRONG = {  # law: what stands where the message points, the message
     "{type: linear, stiffness: 1, damping: 2, restitution: 0.5}": ("{type", "got both damping and restitution, expected"
         " exactly one of damping, restitution; remove all but one"),
@@ -138,8 +141,9 @@ WRONG = {  # law: what stands where the message points, the message
     "{type: table, curve: [[0, 0]]}": ("[[0", "got 1 values, expected at least 2"),
     "{type: table, curve: [[0, 0], [1 mm, 2 N], [2 mm, 1 N]]}": ("[[0", "got force 1 N after 2 N, expected a rise"),
     "{type: table, file: pad.cs}": ("pad.cs", "got no file"),
-    "{type: kelvin-voigt, stiffness: 1}": ("kelvin", "got 'kelvin-voigt', expected one of cubic, flores, hertz, "
-        "hunt-crossley, lankarani-nikravesh, linear, stop, table"),
+    "{type: linear, stiffness: 1, restitution: 30}": ("30}", "got 30, expected a ratio of at most 1; 30 % is 0.3: did "
+        "you mean 30 %?"),
+    "{type: kelvin-voigt, stiffness: 1}": ("kelvin", f"got 'kelvin-voigt', expected one of {', '.join(WORDS)}"),
 }  # fmt: skip
 
 

@@ -91,7 +91,7 @@ def test_an_editor_takes_a_room_for_one_kind_alone(tmp_path: Path, keys: str) ->
 
 def test_every_kind_is_in_the_schema_with_its_own_keys() -> None:
     kinds = json_schema("study")["$defs"]
-    assert {kind.__name__ for kind in KINDS} == {"BoxRoomSpec", "HalfSpaceSpec", "MeshedRoomSpec"}
+    assert {kind.__name__ for kind in KINDS} <= kinds.keys()
     assert "directivity" in kinds["HalfSpaceSpec"]["properties"]
     assert not {"directivity", "mesh"} & kinds["BoxRoomSpec"]["properties"].keys()
 

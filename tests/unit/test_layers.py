@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 import femstruct
+from femstruct.impact.laws.registry import LAWS
 
 ROOT = Path(__file__).parents[2]
 
@@ -257,6 +258,7 @@ def test_every_noun_of_a_model_and_of_a_study_is_exported() -> None:
         and not node.name.endswith("Mesh")
         and "Protocol" not in [ast.unparse(base) for base in node.bases]
     }
+    nouns |= {law.__name__ for law in LAWS if law.__module__.startswith("femstruct.")}
     assert nouns <= set(femstruct.__all__), nouns - set(femstruct.__all__)
 
 
@@ -277,11 +279,18 @@ def test_every_package_is_installed() -> None:
 
 
 MOST_FILES = 16  # of a folder: what a reader takes in at a glance
+# A file for each kind, found where it is: a new part, law or room splits no folder.
+FOLDERS_OF_KINDS = {
+    *("femstruct/parts", "femstruct/language/parts", "femstruct/impact/laws", "femstruct/language/laws"),
+    *("acoustics/fields", "femstruct/language/rooms"),
+}
 
 
 def test_no_folder_holds_more_files_than_a_reader_takes_in() -> None:
     for package in ("femstruct", "acoustics"):
         for folder in {path.parent for path in modules(package)}:
+            if folder.relative_to(ROOT).as_posix() in FOLDERS_OF_KINDS:
+                continue
             files = [path.name for path in folder.glob("*.py") if path.name != "__init__.py"]
             assert len(files) <= MOST_FILES, (
                 f"{folder.relative_to(ROOT)} holds {len(files)} files: split it by what they do"
