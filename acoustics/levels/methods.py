@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
 from math import ceil, log10
 from typing import Annotated, Final, Literal
 
@@ -195,7 +194,7 @@ def _by_octaves(standards: tuple[str, ...], blows: Blows) -> Method:
     heavy = blows == "heavy"
     octaves = HEAVY_OCTAVES if heavy else LIGHT_OCTAVES
     numbers = {
-        GRADES: Number("L_i,Fmax,r,H(1)" if heavy else "L_i,r,L", False, partial(_grade, octaves)),
+        GRADES: Number(*(("L_i,Fmax,r,H(1)", False, _heavy_grade) if heavy else ("L_i,r,L", False, _light_grade))),
         INVERSE: Number("L_i,Fmax,AW", False, _inverse_a),
     }
     return Method(
@@ -229,6 +228,14 @@ def _weighted(places_db: Floats) -> SingleNumber:
         "shifted reference curve",
         {"C_I": found.adaptation_db},
     )
+
+
+def _heavy_grade(places_db: Floats) -> SingleNumber:
+    return _grade(HEAVY_OCTAVES, places_db)
+
+
+def _light_grade(places_db: Floats) -> SingleNumber:
+    return _grade(LIGHT_OCTAVES, places_db)
 
 
 def _grade(octaves: tuple[float, ...], places_db: Floats) -> SingleNumber:
