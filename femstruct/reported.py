@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from functools import cache, cached_property
 from types import MappingProxyType
-from typing import Annotated, Any, NamedTuple, get_args, get_origin, get_type_hints
+from typing import Annotated, Any, Final, NamedTuple, get_args, get_origin, get_type_hints
+
+OWN_UNIT: Final = "see unit"
 
 
 class Reported(NamedTuple):
     """Of a field or property `x: Annotated[float, Reported("N", "Peak force")]`: unit and description.
 
-    key : its name in JSON, its own if left out. axis : of a mapping, what its keys are (name, unit, description).
-    along : of an array, the names of its axes. symbol : the head of its row or column in tables that are read; "" where
-    it is in none.
+    unit : `OWN_UNIT` where the noun has it as its `unit`. key : its name in JSON, its own if left out. axis : of a
+    mapping, what its keys are (name, unit, description). along : of an array, the names of its axes. symbol : the head
+    of its row or column in tables that are read; "" where it is in none.
     """
 
     unit: str
@@ -22,6 +24,21 @@ class Reported(NamedTuple):
     axis: tuple[str, str, str] | None = None
     along: tuple[str, ...] = ()
     symbol: str = ""
+
+
+class Held(NamedTuple):
+    """Of a field or property that holds nouns which report numbers of their own, by name or one alone:
+    `x: Annotated[Mapping[str, ShockSpectrum], Held("Shock response spectra", "One spectrum")]`.
+
+    long_name : what its table is of. each : the same of one that goes by a name. key : its name in JSON and its group
+    in the results file, its own if left out. rows : of nouns by name that are one table with a row for each, what the
+    names are (axis, unit, description).
+    """
+
+    long_name: str
+    each: str = ""
+    key: str = ""
+    rows: tuple[str, str, str] | None = None
 
 
 @cache
@@ -34,16 +51,29 @@ def reported(kind: type) -> Mapping[str, Reported]:
     >>> [(name, one.unit, one.key) for name, one in reported(Hit).items()]
     [('peak', 'N', 'peak_n')]
     """
+    told = ((name, one) for name, one in _told(kind) if getattr(one, "_fields", ()) == Reported._fields)
+    return MappingProxyType({name: Reported(*one) for name, one in told})
+
+
+@cache
+def held(kind: type) -> Mapping[str, Held]:
+    """The nouns that a noun holds and that report numbers of their own, by the names of its fields and properties.
+
+    >>> class Hits(NamedTuple):
+    ...     hits: Annotated[Mapping[str, Reported], Held("Hits by body", "One hit")]
+    >>> [(name, one.long_name) for name, one in held(Hits).items()]
+    [('hits', 'Hits by body')]
+    """
+    return MappingProxyType({name: told for name, told in _told(kind) if isinstance(told, Held)})
+
+
+def _told(kind: type) -> Iterator[tuple[str, Any]]:
+    """All that is said of the fields and properties of a noun, by name, in their order."""
     hints: dict[str, Any] = get_type_hints(kind, include_extras=True)
     for name, item in vars(kind).items():
         read = item.fget if isinstance(item, property) else item.func if isinstance(item, cached_property) else None
         if read is not None:
             hints[name] = get_type_hints(read, include_extras=True)["return"]
-    found = {
-        name: Reported(*told)
-        for name, hint in hints.items()
-        if get_origin(hint) is Annotated
-        for told in get_args(hint)[1:]
-        if getattr(told, "_fields", ()) == Reported._fields
-    }
-    return MappingProxyType(found)
+    for name, hint in hints.items():
+        if get_origin(hint) is Annotated:
+            yield from ((name, told) for told in get_args(hint)[1:])

@@ -14,6 +14,7 @@ from femstruct.errors import InputError
 from femstruct.modal.steady.band_spectrum import BandSpectrum
 from femstruct.modal.steady.source_mobility import ForceSource, SourceMobility
 from femstruct.modal.steady.spectrum import Spectrum
+from femstruct.reported import Held
 from femstruct.study.asked import Spot
 
 _BAND: Final = Axis("band_hz", "Hz", "Nominal centre of the band")
@@ -106,7 +107,9 @@ class InstalledSource:
     power_db: Annotated[Mapping[float, float], OfSound(_PW, "Structure-borne sound power", axis=_BAND)]
     least_db: Annotated[Mapping[float, float], OfSound(_PW, "Least power for any phase of the source", axis=_BAND)]
     most_db: Annotated[Mapping[float, float], OfSound(_PW, "Largest power for any phase of the source", axis=_BAND)]
-    levels: Mapping[str, SourceLevels] = field(default_factory=dict)
+    levels: Annotated[
+        Mapping[str, SourceLevels], Held("Levels at the receivers, ROOM.RECEIVER", "Levels at one receiver")
+    ] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         for name in ("power_db", "least_db", "most_db", "levels"):

@@ -24,7 +24,7 @@ from femstruct.modal.basis import ModalBasis
 from femstruct.modal.steady.answers import Vibrated
 from femstruct.modal.steady.between_lines import Highest
 from femstruct.model.model import Model
-from femstruct.reported import Reported
+from femstruct.reported import OWN_UNIT, Held, Reported
 from femstruct.sound.flanking import SurfaceShares
 from femstruct.sound.power import PowerResponse, Radiated
 from femstruct.study.asked import FrfRequest
@@ -32,6 +32,9 @@ from femstruct.study.machine import Machine, Verdict
 from femstruct.study.measured_source import InstalledSource
 from femstruct.study.study import Case, Plan
 
+_LEVELS: Final = "Levels at the receivers, ROOM.RECEIVER"
+_TOTAL_LEVELS: Final = "Levels of structure and striking bodies together, ROOM.RECEIVER"
+_LEVEL: Final = "Levels at one receiver"
 NET_FORCE: Final = "net force on "  # begins the names of channels that no study asks for
 
 
@@ -124,9 +127,9 @@ class Deviation:
     difference at any time, all in `unit`, and the difference as a share of the larger basis's value [1]."""
 
     unit: Annotated[str, Reported("1", "Unit of smaller, larger and difference")]
-    smaller: Annotated[float, Reported("see unit", "Largest |value| with the smaller basis")]
-    larger: Annotated[float, Reported("see unit", "Largest |value| with the larger basis")]
-    difference: Annotated[float, Reported("see unit", "Largest difference at any time")]
+    smaller: Annotated[float, Reported(OWN_UNIT, "Largest |value| with the smaller basis")]
+    larger: Annotated[float, Reported(OWN_UNIT, "Largest |value| with the larger basis")]
+    difference: Annotated[float, Reported(OWN_UNIT, "Largest difference at any time")]
     share: Annotated[float, Reported("1", "Difference over the value of the larger basis")]
 
 
@@ -147,7 +150,10 @@ class AccuracyCheck:
     larger_hz: Annotated[float, Reported("Hz", "What the larger basis is complete to")]
     used_hz: Annotated[float, Reported("Hz", "What the basis is complete to that all cases use")]
     used_modes: Annotated[int, Reported("1", "Modes of that basis")]
-    deviations: Mapping[str, Deviation]
+    deviations: Annotated[
+        Mapping[str, Deviation],
+        Held("What more modes change", key="largest", rows=("channel", "1", "Channel, or contact peak force")),
+    ]
     holds: Annotated[bool, Reported("1", "Whether it is reached")]
     stopped: str
 
@@ -185,10 +191,12 @@ class Drop:
     contacts [N] by name, levels by "ROOM.RECEIVER", total_levels where the source has own sound, and what came of the
     limits on channels and the time to rest."""
 
-    outcome: str
-    peak_force: Mapping[str, float]
-    levels: Mapping[str, Levels]
-    total_levels: Mapping[str, Levels] = field(default_factory=dict)
+    outcome: Annotated[str, Reported("1", "How it ended")]
+    peak_force: Annotated[
+        Mapping[str, float], Reported("N", "Peak force", key="peak_force_n", axis=("contact", "1", "Name"))
+    ]
+    levels: Annotated[Mapping[str, Levels], Held(_LEVELS, _LEVEL)]
+    total_levels: Annotated[Mapping[str, Levels], Held(_TOTAL_LEVELS, _LEVEL)] = field(default_factory=dict)
     verdicts: tuple[Verdict, ...] = ()
 
 
@@ -216,20 +224,47 @@ class CaseResult:
     frf: Mapping[str, Frf]
     channels: Mapping[str, Channel]
     rooms: Mapping[str, RoomResponse]
-    levels: Mapping[str, Levels]
+    levels: Annotated[Mapping[str, Levels], Held(_LEVELS, _LEVEL)]
     findings: tuple[Finding, ...]
-    accuracy: AccuracyCheck | None = None
+    accuracy: Annotated[AccuracyCheck | None, Held("What more modes change, against what was asked")] = None
     shares: ModeEnergies | None = None
     rated: Mapping[str, RatedRoom] = field(default_factory=dict)
-    drops: Mapping[str, Drop] = field(default_factory=dict)
+    drops: Annotated[
+        Mapping[str, Drop], Held("Every place that the source struck; all above is of the first", "One place")
+    ] = field(default_factory=dict)
     errors: ErrorEstimate | None = None
     radiated: Mapping[str, Radiated] = field(default_factory=dict)
     heard: OwnSound = NO_OWN_SOUND
-    shock: Mapping[str, ShockSpectrum] = field(default_factory=dict)
-    vibration: Mapping[str, Vibrated] = field(default_factory=dict)
-    fatigue: Mapping[str, Fatigue] = field(default_factory=dict)
-    sources: Mapping[str, InstalledSource] = field(default_factory=dict)
+    shock: Annotated[
+        Mapping[str, ShockSpectrum],
+        Held(
+            "Shock response spectra of recorded accelerations",
+            "Largest accelerations of oscillators",
+            key="shock_spectra",
+        ),
+    ] = field(default_factory=dict)
+    vibration: Annotated[
+        Mapping[str, Vibrated], Held("Harmonic and random excitations, each by itself", "One excitation")
+    ] = field(default_factory=dict)
+    fatigue: Annotated[
+        Mapping[str, Fatigue], Held("Rainflow cycles of recorded channels", "Rainflow cycles, ASTM E1049-85")
+    ] = field(default_factory=dict)
+    sources: Annotated[Mapping[str, InstalledSource], Held("Measured sources in place", "One measured source")] = field(
+        default_factory=dict
+    )
     by_surface: Mapping[str, SurfaceShares] = field(default_factory=dict)
+
+    @property
+    def own_levels(
+        self,
+    ) -> Annotated[Mapping[str, Levels], Held("Levels of the striking bodies themselves, ROOM.RECEIVER", _LEVEL)]:
+        """Levels of the striking bodies themselves, by "ROOM.RECEIVER"."""
+        return self.heard.own_levels
+
+    @property
+    def total_levels(self) -> Annotated[Mapping[str, Levels], Held(_TOTAL_LEVELS, _LEVEL)]:
+        """Levels of structure and striking bodies together, by "ROOM.RECEIVER"."""
+        return self.heard.total_levels
 
 
 @dataclass(frozen=True)

@@ -75,8 +75,8 @@ def test_the_histogram_says_how_its_ranges_are_rounded(result: StudyResult, tmp_
     write_results(tmp_path / "results.h5", result)
     with h5py.File(tmp_path / "results.h5") as file:
         (place,) = (file[path] for path in _paths(file) if path.endswith("fatigue/root"))
-        upper, counts, kept = place["range"][:], place["counts"][:], float(place.attrs["damage"])
-        told = " ".join(str(value) for value in place["range"].attrs.values())
+        upper, counts, kept = place["ranges"][:], place["counts"][:], float(place.attrs["damage"])
+        told = " ".join(str(value) for value in place["ranges"].attrs.values())
     above = float((counts * (upper / 100e6) ** 5).sum() / 2e6)
     below = float((counts * ((upper - upper[0]) / 100e6) ** 5).sum() / 2e6)
     assert below < kept < above

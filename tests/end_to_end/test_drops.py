@@ -123,7 +123,7 @@ def test_drops_in_terminal_tables_and_file(
         stored = file["cases/as given/rated/bedroom"]
         assert stored["measured_db"].shape == (2, 2, 12)
         np.testing.assert_array_equal(stored["measured_db"][:], rated.measured_db)
-        second = file["cases/as given/drops/drops.2/bedroom.mic.2"]
+        second = file["cases/as given/drops/drops.2/levels/bedroom.mic.2"]
         levels = case.drops["drops.2"].levels["bedroom.mic.2"]
         np.testing.assert_array_equal(second["bands_db"][:], list(levels.bands_db.values()))
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields
 from io import BytesIO
 from typing import Annotated
 
@@ -14,10 +16,10 @@ from acoustics.levels.sound_levels import Levels, sound_levels
 from acoustics.open_air.sound_energy import SoundEnergy
 from acoustics.reported import Reported as HeardReported
 from femstruct.files.results_file.datasets import axis
-from femstruct.files.tables.described import columns, described, write_described, write_rows
+from femstruct.files.tables.described import columns, described, write_described, write_held, write_rows
 from femstruct.impact.estimate import Resolved
 from femstruct.impact.result.response import Blow, BodyHistory, ContactHistory
-from femstruct.reported import Reported, reported
+from femstruct.reported import OWN_UNIT, Held, Reported, reported
 from femstruct.sound.power import Radiated
 
 NOUNS = (Levels, SoundEnergy, ContactHistory, BodyHistory, Blow, Resolved, Radiated)
@@ -36,7 +38,7 @@ class MoreLevels(Levels):
 def more() -> MoreLevels:
     t = np.arange(4800) / 48e3
     levels = sound_levels(np.sin(2 * np.pi * 500 * t), 1 / 48e3)
-    return MoreLevels(**{field.name: getattr(levels, field.name) for field in fields(levels)})
+    return MoreLevels(**{one.name: getattr(levels, one.name) for one in fields(levels)})
 
 
 def test_one_more_level_is_everywhere(more: MoreLevels) -> None:
@@ -51,6 +53,44 @@ def test_one_more_level_is_everywhere(more: MoreLevels) -> None:
         assert file["exposure_db"].dims[0][0] == file["bands_db"].dims[0][0], "one axis for both"
     assert more.single_numbers["l_af5_db"] == 71.5
     assert [one.symbol for one in reported(MoreLevels).values() if one.symbol] == ["L_peak", "L_AFmax", "L_AF5"]
+
+
+@dataclass(frozen=True, eq=False)
+class Answer:
+    """One answer of a kind that nobody has heard of, in a unit of its own, with levels at its receivers."""
+
+    unit: Annotated[str, Reported("1", "Unit of the size")]
+    size: Annotated[float, Reported(OWN_UNIT, "How large")]
+    lines: Annotated[np.ndarray, Reported(OWN_UNIT, "Line by line", along=("line",))]
+    levels: Annotated[Mapping[str, Levels], Held("Levels by receiver", "Levels at one receiver")]
+
+
+@dataclass(frozen=True, eq=False)
+class Answers:
+    """What somebody would add to the results of a case."""
+
+    answers: Annotated[Mapping[str, Answer], Held("Answers by name", "One answer", key="told")]
+    missing: Annotated[Answer | None, Held("An answer that there is not")] = None
+    rated: Annotated[Mapping[str, Resolved], Held("One table", rows=("name", "1", "Name"))] = field(
+        default_factory=lambda: {"a": Resolved(1.0, 0.1, 2.0), "b": Resolved(3.0, 0.2, 4.0)}
+    )
+
+
+def test_nouns_that_a_noun_holds_are_written_with_it(more: MoreLevels) -> None:
+    """A new kind of answer is in JSON and in the results file, with its units, its axes and what it holds itself."""
+    found = Answers({"one": Answer("kN", 2.0, np.array([1.0, 2.0, 4.0]), {"bed.mic": more})})
+    table = described(found)
+    assert table["told"]["one"]["size"] == 2.0 and table["missing"] is None and table["rated"]["b"]["value"] == 3.0
+    assert table["told"]["one"]["levels"]["bed.mic"]["l_af5_db"] == 71.5
+    with h5py.File(BytesIO(), "w") as file:
+        write_held(file, found)
+        one = file["told/one"]
+        assert one["lines"].attrs["units"] == "kN" and one["lines"].dims[0][0][:].tolist() == [1, 2, 3]
+        heard, rated = one["levels/bed.mic"], file["rated/value"]
+        assert heard.attrs["l_af5_db"] == 71.5
+        assert [one["code"] for one in json.loads(heard.attrs["findings"])] == [one.code for one in more.findings]
+        assert rated[:].tolist() == [1.0, 3.0] and rated.dims[0][0].asstr()[:].tolist() == ["a", "b"]
+        assert "missing" not in file
 
 
 def test_rows_of_several_nouns() -> None:

@@ -33,19 +33,18 @@ from femstruct.files.results_file.blow_groups import write_blows
 from femstruct.files.results_file.datasets import axis, group, put, put_text
 from femstruct.files.results_file.energy_groups import write_energy
 from femstruct.files.results_file.seal import write_sealed
-from femstruct.files.results_file.sound_groups import write_levels, write_own, write_own_levels, write_rated, write_room
-from femstruct.files.results_file.vibration_groups import write_fatigue, write_vibration
+from femstruct.files.results_file.sound_groups import write_own, write_rated, write_room
+from femstruct.files.results_file.vibration_groups import write_answers
 from femstruct.files.results_file.vtkhdf import write_vtkhdf
 from femstruct.files.results_file.whole import write_whole
-from femstruct.files.tables.accuracy_tables import write_accuracy, write_errors
-from femstruct.files.tables.described import write_described, write_rows
+from femstruct.files.tables.described import write_described, write_held, write_rows
+from femstruct.files.tables.error_tables import write_errors
 from femstruct.files.tables.finding_tables import finding_table, study_findings_table
 from femstruct.files.tables.machine_tables import write_verdicts
 from femstruct.files.tables.radiated_tables import write_power, write_radiated, write_shares
 from femstruct.files.tables.study_tables import summary
 from femstruct.impact.result.response import Response
 from femstruct.study.machine import Verdict
-from femstruct.study.measured_source import InstalledSource
 from femstruct.study.result import CaseComparison, CaseResult, StudyResult
 
 if TYPE_CHECKING:  # slow to import, and most runs write no such file
@@ -137,9 +136,6 @@ def _write_case(cases: h5py.Group, name: str, case: CaseResult, verdicts: Sequen
         findings=_findings(case.findings),
     )
     write_damping(group(target, "damping", "Damping of the basis in this case"), case.basis)
-    if case.accuracy is not None:
-        about = "What more modes change, against what was asked"
-        write_accuracy(group(target, "accuracy", about), case.accuracy)
     if case.errors is not None:
         about = "Numbers of the impact, and their estimated numerical error"
         write_errors(group(target, "error_estimate", about), case.errors)
@@ -166,15 +162,7 @@ def _write_case(cases: h5py.Group, name: str, case: CaseResult, verdicts: Sequen
             put(place, "response", frf.values, frf.unit, f"{request.kind}, exp(+j omega t)", (frequency,))
     if case.response is not None:
         _write_response(target, case, case.response)
-    _write_sources(target, case.sources)
-    if case.shock:
-        spectra = group(target, "shock_spectra", "Shock response spectra of recorded accelerations")
-        for name, spectrum in case.shock.items():
-            write_described(group(spectra, name, "Largest accelerations of oscillators"), spectrum)
-    if case.fatigue:
-        write_fatigue(group(target, "fatigue", "Rainflow cycles of recorded channels"), case.fatigue)
-    if case.vibration:
-        write_vibration(group(target, "vibration", "Harmonic and random excitations, each by itself"), case.vibration)
+    write_held(target, case, {"answers": write_answers})
     if case.rooms:
         rooms = group(target, "rooms", "Sound in the rooms")
         for label, room in case.rooms.items():
@@ -182,37 +170,11 @@ def _write_case(cases: h5py.Group, name: str, case: CaseResult, verdicts: Sequen
             write_room(place, room)
             if label in case.heard.own:
                 write_own(place, case.heard.own[label], case.heard.total[label])
-    if case.levels:
-        levels = group(target, "levels", "Levels at the receivers, ROOM.RECEIVER")
-        for label, level in case.levels.items():
-            write_levels(group(levels, label, "Levels at one receiver"), level)
-    if case.heard.total_levels:
-        write_own_levels(target, case.heard)
     _write_sound_energies(target, case)
     if case.rated:
         rated = group(target, "rated", "Rooms as the standards state them, over their receivers")
         for label, room_rated in case.rated.items():
             write_rated(group(rated, label, "One room"), room_rated)
-    if case.drops:
-        drops = group(target, "drops", "Every place that the source struck; all above is of the first")
-        for label, drop in case.drops.items():
-            place = group(
-                drops, label, "One place", outcome=drop.outcome, peak_force_n=json.dumps(dict(drop.peak_force))
-            )
-            for receiver, level in drop.levels.items():
-                write_levels(group(place, receiver, "Levels at one receiver"), level)
-            for receiver, level in drop.total_levels.items():
-                write_levels(group(place, f"{receiver} total", "Levels of structure and bodies together"), level)
-
-
-def _write_sources(target: h5py.Group, sources: Mapping[str, InstalledSource]) -> None:
-    about = "Measured sources in place"
-    there = group(target, "sources", about) if sources else target
-    for label, source in sources.items():
-        place = group(there, label, "One measured source")
-        write_described(place, source)
-        for receiver, heard in source.levels.items():
-            write_described(group(place, receiver, "Levels at one receiver"), heard)
 
 
 def _write_sound_energies(target: h5py.Group, case: CaseResult) -> None:

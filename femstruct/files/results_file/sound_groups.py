@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-import json
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from acoustics.levels.ensemble import Interval
 from acoustics.levels.rated import RatedRoom
-from acoustics.levels.sound_levels import Levels
 from acoustics.room_response import RoomResponse
 from femstruct.files.results_file.datasets import axis, group, put
 from femstruct.files.tables.described import write_described, write_rows
-from femstruct.files.tables.finding_tables import finding_table
-from femstruct.study.result import OwnSound
 
 if TYPE_CHECKING:  # slow to import, and most runs write no such file
     import h5py
@@ -38,21 +34,6 @@ def write_own(target: h5py.Group, own: RoomResponse, total: RoomResponse) -> Non
     both = ("receiver", "time")
     put(target, "own_pressure", own.p, "Pa", "Pressure that the striking bodies make themselves", both)
     put(target, "total_pressure", total.p, "Pa", "Sum of pressure and own_pressure", both)
-
-
-def write_own_levels(target: h5py.Group, heard: OwnSound) -> None:
-    """Levels of the striking bodies themselves, and of the total sound."""
-    own = group(target, "own_levels", "Levels of the striking bodies themselves, ROOM.RECEIVER")
-    total = group(target, "total_levels", "Levels of structure and striking bodies together, ROOM.RECEIVER")
-    for place, found in ((own, heard.own_levels), (total, heard.total_levels)):
-        for label, levels in found.items():
-            write_levels(group(place, label, "Levels at one receiver"), levels)
-
-
-def write_levels(target: h5py.Group, levels: Levels) -> None:
-    """Band levels and single numbers at one receiver."""
-    target.attrs["findings"] = json.dumps([finding_table(advice) for advice in levels.findings])
-    write_described(target, levels)
 
 
 def write_rated(target: h5py.Group, rated: RatedRoom) -> None:

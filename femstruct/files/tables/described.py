@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple
+import json
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
 
-from femstruct.files.results_file.datasets import axis, put
+from femstruct.files.results_file.datasets import axis, group, put
+from femstruct.files.tables.finding_tables import finding_table
 from femstruct.files.tables.json_numbers import label, number
-from femstruct.reported import Reported, reported
+from femstruct.reported import OWN_UNIT, Reported, held, reported
 
 if TYPE_CHECKING:  # slow to import, and most runs write no such file
     import h5py
+
+ByHand = Mapping[str, Callable[["h5py.Group", Any], None]]  # fields whose group has a layout of its own
+_NONE_BY_HAND: Final[ByHand] = MappingProxyType({})
 
 
 class Entry(NamedTuple):
@@ -32,11 +38,13 @@ def entries(noun: Any) -> Iterator[Entry]:
     """All that a noun reports, in the order of its fields and properties."""
     kind: object = type(noun)
     for name, told in reported(kind).items():
-        yield Entry(name, told, getattr(noun, name))
+        unit = getattr(noun, "unit", told.unit) if told.unit == OWN_UNIT else told.unit
+        yield Entry(name, told._replace(unit=unit), getattr(noun, name))
 
 
 def described(noun: Any) -> dict[str, Any]:
-    """What a noun reports as a table for JSON; histories and spectra are left to the results file.
+    """What a noun reports as a table for JSON, with the nouns that it holds; histories and spectra are left to the
+    results file.
 
     >>> from femstruct.impact.estimate import Resolved
     >>> described(Resolved(2.0, 0.5, 10.0))
@@ -48,7 +56,14 @@ def described(noun: Any) -> dict[str, Any]:
             table |= _plain(one.value)  # what is reported has names of its own
         elif not isinstance(one.value, np.ndarray):
             table[one.key] = _plain(one.value)
-    return table
+    kind: object = type(noun)
+    return table | {told.key or name: _held(getattr(noun, name)) for name, told in held(kind).items()}
+
+
+def _held(value: Any) -> dict[str, Any] | None:
+    if isinstance(value, Mapping):
+        return {name: described(one) for name, one in value.items()}
+    return None if value is None else described(value)
 
 
 def columns(nouns: Sequence[Any]) -> dict[str, list[Any]]:
@@ -65,8 +80,13 @@ def _plain(value: Any) -> Any:
     return value if isinstance(value, bool | int | str) else number(value)
 
 
-def write_described(target: h5py.Group, noun: Any) -> None:
-    """What a noun reports in a group: numbers as attributes, mappings and arrays as datasets with their axes."""
+def write_described(target: h5py.Group, noun: Any, by_hand: ByHand = _NONE_BY_HAND) -> None:
+    """What a noun reports in a group: numbers and findings as attributes, mappings and arrays as datasets with their
+    axes, the nouns that it holds as groups.
+
+    by_hand : by the name of a field, what fills its group instead. Axes of arrays that are not in the group are
+    numbered from 1.
+    """
     for name, told, value in entries(noun):
         if isinstance(value, Mapping):
             assert told.axis is not None, "a mapping in a group of its own has an axis"
@@ -76,10 +96,34 @@ def write_described(target: h5py.Group, noun: Any) -> None:
         elif isinstance(value, np.ndarray):
             if told.along == (name,):
                 axis(target, name, value, told.unit, told.long_name)
-            else:
-                put(target, name, value, told.unit, told.long_name, told.along)
+                continue
+            for along, length in zip(told.along, value.shape, strict=True):
+                if along not in target:
+                    axis(target, along, np.arange(1, length + 1), "1", "Number")
+            put(target, name, value, told.unit, told.long_name, told.along)
         elif value is not None:
             target.attrs[name] = list(value) if isinstance(value, tuple) else value
+    if (findings := getattr(noun, "findings", None)) is not None:
+        target.attrs["findings"] = json.dumps([finding_table(one) for one in findings], allow_nan=False)
+    write_held(target, noun, by_hand)
+
+
+def write_held(target: h5py.Group, noun: Any, by_hand: ByHand = _NONE_BY_HAND) -> None:
+    """The nouns that a noun holds, a group for each field that has any; by_hand : as of `write_described`."""
+    kind: object = type(noun)
+    for name, told in held(kind).items():
+        if not (value := getattr(noun, name)):
+            continue
+        place = group(target, told.key or name, told.long_name)
+        if name in by_hand:
+            by_hand[name](place, value)
+        elif not isinstance(value, Mapping):
+            write_described(place, value, by_hand)
+        elif told.rows is not None:
+            write_rows(place, list(value.values()), axis(place, told.rows[0], list(value), *told.rows[1:]))
+        else:
+            for label_, one in value.items():
+                write_described(group(place, label_, told.each), one, by_hand)
 
 
 def write_rows(target: h5py.Group, nouns: Sequence[Any], row: str) -> None:

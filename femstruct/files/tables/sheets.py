@@ -9,10 +9,13 @@ from typing import Any, Final, NamedTuple
 
 from femstruct.errors import InputError
 from femstruct.files.atomic import replacing, short
+from femstruct.files.tables.described import described
 from femstruct.files.tables.study_tables import Table, summary
+from femstruct.reported import held
 from femstruct.study.result import StudyResult
 
 Cell = str | float | int | bool | None
+_Row = tuple[tuple[str, ...], tuple[str, ...], Table]  # titles, names, numbers
 BANDS: Final[tuple[tuple[str, ...], ...]] = (  # sheet, table of the summary, what of it
     ("third octaves", "levels", "bands_db"),
     ("third octaves total", "total_levels", "bands_db"),
@@ -21,9 +24,7 @@ BANDS: Final[tuple[tuple[str, ...], ...]] = (  # sheet, table of the summary, wh
     ("rated bands", "rated", "bands_db", "bands_from", "mean_db", "low_db", "high_db"),
     ("sound energy bands", "sound_energy", "bands_db"),
 )
-ROWS: Final = (  # tables of the summary with a row for every name
-    "levels", "total_levels", "own_levels", "sound_energy", "limits", "peaks", "contacts", "bodies", "blows", "fatigue",
-)  # fmt: skip
+ROWS: Final = ("limits", "peaks", "contacts", "bodies", "blows", "sound_energy")  # of the summary, a row for every name
 LONGEST: Final = 31  # characters of a sheet's name
 
 
@@ -48,11 +49,6 @@ def sheets(result: StudyResult) -> tuple[Sheet, ...]:
         for room, rated in own["rated"].items()
         for symbol, one in rated["numbers"].items()
     ]
-    answers = [
-        ((*named, channel), answer)
-        for named, one in _named(cases, "vibration")
-        for channel, answer in one["answers"].items()
-    ]
     thirds, *others = (_by_band(cases, *which) for which in BANDS)
     changes = [((case, name), one) for case, own in table["comparison"].items() for name, one in own["peaks"].items()]
     findings = [((one["code"],), one | {"cases": ", ".join(one["cases"])}) for one in table["findings"]]
@@ -61,7 +57,7 @@ def sheets(result: StudyResult) -> tuple[Sheet, ...]:
         _rows("ratings", ("case", "room", "number"), numbers),
         *others,
         *(_rows(name.replace("_", " "), ("case", "name"), _named(cases, name)) for name in ROWS),
-        _rows("vibration", ("case", "excitation", "channel"), answers),
+        *_held_sheets(result),
         _rows("changes of peaks", ("case", "name"), changes),
         _rows("findings", ("finding",), findings),
     )
@@ -70,6 +66,27 @@ def sheets(result: StudyResult) -> tuple[Sheet, ...]:
 
 def _named(cases: Mapping[str, Table], table: str) -> list[tuple[tuple[str, ...], Table]]:
     return [((case, name), one) for case, own in cases.items() for name, one in own[table].items()]
+
+
+def _held_sheets(result: StudyResult) -> Iterator[Sheet]:
+    """A sheet for all that cases hold by name, and for what that holds."""
+    found = [row for name, case in result.cases.items() for row in _held_rows(case, (name,))]
+    for titles in dict.fromkeys(titles for titles, _, _ in found):
+        heads = ("case", "name") if len(titles) == 1 else ("case", *titles)
+        rows = [(keys, table) for of, keys, table in found if of == titles]
+        yield _rows(" ".join(titles), heads[: len(rows[0][0])], rows)
+
+
+def _held_rows(noun: Any, keys: tuple[str, ...], within: tuple[str, ...] = ()) -> Iterator[_Row]:
+    """Titles, names and numbers of the nouns that one holds, with those that these hold."""
+    kind: object = type(noun)
+    for name, told in held(kind).items():
+        value, titles = getattr(noun, name), (*within, (told.key or name).replace("_", " "))
+        named = {(*keys, one): value[one] for one in value} if isinstance(value, Mapping) else {keys: value}
+        for own, one in named.items():
+            if one is not None:
+                yield titles, own, described(one)
+                yield from _held_rows(one, own, titles)
 
 
 def _by_band(cases: Mapping[str, Table], name: str, table: str, *wanted: str) -> Sheet:

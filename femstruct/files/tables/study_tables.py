@@ -7,18 +7,16 @@ from typing import Any
 
 from acoustics.levels.ensemble import Interval
 from acoustics.levels.rated import RatedRoom
-from femstruct.files.tables.accuracy_tables import accuracy_table, error_table
 from femstruct.files.tables.array_tables import array_tables
 from femstruct.files.tables.described import columns, described
+from femstruct.files.tables.error_tables import error_table
 from femstruct.files.tables.finding_tables import finding_table, study_findings_table
 from femstruct.files.tables.json_numbers import label, number
 from femstruct.files.tables.machine_tables import machine_table, verdict_tables
 from femstruct.files.tables.radiated_tables import radiated_beside, radiated_table, shares_table
 from femstruct.impact.result.response import Blow, EnergyBalance, Response
 from femstruct.impact.result.shares import EnergyGroup, ModeEnergies
-from femstruct.modal.steady.answers import Vibrated
-from femstruct.study.measured_source import InstalledSource
-from femstruct.study.result import CaseComparison, CaseResult, Drop, StudyResult
+from femstruct.study.result import CaseComparison, CaseResult, StudyResult
 
 Table = dict[str, Any]
 
@@ -58,7 +56,7 @@ def summary(result: StudyResult) -> Table:
 def case_table(case: CaseResult) -> Table:
     """The numbers of one case by itself, as `summary` has them."""
     response = case.response
-    return {
+    return described(case) | {
         "outcome": None if response is None else response.outcome.value,
         "basis": case.basis_key,
         "peaks": {
@@ -71,32 +69,12 @@ def case_table(case: CaseResult) -> Table:
         "arrays": {} if response is None else array_tables(response),
         "energy": None if response is None else _energy(response, case.shares),
         "stresses": {name: described(one.stressed) for name, one in case.channels.items() if one.stressed is not None},
-        "shock_spectra": {name: described(one) for name, one in case.shock.items()},
-        "fatigue": {name: described(one) for name, one in case.fatigue.items()},
-        "vibration": {name: _vibrated(one) for name, one in case.vibration.items()},
-        "sources": {name: _installed(one) for name, one in case.sources.items()},
-        "levels": {name: described(levels) for name, levels in case.levels.items()},
         "sound_energy": {name: radiated_table(radiated) for name, radiated in case.radiated.items()},
         "by_surface": {name: shares_table(shares) for name, shares in case.by_surface.items()},
-        "own_levels": {name: described(levels) for name, levels in case.heard.own_levels.items()},
-        "total_levels": {name: described(levels) for name, levels in case.heard.total_levels.items()},
         "rated": {name: _rated(rated) for name, rated in case.rated.items()},
-        "drops": {place: _drop(drop) for place, drop in case.drops.items()},
-        "accuracy": None if case.accuracy is None else accuracy_table(case.accuracy),
         "error_estimate": None if case.errors is None else error_table(case.errors),
         "findings": [finding_table(finding) for finding in case.findings],
     }
-
-
-def _vibrated(one: Vibrated) -> Table:
-    """One excitation: what it is, what answers it, and what of the structure a base moves."""
-    base = None if one.base is None else described(one.base)
-    return described(one) | {"answers": {name: described(answer) for name, answer in one.answers.items()}, "base": base}
-
-
-def _installed(one: InstalledSource) -> Table:
-    """A measured source in place, and its levels by receiver."""
-    return described(one) | {"levels": {name: described(levels) for name, levels in one.levels.items()}}
 
 
 def _blows(response: Response) -> Table:
@@ -222,14 +200,4 @@ def _rated_beside(
         room: {symbol: number(value) for symbol, value in told(rated, before[room]).items()}
         for room, rated in case.rated.items()
         if room in before
-    }
-
-
-def _drop(drop: Drop) -> Table:
-    """One place that a source of several struck."""
-    return {
-        "outcome": drop.outcome,
-        "peak_force_n": {name: number(force) for name, force in drop.peak_force.items()},
-        "levels": {name: described(levels) for name, levels in drop.levels.items()},
-        "total_levels": {name: described(levels) for name, levels in drop.total_levels.items()},
     }

@@ -9,7 +9,7 @@ import numpy as np
 
 from femstruct.arrays import Floats
 from femstruct.declared import Positive, checked
-from femstruct.reported import Reported
+from femstruct.reported import OWN_UNIT, Reported
 
 BINS: Final = 50
 """Ranges that are told apart in tables and pictures; the damage is that of the ranges themselves."""
@@ -17,6 +17,7 @@ PLANES: Final = 36  # 5 degrees apart: the range on the worst is within 0.4 %, t
 DIRECTIONS: Final = 400  # over half a sphere, about 7 degrees apart: within 1.5 % in tension
 KNEE, CUT_OFF = 5e6, 1e8
 """Cycles of EN 1993-1-9: where the slope changes, and where ranges are small enough to do no damage."""
+_CLASSES: Final = "Upper end of the class of ranges; damage from these is too high, the attribute damage is exact"
 BELOW: Final = 5.0  # slope of EN 1993-1-9 beyond the knee
 _TURN: Final = np.pi * (3.0 - np.sqrt(5.0))  # the golden angle
 
@@ -66,13 +67,13 @@ class Fatigue:
 
     channel: Annotated[str, Reported("1", "What is counted")]
     unit: Annotated[str, Reported("1", "Unit of the ranges")]
-    ranges: Floats
-    counts: Floats
-    largest: Annotated[float, Reported("see unit", "Largest range", key="largest_range")]
+    ranges: Annotated[Floats, Reported(OWN_UNIT, _CLASSES, along=("ranges",))]
+    counts: Annotated[Floats, Reported("1", "Cycles, halves among them", along=("ranges",))]
+    largest: Annotated[float, Reported(OWN_UNIT, "Largest range", key="largest_range")]
     damage: Annotated[float | None, Reported("1", "Damage of one record by Miner's rule")] = None
     on: Annotated[str, Reported("1", "Place and plane of a stress")] = ""
     converged: Annotated[bool, Reported("1", "Whether modes left out and the mesh change little of it")] = True
-    largest_modes_alone: Annotated[float | None, Reported("see unit", "Largest range without residual vectors")] = None
+    largest_modes_alone: Annotated[float | None, Reported(OWN_UNIT, "Largest range without residual vectors")] = None
     damage_modes_alone: Annotated[float | None, Reported("1", "Damage without residual vectors")] = None
     damage_beside: Annotated[float | None, Reported("1", "Damage with the stress that the mesh may have as well")] = (
         None

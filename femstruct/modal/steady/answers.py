@@ -11,11 +11,11 @@ import numpy as np
 
 from femstruct.arrays import Floats
 from femstruct.modal.superposition import Complex
-from femstruct.reported import Reported
+from femstruct.reported import OWN_UNIT, Held, Reported
 
 FEWEST: Final = 10.0  # crossings of zero upwards in a duration: of fewer the largest has no such distribution
 _EULER: Final = 0.5772156649015329
-_AXIS: Final = ("frequency",)
+_LINES: Final = ("frequency_hz",)
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,7 +30,7 @@ class HarmonicAnswer:
     where: Annotated[str, Reported("1", "Where it is largest")] = ""
 
     @property
-    def largest(self) -> Annotated[float, Reported("see unit", "Largest amplitude")]:
+    def largest(self) -> Annotated[float, Reported(OWN_UNIT, "Largest amplitude")]:
         """Largest amplitude along frequency [unit]."""
         return float(np.abs(self.values).max())
 
@@ -54,9 +54,9 @@ class RandomAnswer:
     unit: Annotated[str, Reported("1", "Unit of rms and peak")]
     frequency_hz: Floats
     psd: Floats
-    rms: Annotated[float, Reported("see unit", "Root mean square")]
+    rms: Annotated[float, Reported(OWN_UNIT, "Root mean square")]
     crossings: Annotated[float | None, Reported("Hz", "Zero-upcrossing frequency", key="zero_upcrossings_hz")] = None
-    peak: Annotated[float | None, Reported("see unit", "Expected largest in the duration", key="expected_peak")] = None
+    peak: Annotated[float | None, Reported(OWN_UNIT, "Expected largest in the duration", key="expected_peak")] = None
     where: Annotated[str, Reported("1", "Where it is largest")] = ""
     place: int = 0
     uneven: float = 0.0
@@ -96,10 +96,12 @@ class Vibrated:
     kind: Annotated[Literal["harmonic", "psd"], Reported("1", "Harmonic or random (psd)")]
     excited_by: Annotated[str, Reported("1", "Where it acts")]
     unit: Annotated[str, Reported("1", "Unit of the excitation")]
-    frequency_hz: Floats
-    excitation: Floats
-    answers: Mapping[str, HarmonicAnswer | RandomAnswer] = field(default_factory=dict)
-    base: MovedMass | None = None
+    frequency_hz: Annotated[Floats, Reported("Hz", "Frequency, lines as dense as resonances need", along=_LINES)]
+    excitation: Annotated[Floats, Reported(OWN_UNIT, "What excites", along=_LINES)]
+    answers: Annotated[
+        Mapping[str, HarmonicAnswer | RandomAnswer], Held("What answers, by channel", "What one channel answers")
+    ] = field(default_factory=dict)
+    base: Annotated[MovedMass | None, Held("What of the structure a base moves")] = None
 
 
 def with_axis(channel: str, unit: str) -> str:

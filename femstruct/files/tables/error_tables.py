@@ -1,4 +1,4 @@
-"""How far the numbers of a case may be off, as tables: what more modes change, and what the march leaves."""
+"""How far the numbers of a case may be off by what the march leaves, as tables."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any, Final
 from femstruct.files.results_file.datasets import axis, group
 from femstruct.files.tables.described import described, write_described, write_rows
 from femstruct.impact.estimate import ErrorEstimate, Resolved
-from femstruct.study.result import AccuracyCheck
 
 if TYPE_CHECKING:  # slow to import, and most runs write no such file
     import h5py
@@ -19,11 +18,6 @@ _KINDS: Final = (
     ("peak_force", "peak", "contact", "N", "Peak force of the whole window"),
     ("end_velocity", "velocity", "body", "m/s", "Velocity at the end of the window"),
 )
-
-
-def accuracy_table(check: AccuracyCheck) -> Table:
-    """What more modes change, against what was asked; infinite numbers are None."""
-    return described(check) | {"largest": {name: described(found) for name, found in check.deviations.items()}}
 
 
 def error_table(found: ErrorEstimate) -> Table:
@@ -38,16 +32,8 @@ def error_table(found: ErrorEstimate) -> Table:
     )
 
 
-def write_accuracy(target: h5py.Group, check: AccuracyCheck) -> None:
-    """What two bases make of the first impact; numbers that do not exist (all modes are there) are infinite."""
-    write_described(target, check)
-    if check.deviations:
-        channel = axis(target, "channel", list(check.deviations), "1", "Channel, or contact peak force")
-        write_rows(target, list(check.deviations.values()), channel)
-
-
 def write_errors(target: h5py.Group, found: ErrorEstimate) -> None:
-    """The same in the results file, a group for each kind of number, in its unit; an exact march has no tolerances."""
+    """The errors in the results file, a group for each kind of number in its unit; an exact march has no tolerances."""
     write_described(target, found)
     for name, field, of, unit, description in _KINDS:
         numbers: Mapping[str, Resolved] = getattr(found, field)
