@@ -56,6 +56,8 @@ if TYPE_CHECKING:
     from femstruct.files.results_file.swept_file import write_swept as write_swept
     from femstruct.impact.batch.batch import simulate_batch as simulate_batch
     from femstruct.impact.batch.metrics import Batch as Batch
+    from femstruct.impact.evaluations.perception import PerceptionRequest as PerceptionRequest
+    from femstruct.impact.evaluations.shock import ShockRequest as ShockRequest
     from femstruct.impact.laws.cubic import Cubic as Cubic
     from femstruct.impact.laws.flores import Flores as Flores
     from femstruct.impact.laws.hertz import Hertz as Hertz
@@ -181,7 +183,6 @@ if TYPE_CHECKING:
     from femstruct.study.asked import PeakRule as PeakRule
     from femstruct.study.asked import Record as Record
     from femstruct.study.asked import RoomPlan as RoomPlan
-    from femstruct.study.asked import ShockRequest as ShockRequest
     from femstruct.study.asked import Spot as Spot
     from femstruct.study.asked import TimePlan as TimePlan
     from femstruct.study.campaign.front import Front as Front
@@ -230,6 +231,8 @@ _NAMES = {
     "files.results_file.swept_file": ("read_swept", "write_swept"),
     "impact.batch.batch": ("simulate_batch",),
     "impact.scene.bodies": ("GROUND", "Body", "Clock", "Contact", "HalfSine", "Link", "Load", "Scene", "Table"),
+    "impact.evaluations.perception": ("PerceptionRequest",),
+    "impact.evaluations.shock": ("ShockRequest",),
     "impact.laws.cubic": ("Cubic",),
     "impact.laws.flores": ("Flores",),
     "impact.laws.hertz": ("Hertz",),
@@ -319,7 +322,6 @@ _NAMES = {
         "PeakRule",
         "Record",
         "RoomPlan",
-        "ShockRequest",
         "Spot",
         "TimePlan",
     ),

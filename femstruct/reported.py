@@ -32,13 +32,15 @@ class Held(NamedTuple):
 
     long_name : what its table is of. each : the same of one that goes by a name. key : its name in JSON and its group
     in the results file, its own if left out. rows : of nouns by name that are one table with a row for each, what the
-    names are (axis, unit, description).
+    names are (axis, unit, description). kinds : the field has nouns of several kinds, by the word of their kind and
+    then by name, and the noun of a kind says its own: `table: ClassVar = Held(..)`.
     """
 
     long_name: str
     each: str = ""
     key: str = ""
     rows: tuple[str, str, str] | None = None
+    kinds: bool = False
 
 
 @cache
@@ -65,6 +67,17 @@ def held(kind: type) -> Mapping[str, Held]:
     [('hits', 'Hits by body')]
     """
     return MappingProxyType({name: told for name, told in _told(kind) if isinstance(told, Held)})
+
+
+def holdings(noun: Any) -> Iterator[tuple[str, Held, Any]]:
+    """What a noun holds: the field, or the word of a kind, what is said of it, and the value."""
+    kind: object = type(noun)
+    for name, told in held(kind).items():
+        value = getattr(noun, name)
+        if told.kinds:
+            yield from ((word, next((one.table for one in own.values()), told), own) for word, own in value.items())
+        else:
+            yield told.key or name, told, value
 
 
 def _told(kind: type) -> Iterator[tuple[str, Any]]:

@@ -1,10 +1,10 @@
-"""Findings on a run as a whole."""
+"""Findings on a run as a whole, and on what is asked of recorded histories."""
 
 from __future__ import annotations
 
 from typing import Final
 
-from femstruct.findings.entry import FORBIDS, Entry
+from femstruct.findings.entry import FORBIDS, LIMITS, Entry, Limit
 
 STUDY: Final = (
     Entry(
@@ -13,5 +13,22 @@ STUDY: Final = (
         FORBIDS,
         "Ctrl-C or a signal ended the run after the baseline; exit code 130",
         "Run again.",
+    ),
+    Entry(
+        "perception-beyond-modes",
+        "The modes end below the highest frequency at which people feel vibration.",
+        LIMITS,
+        "the modes are complete below the threshold only; vibration above them is missing in what is weighted",
+        "Compute modes up to the threshold or more. Where nothing excites vibration above the last mode, the numbers "
+        "hold.",
+        (
+            Limit(
+                80.0,
+                "Hz",
+                "upper end of the range that ISO 2631 and DIN 4150-2 judge",
+                "ISO 2631-2:2003, title; DIN 4150-2:1999",
+                "perception.FELT_HZ",
+            ),
+        ),
     ),
 )

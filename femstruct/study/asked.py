@@ -86,25 +86,6 @@ class FrfRequest:
 
 
 @dataclass(frozen=True)
-@checked("shock_spectra")
-class ShockRequest:
-    """A shock response spectrum of a recorded acceleration: of : "POINT.z"; damping ratio of the oscillators [1], band
-    of their natural frequencies [Hz], how many an octave.
-
-    At the foot of a machine, with 5 % of damping (Q = 10), from 5 Hz to 2 kHz:
-
-    >>> ShockRequest("foot", "foot.z", damping=0.05, band=(5.0, 2000.0)).per_octave
-    12
-    """
-
-    name: str
-    of: str
-    damping: float
-    band: Pair
-    per_octave: int = 12
-
-
-@dataclass(frozen=True)
 @checked("record")
 class Record:
     """A channel to keep. target : a point's direction, a force's name, a body, a contact or a link; of a stress, the

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Annotated, Final
+from typing import Annotated, Any, Final
 
 import numpy as np
 from numpy import complex128
@@ -19,7 +19,6 @@ from femstruct.impact.estimate import ErrorEstimate
 from femstruct.impact.result.fatigue import Fatigue
 from femstruct.impact.result.response import Response
 from femstruct.impact.result.shares import ModeEnergies
-from femstruct.impact.result.shock import ShockSpectrum
 from femstruct.modal.basis import ModalBasis
 from femstruct.modal.steady.answers import Vibrated
 from femstruct.modal.steady.between_lines import Highest
@@ -213,8 +212,9 @@ class CaseResult:
     drops : by place ("drops.2"), where a source strikes several: response, channels, rooms, levels, shares and errors
     are those of the first, rated is of all. Empty for one place.
     by_surface : of rooms that several surfaces move, what each gives the air, by "ROOM".
-    shock : shock response spectra, by name. vibration : what came of harmonic and random excitations, by name.
-    fatigue : rainflow cycles and their damage, by name. sources : what measured sources do in place, by name.
+    evaluations : of recorded histories, by kind and name ("shock_spectra", "foot"). vibration : what came of harmonic
+    and random excitations, fatigue : rainflow cycles and their damage, sources : what measured sources do in place, by
+    name.
     """
 
     case: Case
@@ -235,14 +235,6 @@ class CaseResult:
     errors: ErrorEstimate | None = None
     radiated: Mapping[str, Radiated] = field(default_factory=dict)
     heard: OwnSound = NO_OWN_SOUND
-    shock: Annotated[
-        Mapping[str, ShockSpectrum],
-        Held(
-            "Shock response spectra of recorded accelerations",
-            "Largest accelerations of oscillators",
-            key="shock_spectra",
-        ),
-    ] = field(default_factory=dict)
     vibration: Annotated[
         Mapping[str, Vibrated], Held("Harmonic and random excitations, each by itself", "One excitation")
     ] = field(default_factory=dict)
@@ -253,6 +245,9 @@ class CaseResult:
         default_factory=dict
     )
     by_surface: Mapping[str, SurfaceShares] = field(default_factory=dict)
+    evaluations: Annotated[Mapping[str, Mapping[str, Any]], Held("Evaluations of recorded histories", kinds=True)] = (
+        field(default_factory=dict)
+    )
 
     @property
     def own_levels(

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 from femstruct.declared import checked
 from femstruct.errors import InputError
@@ -20,7 +21,6 @@ from femstruct.study.asked import (
     PeakRule,
     Record,
     RoomPlan,
-    ShockRequest,
     TimePlan,
 )
 from femstruct.study.counting import FatigueRequest
@@ -28,14 +28,17 @@ from femstruct.study.measured_source import MeasuredSource
 from femstruct.study.steady_vibration import Vibration
 from femstruct.study.structures import StructureModel
 
+if TYPE_CHECKING:  # a model's modes need nothing of impacts
+    from femstruct.impact.evaluations.evaluation import Evaluation
+
 
 @dataclass(frozen=True)
 @checked("study")
 class Study:
     """All inputs of one simulation, in SI units.
 
-    structure, damping : the model. extent : how many modes its basis has. frf, shock_spectra, vibration,
-    fatigue : what is asked for.
+    structure, damping : the model. extent : how many modes its basis has. frf, evaluations (of recorded
+    histories: shock spectra, perception), vibration, fatigue : what is asked for.
     bodies, contacts, links, loads, walks, initial : what takes part, its initial state. records : histories to keep.
     time : the window, None when nothing is simulated. peaks : which peaks are reported. rooms : with their receivers.
     limits : what the verdicts of a case are about. save_modal : whether the modal coordinates go into the results
@@ -87,7 +90,7 @@ class Study:
     limits: tuple[Limit, ...] = ()
     save_modal: bool = False
     accuracy: AccuracyRule | None = None
-    shock_spectra: tuple[ShockRequest, ...] = ()
+    evaluations: tuple[Evaluation, ...] = ()
     vibration: tuple[Vibration, ...] = ()
     fatigue: tuple[FatigueRequest, ...] = ()
     sources: tuple[MeasuredSource, ...] = ()

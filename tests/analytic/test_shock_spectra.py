@@ -12,7 +12,7 @@ from scipy.integrate import solve_ivp
 from femstruct import read_results, read_study, run_study, write_results
 from femstruct.errors import InputError, InputErrors
 from femstruct.files.tables.study_tables import summary
-from femstruct.impact.result.shock import shock_spectrum
+from femstruct.impact.evaluations.shock import shock_spectrum
 
 SAMPLING = 50e3
 
@@ -85,7 +85,7 @@ def written(folder: Path, old: str = "", new: str = "") -> Path:
 def test_a_study_reports_it(tmp_path: Path) -> None:
     result = run_study(read_study(written(tmp_path)))
     case = result.cases["as given"]
-    found = case.shock["seat"]
+    found = case.evaluations["shock_spectra"]["seat"]
     assert len(found.frequency_hz) == round(6 * np.log2(100.0)) + 1
     own = case.channels["m.z acceleration"].values
     again = shock_spectrum(own, 20e3, found.frequency_hz, 0.03)
@@ -93,7 +93,7 @@ def test_a_study_reports_it(tmp_path: Path) -> None:
     table = json.loads(json.dumps(summary(result)))["cases"]["as given"]["shock_spectra"]["seat"]
     assert table["largest"] == pytest.approx(found.largest, rel=1e-12)  # the digits of JSON
     write_results(tmp_path / "results.h5", result)
-    kept = read_results(tmp_path / "results.h5").cases["as given"].shock["seat"]
+    kept = read_results(tmp_path / "results.h5").cases["as given"].evaluations["shock_spectra"]["seat"]
     np.testing.assert_array_equal(kept.positive, found.positive)
 
 

@@ -70,7 +70,7 @@ NOUNS = [
     fs.Slab("l", STEEL, 0.2, ((0.0, 0.0), (2.0, 0.0), (2.0, 1.0), (1.0, 1.0), (1.0, 2.0), (0.0, 2.0)), mesh=0.5),
     fs.Substructure("fan", FAN, 0.01, (1.0, 0.0, 0.0)),
     fs.Spring("mounts", "feet", None, (1e5, 1e5, 1e5, 0.0, 0.0, 0.0)),
-    fs.ShockRequest("foot", "foot.z", 0.05, (5.0, 2000.0)),
+    fs.ShockRequest("foot", "foot.z", 0.05, (5.0, 2000.0)), fs.PerceptionRequest("bed", "bed.z", "KB"),
     fs.SNLine(71e6, category=True), fs.FatigueRequest("weld", "portal stress", fs.SNLine(71e6)),
     fs.Spectrum(((20.0, 0.01), (500.0, 0.02))),
     fs.Vibration("shaker", "z", "base", "psd", fs.Spectrum(((20.0, 0.01), (500.0, 0.02))), 60.0),

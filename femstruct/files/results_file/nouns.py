@@ -30,7 +30,9 @@ INLINE: Final = 128  # numbers of an array that stands in the tables themselves
 _CLASS: Final = "is"  # no field of a dataclass can have this name
 _OURS: Final = ("femstruct", "acoustics")
 _GROUPS: Final = (  # of packages that add nouns
+    "femstruct.evaluations",
     "femstruct.laws",
+    "femstruct.language.evaluations",
     "femstruct.language.laws",
     "femstruct.language.parts",
     "femstruct.language.rooms",

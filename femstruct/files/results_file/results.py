@@ -51,7 +51,7 @@ if TYPE_CHECKING:  # slow to import, and most runs write no such file
     import h5py
 
 FORMAT: Final = "femstruct results"
-FORMAT_VERSION: Final = 3
+FORMAT_VERSION: Final = 4
 
 
 def write_results(path: str | Path, result: StudyResult) -> None:

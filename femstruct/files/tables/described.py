@@ -12,12 +12,12 @@ import numpy as np
 from femstruct.files.results_file.datasets import axis, group, put
 from femstruct.files.tables.finding_tables import finding_table
 from femstruct.files.tables.json_numbers import label, number
-from femstruct.reported import OWN_UNIT, Reported, held, reported
+from femstruct.reported import OWN_UNIT, Reported, holdings, reported
 
 if TYPE_CHECKING:  # slow to import, and most runs write no such file
     import h5py
 
-ByHand = Mapping[str, Callable[["h5py.Group", Any], None]]  # fields whose group has a layout of its own
+ByHand = Mapping[str, Callable[["h5py.Group", Any], None]]  # keys whose group has a layout of its own
 _NONE_BY_HAND: Final[ByHand] = MappingProxyType({})
 
 
@@ -56,8 +56,7 @@ def described(noun: Any) -> dict[str, Any]:
             table |= _plain(one.value)  # what is reported has names of its own
         elif not isinstance(one.value, np.ndarray):
             table[one.key] = _plain(one.value)
-    kind: object = type(noun)
-    return table | {told.key or name: _held(getattr(noun, name)) for name, told in held(kind).items()}
+    return table | {key: _held(value) for key, _, value in holdings(noun)}
 
 
 def _held(value: Any) -> dict[str, Any] | None:
@@ -84,7 +83,7 @@ def write_described(target: h5py.Group, noun: Any, by_hand: ByHand = _NONE_BY_HA
     """What a noun reports in a group: numbers and findings as attributes, mappings and arrays as datasets with their
     axes, the nouns that it holds as groups.
 
-    by_hand : by the name of a field, what fills its group instead. Axes of arrays that are not in the group are
+    by_hand : by the key of what it holds, what fills its group instead. Axes of arrays that are not in the group are
     numbered from 1.
     """
     for name, told, value in entries(noun):
@@ -109,21 +108,20 @@ def write_described(target: h5py.Group, noun: Any, by_hand: ByHand = _NONE_BY_HA
 
 
 def write_held(target: h5py.Group, noun: Any, by_hand: ByHand = _NONE_BY_HAND) -> None:
-    """The nouns that a noun holds, a group for each field that has any; by_hand : as of `write_described`."""
-    kind: object = type(noun)
-    for name, told in held(kind).items():
-        if not (value := getattr(noun, name)):
+    """The nouns that a noun holds, a group for each key that has any; by_hand : as of `write_described`."""
+    for key, told, value in holdings(noun):
+        if not value:
             continue
-        place = group(target, told.key or name, told.long_name)
-        if name in by_hand:
-            by_hand[name](place, value)
+        place = group(target, key, told.long_name)
+        if key in by_hand:
+            by_hand[key](place, value)
         elif not isinstance(value, Mapping):
             write_described(place, value, by_hand)
         elif told.rows is not None:
             write_rows(place, list(value.values()), axis(place, told.rows[0], list(value), *told.rows[1:]))
         else:
-            for label_, one in value.items():
-                write_described(group(place, label_, told.each), one, by_hand)
+            for name, one in value.items():
+                write_described(group(place, name, told.each), one, by_hand)
 
 
 def write_rows(target: h5py.Group, nouns: Sequence[Any], row: str) -> None:

@@ -11,7 +11,7 @@ from femstruct.errors import InputError
 from femstruct.files.atomic import replacing, short
 from femstruct.files.tables.described import described
 from femstruct.files.tables.study_tables import Table, summary
-from femstruct.reported import held
+from femstruct.reported import holdings
 from femstruct.study.result import StudyResult
 
 Cell = str | float | int | bool | None
@@ -79,9 +79,8 @@ def _held_sheets(result: StudyResult) -> Iterator[Sheet]:
 
 def _held_rows(noun: Any, keys: tuple[str, ...], within: tuple[str, ...] = ()) -> Iterator[_Row]:
     """Titles, names and numbers of the nouns that one holds, with those that these hold."""
-    kind: object = type(noun)
-    for name, told in held(kind).items():
-        value, titles = getattr(noun, name), (*within, (told.key or name).replace("_", " "))
+    for key, _, value in holdings(noun):
+        titles = (*within, key.replace("_", " "))
         named = {(*keys, one): value[one] for one in value} if isinstance(value, Mapping) else {keys: value}
         for own, one in named.items():
             if one is not None:

@@ -33,8 +33,8 @@ def check_study(study: StudySpec, here: Here, model: ModelSpec) -> None:
     check_references(StudySpec, here)
     for name, request in study.frf.items():
         request.check_in(here.at("frf", name), study.rooms)
-    for name, shock in study.shock_spectra.items():
-        shock.check_in(here.at("shock_spectra", name), study.record, study.time)
+    for key, name, evaluation in study.evaluations():
+        evaluation.check_in(here.at(key, name), study.record, study.time)
     random = [name for name, one in study.vibration.items() if one.psd is not None and one.duration is not None]
     for name, one in study.fatigue.items():
         one.check_in(here.at("fatigue", name), study.record, study.time, random)
@@ -173,7 +173,7 @@ def study_of(
         tuple(Limit(name, one.value, limited_room(name)) for name, one in study.limits.items()),
         save_modal=study.save == "modal",
         accuracy=study.accuracy.noun() if study.accuracy is not None else None,
-        shock_spectra=tuple(one.noun(name=name) for name, one in study.shock_spectra.items()),
+        evaluations=tuple(one.noun(name=name) for _, name, one in study.evaluations()),
         vibration=tuple(one.noun(name=name) for name, one in study.vibration.items()),
         fatigue=tuple(one.noun(name=name) for name, one in study.fatigue.items()),
         sources=tuple(measured.values()),

@@ -2,20 +2,23 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from pydantic import Field
+from pydantic import Field, create_model
 
 from femstruct.errors import shown_as
+from femstruct.language.evaluations.evaluation import EvaluationSpec
+from femstruct.language.evaluations.known_evaluations import KINDS
 from femstruct.language.rooms.known_rooms import AnyRoom
 from femstruct.language.study.body import BodySpec
 from femstruct.language.study.campaign.optimise import OptimiseSpec
 from femstruct.language.study.campaign.vary import SamplesSpec, VarySpec
 from femstruct.language.study.contact import ContactSpec
+from femstruct.language.study.fatigue import FatigueSpec
 from femstruct.language.study.limit import LimitValue
 from femstruct.language.study.link import LinkSpec
 from femstruct.language.study.load import LoadSpec
-from femstruct.language.study.of_records import FatigueSpec, ShockSpec
 from femstruct.language.study.record import Recorded
 from femstruct.language.study.request import FrfSpec
 from femstruct.language.study.sources.measured_source import MeasuredSourceSpec
@@ -41,8 +44,8 @@ class CompareSpec(Spec):
     baseline: Annotated[Text, Refers()]
 
 
-class StudySpec(Spec):
-    """A study file."""
+class StudyKeys(Spec):
+    """The keys of a study file but those of the evaluations of recorded histories, a key each kind."""
 
     title: Text | None = None
     model: Text
@@ -63,13 +66,17 @@ class StudySpec(Spec):
     cases: dict[str, Changes] = Field(default_factory=dict)
     compare: CompareSpec | None = None
     save: Literal["modal"] | None = None
-    shock_spectra: dict[str, ShockSpec] = Field(default_factory=dict)
     vibration: dict[str, VibrationSpec] = Field(default_factory=dict)
     fatigue: dict[str, FatigueSpec] = Field(default_factory=dict)
     sources: dict[str, MeasuredSourceSpec] = Field(default_factory=dict)
     vary: dict[str, VarySpec] = Field(default_factory=dict)
     samples: SamplesSpec | None = None
     optimise: OptimiseSpec | None = None
+
+    def evaluations(self) -> Iterator[tuple[str, str, EvaluationSpec]]:
+        """What is asked of recorded histories: the key of its kind, its name, and what the file says of it."""
+        for key in KINDS:
+            yield from ((key, name, one) for name, one in getattr(self, key).items())
 
     def check_campaign(self, here: Here) -> None:
         """Note what cannot vary as it is written."""
@@ -78,3 +85,14 @@ class StudySpec(Spec):
             asked, there = self.optimise, here.at("optimise")
             there.each("vary", asked.vary, lambda at, path, one: one.varied(path))
             there.at("robust", "over").make(lambda: asked.scattering(varied))
+
+
+if TYPE_CHECKING:
+    StudySpec = StudyKeys
+else:
+    StudySpec = create_model(
+        "StudySpec",
+        __base__=StudyKeys,
+        __doc__="A study file.",
+        **{key: (dict[str, kind], Field(default_factory=dict)) for key, kind in KINDS.items()},
+    )

@@ -25,7 +25,7 @@ from femstruct.view.figures.power_figures import (
     sound_energy,
     sound_power,
 )
-from femstruct.view.figures.shaken_figures import answered, range_spectrum, shock_spectra, vibration_answer
+from femstruct.view.figures.shaken_figures import answered, range_spectrum, shock_spectra, spectra_of, vibration_answer
 from femstruct.view.figures.spectra import frequency_response, sound
 from femstruct.view.figures.struck_sound import own_sounds
 from femstruct.view.figures.vibration import spectrum
@@ -75,7 +75,7 @@ def drawings(result: StudyResult) -> dict[str, Drawing]:
         **each("directivity", power_directivity, powers, no_power_directivity),
         **each("history", history, [name for name in channels if not _drawn_already(result, name)]),
         **each("spectrum", spectrum, channels, undrawn.no_spectrum),
-        **each("shock_spectrum", shock_spectra, dict.fromkeys(name for case in cases for name in case.shock)),
+        **each("shock_spectrum", shock_spectra, dict.fromkeys(name for case in cases for name in spectra_of(case))),
         **each("fatigue", range_spectrum, dict.fromkeys(name for case in cases for name in case.fatigue)),
         **each("vibration", vibration_answer, answered(result.cases)),
         **one("contact_forces", contact_forces, undrawn.no_contact_forces),

@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
 from femstruct.conventions import GRAVITY
+from femstruct.impact.evaluations.shock import ShockRequest, ShockSpectrum
 from femstruct.modal.steady.answers import HarmonicAnswer, RandomAnswer, Vibrated, with_axis
 from femstruct.study.result import CaseResult, StudyResult
 from femstruct.study.steady_vibration import per_hertz
@@ -23,10 +24,15 @@ PLAIN: Final = 100.0  # between the ends of an axis: below it ticks have plain n
 BETWEEN: Final = ", "  # an excitation and a channel in the name of a picture
 
 
+def spectra_of(case: CaseResult) -> Mapping[str, ShockSpectrum]:
+    """The shock response spectra of a case, by name."""
+    return case.evaluations.get(ShockRequest.key(), {})
+
+
 def shock_spectra(result: StudyResult, name: str) -> Figure:
     """The largest acceleration of an oscillator over its natural frequency, upwards or downwards, in all cases."""
     drawn = case_lines(result.cases, result.plan.baseline)
-    found = {case: item.shock[name] for case, item in result.cases.items() if name in item.shock}
+    found = {case: spectra_of(item)[name] for case, item in result.cases.items() if name in spectra_of(item)}
     one = next(iter(found.values()))
     title = f"{name}: shock response spectrum of {one.channel}, damping {100 * one.damping_ratio:g} %"
     figure = new_figure(9.0, 4.6, title)

@@ -1,11 +1,13 @@
-"""Tables that a person reads in the terminal: largest stresses, and what answers harmonic and random excitations."""
+"""Tables that a person reads: largest stresses, evaluations of recorded histories, answers to excitations, fatigue."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from typing import Any
 
 from femstruct.modal.steady.answers import HarmonicAnswer, RandomAnswer, with_axis
+from femstruct.reported import OWN_UNIT, Reported, holdings, reported
 from femstruct.study.result import StudyResult
 from femstruct.view.tables.grid import Grid
 from femstruct.view.tables.scales import ZEROS, digits, rounded, scaled
@@ -21,6 +23,30 @@ def stresses(result: StudyResult) -> Grid:
                 amount, time = f"{1e-6 * found.largest[worst]:.4g}", f"{1e3 * found.time[worst]:.3f}"
                 grid.add(name.rpartition(" ")[0], case_name, amount, found.where, time)
     return grid
+
+
+def evaluations(result: StudyResult) -> Iterator[Grid]:
+    """A table for each kind of evaluation of recorded histories, a row for each and every case: what its answers report
+    with a symbol."""
+    found: dict[str, Grid] = {}
+    for case_name, case in result.cases.items():
+        for key, told, answers in holdings(case):
+            for name, one in answers.items() if key in case.evaluations else ():
+                kind: object = type(one)
+                shown = {field: about for field, about in reported(kind).items() if about.symbol}
+                columns = ("", "case", *(about.symbol for about in shown.values()))
+                grid = found.setdefault(key, Grid(told.long_name.lower(), columns, keys=2))
+                grid.add(name, case_name, *(_cell(one, field, about) for field, about in shown.items()))
+    yield from found.values()
+
+
+def _cell(noun: Any, field: str, about: Reported) -> str:
+    """A number with its unit, or a text."""
+    value = getattr(noun, field)
+    if value is None or isinstance(value, str):
+        return value or "-"
+    factor, unit = scaled(noun.unit if about.unit == OWN_UNIT else about.unit, abs(value))
+    return digits(factor * value) + (f" {unit}" if unit != "1" else "")
 
 
 def harmonic(result: StudyResult) -> Grid:

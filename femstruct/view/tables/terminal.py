@@ -14,7 +14,7 @@ from femstruct.files.tables.finding_tables import findings_by_case
 from femstruct.reported import reported
 from femstruct.study.result import NET_FORCE, CaseComparison, CaseResult, StudyResult
 from femstruct.view.tables.accuracy_table import anything_meets, outcomes, trust
-from femstruct.view.tables.answer_tables import fatigue, harmonic, moved_masses, random, stresses
+from femstruct.view.tables.answer_tables import evaluations, fatigue, harmonic, moved_masses, random, stresses
 from femstruct.view.tables.array_table import arrays
 from femstruct.view.tables.blow_table import blows
 from femstruct.view.tables.console import console
@@ -82,6 +82,7 @@ def asked_tables(result: StudyResult) -> tuple[Grid, ...]:
         _levels(result),
         installed(result),
         _peaks(result),
+        *evaluations(result),
         harmonic(result),
         random(result),
         fatigue(result),

@@ -45,7 +45,8 @@ from femstruct.workflow.stages.modal_bases import Solved, damped
 from femstruct.workflow.stages.places import Places
 from femstruct.workflow.stages.rated_rooms import overlap_findings, rate_rooms
 from femstruct.workflow.stages.recorded.channels import refuse_absent_forces
-from femstruct.workflow.stages.recorded.peaks import damage_findings, shock_spectra
+from femstruct.workflow.stages.recorded.evaluated import evaluated, evaluation_findings
+from femstruct.workflow.stages.recorded.peaks import damage_findings
 from femstruct.workflow.stages.responses import frequency_response
 from femstruct.workflow.stages.room_transfers import RoomTransfers
 from femstruct.workflow.stages.sound_energies import shares_by_surface, sound_energies
@@ -126,7 +127,7 @@ def run_case(
         errors=None if whole is None else whole.errors,
         radiated=radiated,
         heard=NO_OWN_SOUND if whole is None else whole.heard,
-        shock=shock_spectra(study, channels),
+        evaluations=evaluated(study, channels),
         vibration=vibrated,
         fatigue=cycles,
         sources=installed,
@@ -139,6 +140,7 @@ def known_before(case: Case, own: Solved, basis: ModalBasis, accuracy: AccuracyC
     return [
         *all_findings(own, basis, case.studies, case.study.frf),
         *study_findings(case, own.places),
+        *evaluation_findings(case.study, basis.complete_below_hz),
         *coarse_sampling(case.study, last_mode_hz(basis), len(basis.omega)),
         *(accuracy_findings(accuracy) if accuracy is not None else ()),
         *covered_floor(case.studies, own.places, basis),

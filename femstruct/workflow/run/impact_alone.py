@@ -21,12 +21,12 @@ from femstruct.workflow.judgement.impact_findings import aliased_findings
 from femstruct.workflow.run.struck import clock_of, findings_of
 from femstruct.workflow.stages.places import Places
 from femstruct.workflow.stages.recorded.channels import motion_rows, record, refuse_absent_forces
+from femstruct.workflow.stages.recorded.evaluated import evaluated
 from femstruct.workflow.stages.recorded.peaks import (
     damage_findings,
     fatigue_findings,
     fatigues,
     peak_findings,
-    shock_spectra,
 )
 from femstruct.workflow.stages.recorded.stresses import stress_findings
 
@@ -88,6 +88,6 @@ def impact_alone(case: Case, key: str, places: Places, basis: ModalBasis, scene:
         findings=ranked(findings),
         accuracy=None,
         shares=told.shares,
-        shock=shock_spectra(study, told.channels),
+        evaluations=evaluated(study, told.channels),
         fatigue=told.fatigue,
     )

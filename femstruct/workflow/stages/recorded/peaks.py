@@ -15,7 +15,6 @@ import numpy as np
 from femstruct.errors import Finding
 from femstruct.impact.result.fatigue import Fatigue, SNLine, counted, counted_on_planes
 from femstruct.impact.result.response import Response
-from femstruct.impact.result.shock import ShockSpectrum, shock_spectrum
 from femstruct.study.counting import FatigueRequest
 from femstruct.study.result import Channel
 from femstruct.study.study import Study
@@ -27,19 +26,6 @@ from femstruct.workflow.stages.recorded.stresses import uneven
 CONVERGED = 0.05  # of a peak: what residual vectors may make of it
 MISSED = 0.02  # of a peak: what samples may miss of it before cycles are counted from them
 CHANGED = 5.0  # per cent: by how much a change against the baseline may depend on them
-
-
-def shock_spectra(study: Study, channels: Mapping[str, Channel]) -> dict[str, ShockSpectrum]:
-    """The shock response spectra that a study asks for, by name; frequencies evenly over the logarithm."""
-    found: dict[str, ShockSpectrum] = {}
-    if study.time is None:
-        return found
-    for request in study.shock_spectra:
-        low, high = request.band
-        count = max(2, round(request.per_octave * np.log2(high / low)) + 1)
-        channel, lines = channels[f"{request.of} acceleration"], np.geomspace(low, high, count)
-        found[request.name] = shock_spectrum(channel.values, study.time.sampling, lines, request.damping, channel.name)
-    return found
 
 
 def fatigues(study: Study, channels: Mapping[str, Channel], places: Places, response: Response) -> dict[str, Fatigue]:

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Annotated, Final
+from typing import Annotated, ClassVar, Final, Literal
 
 import numpy as np
 import scipy
 
 from femstruct.arrays import Floats
+from femstruct.declared import checked
 from femstruct.errors import InputError
-from femstruct.reported import Reported
+from femstruct.impact.evaluations.evaluation import Evaluation
+from femstruct.reported import Held, Reported
 
 SAMPLES: Final = 10.0
 """Samples a period of an oscillator: with fewer its largest acceleration is taken more than 5 % too low."""
@@ -25,8 +27,11 @@ class ShockSpectrum:
     largest upwards and downwards, both as magnitudes, during the record and while they ring after it.
     """
 
+    table: ClassVar = Held(
+        "Shock response spectra of recorded accelerations", "Largest accelerations of oscillators", key="shock_spectra"
+    )
     channel: Annotated[str, Reported("1", "Recorded acceleration")]
-    damping_ratio: Annotated[float, Reported("1", "Of the oscillators")]
+    damping_ratio: Annotated[float, Reported("1", "Of the oscillators", symbol="damping ratio")]
     frequency_hz: Annotated[Floats, Reported("Hz", "Natural frequency", along=_AXIS)]
     positive: Annotated[Floats, Reported("m/s^2", "Largest positive acceleration", along=_AXIS)]
     negative: Annotated[Floats, Reported("m/s^2", "Largest negative acceleration, as a magnitude", along=_AXIS)]
@@ -37,14 +42,45 @@ class ShockSpectrum:
         return np.maximum(self.positive, self.negative)
 
     @property
-    def largest(self) -> Annotated[float, Reported("m/s^2", "Largest of the spectrum")]:
+    def largest(self) -> Annotated[float, Reported("m/s^2", "Largest of the spectrum", symbol="largest")]:
         """Of the spectrum [m/s^2]."""
         return float(self.maximax.max())
 
     @property
-    def largest_at_hz(self) -> Annotated[float, Reported("Hz", "Where it is largest")]:
+    def largest_at_hz(self) -> Annotated[float, Reported("Hz", "Where it is largest", symbol="at")]:
         """Natural frequency where it is largest [Hz]."""
         return float(self.frequency_hz[self.maximax.argmax()])
+
+
+@dataclass(frozen=True)
+@checked("shock_spectra")
+class ShockRequest(Evaluation):
+    """A shock response spectrum of a recorded acceleration: of : "POINT.z"; damping ratio of the oscillators [1], band
+    of their natural frequencies [Hz], how many an octave.
+
+    At the foot of a machine, with 5 % of damping (Q = 10), from 5 Hz to 2 kHz:
+
+    >>> ShockRequest("foot", "foot.z", damping=0.05, band=(5.0, 2000.0)).per_octave
+    12
+    """
+
+    gives: ClassVar = ShockSpectrum
+    name: str
+    of: str
+    damping: float
+    band: tuple[float, float]
+    per_octave: int = 12
+
+    @property
+    def quantity(self) -> Literal["acceleration"]:
+        """It takes accelerations."""
+        return "acceleration"
+
+    def answer(self, values: Floats, sampling: float) -> ShockSpectrum:
+        """The spectrum at frequencies that are even over the logarithm."""
+        low, high = self.band
+        count = max(2, round(self.per_octave * np.log2(high / low)) + 1)
+        return shock_spectrum(values, sampling, np.geomspace(low, high, count), self.damping, self.channel)
 
 
 def shock_spectrum(

@@ -1,0 +1,26 @@
+"""What a study asks of recorded histories one by one: shock response spectra, perception, and what others add."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from femstruct.errors import Finding
+from femstruct.impact.evaluations.known_evaluations import EVALUATIONS
+from femstruct.study.result import Channel
+from femstruct.study.study import Study
+
+
+def evaluated(study: Study, channels: Mapping[str, Channel]) -> dict[str, dict[str, Any]]:
+    """The answers by kind and name; every kind is there, with nothing where nothing is asked or simulated."""
+    found: dict[str, dict[str, Any]] = {key: {} for key in EVALUATIONS}
+    if study.time is not None:
+        for one in study.evaluations:
+            found.setdefault(one.key(), {})[one.name] = one.answer(channels[one.channel].values, study.time.sampling)
+    return found
+
+
+def evaluation_findings(study: Study, complete_below_hz: float) -> Iterator[Finding]:
+    """What is to be known of them where the modes are complete below a frequency [Hz]."""
+    for one in study.evaluations:
+        yield from one.doubts(complete_below_hz)
