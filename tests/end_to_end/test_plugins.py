@@ -1,4 +1,5 @@
-"""A package outside femstruct adds a kind of part and a contact law, by entry points alone; a broken one is named."""
+"""A package outside femstruct adds a kind of part, a contact law and an evaluation of histories, by entry points alone;
+a broken one is named."""
 
 from __future__ import annotations
 
@@ -25,6 +26,10 @@ GUEST = ROOT / "tests" / "data" / "femstruct_guest"
 ENTRIES = """
 [femstruct.language.parts]
 strut = femstruct_guest.strut_words:StrutSpec
+[femstruct.evaluations]
+crest = femstruct_guest.crest:CrestRequest
+[femstruct.language.evaluations]
+crest = femstruct_guest.crest_words:CrestSpec
 [femstruct.language.laws]
 barrier = femstruct_guest.barrier_words:BarrierSpec
 [femstruct.laws]
@@ -64,6 +69,7 @@ model: truss.yaml
 modes: {up_to: 1 kHz}
 bodies: {ball: {mass: 100 g, above: apex, speed: 2 m/s, contact: {type: linear, stiffness: 50 kN/m}}}
 record: {apex.z: velocity, ball on apex: force}
+crest_factors: {top: {of: apex.z}}
 time: {duration: 20 ms, sampling: 20 kHz}
 """
 
@@ -132,13 +138,17 @@ def test_the_words_of_another_package_are_checked_and_in_the_schema(site: Path) 
 
 
 def test_a_study_of_struts_is_stored_and_read_back(site: Path) -> None:
-    """All results and the page; without the package the file says which one is missing."""
-    only_parts = ENTRIES.split("[femstruct.language.laws]")[0]  # another law would have all kernels compiled anew
-    (site / "femstruct_guest-0.1.dist-info" / "entry_points.txt").write_text(only_parts, encoding="utf-8")
+    """All results and the page; without the package the file says which one is missing. What the package asks of a
+    history is in the summary, in tables and on the page."""
+    no_law = ENTRIES.split("[femstruct.language.laws]")[0]  # another law would have all kernels compiled anew
+    (site / "femstruct_guest-0.1.dist-info" / "entry_points.txt").write_text(no_law, encoding="utf-8")
     (site.parent / "hit.study.yaml").write_text(HIT, encoding="utf-8")
     told = python(site, "-m", "femstruct", "run", "hit.study.yaml", "--no-pictures", "-o", "out")
     assert told.returncode == 0, told.stderr
-    assert "strut" in (site.parent / "out" / "report.html").read_text(encoding="utf-8")
+    page = (site.parent / "out" / "report.html").read_text(encoding="utf-8")
+    assert "strut" in page and "crest factors" in page and "crest factors" in told.stdout
+    crest = json.loads((site.parent / "out" / "summary.json").read_text(encoding="utf-8"))["cases"]["as given"]
+    assert 1.0 < crest["crest_factors"]["top"]["factor"] < 20.0 and crest["perception"] == {}
     read = "from femstruct import read_results; print(read_results('out/results.h5').plan.cases[0].study.structure)"
     assert "Strut(name='left'" in python(site, "-c", read).stdout
     told = python(site.parent / "nowhere", "-c", read)
