@@ -34,7 +34,7 @@ from femstruct.study.study import Study
 from femstruct.workflow.continuation.blow_motions import blow_spectrum, coupled, driven_rates, simulated_rates
 from femstruct.workflow.continuation.drawn_places import drawn_drops, drawn_receivers, drawn_sides
 from femstruct.workflow.stages.places import Places
-from femstruct.workflow.stages.rated_rooms import apart, method_for
+from femstruct.workflow.stages.rated_rooms import apart, method_for, running
 from femstruct.workflow.stages.rest import weighs
 
 SETS: Final = 8  # of places in each room: with four, intervals of single bands scatter by 12 to 19 %, so by 7 to 12 %
@@ -84,14 +84,17 @@ def _ensemble(
 ) -> Ensemble:
     rng = np.random.default_rng(13)
     placed = placed_room(plan, places.surfaces)
-    s = _lines(plan, method, bands, basis)
+    rows = drawn_drops(list(drops.studies.values()), places, basis, plan.ensemble * SETS, rng)
+    window = _machine_runs(method, drops) if rows is None else None
+    s = _lines(plan, method, bands, basis, window)
     (surface,) = placed.shapes(basis)
     modes = np.flatnonzero(basis.frequency_hz <= MODES_UP_TO * float(s[-1].imag) / (2 * np.pi))
     found = coupled(basis, modes)
     if found is not None:  # air of cavities, frames of wool and their heat do not move the room's surface
         modes = modes[surface.shapes[:, modes].any(axis=0)]
     surface = SurfaceShapes(surface.points, surface.weights, surface.shapes[:, modes])
-    motions, moved = _motions(drops, places, basis, modes, found, s, plan.ensemble * SETS, rng)
+    motions, moved = _motions(drops, rows, basis, modes, found, s, plan.ensemble * SETS, window)
+    every = BETWEEN_BLOWS if window is None else window[1] - window[0]
     members, corrections = [], []
     for factors in drawn_sides(plan.ensemble, rng):
         room = plan.room.varied(factors)
@@ -101,15 +104,28 @@ def _ensemble(
         flat = dict.fromkeys(method.bands_hz, 0.0)
         correction = flat if method.correct is None else method.correct(flat, room.volume, t60)
         for receivers in ways:
-            members.append(_member(receivers, next(motions), s, bands, method))
+            members.append(_member(receivers, next(motions), s, bands, method, every))
             corrections.append(list(correction.values()))
     whole = np.full((len(members), len(method.bands_hz)), np.nan)
     whole[:, [method.bands_hz.index(band) for band in bands]] = members
     return Ensemble(whole, np.array(corrections), plan.ensemble, moved)
 
 
-def _lines(plan: RoomPlan, method: Method, bands: Mapping[float, float], basis: ModalBasis) -> Complexes:
-    """Complex frequencies [nf] [1/s] of spectra that last long enough for floor and room to fall silent."""
+def _machine_runs(method: Method, drops: Drops) -> tuple[float, float] | None:
+    """From when to when a tapping machine's sound is averaged [s] where its blows overlap; None for single blows."""
+    study = next(iter(drops.studies.values()))
+    return None if method.blows == "heavy" or apart(study) else running(study)
+
+
+def _lines(
+    plan: RoomPlan,
+    method: Method,
+    bands: Mapping[float, float],
+    basis: ModalBasis,
+    window: tuple[float, float] | None,
+) -> Complexes:
+    """Complex frequencies [nf] [1/s] of spectra that last long enough for floor and room to fall silent; of whole turns
+    of a machine that runs on, in its window [s], their own lines."""
     lowest, highest = min(bands.values()) / BESIDE, max(bands.values()) * BESIDE
     rated = (basis.frequency_hz >= lowest) & (basis.frequency_hz <= highest) & (basis.omega > 0)
     decay = np.diag(basis.time_damping)[rated].min(initial=np.inf)
@@ -117,6 +133,7 @@ def _lines(plan: RoomPlan, method: Method, bands: Mapping[float, float], basis: 
     room = max(t60_of(plan.room.losses, band) for band in bands)
     least, share = LASTS_S[method.blows]
     lasts = least + share * min(max(room, floor if isfinite(floor) else room), LONGEST_S)
+    lasts = lasts if window is None else window[1] - window[0]
     heavy = method.blows == "heavy"
     lines = np.arange(0 if heavy else 1, int(np.ceil(highest * 10 ** (0.15 / method.fraction) * lasts)) + 1)
     return np.asarray((FOLDED / lasts if heavy else 0.0) + 2j * np.pi * lines / lasts, dtype=np.complex128)
@@ -124,21 +141,20 @@ def _lines(plan: RoomPlan, method: Method, bands: Mapping[float, float], basis: 
 
 def _motions(
     drops: Drops,
-    places: Places,
+    rows: list[list[Floats]] | None,
     basis: ModalBasis,
     modes: Integers,
     found: Oscillators | None,
     s: Complexes,
     sets: int,
-    rng: np.random.Generator,
+    window: tuple[float, float] | None,
 ) -> tuple[Iterator[list[Complexes]], str]:
     """For every set of places, for each drop, spectra of the modal rates of its blows [h, k, nf], one set after the
-    other; what is drawn anew."""
+    other; what is drawn anew. rows : of `drawn_drops`. window : of a machine that runs on [s]."""
     studies = list(drops.studies.values())
     runs = list(drops.responses.values())
-    rows = drawn_drops(studies, places, basis, sets, rng)
     if rows is None:
-        stays = [_as_simulated(study, run, modes, s) for study, run in zip(studies, runs, strict=True)]
+        stays = [_as_simulated(study, run, modes, s, window) for study, run in zip(studies, runs, strict=True)]
         return repeat(stays, sets), "microphones"
     forces = [
         np.array([blow_spectrum(run, body, s, weighs=weighs(study)) for body in study.bodies])
@@ -151,8 +167,13 @@ def _motions(
     return motions, "places of the source, microphones"
 
 
-def _as_simulated(study: Study, run: Response, modes: Integers, s: Complexes) -> Complexes:
-    """Modal rates of the blows of a run where they struck [h, k, nf]: one, or one for each hammer of a machine."""
+def _as_simulated(
+    study: Study, run: Response, modes: Integers, s: Complexes, window: tuple[float, float] | None
+) -> Complexes:
+    """Modal rates of the blows of a run where they struck [h, k, nf]: one, one for each hammer of a machine whose blows
+    are apart, or that of all blows in the window [s] of one that runs on."""
+    if window is not None:
+        return simulated_rates(run, modes, s, window[0], window[1] - window[0])[None]
     alone = apart(study)
     starts = {blow.body: blow.t for blow in reversed(run.blows)} if alone else {}
     lasts = alone if alone else run.clock.duration
@@ -177,9 +198,15 @@ def _ways(
 
 
 def _member(
-    ways: Complexes, motion: Sequence[Complexes], s: Complexes, bands: Mapping[float, float], method: Method
+    ways: Complexes,
+    motion: Sequence[Complexes],
+    s: Complexes,
+    bands: Mapping[float, float],
+    method: Method,
+    every: float,
 ) -> Floats:
-    """Level of one set of places [b] [dB], averaged as the standard does."""
+    """Level of one set of places [b] [dB], averaged as the standard does. every : time for which one spectrum of a
+    tapping machine stands [s]."""
     places = []
     for rates in motion:
         spectra = np.einsum("rkf,hkf->rhf", ways, rates, optimize=True)
@@ -187,7 +214,7 @@ def _member(
         if method.blows == "heavy":
             squares = largest_fast(flat, s, bands, method.fraction).reshape(*spectra.shape[:2], -1)
         else:
-            squares = exposures(flat, s, bands, method.fraction).reshape(*spectra.shape[:2], -1) / BETWEEN_BLOWS
+            squares = exposures(flat, s, bands, method.fraction).reshape(*spectra.shape[:2], -1) / every
         levels = 10 * np.log10(np.maximum(squares.mean(axis=1), 1e-300) / REFERENCE_SQUARED)
         places.append(energy_average(levels, axis=0))
     return method.average(np.array(places))
