@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from math import inf
 from types import MappingProxyType
-from typing import ClassVar, Final
+from typing import ClassVar, Final, Literal
 
 import numpy as np
 
@@ -35,6 +35,7 @@ from acoustics.meshed.meshed_pressure import (
     harmonic_cavity_pressure,
 )
 from acoustics.meshed.meshed_two_way import coupled_cavity
+from acoustics.meshed.reverberation import Decays, decays, measured_t60
 from acoustics.meshed.walls import AnyWall, YieldingWall
 from acoustics.receivers import Receiver, positions
 from acoustics.room_response import RoomResponse
@@ -146,6 +147,17 @@ class ShapedRoom(SoundField):
     @property
     def loses(self) -> bool:
         return super().loses or bool(self.walls)
+
+    @cached_property
+    def decays(self) -> Decays:
+        """How its modes die away, up to `up_to_hz`."""
+        return decays(self.modes, self.air, self.losses, self.walls)
+
+    def t60(self, frequency_hz: float, fraction: Literal[1, 3] = 3) -> float:
+        """With walls, of its modes as they are damped; beyond them, of the last of them."""
+        if not self.walls:
+            return super().t60(frequency_hz, fraction)
+        return measured_t60(self.decays, frequency_hz, fraction)
 
     @property
     def identity(self) -> object:

@@ -10,7 +10,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from math import inf
-from typing import ClassVar
+from typing import ClassVar, Literal
 
 import numpy as np
 
@@ -18,7 +18,7 @@ from acoustics.air import Air
 from acoustics.arrays import Complexes, Floats
 from acoustics.errors import AcousticsError, Advice
 from acoustics.fields.returned import KeptTransfer, ModesOnSurface
-from acoustics.losses import Losses, modal_damping_ratio
+from acoustics.losses import Losses, modal_damping_ratio, t60_of
 from acoustics.open_air.baffle import Baffle
 from acoustics.receivers import Receiver
 from acoustics.room_response import RoomResponse
@@ -75,6 +75,11 @@ class SoundField(ABC):
         """Whether its air takes up any energy."""
         losses = self.losses
         return bool(losses.relaxation_time or losses.decay_rate or losses.beta)
+
+    def t60(self, frequency_hz: float, fraction: Literal[1, 3] = 3) -> float:
+        """Reverberation time [s] that is measured in it in an octave (1) or third octave (3) about a frequency [Hz]: of
+        its losses, and of all else that takes up sound; infinite without any."""
+        return t60_of(self.losses, frequency_hz)
 
     @property
     def identity(self) -> object:

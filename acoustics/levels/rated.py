@@ -19,7 +19,6 @@ from acoustics.levels.ensemble import Ensemble, Interval
 from acoustics.levels.iso import energy_average
 from acoustics.levels.methods import FIELD, RATING, Blows, Method, method_of
 from acoustics.levels.single_number import Number, SingleNumber, single_number
-from acoustics.losses import t60_of
 from acoustics.reported import Axis, Reported
 from acoustics.statistical.statistical_bands import Agreement, StatisticalBands, agreement
 
@@ -262,7 +261,8 @@ def rate_room(
 
     Notes
     -----
-    The reverberation time is that of the room as it is modelled, T60 of its losses at the band's centre.
+    The reverberation time is that of the room as it is modelled: T60 of its losses at the band's centre or, where walls
+    absorb too, what would be measured in the band.
 
     References
     ----------
@@ -289,7 +289,7 @@ def rate_room(
     missing = [band for band in bands if any(band not in one for drop in levels_db for one in drop)]
     if missing:
         raise AcousticsError("levels", got=f"nothing at {missing[0]:g} Hz", expected="all bands", do="sample faster")
-    t60 = {band: t60_of(room.losses, band) for band in bands}
+    t60 = {band: room.t60(band, method.fraction) for band in bands}
     correction = dict.fromkeys(bands, 0.0)
     if method.correct is not None:
         if not all(map(isfinite, t60.values())):

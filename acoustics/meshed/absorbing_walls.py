@@ -42,6 +42,16 @@ def coupling(modes: CavityModes, taken_up: Floats, air: Air) -> float:
     return float(ratio.max(initial=0.0))
 
 
+def solved_together(walls: Mapping[str, AnyWall], coupled: float) -> tuple[bool, bool]:
+    """Whether modes are complex ones that walls couple, and whether walls that absorb are the same at all frequencies.
+
+    coupled : of `coupling`.
+    """
+    resistive = [wall for wall in walls.values() if isinstance(wall, Wall)]
+    constant = all(wall.constant for wall in resistive)
+    return len(resistive) < len(walls) or (coupled > COUPLED and constant), constant
+
+
 def coupled_walls(coupled: float) -> Advice:
     """Advice ``coupled-absorption``: modes are damped one by one where walls couple them."""
     return Advice(

@@ -17,7 +17,22 @@ Answer = tuple[Floats | Complexes, Floats | Complexes, Callable[[Complexes], Com
 
 
 def complex_modes(modes: CavityModes, air: Air, losses: Losses, absorbed: Floats, motion: WallMotion) -> Answer:
-    """(left, right, term): pressures of the modes are left @ (term(s) * (right @ integrals of psi_n v)).
+    """(left, right, term): pressures of the modes are left @ (term(s) * (right @ integrals of psi_n v)); the rest as
+    `resonances`."""
+    poles, left, right = resonances(modes, air, losses, absorbed, motion)
+
+    def term(s: Complexes) -> Complexes:
+        ratio: Complexes = (1 + losses.relaxation_time * s) / (s - poles[:, None])
+        return ratio
+
+    return left, right, term
+
+
+def resonances(
+    modes: CavityModes, air: Air, losses: Losses, absorbed: Floats, motion: WallMotion
+) -> tuple[Complexes, Complexes, Complexes]:
+    """Poles [m] [1/s] of a room and its walls, what of the pressures of its modes is in each [n, m], and how these
+    drive it [m, n].
 
     absorbed [n, n] : A, of `acoustics.meshed.absorbing_walls.absorbed` [1/m].
 
@@ -60,9 +75,4 @@ def complex_modes(modes: CavityModes, air: Air, losses: Losses, absorbed: Floats
     )
     poles, vectors = eig(rates[:, :-n])
     right = np.linalg.solve(vectors, rates[:, -n:].astype(np.complex128))
-
-    def term(s: Complexes) -> Complexes:
-        ratio: Complexes = (1 + tau * s) / (s - poles[:, None])
-        return ratio
-
-    return vectors[:n], right, term
+    return poles, vectors[:n], right

@@ -12,7 +12,7 @@ from acoustics.air import Air
 from acoustics.arrays import Complexes, Floats
 from acoustics.errors import AcousticsError, Advice
 from acoustics.losses import Losses
-from acoustics.meshed.absorbing_walls import COUPLED, absorbed, coupled_walls, coupling
+from acoustics.meshed.absorbing_walls import COUPLED, absorbed, coupled_walls, coupling, solved_together
 from acoustics.meshed.coupled_wall_modes import Answer, complex_modes
 from acoustics.meshed.finite_elements import CELLS_PER_WAVE, CavityModes, drive, probe, wall_forces, with_answers
 from acoustics.meshed.walls import AnyWall, Wall
@@ -210,9 +210,8 @@ def _way(
     loads = drive(modes, surface)
     listening = loads.T if places is None else probe(modes.mesh, places)
     coupled = coupling(modes, absorbed(modes, walls, air), air)
+    together, constant = solved_together(walls, coupled)
     resistive = {name: wall for name, wall in walls.items() if isinstance(wall, Wall)}
-    constant = all(wall.constant for wall in resistive.values())
-    together = len(resistive) < len(walls) or (coupled > COUPLED and constant)
     forces = [wall_forces(modes, wall) for wall in resistive] if together else []
     modes = with_answers(modes, np.hstack([loads, wall_motion(modes, walls).loads, *forces]))
     motion = wall_motion(modes, walls)  # in all that there is now of pressure on the walls

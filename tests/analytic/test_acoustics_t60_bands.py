@@ -32,7 +32,7 @@ def test_times_of_a_decay_rate_and_a_relaxation_time_give_them_back():
         pytest.approx(gamma, rel=1e-13),  # rounding: 1e-16 here
         pytest.approx(tau, rel=1e-13),
     )
-    assert t60_missed(losses, times) == ()
+    assert t60_missed({f: t60_of(losses, f) for f in times}, times) == ()
 
 
 def test_the_fit_is_the_least_of_all_that_are_not_negative():
@@ -54,7 +54,7 @@ def test_times_that_rise_are_told_with_both_numbers():
     asked = {63.0: 0.4, 125.0: 0.5, 250.0: 0.7, 500.0: 0.9}
     losses = losses_from_t60_bands(asked)
     assert losses.kind == "constant_decay"
-    (advice,) = t60_missed(losses, asked)
+    (advice,) = t60_missed({f: t60_of(losses, f) for f in asked}, asked)
     assert advice.values["asked_63_hz_s"] == 0.4
     assert advice.values["modelled_63_hz_s"] == pytest.approx(t60_of(losses, 63.0))
     assert "63 Hz 0.4 s / 0." in advice.message

@@ -66,6 +66,7 @@ ACOUSTICS = [
         "acoustics.rooms.room_advice",
         "acoustics.meshed.absorbing_walls",
         "acoustics.meshed.coupled_wall_modes",
+        "acoustics.meshed.reverberation",
         "acoustics.rooms.cosine_sums",
         "acoustics.rooms.box_pressure",
         "acoustics.rooms.kept_transfers",

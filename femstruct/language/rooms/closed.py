@@ -127,6 +127,11 @@ class ClosedSpec(RoomSpec):
     def standards(self) -> tuple[str, ...]:
         return self.levels
 
+    @property
+    def takes_up_sound(self) -> bool:
+        """Whether it has a reverberation time."""
+        return self.losses is not None
+
     def losses_of(self) -> Losses:
         """The losses it describes."""
         return self.losses.losses(self.form) if self.losses is not None else Losses()
@@ -198,7 +203,7 @@ class ClosedSpec(RoomSpec):
                 "add it to 'covering.reduction'",
             )
         there.need(
-            method.correct is None or self.losses is not None,
+            method.correct is None or self.takes_up_sound,
             f"{method.measured_by} in a room without losses",
             "its reverberation time",
             "add 'losses: {t60: 0.5 s}'",

@@ -105,6 +105,12 @@ class WallSpec(Spec):
             raise refuse("a wall of no mass, no stiffness and no resistance", "one of them above 0")
         return self
 
+    @property
+    def absorbs(self) -> bool:
+        """Whether it takes up sound."""
+        most = max(self.absorption.values()) if isinstance(self.absorption, dict) else self.absorption
+        return bool(most or self.impedance or self.resistance)
+
     def wall(self, air: Air) -> AnyWall:
         """The wall it describes."""
         if self.mass is not None or self.stiffness > 0:

@@ -60,6 +60,10 @@ class MeshedRoomSpec(ClosedSpec):
         if "size" in given and ("walls" in given) != ("modes" in given):
             raise refuse(f"'{got}' of a room with a size", f"'{wanted}' beside '{got}'", do)
 
+    @property
+    def takes_up_sound(self) -> bool:
+        return super().takes_up_sound or any(wall.absorbs for wall in self.walls.values())
+
     def check_in(self, here: Here, name: str, asked: Asked) -> None:
         here.at("form").need(self.form == "causal", "the source's form in a meshed room", "causal", "leave out 'form'")
         super().check_in(here, name, asked)

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from acoustics.levels.methods import Method
-from acoustics.losses import modal_damping_ratios, single_modes_hz, t60_of
+from acoustics.losses import DECAY_OF_T60, single_modes_hz
 from femstruct.arrays import Floats
 from femstruct.errors import Finding
 from femstruct.modal.basis import ModalBasis
@@ -98,7 +98,7 @@ def mode_pairs(placed: Placed, basis: ModalBasis) -> ModePairs:
     is 1 + kappa times smaller with the air pushing back, its energy under forces of all frequencies as much.
     """
     room = placed.room
-    t60 = t60_of(room.losses, DECAY_HZ)
+    t60 = room.t60(DECAY_HZ)
     if not isfinite(t60):
         return _no_pairs()
     top = single_modes_hz(t60, room.volume)
@@ -117,7 +117,7 @@ def mode_pairs(placed: Placed, basis: ModalBasis) -> ModePairs:
     both = np.outer(sizes, others)
     floor_hz = basis.frequency_hz[elastic]
     floor_width = 2 * np.nan_to_num(basis.damping_ratio[elastic]) * floor_hz
-    room_width = 2 * modal_damping_ratios(room.losses, room_hz) * room_hz
+    room_width = DECAY_OF_T60 / pi / np.array([room.t60(f) for f in room_hz.tolist()])
     apart = np.abs(floor_hz[:, None] - room_hz)
     widths = floor_width[:, None] + room_width
     exchange = room.air.c * np.sqrt(room.air.rho / squares) * products / (2 * pi)  # g / 2 pi

@@ -15,7 +15,6 @@ from acoustics.levels.ensemble import Ensemble
 from acoustics.levels.methods import Blows, Method, method_of, rating_of
 from acoustics.levels.rated import RatedRoom, rate_room
 from acoustics.levels.sound_levels import Levels, equivalent_levels
-from acoustics.losses import t60_of
 from acoustics.room_response import RoomResponse
 from acoustics.rooms.room_advice import t60_missed
 from acoustics.statistical.statistical_bands import StatisticalBands
@@ -110,7 +109,7 @@ def rated_findings(plan: RoomPlan, study: Study, drops: int = 1) -> tuple[Advice
 
     drops : at how many places the source strikes.
     """
-    found: list[Advice | Finding] = list(t60_missed(plan.room.losses, plan.t60_asked))
+    found: list[Advice | Finding] = list(t60_missed({f: plan.room.t60(f) for f in plan.t60_asked}, plan.t60_asked))
     method = method_for(plan, study)
     if method is None:
         return tuple(found)
@@ -169,7 +168,7 @@ def _other_blows(method: Method, study: Study) -> tuple[Finding, ...]:
 def _overlapping(plan: RoomPlan, method: Method, study: Study, basis: ModalBasis) -> tuple[Finding, ...]:
     """Uncorrelated blows that come before the sound of the last one has died away, so that they are not heard alone."""
     lowest = method.bands_hz[0] * 10**-0.05
-    t60 = max(t60_of(plan.room.losses, band) for band in method.bands_hz)
+    t60 = max(plan.room.t60(band, method.fraction) for band in method.bands_hz)
     rated = (basis.frequency_hz >= lowest) & (np.array(basis.kind) == "elastic")
     decay = np.diag(basis.time_damping)[rated].min(initial=inf)  # of a mode's energy [1/s]
     floor_t60 = 6 * log(10) / decay if decay > 0 else inf
@@ -192,7 +191,7 @@ def _overlapping(plan: RoomPlan, method: Method, study: Study, basis: ModalBasis
 def _building_up(plan: RoomPlan, method: Method, study: Study) -> tuple[Finding, ...]:
     """A tapping machine that has not run long enough for the room to fill with sound before levels are averaged."""
     since, until = running(study)
-    t60 = max(t60_of(plan.room.losses, band) for band in method.bands_hz)
+    t60 = max(plan.room.t60(band, method.fraction) for band in method.bands_hz)
     missing = -10 * log10(1 - 10 ** (-6 * since / t60)) if since else float("inf")
     if missing <= BUILT_UP_DB:
         return ()
