@@ -13,7 +13,6 @@ from acoustics.levels.bands import band_edges, octave_bands, third_octave_bands
 from acoustics.levels.ending import shown
 from acoustics.levels.sound_levels import REFERENCE_PA
 from acoustics.levels.weighting import frequency_weighting
-from acoustics.losses import t60_of
 from femstruct.arrays import Floats
 from femstruct.errors import Finding, InputError
 from femstruct.modal.basis import ModalBasis
@@ -35,6 +34,7 @@ PICOWATT: Final = 1e-12
 FINENESS: Final = 10.0  # of lines along frequency: mean squares within .6 %, .03 dB
 ROOM_LINES: Final = 1.5  # in half the half-power bandwidth of a room mode: trapezia of a resonance within 2e-4
 OPEN_DB: Final = 1.0  # of power that the missing phase leaves open and that is told
+PLACES: Final = 200  # along frequency, where the reverberation times of rooms are looked at
 _HALF_T60: Final = 3.0 * np.log(10.0) / (2.0 * np.pi)  # half the half-power bandwidth of a mode, times T60
 _ALL_HZ: Final = 1e6  # a sampling that has all bands
 _SILENCE: Final = 1e-30
@@ -167,14 +167,15 @@ def _refuse(
 def _lines(basis: ModalBasis, edges: Floats, rooms: Sequence[RoomPlan]) -> Floats:
     """Lines along frequency that follow the resonances of the structure and are dense enough for those of rooms."""
     low, high = float(edges.min()), float(edges.max())
-    centre = float(np.sqrt(low * high))
-    t60 = [min(t60_of(plan.room.losses, f) for f in (low, centre, high)) for plan in rooms]
-    longest = max((t for t in t60 if isfinite(t)), default=0.0)
-    also = [*np.unique(edges).tolist()]
-    if longest > 0.0:
-        step = _HALF_T60 / longest / ROOM_LINES
-        also += np.linspace(low, high, int(np.ceil((high - low) / step)) + 1).tolist()
-    return resonant_lines(basis, (low, high), tuple(also), FINENESS)
+    also = np.unique(edges)
+    if rooms:
+        # as many as the slowest room needs there: losses of the air leave low modes far narrower than high ones
+        hz = np.geomspace(low, high, PLACES)
+        times = np.array([[plan.room.t60(f) for f in hz.tolist()] for plan in rooms])
+        a_hertz = ROOM_LINES / _HALF_T60 * np.where(np.isfinite(times), times, 0.0).max(axis=0)
+        lines = np.append(0.0, np.cumsum(0.5 * (a_hertz[1:] + a_hertz[:-1]) * np.diff(hz)))
+        also = np.append(also, np.interp(np.arange(np.ceil(lines[-1]) + 1), lines, hz))
+    return resonant_lines(basis, (low, high), tuple(also.tolist()), FINENESS)
 
 
 def _pressures(
