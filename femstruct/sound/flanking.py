@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from math import inf, log10, nan
+from math import inf, isfinite, log10, nan
 from typing import Annotated, Final
 
 import numpy as np
@@ -24,7 +24,10 @@ from femstruct.sound.surface import Motion
 
 REFERENCE_J: Final = 1e-12
 LINES_A_BAND: Final = 2.0  # lines of the record within a third octave from which on the band is shown
-PADDED: Final = 2.0  # length of the transform over that of the record
+PADDED: Final = 2.0  # length of the transform over that of the record, and ...
+RINGS: Final = (
+    1.0  # ... of reverberation times after its end: what comes later, 60 dB down, folds back to its beginning
+)
 _BAND: Final = ("band_hz", "Hz", "Nominal centre of the third octave")
 _SILENCE: Final = 1e-30
 
@@ -98,12 +101,10 @@ def surface_shares(
 
     Notes
     -----
-    Energy is the sum over the lines of the record of the active power spectrum; the structure stands still after its
-    end. Bands begin where a third octave has two lines, 4.3 / T.
+    Energy is the sum over lines of the active power spectrum, which lie close enough for the room to fall silent; the
+    structure stands still after the record's end. Bands begin where a third octave has two lines, 4.3 / T.
     """
     first = motion[0]
-    length = fast_length(int(PADDED * first.rates.shape[1]))
-    step = 1.0 / (length * first.dt)
     bands = {
         nominal: exact
         for nominal, exact in third_octave_bands(1.0 / first.dt, 10.0).items()
@@ -112,8 +113,12 @@ def surface_shares(
     }
     if not bands:
         return None
+    samples = first.rates.shape[1]
+    rings = RINGS * _rings(room, [*bands.values()][-1]) / first.dt
+    length = fast_length(int(max(PADDED * samples, samples + rings)))
+    step = 1.0 / (length * first.dt)
     low, high = band_edges(next(iter(bands.values())))[0], band_edges([*bands.values()][-1])[1]
-    lines = np.asarray(step * np.arange(int(np.ceil(low / step)), int(high / step) + 1), dtype=np.float64)
+    lines = np.asarray(step * np.arange(max(1, int(low / step)), int(np.ceil(high / step)) + 1), dtype=np.float64)
     energy = np.full((len(motion), len(bands)), nan)
     if room.room.loses:
         density = 4.0 * room.room.powers([_vibration(one, length, lines) for one in motion])  # both signs, 2 of 1/2
@@ -127,6 +132,13 @@ def surface_shares(
         alone, together = np.array(each), whole
     names, walls = tuple(one.name for one in room.surfaces), tuple(room.walls)
     return SurfaceShares(names, walls, np.array([*bands]), energy, alone, together)
+
+
+def _rings(room: Placed, highest_hz: float) -> float:
+    """Longest reverberation time [s] of a room's modes up to a frequency, 0 for one whose modes are not known."""
+    lowest_hz = room.room.mode_shapes(np.asarray(room.room.middle)[None], 1)[0][:1].tolist()
+    times = [room.room.t60(f) for first in lowest_hz for f in np.geomspace(first, max(first, highest_hz), 8).tolist()]
+    return max((t60 for t60 in times if isfinite(t60)), default=0.0)
 
 
 def _vibration(motion: SurfaceVelocity, length: int, lines: Floats) -> SurfaceVibration:
@@ -143,12 +155,13 @@ def _spectra(p: Floats, dt: float, length: int, lines: Floats) -> Complexes:
 
 
 def _by_band(density: Floats, lines: Floats, bands: Mapping[float, float]) -> Floats:
-    """Sums [s, b] of densities [s, nf] over the lines of each band."""
-    edges = np.array([band_edges(exact)[0] for exact in bands.values()])
-    within = np.searchsorted(edges, lines, side="right") - 1
-    found = np.zeros((len(density), len(bands)))
-    np.add.at(found.T, within, density.T)
-    return found
+    """Sums [s, b] of densities [s, nf] over the lines of each band, each half-way to the next: edges part a line."""
+    half = 0.5 * (lines[1] - lines[0])
+    edges = np.array([band_edges(exact) for exact in bands.values()]).clip(lines[0] - half, lines[-1] + half)
+    summed = np.pad(np.cumsum(density, axis=1), ((0, 0), (1, 0)))
+    until = np.append(lines - half, lines[-1] + half)
+    low, high = (np.array([np.interp(edge, until, one) for one in summed]) for edge in edges.T)
+    return np.asarray(high - low)
 
 
 def _exposure_db(square: Floats) -> Floats:
