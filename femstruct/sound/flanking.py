@@ -4,7 +4,7 @@ alone."""
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf, isfinite, log10, nan
 from typing import Annotated, Final
 
@@ -36,7 +36,8 @@ _SILENCE: Final = 1e-30
 class SurfaceShares:
     """What each surface of a room gives its air in a record, by third octaves, and what is heard of it alone.
 
-    surfaces : their names. walls : those of the room that they move. bands_hz [b] : nominal centres.
+    surfaces : their names; a leak of the room is the last of them. walls : those of the room that they move, "" of a
+    leak. bands_hz [b] : nominal centres.
     energy_j [s, b] : active energy: the total pressure on each surface times its own velocity, over its area and the
     record. They sum to what the air takes up; a surface that the others push has a negative one, and there is no other
     way to share out sounds that are coherent.
@@ -96,8 +97,8 @@ def surface_shares(
 ) -> SurfaceShares | None:
     """What each surface of a closed room gives its air while all move as recorded; None where no band is complete.
 
-    motion : of all surfaces. end_hz : where the motion ends; bands above it are left out. Energies are nan in a room
-    without losses, which takes nothing up.
+    motion : of all surfaces, and of a leak, of `leak_apart`. end_hz : where the motion ends; bands above it are left
+    out. Energies are nan in a room without losses, which takes nothing up.
 
     Notes
     -----
@@ -130,8 +131,20 @@ def surface_shares(
         squares = [(np.abs(one) ** 2).mean(axis=0)[None] for one in (*spectra, sum(spectra))]
         *each, whole = (_exposure_db(2.0 * step * _by_band(one, lines, bands)[0]) for one in squares)
         alone, together = np.array(each), whole
-    names, walls = tuple(one.name for one in room.surfaces), tuple(room.walls)
-    return SurfaceShares(names, walls, np.array([*bands]), energy, alone, together)
+    names, walls = [one.name for one in room.surfaces], [*room.walls]
+    if len(motion) > len(names):
+        names, walls = [*names, f"leak of {room.name}"], [*walls, ""]
+    return SurfaceShares(tuple(names), tuple(walls), np.array([*bands]), energy, alone, together)
+
+
+def leak_apart(motion: Motion, flow: Floats) -> Motion:
+    """Surfaces without the flow through a leak of their room, which is spread over all of them, and that flow.
+
+    flow : velocity of it in every coordinate [k], per unit of its rate.
+    """
+    own = [replace(one, shapes=one.shapes - flow) for one in motion]
+    points, weights = (np.concatenate([getattr(one, word) for one in motion]) for word in ("points", "weights"))
+    return (*own, replace(motion[0], points=points, weights=weights, shapes=np.tile(flow, (len(weights), 1))))
 
 
 def _rings(room: Placed, highest_hz: float) -> float:

@@ -198,6 +198,30 @@ def test_a_room_that_rings_longer_than_the_record_takes_up_what_its_surfaces_do_
     assert found.total_j[found.bands_hz == 63.0] > 0.5 * work.sum()
 
 
+def test_a_leak_is_no_surface_that_moves(tmp_path: Path) -> None:
+    """A wall beside a slab that does not reach it, stiff and held all round: with an open door or without it is silent,
+    and all that the door's resistance takes is the door's."""
+    still = MODEL.replace("E: 8 GPa, nu: 0.2, rho: 1600", "E: 900 GPa, nu: 0.2, rho: 20000")
+    still = still.replace("joints: {top: {connect: [wall, slab]}}\n", "")
+    still = still.replace(
+        "edge: y0, fix: simple}\n  side: {on: wall, edge: x0, fix: roller}", "edge: all, fix: simple}"
+    )
+    still = still.replace("far: {on: slab,", "near: {on: slab, edge: x0, fix: simple}\n  far: {on: slab,")
+    door = "coupling: two-way\n    leak: {area: 1.6 m^2, length: 500 mm, resistance: 20 Pa*s/m^3}"
+    study = STUDY[: STUDY.index("  above:")].replace("coupling: two-way", door)
+    case = run_study(read_study(written(tmp_path, study, still))).cases["as given"]
+    shares = case.by_surface["living"]
+    assert shares.surfaces == ("under", "face", "leak of living") and shares.walls == ("ceiling", "x0", "")
+    assert np.abs(shares.share[1]).max() < 1e-3
+    assert (shares.alone_db[1] < shares.alone_db[0] - 60.0).all()
+    assert shares.alone_db[2, 0] > shares.alone_db[0, 0] - 10.0  # at 10 Hz, the air of the door swings at 18 Hz
+    velocity = case.basis.volumes["living"] @ case.response.velocities(np.arange(len(case.basis.omega)))
+    lost = 20.0 * float((velocity**2).sum()) / 4000.0
+    assert lost > 0.01 * shares.total_j.sum()
+    # bands end above 10 Hz, and the record with a jump of the door's slow swing
+    assert -shares.energy_j[2].sum() == pytest.approx(lost, rel=0.1)
+
+
 def test_files_and_tables_have_it(ran, tmp_path: Path) -> None:
     shares = ran.cases["as given"].by_surface["living"]
     table = summary(ran)["cases"]["as given"]["by_surface"]["living"]

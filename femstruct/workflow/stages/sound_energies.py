@@ -7,9 +7,9 @@ from typing import Final
 from acoustics.errors import Advice
 from femstruct.errors import Finding
 from femstruct.impact.result.response import Response
-from femstruct.sound.flanking import SurfaceShares, surface_shares
+from femstruct.sound.flanking import SurfaceShares, leak_apart, surface_shares
 from femstruct.sound.power import Radiated, not_taken, radiated_by
-from femstruct.sound.surface import surface_velocity
+from femstruct.sound.surface import moving_modes, surface_velocity
 from femstruct.study.room_surfaces import placed_room
 from femstruct.study.study import Study
 from femstruct.workflow.stages.places import Places
@@ -40,6 +40,10 @@ def shares_by_surface(study: Study, places: Places, response: Response, end_hz: 
         if len(plan.moved) < FEWEST or plan.room.open_air is not None:
             continue
         room = placed_room(plan, places.surfaces)
-        shares = surface_shares(surface_velocity(response, room), room, plan.receivers, plan.heard_to_hz(end_hz))
+        motion = surface_velocity(response, room)
+        if (volume := response.basis.volumes.get(plan.name)) is not None:
+            area = sum(one.area for one in motion)
+            motion = leak_apart(motion, volume[moving_modes([response], room)] / area)
+        shares = surface_shares(motion, room, plan.receivers, plan.heard_to_hz(end_hz))
         found |= {} if shares is None else {plan.name: shares}
     return found
