@@ -11,8 +11,8 @@ SOURCES: Final = (
         "source-beyond-modes",
         "Bands of a measured source are blank, because the modes end below them.",
         LIMITS,
-        "the upper edge of a band of the source lies above the last mode of the structure",
-        "Give 'modes: {up_to: F}' with the stated F.",
+        "the upper edge of a band of the source lies above the last mode of the structure, or of a room of any shape",
+        "Give the structure or the room 'modes: {up_to: F}' with the stated F.",
     ),
     Entry(
         "source-phase-unknown",

@@ -183,6 +183,19 @@ def test_levels_in_a_room_are_sums_over_frequency_responses(losses: str, tmp_pat
     assert "source-beyond-modes" in codes and codes <= set(CATALOGUE)
 
 
+def test_bands_beyond_the_modes_of_a_room_are_told(tmp_path: Path) -> None:
+    """A room of any shape knows its sound up to its own modes: blank bands, and what the A-weighted level is of."""
+    room = ROOM.replace("losses:", "walls: {x0: {absorption: 10 %}}, modes: {up_to: 300 Hz}, losses:")
+    source = "{at: feet.1.z, mobility: infinite, blocked_force: {100 Hz: 1 N, 250 Hz: 1 N, 400 Hz: 1 N, 500 Hz: 1 N}}"
+    case = run(tmp_path, source, PLATE, room)
+    levels = case.sources["pump"].levels["box.mic"].bands_db
+    assert [band for band, level in levels.items() if np.isnan(level)] == [400.0, 500.0]
+    assert not any(np.isnan(level) for level in case.sources["pump"].power_db.values())
+    (told,) = [one for one in case.findings if one.code == "source-beyond-modes"]
+    assert "the modes of box end at 300 Hz: there its bands from 400 Hz on are blank" in told.message
+    assert told.values["needed_hz"] == pytest.approx(500 * 10**0.05, rel=3e-3)  # exact centre of 500 Hz: 501.2 Hz
+
+
 def test_findings_of_measured_sources(tmp_path: Path) -> None:
     room = ROOM.replace("receivers:", "levels: [ISO 717-2], receivers:")
     source = "{at: feet.1.z, blocked_force: {100 Hz: 1 N}, mobility: {100 Hz: 1e-3 m/s/N, 125 Hz: 1e-3 m/s/N}}"

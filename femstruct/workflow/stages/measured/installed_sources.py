@@ -79,7 +79,7 @@ def _installed(
     excited = ", ".join(str(spot) for spot in one.at)
     if not known:
         blank = dict.fromkeys(bands.nominal, nan)
-        return InstalledSource(excited, one.what, blank, blank, blank), [_beyond(one, bands, known, basis)]
+        return InstalledSource(excited, one.what, blank, blank, blank), [*_beyond(one, bands, basis.complete_below_hz)]
     edges = bands.edges[known]
     refuse_undamped(where, (float(edges.min()), float(edges.max())), basis)
     lines = _lines(basis, edges, heard)
@@ -95,9 +95,11 @@ def _installed(
     for plan in heard:
         pressures, advice = _pressures(plan, places, basis, probes, contacts, lines)
         told += [*advice, *_unrated(one, plan)]
+        if plan.complete_below_hz < (basis.complete_below_hz or np.inf):
+            told += _beyond(one, bands, plan.complete_below_hz, plan.name)
         for receiver, p in zip(plan.receivers, pressures, strict=True):
             levels[f"{plan.name}.{receiver.name}"] = _levels(plan, p, driven, bands, basis)
-    told += [_beyond(one, bands, known, basis)] if len(known) < len(bands.nominal) else []
+    told += _beyond(one, bands, basis.complete_below_hz or np.inf)
     return InstalledSource(excited, one.what, **power, levels=levels), [*told, *_open(one, power)]
 
 
@@ -216,15 +218,25 @@ def _by_band(bands: _Bands, known: Sequence[int], values: Floats, reference: flo
     return found
 
 
-def _beyond(one: MeasuredSource, bands: _Bands, known: Sequence[int], basis: ModalBasis) -> Finding:
-    blank = [band for i, band in enumerate(bands.nominal) if i not in known]
-    top = float(bands.edges.max())
-    return Finding(
-        "source-beyond-modes",
-        f"the modes end at {basis.complete_below_hz:.4g} Hz: its bands from {blank[0]:g} Hz on are blank, "
-        f"and its A-weighted levels are of those below. Ask for modes up to {top:.4g} Hz",
-        {"complete_below_hz": basis.complete_below_hz, "first_blank_hz": blank[0], "needed_hz": top},
-    )
+def _beyond(one: MeasuredSource, bands: _Bands, end_hz: float, room: str = "") -> list[Finding]:
+    """What modes that end at a frequency leave blank of a source: of the structure, or of a room by name."""
+    blank = [i for i, centre in enumerate(bands.exact) if not shown(centre, end_hz, one.fraction)]
+    if not blank:
+        return []
+    first, top = bands.nominal[blank[0]], float(bands.edges.max())
+    levels = "its A-weighted levels are of those below"
+    told = f"the modes end at {end_hz:.4g} Hz: its bands from {first:g} Hz on are blank, and {levels}"
+    if room:
+        told = (
+            f"the modes of {room} end at {end_hz:.4g} Hz: there its bands from {first:g} Hz on are blank, and {levels}"
+        )
+    return [
+        Finding(
+            "source-beyond-modes",
+            f"{told}. Ask for modes up to {top:.4g} Hz",
+            {"complete_below_hz": end_hz, "first_blank_hz": first, "needed_hz": top},
+        )
+    ]
 
 
 def _open(one: MeasuredSource, power: Mapping[str, Mapping[float, float]]) -> list[Finding]:
