@@ -18,7 +18,7 @@ from acoustics.errors import AcousticsError, Advice
 from acoustics.fields.returned import ModesOnSurface
 from acoustics.fields.sound_field import SoundField, described_modes, faces_out
 from acoustics.losses import Losses
-from acoustics.meshed.absorbing_walls import two_way_absorption
+from acoustics.meshed.absorbing_walls import absorbed, two_way_absorption
 from acoustics.meshed.cavity_mesh import CavityMesh
 from acoustics.meshed.finite_elements import (
     CELLS_PER_WAVE,
@@ -173,7 +173,11 @@ class ShapedRoom(SoundField):
             "largest_cell_m": self.mesh.largest_cell,
             "own_modes_up_to_hz": self.up_to_hz,
             **({"walls": {name: str(wall) for name, wall in self.walls.items()}} if self.walls else {}),
-            **described_modes(self.losses, self.frequency_hz[1:]),
+            **described_modes(
+                self.losses,
+                self.frequency_hz[1:],
+                0.5 * self.air.c * np.diag(absorbed(self.modes, self.walls, self.air))[1:],
+            ),
         }
 
     @property

@@ -292,10 +292,15 @@ def faces_out(wall: str) -> AcousticsError:
     return AcousticsError("surface.normals", got=f"a surface on '{wall}' that faces out", expected="one that faces in")
 
 
-def described_modes(losses: Losses, frequency_hz: Floats) -> dict[str, object]:
-    """What is said in tables of a closed room's modes: the first three, and how they are damped."""
+def described_modes(losses: Losses, frequency_hz: Floats, walls: Floats | None = None) -> dict[str, object]:
+    """What is said in tables of a closed room's modes: the first three, and how they are damped.
+
+    walls : rates at which walls damp the amplitudes of the modes [1/s], beside the losses.
+    """
     first = [float(f) for f in frequency_hz[:3]]
     ratios = {f"{f:g}": modal_damping_ratio(losses, f) for f in (LOW_HZ, *first) if f > 0}
+    for f, rate in zip(first, [] if walls is None else walls.tolist(), strict=False):
+        ratios[f"{f:g}"] += rate / (2 * np.pi * f)
     return {"first_modes_hz": first, "damping_ratio": ratios}
 
 

@@ -47,6 +47,17 @@ def test_a_tube_with_one_end_that_absorbs(beta: float, air_t60: float) -> None:
         assert room.t60(band) == pytest.approx(3 * log(10) / rate, rel=0.02)  # modes that the tube has beyond 300 Hz
 
 
+@pytest.mark.parametrize("air_t60", [0.0, 1.5])
+def test_damping_ratios_in_tables_are_those_of_the_room_with_its_walls(air_t60: float) -> None:
+    losses = losses_from_t60(air_t60) if air_t60 else Losses()
+    room = ShapedRoom(box_mesh([4.0, 0.1, 0.1], [40, 1, 1]), "z1", AIR, losses, {"x1": Wall({100.0: 0.01})}, 300.0)
+    rate = AIR.c / 8.0 * log(1.01 / 0.99) + (3 * log(10) / air_t60 if air_t60 else 0.0)
+    ratios = room.described()["damping_ratio"]
+    assert isinstance(ratios, dict)
+    for f in room.frequency_hz[1:4]:
+        assert ratios[f"{f:g}"] == pytest.approx(rate / (2 * np.pi * f), rel=1e-3)  # the cube of 0.01 in the logarithm
+
+
 def test_a_little_absorption_everywhere_is_sabines() -> None:
     room = lined(0.05, Losses())
     absorption = 0.05 * (2 * 4 * 2.5 + 2 * 3 * 2.5 + 4 * 3)
