@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -59,6 +60,25 @@ def test_a_narrow_resonance_is_found_that_no_line_shows() -> None:
     # half as far from the peak as where 1 / sqrt(1 + (d / zeta f)^2) is 0.95: 2 x 0.329 x 0.0101 Hz, in one digit
     assert told.values["needed_hz"] == pytest.approx(0.005, rel=1e-12)  # rounding
     assert "at 50.5 Hz, is between two lines. The lines are 1 Hz apart" in told.message
+
+
+def test_a_narrow_resonance_of_what_a_dashpot_holds() -> None:
+    """With its foot held by oil a mass resonates on its spring at 20 Hz, 0.05 % damped; the natural frequencies are
+    those of a free foot. Between lines 1.7 Hz apart: of a much finer search."""
+    mass, light, oil, spring = 1.0, 0.001 * 2 * np.pi * 20.0, 1e5, (2 * np.pi * 20.0) ** 2
+    squares, shapes = np.linalg.eigh(spring * np.array([[2.0, -1.0], [-1.0, 1.0]]))
+    bare, points = given_modes(np.sqrt(squares) / (2 * np.pi), [0.0, 0.0], {"foot": shapes[0], "head": shapes[1]})
+    damping = np.array([[oil + light, -light], [-light, light]])
+    basis, here = replace(bare, viscous=shapes.T @ damping @ shapes), points["head"].probe("z")
+    one = found(partial(frf, basis, here, here), basis, np.arange(5.3, 60.0, 1.7))
+
+    def answer(hz: Floats) -> Floats:
+        w = 2 * np.pi * hz
+        foot, neck = spring + 1j * w * oil - mass * w**2, spring + 1j * w * light
+        return np.abs(1.0 / (foot * neck / (foot + neck) - mass * w**2))
+
+    assert one.size == pytest.approx(answer(np.linspace(19.9, 20.1, 2_000_001)).max(), rel=1e-6)  # the last width
+    assert one.missed > 0.9
 
 
 def test_lines_that_show_the_peak_say_nothing() -> None:

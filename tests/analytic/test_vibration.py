@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from scipy.integrate import quad
+from scipy.linalg import solve_continuous_lyapunov
 
 import femstruct as fs
 from femstruct import read_results, read_study, run_study, write_results
@@ -17,12 +18,14 @@ from femstruct.elements.stresses import von_mises, von_mises_in_a_cycle
 from femstruct.errors import InputError, InputErrors
 from femstruct.files.tables.sheets import sheets
 from femstruct.files.tables.study_tables import summary
+from femstruct.modal.analytic import given_modes
 from femstruct.modal.damping import Damping, LossFactor, Ratio
 from femstruct.modal.steady.answers import random_answer
 from femstruct.model.section import rectangle
 from femstruct.view.figures.plots import figures
 from femstruct.view.tables import answer_tables
 from femstruct.workflow.check.inspect import inspect_file
+from femstruct.workflow.stages.vibrations import refuse_undamped
 
 STEEL = fs.Material("steel", E=210e9, nu=0.3, rho=7850.0)
 OSCILLATOR = "structure: {type: oscillator, mass: 2 kg, frequency: 40 Hz}\npoints: {m: {}}\ndamping: {ratio: 2 %}\n"
@@ -134,6 +137,41 @@ def test_two_masses_on_a_base() -> None:
         np.abs(one.answers["neck force"].values), np.abs((k[1] + 1j * w * c[1]) * (u[1] - u[0])), rtol=within
     )
     assert one.base.moved == pytest.approx(4.0, rel=within)
+
+
+@pytest.mark.parametrize("oil", [30.0, 3e3, 30e3])
+def test_a_dashpot_that_holds_what_it_acts_on(oil: float) -> None:
+    """White noise under two masses of which oil holds the lower: relative mean squares are those of A P + P A' + B B' S
+    / 2 = 0 of the four states. With much oil the upper mass resonates alone, where neither mode does."""
+    m, k, light, level = (3.0, 1.0), (40e3, 15e3), 0.2, 2.0
+    up = (0.0, 0.0, 1.0, 0.0, 0.0, 0.0)
+    stiffness, damping = ([tuple(value * one for one in up) for value in values] for values in (k, (oil, light)))
+    blocks = [fs.Block(name, m[i], (0.0, 0.0, 0.5 * i), (0.1, 0.1, 0.1)) for i, name in enumerate(("low", "high"))]
+    at = tuple(fs.PlaceOn(f"of {name}", name, at=((0.05, 0.05, 0.05),)) for name in ("low", "high"))
+    springs = (
+        fs.Spring("foot", "of low", None, stiffness=stiffness[0], damping=damping[0]),
+        fs.Spring("neck", "of high", "of low", stiffness=stiffness[1], damping=damping[1]),
+    )
+    structure = fs.Structure("two masses", (*blocks, *springs), points=at)
+    noise = fs.Vibration("noise", "z", "base", "psd", fs.Spectrum(((0.02, level), (2e3, level))))
+    records = (fs.Record("of high.z", "displacement"),)
+    found = run(structure, Damping(Ratio(0.0)), fs.Extent(count=12), records, noise)["noise"]
+    K = np.array([[k[0] + k[1], -k[1]], [-k[1], k[1]]])
+    C = np.array([[oil + light, -light], [-light, light]])
+    M = np.diag(m)
+    A = np.block([[np.zeros((2, 2)), np.eye(2)], [-np.linalg.solve(M, K), -np.linalg.solve(M, C)]])
+    B = np.array([0.0, 0.0, -1.0, -1.0])
+    square = solve_continuous_lyapunov(A, -0.5 * level * np.outer(B, B))[1, 1]
+    rms = found.answers["of high.z displacement relative to the base"].rms
+    assert rms == pytest.approx(np.sqrt(square), rel=3e-4)  # lines 1/24 of half a bandwidth apart, and the band's ends
+
+
+def test_two_modes_of_one_frequency_that_a_dashpot_leaves_undamped() -> None:
+    """A dashpot between two alike oscillators takes nothing from the motion in step, though each has damping."""
+    alike, _ = given_modes([20.0, 20.0], [0.0, 0.0], {"P": [1.0, 0.0], "Q": [0.0, 1.0]})
+    basis = replace(alike, viscous=3.0 * np.array([[1.0, -1.0], [-1.0, 1.0]]))
+    with pytest.raises(InputError, match="1 of the modes from 5 to 50 Hz without damping, the first at 20 Hz"):
+        refuse_undamped("vibration.noise", (5.0, 50.0), basis)
 
 
 def bar(mesh: float = 0.05) -> fs.Structure:

@@ -39,6 +39,25 @@ def eigenpairs(omega: Floats, damping: Floats) -> tuple[Complex, Complex]:
     )
 
 
+def eigenvalues(omega: Floats, damping: Floats) -> Complex:
+    """The eigenvalues alone [m + k] [1/s], as a library rounds them; those of motions without any force are left out.
+
+    omega [k] : circular frequencies [rad/s], m of them not zero.
+    """
+    moved = np.flatnonzero(omega > 0.0)
+    return np.asarray(scipy.linalg.eigvals(_state(omega[moved], moved, damping), check_finite=False))
+
+
+def _state(omega: Floats, moved: NDArray[np.int64], damping: Floats) -> Floats:
+    """The matrix of [Omega q of what moves on springs; q'] [m + k, m + k] [rad/s]."""
+    m, k = len(moved), len(damping)
+    state = np.zeros((m + k, m + k))
+    state[np.arange(m), m + moved] = omega
+    state[m + moved, np.arange(m)] = -omega
+    state[m:, m:] = -damping
+    return state
+
+
 def _refined(omega: Floats, moved: NDArray[np.int64], damping: Floats) -> tuple[Complex, Complex]:
     """Eigenvalues and vectors [Omega q of what moves on springs; q'] with one step of Newton's method for all at once.
 
@@ -46,12 +65,8 @@ def _refined(omega: Floats, moved: NDArray[np.int64], damping: Floats) -> tuple[
     of them is no error in another. To first order the eigenvalues change by the diagonal of V^-1 (A V - V Lambda), the
     vectors by what is beside it over the differences of the eigenvalues.
     """
-    m, k = len(moved), len(damping)
-    state = np.zeros((m + k, m + k))
-    state[np.arange(m), m + moved] = omega
-    state[m + moved, np.arange(m)] = -omega
-    state[m:, m:] = -damping
-    values, vectors = scipy.linalg.eig(state, check_finite=False)
+    m = len(moved)
+    values, vectors = scipy.linalg.eig(_state(omega, moved, damping), check_finite=False)
     place, rate = vectors[:m], vectors[m:]
     pulled = np.zeros_like(rate)
     pulled[moved] = -omega[:, None] * place

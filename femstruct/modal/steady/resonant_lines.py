@@ -9,6 +9,7 @@ import numpy as np
 from femstruct.arrays import Floats
 from femstruct.errors import InputError
 from femstruct.modal.basis import ModalBasis
+from femstruct.modal.steady.resonances import resonances
 
 FINENESS: Final = 24.0
 """Lines in half the half-power bandwidth of a mode, or in the distance to it: the mean square of one oscillator under
@@ -28,9 +29,9 @@ def resonant_lines(
 
     Notes
     -----
-    At a frequency f lines are 1/24 of the least of three apart: f, and of the nearest mode half its half-power
+    At a frequency f lines are 1/24 of the least of three apart: f, and of the nearest resonance half its half-power
     bandwidth zeta f_r and the distance |f - f_r| together (the root of the sum of squares). All natural frequencies in
-    the band are lines.
+    the band are lines. Where damping couples modes, resonances are where the structure swings with it.
 
     >>> from femstruct.modal.analytic import given_modes
     >>> basis, _ = given_modes([50.0], [0.01], {"P": [1.0]})
@@ -39,9 +40,9 @@ def resonant_lines(
     (10.0, 100.0, True, 43)
     """
     low, high = band
-    ratio = basis.damping_ratio
-    elastic = np.array([kind == "elastic" for kind in basis.kind], dtype=bool) & (ratio > 0.0)
-    modes, half = basis.frequency_hz[elastic], (ratio * basis.frequency_hz)[elastic]
+    all_of_them = resonances(basis)
+    damped = all_of_them.half > 0.0
+    modes, half = all_of_them.hz[damped], all_of_them.half[damped]
     found, f = [low], low
     while f < high:
         nearest = float(np.sqrt((modes - f) ** 2 + half**2).min(initial=np.inf))

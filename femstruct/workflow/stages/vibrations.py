@@ -17,6 +17,7 @@ from femstruct.modal.frf import moves
 from femstruct.modal.outputs import AXES
 from femstruct.modal.steady.answers import HarmonicAnswer, MovedMass, RandomAnswer, Vibrated, random_answer
 from femstruct.modal.steady.excitation import Excitation, Looked, force, motion, moving_base, pushing, transfers
+from femstruct.modal.steady.resonances import resonances
 from femstruct.modal.steady.resonant_lines import resonant_lines
 from femstruct.modal.steady.steady_stresses import harmonic_stress, random_stress, stress_components
 from femstruct.modal.superposition import Complex
@@ -192,9 +193,8 @@ def _moved(basis: ModalBasis, axis: int) -> MovedMass:
 def refuse_undamped(where: str, band: tuple[float, float], basis: ModalBasis) -> None:
     """Raise InputError where modes in the band of an excitation have no damping: they answer without limit."""
     low, high = band
-    ratio, hz = basis.damping_ratio, basis.frequency_hz
-    true = np.array([kind == "elastic" for kind in basis.kind], dtype=bool)
-    bare = hz[true & (ratio <= 0.0) & (hz >= low) & (hz <= high)]
+    hz, half = resonances(basis)
+    bare = np.sort(hz[(half == 0.0) & (hz >= low) & (hz <= high)])
     if len(bare):
         raise InputError(
             where,
