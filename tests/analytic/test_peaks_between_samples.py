@@ -117,6 +117,32 @@ def test_a_contact_has_its_largest_force_whatever_the_filter_and_the_sampling(tm
     assert verdicts == [False] * 4
 
 
+@pytest.mark.parametrize("sampling", [1e3, 10e3, 48e3])
+def test_a_short_first_impact_before_a_longer_and_harder_one(tmp_path: Path, sampling: float) -> None:
+    """A pin strikes at 1 m/s for some 30 us, between two samples; a slow load then presses it with 2 kN. Its first
+    force is m v e^(-zeta w t) (w (1 - 2 zeta^2) sin(d t) + 2 zeta d cos(d t)) w / d, d = w sqrt(1 - zeta^2)."""
+    (tmp_path / "model.yaml").write_text(ONE_MODE.replace("2 kg", "1000 t"), encoding="utf-8")
+    path, mass, stiffness, zeta = tmp_path / "press.study.yaml", 0.01, 1e8, 0.4
+    damping = 2.0 * zeta * np.sqrt(stiffness * mass)
+    path.write_text(
+        "model: model.yaml\nbodies: {pin: {mass: 10 g, above: m, speed: 1 m/s}}\n"
+        f"contacts: {{wall: {{between: [pin, m], gap: 1.03 mm, "
+        f"law: {{type: linear, stiffness: {stiffness}, damping: {damping}}}}}}}\n"
+        "loads: {press: {body: pin, half_sine: {amplitude: -2 kN, frequency: 2 Hz}, first: 3 ms}}\n"
+        f"record: {{wall: force, m.z: acceleration}}\ntime: {{duration: 200 ms, sampling: {sampling}}}\n"
+        "peaks: {first_impact: 1 ms}\n",
+        encoding="utf-8",
+    )
+    t, w = np.linspace(0.0, 30e-6, 100_001), np.sqrt(stiffness / mass)
+    d = w * np.sqrt(1.0 - zeta**2)
+    rising = w * (1.0 - 2.0 * zeta**2) * np.sin(d * t) + 2.0 * zeta * d * np.cos(d * t)
+    first = float((mass * np.exp(-zeta * w * t) * rising * w / d).max())
+    found = run(path).channels
+    assert found["wall force"].whole > 1.9 * first  # 2 kN, slowly, and what the pin adds when it falls back
+    assert found["wall force"].first_impact == pytest.approx(first, rel=1e-6)  # 1 g of a million: the wall gives way
+    assert LOW * first <= found["m.z acceleration"].first_impact * 1e6 <= first * (1.0 + 1e-6)
+
+
 @pytest.mark.parametrize(("sampling", "told"), [(1e3, True), (3.9e3, True), (4.1e3, False), (48e3, False)])
 def test_check_says_what_the_run_says(tmp_path: Path, sampling: float, told: bool) -> None:
     path = written(tmp_path, sampling, TWO_MODES)

@@ -15,13 +15,21 @@ from femstruct.impact.closer import closer
 from femstruct.impact.result.force_on_ground import on_the_ground, passed_on
 from femstruct.impact.result.response import Response
 from femstruct.modal.basis import ForceRow, ModalBasis
+from femstruct.model.probe import StressPlaces
 from femstruct.study.asked import PeakRule, Record, RoomPlan
 from femstruct.study.result import NET_FORCE, Channel
 from femstruct.study.structures import ModesModel
 from femstruct.study.study import Study
 from femstruct.workflow.stages.places import Places
 from femstruct.workflow.stages.recorded.stresses import largest_stress, walked
-from femstruct.workflow.stages.recorded.windowed_peaks import Peaks, between, first_window, in_band
+from femstruct.workflow.stages.recorded.windowed_peaks import (
+    Peaks,
+    between,
+    first_alone,
+    first_window,
+    in_band,
+    raised,
+)
 from femstruct.workflow.stages.rest import axis_of, planned_contacts
 from femstruct.workflow.stages.staging import ordered
 
@@ -67,23 +75,38 @@ def record(study: Study, places: Places, response: Response, rooms: Mapping[str,
         }
     fine = kept if seen is response else kept | histories(study, places, seen)
     peaks = Peaks(study.peaks, seen.clock.sampling, first_window(study.peaks, seen))
+    alone = first_alone(seen, peaks.window)
+    moving = None if study.peaks.lowpass_hz is not None else alone  # a filter needs what comes later
     found = {name: peaks.of(fine[name][0]) for name in kept}
-    found |= {name: peaks.of_contact(fine[name][0], seen.contacts[one]) for name, one in _contacts(study, seen).items()}
+    if moving is not None:
+        found = {n: raised(found[n], values) for n, (values, _) in histories(study, places, moving).items()}
+    for name, one in _contacts(study, seen).items():
+        found[name] = peaks.of_contact(fine[name][0], seen.contacts[one])
+        if alone is not None:
+            found[name] = raised(found[name], np.array([alone.contacts[one].peak_force]))
     for name, (pressure, _) in pressures.items():
         values, factor = between(pressure, response)
         found[name] = replace(peaks, sampling=factor * response.clock.sampling).of(values)
     channels = {name: Channel(name, values, unit, *found[name]) for name, (values, unit) in (kept | pressures).items()}
     true = np.array([kind != "residual" for kind in response.basis.kind])
     for name, (what, row) in motion_rows(study, places, response.basis).items() if not true.all() else ():
-        channels[name] = replace(channels[name], by_modes=peaks.of(moved(seen, what, row * true)))
-    return channels | _stresses(stresses, study.peaks, places, response, seen) if stresses else channels
+        pair = peaks.of(moved(seen, what, row * true))
+        by_modes = pair if moving is None else raised(pair, moved(moving, what, row * true))
+        channels[name] = replace(channels[name], by_modes=by_modes)
+    return channels | _stresses(stresses, study.peaks, places, response, seen, moving) if stresses else channels
 
 
 def _stresses(
-    wanted: Mapping[str, str], rule: PeakRule, places: Places, response: Response, seen: Response
+    wanted: Mapping[str, str],
+    rule: PeakRule,
+    places: Places,
+    response: Response,
+    seen: Response,
+    alone: Response | None,
 ) -> dict[str, Channel]:
-    """Histories of the largest equivalent stress of parts, by channel, their peaks as `seen`. What is filtered is the
-    motion: the stress of von Mises of a filtered motion is one, a filtered stress of von Mises is not."""
+    """Histories of the largest equivalent stress of parts, by channel, their peaks as `seen`, and `alone` in the first
+    impact. What is filtered is the motion: the stress of von Mises of a filtered motion is one, a filtered stress of
+    von Mises is not."""
     shapes, q = seen.basis.shapes, seen.q
     if rule.lowpass_hz is not None:
         q = in_band(q, seen.clock.sampling, (0.0, rule.lowpass_hz))
@@ -91,16 +114,17 @@ def _stresses(
     true = np.array([kind != "residual" for kind in seen.basis.kind])
     early = seen.t <= first_window(rule, seen)
 
-    def largest(history: Floats) -> tuple[float, float]:
-        return float(history[early].max(initial=0.0)), float(history.max())
+    def largest(history: Floats, rows: StressPlaces, shapes: Floats) -> tuple[float, float]:
+        pair = float(history[early].max(initial=0.0)), float(history.max())
+        return pair if alone is None else raised(pair, walked(rows, shapes, alone.q).history)
 
     found: dict[str, Channel] = {}
     for name, part in wanted.items():
         rows = places.stresses(part, f"record.{part}")
         peaks, stressed = largest_stress(rows, seen, q)
         values = peaks if kept is q else walked(rows, shapes, kept).history
-        by_modes = None if true.all() else largest(walked(rows, shapes * true, q).history)
-        found[name] = Channel(name, values, UNITS[STRESS], *largest(peaks), by_modes, stressed)
+        by_modes = None if true.all() else largest(walked(rows, shapes * true, q).history, rows, shapes * true)
+        found[name] = Channel(name, values, UNITS[STRESS], *largest(peaks, rows, shapes), by_modes, stressed)
     return found
 
 

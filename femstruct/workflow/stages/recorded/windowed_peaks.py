@@ -10,8 +10,9 @@ import scipy
 
 from acoustics.rooms.continuation import extended, fast_length
 from femstruct.arrays import Floats
-from femstruct.impact.closer import CLOSER, ENOUGH, FOLDED, last_mode_hz
+from femstruct.impact.closer import CLOSER, ENOUGH, FOLDED, closer, last_mode_hz
 from femstruct.impact.result.response import ContactHistory, Event, Response
+from femstruct.impact.simulate import simulate
 from femstruct.study.asked import PeakRule
 
 FILTER_ORDER = 4
@@ -48,6 +49,27 @@ def closings(response: Response) -> list[Event]:
     """The closings that begin and end impacts: those of contacts without a preload."""
     clamps = {contact.name for contact in response.scene.contacts if contact.preload > 0.0}
     return [event for event in response.events if event.what == "closes" and event.contact not in clamps]
+
+
+def first_alone(response: Response, window: float) -> Response | None:
+    """The same scene up to the end of the first impact alone, on a grid that shows its pulses, where that of the run
+    need not: it follows those of the largest forces, which come later. None where they do not, or nothing struck.
+
+    window : end of the first impact [s].
+    """
+    later = any(one.peak_time > window for one in response.contacts.values())
+    if not later or not any(0.0 <= event.t < window for event in closings(response)):
+        return None
+    asked = response.clock
+    sampling = float(np.ceil(window * asked.sampling)) / window  # so that it ends with the window
+    run = simulate(response.basis, response.scene, replace(asked, duration=window, sampling=sampling))
+    return closer(run) or run
+
+
+def raised(peaks: tuple[float, float], values: Floats) -> tuple[float, float]:
+    """Peaks in the first impact and in the whole record, and at least those of values in the first impact."""
+    first = float(np.abs(values).max(initial=0.0))
+    return max(peaks[0], first), max(peaks[1], first)
 
 
 def in_band(values: Floats, sampling: float, band: tuple[float, float]) -> Floats:
