@@ -28,16 +28,46 @@ def planned_contacts(study: Study) -> tuple[PlannedContact, ...]:
 def axis_of(study: Study) -> Literal["x", "z"]:
     """The axis all bodies of a study move along: x where they are placed before and after, z above and below.
 
-    Without bodies it is the axis of what the study pushes, moves or starts: x if that says so, else z.
+    Without bodies it is the axis of what the study starts or pushes, z where that is both; where nothing is, of what
+    frequency responses and vibrations drive.
     """
     if study.bodies:
         return "x" if any(body.side in ("before", "after") for body in study.bodies) else "z"
-    spots = [spot for spot, _ in study.initial.velocities]
-    spots += [load.on for load in study.loads if isinstance(load.on, Spot)]
-    spots += [request.drive for request in study.frf]
+    pushed = pushed_along(study)
+    if pushed:
+        return "x" if pushed == {"x"} else "z"
+    spots = [request.drive for request in study.frf]
     spots += [one.on for one in study.vibration if isinstance(one.on, Spot)]
     shaken = any(one.on == "x" for one in study.vibration)
     return "x" if shaken or any(spot.what == "x" for spot in spots) else "z"
+
+
+def pushed_along(study: Study) -> set[str]:
+    """Which of x and z points of a study are started or pushed along."""
+    spots = [spot for spot, _ in study.initial.velocities]
+    spots += [load.on for load in study.loads if isinstance(load.on, Spot)]
+    walked = {"z"} if study.walks else set[str]()
+    return walked | {spot.what for spot in spots if spot.what in ("x", "z")}
+
+
+def refuse_mixed_axes(study: Study) -> None:
+    """Raise InputError for bodies along two axes, or contacts and links whose axis nothing says."""
+    along_x = [body.name for body in study.bodies if body.side in ("before", "after")]
+    along_z = [body.name for body in study.bodies if body.side in ("above", "below")]
+    if along_x and along_z:
+        raise InputError(
+            f"bodies.{along_z[0]}",
+            got=f"above or below, while {along_x[0]} is before or after",
+            expected="bodies that move along one axis",
+        )
+    joins = [f"contacts.{one.name}" for one in study.contacts] + [f"links.{one.name}" for one in study.links]
+    if joins and not study.bodies and len(pushed_along(study)) > 1:
+        raise InputError(
+            joins[0],
+            got="starts and loads along x and along z",
+            expected="one of them: without bodies it is the axis of contacts and links",
+            do="remove those along the other, or add a body: above or below for z, before or after for x",
+        )
 
 
 @dataclass(frozen=True)

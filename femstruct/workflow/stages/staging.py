@@ -23,6 +23,7 @@ from femstruct.workflow.stages.rest import (
     lying_bodies,
     mass_on,
     planned_contacts,
+    refuse_mixed_axes,
     refuse_restless,
     weighs,
 )
@@ -44,7 +45,7 @@ def scene(study: Study, places: Places, basis: ModalBasis | None = None) -> Scen
     higher (further along x) is the upper one; a body is just above or below what it was placed on.
     """
     stage = _Stage(study, places)
-    _refuse_mixed_axes(study)
+    refuse_mixed_axes(study)
     contacts = tuple(stage.contact(contact) for contact in planned_contacts(study))
     links = tuple(stage.link(link) for link in study.links)
     refuse_restless(study)
@@ -245,17 +246,6 @@ def _refuse_immovable(basis: ModalBasis, contacts: Sequence[Contact], links: Seq
                     expected="a place that can move along the axis of the bodies",
                     do="connect it to `ground` if it is fixed",
                 )
-
-
-def _refuse_mixed_axes(study: Study) -> None:
-    along_x = [body.name for body in study.bodies if body.side in ("before", "after")]
-    along_z = [body.name for body in study.bodies if body.side in ("above", "below")]
-    if along_x and along_z:
-        raise InputError(
-            f"bodies.{along_z[0]}",
-            got=f"above or below, while {along_x[0]} is before or after",
-            expected="bodies that move along one axis",
-        )
 
 
 def _body(body: PlacedBody, falls: bool) -> Body:
