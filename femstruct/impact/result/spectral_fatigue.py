@@ -49,13 +49,12 @@ def expected(
         return Fatigue(channel, unit, np.zeros(BINS), np.zeros(BINS), 0.0, None if line is None else 0.0, on)
     deviation, count = np.sqrt(m0), np.sqrt(m4 / m2) * duration
     z = np.linspace(0.0, FARTHEST, _STEPS)
-    density = _dirlik(z, m1 / m0 * np.sqrt(m2 / m4), m2 / np.sqrt(m0 * m4))
-    below = np.concatenate([[0.0], np.cumsum(0.5 * (density[1:] + density[:-1]) * np.diff(z))])
-    above = count * np.maximum(below[-1] - below, 0.0)
+    density, below = _dirlik(z, m1 / m0 * np.sqrt(m2 / m4), m2 / np.sqrt(m0 * m4))
+    above = count * (1.0 - below)
     largest = float(2.0 * deviation * z[int(np.argmax(above <= 1.0))])
     ends = largest * np.arange(1, BINS + 1) / BINS
     passed = np.interp(ends, 2.0 * deviation * z, count * below)
-    counts = np.diff(np.concatenate([[0.0], passed[:-1], [count * below[-1]]]))
+    counts = np.diff(np.concatenate([[0.0], passed[:-1], [count]]))
     damage = None
     if line is not None:
         rate = np.divide(density, line.endured(2.0 * deviation * z), out=np.zeros_like(z), where=z > 0.0)
@@ -92,16 +91,18 @@ def expected_on_planes(
     return replace(one, on=on, damage_beside=beside)
 
 
-def _dirlik(z: Floats, mean: float, irregularity: float) -> Floats:
-    """Dirlik's density of amplitudes over standard deviations. mean : mean frequency over that of the peaks."""
+def _dirlik(z: Floats, mean: float, irregularity: float) -> tuple[Floats, Floats]:
+    """Dirlik's density of amplitudes over standard deviations, and the share of amplitudes below them. mean : mean
+    frequency over that of the peaks. The share is no sum of the density: small ripples can be narrower than steps of z.
+    """
     g = irregularity
-    rayleigh = z * np.exp(-(z**2) / 2.0)
+    rayleigh, lower = z * np.exp(-(z**2) / 2.0), -np.expm1(-(z**2) / 2.0)
     if 1.0 - g < _NARROW:
-        return rayleigh
+        return rayleigh, lower
     d1 = 2.0 * (mean - g**2) / (1.0 + g**2)
     r = (g - mean - d1**2) / (1.0 - g - d1 + d1**2)
     d2 = (1.0 - g - d1 + d1**2) / (1.0 - r)
     d3 = 1.0 - d1 - d2
     q = 1.25 * (g - d3 - d2 * r) / d1
     found: Floats = d1 / q * np.exp(-z / q) + d2 * z / r**2 * np.exp(-(z**2) / (2.0 * r**2)) + d3 * rayleigh
-    return found
+    return found, -d1 * np.expm1(-z / q) - d2 * np.expm1(-(z**2) / (2.0 * r**2)) + d3 * lower
