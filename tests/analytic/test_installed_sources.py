@@ -10,10 +10,13 @@ import pytest
 
 import femstruct as fs
 from femstruct.findings.catalogue import CATALOGUE
+from femstruct.modal.analytic import given_modes
 from femstruct.modal.basis import ModalBasis
 from femstruct.modal.damping import Damping, LossFactor
 from femstruct.modal.frf import direct_frf, modal_amplitudes
 from femstruct.modal.steady.installed import contact_forces, receiver_mobility
+from femstruct.modal.steady.resonant_lines import resonant_lines
+from femstruct.modal.steady.with_source import resonances_with
 from femstruct.model.model import Model
 from femstruct.study.result import CaseResult
 
@@ -110,6 +113,37 @@ def test_noise_puts_its_density_over_four_masses_into_an_oscillator(tmp_path: Pa
     bands = ", ".join(f"{band:g} Hz: {(8.0 * width) ** 0.5:.9g} N" for band, width in widths().items())
     again = run(tmp_path, f"{{at: m.z, mobility: infinite, blocked_force: {{{bands}}}}}").sources["pump"]
     assert dict(again.power_db) == pytest.approx({b: found.power_db[b] for b in widths()}, abs=5e-3)  # other lines
+
+
+@pytest.mark.parametrize("ratio", [2.0, 0.1, 0.01])
+def test_noise_of_a_heavy_source_resonates_with_the_structure(tmp_path: Path, ratio: float) -> None:
+    """A mass of 5 kg on the oscillator of 2 kg: S / 4 (m + 5 kg), in a resonance at 26.7 Hz, where none of the
+    structure's is."""
+    psd = "{at: m.z, mass: 5 kg, blocked_force: {psd: [[4 Hz, 8 N^2/Hz], [1.2 kHz, 8 N^2/Hz]]}}"
+    found = run(tmp_path, psd, OSCILLATOR.replace("2 %", f"{ratio} %")).sources["pump"]
+    total = sum(10 ** (level / 10) for level in found.power_db.values()) * 1e-12
+    assert total == pytest.approx(8.0 / (4 * 7.0), rel=6e-3)  # lines
+    assert max(found.power_db, key=lambda band: found.power_db[band]) == 25.0
+
+
+def test_resonances_with_masses_on_two_contacts() -> None:
+    """Those of q'' (1 + m sum phi phi^T) + C q' + w^2 q = 0."""
+    mass, ratios, hz = 0.8, np.array([1e-3, 5e-4, 2e-3]), np.array([30.0, 55.0, 90.0])
+    rows = np.array([[0.9, 0.7, -0.4], [0.5, -0.8, 0.6]])
+    basis, points = given_modes(hz, ratios, {"P": rows[0], "Q": rows[1]})
+    w = 2 * np.pi * hz
+    whole = np.eye(3) + mass * rows.T @ rows
+    C, K = np.diag(2 * ratios * w), np.diag(w**2)
+    state = np.block([[np.zeros((3, 3)), np.eye(3)], [-np.linalg.solve(whole, K), -np.linalg.solve(whole, C)]])
+    values = np.linalg.eigvals(state) / (2 * np.pi)
+    values = values[values.imag > 0.0]
+    values = values[np.argsort(values.imag)]
+    contacts = [points[name].probe("z") for name in ("P", "Q")]
+    lines = resonant_lines(basis, (5.0, 120.0))
+    found = resonances_with(basis, contacts, fs.RigidMass(mass), lines)
+    order = np.argsort(found.hz)
+    assert found.hz[order] == pytest.approx(values.imag, rel=1e-4)  # half bandwidths squared over distances
+    assert found.half[order] == pytest.approx(-values.real, rel=1e-2)  # of light damping
 
 
 def widths() -> dict[float, float]:

@@ -9,7 +9,7 @@ import numpy as np
 from femstruct.arrays import Floats
 from femstruct.errors import InputError
 from femstruct.modal.basis import ModalBasis
-from femstruct.modal.steady.resonances import resonances
+from femstruct.modal.steady.resonances import Resonances, resonances
 
 FINENESS: Final = 24.0
 """Lines in half the half-power bandwidth of a mode, or in the distance to it: the mean square of one oscillator under
@@ -18,12 +18,16 @@ MOST_LINES: Final = 1_000_000
 
 
 def resonant_lines(
-    basis: ModalBasis, band: tuple[float, float], also: tuple[float, ...] = (), fineness: float = FINENESS
+    basis: ModalBasis,
+    band: tuple[float, float],
+    also: tuple[float, ...] = (),
+    fineness: float = FINENESS,
+    more: Resonances | None = None,
 ) -> Floats:
     """Frequencies [nf] [Hz] that follow every resonance of a basis in a band, rising, both ends among them.
 
     also : further frequencies in the band, such as the points of a spectrum. fineness : of a mean square the error goes
-    with one over its square.
+    with one over its square. more : further resonances, as of a structure with a source on it.
 
     Raises InputError where that would be more than a million, as with hardly any damping.
 
@@ -43,6 +47,8 @@ def resonant_lines(
     all_of_them = resonances(basis)
     damped = all_of_them.half > 0.0
     modes, half = all_of_them.hz[damped], all_of_them.half[damped]
+    if more is not None:
+        modes, half = np.append(modes, more.hz), np.append(half, more.half)
     found, f = [low], low
     while f < high:
         nearest = float(np.sqrt((modes - f) ** 2 + half**2).min(initial=np.inf))

@@ -19,7 +19,9 @@ from femstruct.modal.basis import ModalBasis
 from femstruct.modal.frf import moves
 from femstruct.modal.steady.band_spectrum import BandSpectrum
 from femstruct.modal.steady.installed import Contacts, band_integrals, contact_forces, receiver_mobility
+from femstruct.modal.steady.resonances import Resonances
 from femstruct.modal.steady.resonant_lines import resonant_lines
+from femstruct.modal.steady.with_source import resonances_with
 from femstruct.modal.superposition import Complex
 from femstruct.model.probe import Probe
 from femstruct.sound.surface import pressure_per_force
@@ -83,6 +85,9 @@ def _installed(
     edges = bands.edges[known]
     refuse_undamped(where, (float(edges.min()), float(edges.max())), basis)
     lines = _lines(basis, edges, heard)
+    together = resonances_with(basis, probes, one.mobility, lines)
+    if len(together.hz):
+        lines = _lines(basis, edges, heard, together)
     impedance = one.mobility.impedance(lines)
     contacts = contact_forces(receiver_mobility(basis, probes, lines), impedance, one.mobility.has_phase)
     driven = _Driven(one, contacts, impedance, lines, edges, len(probes), known)
@@ -166,8 +171,9 @@ def _refuse(
         raise InputError(where, got=got, expected="a mobility in every band of the source", do="leave out the band")
 
 
-def _lines(basis: ModalBasis, edges: Floats, rooms: Sequence[RoomPlan]) -> Floats:
-    """Lines along frequency that follow the resonances of the structure and are dense enough for those of rooms."""
+def _lines(basis: ModalBasis, edges: Floats, rooms: Sequence[RoomPlan], together: Resonances | None = None) -> Floats:
+    """Lines along frequency that follow the resonances of the structure and are dense enough for those of rooms.
+    together : of the structure with the source on it."""
     low, high = float(edges.min()), float(edges.max())
     also = np.unique(edges)
     if rooms:
@@ -177,7 +183,7 @@ def _lines(basis: ModalBasis, edges: Floats, rooms: Sequence[RoomPlan]) -> Float
         a_hertz = ROOM_LINES / _HALF_T60 * np.where(np.isfinite(times), times, 0.0).max(axis=0)
         lines = np.append(0.0, np.cumsum(0.5 * (a_hertz[1:] + a_hertz[:-1]) * np.diff(hz)))
         also = np.append(also, np.interp(np.arange(np.ceil(lines[-1]) + 1), lines, hz))
-    return resonant_lines(basis, (low, high), tuple(also.tolist()), FINENESS)
+    return resonant_lines(basis, (low, high), tuple(also.tolist()), FINENESS, together)
 
 
 def _pressures(
