@@ -73,8 +73,8 @@ class BlockMode:
 @dataclass(frozen=True)
 class GroundForce:
     """Vertical force on the ground [N]: the largest the motion adds, the largest with the weight of all that stands
-    there (None without gravity), and the first beside the baseline's, in percent and as an attenuation [dB] (None for
-    the baseline itself)."""
+    there (None without gravity, and of given modes, which do not say their mass), and the first beside the baseline's,
+    in percent and as an attenuation [dB] (None for the baseline itself)."""
 
     dynamic: float
     with_weight: float | None

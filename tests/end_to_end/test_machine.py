@@ -257,6 +257,34 @@ damping: {ratio: 1 %}
 """
 
 
+OF_GIVEN_MODES = """model: modes.yaml
+bodies: {box: {mass: 2 kg, above: m, contact: {type: linear, stiffness: 2 MN/m}}}
+links: {post: {between: [m, ground], stiffness: 50 kN/m, damping: 100 N*s/m}}
+loads: {push: {at: m.z, half_sine: {amplitude: -10 N, frequency: 20 Hz}}}
+record: {ground: force}
+time: {duration: 50 ms, sampling: 10 kHz, gravity: true}
+"""
+
+
+@pytest.mark.parametrize(
+    ("structure", "mass"), [("frequency: [0 Hz], points: {m: [0.1]}", None), ("mass: 100 kg", 100)]
+)
+def test_what_given_modes_weigh_is_not_known(tmp_path: Path, structure: str, mass: float | None) -> None:
+    """One mode of 0.1 kg^-1/2 at a point is 100 kg there, or more that turns: the weight was that of the box alone."""
+    kind = "modes" if mass is None else "oscillator"
+    still = "" if mass is None else ", frequency: 0.001 Hz"
+    model = f"structure: {{type: {kind}, {structure}{still}}}\n{'points: {m: {}}' if mass else ''}\n"
+    (tmp_path / "modes.yaml").write_text(f"{model}damping: {{ratio: 1 %}}\n", encoding="utf-8")
+    (tmp_path / "posted.study.yaml").write_text(OF_GIVEN_MODES, encoding="utf-8")
+    result = run_study(read_study(tmp_path / "posted.study.yaml"))
+    ground, force = result.machine["as given"].ground, result.cases["as given"].channels["ground force"].values
+    assert ground is not None and ground.dynamic > 1.0
+    if mass is None:
+        assert ground.with_weight is None
+    else:
+        assert ground.with_weight == pytest.approx(np.abs(force - (mass + 2.0) * G).max(), rel=1e-6)  # its samples
+
+
 @pytest.mark.parametrize("hung_on", ["ground", "under"])
 def test_all_weight_is_on_the_ground_and_all_momentum_goes_there(tmp_path: Path, hung_on: str) -> None:
     """A damper clamped to a block with 300 N, by a spring from the ground or from the block itself: what stands there

@@ -91,7 +91,8 @@ def _ground(case: CaseResult, reference: float | None, places: Places, near: Res
     if channel is None:
         return None
     pressed = None
-    if weighs(study) and near is not None:
+    known = case.basis.total_mass > 0.0 or not case.basis.modes.stop  # modes that are given do not say their mass
+    if weighs(study) and near is not None and known:
         weight = case.basis.total_mass * GRAVITY + weight_of_bodies(study)
         values = channel.values if near is case.response else histories(study, places, near)[GROUND_FORCE][0]
         pressed = float(np.abs(values - weight).max())  # z is up: the weight is a negative force on the ground
