@@ -54,3 +54,18 @@ def test_a_bumper_that_may_stand_along_two_axes_is_refused(tmp_path: Path) -> No
     one, two = (bumped(tmp_path, more) for more in ("", f"{PUSHED}bodies: {{marker: {{mass: 1 g, above: middle}}}}\n"))
     before, after = (case.response.contacts["bump"].peak_force for case in (one, two))
     assert after == pytest.approx(before, rel=1e-9)  # rounding: x and z of a block on its middle are apart
+
+
+@pytest.mark.parametrize(("velocity", "where"), [("[-1, 0, 0]", "[0, 0.05, 0.05]"), ("[0, 0, -1]", "[0.05, 0.05, 0]")])
+def test_what_flies_as_a_whole_meets_its_buffer(tmp_path: Path, velocity: str, where: str) -> None:
+    """v sqrt(k m), along x as along z; a block that flew along x went through its buffer, and nothing said so."""
+    block = BLOCK.splitlines()[1]
+    points = f"points: {{nose: {{on: block, at: {where}}}, middle: {{on: block, at: [0.05, 0.05, 0.05]}}}}\n"
+    (tmp_path / "model.yaml").write_text(f"parts:\n{block}\n{points}damping: {{ratio: 0 %}}\n", encoding="utf-8")
+    start = f"initial: {{rigid: {{about: middle, velocity: {velocity}}}}}"
+    text = BUMPED.replace("initial: {velocity: {middle.z: -1 m/s}}", start).replace(
+        "[middle, ground]", "[nose, ground]"
+    )
+    (tmp_path / "bump.study.yaml").write_text(text, encoding="utf-8")
+    found = run_study(read_study(tmp_path / "bump.study.yaml")).cases["as given"].response
+    assert found.contacts["bump"].peak_force == pytest.approx(np.sqrt(1e6 * 10.0), rel=1e-9)  # rounding of the modes

@@ -43,11 +43,17 @@ def axis_of(study: Study) -> Literal["x", "z"]:
 
 
 def pushed_along(study: Study) -> set[str]:
-    """Which of x and z points of a study are started or pushed along."""
+    """Which of x and z a study starts or pushes its structure along. What starts as a whole along both, or has gravity,
+    comes down on what it meets."""
     spots = [spot for spot, _ in study.initial.velocities]
     spots += [load.on for load in study.loads if isinstance(load.on, Spot)]
-    walked = {"z"} if study.walks else set[str]()
-    return walked | {spot.what for spot in spots if spot.what in ("x", "z")}
+    found = {spot.what for spot in spots if spot.what in ("x", "z")}
+    rigid = study.initial.rigid
+    if rigid is not None and any(rigid.velocity):
+        x, _, z = rigid.velocity
+        falls = study.time is not None and study.time.gravity
+        found |= {"x"} if x and not z and not falls else {"z"}
+    return found | ({"z"} if study.walks else set[str]())
 
 
 def refuse_mixed_axes(study: Study) -> None:
