@@ -95,7 +95,8 @@ class Rest:
 class Companion:
     """A body that does not strike: an impact damper, a tuned mass.
 
-    travel : largest distance from where it was beside what it was placed at [m]. closings : of its contacts, in all.
+    travel : largest distance from where it was beside what it was placed at [m]. closings : of its contacts, in all;
+    of one that lies or is clamped, how often its force rose above what it has at rest: it need not have left.
     seated : whether one of them carries a force at the end; None without contacts.
     """
 

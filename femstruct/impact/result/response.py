@@ -58,7 +58,7 @@ class ContactHistory:
     indentation: Annotated[Floats, Reported("m", "Indentation, negative when open", along=_TIME)]
     peak_force: Annotated[float, Reported("N", "Peak force, between the samples too", "peak_force_n")]
     peak_time: Annotated[float, Reported("s", "Time of the peak force", "peak_time_s")]
-    closings: Annotated[int, Reported("1", "How often the contact closed")]
+    closings: Annotated[int, Reported("1", "How often the contact closed, a preloaded one: rose above its preload")]
     first_open: Annotated[float | None, Reported("s", "First opening after a closing", "first_open_s")]
 
 
